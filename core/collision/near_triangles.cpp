@@ -88,13 +88,15 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   count_ = 0;
   Batch batch;
   int waiting = 0;
+  int visited = 0;
   bool fits = true;
   geometry.for_each_within(centre, within, [&](std::uint32_t triangle) {
     geometry.prefetch_indices(triangle);
     batch[static_cast<std::size_t>(waiting++)] = triangle;
     if (waiting == kBatch) {
       queried += waiting;
-      fits = add(batch, waiting, most);
+      visited += waiting;
+      fits = visited <= kMostVisited && add(batch, waiting, most);
       waiting = 0;
     }
     return fits;

@@ -21,10 +21,12 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 4096;  // a sphere at a vertex reaches all triangles of its fan
+  static constexpr int kCapacity = 1024;     // a sphere at a vertex reaches all triangles of its fan
+  static constexpr int kMostVisited = 1280;  // triangles whose boxes are near, for the few that are near themselves
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
-  // `most`, at most kCapacity. `queried`: is raised by the number of triangles whose distance was computed.
+  // `most`, at most kCapacity, or if more than kMostVisited have a box that is as near. `queried`: is raised by the number of triangles
+  // whose distance was computed.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {
     count_ = 0;

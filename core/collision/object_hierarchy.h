@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -38,6 +39,11 @@ class ObjectHierarchy {
   // increasing distance. A visit never returns a larger bound than it was given.
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
+
+  // The same, one object at a time (WideBvh::NearestSearch).
+  std::optional<std::uint32_t> next_nearest(WideBvh::NearestSearch& search, double bound_squared) const noexcept {
+    return search.next(tree_, bound_squared);
+  }
 
   // Calls until = visit(object, until) for every object whose bounds come within `radius` of the segment from p to p + motion before the
   // time `until` of its 0..1, roughly in order; also for some that nearly do.

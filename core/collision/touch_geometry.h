@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -120,6 +121,26 @@ class TouchGeometry {
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
+  // The search of visit_nearest, one triangle at a time, so that it can be interrupted. RT: yes. Pre: the geometry neither deforms nor gets
+  // another active object until it ends.
+  class NearestSearch {
+   public:
+    void start(const Vec3& p) noexcept {
+      p_ = p;
+      is_in_object_ = false;
+      objects_.start(p);
+    }
+    // The next triangle whose box may be nearer than sqrt(bound_squared). None: the search has ended.
+    std::optional<std::uint32_t> next(const TouchGeometry& geometry, double bound_squared) noexcept;
+
+   private:
+    Vec3 p_ = Vec3::Zero();
+    WideBvh::NearestSearch objects_;
+    WideBvh::NearestSearch triangles_;  // of object_
+    std::uint32_t object_ = 0;
+    bool is_in_object_ = false;
+  };
+
   // Puts the probe at p: objects whose bounds enclose it are requested and become active as soon as they are built.
   void place_probe(const Vec3& p) noexcept;
 
@@ -236,6 +257,20 @@ void TouchGeometry::visit_nearest(const Vec3& p, double bound_squared, Visit&& v
     active_[o]->tree().visit_nearest(p, bound, [&](std::uint32_t t, double) { return bound = visit(first_id | t, bound); });
     return bound;
   });
+}
+
+inline std::optional<std::uint32_t> TouchGeometry::NearestSearch::next(const TouchGeometry& geometry, double bound_squared) noexcept {
+  for (;;) {
+    if (is_in_object_) {
+      if (const auto t = triangles_.next(geometry.active_[object_]->tree(), bound_squared)) return object_ << geometry.triangle_bits_ | *t;
+      is_in_object_ = false;
+    }
+    const auto next = geometry.hierarchy_.next_nearest(objects_, bound_squared);
+    if (!next) return std::nullopt;
+    object_ = *next;
+    is_in_object_ = geometry.active_[object_] != nullptr;
+    if (is_in_object_) triangles_.start(p_);
+  }
 }
 
 }  // namespace hapton

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -52,6 +53,29 @@ class WideBvh {
   // sqrt(bound_squared); visit returns the new bound_squared (never larger).
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
+
+  // The search of visit_nearest, one item at a time, so that it can be interrupted. RT: yes. Pre: no box changes until it ends.
+  class NearestSearch {
+   public:
+    void start(const Vec3& p) noexcept {
+      p_ = p;
+      top_ = 0;
+      stack_[top_++] = {0, 0.0F};
+    }
+    // The next item whose box may be nearer than sqrt(bound_squared). None: the search has ended.
+    std::optional<std::uint32_t> next(const WideBvh& tree, double bound_squared) noexcept;
+
+   private:
+    friend class WideBvh;
+    struct Entry {
+      std::uint32_t child;
+      float distance_squared;
+    };
+
+    Vec3 p_ = Vec3::Zero();
+    std::array<Entry, kMaxStack> stack_;  // set below top_
+    int top_ = 0;
+  };
 
   // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of the segment from p to p + motion before the
   // time `until` of its 0..1, roughly in order; visit returns the new `until` (never larger). Also for some boxes that nearly do. Pre: p
@@ -141,6 +165,7 @@ class WideBvh {
     Float8 point[3];
     Float8 error;  // of the point
   };
+  int push_nearer(const Node& node, const PointDistance& distance_of, double bound_squared, NearestSearch::Entry* stack, int top) const;
 
   struct Builder;
 
@@ -298,40 +323,54 @@ void WideBvh::for_each_within(const Vec3& p, double radius, Visit&& visit) const
   }
 }
 
+// Puts the children of a node that may be nearer than the bound on the stack, the nearest on top.
+inline int WideBvh::push_nearer(const Node& node, const PointDistance& distance_of, double bound_squared, NearestSearch::Entry* stack,
+                                int top) const {
+  const Float8 sum = distance_of.squared(node);
+  const Float8 bound = Float8(detail::round_up(bound_squared));
+  auto mask = sign_bits(sum < bound);
+  alignas(32) std::array<float, kWidth> distance;
+  store(distance.data(), sum);
+  const int first = top;
+  for (; mask != 0; mask &= mask - 1) {
+    const int c = std::countr_zero(mask);
+    const NearestSearch::Entry next = {node.child[c], distance[c]};
+    if ((next.child & kItemBit) == 0) prefetch(nodes_[next.child]);
+    int at = top++;
+    for (; at > first && stack[at - 1].distance_squared < next.distance_squared; --at) stack[at] = stack[at - 1];
+    stack[at] = next;
+  }
+  return top;
+}
+
 template <class Visit>
 void WideBvh::visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const {
   if (nodes_.empty()) return;
   const PointDistance distance_of(p);
-  struct Entry {
-    std::uint32_t child;
-    float distance_squared;
-  };
-  std::array<Entry, kMaxStack> stack;
+  std::array<NearestSearch::Entry, kMaxStack> stack;
   int top = 0;
   stack[top++] = {0, 0.0F};
   while (top > 0) {
-    const Entry entry = stack[--top];
+    const NearestSearch::Entry entry = stack[--top];
     if (static_cast<double>(entry.distance_squared) >= bound_squared) continue;
     if ((entry.child & kItemBit) != 0) {
       bound_squared = visit(entry.child & ~kItemBit, bound_squared);
       continue;
     }
-    const Node& node = nodes_[entry.child];
-    const Float8 sum = distance_of.squared(node);
-    const Float8 bound = Float8(detail::round_up(bound_squared));
-    auto mask = sign_bits(sum < bound);
-    alignas(32) std::array<float, kWidth> distance;
-    store(distance.data(), sum);
-    const int first = top;
-    for (; mask != 0; mask &= mask - 1) {  // insertion by distance: the nearest ends on top
-      const int c = std::countr_zero(mask);
-      const Entry next = {node.child[c], distance[c]};
-      if ((next.child & kItemBit) == 0) prefetch(nodes_[next.child]);
-      int at = top++;
-      for (; at > first && stack[at - 1].distance_squared < next.distance_squared; --at) stack[at] = stack[at - 1];
-      stack[at] = next;
-    }
+    top = push_nearer(nodes_[entry.child], distance_of, bound_squared, stack.data(), top);
   }
+}
+
+inline std::optional<std::uint32_t> WideBvh::NearestSearch::next(const WideBvh& tree, double bound_squared) noexcept {
+  if (tree.nodes_.empty()) return std::nullopt;
+  const PointDistance distance_of(p_);
+  while (top_ > 0) {
+    const Entry entry = stack_[--top_];
+    if (static_cast<double>(entry.distance_squared) >= bound_squared) continue;
+    if ((entry.child & kItemBit) != 0) return entry.child & ~kItemBit;
+    top_ = tree.push_nearer(tree.nodes_[entry.child], distance_of, bound_squared, stack_.data(), top_);
+  }
+  return std::nullopt;
 }
 
 template <class Visit>

@@ -7,8 +7,12 @@ namespace hapton {
 //
 // A step has kMost units, whatever the motion, and ends the event that it has begun: some 0.06 ms. On all meshes of the project one step in
 // a million takes more than 0.1 ms. What is left of the motion is carried into the next step (ForceMethod::carried_from).
+//
+// An event costs a few units for each triangle near it, of which there are at most NearTriangles::kCapacity; where more are, sweeps go on,
+// which end anywhere.
 struct StepWork {
   static constexpr int kMost = 500;
+  static constexpr int kMostWithLastEvent = 8192;  // on any mesh
 };
 
 }  // namespace hapton

@@ -6,12 +6,16 @@
 
 namespace hapton {
 
-// Triangles hardly nearer than the nearest so far are skipped: over a smooth surface there are thousands, for a ball hardly larger.
+// Among too many triangles there is none. Triangles hardly nearer than the nearest so far are skipped: over a smooth surface there are
+// thousands, for a ball hardly larger.
 double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept {
   constexpr double kHardlyNearer = 0.75 * 0.75;  // of squared distances
   const double widest = 64.0 * displacement + 4.0 * rest;
   double clear_squared = widest * widest;
+  constexpr int kMostTests = 256;
+  int tests = 0;
   geometry.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
+    if (++tests > kMostTests) return clear_squared = 0.0;
     const double d = geometry.separation(triangle, device).distance;
     clear_squared = std::min(bound, kHardlyNearer * d * d);
     return clear_squared;

@@ -105,7 +105,7 @@ std::optional<Vec3> ProxyMethod::carried_from() const noexcept {
 void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   surface_.leave();
   sphere_.forget();
-  swept_.forget_room();
+  swept_.forget();
   ball_.reset();
   carried_from_.reset();
   unconverged_ = false;
@@ -157,7 +157,10 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   work_left_ = StepWork::kMost;
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
-  if (geometry_.waiting_count() != waiting) sphere_.forget_near();  // new objects are not in what it has gathered
+  if (geometry_.waiting_count() != waiting) {  // new objects are not in what they have found
+    sphere_.forget_near();
+    swept_.drop_motion();
+  }
   const double distance = (device - proxy_.position).norm();
   double clear = 0.0;
   if (proxy_.is_free && ball_.is_due()) clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - distance);
@@ -169,6 +172,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     const std::uint64_t events = surface_.events();
     follow(from, device);
     counters_.most_events = std::max(counters_.most_events, surface_.events() - events);
+    counters_.most_work = std::max(counters_.most_work, StepWork::kMost - work_left_);
   }
   if (proxy_.is_free) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 

@@ -25,6 +25,7 @@ struct ProxyCounters {
   std::uint64_t swept = 0;        // steps finished by sweeps
   std::uint64_t exhausted = 0;    // steps that ran out of work; the rest was carried into the next step
   std::uint64_t most_events = 0;  // in one step
+  int most_work = 0;              // in one step: units (step_work.h)
 };
 
 // The god-object (point probe) and sphere probe: in every step the proxy moves, without crossing a surface, to the constrained local

@@ -12,8 +12,11 @@ std::string ProxyMethod::describe() const {
                   geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(),
                   static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - kContactOffset) * geometry_.unit_m(),
                   kContactOffset * geometry_.unit_m()) +
-      fmt::format("proxy: a step has at most {} units of work, some 0.1 us each; the rest is carried into the next step\n",
-                  StepWork::kMost);
+      fmt::format(
+          "proxy: a step begins nothing after {} units of work, some 0.1 us each, and has at most {} where thousands of triangles meet; "
+          "the "
+          "rest is carried into the next step\n",
+          StepWork::kMost, StepWork::kMostWithLastEvent);
   return counters_.steps == 0 ? what : what + describe_steps();
 }
 
@@ -22,13 +25,14 @@ std::string ProxyMethod::describe_steps() const {
   const auto c = static_cast<double>(std::max<std::uint64_t>(counters_.contact_steps, 1));
   const SweptMotion::Counters& swept = swept_.counters();
   std::string text = fmt::format(
-      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact; {} events, at most {} in one step, {} flights, {} out of work\n"
+      "proxy: {} steps, {:.1f} % in the empty ball, {} in contact; {} events, at most {} in one step, {} flights, {} out of work, at most "
+      "{} units of work in one step\n"
       "proxy: sphere: {:.2f} events a contact step, {} slips, {} flights, {:.3f} gatherings, {:.1f} units of work\n"
       "proxy: {} steps by sweeps: {} motions, {} sweeps, {} triangle tests, {} unconverged\n",
       counters_.steps, 100.0 * static_cast<double>(counters_.skipped) / n, counters_.contact_steps, surface_.events(),
-      counters_.most_events, counters_.flights, counters_.exhausted, static_cast<double>(sphere_.events()) / c, sphere_.slips(),
-      sphere_.flights(), static_cast<double>(sphere_.gathered()) / c, static_cast<double>(sphere_.queried()) / c, counters_.swept,
-      swept.motions, swept.sweeps, swept.tests, swept.unconverged);
+      counters_.most_events, counters_.flights, counters_.exhausted, counters_.most_work, static_cast<double>(sphere_.events()) / c,
+      sphere_.slips(), sphere_.flights(), static_cast<double>(sphere_.gathered()) / c, static_cast<double>(sphere_.queried()) / c,
+      counters_.swept, swept.motions, swept.sweeps, swept.tests, swept.unconverged);
   if (shading_ > 0.0) {
     text += fmt::format("proxy: force shading {:g}: against the unshaded force {:.3g} % RMS, {:.3g} % at most\n", shading_,
                         100.0 * std::sqrt(counters_.shading_squared / c), 100.0 * counters_.shading_most);

@@ -90,6 +90,7 @@ std::optional<ProxyMethod::HeldPlace> ProxyMethod::find_held_place() const noexc
 }
 
 void ProxyMethod::ride(const Anchor& anchor) noexcept {
+  swept_.drop_motion();
   if (!anchor.exists) return;
   const bool slides = proxy_.slides;
   const ContactTriangle shape = surfaces_.shape_of(anchor.triangle);
@@ -103,7 +104,7 @@ void ProxyMethod::ride(const Anchor& anchor) noexcept {
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
-  swept_.forget_room();
+  swept_.forget();
   // A side that holds nothing lets the probe through.
   if (!surface_.land(anchor.triangle, anchor.back, place, slides)) return;
   proxy_.settle_at(place);

@@ -9,10 +9,6 @@ namespace {
 
 constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
 constexpr double kFarthestGoal = 0x1p10;  // local units: a device farther out would cost significant digits
-constexpr double kFirstPiece = 0x1p-6;    // of a motion
-constexpr double kGrowth = 4.0;           // from one piece to the next
-constexpr int kMostTests = 128;           // triangles in the box of a piece; if there are more, it is cut
-
 // Limits a motion to the length that crosses the scene.
 Vec3 shortened(const Vec3& motion) {
   const double length = motion.norm();
@@ -25,13 +21,33 @@ Vec3 shortened(const Vec3& motion) {
 bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) noexcept {
   work_ = 0;
   most_work_ = most_work;
+  if (has_settled_ || device != device_) forget_progress();
+  device_ = device;
   proxy.active_count = 0;  // until it has settled
+  has_settled_ = settle(proxy, device);
+  if (!has_settled_) ++counters_.unconverged;
+  return has_settled_;
+}
+
+void SweptMotion::forget_progress() noexcept {
+  nearest_ = std::numeric_limits<double>::infinity();
+  pushed_ = 0.0;
+  idle_ = 0;
+}
+
+bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
+  constexpr double kRounding = 0x1p-48;     // share of a distance within the scene
+  constexpr double kNormalError = 0x1p-24;  // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
+  if (sweep_.is_interrupted() && sweep_.from() != proxy.position) sweep_.drop();
+  if (sweep_.is_interrupted()) {
+    if (go_on(proxy) == End::interrupted) return false;
+    if (proxy.contact_count == 0 && (device - proxy.position).norm() <= kRounding) {  // there, after sweeping all of the way
+      proxy.settle_at(device);
+      return true;
+    }
+  }
   if (is_shrunk()) grow_to_room(proxy.position);
   const double least_motion = keep_.tolerance;  // shorter motions are below the tolerance of the clearance
-  constexpr double kRounding = 0x1p-48;         // share of a distance within the scene
-  constexpr double kNormalError = 0x1p-24;      // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
-  double nearest = std::numeric_limits<double>::infinity();
-  int idle = 0;
   bool has_forgotten = false;
   for (int i = 0; i < kMostMotions && work_ <= most_work_; ++i) {
     work_ += kWorkOfMotion;
@@ -40,44 +56,76 @@ bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) 
     const double distance = goal.norm();
     const bool arrives = distance <= kLongestMotion;
     if (distance > kFarthestGoal) goal *= kFarthestGoal / distance;
-    idle = distance < nearest - kRounding ? 0 : idle + 1;
-    nearest = std::min(nearest, distance);
-    if (idle > kMostIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
+    note_progress(distance, kRounding);
+    if (idle_ > kMostIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
       if (is_too_near(proxy) && shrink_to_room(proxy.position)) {
-        idle = 0;
+        idle_ = 0;
         continue;
       }
       proxy.active_count = 1;
       proxy.multipliers[0] = distance;
       return true;
     }
+    fixed_ = 0;
     if (proxy.contact_count == 0) {
-      if (advance(proxy, shortened(goal))) {
-        proxy.is_free = false;
-      } else if (arrives) {
+      const End end = advance(proxy, shortened(goal));
+      if (end == End::interrupted) return false;
+      if (end == End::free && arrives) {
         proxy.settle_at(device);
         return true;
       }
       continue;
     }
     ++counters_.motions;
-    const ConstrainedMotion constrained = next_motion(proxy, goal);
-    const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : constrained.motion;
+    ConstrainedMotion constrained = next_motion(proxy, goal);
+    if (proxy.contact_count == ProxyState::kMostContacts) fix_active(proxy, constrained, goal);
+    const Vec3 motion =
+        surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, constrained.motion, device);
     if (motion.norm() <= least_motion + kNormalError * distance) {
+      if (is_blind(proxy)) {
+        if (advance(proxy, Vec3::Zero()) == End::interrupted) return false;
+        continue;
+      }
       if (!has_forgotten && forget_doubtful(proxy, constrained)) {
         has_forgotten = true;
         continue;
       }
       bring_active_first(proxy, constrained);
+      proxy.multipliers = constrained.multipliers;
+      proxy.active_count = constrained.active_count;
       return true;
     }
-    if (!advance(proxy, shortened(motion)) && constrained.active_count == 0 && arrives) {
+    const End end = advance(proxy, shortened(motion));
+    if (end == End::interrupted) return false;
+    if (end == End::free && constrained.active_count == 0 && arrives) {
       proxy.settle_at(device);
       return true;
     }
   }
-  ++counters_.unconverged;
   return false;
+}
+
+// A sphere with as many contacts as are kept may overlap others. A sweep without a motion finds those that it overlaps most.
+bool SweptMotion::is_blind(const ProxyState& proxy) const noexcept {
+  return !is_point_ && !has_looked_ && proxy.contact_count == ProxyState::kMostContacts;
+}
+
+void SweptMotion::note_progress(double distance, double rounding) noexcept {
+  const bool is_nearer = distance < nearest_ - rounding;
+  idle_ = is_nearer ? 0 : idle_ + 1;
+  if (is_nearer) pushed_ = 0.0;
+  nearest_ = std::min(nearest_, distance);
+}
+
+// With more contacts than are kept, those that hold the motion stay. A motion that is stopped at once makes progress as long as the
+// contacts that stopped it push it farther from the goal.
+void SweptMotion::fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept {
+  constexpr double kFarther = 1.0 + 0x1p-40;
+  bring_active_first(proxy, held);
+  fixed_ = held.active_count;
+  const double pushed = (held.motion - goal).norm();
+  if (pushed > kFarther * pushed_) idle_ = 0;
+  pushed_ = std::max(pushed_, pushed);
 }
 
 // Far outside the scene there are no contacts and positions are coarse: the proxy goes straight to the device (true), or to where its path
@@ -100,8 +148,7 @@ bool SweptMotion::cross_empty_space(ProxyState& proxy, const Vec3& device) const
 }
 
 // Contacts that are too near lift the proxy. Where they leave no room for that, as in a slit narrower than the probe, it is as small as the
-// room. Between walls that are parallel within rounding, planes with no room between them meet far away. And if there are more contacts
-// than are kept, those that are left out would stop each motion at once.
+// room. Between walls that are parallel within rounding, planes with no room between them meet far away.
 ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& goal) noexcept {
   constexpr double kFarthestLift = 8.0;  // offsets
   const auto constrain = [&] {
@@ -112,8 +159,7 @@ ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& 
     return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
   };
   const ConstrainedMotion constrained = constrain();
-  const bool knows_all = proxy.contact_count < ProxyState::kMostContacts;
-  const bool has_room = knows_all && constrained.solved && constrained.motion.norm() <= goal.norm() + kFarthestLift * keep_.offset;
+  const bool has_room = constrained.solved && constrained.motion.norm() <= goal.norm() + kFarthestLift * keep_.offset;
   if (has_room || !is_too_near(proxy) || !shrink_to_room(proxy.position)) return constrained;
   return constrain();
 }
@@ -123,19 +169,25 @@ bool SweptMotion::is_too_near(const ProxyState& proxy) const noexcept {
                      [&](const ProxyContact& contact) { return keep_.offset - contact.separation.distance > 2.0 * keep_.slop; });
 }
 
-double SweptMotion::find_room(const Vec3& p) noexcept {
+// The least distance from all surfaces, up to the probe's own size. Among too many triangles it may be less: `is_certain`.
+double SweptMotion::find_room(const Vec3& p, bool& is_certain) noexcept {
+  constexpr int kMostTests = 256;
   double room = clearance_.offset;
+  int tests = 0;
   surfaces_.geometry().visit_nearest(p, room * room, [&](std::uint32_t triangle, double) {
-    ++work_;
+    if (++tests > kMostTests) return 0.0;
     if (surfaces_.can_touch(triangle, p)) room = std::min(room, surfaces_.geometry().separation(triangle, p).distance);
     return room * room;
   });
+  is_certain = tests <= kMostTests;
+  work_ += std::min(tests, kMostTests);
   return room;
 }
 
 // False: the centre is on a surface, or the proxy is as small already.
 bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
-  const double room = find_room(p);
+  bool is_certain = false;
+  const double room = find_room(p, is_certain);
   if (room <= 2.0 * keep_.slop || room >= keep_.offset) return false;
   keep_.offset = room;
   return true;
@@ -145,8 +197,31 @@ bool SweptMotion::shrink_to_room(const Vec3& p) noexcept {
 // would stop at each narrower place.
 void SweptMotion::grow_to_room(const Vec3& p) noexcept {
   constexpr double kShare = 0.5;
-  const double room = find_room(p);
+  bool is_certain = false;
+  const double room = find_room(p, is_certain);
+  if (!is_certain) return;
   keep_.offset = room >= clearance_.offset - clearance_.slop ? clearance_.offset : std::max(keep_.offset, kShare * room);
+}
+
+// Around an edge or a vertex that the device is near, the pull along the surface is small all the way to the minimum, however far that is.
+// A sphere that the followers do not move goes part of the way, along the tangent; from there the pull brings it back to the surface.
+Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& motion, const Vec3& device) const noexcept {
+  constexpr double kMostAngle = 0.25;      // rad
+  constexpr double kLeastAngle = 0x1p-20;  // a nearer minimum is reached without
+  if (!is_shrunk() || held.active_count != 1) return motion;
+  const auto& [triangle, shape, s] = proxy.contacts[static_cast<std::size_t>(held.active[0])];
+  if (s.feature == Feature::face) return motion;
+  Vec3 turn = motion;
+  if (s.feature == Feature::edge) {
+    const Vec3 axis = shape.edge(shape.boundary(s.nearest).edge).normalized();
+    turn -= axis.dot(turn) * axis;
+  }
+  const double length = turn.norm();
+  if (!(length > 0.0)) return motion;
+  const Vec3 out = device - s.nearest;
+  const double angle = std::atan2(out.dot(turn) / length, out.dot(s.normal));
+  if (!(angle > kLeastAngle)) return motion;
+  return motion + turn * (std::max(1.0, s.distance * std::min(angle, kMostAngle) / length) - 1.0);
 }
 
 // Coulomb friction: the frictionless goal is `depth` above the device; the proxy may stay up to mu * depth short of the goal.
@@ -185,140 +260,66 @@ bool SweptMotion::forget_doubtful(ProxyState& proxy, const ConstrainedMotion& he
   return true;
 }
 
-void SweptMotion::bring_active_first(ProxyState& proxy, const ConstrainedMotion& held) noexcept {
-  std::array<int, 3> at = held.active;
+void SweptMotion::bring_active_first(ProxyState& proxy, ConstrainedMotion& held) noexcept {
+  std::array<int, 3>& at = held.active;
   for (int i = 0; i < held.active_count; ++i) {
     if (at[i] == i) continue;
     std::swap(proxy.contacts[i], proxy.contacts[at[i]]);
     for (int j = i + 1; j < held.active_count; ++j) {
       if (at[j] == i) at[j] = at[i];  // swapped away above
     }
+    at[i] = i;
   }
-  proxy.multipliers = held.multipliers;
-  proxy.active_count = held.active_count;
 }
 
-// Moves the proxy along `motion` until something blocks it; returns true if blocked. contacts then has what it touches.
-bool SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
-  const double t = sweep(proxy, motion);
-  const bool blocked = t <= 1.0;
-  proxy.position += (blocked ? t : 1.0) * motion;
-  update_contacts(proxy, blocked ? Vec3((1.0 - t) * motion) : Vec3::Zero());
-  return blocked;
-}
-
-// The first time at which the moving proxy must stop; above 1: never. A long path is searched in growing pieces, because a blocker is
-// mostly near the start; a piece whose box holds many triangles is cut, because most of them are far from the path, or because the probe
-// reaches as many at the start. Out of work, the proxy stops at the end of a piece.
-double SweptMotion::sweep(ProxyState& proxy, const Vec3& motion) noexcept {
-  constexpr int kFewTests = 16;
-  constexpr int kMostCuts = 4;
+// Moves the proxy along `motion` until something stops it. contacts then has what it touches.
+SweptMotion::End SweptMotion::advance(ProxyState& proxy, const Vec3& motion) noexcept {
   ++counters_.sweeps;
-  blocker_count_ = 0;
-  const Vec3 from = proxy.position;
-  double done = 0.0;
-  double piece = kFirstPiece;
-  for (int cuts = 0; done < 1.0;) {
-    const double end = std::min(1.0, done + piece);
-    const int most_tests = cuts < kMostCuts ? kMostTests : std::numeric_limits<int>::max();
-    int tests = most_tests;
-    const double first = find_blockers(proxy, from, motion, done, end, tests);
-    if (first <= end && tests >= 0) return first;
-    blocker_count_ = 0;
-    if (tests < 0) {
-      const double crowded = cuts == 0 ? find_crowded_piece(from, motion, done) : 0.0;
-      cuts = crowded > 0.0 ? kMostCuts : cuts + 1;
-      piece = crowded > 0.0 ? crowded : (end - done) / kGrowth;
-      continue;
-    }
-    done = end;
-    if (work_ > most_work_ && done < 1.0) return done;
-    if (cuts == 0 || most_tests - tests <= kFewTests) piece *= kGrowth;
-  }
-  return kNever;
+  sweep_.start(proxy.position, motion);
+  return go_on(proxy);
 }
 
-// Where the probe reaches more than kMostTests triangles without moving, short pieces hold no fewer: the longest piece that holds few
-// others. 0: it does not.
-double SweptMotion::find_crowded_piece(const Vec3& from, const Vec3& motion, double begin) const noexcept {
-  constexpr double kFewOthers = 1.25;
-  const auto count_until = [&](double end, int most) {
-    int count = 0;
-    const Box path = Box::around(from + begin * motion, from + end * motion).inflated(keep_.offset);
-    surfaces_.geometry().for_each_overlapping(path, [&](std::uint32_t) { return ++count <= most; });
-    return count;
-  };
-  const int here = count_until(begin, std::numeric_limits<int>::max());
-  if (here <= kMostTests) return 0.0;
-  const int most = static_cast<int>(kFewOthers * here);
-  for (double piece = 1.0 - begin; piece > kFirstPiece / kGrowth; piece /= kGrowth) {
-    if (count_until(begin + piece, most) <= most) return piece;
-  }
-  return 0.0;
+// Out of work in the middle, the proxy stays where it is, and is not at the device.
+SweptMotion::End SweptMotion::go_on(ProxyState& proxy) noexcept {
+  const End end = sweep_.go_on(proxy, keep_, fixed_, work_, most_work_);
+  counters_.tests = sweep_.tests();
+  if (end != End::free) proxy.is_free = false;
+  if (end == End::interrupted) return end;
+  const Vec3& motion = sweep_.motion();
+  has_looked_ = motion.isZero(0.0);
+  const bool is_stopped = end == End::stopped;
+  const double t = sweep_.time();
+  proxy.position += (is_stopped ? t : 1.0) * motion;
+  update_contacts(proxy, is_stopped ? Vec3((1.0 - t) * motion) : Vec3::Zero());
+  return end;
 }
 
-// The first block on a piece of the motion, and what blocks there. `tests`: loses the number of triangles tested; negative: there were
-// more, and the result says nothing.
-double SweptMotion::find_blockers(ProxyState& proxy, const Vec3& from, const Vec3& motion, double begin, double end, int& tests) noexcept {
-  const TouchGeometry& geometry = surfaces_.geometry();
-  const Box path = Box::around(from + begin * motion, from + end * motion).inflated(keep_.offset);
-  double first = kNever;
-  geometry.for_each_overlapping(path, [&](std::uint32_t triangle) {
-    if (--tests < 0) return false;
-    const TriangleView shape{geometry, triangle};
-    ++counters_.tests;
-    ++work_;
-    if (!is_point_) note_grazed(proxy, shape.separation(from), triangle);
-    const double t = time_to_block(shape, from, motion, std::min(end, first), keep_);
-    if (t > 1.0 || !surfaces_.can_touch(triangle, from)) return true;
-    first = std::min(first, t);
-    note_blocker(triangle, t);
-    return true;
-  });
-  return first;
-}
-
-// A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
-void SweptMotion::note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept {
-  if (at.distance > keep_.offset + 2.0 * keep_.tolerance || proxy.contact_count == ProxyState::kMostContacts) return;
-  for (int i = 0; i < proxy.contact_count; ++i) {
-    if (proxy.contacts[i].triangle == triangle) return;
-  }
-  proxy.contacts[proxy.contact_count++] = {.triangle = triangle, .shape = surfaces_.shape_of(triangle), .separation = at};
-}
-
-void SweptMotion::note_blocker(std::uint32_t triangle, double t) noexcept {
-  int at = blocker_count_;
-  if (at == ProxyState::kMostContacts) {  // full: replace the latest
-    const auto latest =
-        std::max_element(blockers_.begin(), blockers_.end(), [](const Blocker& a, const Blocker& b) { return a.time < b.time; });
-    if (t >= latest->time) return;
-    at = static_cast<int>(latest - blockers_.begin());
-  } else {
-    ++blocker_count_;
-  }
-  blockers_[at] = {triangle, t};
-}
-
-// After a motion: keeps the contacts that still touch and adds the blockers.
+// After a motion: keeps the contacts that still touch and adds the blockers. If all contacts are used, a blocker takes the place of one
+// that did not hold the motion.
 void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept {
   const double bound = keep_.offset + 2.0 * keep_.tolerance;
-  const auto blockers_end = blockers_.begin() + blocker_count_;
+  const auto blockers = sweep_.blockers();
   int kept = 0;
+  int fixed = 0;
   for (int i = 0; i < proxy.contact_count; ++i) {
     ProxyContact& contact = proxy.contacts[i];
-    if (std::any_of(blockers_.begin(), blockers_end, [&](const Blocker& b) { return b.triangle == contact.triangle; })) continue;
+    if (std::any_of(blockers.begin(), blockers.end(), [&](const auto& b) { return b.triangle == contact.triangle; })) continue;
     contact.separation = contact.shape.separation(proxy.position);
     if (contact.separation.distance > bound) continue;
     if (kept != i) proxy.contacts[kept] = contact;
     ++kept;
+    if (i < fixed_) fixed = kept;
   }
-  for (int b = 0; b < blocker_count_ && kept < ProxyState::kMostContacts; ++b) {
-    ProxyContact& contact = proxy.contacts[kept];
-    contact.triangle = blockers_[b].triangle;
-    contact.shape = surfaces_.shape_of(contact.triangle);
+  int replaced = ProxyState::kMostContacts;
+  for (const StraightSweep::Blocker& blocker : blockers) {
+    ProxyContact contact{.triangle = blocker.triangle, .shape = surfaces_.shape_of(blocker.triangle), .separation = {}};
     contact.separation = blocking_separation(contact.shape, proxy.position, blocked_motion, keep_);
-    if (contact.separation.distance <= bound) ++kept;
+    if (contact.separation.distance > bound) continue;
+    if (kept < ProxyState::kMostContacts) {
+      proxy.contacts[kept++] = contact;
+    } else if (replaced > fixed) {
+      proxy.contacts[--replaced] = contact;
+    }
   }
   proxy.contact_count = kept;
 }

@@ -2,9 +2,9 @@
 
 #include <array>
 
-#include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
 #include "core/force/proxy/proxy_state.h"
+#include "core/force/proxy/straight_sweep.h"
 #include "core/force/step_work.h"
 
 namespace hapton {
@@ -20,7 +20,12 @@ namespace hapton {
 // all surfaces, it is in contact with them. It grows to half of the room, and to its own size as soon as that fits. Growing never pushes
 // it.
 //
-// Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call, and no more work than it is given. Keeps references.
+// A sphere that is put where it overlaps more triangles than it has contacts goes on like one that overlaps a few: a triangle that stops it
+// at once takes the place of a contact that does not hold it, so that after a few motions the contacts are those that decide. Whether there
+// is a direction that ends all overlaps, they show as well.
+//
+// Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call, and hardly more work than it is given: among many
+// triangles a motion is interrupted, and the next call goes on with it. Keeps references.
 class SweptMotion {
  public:
   static constexpr int kMostMotions = 256;
@@ -34,16 +39,25 @@ class SweptMotion {
   };
 
   SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
-      : surfaces_(surfaces), clearance_(clearance), keep_(clearance), is_point_(is_point) {}
+      : surfaces_(surfaces), clearance_(clearance), keep_(clearance), is_point_(is_point), sweep_(surfaces, is_point) {}
 
   // False: out of motions, or of that many units of work (step_work.h).
   // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch, or was put where it is.
   bool descend(ProxyState& proxy, const Vec3& device, int most_work = StepWork::kMost) noexcept;
   int work() const { return work_; }  // units, of the last call
 
-  // Whether the probe is smaller than it should be. Then nothing else may move it, except to a new place: forget_room().
+  // Whether the probe is smaller than it should be, or in the middle of a motion. Then nothing else may move it, except to a new place:
+  // forget().
+  bool must_go_on() const { return is_shrunk() || sweep_.is_interrupted(); }
   bool is_shrunk() const { return keep_.offset < clearance_.offset; }
-  void forget_room() noexcept { keep_ = clearance_; }
+  void forget() noexcept {
+    keep_ = clearance_;
+    sweep_.drop();
+    has_settled_ = true;
+    has_looked_ = false;
+  }
+  // The triangles have changed: a motion begins anew.
+  void drop_motion() noexcept { sweep_.drop(); }
 
   const Counters& counters() const { return counters_; }
 
@@ -51,27 +65,25 @@ class SweptMotion {
   static constexpr int kMostIdle = 6;      // motions that lead no nearer
   static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
 
-  struct Blocker {
-    std::uint32_t triangle = 0;
-    double time = 0.0;
-  };
-
+  bool settle(ProxyState& proxy, const Vec3& device) noexcept;
+  bool is_blind(const ProxyState& proxy) const noexcept;
+  void forget_progress() noexcept;
+  void note_progress(double distance, double rounding) noexcept;
+  void fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept;
   bool cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept;
   bool is_too_near(const ProxyState& proxy) const noexcept;
   ConstrainedMotion next_motion(const ProxyState& proxy, const Vec3& goal) noexcept;
-  double find_room(const Vec3& p) noexcept;
+  double find_room(const Vec3& p, bool& is_certain) noexcept;
   bool shrink_to_room(const Vec3& p) noexcept;
   void grow_to_room(const Vec3& p) noexcept;
+  Vec3 rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& motion, const Vec3& device) const noexcept;
   Vec3 apply_friction(ProxyState& proxy, const Vec3& goal, const ConstrainedMotion& constrained) const noexcept;
   Material material_of(const ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
   bool forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
-  static void bring_active_first(ProxyState& proxy, const ConstrainedMotion& held) noexcept;
-  bool advance(ProxyState& proxy, const Vec3& motion) noexcept;
-  double sweep(ProxyState& proxy, const Vec3& motion) noexcept;
-  double find_crowded_piece(const Vec3& from, const Vec3& motion, double begin) const noexcept;
-  double find_blockers(ProxyState& proxy, const Vec3& from, const Vec3& motion, double begin, double end, int& tests) noexcept;
-  void note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle) const noexcept;
-  void note_blocker(std::uint32_t triangle, double t) noexcept;
+  static void bring_active_first(ProxyState& proxy, ConstrainedMotion& held) noexcept;
+  using End = StraightSweep::End;
+  End advance(ProxyState& proxy, const Vec3& motion) noexcept;
+  End go_on(ProxyState& proxy) noexcept;
   void update_contacts(ProxyState& proxy, const Vec3& blocked_motion) const noexcept;
 
   const ProxySurfaces& surfaces_;
@@ -79,8 +91,14 @@ class SweptMotion {
   Clearance keep_;  // of the probe as large as it is
   bool is_point_;
   std::array<ContactPlane, ProxyState::kMostContacts> planes_;
-  std::array<Blocker, ProxyState::kMostContacts> blockers_;  // triangles that stopped the last sweep
-  int blocker_count_ = 0;
+  int fixed_ = 0;  // contacts that hold the motion: the first ones, if all are used
+  StraightSweep sweep_;
+  Vec3 device_ = Vec3::Zero();  // of the last call, like the next
+  bool has_settled_ = true;
+  bool has_looked_ = false;  // for all that it overlaps at this position
+  double nearest_ = 0.0;     // least distance from the device
+  double pushed_ = 0.0;      // by the contacts, at this position
+  int idle_ = 0;             // motions that led no nearer
   int work_ = 0;
   int most_work_ = 0;
   Counters counters_;

@@ -149,7 +149,9 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   });
   if (!is_restored) return Next::failed;
   note_move(before);
-  if ((time - time_before) * (to - from).norm() > least_progress()) note_gain(on_path(from, to, time), true);
+  const double gone = (time - time_before) * (to - from).norm();
+  if (gone > least_progress()) note_gain(on_path(from, to, time), true);
+  if (creeps(gone)) return Next::failed;
   if (const auto next = end_leg(leg.path, event, is_whole, leg.released, on_path(from, to, time))) return *next;
   if (leg.stops) friction_.drags = false;
   if (leg.jumps) {
@@ -159,6 +161,15 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   return time >= 1.0 ? Next::settled : Next::again;
+}
+
+// A pull that is much shorter than the motion, and stays so, as along an edge that the device only just passes, is followed in pieces of a
+// few times its length. After many of them sweeps go on.
+bool SphereFollower::creeps(double gone) noexcept {
+  constexpr double kShort = 0x1p-24;
+  constexpr int kMany = 256;
+  short_drags_ = gone < kShort ? short_drags_ + 1 : 0;
+  return short_drags_ > kMany;
 }
 
 // When the device has dragged the centre along that share of a line.

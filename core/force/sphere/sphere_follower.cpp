@@ -124,6 +124,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     ++motion_;
     corner_tries_ = 0;
     skips_ = 0;
+    short_drags_ = 0;
     lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   if (!has_escapes_left_) failed_escapes_ = 0;
@@ -255,57 +256,6 @@ bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) 
   idle_ = 0;
   is_descending_ = contact_count_ != 0;
   return true;
-}
-
-// Straight to the device, and on with it.
-SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, double& time) noexcept {
-  ++flights_;
-  const Vec3 device = on_path(from, to, time);
-  double until = 1.0;
-  if (centre_ != device) {
-    const Next next = fly_to(device, until);
-    if (next != Next::settled || time >= 1.0) return next;
-    return Next::again;
-  }
-  const Next next = fly_to(to, until);
-  if (next != Next::settled) time = std::min(1.0, time + until * (1.0 - time));
-  return next;
-}
-
-// settled: arrived. again: a triangle was hit on the way.
-SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
-  const Clearance clearance{clearance_.offset, clearance_.slop, clearance_.tolerance};
-  const Vec3 from = centre_;
-  const Vec3 motion = to - from;
-  std::uint32_t first = 0;
-  double time = kNever;
-  geometry_.visit_along(from, to, clearance_.offset + clearance_.tolerance, [&](std::uint32_t id, double before) {
-    ++work_;
-    const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
-    if (!(t < time) || t > 1.0) return before;
-    const ObjectGeometry::Corners corners = geometry_.corners(id);
-    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from))
-      return before;
-    first = id;
-    time = t;
-    return std::min(before, t);
-  });
-  if (time > 1.0) {
-    centre_ = to;
-    friction_ = {};
-    return Next::settled;
-  }
-  centre_ = from + time * motion;
-  until = time;
-  ++idle_;
-  if (time * motion.norm() > kLeastMotion) idle_ = 0;
-  least_distance_ = std::numeric_limits<double>::infinity();
-  const ObjectGeometry::Corners corners = geometry_.corners(first);
-  const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (overlaps(shape)) return Next::failed;
-  hint_ = motion;
-  is_descending_ = true;
-  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::failed;
 }
 
 bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {

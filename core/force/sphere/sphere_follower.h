@@ -69,7 +69,10 @@ class SphereFollower {
   }
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
   // The set of triangles has changed: gather them again.
-  void forget_near() { near_.clear(); }
+  void forget_near() {
+    near_.clear();
+    crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  }
   // Resets everything except the counters: later steps do not depend on earlier ones.
   void forget() noexcept;
 
@@ -116,6 +119,7 @@ class SphereFollower {
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
   static constexpr int kMostExits = 128;
+  static constexpr int kMostInFlight = 512;  // triangles that a flight tests
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
   // A boundary of the part that the contact is on, and what lies beyond it.
@@ -220,6 +224,7 @@ class SphereFollower {
   Next descend_with_friction(const Vec3& device, const Vec3& motion) noexcept;
   bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool creeps(double gone) noexcept;
   DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
@@ -349,6 +354,7 @@ class SphereFollower {
   bool is_carried_ = false;          // the last step ran out of work
   Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
   std::optional<Vec3> slit_at_;      // where a slit was last left to sweeps
+  int short_drags_ = 0;              // one after another in this motion
   int lingering_ = 0;                // their number, above those that are usual
   bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
@@ -357,9 +363,10 @@ class SphereFollower {
   int contact_count_ = 0;     // number of contacts_: the first active_count_ are active, the others were hit at this point
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   NearTriangles near_;
-  int gathered_count_ = 0;                                // triangles the last time
-  double gather_radius_ = 0.0;                            // of the next gather()
-  std::array<int, NearTriangles::kCapacity> candidates_;  // slots in near_ that a path may hit
+  Vec3 crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
+  int gathered_count_ = 0;                                                // triangles the last time
+  double gather_radius_ = 0.0;                                            // of the next gather()
+  std::array<int, NearTriangles::kCapacity> candidates_;                  // slots in near_ that a path may hit
   std::array<TangentSpan, 3> tangents_;
   int tangent_count_ = 0;
   int candidate_count_ = 0;

@@ -376,9 +376,11 @@ bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
   return false;
 }
 
-// The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
+// The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles. False: within the least radius
+// there are too many. Then it is not tried again before the centre has gone some way.
 bool SphereFollower::gather(const Vec3& towards) noexcept {
-  constexpr int kMostTries = 24;
+  constexpr double kSamePlace = 0.25;
+  if ((centre_ - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
   constexpr int kMostGuesses = 2;
   constexpr int kFew = 24;
   constexpr int kMostFew = 256;
@@ -389,7 +391,8 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
   const double length = towards.norm();
   bool is_guess = false;
-  for (int i = 0; i < kMostTries; ++i, gather_radius_ *= is_guess ? kDenser : 0.5) {
+  bool has_room = true;
+  for (int i = 0; has_room; ++i) {
     // Where the triangles are much smaller than at the last place, the radius was too large. At the tip of a fan none is small enough.
     is_guess = i < kMostGuesses && gathered_count_ <= kMostFew && gather_radius_ > least;
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * gather_radius_ / length)) : Vec3::Zero();
@@ -398,7 +401,11 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     const bool fits = near_.gather(geometry_, centre_ + ahead, clearance_.offset + gather_radius_ + 4.0 * clearance_.slop, queried,
                                    is_guess ? kMostFew : NearTriangles::kCapacity);
     work_ += queried + queried / 4;  // in a large mesh each waits for memory
-    if (!fits) continue;
+    if (!fits) {
+      has_room = is_guess || gather_radius_ > least;
+      gather_radius_ = is_guess ? kDenser * gather_radius_ : std::min(0.5 * gather_radius_, least);
+      continue;
+    }
     gathered_count_ = near_.count();
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
     const int few = std::max(kFew, std::min(queried / 8, kMostFew));
@@ -406,6 +413,7 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     if (near_.count() > 3 * few) gather_radius_ = std::max(0.7 * gather_radius_, least);
     return true;
   }
+  crowd_ = centre_;
   return false;
 }
 

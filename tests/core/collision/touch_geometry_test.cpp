@@ -220,6 +220,30 @@ TEST(TouchGeometry, QueriesOverManyObjectsAgreeWithBruteForce) {
   }
 }
 
+TEST(TouchGeometry, ANearestSearchOneTriangleAtATimeFindsTheSame) {
+  constexpr unsigned kSeed = 222;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const TouchGeometry geometry(many_balls(1));
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  TouchGeometry::NearestSearch search;
+  std::size_t most = 0;
+  for (int q = 0; q < 200; ++q) {
+    const Vec3 p(place(random), place(random), place(random));
+    std::vector<std::uint32_t> expected;
+    geometry.visit_nearest(p, 0.04, [&](std::uint32_t id, double bound) {
+      expected.push_back(id);
+      return bound;
+    });
+    std::vector<std::uint32_t> found;
+    search.start(p);
+    while (const auto id = search.next(geometry, 0.04)) found.push_back(*id);
+    ASSERT_EQ(found, expected);
+    most = std::max(most, found.size());
+  }
+  EXPECT_GT(most, 100U);
+}
+
 TEST(TouchGeometry, AVisitEndsTheSearchOverAllObjects) {
   const TouchGeometry geometry(many_balls(0));
   int visits = 0;

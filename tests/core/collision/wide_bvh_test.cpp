@@ -178,6 +178,37 @@ TEST(WideBvh, NearestAgreesWithBruteForce) {
   }
 }
 
+// The items and their order are those of the query that is not interrupted, also where the bound falls on the way.
+TEST(WideBvh, ANearestSearchThatIsInterruptedFindsTheSame) {
+  constexpr unsigned kSeed = 222;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> place(-1.2, 1.2);
+  WideBvh::NearestSearch search;
+  for (const std::size_t count : {0U, 1U, 9U, 1000U, 20000U}) {
+    const WideBvh tree(random_boxes(count, 0.05, random));
+    for (const double shrink : {1.0, 0.9}) {
+      for (int k = 0; k < 40; ++k) {
+        const Vec3 p(place(random), place(random), place(random));
+        std::vector<std::uint32_t> expected;
+        tree.visit_nearest(p, 0.09, [&](std::uint32_t item, double bound) {
+          expected.push_back(item);
+          return shrink * bound;
+        });
+        std::vector<std::uint32_t> found;
+        double bound = 0.09;
+        search.start(p);
+        while (const auto item = search.next(tree, bound)) {
+          found.push_back(*item);
+          bound *= shrink;
+          search = WideBvh::NearestSearch(search);  // it holds all that it needs
+        }
+        ASSERT_EQ(found, expected) << count << " items";
+      }
+    }
+  }
+}
+
 TEST(WideBvh, AnInfiniteQueryFindsEverythingOnce) {
   std::mt19937_64 random(6);
   const std::vector<Box> boxes = random_boxes(1001, 0.1, random);

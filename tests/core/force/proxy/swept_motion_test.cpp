@@ -218,5 +218,22 @@ TEST(SweptMotion, AShrunkSphereKeepsItsSizeWhenTheDeviceCreepsIntoAWall) {
   EXPECT_GT(stage.device.x() - stage.proxy.position.x(), 30.0 * kSlop) << "the wall holds it";
 }
 
+// Near the axis of the edge, the pull along the surface is as small all the way: a quarter of a turn, in motions of 2e-7.
+TEST(SweptMotion, AShrunkSphereRollsAroundAnEdgeThatTheDeviceIsNear) {
+  constexpr double kSlop = 1e-4;
+  const Clearance keep{.offset = 0.2, .slop = kSlop, .tolerance = 1e-3 * kSlop};
+  SweptStage stage(joined(made::box({-1.0, -1.0, -1.0}, {-0.1, 1.0, 0.0}), made::box({0.1, -1.0, -1.0}, {1.0, 1.0, 0.0})), keep);
+  stage.put(Vec3(0.0, 0.0, -0.05));
+  stage.move(Vec3(0.0, 0.01, -0.05));
+  ASSERT_TRUE(stage.swept.is_shrunk());
+  stage.device = stage.geometry.to_local(Vec3(0.1, 0.01, 2e-7));
+  const std::uint64_t motions = stage.swept.counters().motions;
+  bool has_settled = false;
+  for (int i = 0; i < 4 && !has_settled; ++i) has_settled = stage.swept.descend(stage.proxy, stage.device);
+  EXPECT_TRUE(has_settled);
+  EXPECT_LE(stage.swept.counters().motions - motions, 64U);
+  EXPECT_LE((stage.position() - Vec3(0.1, 0.01, 0.1)).norm(), 1e-2);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -1,0 +1,166 @@
+#include "core/force/proxy/straight_sweep.h"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+namespace hapton {
+namespace {
+
+constexpr double kFirstPiece = 0x1p-6;  // of a motion
+constexpr double kLeastPiece = 0x1p-14;
+constexpr double kPieceGrowth = 4.0;  // from one piece to the next
+constexpr int kMostInBox = 128;       // triangles in the box of a piece; if there are more, it is cut
+constexpr int kMostCuts = 4;          // of pieces that are searched in boxes
+constexpr int kFewTests = 16;         // after which the next piece is longer
+constexpr int kFewInBall = 48;        // the same in a ball
+constexpr double kShortPiece = 0.25;  // of the clearance, among many triangles
+constexpr int kLeastTests = 64;       // of a call, however little work is left
+
+}  // namespace
+
+void StraightSweep::start(const Vec3& from, const Vec3& motion) noexcept {
+  from_ = from;
+  motion_ = motion;
+  done_ = 0.0;
+  piece_ = kFirstPiece;
+  first_ = kNever;
+  cuts_ = 0;
+  is_crowded_ = crowded_length_ > 0.0;  // it goes on with pieces as long as the last ones
+  if (is_crowded_) piece_ = std::min(1.0, std::max(kLeastPiece, crowded_length_ / motion.norm()));
+  crowded_length_ = 0.0;
+  least_tested_ = std::numeric_limits<int>::max();
+  is_interrupted_ = false;
+  blocker_count_ = 0;
+}
+
+StraightSweep::End StraightSweep::go_on(ProxyState& proxy, const Clearance& keep, int fixed, int& work, int most_work) noexcept {
+  while (done_ < 1.0) {
+    if (!is_interrupted_) {
+      end_ = std::min(1.0, done_ + piece_);
+      first_ = kNever;
+      blocker_count_ = 0;
+      tested_ = 0;
+      if (is_crowded_) ball_.start(from_ + (0.5 * (done_ + end_)) * motion_);
+    }
+    if (is_crowded_) {
+      is_interrupted_ = !search_ball(proxy, keep, fixed, work, most_work);
+      if (is_interrupted_) return End::interrupted;
+    } else if (!search_box(proxy, keep, fixed, work)) {
+      shorten_piece(keep);
+      continue;
+    }
+    if (first_ <= end_) return End::stopped;
+    done_ = end_;
+    choose_next_piece();
+    if (work > most_work && done_ < 1.0) {
+      if (is_crowded_) crowded_length_ = piece_ * motion_.norm();
+      first_ = done_;
+      return End::stopped;
+    }
+  }
+  return End::free;
+}
+
+// False: the box of this piece holds too many triangles.
+bool StraightSweep::search_box(ProxyState& proxy, const Clearance& keep, int fixed, int& work) noexcept {
+  const Box path = Box::around(from_ + done_ * motion_, from_ + end_ * motion_).inflated(keep.offset);
+  bool fits = true;
+  surfaces_.geometry().for_each_overlapping(path, [&](std::uint32_t triangle) {
+    if (tested_ == kMostInBox) return fits = false;
+    ++work;
+    test(triangle, proxy, keep, fixed);
+    return true;
+  });
+  return fits;
+}
+
+// False: out of work.
+bool StraightSweep::search_ball(ProxyState& proxy, const Clearance& keep, int fixed, int& work, int most_work) noexcept {
+  const double radius = keep.offset + 4.0 * keep.tolerance + 0.5 * (end_ - done_) * motion_.norm();
+  for (int count = 0;; ++count) {
+    if (count >= kLeastTests && work > most_work) return false;
+    const auto triangle = ball_.next(surfaces_.geometry(), radius * radius);
+    if (!triangle) return true;
+    ++work;
+    test(*triangle, proxy, keep, fixed);
+  }
+}
+
+// Where the probe reaches as many triangles without moving, shorter boxes hold no fewer.
+void StraightSweep::shorten_piece(const Clearance& keep) noexcept {
+  if (cuts_ < kMostCuts && !is_among_many(keep)) {
+    ++cuts_;
+    piece_ = (end_ - done_) / kPieceGrowth;
+    return;
+  }
+  is_crowded_ = true;
+  piece_ = std::min(1.0, std::max(kShortPiece * keep.offset / motion_.norm(), kLeastPiece));
+}
+
+// Among many triangles the next piece is longer if this one did not hold more than shorter ones, as along an edge that all of them share.
+void StraightSweep::choose_next_piece() noexcept {
+  if (!is_crowded_) {
+    if (cuts_ == 0 || tested_ <= kFewTests) piece_ *= kPieceGrowth;
+    return;
+  }
+  least_tested_ = std::min(least_tested_, std::max(tested_, kFewInBall));
+  if (tested_ <= least_tested_ + least_tested_ / 4) {
+    piece_ *= kPieceGrowth;
+  } else if (tested_ > 4 * least_tested_) {
+    piece_ /= kPieceGrowth;
+  }
+}
+
+bool StraightSweep::is_among_many(const Clearance& keep) const noexcept {
+  const Vec3 at = from_ + done_ * motion_;
+  int count = 0;
+  surfaces_.geometry().for_each_overlapping(Box{at, at}.inflated(keep.offset), [&](std::uint32_t) { return ++count <= kMostInBox; });
+  return count > kMostInBox;
+}
+
+void StraightSweep::test(std::uint32_t triangle, ProxyState& proxy, const Clearance& keep, int fixed) noexcept {
+  ++tests_;
+  ++tested_;
+  const TriangleView shape{surfaces_.geometry(), triangle};
+  double rate = 0.0;
+  if (!is_point_) {
+    const Separation at = shape.separation(from_);
+    note_grazed(proxy, at, triangle, keep, fixed);
+    rate = at.normal.dot(motion_);
+  }
+  const double t = time_to_block(shape, from_, motion_, std::min(end_, first_), keep);
+  if (t > 1.0 || !surfaces_.can_touch(triangle, from_)) return;
+  first_ = std::min(first_, t);
+  note_blocker({triangle, t, rate});
+}
+
+// A sphere on a face is also in contact with coplanar neighbours, although they never block its path.
+void StraightSweep::note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle, const Clearance& keep,
+                                int fixed) const noexcept {
+  if (at.distance > keep.offset + 2.0 * keep.tolerance) return;
+  const auto begin = proxy.contacts.begin();
+  const auto end = begin + proxy.contact_count;
+  if (std::any_of(begin, end, [&](const ProxyContact& contact) { return contact.triangle == triangle; })) return;
+  auto place = end;
+  if (proxy.contact_count < ProxyState::kMostContacts) {
+    ++proxy.contact_count;
+  } else {
+    place = std::max_element(begin + fixed, end,
+                             [](const ProxyContact& a, const ProxyContact& b) { return a.separation.distance < b.separation.distance; });
+    if (at.distance >= place->separation.distance) return;
+  }
+  *place = {.triangle = triangle, .shape = surfaces_.shape_of(triangle), .separation = at};
+}
+
+void StraightSweep::note_blocker(const Blocker& blocker) noexcept {
+  if (blocker_count_ < ProxyState::kMostContacts) {
+    blockers_[static_cast<std::size_t>(blocker_count_++)] = blocker;
+    return;
+  }
+  const auto comes_later = [](const Blocker& a, const Blocker& b) { return std::tie(a.time, a.rate) < std::tie(b.time, b.rate); };
+  const auto last = std::max_element(blockers_.begin(), blockers_.end(), comes_later);
+  if (comes_later(blocker, *last)) *last = blocker;
+}
+
+}  // namespace hapton

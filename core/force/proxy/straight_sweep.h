@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "core/collision/swept_sphere.h"
+#include "core/force/proxy/proxy_state.h"
+
+namespace hapton {
+
+// One straight motion of a probe among any triangles: how far it goes until something stops it, and what that is.
+//
+// A long path is searched in growing pieces, because what stops the probe is mostly near the start. A piece whose box holds many triangles
+// is cut, because most of them are far from the path. Where the probe itself is among that many, a piece is as short as the probe is wide,
+// and only triangles within the ball around it are tested. However many these are: out of work, the search is interrupted, and the next
+// call goes on with the next triangle.
+//
+// Frame: TouchGeometry's local one. RT: yes. Keeps a reference. Pre: the geometry stays the same from start() to the end.
+class StraightSweep {
+ public:
+  enum class End : std::uint8_t {
+    free,         // nothing stops the probe before the end of the motion
+    stopped,      // at time()
+    interrupted,  // out of work: the next call goes on
+  };
+  struct Blocker {
+    std::uint32_t triangle = 0;
+    double time = 0.0;
+    double rate = 0.0;  // at which the motion comes nearer at its start: negative; only of a sphere
+  };
+
+  StraightSweep(const ProxySurfaces& surfaces, bool is_point) : surfaces_(surfaces), is_point_(is_point) {}
+
+  void start(const Vec3& from, const Vec3& motion) noexcept;
+  // Adds to the contacts of the proxy those that it touches at the start. If they are full, the first `fixed` ones stay, and of the others
+  // the nearest. `work`: is raised by the number of triangles tested. Pre: keep is the same from start() on.
+  End go_on(ProxyState& proxy, const Clearance& keep, int fixed, int& work, int most_work) noexcept;
+  bool is_interrupted() const { return is_interrupted_; }
+  void drop() noexcept {
+    is_crowded_ = false;
+    is_interrupted_ = false;
+    crowded_length_ = 0.0;
+  }
+
+  const Vec3& from() const { return from_; }
+  const Vec3& motion() const { return motion_; }
+  double time() const { return first_; }
+  // What stops the probe at time() or hardly later, at most ProxyState::kMostContacts: the first ones, and of several at the start those
+  // that the motion comes nearer to fastest. None: out of work.
+  std::span<const Blocker> blockers() const { return std::span(blockers_).first(static_cast<std::size_t>(blocker_count_)); }
+  std::uint64_t tests() const { return tests_; }  // since construction
+
+ private:
+  bool search_box(ProxyState& proxy, const Clearance& keep, int fixed, int& work) noexcept;
+  bool search_ball(ProxyState& proxy, const Clearance& keep, int fixed, int& work, int most_work) noexcept;
+  void choose_next_piece() noexcept;
+  void shorten_piece(const Clearance& keep) noexcept;
+  bool is_among_many(const Clearance& keep) const noexcept;
+  void test(std::uint32_t triangle, ProxyState& proxy, const Clearance& keep, int fixed) noexcept;
+  void note_grazed(ProxyState& proxy, const Separation& at, std::uint32_t triangle, const Clearance& keep, int fixed) const noexcept;
+  void note_blocker(const Blocker& blocker) noexcept;
+
+  const ProxySurfaces& surfaces_;
+  bool is_point_;
+  Vec3 from_ = Vec3::Zero();
+  Vec3 motion_ = Vec3::Zero();
+  double done_ = 0.0;   // nothing stops the probe until then
+  double end_ = 0.0;    // of this piece
+  double piece_ = 0.0;  // its length, in time
+  double first_ = kNever;
+  int cuts_ = 0;
+  int tested_ = 0;           // in this piece
+  bool is_crowded_ = false;  // pieces are searched in balls
+  bool is_interrupted_ = false;
+  int least_tested_ = 0;         // in a ball of this motion
+  double crowded_length_ = 0.0;  // of the next piece, if work ran out between two balls; 0: it did not
+  TouchGeometry::NearestSearch ball_;
+  std::array<Blocker, ProxyState::kMostContacts> blockers_;
+  int blocker_count_ = 0;
+  std::uint64_t tests_ = 0;
+};
+
+}  // namespace hapton

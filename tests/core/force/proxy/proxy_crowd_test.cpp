@@ -1,0 +1,190 @@
+// A sphere among hundreds of triangles: put where it overlaps them on one side, and the work of its steps.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "core/force/proxy/proxy_method.h"
+#include "core/geometry/contact_triangle.h"
+#include "core/geometry/mesh_shapes.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kCrowdRadius = 0.004;
+
+double clearance_over(const TriangleMesh& mesh, const Vec3& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    least = std::min(least, ContactTriangle(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2)).separation(p).distance);
+  return least;
+}
+
+Mat3 random_turn(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const double w = uniform(random);
+  const double x = uniform(random);
+  const double y = uniform(random);
+  return Eigen::Quaterniond(w, x, y, uniform(random)).normalized().toRotationMatrix();
+}
+
+class OnOneSide : public ::testing::TestWithParam<unsigned> {
+ protected:
+  OnOneSide() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
+
+  std::mt19937_64 random_;
+};
+
+// The surfaces that it overlaps leave a direction in which it can go, although it has far fewer contacts than triangles. It goes there at
+// once, with its own radius, and is then held like any other sphere.
+TEST_P(OnOneSide, TheSphereLeavesTheOverlapWithItsOwnRadius) {
+  for (const double rough : {0.0, 0.02, 0.1}) {
+    for (const bool is_hollow : {false, true}) {
+      // Facets of a tenth of its radius.
+      TriangleMesh mesh = made::sheet(3.0 * kCrowdRadius, 0.0, 60);
+      for (Vec3& v : mesh.vertices) {
+        if (is_hollow) v.z() += v.head<2>().squaredNorm() / (8.0 * kCrowdRadius);
+        v += rough * 0.1 * kCrowdRadius * Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
+      }
+      const Mat3 turn = random_turn(random_);
+      for (Vec3& v : mesh.vertices) v = turn * v;
+      const auto method = make_method({.name = "proxy", .probe_radius_m = kCrowdRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
+      auto& proxy = static_cast<ProxyMethod&>(*method);
+      const Vec3 start =
+          turn * Vec3(uniform(-0.5, 0.5) * kCrowdRadius, uniform(-0.5, 0.5) * kCrowdRadius, uniform(0.3, 0.9) * kCrowdRadius);
+      method->reset(start);
+      int carried = 0;
+      MethodOutput output;
+      for (int i = 1; i <= 20; ++i) {
+        const Vec3 device = start + 0.02 * i * kCrowdRadius * (turn * Vec3(1.0, 0.3, -1.0));
+        output = method->step({.p_SD = device});
+        for (int k = 0; method->carried_from() && k < 256; ++k, ++carried) output = method->step({.p_SD = device});
+        ASSERT_FALSE(proxy.swept().is_shrunk()) << "rough " << rough << ", hollow " << is_hollow << ", step " << i;
+      }
+      EXPECT_GE(clearance_over(mesh, output.p_SP), kCrowdRadius * (1.0 - 1e-6)) << "rough " << rough << ", hollow " << is_hollow;
+      EXPECT_LE((output.p_SP - start).norm(), 3.0 * kCrowdRadius);
+      EXPECT_LE(carried, 200);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, OnOneSide, testing::Range(1U, 13U));
+
+// Meshes with thousands of triangles within the reach of a sphere.
+TriangleMesh star_of_spokes(std::mt19937_64& random) {
+  constexpr std::uint32_t kSpokes = 3000;
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  TriangleMesh mesh;
+  mesh.vertices.push_back(Vec3(0.0, 0.0, 0.01 * uniform(random)));
+  for (std::uint32_t i = 0; i < kSpokes; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kSpokes;
+    const double far = 0.05 * (1.0 + 0.2 * uniform(random));
+    mesh.vertices.emplace_back(far * std::cos(angle), far * std::sin(angle), 0.001 * uniform(random));
+    mesh.triangles.push_back({0, 1 + i, 1 + (i + 1) % kSpokes});
+  }
+  return mesh;
+}
+
+TriangleMesh book_of_pages(std::mt19937_64& random) {
+  constexpr std::uint32_t kPages = 3000;
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  TriangleMesh mesh;
+  mesh.vertices = {Vec3(0.0, 0.0, -0.05), Vec3(0.0, 0.0, 0.05)};
+  for (std::uint32_t i = 0; i < kPages; ++i) {
+    const double angle = std::numbers::pi * uniform(random);
+    mesh.vertices.emplace_back(0.05 * std::cos(angle), 0.05 * std::sin(angle), 0.05 * uniform(random));
+    mesh.triangles.push_back({0, 1, 2 + i});
+  }
+  return mesh;
+}
+
+TriangleMesh thick_soup(double size, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 8000; ++i) {
+    const Vec3 at = 0.03 * vector();
+    for (int k = 0; k < 3; ++k) mesh.vertices.push_back(at + size * vector());
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
+class AmongThousands : public ::testing::TestWithParam<unsigned> {};
+
+// What it cannot do with the work of a step is left to the next ones.
+TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const std::pair<const char*, TriangleMesh> meshes[] = {{"star", star_of_spokes(random)},
+                                                         {"book", book_of_pages(random)},
+                                                         {"soup", thick_soup(0.002, random)},
+                                                         {"coarse soup", thick_soup(0.02, random)},
+                                                         {"noise", make_bumpy_sphere(0.03, 0.02, 60000, GetParam())}};
+  for (const auto& [name, mesh] : meshes) {
+    for (const double friction : {0.0, 0.5}) {
+      TouchScene scene{.objects = {{made::shared(mesh), {}}}};
+      scene.objects[0].material.friction_static = friction;
+      scene.objects[0].material.friction_dynamic = 0.8 * friction;
+      for (const double radius_m : {0.0, 0.002, 0.01}) {
+        const auto method = make_method({.name = "proxy", .probe_radius_m = radius_m}, scene).value();
+        auto& proxy = static_cast<ProxyMethod&>(*method);
+        for (const bool begins_inside : {false, true}) {
+          Vec3 device = begins_inside ? Vec3(0.01 * uniform(random), 0.01 * uniform(random), 0.01 * uniform(random)) : Vec3(0.0, 0.0, 0.1);
+          method->reset(device);
+          for (int i = 0; i < 16; ++i) {
+            device += i % 8 == 0 ? Vec3(0.02 * Vec3(uniform(random), uniform(random), uniform(random)) - 0.3 * device)
+                                 : Vec3(0.001 * Vec3(uniform(random), uniform(random), uniform(random)));
+            (void)method->step({.p_SD = device});
+            for (int k = 0; method->carried_from() && k < 32; ++k) (void)method->step({.p_SD = device});
+          }
+        }
+        EXPECT_LE(proxy.counters().most_work, StepWork::kMostWithLastEvent) << name << ", radius " << radius_m << ", friction " << friction;
+        RecordProperty(std::string(name) + " " + std::to_string(radius_m) + " " + std::to_string(friction),
+                       std::to_string(proxy.counters().most_work) + " units");
+      }
+    }
+  }
+}
+
+// The boxes of thousands of slanted triangles hold the whole sphere, but it touches none of them.
+TEST_P(AmongThousands, TheSphereArrivesInFreeSpace) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const Vec3 up = Vec3::Ones().normalized();
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    for (int k = 0; k < 3; ++k) mesh.vertices.push_back(0.1 * Vec3::Unit(k) - (1e-6 * i) * up);
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const auto method = make_method({.name = "proxy", .probe_radius_m = kCrowdRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
+  const auto somewhere = [&] {
+    const Vec3 beside(uniform(random), uniform(random), uniform(random));
+    return Vec3(Vec3::Constant(0.1 / 3.0) + 1.2 * kCrowdRadius * up + 0.01 * (beside - beside.dot(up) * up));
+  };
+  method->reset(somewhere());
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 device = somewhere();
+    MethodOutput output = method->step({.p_SD = device});
+    int repeats = 0;
+    for (; method->carried_from() && repeats < 64; ++repeats) output = method->step({.p_SD = device});
+    ASSERT_LT(repeats, 64) << i;
+    EXPECT_FALSE(output.contact) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, AmongThousands, testing::Values(1U, 2U));
+
+}  // namespace
+}  // namespace hapton
