@@ -7,7 +7,7 @@
 namespace hapton {
 
 bool ToolObstacles::has_friction() const {
-  return std::any_of(friction.begin(), friction.end(), [](const SurfaceFriction& one) { return one.friction_static > 0.0; });
+  return std::any_of(friction.begin(), friction.end(), [](const CoulombFriction& one) { return one.friction_static > 0.0; });
 }
 
 namespace {

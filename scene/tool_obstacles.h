@@ -23,7 +23,7 @@ struct ToolPart {
 // spring.
 struct ToolObstacles {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
-  std::vector<SurfaceFriction> friction;                    // of each mesh
+  std::vector<CoulombFriction> friction;                    // of each mesh
   std::vector<int> part_of;                                 // of each mesh: 0 where it stands still, else the part's number, from 1
   std::vector<ToolPart> parts;                              // that move
   std::vector<SwitchedEffect> effects;                      // in free space, felt at the grip point

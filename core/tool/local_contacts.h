@@ -10,7 +10,7 @@
 namespace hapton {
 
 // Coulomb friction of a surface; the dynamic one is not above the static one.
-struct SurfaceFriction {
+struct CoulombFriction {
   double friction_static = 0.0;
   double friction_dynamic = 0.0;
 };
@@ -19,7 +19,7 @@ struct SurfaceFriction {
 // what is needed where the surface moves.
 struct LocalContact {
   Vec3 arm = Vec3::Zero();
-  SurfaceFriction friction;
+  CoulombFriction friction;
   int part = 0;                // of the scene that it is on; 0 stands still
   Vec3 point = Vec3::Zero();   // on the surface, when the contact was found
   Vec3 anchor = Vec3::Zero();  // the same in the frame of the part, where that should have been then

@@ -89,7 +89,7 @@ std::shared_ptr<const BuiltObjects> PreparedObjects::build() {
 }
 
 Result<std::unique_ptr<ToolStep>> PreparedObjects::hold(std::size_t object, const Pose& X_SD, const ToolCoupling& coupling,
-                                                        std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team) {
+                                                        std::vector<CoulombFriction> friction, std::unique_ptr<WorkerTeam> team) {
   if (const auto numbered = TouchGeometry::check(meshes_); !numbered) return tl::unexpected(numbered.error());
   while (prepare_next()) {
   }

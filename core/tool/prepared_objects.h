@@ -31,7 +31,7 @@ class PreparedObjects {
   // The object as a tool, against all others, gripped at the stylus' pose X_SD; prepares what is not. friction: of the others, in order;
   // empty: none. Error: as ToolStep::make.
   Result<std::unique_ptr<ToolStep>> hold(std::size_t object, const Pose& X_SD, const ToolCoupling& coupling,
-                                         std::vector<SurfaceFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
+                                         std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
 
   // All objects for a probe, where they are now. Builds the geometries that are missing; marks of each other only where an object was
   // replaced since the last call. Null: the objects are too many or too large for a TouchGeometry.

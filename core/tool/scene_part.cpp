@@ -4,19 +4,19 @@
 
 namespace hapton {
 
-ScenePart::ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team)
+ScenePart::ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team)
     : near_(tool, scene, team), friction_(std::move(friction)) {}
 
 ScenePart::ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
-                     std::shared_ptr<const SceneSurface> scene_surface, std::vector<SurfaceFriction> friction, WorkerTeam& team)
+                     std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction, WorkerTeam& team)
     : near_(tool, std::move(tool_surface), scene, std::move(scene_surface), team), friction_(std::move(friction)) {}
 
-ScenePart::ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team)
+ScenePart::ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team)
     : near_(first.near_, scene, team), friction_(std::move(friction)), moves_(true) {}
 
-SurfaceFriction ScenePart::friction_of(const FeaturePair& pair) const noexcept {
+CoulombFriction ScenePart::friction_of(const FeaturePair& pair) const noexcept {
   const std::uint32_t object = near_.object_of(pair);
-  return object < friction_.size() ? friction_[object] : SurfaceFriction();
+  return object < friction_.size() ? friction_[object] : CoulombFriction();
 }
 
 void ScenePart::put_at(const Placement& at) noexcept {

@@ -15,16 +15,16 @@ namespace hapton {
 class ScenePart {
  public:
   // friction: by object; empty: none. Pre: the scene, all of whose objects are the part's, outlives this.
-  ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team);
+  ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team);
   // The same, of what was made of each of them before.
   ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
-            std::shared_ptr<const SceneSurface> scene_surface, std::vector<SurfaceFriction> friction, WorkerTeam& team);
+            std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction, WorkerTeam& team);
   // Another part of the same scene, which moves, and is at rest where it was built.
-  ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<SurfaceFriction> friction, WorkerTeam& team);
+  ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team);
 
   NearFeatures& near() { return near_; }
   const NearFeatures& near() const { return near_; }
-  SurfaceFriction friction_of(const FeaturePair& pair) const noexcept;
+  CoulombFriction friction_of(const FeaturePair& pair) const noexcept;
 
   // Where the part is for the tool. The origin of the local frame is the part's, too.
   const Placement& at() const { return at_; }
@@ -57,7 +57,7 @@ class ScenePart {
   void put_at(const Placement& at) noexcept;
 
   NearFeatures near_;
-  std::vector<SurfaceFriction> friction_;
+  std::vector<CoulombFriction> friction_;
   bool moves_ = false;
   bool is_moving_ = false;
   Placement at_;

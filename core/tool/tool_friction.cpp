@@ -10,8 +10,8 @@ namespace {
 constexpr double kLeastPull = 0x1p-10;
 
 // What friction takes from a slide: static and dynamic.
-SurfaceFriction find_loss(const LocalContacts& local, const LocalContacts::Held& held, const Vec6& slide) {
-  SurfaceFriction loss;
+CoulombFriction find_loss(const LocalContacts& local, const LocalContacts::Held& held, const Vec6& slide) {
+  CoulombFriction loss;
   for (int k = 0; k < held.active_count; ++k) {
     const auto i = static_cast<std::size_t>(held.active[k]);
     const LocalContact& contact = local.contacts[i];
@@ -82,7 +82,7 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   const Vec6 slide = held.motion - here;
   const double pull = local.stiffness.cwiseProduct(wanted - here).dot(slide);
   const double bend = local.stiffness.cwiseProduct(slide).dot(slide);
-  const SurfaceFriction loss = find_loss(local, held, slide);
+  const CoulombFriction loss = find_loss(local, held, slide);
   double kept = 0.0;  // share of the slide that friction keeps the tool from
   if (sticks_ && pull <= loss.friction_static) {
     kept = 1.0;

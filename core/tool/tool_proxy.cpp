@@ -37,17 +37,17 @@ ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, Worke
   parts_.push_back(std::move(scene));
 }
 
-ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction,
+ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<CoulombFriction> friction,
                      WorkerTeam& team)
     : ToolProxy(std::make_unique<ScenePart>(tool, scene, std::move(friction), team), turn_length, team) {}
 
 ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
-                     std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<SurfaceFriction> friction,
+                     std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<CoulombFriction> friction,
                      WorkerTeam& team)
     : ToolProxy(std::make_unique<ScenePart>(tool, std::move(tool_surface), scene, std::move(scene_surface), std::move(friction), team),
                 turn_length, team) {}
 
-void ToolProxy::add_part(const TouchGeometry& scene, std::vector<SurfaceFriction> friction) {
+void ToolProxy::add_part(const TouchGeometry& scene, std::vector<CoulombFriction> friction) {
   parts_.push_back(std::make_unique<ScenePart>(*parts_[0], scene, std::move(friction), *team_));
   const std::size_t most = parts_.size() * NearFeatures::kMostFeatures;
   bounds_.resize(most);

@@ -69,14 +69,14 @@ class ToolProxy {
 
   // friction: of the scene's objects, for find_local_contacts; empty: none. team: shares the search for contacts; steps are the same to the
   // bit with any number of workers.
-  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<SurfaceFriction> friction = {},
+  ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<CoulombFriction> friction = {},
             WorkerTeam& team = calling_thread());
   // The same, of what was made of tool and scene before.
   ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
-            std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<SurfaceFriction> friction, WorkerTeam& team);
+            std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<CoulombFriction> friction, WorkerTeam& team);
   // Another part of the scene, in the same local frame, which moves. Before the first step. RT: set-up only. Pre: the scene is built at
   // once and outlives this.
-  void add_part(const TouchGeometry& scene, std::vector<SurfaceFriction> friction = {});
+  void add_part(const TouchGeometry& scene, std::vector<CoulombFriction> friction = {});
   std::size_t moving_count() const { return parts_.size() - 1; }
 
   // Puts the tool there, as if it were new: steps from here on are the same to the bit. If it overlaps the scene, or nearly touches it,

@@ -21,7 +21,7 @@ double turn_length_m(const ToolCoupling& coupling) {
   return std::sqrt(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m);
 }
 
-Result<void> check(const ToolCoupling& coupling, const std::vector<SurfaceFriction>& friction) {
+Result<void> check(const ToolCoupling& coupling, const std::vector<CoulombFriction>& friction) {
   if (!(coupling.stiffness_n_per_m > 0.0) || !std::isfinite(coupling.stiffness_n_per_m)) {
     return fail("the tool's stiffness is {} N/m; give a positive one", coupling.stiffness_n_per_m);
   }
@@ -29,7 +29,7 @@ Result<void> check(const ToolCoupling& coupling, const std::vector<SurfaceFricti
     return fail("the tool's rotational stiffness is {} Nm/rad; give a positive one, or 0 for one derived from its size",
                 coupling.rotational_stiffness_nm_per_rad);
   }
-  for (const SurfaceFriction& one : friction) {
+  for (const CoulombFriction& one : friction) {
     if (!(one.friction_dynamic >= 0.0) || !(one.friction_dynamic <= one.friction_static) || !std::isfinite(one.friction_static)) {
       return fail("the friction of a surface is {} (static) and {} (dynamic); give 0 or more, the dynamic one not above the static one",
                   one.friction_static, one.friction_dynamic);
@@ -64,7 +64,7 @@ double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip) {
 }
 
 Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                 const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+                                                 const ToolCoupling& coupling, std::vector<CoulombFriction> friction,
                                                  std::unique_ptr<WorkerTeam> team, const std::vector<int>& parts) {
   if (tool.triangles.empty()) return fail(kNoToolTriangles);
   std::size_t triangles = 0;
@@ -85,14 +85,14 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
       if (moving > 0) box.grow(v);
     }
     part.meshes.push_back(std::move(scene[o]));
-    part.friction.push_back(o < friction.size() ? friction[o] : SurfaceFriction());
+    part.friction.push_back(o < friction.size() ? friction[o] : CoulombFriction());
   }
   const ToolCoupling whole = completed(coupling, find_mean_squared_lever(tool));
   return checked(std::unique_ptr<ToolStep>(new ToolStep(tool, std::move(objects), box, whole, std::move(team))));
 }
 
 Result<std::unique_ptr<ToolStep>> ToolStep::make(const PreparedTool& prepared, const ToolCoupling& coupling,
-                                                 std::vector<SurfaceFriction> friction, std::unique_ptr<WorkerTeam> team) {
+                                                 std::vector<CoulombFriction> friction, std::unique_ptr<WorkerTeam> team) {
   if (prepared.tool->geometry().triangle_count() == 0) return fail(kNoToolTriangles);
   const auto has_triangles = [](const auto& object) { return object->geometry().triangle_count() > 0; };
   if (!std::any_of(prepared.scene.begin(), prepared.scene.end(), has_triangles)) return fail(kNoSceneTriangles);
@@ -118,7 +118,7 @@ ToolStep::ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const B
       tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
       proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), parts[0].friction, team_ ? *team_ : calling_thread()) {
   for (const Objects& part : parts) {
-    for (const SurfaceFriction& one : part.friction) has_friction_ = has_friction_ || one.friction_static > 0.0;
+    for (const CoulombFriction& one : part.friction) has_friction_ = has_friction_ || one.friction_static > 0.0;
   }
   for (std::size_t p = 1; p < parts.size(); ++p) {
     moving_.push_back(std::make_unique<TouchGeometry>(std::move(parts[p].meshes), BuildPolicy::at_once, std::nullopt, box));
@@ -127,11 +127,11 @@ ToolStep::ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const B
   parts_.resize(moving_.size());
 }
 
-ToolStep::ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+ToolStep::ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<CoulombFriction> friction,
                    std::unique_ptr<WorkerTeam> team)
     : team_(std::move(team)),
       coupling_(coupling),
-      has_friction_(std::ranges::any_of(friction, [](const SurfaceFriction& one) { return one.friction_static > 0.0; })),
+      has_friction_(std::ranges::any_of(friction, [](const CoulombFriction& one) { return one.friction_static > 0.0; })),
       q_DT_(prepared.q_DT),
       scene_(geometries_of(prepared.scene), prepared.frame),
       tool_(prepared.tool->geometry().about(prepared.grip)),

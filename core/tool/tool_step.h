@@ -61,12 +61,12 @@ class ToolStep {
   // friction: of each object of the scene; empty: none. team: shares the search for contacts; null: the calling thread does it alone.
   // parts: of each object, 0 where it stands still, else the number of the part that it moves with, from 1; empty: all stand still.
   static Result<std::unique_ptr<ToolStep>> make(const TriangleMesh& tool, std::vector<std::shared_ptr<const TriangleMesh>> scene,
-                                                const ToolCoupling& coupling, std::vector<SurfaceFriction> friction = {},
+                                                const ToolCoupling& coupling, std::vector<CoulombFriction> friction = {},
                                                 std::unique_ptr<WorkerTeam> team = nullptr, const std::vector<int>& parts = {});
 
   // Of what was prepared before; all of it stands still. friction: as above.
   static Result<std::unique_ptr<ToolStep>> make(const PreparedTool& prepared, const ToolCoupling& coupling,
-                                                std::vector<SurfaceFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
+                                                std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
 
   // A part without a pose in the input, or with one that is not finite, stays where it was.
   ToolOutput step(const ToolInput& input) noexcept;
@@ -94,12 +94,12 @@ class ToolStep {
   // Objects that stand still, or move together.
   struct Objects {
     std::vector<std::shared_ptr<const TriangleMesh>> meshes = {};
-    std::vector<SurfaceFriction> friction = {};
+    std::vector<CoulombFriction> friction = {};
   };
   // The first stand still. box: of all; empty: none of them moves.
   ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const Box& box, const ToolCoupling& coupling,
            std::unique_ptr<WorkerTeam> team);
-  ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<SurfaceFriction> friction,
+  ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<CoulombFriction> friction,
            std::unique_ptr<WorkerTeam> team);
   static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;

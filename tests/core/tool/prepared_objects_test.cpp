@@ -23,7 +23,7 @@ Meshes make_objects() {
 }
 
 constexpr std::size_t kHeldCube = 1;
-const std::vector<SurfaceFriction> kRough = {{0.3, 0.2}, {0.1, 0.1}};
+const std::vector<CoulombFriction> kRough = {{0.3, 0.2}, {0.1, 0.1}};
 
 std::shared_ptr<const TriangleMesh> displaced(const TriangleMesh& mesh, const Vec3& by) {
   return std::make_shared<TriangleMesh>(scaled_and_moved(mesh, 1.0, by));
@@ -62,7 +62,7 @@ void expect_same_bits(const std::vector<ToolOutput>& a, const std::vector<ToolOu
   }
 }
 
-std::unique_ptr<ToolStep> hold_cube(PreparedObjects& objects, const std::vector<SurfaceFriction>& friction = {}) {
+std::unique_ptr<ToolStep> hold_cube(PreparedObjects& objects, const std::vector<CoulombFriction>& friction = {}) {
   auto step = objects.hold(kHeldCube, grip_pose(), {.stiffness_n_per_m = 800.0}, friction);
   EXPECT_TRUE(step) << step.error().what;
   return std::move(*step);
@@ -70,7 +70,7 @@ std::unique_ptr<ToolStep> hold_cube(PreparedObjects& objects, const std::vector<
 
 // The twin is made of the meshes when the cube is gripped, along the axes of the stylus.
 TEST(PreparedObjects, AHeldObjectIsFeltAsAToolOfItsMeshIs) {
-  for (const std::vector<SurfaceFriction>& friction : {std::vector<SurfaceFriction>(), kRough}) {
+  for (const std::vector<CoulombFriction>& friction : {std::vector<CoulombFriction>(), kRough}) {
     const Meshes meshes = make_objects();
     PreparedObjects objects(meshes);
     const auto held = hold_cube(objects, friction);

@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kRubK = 1000.0;
 constexpr double kDepth = 0.002;
-constexpr SurfaceFriction kRough = {0.5, 0.3};
+constexpr CoulombFriction kRough = {0.5, 0.3};
 
-std::unique_ptr<ToolStep> make_rough_step(const TriangleMesh& scene, const SurfaceFriction& friction) {
+std::unique_ptr<ToolStep> make_rough_step(const TriangleMesh& scene, const CoulombFriction& friction) {
   auto made =
       ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(scene)}, {.stiffness_n_per_m = kRubK}, {friction});
   EXPECT_TRUE(made) << made.error().what;
@@ -144,7 +144,7 @@ TEST(ToolFriction, TheFastTaskFeelsWhatTheWholeStepFeels) {
 }
 
 TEST(ToolFriction, ImpossibleFrictionIsRejected) {
-  for (const SurfaceFriction bad : {SurfaceFriction{0.1, 0.2}, {-0.1, -0.1}, {std::nan(""), 0.0}, {1.0, std::nan("")}}) {
+  for (const CoulombFriction bad : {CoulombFriction{0.1, 0.2}, {-0.1, -0.1}, {std::nan(""), 0.0}, {1.0, std::nan("")}}) {
     const auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 2))}, {}, {bad});
     EXPECT_FALSE(made);
   }

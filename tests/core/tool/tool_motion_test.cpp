@@ -28,10 +28,10 @@ Pose moved_by(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
 }
 
 std::unique_ptr<ToolStep> make_moving_step(const TriangleMesh& tool, const std::vector<TriangleMesh>& scene, const std::vector<int>& parts,
-                                           const SurfaceFriction& friction = {}) {
+                                           const CoulombFriction& friction = {}) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const TriangleMesh& mesh : scene) meshes.push_back(std::make_shared<TriangleMesh>(mesh));
-  std::vector<SurfaceFriction> all(scene.size(), friction);
+  std::vector<CoulombFriction> all(scene.size(), friction);
   auto made = ToolStep::make(tool, std::move(meshes), {.stiffness_n_per_m = kSpring}, std::move(all), nullptr, parts);
   EXPECT_TRUE(made) << made.error().what;
   return std::move(*made);
@@ -220,7 +220,7 @@ TEST(ToolAndMotion, NeverPenetratesWhateverMoves) {
 }
 
 TEST(ToolAndMotion, AToolThatSticksIsCarriedAlong) {
-  constexpr SurfaceFriction kGrip = {0.5, 0.3};
+  constexpr CoulombFriction kGrip = {0.5, 0.3};
   const auto step = make_moving_step(kCube, {kSlab}, {1}, kGrip);
   step->reset({.X_WD = moved_by({0.0, 0.0, 0.03})});
   ToolOutput out;
