@@ -140,6 +140,8 @@ void StreamedGeometry::advance() noexcept {
   object.swap_tree(present_->trees[part_]);
   travelled_m_ += present_->most_m;
   ended_ = std::move(present_);
+  ended_start_s_ = start_s_;
+  ended_over_s_ = over_s_;
   present_ = std::move(next_);
   start_s_ = next_start_s_;
   over_s_ = next_over_s_;

@@ -74,10 +74,15 @@ class StreamedGeometry {
   // the present stage; over_s 0 or more; now_s is not before the last shape() or skip_to().
   Released offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept;
 
-  // Of a vertex of the object, local: where it is at rest, and how far the present stage moves it from one time to another.
+  // Of a vertex of the object, local: where it is at rest, and how far it moves from one time to another.
+  // Pre: no stage but the present one and the one before it in between.
   Vec3 rest_of(std::uint32_t vertex) const noexcept { return at(rest_, vertex); }
   Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
-    return (share_at(to_s, start_s_, over_s_) - share_at(from_s, start_s_, over_s_)) * at(present_->motion, vertex);
+    Vec3 moved = (share_at(to_s, start_s_, over_s_) - share_at(from_s, start_s_, over_s_)) * at(present_->motion, vertex);
+    if (ended_ != nullptr && from_s < start_s_) {
+      moved += (1.0 - share_at(from_s, ended_start_s_, ended_over_s_)) * at(ended_->motion, vertex);
+    }
+    return moved;
   }
 
   // The stage that moves now, or has ended; the next one has to begin where it ends. Its number counts the stages that have begun.
@@ -111,6 +116,7 @@ class StreamedGeometry {
   std::unique_ptr<ShapeStage> next_;   // null: none waits
   std::unique_ptr<ShapeStage> ended_;  // to be given back
   double start_s_ = 0.0, over_s_ = 0.0;
+  double ended_start_s_ = 0.0, ended_over_s_ = 0.0;
   double next_start_s_ = 0.0, next_over_s_ = 0.0;
   std::uint64_t serial_ = 0;
   std::size_t part_ = 0;      // whose tree is in the geometry, whose own first one is there

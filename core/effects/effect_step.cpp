@@ -32,6 +32,11 @@ double spring_energy(double method_n, double depth_m, double pressed_m) noexcept
   return 0.5 * method_n / depth_m * pressed_m * pressed_m;
 }
 
+Vec3 limited(const Vec3& v, double most) noexcept {
+  const double length = v.norm();
+  return length > most ? Vec3(most / length * v) : v;
+}
+
 Vec3 tangential(const Vec3& v, const Vec3& normal) noexcept { return v - v.dot(normal) * normal; }
 
 }  // namespace
@@ -191,7 +196,8 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   const auto along = [&](const Vec3& gradient) {
     return tangential(contact.place != nullptr ? Vec3(contact.place->gradient * gradient) : gradient, normal);
   };
-  const Vec3 slope = along(surface.bumps.is_on() ? surface.bumps.gradient_at(p_SB) : map.height_gradient);
+  Vec3 slope = along(surface.bumps.is_on() ? surface.bumps.gradient_at(p_SB) : map.height_gradient);
+  if (contact.place != nullptr) slope = limited(slope, SurfaceMaps::kSteepest);  // a triangle that is compressed makes bumps steeper
   if (surface.layers.is_on()) {
     // Drag works against the rate of the pressed depth, so that it takes energy on bumps as well.
     pressed_n = surface.layers.force(pressed_m, -sample.v_SD.dot(normal - slope), state.layers);

@@ -45,7 +45,15 @@ StraightSweep::End StraightSweep::go_on(ProxyState& proxy, const Clearance& keep
     }
     if (is_crowded_) {
       is_interrupted_ = !search_ball(proxy, keep, fixed, work, most_work);
-      if (is_interrupted_) return End::interrupted;
+      if (is_interrupted_ && done_ == 0.0) return End::interrupted;
+      if (is_interrupted_) {
+        // What was searched before is free: the probe goes there, and the next call begins with this piece.
+        is_interrupted_ = false;
+        crowded_length_ = (end_ - done_) * motion_.norm();
+        first_ = done_;
+        blocker_count_ = 0;
+        return End::stopped;
+      }
     } else if (!search_box(proxy, keep, fixed, work)) {
       shorten_piece(keep);
       continue;
