@@ -131,11 +131,14 @@ void HapticsStep::update_grasp() noexcept {
 // the hand, it begins where an object that was put down lets it begin.
 void HapticsStep::return_probe() noexcept {
   const std::optional<Grasp::Start> start = grasp_->take_start(X_WS_);
-  if (!(touch_->step(input_).visual_offset_m.norm() > kResumeReachM)) return;
-  TouchInput beside = input_;
+  // The step at this sample is still to come: until then no time has passed for effects.
+  TouchInput here = input_;
+  here.dt_s = 0.0;
+  if (!(touch_->step(here).visual_offset_m.norm() > kResumeReachM)) return;
+  TouchInput beside = here;
   if (start) beside.p_WD = start->p_W + offset_m_ * start->outward;
-  touch_->reset((beside.p_WD - input_.p_WD).norm() <= kResumeReachM ? beside : input_);
-  touch_->step(input_);
+  touch_->reset((beside.p_WD - input_.p_WD).norm() <= kResumeReachM ? beside : here);
+  touch_->step(here);
 }
 
 // An object was put down, and the slow task is building the scene with it: what is there now has it where it was before. Only the effects

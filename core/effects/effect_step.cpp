@@ -120,7 +120,8 @@ SurfaceEffectState& EffectStep::state_of(int object) noexcept {
 void EffectStep::follow_hand(const EffectStep& other) noexcept {
   velocity_ = other.velocity_;
   last_p_SD_ = other.last_p_SD_;
-  if (frame_of_ == other.frame_of_) std::copy(other.frames_.begin(), other.frames_.end(), frames_.begin());
+  if (frame_of_ != other.frame_of_) return;
+  for (std::size_t f = 0; f < frames_.size(); ++f) frames_[f].follow(other.frames_[f]);
 }
 
 void EffectStep::note_scene_moved(const Vec3& last_p_SD) noexcept {

@@ -54,6 +54,14 @@ class SurfaceFrame {
     move_last_to(to_frame(p_SD));
   }
 
+  // Goes on with the velocity that `other`, which may move otherwise, has followed to the same sample. Pre: a step at this sample.
+  void follow(const SurfaceFrame& other) noexcept {
+    if (!has_point_ || !other.has_point_) return;
+    velocity_ = other.velocity_;
+    velocity_.move_last(last_p_FD_);
+    not_ridden_ = other.not_ridden_;
+  }
+
   Vec3 to_frame(const Vec3& p_S) const noexcept { return X_SF_.linear().transpose() * (p_S - X_SF_.translation()); }
   Vec3 to_scene(const Vec3& p_F) const noexcept { return X_SF_ * p_F; }
   Mat3 axes() const noexcept { return X_SF_.linear(); }

@@ -11,8 +11,8 @@ struct SurfacePlace {
   Mat3 gradient = Mat3::Identity();  // times the gradient along the mesh at rest of a number on it: its gradient now
 };
 
-// The SurfacePlace::gradient of a triangle that has deformed from `rest` to `now`, corners in the same order: with edges e and their
-// normal, G e_now = e_rest transposed. Identity where one of them has no area. RT: yes.
+// The SurfacePlace::gradient G of a triangle that has deformed from `rest` to `now`, corners in the same order: transposed G takes the
+// edges and the unit normal of `now` to those of `rest`. Identity where the triangle has no area now. RT: yes.
 inline Mat3 gradient_of_deformed(const Mat3& rest, const Mat3& now) noexcept {
   const auto basis = [](const Mat3& corners) {
     Mat3 edges;

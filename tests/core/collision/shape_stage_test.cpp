@@ -89,6 +89,22 @@ TEST(StreamedGeometry, GoesStraightFromEachShapeToTheNext) {
   one.expect_shape(bent);
 }
 
+// At a constant speed over both stages, however the samples lie to the moment at which one ends and the next one begins.
+TEST(StreamedGeometry, KnowsHowFarAVertexMovedAlsoWhereAStageEndsBetween) {
+  const Streamed one(made::sheet(0.05, 0.0, 4));
+  const auto higher = [&](double by) { return one.mapped([by](const Vec3& p) { return Vec3(p + Vec3(0, 0, by)); }); };
+  (void)one.surface->offer(one.stage_to(higher(0.005)), 0.1, 0.0);
+  one.surface->shape(0.05);
+  (void)one.surface->offer(one.stage_to(higher(0.01)), 0.1, 0.1);
+  double before_s = 0.05;
+  for (const double time_s : {0.07, 0.09, 0.113, 0.15, 0.2}) {
+    one.surface->shape(time_s);
+    const Vec3 moved = one.geometry->unit_m() * one.surface->moved_between(0, before_s, time_s);
+    EXPECT_NEAR(moved.z(), 0.05 * (time_s - before_s), 1e-15) << time_s;
+    before_s = time_s;
+  }
+}
+
 TEST(StreamedGeometry, TheNewestThatWaitsComesNext) {
   const Streamed one(made::sheet(0.05, 0.0, 4));
   const auto up = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.01)); });

@@ -62,6 +62,17 @@ TEST(EffectStep, WithoutEffectsIsTheMethodsForce) {
   EXPECT_FALSE(free.is_felt);
 }
 
+// Bumps of a triangle that is compressed ten times along x would be ten times as steep, and the force with them.
+TEST(EffectStep, BumpsOnACompressedSurfaceAreNoSteeperThanOthers) {
+  EffectStep step({SurfaceEffects{.bumps = {.height_m = 1e-3, .length_m = 4e-3}}}, {});
+  const SurfacePlace place{.p_rest = Vec3(1e-3, 0, 0), .moved = Vec3::Zero(), .gradient = Vec3(10.0, 1.0, 1.0).asDiagonal()};
+  SurfaceContact contact = on_plane({0, 0, -0.003});
+  contact.place = &place;
+  const Vec3 force_n = step.step({0, 0, -0.003}, kMs, contact).force_n;
+  EXPECT_GT(force_n.z(), 1.0);
+  EXPECT_NEAR(force_n.head<2>().norm() / force_n.z(), SurfaceMaps::kSteepest, 1e-12);
+}
+
 TEST(EffectStep, AddsProgressiveStiffness) {
   EffectStep step({SurfaceEffects{.progressive = {.n_per_m2 = 2e5}}}, {});
   EXPECT_LT((press(step, {0, 0, -0.003}).force_n - Vec3(0, 0, 3.0 + 1.8)).norm(), 1e-12);
