@@ -217,6 +217,7 @@ void TouchGeometry::visit_along(const Vec3& p, const Vec3& q, double radius, Vis
     active_[o]->tree().visit_along(p + begin * motion, (end - begin) * motion, radius, 1.0, [&](std::uint32_t t, double part_until) {
       const double before = until;
       until = visit(first_id | t, until);
+      if (until < 0.0) return until;
       return until == before ? part_until : std::clamp((until - begin) / length * (1.0 + 0x1p-40) + 0x1p-40, 0.0, part_until);
     });
     return until;

@@ -78,8 +78,8 @@ class WideBvh {
   };
 
   // Calls visit(item, until) for items whose boxes come within `radius` (along each axis) of the segment from p to p + motion before the
-  // time `until` of its 0..1, roughly in order; visit returns the new `until` (never larger). Also for some boxes that nearly do. Pre: p
-  // and motion are of the size of the boxes' coordinates.
+  // time `until` of its 0..1, roughly in order; visit returns the new `until` (never larger; below zero: ends the search). Also for some
+  // boxes that nearly do. Pre: p and motion are of the size of the boxes' coordinates.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const;
 

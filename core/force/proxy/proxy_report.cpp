@@ -13,9 +13,9 @@ std::string ProxyMethod::describe() const {
                   static_cast<double>(geometry_.bytes()) * 1e-6, (clearance_.offset - kContactOffset) * geometry_.unit_m(),
                   kContactOffset * geometry_.unit_m()) +
       fmt::format(
-          "proxy: a step begins nothing after {} units of work, some 0.1 us each, and has at most {} where thousands of triangles meet; "
-          "the "
-          "rest is carried into the next step\n",
+          "proxy: a step begins nothing after {} units of work, some 0.1 us each; where thousands of triangles meet, no mesh tested needed "
+          "more "
+          "than {}; the rest is carried into the next step\n",
           StepWork::kMost, StepWork::kMostWithLastEvent);
   return counters_.steps == 0 ? what : what + describe_steps();
 }

@@ -310,7 +310,7 @@ void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion)
     ++kept;
     if (i < fixed_) fixed = kept;
   }
-  int replaced = ProxyState::kMostContacts;
+  int replaced = kept;
   for (const StraightSweep::Blocker& blocker : blockers) {
     ProxyContact contact{.triangle = blocker.triangle, .shape = surfaces_.shape_of(blocker.triangle), .separation = {}};
     contact.separation = blocking_separation(contact.shape, proxy.position, blocked_motion, keep_);

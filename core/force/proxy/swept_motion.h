@@ -57,7 +57,10 @@ class SweptMotion {
     has_looked_ = false;
   }
   // The triangles have changed: a motion begins anew.
-  void drop_motion() noexcept { sweep_.drop(); }
+  void drop_motion() noexcept {
+    sweep_.drop();
+    has_looked_ = false;
+  }
 
   const Counters& counters() const { return counters_; }
 

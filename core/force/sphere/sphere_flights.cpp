@@ -31,7 +31,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   double time = kNever;
   int tests = 0;
   geometry_.visit_along(from, to, clearance_.offset + clearance_.tolerance, [&](std::uint32_t id, double before) {
-    if (++tests > kMostInFlight) return 0.0;
+    if (++tests > kMostInFlight) return -1.0;
     ++work_;
     const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
     if (!(t < time) || t > 1.0) return before;
