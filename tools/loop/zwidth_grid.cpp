@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::string_view kSchema = "hapton.loop.zwidth/1";
+constexpr std::string_view kSchema = "hapton.loop.zwidth/2";
 constexpr std::string_view kColumns =
     "cell,device,hand,mass_kg,damping_ns_per_m,hand_mass_kg,hand_damping_ns_per_m,hand_stiffness_n_per_m,friction_n,encoder_step_m,"
     "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"

@@ -41,7 +41,7 @@ TEST(ZWidthGrid, JsonHasInputsAndBothLimits) {
   const ZWidthGrid grid = small_grid();
   const ZWidthRow row = measure_cell(grid, 4);
   const nlohmann::ordered_json json = to_json(row);
-  EXPECT_EQ(json["schema"], "hapton.loop.zwidth/1");
+  EXPECT_EQ(json["schema"], "hapton.loop.zwidth/2");
   EXPECT_EQ(json["inputs"]["device"], "touch");
   EXPECT_EQ(json["inputs"]["rate_hz"], 4000.0);
   EXPECT_EQ(json["inputs"]["delay_ms"], 5.0);
