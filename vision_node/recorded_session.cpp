@@ -75,6 +75,7 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
     window_.refine_scene();
   }
   if (options_.screenshot.empty() || screenshot_moment_.taken()) return {};
+  draw();  // what has changed since the last frame is in it as well
   return window_.take_screenshot(options_.screenshot);
 }
 
@@ -167,7 +168,9 @@ Result<void> RecordedSession::attend_window() {
   const UserRequests requests = window_.attend(take, {});
   quit_ = quit_ || requests.quit;
   if (requests.export_work) begin_export();
-  return requests.screenshot ? window_.take_numbered_screenshot() : Result<void>{};
+  if (!requests.screenshot) return {};
+  draw();
+  return window_.take_numbered_screenshot();
 }
 
 bool RecordedSession::wants_picture(std::int64_t now_ns) {

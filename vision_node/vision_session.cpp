@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -74,6 +75,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   }
   const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
   if (!options_.screenshot.empty() && !moment_.taken()) {
+    draw(true);  // what has changed since the last frame is in it as well
     if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
     if (moment_.missed_contact()) {
       log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
@@ -223,7 +225,9 @@ Result<void> VisionSession::attend_window() {
   if (requests.mark) marks_.press(clock_.now_ns());
   annotate(requests);
   if (view_.mode() == StereoMode::openxr) move_in_headset(requests);
-  return requests.screenshot ? window_.take_numbered_screenshot() : Result<void>{};
+  if (!requests.screenshot) return {};
+  draw(true);
+  return window_.take_numbered_screenshot();
 }
 
 // There the head is where it is: the workspace moves instead.
@@ -275,6 +279,13 @@ Result<void> VisionSession::draw_if_wanted() {
     if (const auto same = step_.take_unseen()) hub_.send(*same);
     if (!other_wants) return {};
   }
+  draw(is_wanted);
+  const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
+  return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
+}
+
+void VisionSession::draw(bool is_for_us) {
+  const std::int64_t begin_ns = clock_.now_ns();
   const VisionStep::Shown shown = step_.compose(begin_ns);
   window_.show(shown);
   if (other_ != nullptr && other_->shown()) view_.set_other_probe(*other_->shown());
@@ -287,13 +298,11 @@ Result<void> VisionSession::draw_if_wanted() {
     if (annotator_ != nullptr) annotator_->show(shown.X_WS);
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
-  if (is_for_headset_) headset_->show();
-  report_frame(is_wanted, begin_ns, clock_.now_ns());
+  if (std::exchange(is_for_headset_, false)) headset_->show();
+  report_frame(is_for_us, begin_ns, clock_.now_ns());
   if (step_.frames().drawn() == 1) {
     if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
   }
-  const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
-  return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
 }
 
 bool VisionSession::other_wants_picture(std::int64_t now_ns) {

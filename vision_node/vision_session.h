@@ -89,6 +89,7 @@ class VisionSession {
   Result<void> attend_window();
   void send_pending();
   Result<void> draw_if_wanted();
+  void draw(bool is_for_us);
   bool other_wants_picture(std::int64_t now_ns);
   void report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);
 
