@@ -72,6 +72,15 @@ TEST(LoopCommand, PressWritesTheSpectrumOfTheBuzz) {
   EXPECT_DOUBLE_EQ(strongest_n, json["buzz_n"].get<double>());
 }
 
+TEST(LoopCommand, ADeviceMayHaveTwoJoints) {
+  const CommandRun seen = run({"zwidth", "--device", "falcon", "--joint", "0.01,3500,2", "--joint", "0.005,8000,0", "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const auto modes = nlohmann::json::parse(seen.out)["inputs"]["modes"];
+  ASSERT_EQ(modes.size(), 2U);
+  EXPECT_EQ(modes[0]["mass_kg"], 0.01);
+  EXPECT_EQ(modes[1]["stiffness_n_per_m"], 8000.0);
+}
+
 TEST(LoopCommand, PressWithThePassivityControllerGeneratesNone) {
   const CommandRun seen = run({"press", "--device", "omega.3", "--stiffness", "3000", "--delay", "10", "--passivity", "--json"});
   ASSERT_EQ(seen.code, 0) << seen.err;

@@ -85,6 +85,10 @@ TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
   EXPECT_TRUE(json["stable_mass_kg"].is_null());
   EXPECT_THAT(json["methods"]["passive"].get<std::string>(), HasSubstr("on average"));
   EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
+  const auto last_column = [](const std::string& line) { return line.substr(line.rfind(',') + 1); };
+  EXPECT_EQ(last_column(csv_header(grid)), "mean_delay_ms\n");
+  EXPECT_DOUBLE_EQ(std::stod(last_column(csv_line(lossy))), 1e3 * lossy.mean_delay_s);
+  EXPECT_EQ(std::stod(last_column(csv_line(still))), 20.0);
 }
 
 // What is passive is stable with any hand, so with none: the two are found in different ways. They are the same but for chance.
