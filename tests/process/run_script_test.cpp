@@ -70,6 +70,16 @@ TEST_F(RunScript, EndsWithThreeLinesOnWhatWasTouchedWhetherItHeldAndWhereTheFile
   EXPECT_TRUE(has("report.json") && has("latency.png") && has("stereo.png"));
 }
 
+TEST_F(RunScript, ChoosesTheCpusByMeasurementIfAskedTo) {
+  const auto ended = run_headless({"--choose-cpus"});
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_EQ(ended->exit_code, 0) << ended->out << ended->err;
+  EXPECT_TRUE(ended->out.find("run: io_node and haptics_node share CPU ") != std::string::npos ||
+              ended->out.find("run: io_node has CPU ") != std::string::npos ||
+              ended->out.find("run: nothing was measured") != std::string::npos)
+      << ended->out;
+}
+
 // Ctrl-C reaches the script alone: the nodes are in their own sessions.
 TEST_F(RunScript, StoppedBySignalsBeforeItsTimeStillSumsUpAndSaysSo) {
   for (const int signal : {SIGINT, SIGTERM}) {

@@ -1,14 +1,19 @@
-#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include "core/force/force_method.h"
 #include "link/link_key.h"
 #include "link/messages.h"
 #include "runtime/atomic_file.h"
+#include "runtime/stop_signal.h"
 #include "tools/commands.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/latency/latency_run.h"
@@ -27,6 +32,21 @@ int run(const LatencyRunOptions& options, Exit exit) {
   }
   fmt::print("{}", ran->text);
   return exit == Exit::by_measurement || ran->holds ? 0 : 1;
+}
+
+// One line for each node, with the flags that put it where short runs were fastest: a script reads them.
+int print_cpus(const LatencyRunOptions& options) {
+  const StopSignal interrupts;
+  const auto chosen = choose_cpus(options);
+  std::error_code ignored;
+  std::filesystem::remove_all(options.out, ignored);
+  if (!chosen || interrupts.stop_requested()) {
+    fmt::print(stderr, "hapton latency cpus: {}\n", chosen ? "interrupted" : chosen.error().what);
+    return 1;
+  }
+  fmt::print("{}\n", chosen->text.empty() ? "nothing was measured: there is one CPU, or --rt is off" : chosen->text);
+  fmt::print("io_node {}\nhaptics_node {}\n", fmt::join(io_flags(chosen->cpus), " "), fmt::join(haptics_flags(chosen->cpus), " "));
+  return 0;
 }
 
 struct CompareOptions {
@@ -52,6 +72,15 @@ int run_compare(const CompareOptions& options) {
   return compared ? 0 : 1;
 }
 
+std::array<CommandOption, 4> add_node_options(CommandLine command, LatencyRunOptions& options) {
+  return {command.add_option("--rate", options.rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default(),
+          command.add_option("--scene", options.scene, "Scene to touch").shows_default(),
+          command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
+          command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
+              .one_of({"try", "require", "off"})
+              .shows_default()};
+}
+
 void add_run_options(CommandLine command, LatencyRunOptions& options) {
   command.add_option("--seconds", options.seconds, "Duration, s").between(0.5, 1e6).shows_default();
   command.add_option("--out", options.out, "Folder for report.json, latency.csv, latency.png, latency.txt and the nodes' logs")
@@ -60,17 +89,12 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
   const CommandOption hosts =
       command.add_option("--hosts", options.hosts, "Measure the system whose hub runs at HOST[:PORT], instead of starting one here");
   command.add_option("--key", options.key_file, kKeyHelp).needs(hosts);
+  for (const CommandOption option : add_node_options(command, options)) hosts.excludes(option);
   const CommandOption of_our_own[] = {
-      command.add_option("--rate", options.rate_hz, "Servo rate, Hz").between(kMinServoRateHz, kMaxServoRateHz).shows_default(),
       command.add_option("--size", options.echo_bytes, "Bytes of the bare echo's datagrams; 0: those of a device sample")
           .between(std::size_t{0}, kMaxDatagramBytes)
           .shows_default(),
       command.add_flag("--vision", options.vision, "Include a vision node: device to frame, motion to photon"),
-      command.add_option("--scene", options.scene, "Scene to touch").shows_default(),
-      command.add_option("--method", options.method, "Force method, one of: " + method_names() + " (default: the haptics node's)"),
-      command.add_option("--rt", options.realtime, "Real-time scheduling of the nodes: try, require or off")
-          .one_of({"try", "require", "off"})
-          .shows_default(),
       command
           .add_option("--cpu", options.cpu,
                       "Pin io_node and echo to this CPU; -1: any; default: measured, the nodes share the last CPU or have one each")
@@ -90,6 +114,13 @@ void add_latency_command(CommandLine app, int& exit_code) {
   const CommandLine run_command = command.add_subcommand("run", "As `hapton latency`; exit code 0: the rate was held");
   add_run_options(run_command, *options);
   run_command.on_run([options, &exit_code] { exit_code = run(*options, Exit::by_verdict); });
+
+  auto placed = std::make_shared<LatencyRunOptions>();
+  const CommandLine cpus_command =
+      command.add_subcommand("cpus", "The CPUs on which io_node and haptics_node reply fastest here, as flags for both; 3 s");
+  placed->out = std::filesystem::temp_directory_path() / fmt::format("hapton_cpus_{}", ::getpid());
+  add_node_options(cpus_command, *placed);
+  cpus_command.on_run([placed, &exit_code] { exit_code = print_cpus(*placed); });
 
   auto compared = std::make_shared<CompareOptions>();
   const CommandLine compare_command = command.add_subcommand("compare", "Two runs side by side, with their ratios");

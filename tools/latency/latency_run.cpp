@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <utility>
@@ -32,12 +33,6 @@ constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
 constexpr double kLongestTimerSeconds = 5.0;
 constexpr double kTrialSeconds = 0.75;  // on each of the choices of CPUs
 
-// Where the nodes run, and why, a line.
-struct Placement {
-  NodeCpus cpus;
-  std::string text;
-};
-
 Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus) {
   const auto echo_at = find_free_address();
   const auto hub_at = find_free_address();
@@ -51,10 +46,8 @@ Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus
   if (!echo) {
     return tl::unexpected(echo.error());
   }
-  std::vector<std::string> arguments = {"--hub", *hub_at,          "--scene", options.scene.string(),
-                                        "--rt",  options.realtime, "--cpu",   fmt::format("{}", cpus.haptics)};
-  // On one CPU neither could reply while the other spins.
-  if (cpus.are_shared()) arguments.insert(arguments.end(), {"--spin", "0"});
+  std::vector<std::string> arguments = {"--hub", *hub_at, "--scene", options.scene.string(), "--rt", options.realtime};
+  std::ranges::copy(haptics_flags(cpus), std::back_inserter(arguments));
   if (!options.method.empty()) {
     arguments.insert(arguments.end(), {"--method", options.method});
   }
@@ -79,9 +72,8 @@ Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus
                                     "--rate",       fmt::format("{}", options.rate_hz),
                                     "--seconds",    fmt::format("{}", options.seconds),
                                     "--out",        options.out.string(),
-                                    "--rt",         options.realtime,
-                                    "--cpu",        cpu};
-  if (cpus.are_shared()) words.insert(words.end(), {"--spin-reply", "0"});
+                                    "--rt",         options.realtime};
+  std::ranges::copy(io_flags(cpus), std::back_inserter(words));
   auto io = LocalNode::start(options.out, "io_node", own / "io_node", std::move(words));
   if (!io) {
     return tl::unexpected(io.error());
@@ -110,22 +102,6 @@ Result<TrialRun> try_cpus(const LatencyRunOptions& options, const NodeCpus& cpus
   const Json hop = report->value("hops", Json::object()).value("round_trip", Json::object());
   return TrialRun{hop.value("p50_us", TrialRun().p50_us), hop.value("p99_us", TrialRun().p99_us),
                   hop.value("max_us", TrialRun().longest_us)};
-}
-
-Result<Placement> place_nodes(const LatencyRunOptions& options) {
-  const auto is_given = [](int cpu) { return cpu != LatencyRunOptions::kMeasured; };
-  if (is_given(options.cpu) || is_given(options.haptics_cpu)) {
-    const int io = is_given(options.cpu) ? options.cpu : options.haptics_cpu;
-    return Placement{{io, is_given(options.haptics_cpu) ? options.haptics_cpu : io}, {}};
-  }
-  const NodeCpus two = find_two_cpus();
-  if (two.io < 0 || options.realtime == "off") return Placement{find_one_cpu(), {}};
-  const auto on_one = try_cpus(options, find_one_cpu());
-  if (!on_one) return tl::unexpected(on_one.error());
-  const auto on_two = try_cpus(options, two);
-  if (!on_two) return tl::unexpected(on_two.error());
-  const NodeCpus chosen = should_use_two(*on_one, *on_two) ? two : find_one_cpu();
-  return Placement{chosen, describe_choice(chosen, *on_one, *on_two) + "\n"};
 }
 
 // A quarter of the time, on the CPU and at the priority of the nodes.
@@ -269,6 +245,22 @@ Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTime
 
 }  // namespace
 
+Result<CpuChoice> choose_cpus(const LatencyRunOptions& options) {
+  const auto is_given = [](int cpu) { return cpu != LatencyRunOptions::kMeasured; };
+  if (is_given(options.cpu) || is_given(options.haptics_cpu)) {
+    const int io = is_given(options.cpu) ? options.cpu : options.haptics_cpu;
+    return CpuChoice{{io, is_given(options.haptics_cpu) ? options.haptics_cpu : io}, {}};
+  }
+  const NodeCpus two = find_two_cpus();
+  if (two.io < 0 || options.realtime == "off") return CpuChoice{find_one_cpu(), {}};
+  const auto on_one = try_cpus(options, find_one_cpu());
+  if (!on_one) return tl::unexpected(on_one.error());
+  const auto on_two = try_cpus(options, two);
+  if (!on_two) return tl::unexpected(on_two.error());
+  const NodeCpus chosen = should_use_two(*on_one, *on_two) ? two : find_one_cpu();
+  return CpuChoice{chosen, describe_choice(chosen, *on_one, *on_two)};
+}
+
 Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
@@ -285,12 +277,12 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
   Result<BareTimer> timer;
   std::string place;
   if (is_here) {
-    const auto placement = place_nodes(options);
-    if (!placement) return tl::unexpected(placement.error());
+    const auto chosen = choose_cpus(options);
+    if (!chosen) return tl::unexpected(chosen.error());
     if (interrupts.stop_requested())
       return fail("interrupted while the CPUs of the nodes were chosen; name them with --cpu to leave that out");
-    place = placement->text;
-    timer = measure_between_timers(options, placement->cpus);
+    if (!chosen->text.empty()) place = chosen->text + "\n";
+    timer = measure_between_timers(options, chosen->cpus);
   } else if (const auto measured = measure_hub(options); !measured) {
     timer = tl::unexpected(measured.error());
   }

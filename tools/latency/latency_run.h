@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "tools/latency/node_cpus.h"
 
 namespace hapton {
 
@@ -23,6 +24,16 @@ struct LatencyRunOptions {
   std::string hosts;             // a hub that runs already is measured instead; empty: none
   std::string key_file;          // of that hub
 };
+
+// Where the nodes run, and why, a line; empty: there was nothing to choose.
+struct CpuChoice {
+  NodeCpus cpus;
+  std::string text;
+};
+
+// The CPUs of the options; those left open are chosen by two short runs on free loopback ports, with files in options.out while they last.
+// RT: set-up only. Error: as run_latency.
+Result<CpuChoice> choose_cpus(const LatencyRunOptions& options);
 
 // The results of a run.
 struct LatencyRun {

@@ -6,6 +6,16 @@
 #include "runtime/realtime.h"
 
 namespace hapton {
+namespace {
+
+// On one CPU neither could reply while the other spins.
+std::vector<std::string> flags_of(int cpu, bool is_shared, const char* spin_flag) {
+  std::vector<std::string> flags = {"--cpu", fmt::format("{}", cpu)};
+  if (is_shared) flags.insert(flags.end(), {spin_flag, "0"});
+  return flags;
+}
+
+}  // namespace
 
 NodeCpus find_one_cpu() {
   const int last = find_shared_cpu();
@@ -27,6 +37,9 @@ bool should_use_two(const TrialRun& on_one, const TrialRun& on_two) {
   constexpr double kMuchLonger = 1.5;  // the longest of a short run is partly chance
   return on_two.p50_us < on_one.p50_us && on_two.p99_us < on_one.p99_us && on_two.longest_us < kMuchLonger * on_one.longest_us;
 }
+
+std::vector<std::string> io_flags(const NodeCpus& cpus) { return flags_of(cpus.io, cpus.are_shared(), "--spin-reply"); }
+std::vector<std::string> haptics_flags(const NodeCpus& cpus) { return flags_of(cpus.haptics, cpus.are_shared(), "--spin"); }
 
 std::string describe_choice(const NodeCpus& chosen, const TrialRun& on_one, const TrialRun& on_two) {
   const std::string place = chosen.are_shared() ? fmt::format("io_node and haptics_node share CPU {}", chosen.io)

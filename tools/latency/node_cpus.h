@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 namespace hapton {
 
@@ -27,6 +28,10 @@ struct TrialRun {
 // True if the nodes should have a CPU each: median and 99th percentile are shorter there, and the longest round trip is not much longer. A
 // second CPU saves the switch between the nodes, but must wake up in time, too, so that on some machines the tail becomes longer.
 bool should_use_two(const TrialRun& on_one, const TrialRun& on_two);
+
+// The flags that put a node there.
+std::vector<std::string> io_flags(const NodeCpus& cpus);
+std::vector<std::string> haptics_flags(const NodeCpus& cpus);
 
 // One line: what was measured and chosen.
 std::string describe_choice(const NodeCpus& chosen, const TrialRun& on_one, const TrialRun& on_two);

@@ -30,6 +30,15 @@ TEST(NodeCpus, AreTwoOnlyIfMedianAndTailAreShorterThere) {
   EXPECT_TRUE(should_use_two({}, on_one)) << "no round trips on one";
 }
 
+TEST(NodeCpus, NeitherSpinsForTheOtherOnACpuOfBoth) {
+  using testing::ElementsAre;
+  EXPECT_THAT(io_flags({1, 1}), ElementsAre("--cpu", "1", "--spin-reply", "0"));
+  EXPECT_THAT(haptics_flags({1, 1}), ElementsAre("--cpu", "1", "--spin", "0"));
+  EXPECT_THAT(io_flags({0, 1}), ElementsAre("--cpu", "0"));
+  EXPECT_THAT(haptics_flags({0, 1}), ElementsAre("--cpu", "1"));
+  EXPECT_THAT(io_flags({}), ElementsAre("--cpu", "-1"));
+}
+
 TEST(NodeCpus, TheChoiceIsExplained) {
   EXPECT_THAT(describe_choice({1, 1}, {50, 90, 200}, {40, 95, 150}), testing::StartsWith("io_node and haptics_node share CPU 1 ("));
   EXPECT_THAT(
