@@ -73,6 +73,10 @@ class ForceMethod {
   // surface. Empty: the method renders them itself. RT: yes.
   virtual std::span<const Material> drag_left_out() const noexcept { return {}; }
 
+  // The part of the last step's force that comes from other objects than MethodOutput::object and has its damping and friction already. The
+  // drag that TouchStep adds does not act on it. Asked only where drag_left_out is not empty. Frame: S. RT: yes.
+  virtual Vec3 force_with_own_drag_n() const noexcept { return Vec3::Zero(); }
+
   // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
   // it its own, if they are the same at rest; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }

@@ -58,6 +58,7 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
 void TouchStep::take_drag() noexcept {
   knows_drag_ = true;
   const std::span<const Material> materials = method_->drag_left_out();
+  adds_drag_ = !materials.empty();
   for (std::size_t o = 0; o < materials.size(); ++o) {
     const Material& material = materials[o];
     effects_->set_drag(o, {.damping_ns_per_m = material.damping_ns_per_m,
@@ -138,7 +139,15 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
       contact.map = &map.emplace(finder->find(find_at_rest(result, place)));
     }
   }
-  const EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
+  const Vec3 apart_n = adds_drag_ ? method_->force_with_own_drag_n() : Vec3::Zero();
+  const bool is_apart = !apart_n.isZero(0.0);
+  if (is_apart) [[unlikely]]
+    contact.force_n -= apart_n;
+  EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
+  if (is_apart) [[unlikely]] {
+    felt.force_n += apart_n;
+    felt.is_felt = true;
+  }
   TouchOutput output;
   output.contact = felt.is_felt;
   output.object = result.object;
