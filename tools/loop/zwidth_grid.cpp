@@ -23,7 +23,7 @@ constexpr std::string_view kColumns =
     "amplifier_hz,modes,rate_hz,delay_ms,jitter_ms,loss,seed,wall_damping_ns_per_m,stable_stiffness_n_per_m,stable_frequency_hz,passive_"
     "stiffness_n_per_m,"
     "viscous_passive_n_per_m,quantised_passive_n_per_m,linear_rule_n_per_m,stable_damping_ns_per_m,passive_damping_ns_per_m,rest_stiffness_"
-    "n_per_m,mass_filter_s,stable_mass_kg,mass_frequency_hz";
+    "n_per_m,mass_filter_s,stable_mass_kg,mass_frequency_hz,mean_delay_ms";
 
 // FNV-1a over what a grid is made of: parts of one grid agree.
 std::uint64_t fingerprint(const ZWidthGrid& grid) {
@@ -213,7 +213,7 @@ std::string csv_header(const ZWidthGrid& grid) {
 std::string csv_line(const ZWidthRow& row) {
   const DeviceModel& d = row.inputs.device;
   const HandModel& h = row.inputs.hand;
-  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell,
+  return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", row.cell,
                      row.loop->device, row.loop->hand, d.mass_kg, d.damping_ns_per_m, h.mass_kg, h.damping_ns_per_m, h.stiffness_n_per_m,
                      d.friction_n, d.encoder_step_m, d.amplifier_hz, d.mode_count, row.inputs.rate_hz, row.delay_ms, row.jitter_ms,
                      row.loss, row.seed, row.inputs.wall_damping_ns_per_m, csv_number(row.found.stiffness.value),
@@ -221,7 +221,7 @@ std::string csv_line(const ZWidthRow& row) {
                      csv_number(row.found.passive.viscous_n_per_m), csv_number(row.found.passive.quantised_n_per_m),
                      row.found.linear_rule_n_per_m, csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
                      row.rest_n_per_m ? csv_number(*row.rest_n_per_m) : "", row.inputs.mass_filter_s, csv_number(row.found.mass_kg.value),
-                     row.found.mass_kg.frequency_hz);
+                     row.found.mass_kg.frequency_hz, csv_number(row.is_simulated() ? 1e3 * row.mean_delay_s : row.delay_ms));
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
