@@ -221,7 +221,7 @@ std::string csv_line(const ZWidthRow& row) {
                      csv_number(row.found.passive.viscous_n_per_m), csv_number(row.found.passive.quantised_n_per_m),
                      row.found.linear_rule_n_per_m, csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
                      row.rest_n_per_m ? csv_number(*row.rest_n_per_m) : "", row.inputs.mass_filter_s, csv_number(row.found.mass_kg.value),
-                     row.found.mass_kg.frequency_hz, csv_number(1e3 * row.mean_delay_s));
+                     row.found.mass_kg.frequency_hz, csv_number(row.is_simulated() ? 1e3 * row.mean_delay_s : row.delay_ms));
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

@@ -85,10 +85,21 @@ TEST(ZWidthGrid, OverALinkOfChanceEveryLimitIsOfThatLink) {
   EXPECT_TRUE(json["stable_mass_kg"].is_null());
   EXPECT_THAT(json["methods"]["passive"].get<std::string>(), HasSubstr("on average"));
   EXPECT_FALSE(to_json(still).contains("mean_delay_ms"));
-  const auto last_column = [](const std::string& line) { return line.substr(line.rfind(',') + 1); };
-  EXPECT_EQ(last_column(csv_header(grid)), "mean_delay_ms\n");
-  EXPECT_DOUBLE_EQ(std::stod(last_column(csv_line(lossy))), 1e3 * lossy.mean_delay_s);
-  EXPECT_EQ(std::stod(last_column(csv_line(still))), 20.0);
+}
+
+// The passive stiffness of a row is that of this delay, so a row has to have it.
+TEST(ZWidthGrid, ARowHasTheMeanDelay) {
+  LoopFlags flags;
+  flags.device = "falcon";
+  ZWidthGrid grid{.loops = *loops_of(flags), .delays_ms = {20.0}, .losses = {0.0, 0.3}};
+  EXPECT_THAT(csv_header(grid), ::testing::EndsWith(",mean_delay_ms\n"));
+  const auto last_of = [](const std::string& line) { return line.substr(line.rfind(',') + 1); };
+  EXPECT_EQ(last_of(csv_line(measure_cell(grid, 0))), "20\n");
+  const ZWidthRow lossy = measure_cell(grid, 1);
+  EXPECT_DOUBLE_EQ(std::stod(last_of(csv_line(lossy))), 1e3 * lossy.mean_delay_s);
+  grid.rates_hz = {10.0};
+  grid.losses = {0.99};
+  EXPECT_EQ(last_of(csv_line(measure_cell(grid, 0))), "\n") << "no force came back";
 }
 
 // What is passive is stable with any hand, so with none: the two are found in different ways. They are the same but for chance.
