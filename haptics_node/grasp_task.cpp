@@ -5,14 +5,12 @@
 #include <utility>
 
 #include "core/force/virtual_coupling.h"
-#include "haptic_step/scene_facts.h"
 #include "haptics_node/new_scene.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/tool_task.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "runtime/worker_threads.h"
-#include "scene/scene_hash.h"
 #include "scene/text_cursor.h"
 #include "scene/tool_obstacles.h"
 
@@ -48,7 +46,8 @@ GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutD
       link_(link),
       tuner_(tuner),
       builder_(builder),
-      clock_(clock) {}
+      clock_(clock),
+      describer_(link.placed) {}
 
 GraspTask::~GraspTask() { stop(); }
 
@@ -143,7 +142,7 @@ void GraspTask::put_down(const GraspOrder& order) {
   tuner_.follow(scene_, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} is put down", printable(object.name));
-  link_.placed.publish({made->revision, hash_scene(made->touch), make_scene_facts(scene_)});
+  describer_.describe(scene_, made->revision);
 }
 
 }  // namespace hapton

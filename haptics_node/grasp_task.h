@@ -13,6 +13,7 @@
 #include "haptic_step/grasp.h"
 #include "haptics_node/material_tuner.h"
 #include "haptics_node/method_builder.h"
+#include "haptics_node/scene_describer.h"
 #include "runtime/clock.h"
 #include "runtime/latency_histogram.h"
 #include "scene/annotations.h"
@@ -68,6 +69,7 @@ class GraspTask {
   const Clock& clock_;
   std::unique_ptr<HeldTool> tool_;  // the step holds it until it orders something else
   std::uint32_t revision_ = 0;
+  SceneDescriber describer_;
   LatencyHistogram pose_times_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

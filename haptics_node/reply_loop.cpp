@@ -233,10 +233,15 @@ void ReplyLoop::change_method() noexcept {
   }
 }
 
-// Materials count on: what was said of the objects of the scene before means nothing for these.
+// Materials count on: what was said of the objects of the scene before means nothing for these. With an object put down the scene has no
+// hash until that is known (PlacedScene): that of before is another scene's.
 void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_revision_ = scene.revision;
-  if (scene.put_down == 0) describe_scene(scene.hash, scene.facts);
+  if (scene.put_down == 0) {
+    describe_scene(scene.hash, scene.facts);
+  } else {
+    setup_.scene_hash = 0;
+  }
   step_.set_materials(scene.materials);
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
   materials_.object_count = 0;

@@ -204,10 +204,11 @@ void add_device(LatencyReport& report, const ServoStats& stats) {
 
 // The scene and method, as last reported by the haptics node.
 void add_setup(LatencyReport& report, const HapticsSetup& setup, std::uint64_t given_hash) {
-  if (setup.scene_hash == 0) return;
+  const bool is_reported = setup.scene_hash != 0 || setup.method[0] != '\0';
+  if (!is_reported) return;
   constexpr std::array kUnits = {"not given", "m", "cm", "mm", "in"};
   report.notes["scene"] = text_of(setup.scene);
-  report.notes["scene_hash"] = fmt::format("{:016x}", setup.scene_hash);
+  if (setup.scene_hash != 0) report.notes["scene_hash"] = fmt::format("{:016x}", setup.scene_hash);
   if (given_hash != 0) report.notes["scene_shape_hash"] = fmt::format("{:016x}", given_hash);
   report.notes["method"] = text_of(setup.method);
   report.notes["haptics_build"] = text_of(setup.build);

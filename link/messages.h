@@ -175,8 +175,8 @@ struct HapticsSetup {
   std::uint32_t method_serial = 0;  // method changes while running
   std::uint32_t view_revision = 0;
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
-  std::uint64_t scene_hash = 0;
-  Text scene = {};  // the file's path
+  std::uint64_t scene_hash = 0;  // 0: not known yet, for some milliseconds after an object was put down
+  Text scene = {};               // the file's path
   Text build = {};
   Text method = {};                   // "name=proxy probe_radius_m=0 ..."
   std::uint32_t method_request = 0;   // of the Settings replied to last; 0: none

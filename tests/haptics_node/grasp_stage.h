@@ -105,6 +105,16 @@ struct GraspTaskTest : testing::Test {
     ASSERT_EQ(methods, count);
   }
 
+  // So does what describes the scene.
+  const PlacedScene* wait_for_placed() {
+    const PlacedScene* placed = grasp->take_placed();
+    for (int i = 0; i < 30'000 && placed == nullptr; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      placed = grasp->take_placed();
+    }
+    return placed;
+  }
+
   // Each reading is later than the one before by `passes_ns`.
   struct PassingClock final : Clock {
     std::int64_t now_ns() const noexcept override { return now += passes_ns; }

@@ -57,7 +57,7 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   EXPECT_NEAR(pose.p_m.x(), 0.03, 1e-4);
   EXPECT_NEAR(pose.p_m.z(), -0.001, 1e-4);
   EXPECT_EQ(grasp->poses()[kPlate].serial, 0U);
-  const PlacedScene* placed = grasp->take_placed();
+  const PlacedScene* placed = wait_for_placed();
   ASSERT_NE(placed, nullptr);
   EXPECT_EQ(placed->revision, 1U);
   Scene moved = scene;

@@ -82,6 +82,16 @@ TEST(IoReport, SaysWhatTheDeviceSaysOfItself) {
   EXPECT_FALSE(make_io_report(*two_seconds(), {}, "").notes.contains("motor_temperature"));
 }
 
+TEST(IoReport, ASceneWhoseHashIsNotKnownYetIsNamedWithoutIt) {
+  auto stats = two_seconds();
+  std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());
+  std::copy_n("name=proxy", 10, stats->setup.method.begin());
+  const LatencyReport report = make_io_report(*stats, {}, "");
+  EXPECT_EQ(report.notes.at("scene"), "/a/part.stl");
+  EXPECT_EQ(report.notes.at("method"), "name=proxy");
+  EXPECT_FALSE(report.notes.contains("scene_hash"));
+}
+
 TEST(IoReport, SaysWhichSceneWasTouchedAndWithWhat) {
   auto stats = two_seconds();
   EXPECT_FALSE(make_io_report(*stats, {}, "").notes.contains("scene"));
