@@ -96,8 +96,21 @@ bool NearFeatures::collect(const Placement& placement, double distance, double t
   return true;
 }
 
+void NearFeatures::follow(const Placement& placement, double turn) noexcept {
+  placement_ = placement;
+  turn_ = turn;
+  within_ = reached_;
+  for (std::size_t i = 0; i < count_; ++i) {
+    NearFeature& near = features_[i];
+    near.gap = measure_gap(near.pair, placement);
+    near.is_minimum = is_minimum(near.pair, near.gap);
+  }
+}
+
 bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
-  if (motion.length(radius_) + distance <= within_) return true;
+  const double length = motion.length(radius_);
+  reached_ = std::max(distance, within_ - length);
+  if (length + distance <= within_) return true;
   const SweptMotion path(motion);
   ++walk_;
   for (Worker& worker : workers_) worker.found.clear();

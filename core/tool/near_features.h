@@ -53,6 +53,10 @@ class NearFeatures {
   // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False if there
   // are more than fit. Pre: motion.from is the placement of the last collect.
   bool extend(const RigidMotion& motion, double distance) noexcept;
+  // In place of a collect: the tool has made the motion of the last extend, or a part of it, and is at `placement`. All pairs that are
+  // known are measured there, with their minima as above. Those that are no farther apart than the distance of that extend are among them.
+  // Pre: the last call of collect or extend returned true, and was extend.
+  void follow(const Placement& placement, double turn) noexcept;
   // Forgets where the last walk has ended: the next one is as the first.
   void restart() noexcept { front_.restart(); }
   // Those of the last collect, then those that each extend has added.
@@ -154,7 +158,8 @@ class NearFeatures {
   PatchFront front_;
   Placement placement_;  // of the last collect
   double turn_ = 0.0;
-  double within_ = 0.0;  // distance of the last collect
+  double within_ = 0.0;   // all pairs that are no farther apart at placement_ are known
+  double reached_ = 0.0;  // the same, wherever the motion of the last extend leads
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
   FeatureSet known_;  // what features_ holds

@@ -199,13 +199,13 @@ void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noex
       ended_[count_++] = is_tool ? Pair{link + 1, pair.scene} : Pair{pair.tool, link + 1};
     }
   }
-  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0, 0});
+  for (std::size_t i = 0; i < count_; ++i) put(i, {ended_[i], -1.0F, -1.0F, 0, 0});
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 
 PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
   constexpr double kFar = 0x1p100;  // a visitor to whom a pair does not matter gives an infinite distance; bounds are finite
-  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in, 0};
+  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in};
 }
 
 void PatchFront::put(std::size_t i, const End& end) noexcept {
@@ -215,6 +215,7 @@ void PatchFront::put(std::size_t i, const End& end) noexcept {
   visited_in_[i] = end.visited_in;
   near_[i] = end.near;
   planes_.clear(i);
+  put_plane(i, end);
 }
 
 void PatchFront::put_again(std::size_t i, const End& end) noexcept {
@@ -224,6 +225,11 @@ void PatchFront::put_again(std::size_t i, const End& end) noexcept {
   rest_until_[i] = is_again ? std::max(rest_until_[i], end.rest_until) : end.rest_until;
   near_[i] = static_cast<std::uint16_t>(is_again ? near_[i] | end.near : end.near);
   visited_in_[i] = end.visited_in;
+  put_plane(i, end);
+}
+
+void PatchFront::put_plane(std::size_t i, const End& end) noexcept {
+  if (end.has_plane) planes_.put(i, end.normal, end.along_normal, tool_->nodes()[end.pair.tool]);
 }
 
 bool PatchFront::finish() noexcept {

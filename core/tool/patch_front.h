@@ -21,7 +21,7 @@ namespace hapton {
 //
 // The pairs of boxes at which a walk ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
 // walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough. A pair
-// that is kept after such a test has a plane between its boxes from then on, which excludes most further tests.
+// that a test found apart has a plane between its boxes from then on, which excludes most further tests.
 //
 // These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
 // whether a walk ends early, is the same with any number of workers.
@@ -108,6 +108,15 @@ class PatchFront {
     std::uint32_t place;
     std::uint64_t visited_in;  // epoch; 0: no visitor has seen it
     std::uint16_t near = 0;    // see Visited
+    bool has_plane = false;    // see Visited
+    Vec3 normal = Vec3::Zero();
+    double along_normal = 0.0;
+
+    void set_plane(const Vec3& along, double gap) {
+      has_plane = true;
+      normal = along;
+      along_normal = gap;
+    }
   };
   // What one worker has of a walk.
   struct Walker {
@@ -128,6 +137,7 @@ class PatchFront {
   float& until(std::size_t i) noexcept { return until_[i / SeparatingPlanes::kTogether].of[i % SeparatingPlanes::kTogether]; }
   void put(std::size_t i, const End& end) noexcept;
   void put_again(std::size_t i, const End& end) noexcept;  // of the pair that is there
+  void put_plane(std::size_t i, const End& end) noexcept;  // if it has one
   bool splits_tool(Pair pair) const noexcept;
   bool is_end(Pair pair) const noexcept;  // two leaves
   // Visits the pair at a place, which a visitor has seen: that tells more than a test of its boxes. False if the walk has to end.
@@ -217,8 +227,8 @@ bool PatchFront::visit_again(Turn turn, const SweptMotion& motion, Visit&& visit
     end.until = std::min(end.until, rest);
     end.rest_until = std::min(end.rest_until, rest);
   }
+  if (found.has_plane && motion.angle < kFastTurn) end.set_plane(found.normal, found.along_normal);
   put_again(at, end);
-  if (found.has_plane && motion.angle < kFastTurn) planes_.put(at, found.normal, found.along_normal, tool);
   return true;
 }
 
@@ -226,6 +236,7 @@ template <class Visit>
 bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
+  const bool wants_plane = motion.angle < kFastTurn;
   bool is_first = true;
   bool has_replaced = false;
   std::array<Pair, 2 * PatchTree::kMostDepth + 2> stack;
@@ -236,7 +247,6 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
     if (++walker.tests > kMostTests) return false;
     const PatchTree::Node& tool = tool_->nodes()[pair.tool];
     const PatchTree::Node& scene = scene_->nodes()[pair.scene];
-    const bool wants_plane = is_first && motion.angle < kFastTurn;
     const Apart apart = test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
     if (apart.over_motion || is_end(pair)) {
       const Visited found =
@@ -245,6 +255,12 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
       End end = end_of(pair, std::max(apart.distance, found.gap), std::max(apart.distance, found.rest), turn.place,
                        apart.over_motion ? 0 : epoch_);
       end.near = found.near;
+      if (wants_plane && apart.over_motion) {
+        const Vec3 normal = SeparatingPlanes::normal_along(apart.direction);
+        end.set_plane(normal, planes_.gap_along(normal, tool, scene));
+      } else if (wants_plane && found.has_plane) {
+        end.set_plane(found.normal, found.along_normal);
+      }
       if (has_replaced) {
         if (walker.added.size() == kMostEnded) return false;
         walker.added.push_back(end);
@@ -252,8 +268,6 @@ bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, 
         put(from, end);
       } else {
         put_again(from, end);
-        if (wants_plane && apart.over_motion) planes_.put(from, apart.direction, tool, scene);
-        if (wants_plane && found.has_plane) planes_.put(from, found.normal, found.along_normal, tool);
       }
       has_replaced = true;
     } else if (splits_tool(pair)) {

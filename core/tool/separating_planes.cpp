@@ -66,11 +66,10 @@ Vec3 SeparatingPlanes::normal_along(const Vec3& direction) noexcept {
   return {rounded_to_float(unit.x()), rounded_to_float(unit.y()), rounded_to_float(unit.z())};
 }
 
-void SeparatingPlanes::put(std::size_t i, const Vec3& direction, const PatchTree::Node& tool, const PatchTree::Node& scene) noexcept {
-  const Vec3 normal = normal_along(direction);
+double SeparatingPlanes::gap_along(const Vec3& normal, const PatchTree::Node& tool, const PatchTree::Node& scene) const noexcept {
   const Vec3 between = at_.position + turn_ * tool.at() - scene.at();
   const double gap = normal.dot(between) - reach_along(tool, turn_.transpose() * normal) - reach_along(scene, normal);
-  put(i, normal, gap - 0x1p-45 * between.cwiseAbs().sum(), tool);
+  return gap - 0x1p-45 * between.cwiseAbs().sum();
 }
 
 void SeparatingPlanes::put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept {

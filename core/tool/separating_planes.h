@@ -33,11 +33,10 @@ class SeparatingPlanes {
   // the start of the last motion, or since restart the reference placement.
   void begin(const SweptMotion& motion, double turned) noexcept;
 
-  // Plane i has about this direction, from the scene to the tool, at the placement where the motion starts. Pre: it is not zero, and its
-  // squared length is finite and not zero.
-  void put(std::size_t i, const Vec3& direction, const PatchTree::Node& tool, const PatchTree::Node& scene) noexcept;
-  // The normal of a plane about this direction, as it is stored. Pre: as above.
+  // The normal of a plane about this direction, as it is stored. Pre: it is not zero, and its squared length is finite and not zero.
   static Vec3 normal_along(const Vec3& direction) noexcept;
+  // How far apart the boxes are along a normal, from the scene to the tool, at the placement where the motion starts, at least.
+  double gap_along(const Vec3& normal, const PatchTree::Node& tool, const PatchTree::Node& scene) const noexcept;
   // Plane i has this normal, of normal_along. gap: what is in the tool's box is that far from what is in the scene's along the normal, at
   // least, to 2^-45 of the coordinates.
   void put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept;

@@ -14,6 +14,7 @@ constexpr double kLargestTurn = 0.5;             // rad in a round: bounds are g
 constexpr double kLargestTilt = 0.05;            // rad: of what may become a minimum in a round
 constexpr int kMostCorrections = 3;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
+constexpr std::size_t kMostFollowed = 96;    // with more, most of them are behind the tool: a new search is shorter
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
 // Pairs that a round begins with: within a share of its reach.
@@ -74,6 +75,10 @@ bool ToolProxy::collect(const Placement& placement, double distance, double turn
 
 bool ToolProxy::extend(const RigidMotion& motion, double distance) noexcept {
   return std::all_of(parts_.begin(), parts_.end(), [&](const auto& part) { return part->near().extend(part->own(motion), distance); });
+}
+
+void ToolProxy::follow(const Placement& placement, double turn) noexcept {
+  for (const auto& part : parts_) part->near().follow(part->own(placement), turn);
 }
 
 std::size_t ToolProxy::feature_count() const noexcept {
@@ -288,7 +293,12 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     report.converged = reach_ > kOffset;
     return report.converged;
   };
-  if (!collect(proxy_, kNearShare * reach + kNear * kOffset, std::min(2.0 * reach / radius, kLargestTilt))) return shorten();
+  const double turn = std::min(2.0 * reach / radius, kLargestTilt);
+  if (std::exchange(follows_, false)) {
+    follow(proxy_, turn);
+  } else if (!collect(proxy_, kNearShare * reach + kNear * kOffset, turn)) {
+    return shorten();
+  }
   RigidMotion motion = constrain(wanted, reach);
   // Pairs that this motion brings together are added, until it crosses none.
   for (int k = 0; !is_at_rest() && k < kMostExtensions; ++k) {
@@ -317,6 +327,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     return false;
   }
   proxy_ = motion.at(share);
+  follows_ = feature_count() <= kMostFollowed;
   if (share >= 1.0 && length >= 0.99 * reach && feature_count() < kManyFeatures) reach_ *= kGrowth;
   return true;
 }
@@ -465,6 +476,7 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
   if (contacts_.count == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
   last_ = proxy_;
   progress_.restart();
+  follows_ = false;
   while (report.rounds < kMostRounds) {
     ++report.rounds;
     report.converged = true;

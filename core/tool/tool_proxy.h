@@ -39,7 +39,8 @@ struct ToolProxyStep {
 
 // The 6-DOF god-object: a rigid tool that follows the device's placement and never penetrates the scene.
 //
-// A step moves the proxy towards the device in rounds. Each round collects the pairs of features within reach, finds the motion that brings
+// A step moves the proxy towards the device in rounds. The first collects the pairs of features within reach, and each further one begins
+// with those that the last one knew, measured anew, as all that its motion came near are among them. A round finds the motion that brings
 // the proxy nearest to the device with every local minimum of the distance kept at the contact offset (Gauss' principle of least
 // constraint; Ortega, Redon & Coquillart 2007, section 4), corrects it for the curvature of the rotation, and makes as much of it as
 // certainly keeps every pair at kFloor of the offset, over the whole motion (conservative advancement). It ends when the motion left is
@@ -114,6 +115,7 @@ class ToolProxy {
   // Of all parts: see NearFeatures.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
   bool extend(const RigidMotion& motion, double distance) noexcept;
+  void follow(const Placement& placement, double turn) noexcept;
   std::size_t feature_count() const noexcept;
   const NearFeature& near_of(const BoundPair& pair) const noexcept { return parts_[pair.part]->near().features()[pair.feature]; }
   // True if some pair is nearer than kLeastGap, or some triangles intersect.
@@ -157,6 +159,7 @@ class ToolProxy {
   Placement last_;      // the proxy before the last step
   double reach_ = 0.0;  // no point of the tool moves farther in a round
   bool is_blocked_ = true;
+  bool follows_ = false;             // the next round begins with the pairs of this one, which has made the motion of the last extend
   std::vector<MotionBound> bounds_;  // of the minima of the distance
   std::vector<BoundPair> bound_pairs_;
   std::vector<double> yields_;      // of each bound: what it asks for as its part moves

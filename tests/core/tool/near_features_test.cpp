@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <random>
 #include <set>
 #include <vector>
@@ -168,6 +169,44 @@ TEST_F(NearFeaturesTest, ACollectAfterOthersFindsWhatOneFromTheRootsFinds) {
     }
   }
   EXPECT_GT(found, 10000U);
+}
+
+// Several motions after one collect: what each has come near is measured where it leads. Short ones need no walk.
+TEST_F(NearFeaturesTest, WhatIsFollowedHasAllThatACollectThereFinds) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  NearFeatures from_roots{tool, scene};
+  const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
+  std::size_t compared = 0;
+  for (int slide = 0; slide < 40; ++slide) {
+    Placement at{vector().normalized() * (0.40 / scene.unit_m()), turn_by(3.0 * vector())};
+    ASSERT_TRUE(near.collect(at, 0.01, 0.02));
+    for (int n = 0; n < 12; ++n) {
+      const double distance = 0.01 * std::abs(uniform(random));
+      const double length = n % 3 == 0 ? 0.1 * distance : 0.02;
+      // Of several, the last one is made.
+      ASSERT_TRUE(near.extend({at, length * vector(), length * vector()}, distance));
+      const RigidMotion motion{at, length * vector(), length * vector()};
+      ASSERT_TRUE(near.extend(motion, distance));
+      at = motion.at(n % 2 == 0 ? 1.0 : std::abs(uniform(random)));
+      const double turn = 0.05 * std::abs(uniform(random));
+      near.follow(at, turn);
+      from_roots.restart();
+      ASSERT_TRUE(from_roots.collect(at, distance * (1.0 - 1e-9), turn));
+      std::map<FeatureKey, NearFeature> followed;
+      for (const NearFeature& feature : near.features()) {
+        ASSERT_TRUE(followed.emplace(key_of(feature.pair), feature).second) << "found twice";
+        ASSERT_EQ(feature.gap.distance, measure_gap(feature.pair, at).distance);
+      }
+      for (const NearFeature& feature : from_roots.features()) {
+        const auto same = followed.find(key_of(feature.pair));
+        ASSERT_NE(same, followed.end()) << "slide " << slide << ", motion " << n << ": a pair " << feature.gap.distance << " apart";
+        ASSERT_EQ(same->second.gap.distance, feature.gap.distance);
+        ASSERT_EQ(same->second.is_minimum, feature.is_minimum);
+        ++compared;
+      }
+    }
+  }
+  EXPECT_GT(compared, 1000U);
 }
 
 TEST_F(NearFeaturesTest, NothingIsFoundFarAway) {

@@ -85,6 +85,11 @@ class SeparatingPlanesTest : public testing::Test {
     return pairs;
   }
 
+  static void put_about(SeparatingPlanes& planes, std::size_t i, const Vec3& direction, const Node& tool, const Node& scene) {
+    const Vec3 normal = SeparatingPlanes::normal_along(direction);
+    planes.put(i, normal, planes.gap_along(normal, tool, scene), tool);
+  }
+
   // Planes for those pairs that are apart, with the normal between their closest points, a little turned.
   std::vector<bool> put(SeparatingPlanes& planes, const Pairs& pairs, const Placement& at) {
     std::vector<bool> has_plane(kPairs, false);
@@ -98,7 +103,7 @@ class SeparatingPlanesTest : public testing::Test {
       if (!(direction.norm() > 1e-9 * tool.half.norm())) continue;
       const Vec3 about = direction + 0.05 * direction.norm() * draw();
       if (i % 2 == 0) {
-        planes.put(i, about, pairs.tool[i], pairs.scene[i]);
+        put_about(planes, i, about, pairs.tool[i], pairs.scene[i]);
       } else {
         const Vec3 normal = SeparatingPlanes::normal_along(about);
         planes.put(i, normal, -tool.highest(-normal) - scene.highest(normal), pairs.tool[i]);
@@ -163,7 +168,7 @@ TEST_F(SeparatingPlanesTest, TheGapOfATurnIsNoLargerThanTheDistanceInItsMiddle) 
     for (float& half : tool.half) half = 1e-6F;
     const double sagitta = 1.0 - std::cos(0.5 * angle);
     const Node scene = draw_box((1.2 + 2.0 * sagitta) * Vec3::UnitX(), 0.1);
-    planes.put(0, -Vec3::UnitX(), tool, scene);
+    put_about(planes, 0, -Vec3::UnitX(), tool, scene);
     const SeparatingPlanes::Gaps gaps = planes.find_gaps(0);
     const double middle = -BoxInScene(scene, {}).highest(-Vec3::UnitX()) - BoxInScene(tool, motion.at(0.5)).highest(Vec3::UnitX());
     EXPECT_LE(gap_of(gaps.over, 0), middle);
@@ -209,7 +214,7 @@ TEST_F(SeparatingPlanesTest, APlaneThatIsClearedGivesNoGap) {
   const Node tool = draw_box({0.0, 0.0, 1.0}, 0.1);
   const Node scene = draw_box({0.0, 0.0, 0.0}, 0.1);
   EXPECT_LT(gap_of(planes.find_gaps(1).start, 9), -1e30F);
-  planes.put(9, Vec3::UnitZ(), tool, scene);
+  put_about(planes, 9, Vec3::UnitZ(), tool, scene);
   EXPECT_GT(gap_of(planes.find_gaps(1).start, 9), 0.6F);
   EXPECT_GT(gap_of(planes.find_gaps(1).over, 9), 0.6F);
   EXPECT_LT(gap_of(planes.find_gaps(1).start, 8), -1e30F);
