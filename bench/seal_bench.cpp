@@ -45,7 +45,7 @@ ForceCommand some_force() {
           .skipped_samples = 1,
           .view_revision = 7,
           .method_serial = 1,
-          .answered_before = ~std::uint64_t{0}};
+          .replied_before = ~std::uint64_t{0}};
 }
 
 DeviceState some_state() {
@@ -214,7 +214,7 @@ void worker_makes_request(benchmark::State& state) {
   for (auto _ : state) run_agreement(task);
 }
 
-void worker_answers_request(benchmark::State& state) {
+void worker_replies_to_request(benchmark::State& state) {
   const LinkKey key = make_key();
   ClientHandshake node(RoleKey(key, KeyRole::haptics), 1, AgreementWorker::Where::caller);
   HubHandshake hub(key, AgreementWorker::Where::caller);
@@ -238,7 +238,7 @@ BENCHMARK(refuse_request);
 BENCHMARK(refuse_replayed_request);
 BENCHMARK(hand_over_request)->Iterations(2000);
 BENCHMARK(worker_makes_request);
-BENCHMARK(worker_answers_request);
+BENCHMARK(worker_replies_to_request);
 
 }  // namespace
 }  // namespace hapton

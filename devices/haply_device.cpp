@@ -22,7 +22,7 @@ constexpr const char* kService = "localhost";
 constexpr std::uint16_t kPort = 10001;
 constexpr std::int64_t kCommandPeriodNs = kNanosecondsPerMillisecond;
 constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
-constexpr std::int64_t kAnswerPatienceNs = kNanosecondsPerSecond / 2;
+constexpr std::int64_t kReplyPatienceNs = kNanosecondsPerSecond / 2;
 constexpr std::int64_t kRetryEveryNs = kNanosecondsPerSecond;
 constexpr int kMostAbsences = 20;  // states in succession without our device, after which it counts as unplugged
 constexpr const char* kRemedy = "start it (systemctl start haply-inverse-service, or open the Haply Hub), or install it from haply.co";
@@ -105,7 +105,7 @@ Result<void> HaplyDevice::open() {
   const bool is_first = model_.empty();
   const Result<std::string> version = is_first ? read_http(service_, "/version", kConnectPatienceNs) : fail("");
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
-  if (!socket) return fail("the Haply Inverse Service does not answer at {}; {}", socket.error().what, kRemedy);
+  if (!socket) return fail("the Haply Inverse Service does not reply at {}; {}", socket.error().what, kRemedy);
   if (is_first) {
     if (const auto judged = judge_version(version); !judged) return judged;
   }
@@ -125,7 +125,7 @@ Result<void> HaplyDevice::open() {
     model_ = arm->model.empty() ? "inverse3" : arm->model;
     firmware_ = arm->firmware;
   }
-  if (!(*socket)->send(haply::first_message(id_), kAnswerPatienceNs)) return fail("{}: {}", to_string(service_), (*socket)->reason());
+  if (!(*socket)->send(haply::first_message(id_), kReplyPatienceNs)) return fail("{}: {}", to_string(service_), (*socket)->reason());
   socket_ = std::move(*socket);
   session_ = {};
   session_.update(*arm);
@@ -157,10 +157,10 @@ void HaplyDevice::run() {
   }
   if (socket_ == nullptr) return;
   // Sends zero force as the last message and waits for the reply, since data in transit may be lost when a connection closes.
-  if (socket_->receive(said_, kAnswerPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kAnswerPatienceNs)) {
-    socket_->receive(said_, kAnswerPatienceNs);
+  if (socket_->receive(said_, kReplyPatienceNs) && socket_->send(haply::force_message(id_, Vec3::Zero()), kReplyPatienceNs)) {
+    socket_->receive(said_, kReplyPatienceNs);
   }
-  socket_->close(kAnswerPatienceNs);
+  socket_->close(kReplyPatienceNs);
 }
 
 void HaplyDevice::look_for_service(std::int64_t now_ns) {
@@ -172,11 +172,11 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
 
 // Receives the reply to the last message, then sends the next. False: the connection is closed.
 bool HaplyDevice::tick() {
-  if (!socket_->receive(said_, kAnswerPatienceNs)) return false;
+  if (!socket_->receive(said_, kReplyPatienceNs)) return false;
   const std::int64_t now_ns = clock_.now_ns();
   // A state that cannot be read is ignored.
   if (const auto state = haply::read_state(said_)) take(*state, now_ns);
-  return socket_->send(haply::force_message(id_, session_.force_from_w(exchange_.wrench(now_ns).force_n)), kAnswerPatienceNs);
+  return socket_->send(haply::force_message(id_, session_.force_from_w(exchange_.wrench(now_ns).force_n)), kReplyPatienceNs);
 }
 
 void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {

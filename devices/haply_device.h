@@ -9,7 +9,7 @@
 namespace hapton {
 
 // A Haply Inverse3, with a VerseGrip where there is one, through the Haply Inverse Service of this machine: JSON over a WebSocket. The
-// service answers each message with one state, so a thread of ours sends a force a thousand times a second, zero as well, and takes what
+// service replies to each message with one state, so a thread of ours sends a force a thousand times a second, zero as well, and takes what
 // comes; the servo meets it in a DeviceExchange. A service or device that goes away is looked for.
 // settings.id: the device's id ("049D"; empty: the first), and after an '@' where the service is ("049D@127.0.0.1:10001").
 // W: x right, y up, z towards the user, from where the cursor is at home.

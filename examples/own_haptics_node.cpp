@@ -1,4 +1,4 @@
-// Shows: a haptics node of your own. The hand is on a spring to a point; io_node's governor limits what you answer, as it does for
+// Shows: a haptics node of your own. The hand is on a spring to a point; io_node's governor limits what you reply, as it does for
 // haptics_node. Run:   io_node, and in another terminal: own_haptics_node [SECONDS [HUB [KEYFILE]]]
 #include <cstdio>
 #include <cstdlib>
@@ -20,15 +20,15 @@ int main(int argc, char** argv) {
   const Clock& clock = (*hub)->clock();
   const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * seconds);
   Datagram datagram;
-  ForceCommand answer;
-  std::uint64_t answers = 0;
+  ForceCommand reply;
+  std::uint64_t replies = 0;
   std::uint64_t superseded = 0;
   while (clock.now_ns() < end_ns) {
     // No timer: the device's samples set the pace. The wait ends now and then, so that the connection stays alive without a hub, too.
     if (!client.receive(datagram, clock.now_ns() + 50 * kNanosecondsPerMillisecond)) continue;
     std::optional<DeviceState> newest;
     std::uint32_t states = 0;
-    do {  // drain: an answer to an older sample would only be late
+    do {  // drain: a reply to an older sample would only be late
       const auto* state = std::get_if<DeviceState>(&datagram.message);
       if (state == nullptr || client.last_arrival() == Arrival::reordered) continue;
       newest = *state;
@@ -36,19 +36,19 @@ int main(int argc, char** argv) {
     } while (client.receive(datagram, 0));
     if (!newest) continue;
 
-    answer.force_n = -150.0 * newest->p_WD;  // your force, N, frame W
-    const std::uint64_t passed = newest->sample - answer.echo_sample;
-    // Bit i: sample echo_sample - 1 - i was answered as well. The hub counts lost answers by it.
-    answer.answered_before = answers == 0 || passed - 1 >= 63 ? 0 : answer.answered_before << passed | std::uint64_t{1} << (passed - 1);
-    answer.echo_sample = newest->sample;
-    answer.echo_sample_time_ns = newest->sample_time_ns;  // so that the hub measures the round trip on its own clock
-    answer.skipped_samples = states - 1;
-    answer.compute_ns = static_cast<std::uint32_t>(clock.now_ns() - client.receive_time_ns());
-    client.send(answer);
+    reply.force_n = -150.0 * newest->p_WD;  // your force, N, frame W
+    const std::uint64_t passed = newest->sample - reply.echo_sample;
+    // Bit i: sample echo_sample - 1 - i got a reply as well. The hub counts lost replies by it.
+    reply.replied_before = replies == 0 || passed - 1 >= 63 ? 0 : reply.replied_before << passed | std::uint64_t{1} << (passed - 1);
+    reply.echo_sample = newest->sample;
+    reply.echo_sample_time_ns = newest->sample_time_ns;  // so that the hub measures the round trip on its own clock
+    reply.skipped_samples = states - 1;
+    reply.compute_ns = static_cast<std::uint32_t>(clock.now_ns() - client.receive_time_ns());
+    client.send(reply);
     superseded += states - 1;
-    ++answers;
+    ++replies;
   }
-  std::printf("%llu forces, %.0f a second; %llu samples superseded\n", static_cast<unsigned long long>(answers),
-              static_cast<double>(answers) / seconds, static_cast<unsigned long long>(superseded));
-  return answers > 0 ? 0 : 1;
+  std::printf("%llu forces, %.0f a second; %llu samples superseded\n", static_cast<unsigned long long>(replies),
+              static_cast<double>(replies) / seconds, static_cast<unsigned long long>(superseded));
+  return replies > 0 ? 0 : 1;
 }

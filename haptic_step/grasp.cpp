@@ -41,7 +41,7 @@ void Grasp::place(int object, const Pose& X_SO) {
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
   const bool is_down = (state.buttons & buttons_) != 0;
   const bool is_pressed = !std::exchange(was_down_, is_down) && is_down;
-  const bool is_answered = link_.answers.take() && link_.answers.value().serial == order_.serial;
+  const bool has_reply = link_.replies.take() && link_.replies.value().serial == order_.serial;
   const std::optional<ObjectPose> request = std::exchange(requested_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
@@ -56,13 +56,13 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       }
       return Change::none;
     case Phase::asked:
-      if (!is_down || (is_answered && link_.answers.value().tool == nullptr)) {
+      if (!is_down || (has_reply && link_.replies.value().tool == nullptr)) {
         send(GraspOrder::Kind::let_go);
         phase_ = Phase::idle;
         return Change::none;
       }
-      if (!is_answered) return Change::none;
-      tool_ = link_.answers.value().tool;
+      if (!has_reply) return Change::none;
+      tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
       set_pose(order_.X_SD.inverse(Eigen::Isometry) * order_.moved, true);
       return Change::picked_up;
@@ -76,7 +76,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       phase_ = Phase::waiting;
       return Change::put_down;
     case Phase::waiting:
-      if (!is_answered) return Change::none;
+      if (!has_reply) return Change::none;
       // The scene could not be built.
       moved_[static_cast<std::size_t>(order_.object)] = before_;
       set_pose(before_, false);

@@ -23,7 +23,7 @@ struct GraspOrder {
 };
 
 // The reply of the slow task: the tool of a pick_up, which the step holds until its next order. Null: there is none; the log says why.
-struct GraspAnswer {
+struct GraspReply {
   std::uint32_t serial = 0;  // of the order
   HeldTool* tool = nullptr;
   HapticsSetup::Text method = {};  // as HapticsSetup has it
@@ -40,7 +40,7 @@ struct PlacedScene {
 // Between the step and the slow task. RT: yes. Threads: one on each side.
 struct GraspLink {
   Mailbox<GraspOrder> orders;
-  Mailbox<GraspAnswer> answers;
+  Mailbox<GraspReply> replies;
   Mailbox<PlacedScene> placed;
 };
 
@@ -73,7 +73,7 @@ class Grasp {
   HeldTool* tool() const noexcept { return tool_; }
   int object() const noexcept { return order_.object; }
   // Of what the stylus holds, as HapticsSetup has it.
-  const HapticsSetup::Text& method() const noexcept { return link_.answers.value().method; }
+  const HapticsSetup::Text& method() const noexcept { return link_.replies.value().method; }
   // After each step of the tool: where it is drawn.
   void note_pose(const Pose& X_WP, const Pose& X_WS) noexcept;
 

@@ -33,7 +33,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
   has_state_ = true;
 }
 
-ForceCommand HapticsStep::answer() noexcept {
+ForceCommand HapticsStep::reply() noexcept {
   has_state_ = false;
   const std::int64_t step_ns = ns_between(last_time_ns_, state_.sample_time_ns);
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
@@ -58,7 +58,7 @@ ForceCommand HapticsStep::answer() noexcept {
   reply.torque_nm = torque_fade_.step(reply.torque_nm, reply.contact, input_.dt_s);
   if (effects_ != nullptr) add_effects(reply, begins);
   last_sample_ = state_.sample;
-  ++counts_.answered;
+  ++counts_.replied;
   counts_.contact_steps += reply.contact ? 1 : 0;
   counts_.max_force_n = std::max(counts_.max_force_n, reply.force_n.norm());
   counts_.max_torque_nm = std::max(counts_.max_torque_nm, reply.torque_nm.norm());
@@ -67,7 +67,7 @@ ForceCommand HapticsStep::answer() noexcept {
   reply.skipped_samples = std::exchange(skipped_, 0U);
   reply.view_revision = view_.revision;
   reply.method_serial = static_cast<std::uint32_t>(counts_.methods_taken);
-  reply.answered_before = answered_before_;
+  reply.replied_before = replied_before_;
   reply.material_serial = static_cast<std::uint32_t>(counts_.materials_taken);
   reply.scene_time_ns = scene_time_ns_;
   reply.move_serial = static_cast<std::uint32_t>(counts_.moves_taken);
@@ -102,7 +102,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
     free_starts_ += start.p_WD == input_.p_WD ? 1 : 0;
     touch_->reset(start);
   } else {
-    remember_answered();
+    remember_reply();
   }
   running_ = true;
   output_ = touch_->step(input_);
@@ -144,7 +144,7 @@ void HapticsStep::return_probe() noexcept {
 // An object was put down, and the slow task is building the scene with it: what is there now has it where it was before. Only the effects
 // in free space go on.
 void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
-  if (running_) remember_answered();
+  if (running_) remember_reply();
   running_ = true;
   const Vec3 effects_n = touch_->step_in_space(input_);
   reply.force_n = fade_.step(effects_n, !effects_n.isZero(0.0), input_.dt_s);
@@ -175,7 +175,7 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
 // in free space act at the grip point.
 void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   if (running_) {
-    remember_answered();
+    remember_reply();
   } else {
     touch_->forget_effects(input_);
   }
@@ -232,18 +232,18 @@ TouchInput HapticsStep::make_start() noexcept {
   if (!state_.is_resumed && has_left_contact(*p_WP, outward_W_, input_.p_WD)) return start;
   start.p_WD = *p_WP + offset_m_ * outward.normalized();
   // What this node remembers of an earlier session is in no recording of this one.
-  if (!state_.is_resumed) answered_before_ = kUnknownBefore;
+  if (!state_.is_resumed) replied_before_ = kUnknownBefore;
   return start;
 }
 
 void HapticsStep::look_around() noexcept {
   const std::optional<Vec3> p_WP = p_WP_;
-  const std::uint64_t answered_before = answered_before_;
+  const std::uint64_t replied_before = replied_before_;
   input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS, .time_s = 1e-9 * static_cast<double>(scene_time_ns_)};
   touch_->reset(make_start());
   touch_->step(input_);
   p_WP_ = p_WP;
-  answered_before_ = answered_before;
+  replied_before_ = replied_before;
 }
 
 void HapticsStep::resume() noexcept {
@@ -254,13 +254,13 @@ void HapticsStep::resume() noexcept {
 }
 
 // Shifts the known replies by the number of samples passed, and adds the last one.
-void HapticsStep::remember_answered() noexcept {
+void HapticsStep::remember_reply() noexcept {
   const std::uint64_t passed = state_.sample - last_sample_;
   if (passed == 0 || passed > 64) {
-    answered_before_ = 0;
+    replied_before_ = 0;
     return;
   }
-  answered_before_ = (passed == 64 ? 0 : answered_before_ << passed) | (std::uint64_t{1} << (passed - 1));
+  replied_before_ = (passed == 64 ? 0 : replied_before_ << passed) | (std::uint64_t{1} << (passed - 1));
 }
 
 bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {

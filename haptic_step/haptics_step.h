@@ -19,7 +19,7 @@ namespace hapton {
 
 // Counters of the haptics node.
 struct HapticsCounts {
-  std::uint64_t answered = 0;
+  std::uint64_t replied = 0;
   std::uint64_t contact_steps = 0;
   std::uint64_t skipped = 0;  // states superseded before the reply
   std::uint64_t views_taken = 0;
@@ -73,7 +73,7 @@ class HapticsStep {
   void look_around() noexcept;
 
   // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
-  ForceCommand answer() noexcept;
+  ForceCommand reply() noexcept;
 
   // Moves the static scene; false if the pose is not rigid: the scene stays.
   bool turn_scene(const ViewTransform& view) noexcept;
@@ -119,7 +119,7 @@ class HapticsStep {
   // Forgets contact and time: for a new hub session, or after a long gap in the samples.
   void restart() noexcept {
     running_ = false;
-    answered_before_ = 0;
+    replied_before_ = 0;
     p_WP_.reset();
     fade_.forget();
   }
@@ -134,7 +134,7 @@ class HapticsStep {
   const TouchStep& touch() const noexcept { return *touch_; }
 
  private:
-  void remember_answered() noexcept;
+  void remember_reply() noexcept;
   void feel_probe(ForceCommand& reply) noexcept;
   void feel_tool(ForceCommand& reply) noexcept;
   void place_parts() noexcept;
@@ -166,8 +166,8 @@ class HapticsStep {
   std::int64_t last_time_ns_ = 0;
   std::int64_t scene_time_ns_ = 0;
   std::optional<std::int64_t> next_scene_time_ns_;
-  std::uint64_t last_sample_ = 0;      // of the last reply
-  std::uint64_t answered_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_
+  std::uint64_t last_sample_ = 0;     // of the last reply
+  std::uint64_t replied_before_ = 0;  // as in ForceCommand, for the next reply: without last_sample_
   std::uint32_t skipped_ = 0;
   std::uint32_t free_starts_ = 0;
   bool has_state_ = false;

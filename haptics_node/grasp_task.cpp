@@ -107,11 +107,11 @@ void GraspTask::pick_up(const GraspOrder& order) {
       std::move(obstacles.friction), make_worker_team(options_.threads));
   if (!step) {
     log_warning("{} cannot be picked up: {}", name, step.error().what);
-    link_.answers.publish({order.serial});
+    link_.replies.publish({order.serial});
     return;
   }
   tool_ = std::make_unique<HeldTool>(std::move(*step), order.X_SD);
-  link_.answers.publish({order.serial, tool_.get(), describe_tool(*tool_)});
+  link_.replies.publish({order.serial, tool_.get(), describe_tool(*tool_)});
   const double seconds = 1e-9 * static_cast<double>(clock_.now_ns() - begin_ns);
   if (seconds > kNoticedS) {
     log_info("{} is picked up; its preparation took {:.1f} s", name, seconds);
@@ -137,7 +137,7 @@ void GraspTask::put_down(const GraspOrder& order) {
                 built.error().what);
     object = before;
     objects_.replace(number, object.mesh);
-    link_.answers.publish({order.serial});
+    link_.replies.publish({order.serial});
     return;
   }
   tuner_.follow(scene_, made->revision);

@@ -25,8 +25,8 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
                                 const LatencyHistogram& step_times) {
   const HapticsCounts& counts = step.counts();
   std::string text =
-      fmt::format("haptics_node: {} samples answered, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered, {} joins\n",
-                  counts.answered, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost,
+      fmt::format("haptics_node: {} samples with a reply, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered, {} joins\n",
+                  counts.replied, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost,
                   hub.sequence_counts().reordered, hub.counts().joins);
   text += describe_times("step", step_times);
   text += describe_times("arrival to reply", compute_times);

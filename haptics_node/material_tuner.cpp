@@ -71,7 +71,7 @@ bool MaterialTuner::follow_file() {
   tuning_.follow(*state);
   auto result = std::make_unique<TunedMaterials>();
   result->state = tuning_.state();
-  result->state.request = answered_;
+  result->state.request = replied_;
   result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
   publish(std::move(result));
   return true;
@@ -87,7 +87,7 @@ void MaterialTuner::tune(const MaterialRequest& request) {
   auto result = std::make_unique<TunedMaterials>();
   const auto changed = tuning_.change(request);
   result->state = tuning_.state();
-  result->state.request = answered_ = request.request;
+  result->state.request = replied_ = request.request;
   if (changed) {
     result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
     log_info("{}", tuning_.describe_last());

@@ -64,7 +64,7 @@ class MaterialTuner {
   Mailbox<MaterialRequest> requests_;
   std::atomic<TunedMaterials*> result_ = nullptr;
   std::atomic<TunedMaterials*> retired_ = nullptr;
-  std::uint32_t answered_ = 0;  // request
+  std::uint32_t replied_ = 0;  // request
   std::uint32_t scene_revision_ = 0;
   std::mutex followed_mutex_;
   std::optional<MaterialState> followed_state_;                         // of the file, not published yet

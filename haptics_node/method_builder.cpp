@@ -104,7 +104,7 @@ Result<void> MethodBuilder::build_scene(const std::shared_ptr<const NewScene>& s
   return {};
 }
 
-// What was built before and not taken yet is replaced, but its scene and the answer to its request are not lost.
+// What was built before and not taken yet is replaced, but its scene and the reply to its request are not lost.
 void MethodBuilder::publish(std::unique_ptr<BuiltMethod> ready) {
   const std::unique_ptr<BuiltMethod> before(built_.exchange(nullptr, std::memory_order_acq_rel));
   if (before != nullptr && ready->request_id == 0) ready->request_id = before->request_id;

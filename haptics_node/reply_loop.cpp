@@ -73,7 +73,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   const std::int64_t began_ns = clock_.now_ns();
   if (wait_.receive(datagram_, deadline_ns)) {
     drain(began_ns);
-    if (step_.has_state()) is_ready() ? answer() : wait_for_builder();
+    if (step_.has_state()) is_ready() ? reply() : wait_for_builder();
   }
   if (patches_ != nullptr) send_patches();
   if (undo_ != nullptr) undo_carves();
@@ -187,14 +187,14 @@ void ReplyLoop::wait_for_builder() noexcept {
   if (now_ns - preparing_since_ns_ >= kShortWaitNs) next_setup_ns_ = std::min(next_setup_ns_, setup_sent_ns_ + kPreparingEveryNs);
 }
 
-void ReplyLoop::answer() noexcept {
+void ReplyLoop::reply() noexcept {
   if (preparing_since_ns_ != 0) {
     preparing_since_ns_ = 0;
     scene_.preparing_s = 0.0F;
     send_setup_soon();
   }
   const std::int64_t begin_ns = clock_.now_ns();
-  ForceCommand command = step_.answer();
+  ForceCommand command = step_.reply();
   const std::int64_t end_ns = clock_.now_ns();
   const std::int64_t spent_ns = std::clamp<std::int64_t>(end_ns - arrival_ns_, 0, std::numeric_limits<std::uint32_t>::max());
   command.compute_ns = static_cast<std::uint32_t>(spent_ns);
@@ -478,7 +478,7 @@ void ReplyLoop::report_hub_state() {
       if (hub_.has_hub_left()) {
         log_info("the hub has ended its session; waiting for the next one");
       } else {
-        log_warning("the hub stopped answering; retrying");
+        log_warning("the hub stopped replying; retrying");
       }
       break;
   }

@@ -75,7 +75,7 @@ class ReplyLoop {
   void note_join() noexcept;
   void handle(const Message& message) noexcept;
   bool is_ready() noexcept;
-  void answer() noexcept;
+  void reply() noexcept;
   void request_materials(const MaterialRequest& request) noexcept;
   void reject_method(std::uint32_t request) noexcept;
   void change_method() noexcept;

@@ -92,7 +92,7 @@ bool DeviceLoop::run_cycle() noexcept {
   stats_.end_ns = tick_ns_ + period_ns();
   // First of all, before the device takes its time: release a force that the governor would no longer output.
   const std::int64_t now_ns = clock_.now_ns();
-  if (force_sample_ns() != 0 && now_ns - answered_ns_ >= kCommandTimeoutNs) hold_force();
+  if (force_sample_ns() != 0 && now_ns - accepted_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
   if (local_ != nullptr) step_locally();
   // A force that came since the last tick has used the slew of this one; one from before a stall has not.
@@ -179,12 +179,12 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   const bool is_zero = wrench.force_n == Vec3::Zero();
   // A force is announced before it is written, and zero after it is: an interruption in between errs on the safe side.
   const bool is_off = is_zero && wrench.torque_nm == Vec3::Zero();
-  if (!is_off) set_force_sample(answered_ns_);
+  if (!is_off) set_force_sample(accepted_ns_);
   device_.write(wrench, begin_ns);
   if (is_off) set_force_sample(0);
   device_ns_ += clock_.now_ns() - begin_ns;
   const bool is_released = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.is_silent();
-  if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - answered_ns_);
+  if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
   written_ = wrench;
   stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
   stats_.max_torque_nm = std::max(stats_.max_torque_nm, wrench.torque_nm.norm());
@@ -261,7 +261,7 @@ void DeviceLoop::govern(const WrenchCommand& wanted, std::int64_t now_ns) noexce
   if (clutch_.share() < 1.0) shared.wrench = {clutch_.share() * wanted.wrench.force_n, clutch_.share() * wanted.wrench.torque_nm};
   governor_.step(shared, now_ns);
   governed_ready_ns_ = clock_.now_ns();
-  if (governor_.counters().accepted != accepted) answered_ns_ = wanted.sample_time_ns;
+  if (governor_.counters().accepted != accepted) accepted_ns_ = wanted.sample_time_ns;
   write(governor_.output());
   governed_ns_ = clock_.now_ns();
 }

@@ -255,7 +255,7 @@ class DeviceLoop {
   bool is_local_ = false;         // the force comes from local_
   ForceFade fade_;                // from remote force to local force and back, and from patch to patch
   std::int64_t faded_ns_ = 0;     // its last step
-  std::int64_t answered_ns_ = 0;  // the sample of the last force that the governor accepted
+  std::int64_t accepted_ns_ = 0;  // the sample of the last force that the governor accepted
   std::int64_t governed_ready_ns_ = 0;
   std::int64_t governed_ns_ = -1;  // the last force since the last cycle; below 0: none
   std::uint64_t number_ = 0;       // of the last command, when it was ready and written

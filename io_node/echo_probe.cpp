@@ -44,7 +44,7 @@ void EchoProbe::probe(std::int64_t deadline_ns) noexcept {
     const bool is_ours = received.from == responder_ && received.bytes == bytes_ && is_reply && echoed != 0 && echoed <= sequence_;
     if (is_ours && echoed == sequence_) {
       round_trip_.record(clock_.now_ns() - sent_ns);
-      ++counts_.answered;
+      ++counts_.replied;
       return;
     }
     ++(is_ours ? counts_.late : counts_.foreign);

@@ -17,7 +17,7 @@ class EchoProbe {
  public:
   struct Counts {
     std::uint64_t sent = 0;
-    std::uint64_t answered = 0;
+    std::uint64_t replied = 0;
     std::uint64_t late = 0;     // came after its wait was over
     std::uint64_t foreign = 0;  // not what we sent
   };

@@ -50,7 +50,7 @@ void ForceExchange::send(const DeviceCycle& cycle) noexcept {
 }
 
 void ForceExchange::accept(const Header& header, const ForceCommand& command) noexcept {
-  const ResponseTracker::Verdict verdict = responses_.answer(command);
+  const ResponseTracker::Verdict verdict = responses_.reply(command);
   if (verdict == ResponseTracker::Verdict::duplicate || verdict == ResponseTracker::Verdict::unknown) return;
   const std::int64_t now_ns = clock_.now_ns();
   note_trip(now_ns - command.echo_sample_time_ns, now_ns);
@@ -64,7 +64,7 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
     const std::uint64_t number = loop_.post({{.force_n = command.force_n, .torque_nm = command.torque_nm}, command.echo_sample_time_ns});
     posted_ = Posted{number, header, command};
     note_written();
-    history_.note_answer(command);
+    history_.note_reply(command);
   }
   ++stats_.forces;
   stats_.contact_samples += command.contact ? 1 : 0;

@@ -31,7 +31,7 @@ class ForceExchange {
   // the hand goes, kThinnedHz times a second.
   void send(const DeviceCycle& cycle) noexcept;
   // The force for the newest sample may still arrive.
-  bool is_awaited() const noexcept { return !responses_.is_newest_answered() && peers_.has_haptics(); }
+  bool is_awaited() const noexcept { return !responses_.has_newest_reply() && peers_.has_haptics(); }
   // Normally the newest force is governed and written to the device before this returns. A force for an older sample than the last one's is
   // counted and dropped.
   void accept(const Header& header, const ForceCommand& command) noexcept;
@@ -66,7 +66,7 @@ class ForceExchange {
   const ResponseTracker& responses() const noexcept { return responses_; }
   const ProbeHistory& history() const noexcept { return history_; }
   // The last force came in contact, from a node that is still there.
-  bool is_in_contact() const noexcept { return history_.last_answer().contact && peers_.has_haptics(); }
+  bool is_in_contact() const noexcept { return history_.last_reply().contact && peers_.has_haptics(); }
 
  private:
   struct Posted {

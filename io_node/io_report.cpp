@@ -103,7 +103,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
                      {"moves_late", whole(s.patch_touch.late_moves)},
                      {"echo_sent", whole(s.echo.sent)},
-                     {"echo_answered", whole(s.echo.answered)},
+                     {"echo_answered", whole(s.echo.replied)},
                      {"echo_late", whole(s.echo.late)},
                      {"events_dropped", whole(s.events_dropped)}};
 }
@@ -223,7 +223,7 @@ std::string describe_status(ProbeStatus status) {
     case ProbeStatus::ok:
       break;
     case ProbeStatus::no_haptics:
-      return "no force: no haptics node answers";
+      return "no force: no haptics node replies";
     case ProbeStatus::fault_latched:
       return "no force: a fault is latched";
     case ProbeStatus::device_away:

@@ -171,7 +171,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   fmt::print("{}", described(stats));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault)
-    return fail("the device{} stopped answering; check its cable and power", name_plugin(options_));
+    return fail("the device{} stopped replying; check its cable and power", name_plugin(options_));
   if (servo_.has_overrun()) {
     return fail("a cycle was missed ({}) and --overrun is stop; allow the loop real time (--rt), or set a lower --rate", main_cause(stats));
   }

@@ -45,8 +45,8 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   follow_source(forces);
   if (!was_local_) note_probe(forces, view ? view->revision : 0, now_ns);
   orders_.X_WS = view ? find_rigid_pose(view->X_WS).value_or(Pose::Identity()) : Pose::Identity();
-  orders_.anchor_ns = forces.history().last_answer().echo_sample_time_ns;
-  orders_.anchor_scene_ns = forces.history().last_answer().scene_time_ns;
+  orders_.anchor_ns = forces.history().last_reply().echo_sample_time_ns;
+  orders_.anchor_scene_ns = forces.history().last_reply().scene_time_ns;
   orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
   has_news_ = builder_.take_status() || has_news_;
@@ -88,7 +88,7 @@ void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   if (!p_WP) return;
   ++orders_.start;
   orders_.start_ns = newest.time_ns;
-  orders_.start_scene_ns = scene_time_at(forces.history().last_answer(), newest.time_ns);
+  orders_.start_scene_ns = scene_time_at(forces.history().last_reply(), newest.time_ns);
   orders_.p_WP = *p_WP;
   orders_.outward_W = (*p_WP - newest.p_WD).normalized();
 }
@@ -103,7 +103,7 @@ void PatchLink::follow_source(const ForceExchange& forces) noexcept {
 // has gone elsewhere meanwhile would meet what lies between.
 void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept {
   if (!forces.has_resumed()) return;
-  const ForceCommand& last = forces.history().last_answer();
+  const ForceCommand& last = forces.history().last_reply();
   if (now_ns - told_ns_ < kProbeNs || last.view_revision != view_revision || last.echo_sample_time_ns <= orders_.start_ns) return;
   const std::optional<Vec3> p_WP = forces.history().find_probe();
   if (!p_WP) return;

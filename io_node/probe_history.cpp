@@ -9,7 +9,7 @@ void ProbeHistory::note_sample(std::uint64_t number, const DeviceSample& sample)
   poses_[number % kSamples] = {sample.time_ns, sample.p_WD, sample.q_WT};
 }
 
-void ProbeHistory::note_answer(const ForceCommand& command) noexcept {
+void ProbeHistory::note_reply(const ForceCommand& command) noexcept {
   note_resumed(command.echo_sample);
   note_local(command);
 }

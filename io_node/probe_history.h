@@ -31,7 +31,7 @@ class ProbeHistory {
   // Pre: samples count up.
   void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
   // The reply to the newest sample that has one.
-  void note_answer(const ForceCommand& command) noexcept;
+  void note_reply(const ForceCommand& command) noexcept;
   // The force of the newest sample, computed on the device side.
   void note_local(const ForceCommand& command) noexcept;
   // The haptics node has replied to that sample while the device side works out the force.
@@ -52,9 +52,9 @@ class ProbeHistory {
 
   // Where a new haptics node resumes contact, if the device is still near (kResumeReachM) and has not left the surface.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
-  const ForceCommand& last_answer() const noexcept { return last_; }
+  const ForceCommand& last_reply() const noexcept { return last_; }
   const Pose& newest() const noexcept { return poses_[newest_ % kSamples]; }
-  // Where the probe was in the sample answered last, if that is known still.
+  // Where the probe was in the sample of the last reply, if that is known still.
   std::optional<Vec3> find_probe() const noexcept;
 
   // Pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw the

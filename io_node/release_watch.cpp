@@ -21,7 +21,7 @@ void ReleaseWatch::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Later forces answer later samples, so the present one is the first to become too old.
+// Later forces reply to later samples, so the present one is the first to become too old.
 std::int64_t ReleaseWatch::check() noexcept {
   (void)loop_.cut_if_older(kLimitNs);
   const std::int64_t now_ns = clock_.now_ns();

@@ -17,14 +17,14 @@ void ReportServer::serve(HubPeers& peers) noexcept {
   for (std::size_t n = 0; n < waiting_.size(); ++n) {
     const std::size_t peer = next_;
     next_ = (next_ + 1) % waiting_.size();
-    if (waiting_[peer] && answer(peers, peer)) {
+    if (waiting_[peer] && reply(peers, peer)) {
       waiting_[peer].reset();
       return;
     }
   }
 }
 
-bool ReportServer::answer(HubPeers& peers, std::size_t peer) noexcept {
+bool ReportServer::reply(HubPeers& peers, std::size_t peer) noexcept {
   const Waiting& waiting = *waiting_[peer];
   const Texts& texts = texts_.value();
   const bool is_there = waiting.wanted.revision == 0 ? texts.revision > waiting.newer_than : texts.revision != 0;

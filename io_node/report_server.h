@@ -38,7 +38,7 @@ class ReportServer {
     std::uint32_t newer_than = 0;
   };
 
-  bool answer(HubPeers& peers, std::size_t peer) noexcept;
+  bool reply(HubPeers& peers, std::size_t peer) noexcept;
 
   Mailbox<Texts> texts_;
   std::uint32_t revision_ = 0;  // the publisher's

@@ -31,23 +31,23 @@ void ResponseTracker::note(std::uint64_t sample, std::int64_t time_ns, State sta
   newest_ = sample;
 }
 
-ResponseTracker::Verdict ResponseTracker::answer(const ForceCommand& command) noexcept {
+ResponseTracker::Verdict ResponseTracker::reply(const ForceCommand& command) noexcept {
   Entry& found = entry(command.echo_sample);
   const bool is_ours = command.echo_sample != 0 && found.sample == command.echo_sample && found.time_ns == command.echo_sample_time_ns;
   if (!is_ours) {
     ++counts_.unknown;
     return Verdict::unknown;
   }
-  if (found.state == State::answered) {
+  if (found.state == State::replied) {
     ++counts_.duplicate;
     return Verdict::duplicate;
   }
-  put(found, State::answered);
-  if (command.echo_sample < newest_answered_) {
+  put(found, State::replied);
+  if (command.echo_sample < newest_replied_) {
     ++counts_.reordered;
     return Verdict::reordered;
   }
-  newest_answered_ = command.echo_sample;
+  newest_replied_ = command.echo_sample;
   supersede_before(command.echo_sample, command.skipped_samples);
   if (command.echo_sample < newest_) {
     ++counts_.late;
@@ -62,7 +62,7 @@ void ResponseTracker::supersede_before(std::uint64_t sample, std::uint32_t count
   for (std::uint64_t s = sample - 1; count > 0 && s > settled_ && s + kCapacity > newest_; --s) {
     Entry& skipped = entry(s);
     if (skipped.sample != s || skipped.state == State::withheld) continue;
-    if (skipped.state == State::answered) return;
+    if (skipped.state == State::replied) return;
     if (skipped.state == State::waiting) put(skipped, State::superseded);
     --count;
   }
@@ -78,18 +78,18 @@ void ResponseTracker::settle_until(std::uint64_t end, State state) noexcept {
 }
 
 void ResponseTracker::excuse_waiting() noexcept {
-  settle_until(newest_answered_, State::lost);
+  settle_until(newest_replied_, State::lost);
   settle_until(newest_ + 1, State::excused);
 }
 
 void ResponseTracker::settle(std::int64_t now_ns) noexcept {
   std::uint64_t end = settled_ + 1;
-  while (end < newest_answered_ && entry(end).time_ns < now_ns - kReplyTimeoutNs) ++end;
+  while (end < newest_replied_ && entry(end).time_ns < now_ns - kReplyTimeoutNs) ++end;
   settle_until(end, State::lost);
 }
 
 void ResponseTracker::close(bool is_alive) noexcept {
-  settle_until(newest_answered_, State::lost);
+  settle_until(newest_replied_, State::lost);
   settle_until(newest_ + 1, is_alive ? State::lost : State::excused);
 }
 

@@ -46,7 +46,7 @@ class ResponseTracker {
   // as skipped.
   void withhold(std::uint64_t sample, std::int64_t time_ns) noexcept;
   // A force arrived in response to this sample.
-  Verdict answer(const ForceCommand& command) noexcept;
+  Verdict reply(const ForceCommand& command) noexcept;
   // The haptics node left or was replaced: waiting samples will get no response.
   void excuse_waiting() noexcept;
   // Call periodically: declares samples lost that have been overtaken for too long.
@@ -54,12 +54,12 @@ class ResponseTracker {
   // At the end of a run: overtaken samples are lost; waiting ones are lost if the node was alive, else excused.
   void close(bool is_alive) noexcept;
 
-  std::uint64_t newest_answered() const noexcept { return newest_answered_; }
-  bool is_newest_answered() const noexcept { return newest_ != 0 && newest_answered_ == newest_; }
+  std::uint64_t newest_replied() const noexcept { return newest_replied_; }
+  bool has_newest_reply() const noexcept { return newest_ != 0 && newest_replied_ == newest_; }
   const Counts& counts() const noexcept { return counts_; }
 
  private:
-  enum class State : std::uint8_t { none, waiting, answered, superseded, lost, excused, withheld };
+  enum class State : std::uint8_t { none, waiting, replied, superseded, lost, excused, withheld };
   struct Entry {
     std::uint64_t sample = 0;
     std::int64_t time_ns = 0;
@@ -74,7 +74,7 @@ class ResponseTracker {
 
   std::array<Entry, kCapacity> entries_ = {};
   std::uint64_t newest_ = 0;  // 0: none taken; samples count from 1
-  std::uint64_t newest_answered_ = 0;
+  std::uint64_t newest_replied_ = 0;
   std::uint64_t settled_ = 0;  // all up to here are settled
   Counts counts_;
 };

@@ -298,7 +298,7 @@ const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {
   add_peer_stats(peers_, stats_);
   stats_.resets_denied += requests_.resets_denied();
   stats_.responses = forces_.responses().counts();
-  stats_.touched_object = forces_.is_in_contact() ? forces_.history().last_answer().object : -1;
+  stats_.touched_object = forces_.is_in_contact() ? forces_.history().last_reply().object : -1;
   stats_.events_dropped = events_.dropped();
   if (budget_ != nullptr) {
     stats_.socket = budget_->socket_counts();

@@ -23,8 +23,8 @@ void ViewRelay::repeat_if_due(std::int64_t now_ns) noexcept {
 }
 
 std::uint32_t ViewRelay::revision_in_use(const ProbeHistory& history) const noexcept {
-  const bool is_answered = peers_.has_haptics() && !history.is_haptics_new();
-  if (is_answered) return history.last_answer().view_revision;
+  const bool has_reply = peers_.has_haptics() && !history.is_haptics_new();
+  if (has_reply) return history.last_reply().view_revision;
   return view_ ? view_->revision : 0;
 }
 

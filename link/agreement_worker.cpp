@@ -43,7 +43,7 @@ void take_keys(AgreementTask& task) noexcept {
   task.state.wipe();
 }
 
-void read_answer(AgreementTask& task) noexcept {
+void read_reply(AgreementTask& task) noexcept {
   std::array<std::uint8_t, sizeof task.connection> payload;
   task.went_well = task.state.read_second(task.second, payload.data());
   if (!task.went_well) return;
@@ -51,7 +51,7 @@ void read_answer(AgreementTask& task) noexcept {
   take_keys(task);
 }
 
-void answer_request(AgreementTask& task) noexcept {
+void reply_to_request(AgreementTask& task) noexcept {
   begin(task);
   std::array<std::uint8_t, sizeof task.connection> payload;
   store(task.connection, payload.data());
@@ -75,11 +75,11 @@ void run_agreement(AgreementTask& task) noexcept {
     case AgreementTask::Kind::make_request:
       make_request(task);
       break;
-    case AgreementTask::Kind::read_answer:
-      read_answer(task);
+    case AgreementTask::Kind::read_reply:
+      read_reply(task);
       break;
-    case AgreementTask::Kind::answer_request:
-      answer_request(task);
+    case AgreementTask::Kind::reply_to_request:
+      reply_to_request(task);
       break;
   }
   seal::wipe(task.psk);

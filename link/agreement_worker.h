@@ -15,9 +15,9 @@ namespace hapton {
 // destruction.
 struct AgreementTask {
   enum class Kind : std::uint8_t {
-    make_request,    // node: psk, prologue -> first, state
-    read_answer,     // node: state, second -> keys, connection
-    answer_request,  // hub: psk, prologue, first, connection -> second, keys
+    make_request,      // node: psk, prologue -> first, state
+    read_reply,        // node: state, second -> keys, connection
+    reply_to_request,  // hub: psk, prologue, first, connection -> second, keys
   };
   Kind kind = Kind::make_request;
   bool went_well = false;         // of a finished one

@@ -18,7 +18,7 @@ class ClockOffset {
   struct Exchange {
     std::int64_t t1_ns = 0;  // ours: leaves
     std::int64_t t2_ns = 0;  // theirs: arrives
-    std::int64_t t3_ns = 0;  // theirs: the answer leaves
+    std::int64_t t3_ns = 0;  // theirs: the reply leaves
     std::int64_t t4_ns = 0;  // ours: it is here
   };
 

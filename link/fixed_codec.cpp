@@ -221,7 +221,7 @@ void lay_out_force_command(Wire& wire, Message& m) {
   wire.number(7, m.skipped_samples);
   wire.number(8, m.view_revision);
   wire.number(9, m.method_serial);
-  wire.number(10, m.answered_before);
+  wire.number(10, m.replied_before);
   wire.number(11, m.material_serial);
   lay_out_touched(wire, m.object);
   lay_out_vector(wire, 13, m.torque_nm);

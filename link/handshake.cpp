@@ -108,17 +108,17 @@ bool ClientHandshake::read_retry(std::span<const std::byte> retry) noexcept {
   return true;
 }
 
-bool ClientHandshake::read_answer(std::span<const std::byte> answer) noexcept {
-  const std::uint8_t* const in = bytes_of(answer);
+bool ClientHandshake::read_reply(std::span<const std::byte> reply) noexcept {
+  const std::uint8_t* const in = bytes_of(reply);
   Attempt* const attempt = find_attempt(load<std::int64_t>(in + kTimestampAt));
-  if (!is_pending_ || attempt == nullptr || !is_signed(handshake_key_, in, kAnswerTagAt)) return false;
+  if (!is_pending_ || attempt == nullptr || !is_signed(handshake_key_, in, kReplyTagAt)) return false;
   AgreementTask task;
-  task.kind = AgreementTask::Kind::read_answer;
+  task.kind = AgreementTask::Kind::read_reply;
   task.number = round_;
   std::copy_n(in + kSecondAt, kSecondBytes, task.second.begin());
   task.state = attempt->state;
   if (!worker_.submit(task)) return false;
-  answered_request_ns_ = attempt->timestamp_ns;
+  replied_request_ns_ = attempt->timestamp_ns;
   *attempt = {};
   return true;
 }
@@ -179,7 +179,7 @@ Cookie HubHandshake::make_cookie(const Address& to, std::int64_t period) const n
 bool HubHandshake::agree(std::span<const std::byte> request, std::uint32_t connection) noexcept {
   const std::uint8_t* const in = bytes_of(request);
   AgreementTask task;
-  task.kind = AgreementTask::Kind::answer_request;
+  task.kind = AgreementTask::Kind::reply_to_request;
   task.number = in[kRoleAt];
   task.connection = connection;
   task.timestamp_ns = load<std::int64_t>(in + kRequestTimestampAt);
@@ -195,11 +195,11 @@ bool HubHandshake::poll(Agreement& agreement) noexcept {
   agreement.connection = task.connection;
   agreement.went_well = task.went_well;
   if (!task.went_well) return true;
-  std::uint8_t* const out = bytes_of(std::span<std::byte>(agreement.answer));
-  write_lead(Kind::answer, out);
+  std::uint8_t* const out = bytes_of(std::span<std::byte>(agreement.reply));
+  write_lead(Kind::reply, out);
   store(task.timestamp_ns, out + kTimestampAt);
   std::copy(task.second.begin(), task.second.end(), out + kSecondAt);
-  sign(handshake_key(static_cast<KeyRole>(task.number)), out, kAnswerTagAt);
+  sign(handshake_key(static_cast<KeyRole>(task.number)), out, kReplyTagAt);
   agreement.channel = SealedChannel(task.keys, task.connection, SealedChannel::Side::hub);
   return true;
 }

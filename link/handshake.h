@@ -23,11 +23,11 @@ namespace hapton {
 //   node                                                          hub
 //   request(role, host, timestamp, first, no cookie)     ---->    key of the role? later than all before? then a cookie for this address
 //                                               <----    retry(timestamp, cookie)
-//   request(role, host, timestamp, first, cookie)        ---->    cookie good? then a place, and the worker answers
-//                                               <----    answer(timestamp, second)
+//   request(role, host, timestamp, first, cookie)        ---->    cookie good? then a place, and the worker replies
+//                                               <----    reply(timestamp, second)
 //   data sealed with the session keys           ---->    first one opened: the session lives
 //
-// Every message carries a tag under a key of the role; a message without a valid tag gets no reply. A node that receives no answer sends
+// Every message carries a tag under a key of the role; a message without a valid tag gets no reply. A node that receives no reply sends
 // another request, with a new timestamp and a new key pair.
 
 // The node's side of one attempt after another.
@@ -61,12 +61,12 @@ class ClientHandshake {
   // The next result of the worker; call until there is none. Pre: into holds seal::kRequestBytes.
   Finished poll(std::span<std::byte> into) noexcept;
 
-  // True if it was valid. Pre: by kind and length a retry, or an answer.
+  // True if it was valid. Pre: by kind and length a retry, or a reply.
   bool read_retry(std::span<const std::byte> retry) noexcept;
-  bool read_answer(std::span<const std::byte> answer) noexcept;
+  bool read_reply(std::span<const std::byte> reply) noexcept;
 
-  // When the request was sent that the newest answer replies to. Pre: there was one.
-  std::int64_t answered_request_ns() const noexcept { return answered_request_ns_; }
+  // When the request was sent that the newest reply replies to. Pre: there was one.
+  std::int64_t replied_request_ns() const noexcept { return replied_request_ns_; }
 
   // The session that was agreed on; once.
   SealedChannel take_channel() noexcept { return std::move(channel_); }
@@ -92,7 +92,7 @@ class ClientHandshake {
   std::size_t next_attempt_ = 0;
   std::uint32_t round_ = 0;  // number of the handshake: results for earlier ones are dropped
   std::int64_t last_timestamp_ns_ = 0;
-  std::int64_t answered_request_ns_ = 0;
+  std::int64_t replied_request_ns_ = 0;
   seal::Cookie cookie_ = {};
   bool is_pending_ = false;
   SealedChannel channel_;
@@ -117,7 +117,7 @@ class HubHandshake {
   struct Agreement {
     std::uint32_t connection = 0;
     bool went_well = false;  // else the request was made without the key, in spite of its tag
-    std::array<std::byte, seal::kAnswerBytes> answer = {};
+    std::array<std::byte, seal::kReplyBytes> reply = {};
     SealedChannel channel;
   };
 

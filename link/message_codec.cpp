@@ -91,7 +91,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_skipped_samples(from.skipped_samples);
   to.set_view_revision(from.view_revision);
   to.set_method_serial(from.method_serial);
-  to.set_answered_before(from.answered_before);
+  to.set_replied_before(from.replied_before);
   to.set_material_serial(from.material_serial);
   to.set_touched(write_object(from.object));
   write_vector(*to.mutable_torque_nm(), from.torque_nm);
@@ -255,7 +255,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.skipped_samples = from.skipped_samples();
   to.view_revision = from.view_revision();
   to.method_serial = from.method_serial();
-  to.answered_before = from.answered_before();
+  to.replied_before = from.replied_before();
   to.material_serial = from.material_serial();
   to.object = read_object(from.touched());
   to.scene_time_ns = from.scene_time_ns();

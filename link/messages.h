@@ -67,7 +67,7 @@ struct ForceCommand {
   std::uint32_t skipped_samples = 0;  // states superseded before a reply, since the last command
   std::uint32_t view_revision = 0;    // of the newest ViewTransform it has applied
   std::uint32_t method_serial = 0;    // of the method that computed it, as HapticsSetup counts
-  std::uint64_t answered_before = 0;  // bit i: sample echo_sample - 1 - i was answered as well, so that a lost reply is noticed
+  std::uint64_t replied_before = 0;   // bit i: sample echo_sample - 1 - i got a reply as well, so that a lost reply is noticed
   std::uint32_t material_serial = 0;  // of the materials that it was computed with, as MaterialState counts
   std::int32_t object = -1;           // touched, of the scene's objects; -1: none, or unknown
   // Of a rigid tool; a probe leaves both zero:
@@ -82,7 +82,7 @@ struct ForceCommand {
   std::optional<ObjectPush> push = {};
 };
 
-// ForceCommand::answered_before of a first reply that resumes contact of an earlier session.
+// ForceCommand::replied_before of a first reply that resumes contact of an earlier session.
 constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};
 
 // vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.

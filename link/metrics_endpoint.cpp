@@ -89,22 +89,22 @@ struct MetricsEndpoint::State {
     }
 
     void await_text() {
-      if (!is_scrape(parser.get())) return answer();
+      if (!is_scrape(parser.get())) return reply();
       is_waiting = true;
       state.is_requested.store(true, std::memory_order_release);
       patience.expires_after(std::chrono::nanoseconds(kFreshNs));
       patience.async_wait([self = shared_from_this()](const error_code& ended) {
-        if (!ended) self->answer_if_waiting();
+        if (!ended) self->reply_if_waiting();
       });
     }
 
-    void answer_if_waiting() {
+    void reply_if_waiting() {
       if (!std::exchange(is_waiting, false)) return;
       patience.cancel();
-      answer();
+      reply();
     }
 
-    void answer() {
+    void reply() {
       response = respond(parser.get(), state.text());
       stream.expires_after(kPatience);
       http::async_write(stream, response, [self = shared_from_this()](const error_code&, std::size_t) {
@@ -153,9 +153,9 @@ struct MetricsEndpoint::State {
   }
 
   // In the context's thread: a text has come.
-  void answer_waiting() {
+  void reply_to_waiting() {
     for (const std::weak_ptr<Client>& one : order)
-      if (const auto client = one.lock()) client->answer_if_waiting();
+      if (const auto client = one.lock()) client->reply_if_waiting();
   }
 
   std::string text() {
@@ -212,7 +212,7 @@ void MetricsEndpoint::set_text(std::string text) {
     const std::lock_guard lock(state_->mutex);
     state_->served = std::move(text);
   }
-  asio::post(state_->context, [state = state_.get()] { state->answer_waiting(); });
+  asio::post(state_->context, [state = state_.get()] { state->reply_to_waiting(); });
 }
 
 bool MetricsEndpoint::take_request() noexcept { return state_->is_requested.exchange(false, std::memory_order_acq_rel); }

@@ -50,7 +50,7 @@ class HandshakeState {
   // Starts again, on either side. own_secret: 32 random bytes of this handshake alone. Pre: seal::start_crypto() succeeded.
   void begin(const Key& psk, std::span<const std::uint8_t> prologue, const Key& own_secret) noexcept;
 
-  // The initiator's: "psk, e" and the payload; the answer's payload. into: payload + kMessageOverhead, and the same less that.
+  // The initiator's: "psk, e" and the payload; the reply's payload. into: payload + kMessageOverhead, and the same less that.
   void write_first(std::span<const std::uint8_t> payload, std::uint8_t* into) noexcept;
   bool read_second(std::span<const std::uint8_t> message, std::uint8_t* into) noexcept;
 

@@ -9,7 +9,7 @@ struct SealCounts {
   std::uint64_t opened = 0;
   std::uint64_t handshakes = 0;           // sessions that both sides have agreed on
   std::uint64_t retries = 0;              // cookies sent to nodes that had shown their key but not their address
-  std::uint64_t repeats = 0;              // good handshakes without an answer, because the one before may still be under way; not rejected
+  std::uint64_t repeats = 0;              // good handshakes without a reply, because the one before may still be under way; not rejected
   std::uint64_t malformed = 0;            // of an unknown kind or length
   std::uint64_t wrong_version = 0;        // of another protocol version
   std::uint64_t wrong_key = 0;            // handshakes without the key of their role

@@ -53,8 +53,8 @@ SealedKind classify_sealed(std::span<const std::byte> datagram) noexcept {
         return datagram.size() == kRequestBytes && in[kRoleAt + 1] == 0 && in[kRoleAt + 2] == 0 && in[kRoleAt + 3] == 0;
       case Kind::retry:
         return datagram.size() == kRetryBytes;
-      case Kind::answer:
-        return datagram.size() == kAnswerBytes;
+      case Kind::reply:
+        return datagram.size() == kReplyBytes;
       case Kind::data:
         return datagram.size() > kOverheadBytes;
     }

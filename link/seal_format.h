@@ -16,15 +16,15 @@ namespace hapton {
 //   lead     08 VERSION KIND 00
 //   request  lead  role:1 000000  host:8  timestamp:8  first:48  cookie:16  tag:16   node -> hub
 //   retry    lead  timestamp:8  cookie:16  tag:16                                    hub -> node
-//   answer   lead  timestamp:8  second:52  tag:16                                    hub -> node
+//   reply   lead  timestamp:8  second:52  tag:16                                    hub -> node
 //   data     lead  connection:4  counter:8  ciphertext:n  tag:16                     both directions
 //
 // The first two bytes of the lead are field 1 of an Envelope (proto/hapton.proto), by which every version recognises another one. The
 // cookie of a request is zero until the hub has sent one. `first` and `second` are the two messages of the Noise handshake (noise.h); its
-// prologue is the request up to `first`. Retry and answer repeat the timestamp of their request.
+// prologue is the request up to `first`. Retry and reply repeat the timestamp of their request.
 namespace seal {
 
-enum class Kind : std::uint8_t { request = 1, retry = 2, answer = 3, data = 4 };
+enum class Kind : std::uint8_t { request = 1, retry = 2, reply = 3, data = 4 };
 
 constexpr std::size_t kCookieBytes = 16;
 constexpr std::size_t kTagBytes = 16;
@@ -44,20 +44,20 @@ constexpr std::size_t kRequestCookieAt = kFirstAt + kFirstBytes;
 constexpr std::size_t kRequestTagAt = kRequestCookieAt + kCookieBytes;
 constexpr std::size_t kRequestBytes = kRequestTagAt + kTagBytes;
 
-constexpr std::size_t kTimestampAt = kLeadBytes;  // of a retry and an answer
+constexpr std::size_t kTimestampAt = kLeadBytes;  // of a retry and a reply
 constexpr std::size_t kCookieAt = kTimestampAt + 8;
 constexpr std::size_t kRetryTagAt = kCookieAt + kCookieBytes;
 constexpr std::size_t kRetryBytes = kRetryTagAt + kTagBytes;
 constexpr std::size_t kSecondAt = kTimestampAt + 8;
-constexpr std::size_t kAnswerTagAt = kSecondAt + kSecondBytes;
-constexpr std::size_t kAnswerBytes = kAnswerTagAt + kTagBytes;
+constexpr std::size_t kReplyTagAt = kSecondAt + kSecondBytes;
+constexpr std::size_t kReplyBytes = kReplyTagAt + kTagBytes;
 
 constexpr std::size_t kConnectionAt = kLeadBytes;
 constexpr std::size_t kCounterAt = kConnectionAt + 4;
 constexpr std::size_t kHeaderBytes = kCounterAt + 8;
 
 // No reply is longer than its request.
-static_assert(kAnswerBytes <= kRequestBytes && kRetryBytes <= kRequestBytes);
+static_assert(kReplyBytes <= kRequestBytes && kRetryBytes <= kRequestBytes);
 
 // The overhead of sealing, and the payload that remains.
 constexpr std::size_t kOverheadBytes = kHeaderBytes + kTagBytes;

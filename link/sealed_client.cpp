@@ -126,7 +126,7 @@ void SealedClient::change_over() noexcept {
   previous_ends_ns_ = 0;  // set when the hub has changed over, too
   channel_ = handshake_.take_channel();
   last_received_ns_ = clock_.now_ns();
-  timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.answered_request_ns(), 0, kMostTripNs);
+  timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.replied_request_ns(), 0, kMostTripNs);
   rekey_ns_ = last_received_ns_ + options_.rekey_every_ns;
   if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
   held_bytes_ = 0;
@@ -158,7 +158,7 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
 void SealedClient::receive_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
   if (!handshake_.is_pending()) return;  // a late reply to an earlier request is no fault
   const bool is_good =
-      (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::answer && handshake_.read_answer(datagram));
+      (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::reply && handshake_.read_reply(datagram));
   counts_.wrong_key += is_good ? 0 : 1;
   if (!is_good) return;
   if (kind == seal::Kind::retry && std::exchange(may_retry_, false)) request(clock_.now_ns());

@@ -194,7 +194,7 @@ void SealedHub::retry(std::span<const std::byte> request, const Address& from, s
 
 void SealedHub::agree(std::span<const std::byte> request, const Address& from, std::int64_t now_ns) noexcept {
   const KeyRole role = HubHandshake::role_of(request);
-  if (is_answered_lately(from, role, now_ns)) {
+  if (had_reply_lately(from, role, now_ns)) {
     ++counts_.repeats;
     return;
   }
@@ -227,7 +227,7 @@ void SealedHub::take_agreements() noexcept {
     session.state = State::candidate;
     session.channel = std::move(agreed.channel);
     endpoint_.expect(session.address, session.connection);
-    endpoint_.send(session.address, agreed.answer);
+    endpoint_.send(session.address, agreed.reply);
   }
 }
 
@@ -271,19 +271,19 @@ SealedHub::Session* SealedHub::find_place(std::span<Session> places, std::int64_
   return quietest != nullptr ? quietest : oldest_candidate;
 }
 
-// Its last answer may still be under way. Where the places for candidates are all taken, one that has an answer waits for that, so that
+// Its last reply may still be under way. Where the places for candidates are all taken, one that has a reply waits for that, so that
 // far nodes do not displace each other's; candidates older than any round trip do not count.
-bool SealedHub::is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept {
+bool SealedHub::had_reply_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept {
   std::int64_t wait_ns = 0;
   std::int64_t newest_ns = 0;
   std::size_t young = 0;
   const std::span<Session> places = places_of(role, sessions_);
   for (const Session& session : places) {
     const bool is_unused = session.state == State::candidate || session.state == State::agreeing;
-    if (!is_unused || now_ns - session.last_received_ns >= kAnswerLivesNs) continue;
+    if (!is_unused || now_ns - session.last_received_ns >= kReplyLivesNs) continue;
     ++young;
     if (session.address != address) continue;
-    wait_ns = wait_ns == 0 ? kAnswerEveryNs : std::min(2 * wait_ns, kMostAnswerEveryNs);
+    wait_ns = wait_ns == 0 ? kReplyEveryNs : std::min(2 * wait_ns, kMostReplyEveryNs);
     newest_ns = std::max(newest_ns, session.last_received_ns);
   }
   return wait_ns != 0 && (now_ns - newest_ns < wait_ns || young >= most_candidates(places));

@@ -22,12 +22,12 @@ namespace hapton {
 //              handshake that is sent again: its time must be later than all others of its host and role (handshake_times.h). Each
 //              rejection is counted, and the worst flood of them is reported (take_flood).
 //   rates      Retries and agreements are limited by source address and in all: 64 and 256 a second, for each role separately.
-//   X25519     A worker computes agreements. The caller hands over requests that have shown key, time and address, and sends the answer in
+//   X25519     A worker computes agreements. The caller hands over requests that have shown key, time and address, and sends the reply in
 //              a later call, when it is finished. A full worker drops requests; it never makes the caller wait.
-//   candidates A request from an address that was answered lately gets no answer: that one may still be under way. The next is answered
-//              kAnswerEveryNs later, the one after it twice that, and so on to kMostAnswerEveryNs: a node whose answer was lost soon has
+//   candidates A request from an address that got a reply lately gets no reply: that one may still be under way. The next gets one
+//              kReplyEveryNs later, the one after it twice that, and so on to kMostReplyEveryNs: a node whose reply was lost soon has
 //              another, and one that is a second away finds its session when its first datagram arrives. While all places for candidates
-//              are taken, an address that has an answer gets no other for kAnswerLivesNs.
+//              are taken, an address that has a reply gets no other for kReplyLivesNs.
 //   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. The old one can still be
 //              opened for kOverlapNs, unless the new one is replaced, too, so that no datagram under way is lost. Each role has slots of
 //              its own (kRolePlaces), at most half of them for sessions in which nothing was opened yet: the holder of one role's key
@@ -40,9 +40,9 @@ class SealedHub final : public Endpoint {
   static constexpr std::array<std::size_t, kNodeKeyRoles> kRolePlaces = {8, 24, 24, 8};  // of haptics, vision, tool, operator
   static constexpr std::int64_t kIdleNs = 2 * kNanosecondsPerSecond;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
-  static constexpr std::int64_t kAnswerEveryNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kMostAnswerEveryNs = 8 * kAnswerEveryNs;
-  static constexpr std::int64_t kAnswerLivesNs = 2 * kNanosecondsPerSecond;
+  static constexpr std::int64_t kReplyEveryNs = 100 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kMostReplyEveryNs = 8 * kReplyEveryNs;
+  static constexpr std::int64_t kReplyLivesNs = 2 * kNanosecondsPerSecond;
   static constexpr SourceLimit::Rates kHandshakeRates = {
       .source_per_second = 64, .source_burst = 32, .all_per_second = 256, .all_burst = 64};
 
@@ -87,7 +87,7 @@ class SealedHub final : public Endpoint {
   Session* find_live(const Address& address) noexcept;
   static std::span<Session> places_of(KeyRole role, std::array<Session, kPlaces>& sessions) noexcept;
   static std::size_t most_candidates(std::span<const Session> places) noexcept { return places.size() / 2; }
-  bool is_answered_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept;
+  bool had_reply_lately(const Address& address, KeyRole role, std::int64_t now_ns) noexcept;
   static Session* find_place(std::span<Session> places, std::int64_t now_ns) noexcept;
   bool is_taken_by_another_role(const Address& address, KeyRole role, std::int64_t now_ns) const noexcept;
 

@@ -44,10 +44,10 @@ class SettingsTalk {
  private:
   // Sends the request twice a second until the reply comes, because a datagram may be lost.
   template <class Request, class Condition>
-  bool repeat_until(std::int64_t patience_ns, const Request& request, Condition&& is_answered) {
+  bool repeat_until(std::int64_t patience_ns, const Request& request, Condition&& has_reply) {
     std::int64_t next_request_ns = clock_.now_ns() + kRepeatSettingNs;
     return wait_until(patience_ns, [&] {
-      if (is_answered()) return true;
+      if (has_reply()) return true;
       if (clock_.now_ns() >= next_request_ns) {
         client_.send(request);
         next_request_ns += kRepeatSettingNs;
@@ -84,8 +84,8 @@ Result<std::string> SettingsTalk::confirm_material(const MaterialRequest& reques
   if (!wait_until(kSetupPatienceNs, [&] { return setup_.has_value(); })) {
     return fail("no haptics node has joined the hub, so nothing can be touched; start haptics_node");
   }
-  const auto is_answered = [&] { return materials_ && materials_->request == request.request; };
-  if (!repeat_until(kTunePatienceNs, request, is_answered)) {
+  const auto has_reply = [&] { return materials_ && materials_->request == request.request; };
+  if (!repeat_until(kTunePatienceNs, request, has_reply)) {
     return fail("the haptics node does not confirm the material: another change was requested since, or it is another build");
   }
   if (materials_->rejection[0] != '\0') {

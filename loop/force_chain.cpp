@@ -57,12 +57,12 @@ void ForceChain::receive(std::int64_t now_ns) {
     if (packet.is_reply) {
       accept(packet, now_ns);
     } else {
-      answer(packet, now_ns);
+      reply(packet, now_ns);
     }
   }
 }
 
-void ForceChain::answer(const Packet& packet, std::int64_t now_ns) {
+void ForceChain::reply(const Packet& packet, std::int64_t now_ns) {
   if (packet.sample_ns <= seen_ns_) {
     ++counters_.overtaken;
     return;
@@ -75,11 +75,11 @@ void ForceChain::answer(const Packet& packet, std::int64_t now_ns) {
 
 void ForceChain::accept(const Packet& packet, std::int64_t now_ns) {
   ++counters_.replies;
-  if (packet.sample_ns <= answered_ns_) {
+  if (packet.sample_ns <= replied_ns_) {
     ++counters_.overtaken;
     return;
   }
-  answered_ns_ = packet.sample_ns;
+  replied_ns_ = packet.sample_ns;
   newest_n_ = packet.value;
   if (options_.gate == Gate::newest) {
     write(packet.value, now_ns);

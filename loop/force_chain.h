@@ -77,7 +77,7 @@ class ForceChain {
 
   static bool is_later(const Packet& a, const Packet& b) noexcept;
   void send(const Packet& packet, FaultInjector& link, std::int64_t now_ns);
-  void answer(const Packet& packet, std::int64_t now_ns);
+  void reply(const Packet& packet, std::int64_t now_ns);
   void accept(const Packet& packet, std::int64_t now_ns);
   void write(const Vec3& wanted_n, std::int64_t now_ns);
   void run_gate(const std::optional<WrenchCommand>& command, std::int64_t now_ns);
@@ -92,8 +92,8 @@ class ForceChain {
   Vec3 force_n_ = Vec3::Zero();
   Vec3 newest_n_ = Vec3::Zero();  // accepted last
   Vec3 read_m_ = Vec3::Zero();
-  std::int64_t seen_ns_ = -1;      // newest sample that the law saw
-  std::int64_t answered_ns_ = -1;  // newest sample whose force came back
+  std::int64_t seen_ns_ = -1;     // newest sample that the law saw
+  std::int64_t replied_ns_ = -1;  // newest sample whose force came back
   Counters counters_;
 };
 

@@ -39,7 +39,7 @@ class PluginFile {
   std::uint64_t hash_ = 0;
 };
 
-// What create and open get, and what they answer in `why`. It must outlive the call only. RT: set-up only.
+// What create and open get, and what they report in `why`. It must outlive the call only. RT: set-up only.
 class PluginRequest {
  public:
   explicit PluginRequest(const PluginChoice& choice);

@@ -58,7 +58,7 @@ void FieldNode::run() {
   (void)enter_realtime({.lock_memory = false});
   while (!is_stopping_.load(std::memory_order_relaxed)) {
     if (const auto state = link_->next(link_->clock().now_ns() + kNodeTurnNs)) {
-      answer(*state);
+      reply(*state);
       if (!is_law_waiting_.load(std::memory_order_relaxed)) link_->send_marker();
     } else if (const std::unique_lock lock(mutex_, std::try_to_lock); lock) {
       state_.is_joined = link_->is_joined();
@@ -67,7 +67,7 @@ void FieldNode::run() {
   link_->release();
 }
 
-void FieldNode::answer(const DeviceState& state) noexcept {
+void FieldNode::reply(const DeviceState& state) noexcept {
   if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
   if (take_law()) laws_sample_ = state.sample;
   const double dt_s = std::clamp(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0, kLongestStepS);
@@ -77,7 +77,7 @@ void FieldNode::answer(const DeviceState& state) noexcept {
   if (is_over) wanted_n.setZero();
   if (std::exchange(was_watch_over_, is_over) != is_over) fade_.begin();
   const Vec3 force_n = fade_.step(wanted_n, true, std::max(dt_s, 1e-6));
-  link_->answer(force_n);
+  link_->reply(force_n);
   note(state, force_n);
 }
 
@@ -104,12 +104,12 @@ void FieldNode::note(const DeviceState& state, const Vec3& force_n) noexcept {
   state_.force_n = force_n;
   state_.buttons = state.buttons;
   state_.is_joined = true;
-  state_.answers = link_->answers();
+  state_.replies = link_->replies();
   state_.superseded = link_->superseded();
   state_.laws = laws_;
   state_.laws_sample = laws_sample_;
   state_.is_watch_over = was_watch_over_;
-  state_.rate_hz = t_s > 0.0 ? static_cast<double>(link_->answers() - 1) / t_s : 0.0;
+  state_.rate_hz = t_s > 0.0 ? static_cast<double>(link_->replies() - 1) / t_s : 0.0;
   if (state.sample_time_ns < histogram_ns_) return;
   histogram_ns_ = state.sample_time_ns + kHistogramEveryNs;
   compute_times_ = link_->compute_times();

@@ -22,17 +22,17 @@ struct FieldNodeState {
   Vec3 force_n = Vec3::Zero();  // asked for; the governor limits it
   std::uint32_t buttons = 0;
   bool is_joined = false;
-  std::uint64_t answers = 0;
+  std::uint64_t replies = 0;
   std::uint64_t superseded = 0;
   std::uint64_t laws = 0;         // fields set and in use
-  std::uint64_t laws_sample = 0;  // the first sample that the present fields answered
+  std::uint64_t laws_sample = 0;  // the first sample that the present fields had a reply for
   bool is_watch_over = false;     // no force: Python has been silent for longer than watch_s
-  double rate_hz = 0.0;           // answers a second since the first
+  double rate_hz = 0.0;           // replies a second since the first
   double compute_p50_us = 0.0;
   double compute_p99_us = 0.0;
 };
 
-// A haptics node whose thread answers each sample with the sum of fields: Python sets them and is never waited for. A change of fields
+// A haptics node whose thread replies to each sample with the sum of fields: Python sets them and is never waited for. A change of fields
 // fades (core/force/force_fade.h) and begins at one sample, for all of them. Threads: any. At the end the hub gets Bye, and the force is
 // released.
 class FieldNode {
@@ -45,14 +45,14 @@ class FieldNode {
 
   void set(std::vector<Field> fields);
   // Marks the recording once the fields set before are in use, and waits for it. The sample that it belongs to: the first one that those
-  // fields answered, or one soon after. Error, one line: as LiveClient::mark.
+  // fields had a reply for, or one soon after. Error, one line: as LiveClient::mark.
   Result<std::uint64_t> mark(std::string_view text);
   FieldNodeState state();
   void stop();
 
  private:
   void run();
-  void answer(const DeviceState& state) noexcept;
+  void reply(const DeviceState& state) noexcept;
   bool take_law() noexcept;  // true: the fields have changed
   void note(const DeviceState& state, const Vec3& force_n) noexcept;
   // Python is alive.

@@ -243,7 +243,7 @@ py::dict describe_node(FieldNode& node) {
   state["force_n"] = make_point(now.force_n);
   state["buttons"] = now.buttons;
   state["joined"] = now.is_joined;
-  state["answers"] = now.answers;
+  state["answers"] = now.replies;
   state["superseded"] = now.superseded;
   state["changes"] = now.laws;
   state["changed_sample"] = now.laws_sample;
@@ -279,9 +279,9 @@ Vec3 read_force(const py::object& returned, std::uint64_t sample) {
 
 py::dict describe_run(const NodeLink& link, double seconds) {
   py::dict report;
-  report["answers"] = link.answers();
+  report["answers"] = link.replies();
   report["seconds"] = seconds;
-  report["rate_hz"] = static_cast<double>(link.answers()) / seconds;
+  report["rate_hz"] = static_cast<double>(link.replies()) / seconds;
   report["superseded"] = link.superseded();
   report["compute_p50_us"] = 1e-3 * link.compute_times().quantile_ns(0.5);
   report["compute_p99_us"] = 1e-3 * link.compute_times().quantile_ns(0.99);
@@ -289,7 +289,7 @@ py::dict describe_run(const NodeLink& link, double seconds) {
   return report;
 }
 
-// Whatever ends it, an exception of the function or Ctrl-C, the last answer is no force.
+// Whatever ends it, an exception of the function or Ctrl-C, the last reply is no force.
 py::dict run_force_function(const py::function& force, double seconds, const std::string& hub, const std::string& key_file) {
   constexpr double kMostS = 1e9;  // as the nodes' --seconds
   if (!(seconds > 0.0 && seconds <= kMostS))
@@ -314,13 +314,13 @@ py::dict run_force_function(const py::function& force, double seconds, const std
       last_ns = state->sample_time_ns;
       const HandSample hand{state->sample, 1e-9 * static_cast<double>(last_ns - first_ns), state->p_WD, state->q_WT, velocity.mean(),
                             state->buttons};
-      link->answer(read_force(force(hand), state->sample));
+      link->reply(read_force(force(hand), state->sample));
     }
   } catch (...) {
     link->release();
     throw;
   }
-  (void)link->next(0);  // counts what came since the last answer
+  (void)link->next(0);  // counts what came since the last reply
   const py::dict report = describe_run(*link, 1e-9 * static_cast<double>(link->clock().now_ns() - begin_ns));
   link->release();
   return report;

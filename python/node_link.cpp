@@ -6,7 +6,7 @@ namespace {
 constexpr double kJoinTimeoutS = 5.0;
 
 // Bit i: sample `now` - 1 - i had a reply. `before`: the same mask for sample `last`, the last one with a reply.
-std::uint64_t shift_answered(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
+std::uint64_t shift_replied(std::uint64_t before, std::uint64_t last, std::uint64_t now) {
   const std::uint64_t passed = now - last;
   if (passed == 0 || passed > 63) return 0;
   return before << passed | std::uint64_t{1} << (passed - 1);
@@ -36,10 +36,10 @@ std::optional<DeviceState> NodeLink::next(std::int64_t deadline_ns) noexcept {
   return has_state ? std::optional(state_) : std::nullopt;
 }
 
-void NodeLink::answer(const Vec3& force_n) noexcept {
+void NodeLink::reply(const Vec3& force_n) noexcept {
   command_.force_n = force_n.allFinite() ? force_n : Vec3(Vec3::Zero());
   command_.contact = !command_.force_n.isZero(0.0);
-  command_.answered_before = answers_ == 0 ? 0 : shift_answered(command_.answered_before, command_.echo_sample, state_.sample);
+  command_.replied_before = replies_ == 0 ? 0 : shift_replied(command_.replied_before, command_.echo_sample, state_.sample);
   command_.echo_sample = state_.sample;
   command_.echo_sample_time_ns = state_.sample_time_ns;
   command_.skipped_samples = skipped_;
@@ -49,7 +49,7 @@ void NodeLink::answer(const Vec3& force_n) noexcept {
   compute_times_.record(spent_ns);
   superseded_ += skipped_;
   skipped_ = 0;
-  ++answers_;
+  ++replies_;
 }
 
 }  // namespace hapton::python

@@ -9,8 +9,8 @@
 
 namespace hapton::python {
 
-// The connection of a haptics node: hands out the newest device sample and answers it. RT: next and answer yes; open set-up only. Threads:
-// one.
+// The connection of a haptics node: hands out the newest device sample and sends the reply to it. RT: next and reply yes; open set-up only.
+// Threads: one.
 class NodeLink {
  public:
   // Error, one line: as HubConnection::open, or no hub accepts a haptics node.
@@ -18,25 +18,25 @@ class NodeLink {
 
   // The newest sample after the one before; none until deadline_ns.
   std::optional<DeviceState> next(std::int64_t deadline_ns) noexcept;
-  // Answers the sample handed out last. N, frame W; a force that is not finite is sent as none.
-  void answer(const Vec3& force_n) noexcept;
-  // No force from now on: answers the next sample, if one comes soon, with none.
+  // Replies to the sample handed out last. N, frame W; a force that is not finite is sent as none.
+  void reply(const Vec3& force_n) noexcept;
+  // No force from now on: replies to the next sample, if one comes soon, with none.
   void release() noexcept {
-    if (next(clock().now_ns() + kReleasePatienceNs)) answer(Vec3::Zero());
+    if (next(clock().now_ns() + kReleasePatienceNs)) reply(Vec3::Zero());
   }
 
   const Clock& clock() const noexcept { return connection_->clock(); }
   // The hub that has left comes back, perhaps: next goes on.
   bool is_joined() noexcept { return connection_->client().state() == JoinState::joined; }
-  std::uint64_t answers() const noexcept { return answers_; }
-  // Samples that never got an answer, as a newer one had come.
+  std::uint64_t replies() const noexcept { return replies_; }
+  // Samples that never got a reply, as a newer one had come.
   std::uint64_t superseded() const noexcept { return superseded_ + skipped_; }
 
   // Marks of the recording: any thread requests them and waits, and may do so for longer than the link lives; send_marker, of the link's
   // own thread, sends the one that waits, again until the hub replies.
   std::shared_ptr<Markers> markers() const noexcept { return markers_; }
   void send_marker() noexcept { markers_->send(connection_->client(), clock().now_ns()); }
-  // From a sample's arrival to its answer's departure.
+  // From a sample's arrival to its reply's departure.
   const LatencyHistogram& compute_times() const noexcept { return compute_times_; }
 
  private:
@@ -50,7 +50,7 @@ class NodeLink {
   DeviceState state_;
   std::int64_t arrival_ns_ = 0;
   std::uint32_t skipped_ = 0;
-  std::uint64_t answers_ = 0;
+  std::uint64_t replies_ = 0;
   std::uint64_t superseded_ = 0;
   LatencyHistogram compute_times_;
   std::shared_ptr<Markers> markers_ = std::make_shared<Markers>();

@@ -25,7 +25,7 @@ class HapticsEnd {
   explicit HapticsEnd(std::shared_ptr<ForceMethod> method) : step_(std::move(method)) {}
 
   // None: the sample was overtaken by a newer one.
-  std::optional<ReplyOnTheWay> answer(const SampleOnTheWay& sample) {
+  std::optional<ReplyOnTheWay> reply(const SampleOnTheWay& sample) {
     if (newest_ns_ && sample.time_ns <= *newest_ns_) return std::nullopt;
     TouchInput input{.p_WD = sample.p_WD};
     if (newest_ns_) {

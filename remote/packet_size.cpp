@@ -40,7 +40,7 @@ std::size_t packet_bytes_of_force() {
   force.visual_offset_m = Vec3(0.001, 0.002, 0.003);
   force.contact = true;
   force.compute_ns = 2000;
-  force.answered_before = ~0ULL;
+  force.replied_before = ~0ULL;
   return packet_bytes_of(force);
 }
 

@@ -26,7 +26,7 @@ Vec3 RemoteLaw::step(const Vec3& p_WD, double /*dt_s*/) noexcept {
   const RemoteStep step = touch_->step(p_WD, now_ns_);
   if (!governor_) return step.force_n;
   std::optional<WrenchCommand> command;
-  if (std::exchange(answered_ns_, step.sample_ns) != step.sample_ns) command = WrenchCommand{{.force_n = step.force_n}, step.sample_ns};
+  if (std::exchange(replied_ns_, step.sample_ns) != step.sample_ns) command = WrenchCommand{{.force_n = step.force_n}, step.sample_ns};
   return governor_->step(command, now_ns_).force_n;
 }
 

@@ -39,7 +39,7 @@ class RemoteLaw final : public ForceLaw {
   std::optional<SafetyGovernor> governor_;
   std::int64_t period_ns_;
   std::int64_t now_ns_ = 1'000'000'000;
-  std::int64_t answered_ns_ = 0;
+  std::int64_t replied_ns_ = 0;
 };
 
 }  // namespace hapton

@@ -22,15 +22,15 @@ std::optional<ReplyOnTheWay> SampleLink::exchange(const SampleOnTheWay& sample) 
   }
   received_.reset();
   while (const auto came = up_.receive(now_ns)) {
-    const auto reply = haptics_.answer(*came);
+    const auto reply = haptics_.reply(*came);
     if (!reply) continue;
     received_ = *came;
     down_.send(*reply, force_bytes_, now_ns);
   }
   std::optional<ReplyOnTheWay> newest;
   while (const auto reply = down_.receive(now_ns)) {
-    if (answered_ns_ && reply->sample.time_ns <= *answered_ns_) continue;
-    answered_ns_ = reply->sample.time_ns;
+    if (replied_ns_ && reply->sample.time_ns <= *replied_ns_) continue;
+    replied_ns_ = reply->sample.time_ns;
     newest = *reply;
   }
   return newest;

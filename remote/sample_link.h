@@ -30,7 +30,7 @@ class SampleLink {
   std::size_t state_bytes_;
   std::size_t force_bytes_;
   std::optional<std::int64_t> sent_ns_;
-  std::optional<std::int64_t> answered_ns_;
+  std::optional<std::int64_t> replied_ns_;
   std::optional<SampleOnTheWay> received_;
 };
 

@@ -13,7 +13,7 @@ class WholeScene final : public RemoteTouch {
   explicit WholeScene(std::shared_ptr<ForceMethod> method) : haptics_(std::move(method)) {}
 
   RemoteStep step(const Vec3& p_WD, std::int64_t now_ns) override {
-    last_ = haptics_.answer({now_ns, p_WD})->touch;
+    last_ = haptics_.reply({now_ns, p_WD})->touch;
     return {last_.force_n, now_ns};
   }
   RemoteTraffic traffic() const override { return {}; }

@@ -9,16 +9,16 @@ CommandFilter::Verdict CommandFilter::take(const WrenchCommand& wanted, std::int
     return is_force_finite ? Verdict::torque_not_finite : Verdict::force_not_finite;
   }
   if (wanted.sample_time_ns > now_ns) return Verdict::future;
-  const bool is_repeated = has_answered_ && wanted.sample_time_ns <= answered_ns_;
+  const bool is_repeated = has_accepted_ && wanted.sample_time_ns <= accepted_ns_;
   if (is_repeated || wanted.sample_time_ns <= now_ns - kCommandTimeoutNs) return Verdict::old;
   wanted_ = wanted.wrench;
-  answered_ns_ = wanted.sample_time_ns;
-  is_live_ = has_answered_ = true;
+  accepted_ns_ = wanted.sample_time_ns;
+  is_live_ = has_accepted_ = true;
   return Verdict::accepted;
 }
 
 bool CommandFilter::times_out(std::int64_t now_ns) noexcept {
-  if (!is_live_ || now_ns - answered_ns_ < kCommandTimeoutNs) return false;
+  if (!is_live_ || now_ns - accepted_ns_ < kCommandTimeoutNs) return false;
   release();
   return true;
 }

@@ -31,12 +31,12 @@ class CommandFilter {
   bool is_live() const noexcept { return is_live_; }
   const Wrench& wanted() const noexcept { return wanted_; }
   // Until the command timeout.
-  double left_s(std::int64_t now_ns) const noexcept { return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - answered_ns_)); }
+  double left_s(std::int64_t now_ns) const noexcept { return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - accepted_ns_)); }
 
  private:
   Wrench wanted_;
-  std::int64_t answered_ns_ = 0;  // sample_time_ns of what was accepted last
-  bool has_answered_ = false;
+  std::int64_t accepted_ns_ = 0;  // sample_time_ns of what was accepted last
+  bool has_accepted_ = false;
   bool is_live_ = false;
 };
 

@@ -41,7 +41,7 @@ std::string_view describe(SafetyFault fault) noexcept {
     case SafetyFault::thermal:
       return "the motors are too hot";
     case SafetyFault::device:
-      return "the device stopped answering";
+      return "the device stopped replying";
   }
   return "unknown";
 }

@@ -14,7 +14,7 @@ enum class SafetyFault : std::uint8_t {
   position,    // repeated invalid poses
   jump,        // the position jumped: an encoder may have lost count
   thermal,     // the motors are too hot
-  device,      // the device has stopped answering
+  device,      // the device has stopped replying
 };
 constexpr int kSafetyFaults = 8;
 

@@ -26,7 +26,7 @@ struct DoctorOptions {
   std::string key_file;
 };
 
-doctor::HubAnswer check_hub(const DoctorOptions& options) {
+doctor::HubReply check_hub(const DoctorOptions& options) {
   const auto reader = HubReader::open(fmt::format("127.0.0.1:{}", options.port), options.key_file);
   if (!reader) return {reader.error().what, {}};
   const auto report = (*reader)->read();
@@ -34,7 +34,7 @@ doctor::HubAnswer check_hub(const DoctorOptions& options) {
   return {{}, report->json};
 }
 
-// Below another root there are no answers.
+// Below another root there are no replies.
 doctor::Machine::Questions questions_for(const DoctorOptions& options) {
   if (options.root != "/") return {};
   return {.library = doctor::try_vendor_library, .display = doctor::try_display, .hub = [&options] { return check_hub(options); }};

@@ -290,7 +290,7 @@ std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
   }
   if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestTimeoutNs;
   if (now_ns >= request_end_ns_) {
-    log_warning("{} was not put back: haptics_node is busy, or does not answer", scene_->objects[object].name);
+    log_warning("{} was not put back: haptics_node is busy, or does not reply", scene_->objects[object].name);
     request_.reset();
     return std::nullopt;
   }
@@ -324,7 +324,7 @@ std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
   }
   if (undo_end_ns_ == 0) undo_end_ns_ = now_ns + kUndoTimeoutNs;
   if (now_ns >= undo_end_ns_) {
-    log_warning("what was carved was not undone: haptics_node is busy, or does not answer");
+    log_warning("what was carved was not undone: haptics_node is busy, or does not reply");
     carve_undo_.reset();
     return std::nullopt;
   }

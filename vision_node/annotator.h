@@ -61,7 +61,7 @@ class Annotator {
   // The point of the open menu under a pixel of the first eye's picture.
   std::optional<Vec3> find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const;
 
-  // A request to haptics_node that is due: an object is to be put back where it was. Repeated until its answer comes. Time: any monotonic
+  // A request to haptics_node that is due: an object is to be put back where it was. Repeated until its reply comes. Time: any monotonic
   // clock, ns.
   std::optional<ObjectPose> take_due(std::int64_t now_ns);
 

@@ -11,7 +11,7 @@ namespace {
 
 // So that a tracker that loses the head again and again does not fill the log.
 constexpr std::int64_t kLogPauseNs = 5'000'000'000;
-// A running server has answered by then.
+// A running server has replied by then.
 constexpr std::int64_t kFirstPoseTimeoutNs = 1'000'000'000;
 
 }  // namespace
@@ -72,7 +72,7 @@ std::string HeadTracker::describe(std::int64_t now_ns) const {
     case State::seen:
       break;
     case State::absent:
-      return fmt::format("no VRPN server answers for {}; the head stays where it was", name);
+      return fmt::format("no VRPN server replies for {}; the head stays where it was", name);
     case State::silent:
       return fmt::format("{} sends no pose of sensor {} (its server has: {}); check --head and --head-sensor", name, source_.sensor,
                          link_->describe_devices());

@@ -80,7 +80,7 @@ std::string_view describe(ProbeStatus status) {
     case ProbeStatus::ok:
       break;
     case ProbeStatus::no_haptics:
-      return "NO FORCE: no haptics_node answers";
+      return "NO FORCE: no haptics_node replies";
     case ProbeStatus::fault_latched:
       return "NO FORCE: a fault is latched; hapton set --reset-faults";
     case ProbeStatus::device_away:

@@ -26,7 +26,7 @@ void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
     if (hub_.has_hub_left()) {
       log_info("the other hand's hub has ended its session; waiting for the next one");
     } else {
-      log_warning("the other hand's hub stopped answering; retrying");
+      log_warning("the other hand's hub stopped replying; retrying");
     }
   }
   was_joined_ = is_joined;

@@ -19,7 +19,7 @@ class TeachBuilder {
 
   // Only the newest request counts. Pre: not off.
   void request(const TeachChoice& choice, const TeachProbe& probe);
-  // A request has not been answered yet.
+  // A request has not got a reply yet.
   bool is_busy();
   // The shapes made since the last call; empty: none.
   std::optional<TeachShapes> take_made();

@@ -79,7 +79,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
     if (moment_.missed_contact()) {
       log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
-               hub_.counts().joins == 0 ? "no hub answered" : "none was drawn for 0.3 s");
+               hub_.counts().joins == 0 ? "no hub replied" : "none was drawn for 0.3 s");
     }
   }
   return saved;
@@ -159,11 +159,11 @@ void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
     if (hub_.has_hub_left()) {
       log_info("the hub has ended its session; waiting for the next one");
     } else {
-      log_warning("the hub stopped answering; retrying");
+      log_warning("the hub stopped replying; retrying");
     }
     step_.lost();
   } else if (!joined && !absence_reported_ && hub_.counts().joins == 0 && clock_.now_ns() - start_ns_ > kHubAbsentNs) {
-    log_warning("no hub answers; start io_node, or check --hub and --key; retrying");
+    log_warning("no hub replies; start io_node, or check --hub and --key; retrying");
     absence_reported_ = true;
   }
   joins_ = hub_.counts().joins;

@@ -41,7 +41,7 @@ class TrackerLink final : private StreamEndpoint::Listener {
   // Buttons of the device that are down, one bit each (TrackerClient::buttons), as of the last take_newest; 0 without a connection.
   std::uint32_t buttons() const { return client_ ? client_->buttons() : 0; }
 
-  // The server has answered in VRPN.
+  // The server has replied in VRPN.
   bool is_connected() const { return client_ && client_->is_connected(); }
   // Of the server: see TrackerClient.
   std::string describe_devices() const { return client_ ? client_->describe_devices() : std::string(); }

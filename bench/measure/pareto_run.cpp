@@ -177,7 +177,7 @@ Result<void> measure_pareto(const ParetoSettings& settings, const Stopwatch& wat
     row.timing = std::move(*timing);
     report.methods.push_back(std::move(row));
   }
-  const BruteAnswers truth = answer_by_brute_force(*mesh, queries);
+  const BruteResults truth = query_by_brute_force(*mesh, queries);
   for (const QueryStructureKind& kind : structures) {
     progress(fmt::format("{}: queries, {} ({})", name, kind.full_name(), kind.precision));
     auto timing = time_structure(watch, settings.budget, kind, *mesh, queries, truth, extent_m);

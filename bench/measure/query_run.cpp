@@ -40,13 +40,13 @@ QueryTiming time_queries(const Stopwatch& watch, const TimingBudget& budget, std
   QueryTiming timing;
   const std::size_t stride = find_stride(watch, budget, queries, ask);
   const std::size_t asked = (queries + stride - 1) / stride;
-  std::vector<double> answers(asked);
+  std::vector<double> replies(asked);
   const TimedSteps timed = time_steps(
-      watch, budget, asked, [](std::size_t) {}, [&](std::size_t i) { answers[i] = ask(i * stride); }, [](std::size_t) {});
+      watch, budget, asked, [](std::size_t) {}, [&](std::size_t i) { replies[i] = ask(i * stride); }, [](std::size_t) {});
   timing.time = spread_of_times(timed.least.ns());
   timing.mean_ns = timed.mean_ns;
   timing.repetitions = timed.repetitions;
-  timing.found = static_cast<std::size_t>(std::count_if(answers.begin(), answers.end(), [](double a) { return std::isfinite(a); }));
+  timing.found = static_cast<std::size_t>(std::count_if(replies.begin(), replies.end(), [](double a) { return std::isfinite(a); }));
   for (std::size_t i = 0; i < truth.size(); ++i) {
     ++timing.compared;
     if (same(ask(i * truth_stride), truth[i], tolerance(i * truth_stride))) ++timing.agree;
@@ -67,23 +67,23 @@ TouchQueries make_queries(std::span<const ForceSample> felt, std::size_t reset_e
   return queries;
 }
 
-BruteAnswers answer_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries) {
-  BruteAnswers answers;
+BruteResults query_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries) {
+  BruteResults replies;
   const auto most = static_cast<std::size_t>(
       std::clamp(kTriangleTests / static_cast<double>(std::max<std::size_t>(1, mesh.triangles.size())), 20.0, 500.0));
-  answers.segment_stride = stride_for(queries.segments.size(), most);
-  answers.point_stride = stride_for(queries.points.size(), most);
+  replies.segment_stride = stride_for(queries.segments.size(), most);
+  replies.point_stride = stride_for(queries.points.size(), most);
   const auto brute = own_structures().front().make(mesh);
-  for (std::size_t i = 0; i < queries.segments.size(); i += answers.segment_stride) {
-    answers.hits.push_back((*brute)->first_hit(queries.segments[i].from, queries.segments[i].to));
+  for (std::size_t i = 0; i < queries.segments.size(); i += replies.segment_stride) {
+    replies.hits.push_back((*brute)->first_hit(queries.segments[i].from, queries.segments[i].to));
   }
-  for (std::size_t i = 0; i < queries.points.size(); i += answers.point_stride)
-    answers.distances.push_back((*brute)->nearest(queries.points[i], queries.radius));
-  return answers;
+  for (std::size_t i = 0; i < queries.points.size(); i += replies.point_stride)
+    replies.distances.push_back((*brute)->nearest(queries.points[i], queries.radius));
+  return replies;
 }
 
 Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind,
-                                       const TriangleMesh& mesh, const TouchQueries& queries, const BruteAnswers& truth, double extent_m) {
+                                       const TriangleMesh& mesh, const TouchQueries& queries, const BruteResults& truth, double extent_m) {
   StructureTiming timing;
   const std::size_t heap = read_live_heap_bytes();
   const std::uint64_t start = Stopwatch::ticks();

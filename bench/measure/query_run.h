@@ -43,14 +43,14 @@ struct StructureTiming {
 };
 
 // Brute-force results of some of the queries, evenly spread.
-struct BruteAnswers {
+struct BruteResults {
   std::size_t segment_stride = 1, point_stride = 1;
   std::vector<double> hits, distances;
 };
-BruteAnswers answer_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries);
+BruteResults query_by_brute_force(const TriangleMesh& mesh, const TouchQueries& queries);
 
 // Builds the structure and times its queries. If all of them would exceed the budget, every n-th is used. Error: see its make.
 Result<StructureTiming> time_structure(const Stopwatch& watch, const TimingBudget& budget, const QueryStructureKind& kind,
-                                       const TriangleMesh& mesh, const TouchQueries& queries, const BruteAnswers& truth, double extent_m);
+                                       const TriangleMesh& mesh, const TouchQueries& queries, const BruteResults& truth, double extent_m);
 
 }  // namespace hapton

@@ -48,7 +48,7 @@ Result<std::vector<HullDirections>> compare_hull_directions(const HullDirections
   if (!felt) return tl::unexpected(felt.error());
   const double extent_m = compute_bounds(mesh).extent();
   const TouchQueries queries = make_queries(*felt, trajectory->reset_every, extent_m);
-  const BruteAnswers truth = answer_by_brute_force(mesh, queries);
+  const BruteResults truth = query_by_brute_force(mesh, queries);
   std::vector<HullDirections> all;
   for (const QueryStructureKind& kind : own_structures()) {
     if (kind.name != "fdh") continue;

@@ -36,7 +36,7 @@ struct SmoothTasks {
   std::size_t contact_steps = 0;
   std::size_t offered = 0;      // sets that the fast task took over from the slow one
   std::size_t without_set = 0;  // steps whose set did not cover enough: they selected one themselves or queried the tree
-  std::size_t beyond_set = 0;   // of them, those for which even a fresh set did not: the tree answered
+  std::size_t beyond_set = 0;   // of them, those for which even a fresh set did not: the tree was queried
   int repetitions = 0;
 
   // Share of a period of the fast task, 0..1: what is left after its mean step, its mean step with triangles in range, and its worst one.

@@ -67,7 +67,7 @@ std::vector<QueryStructureKind> cgal_structures() {
   return {{.library = {},
            .name = "cgal aabb tree",
            .precision = "double",
-           .note = "all_intersections of a segment; closest_point from the last answer, without a radius",
+           .note = "all_intersections of a segment; closest_point from the last result, without a radius",
            .make = [](const TriangleMesh& mesh) -> Result<std::unique_ptr<QueryStructure>> { return std::make_unique<Cgal>(mesh); }}};
 }
 

@@ -17,7 +17,7 @@ struct Clearance {
 // The time of an event that does not happen; motions last from 0 to 1.
 constexpr double kNever = 2.0;
 
-// The functions below accept any shape with separation(p). A ContactTriangle answers faster; a TriangleView needs no preparation.
+// The functions below accept any shape with separation(p). A ContactTriangle is faster; a TriangleView needs no preparation.
 struct TriangleView {
   const TouchGeometry& geometry;
   std::uint32_t triangle;

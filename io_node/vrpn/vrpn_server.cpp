@@ -83,7 +83,7 @@ struct Server::State final : StreamEndpoint::Listener {
   void on_datagram(const Address& from, std::span<const std::byte> bytes) override;
   StreamEndpoint::Id give_up_for_another() override;
 
-  void answer(StreamEndpoint::Id id, Peer& peer);
+  void reply(StreamEndpoint::Id id, Peer& peer);
   void follow_udp_request(Peer& peer);
   void drop_timed_out(std::int64_t now_ns);
   void take_samples();
@@ -136,7 +136,7 @@ void Server::State::on_connected(StreamEndpoint::Id id, const Address& address) 
   peer.address = address;
   peer.since_ns = clock.now_ns();
   peer.is_open = true;
-  answer(id, peer);
+  reply(id, peer);
 }
 
 void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) {
@@ -158,7 +158,7 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
     append_workspace(peer.client.out(), peer.client.header(OurType::workspace, to_time_of_day(clock.now_ns())),
                      options.limits.workspace_min_m, options.limits.workspace_max_m);
   }
-  answer(id, peer);
+  reply(id, peer);
 }
 
 // Datagrams go only to the host of the connection.
@@ -169,7 +169,7 @@ void Server::State::follow_udp_request(Peer& peer) {
   peer.udp->port = peer.client.udp_request()->port;
 }
 
-void Server::State::answer(StreamEndpoint::Id id, Peer& peer) {
+void Server::State::reply(StreamEndpoint::Id id, Peer& peer) {
   if (peer.client.out().empty()) return;
   endpoint->send(id, peer.client.out());
   peer.client.out().clear();
@@ -273,7 +273,7 @@ void Server::State::report() {
       append_button_states(peer.client.out(), peer.client.header(OurType::button_states, time), newest->device.buttons, kButtons);
     }
     if (is_known && peer.client.is_connected() && is_due(peer)) report_to(peer, time);
-    answer(id, peer);
+    reply(id, peer);
   }
   if (is_new) sent = newest;
 }

@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   fmt::print("{:<58} {:>8} {:>8} {:>6} {:>6}\n", "all times in ms", "sample", "event", "bound", "blind");
   const std::vector<Row> rows = run_list(settings, print);
-  print_worst(rows, Kind::inside, "io_node running (from the sample that the force answers)", kInsideMs);
+  print_worst(rows, Kind::inside, "io_node running (from the sample that the force replies to)", kInsideMs);
   print_worst(rows, Kind::outside, "io_node frozen or killed (from the event)", kOutsideMs);
   print_worst(rows, Kind::alone, "patches felt without the haptics node (from the event)", kAloneMs);
   if (!json_file.empty()) {

@@ -104,7 +104,7 @@ std::unique_ptr<TestBed> List::make_bed(Row& row) {
 
 void List::finish(Row row) {
   const double release_ms = row.release_ms();
-  // Each force of a patch answers its sample, however long haptics has been gone.
+  // Each force of a patch replies to its sample, however long haptics has been gone.
   if (row.kind == Kind::alone && row.after_sample_ms > kInsideMs + settings_.slack_ms) {
     row.is_broken = true;
     row.note = "a force stayed after its sample";

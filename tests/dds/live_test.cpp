@@ -27,11 +27,11 @@ using ::testing::HasSubstr;
 using ::testing::Key;
 using ::testing::Not;
 
-// A haptics node that answers with a constant.
+// A haptics node that replies with a constant.
 class Responder {
  public:
-  Responder(const System& system, const ForceCommand& answer)
-      : answer_(answer), hub_(*parse_address(system.hub())), sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::haptics), hub_) {
+  Responder(const System& system, const ForceCommand& reply)
+      : reply_(reply), hub_(*parse_address(system.hub())), sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::haptics), hub_) {
     thread_ = std::thread([this] { run(); });
   }
   ~Responder() {
@@ -46,12 +46,12 @@ class Responder {
       if (!client_.receive(datagram, clock_.now_ns() + 20 * kNanosecondsPerMillisecond)) continue;
       const auto* state = std::get_if<DeviceState>(&datagram.message);
       if (state == nullptr) continue;
-      answer_.echo_sample = state->sample;
-      answer_.echo_sample_time_ns = state->sample_time_ns;
-      client_.send(answer_);
+      reply_.echo_sample = state->sample;
+      reply_.echo_sample_time_ns = state->sample_time_ns;
+      client_.send(reply_);
     }
   }
-  ForceCommand answer_;
+  ForceCommand reply_;
   SteadyClock clock_;
   Address hub_;
   std::unique_ptr<Endpoint> endpoint_ = *open_udp_endpoint("127.0.0.1:0");
@@ -163,12 +163,12 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   System system({"--vision-rate", "2000"});
   write_line(system);
   system.start("io_node");
-  ForceCommand answer;
-  answer.force_n = Vec3(0.1, -0.2, 0.3);
-  answer.visual_offset_m = Vec3(0.001, 0.002, -0.003);
-  answer.visual_turn = Vec3(0.0, 0.0, 0.25);
-  answer.contact = true;
-  const Responder responder(system, answer);
+  ForceCommand reply;
+  reply.force_n = Vec3(0.1, -0.2, 0.3);
+  reply.visual_offset_m = Vec3(0.001, 0.002, -0.003);
+  reply.visual_turn = Vec3(0.0, 0.0, 0.25);
+  reply.contact = true;
+  const Responder responder(system, reply);
   Bridge bridge(system, {"--frame", "table"});
   ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
   FastNode ros(domain());
@@ -196,7 +196,7 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   };
   const auto is_in_full = [&] {
     return !wrenches.empty() &&
-           (Vec3(wrenches.rbegin()->second[0], wrenches.rbegin()->second[1], wrenches.rbegin()->second[2]) - answer.force_n).norm() < 1e-9;
+           (Vec3(wrenches.rbegin()->second[0], wrenches.rbegin()->second[1], wrenches.rbegin()->second[2]) - reply.force_n).norm() < 1e-9;
   };
   const std::int64_t start_s = ::time(nullptr);
   // Long enough for velocities, whatever the machine does meanwhile.
@@ -210,7 +210,7 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
     return is_in_full() && joy && !transforms.empty() && poses.size() > 500 && proxies.size() > 500 && twists.size() > 500;
   });
   ASSERT_GT(poses.size(), 500U);
-  ASSERT_TRUE(is_in_full()) << "the last force is not the one that was answered";
+  ASSERT_TRUE(is_in_full()) << "the last force is not that of the last reply";
   EXPECT_EQ(wrenches.rbegin()->second[3], 0.0);
   for (const auto& [unused, pose] : poses) expect_on_the_line(pose);
   // Time of day, in seconds; the stamps tell how much time passed on the line.
@@ -227,9 +227,9 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
     const auto pose = poses.find(stamp);
     if (pose == poses.end()) continue;
     const Vec3 offset(proxy[0] - pose->second[0], proxy[1] - pose->second[1], proxy[2] - pose->second[2]);
-    if (offset.isZero(0.0)) continue;  // before the first answer
+    if (offset.isZero(0.0)) continue;  // before the first reply
     ++pairs;
-    EXPECT_LT((offset - answer.visual_offset_m).norm(), 1e-12);
+    EXPECT_LT((offset - reply.visual_offset_m).norm(), 1e-12);
     const double half = 0.5 * (kFirstTurnRad + time_of(pose->second) * kTurnRadPerS + 0.25);
     EXPECT_NEAR(proxy[5], std::sin(half), 1e-5);
     EXPECT_NEAR(proxy[6], std::cos(half), 1e-5);
@@ -267,9 +267,9 @@ TEST(DdsLive, AReliableSubscriberIsServedOnRequest) {
   System system({"--vision-rate", "2000"});
   write_line(system);
   system.start("io_node");
-  ForceCommand answer;
-  answer.force_n = Vec3(0.0, 0.0, 0.6);
-  const Responder responder(system, answer);
+  ForceCommand reply;
+  reply.force_n = Vec3(0.0, 0.0, 0.6);
+  const Responder responder(system, reply);
   Bridge bridge(system, {"--reliable"});
   ASSERT_TRUE(bridge.is_publishing()) << bridge.err();
   FastNode ros(domain());

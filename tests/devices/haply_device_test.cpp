@@ -128,7 +128,7 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   EXPECT_THAT(said, HasSubstr("reconnected"));
 }
 
-TEST_F(Haply, AServiceThatStopsAnsweringIsConnectedAgain) {
+TEST_F(Haply, AServiceThatStopsReplyingIsConnectedAgain) {
   open();
   ASSERT_TRUE(serve_until_ready());
   service->is_silent = true;
@@ -219,7 +219,7 @@ TEST_F(Haply, AMissingServiceIsOneClearLine) {
   settings.id = "@" + address;
   const auto made = make_haply(settings);
   ASSERT_FALSE(made);
-  EXPECT_THAT(made.error().what, HasSubstr("does not answer at " + address + ": Connection refused"));
+  EXPECT_THAT(made.error().what, HasSubstr("does not reply at " + address + ": Connection refused"));
   EXPECT_THAT(made.error().what, HasSubstr("systemctl start haply-inverse-service"));
 }
 

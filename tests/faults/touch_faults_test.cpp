@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kACycleNs = kMs;
-// The force that has to end: 20 ms after the sample that the last force answers; from patches, kAloneNs after haptics was heard last.
+// The force that has to end: 20 ms after the sample that the last force replies to; from patches, kAloneNs after haptics was heard last.
 constexpr std::int64_t kRemoteReleaseNs = 20 * kMs + kACycleNs;
 
 struct FaultRow {

@@ -126,7 +126,7 @@ Bytes make_retry(std::int64_t timestamp_ns, const Cookie& cookie, KeyRole role) 
   return retry;
 }
 
-std::optional<Bytes> make_answer(const Bytes& request, std::uint32_t connection) {
+std::optional<Bytes> make_reply(const Bytes& request, std::uint32_t connection) {
   if (find_handshake_kind(request) != Kind::request) return std::nullopt;
   noise::Key secret;
   secret.fill(9);
@@ -134,14 +134,14 @@ std::optional<Bytes> make_answer(const Bytes& request, std::uint32_t connection)
   state.begin(derive_psk(RoleKey(make_master(), role_in(request))), std::span(request).first(kPrologueBytes), secret);
   std::array<std::uint8_t, 1> nothing;
   if (!state.read_first(std::span(request).subspan(kFirstAt, kFirstBytes), nothing.data())) return std::nullopt;
-  Bytes answer(kAnswerBytes);
-  write_lead(Kind::answer, answer.data());
-  std::copy_n(request.begin() + kRequestTimestampAt, 8, answer.begin() + kTimestampAt);
+  Bytes reply(kReplyBytes);
+  write_lead(Kind::reply, reply.data());
+  std::copy_n(request.begin() + kRequestTimestampAt, 8, reply.begin() + kTimestampAt);
   std::array<std::uint8_t, 4> payload;
   store(connection, payload.data());
-  if (!state.write_second(payload, answer.data() + kSecondAt)) return std::nullopt;
-  set_tag(answer, role_in(request));
-  return answer;
+  if (!state.write_second(payload, reply.data() + kSecondAt)) return std::nullopt;
+  set_tag(reply, role_in(request));
+  return reply;
 }
 
 Cookie find_cookie(std::uint8_t node, std::int64_t now_ns) {
@@ -195,7 +195,7 @@ Bytes make_honest(const std::vector<ListedDatagram>& datagrams, std::size_t plac
   }
   const Bytes& request = node_requests()[mutation.below(node_requests().size())];
   if (mutation.one_in(2)) return make_retry(load<std::int64_t>(request.data() + kRequestTimestampAt), random_cookie(mutation), kNodeRole);
-  return make_answer(request, static_cast<std::uint32_t>(mutation.number())).value_or(request);
+  return make_reply(request, static_cast<std::uint32_t>(mutation.number())).value_or(request);
 }
 
 void change_part(Bytes& datagram, std::size_t at, std::size_t size, Mutation& mutation) {

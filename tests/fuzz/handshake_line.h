@@ -59,14 +59,14 @@ class HandshakeLine {
   SealedClient node_;
 };
 
-// By kind and length a request, a retry or an answer; and one with the tag of its role.
+// By kind and length a request, a retry or a reply; and one with the tag of its role.
 std::optional<seal::Kind> find_handshake_kind(const Bytes& datagram);
 bool has_tag(const Bytes& datagram, KeyRole node_role);
 
 // As the holder of the keys: each with the right tag, and a Noise message that belongs to it. Pre: FixedRandom::install().
 Bytes make_request(KeyRole role, std::uint64_t host, std::int64_t timestamp_ns, const seal::Cookie& cookie);
 Bytes make_retry(std::int64_t timestamp_ns, const seal::Cookie& cookie, KeyRole role);
-std::optional<Bytes> make_answer(const Bytes& request, std::uint32_t connection);
+std::optional<Bytes> make_reply(const Bytes& request, std::uint32_t connection);
 // The cookie that the hub of every HandshakeLine issues at that time.
 seal::Cookie find_cookie(std::uint8_t node, std::int64_t now_ns);
 

@@ -153,7 +153,7 @@ bool write_request() {
   const Bytes first = line.from_node().at(0).bytes;
   const auto timestamp_ns = seal::load<std::int64_t>(first.data() + seal::kRequestTimestampAt);
   const ListedDatagram retry{.flags = kToNode, .bytes = make_retry(timestamp_ns, {1}, KeyRole::haptics)};
-  const ListedDatagram answer{.flags = kToNode, .bytes = make_answer(first, 64).value_or(first)};
+  const ListedDatagram reply{.flags = kToNode, .bytes = make_reply(first, 64).value_or(first)};
   ListedDatagram changed = request(kTool, 1, true);
   changed.bytes[seal::kFirstAt] ^= 1U;
   return write("request", "haptics", {request(kHaptics, 1, false), request(kHaptics, 2, true)}) &&
@@ -163,7 +163,7 @@ bool write_request() {
          write("request", "old_cookie",
                {request(kSecondLater, 1, false), request(kSecondLater, 2, false), request(kSecondLater, 3, true),
                 request(kSecondLater, 4, true)}) &&
-         write("request", "without_tag", {changed}) && write("request", "to_node", {retry, answer}) &&
+         write("request", "without_tag", {changed}) && write("request", "to_node", {retry, reply}) &&
          write("request", "from_hub_to_hub", {{.flags = 0, .bytes = retry.bytes}, request(kVision, 1, true)});
 }
 

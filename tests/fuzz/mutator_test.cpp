@@ -163,7 +163,7 @@ TEST(HandshakeMutator, ReachesTheAgreementAndTheSession) {
   ASSERT_TRUE(FixedRandom::install());
   const std::vector<Bytes> corpus = read_corpus("request");
   int retries = 0;
-  int answers = 0;
+  int replies = 0;
   int sessions = 0;
   for (std::uint64_t i = 0; i < 300; ++i) {
     HandshakeLine line;
@@ -171,11 +171,11 @@ TEST(HandshakeMutator, ReachesTheAgreementAndTheSession) {
       if (datagram.bytes.empty() || datagram.bytes.size() > kMaxDatagramBytes) continue;
       line.deliver(datagram);
     }
-    for (const auto& sent : line.from_hub()) ++(find_handshake_kind(sent.bytes) == seal::Kind::answer ? answers : retries);
+    for (const auto& sent : line.from_hub()) ++(find_handshake_kind(sent.bytes) == seal::Kind::reply ? replies : retries);
     sessions += static_cast<int>(line.node().seal_counts().handshakes);
   }
   EXPECT_GE(retries, 30);
-  EXPECT_GE(answers, 100);
+  EXPECT_GE(replies, 100);
   EXPECT_GE(sessions, 15);
 }
 
@@ -189,7 +189,7 @@ TEST(HandshakeMutator, KnowsTheCookieOfTheHub) {
     request.bytes = make_request(request.role(), 1, now_ns, find_cookie(node, now_ns));
     line.deliver(request);
     ASSERT_EQ(line.from_hub().size(), 1U);
-    EXPECT_EQ(find_handshake_kind(line.from_hub()[0].bytes), seal::Kind::answer);
+    EXPECT_EQ(find_handshake_kind(line.from_hub()[0].bytes), seal::Kind::reply);
     EXPECT_TRUE(has_tag(line.from_hub()[0].bytes, request.role()));
   }
 }

@@ -1,6 +1,6 @@
 // Handshake messages to a hub and to a node that has requested a session, from an attacker who holds the keys and so can give each its tag.
 // In all cases: nothing is handed out, because nothing was sent; every datagram is counted once or replied to (a request may be a repeat);
-// no reply is longer than its request; and no request, retry or answer without its tag gets a reply.
+// no reply is longer than its request; and no request, retry or reply without its tag gets a reply.
 #include <map>
 
 #include "tests/fuzz/fixed_random.h"
@@ -20,10 +20,10 @@ void deliver_to_hub(HandshakeLine& line, const ListedDatagram& datagram, std::ma
     return;
   }
   const bool is_rejected = line.hub().seal_counts().rejected() == rejected + 1;
-  const bool is_answered = line.from_hub().size() == sent + 1;
-  require(is_rejected != is_answered);
+  const bool has_reply = line.from_hub().size() == sent + 1;
+  require(is_rejected != has_reply);
   owed[datagram.node()] += static_cast<std::ptrdiff_t>(datagram.bytes.size());
-  if (!is_answered) return;
+  if (!has_reply) return;
   const HeldDatagram::Sent& reply = line.from_hub().back();
   require(has_tag(datagram.bytes, datagram.role()) && find_handshake_kind(datagram.bytes) == seal::Kind::request);
   require(reply.to == address_of_node(datagram.node()));
@@ -35,7 +35,7 @@ void deliver_to_node(HandshakeLine& line, const ListedDatagram& datagram) {
   const std::uint64_t handshakes = line.node().seal_counts().handshakes;
   require(line.deliver(datagram) == 0);
   if (line.node().seal_counts().handshakes == handshakes) return;
-  require(find_handshake_kind(datagram.bytes) == seal::Kind::answer && has_tag(datagram.bytes, KeyRole::haptics));
+  require(find_handshake_kind(datagram.bytes) == seal::Kind::reply && has_tag(datagram.bytes, KeyRole::haptics));
 }
 
 }  // namespace

@@ -47,7 +47,7 @@ CarvedRun carve_round(std::uint64_t count, std::uint64_t change) {
       EXPECT_EQ(step.made_carve(), nullptr) << "a change is no sample";
     }
     step.offer(carving_state(sample));
-    run.forces.push_back(step.answer());
+    run.forces.push_back(step.reply());
     if (const MadeCarve* made = step.made_carve()) run.carves.push_back(*made);
   }
   return run;
@@ -85,7 +85,7 @@ TEST(CarvingStep, ChangesWithoutHeap) {
   for (std::uint64_t sample = 1; sample <= 600; ++sample) {
     if (sample == 400) old = step.replace(std::move(next));
     step.offer(carving_state(sample));
-    step.answer();
+    step.reply();
   }
   EXPECT_EQ(guard.count(), 0U);
 }
@@ -102,7 +102,7 @@ TEST(CarvingStep, AnUndoFadesTheForce) {
       if (sample > kHeld) state = {.sample = sample, .p_WD = carving_state(kHeld).p_WD};
       state.sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample);
       step.offer(state);
-      forces.push_back(step.answer());
+      forces.push_back(step.reply());
       const MadeCarve* made = step.made_carve();
       if (made != nullptr && (!is_all && made->serial < 20)) copy.field(0).carve(made->carve);
       if (sample != kUndone) continue;

@@ -31,18 +31,18 @@ class States {
   std::uint64_t sample_ = 100;
 };
 
-ForceCommand answer(HapticsStep& step, const DeviceState& state) {
+ForceCommand reply_to(HapticsStep& step, const DeviceState& state) {
   step.offer(state);
-  return step.answer();
+  return step.reply();
 }
 
-TEST(HapticsStep, AnswersWithForceOffsetAndEcho) {
+TEST(HapticsStep, RepliesWithForceOffsetAndEcho) {
   HapticsStep step(make_touch(), kOffset);
   States states;
   EXPECT_FALSE(step.has_state());
-  EXPECT_FALSE(answer(step, states.at({0.01, 0.01, 0.001})).contact);
+  EXPECT_FALSE(reply_to(step, states.at({0.01, 0.01, 0.001})).contact);
   const DeviceState pressed = states.at({0.01, 0.01, -0.002});
-  const ForceCommand command = answer(step, pressed);
+  const ForceCommand command = reply_to(step, pressed);
   EXPECT_EQ(command.echo_sample, pressed.sample);
   EXPECT_EQ(command.echo_sample_time_ns, pressed.sample_time_ns);
   EXPECT_TRUE(command.contact);
@@ -50,7 +50,7 @@ TEST(HapticsStep, AnswersWithForceOffsetAndEcho) {
   EXPECT_NEAR((command.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((command.visual_offset_m - Vec3(0, 0, 0.002)).norm(), 0.0, 1e-12);
   EXPECT_FALSE(step.has_state());
-  EXPECT_EQ(step.counts().answered, 2U);
+  EXPECT_EQ(step.counts().replied, 2U);
   EXPECT_EQ(step.counts().contact_steps, 1U);
 }
 
@@ -58,32 +58,32 @@ TEST(HapticsStep, GoesOnFeelingWhereAnotherNodeLeftOff) {
   States states;
   DeviceState inside = states.at({0.01, 0.01, -0.002});
   HapticsStep ignorant(make_touch(), kOffset);
-  EXPECT_FALSE(answer(ignorant, inside).contact) << "it begins below the sheet";
+  EXPECT_FALSE(reply_to(ignorant, inside).contact) << "it begins below the sheet";
 
   inside.is_resumed = true;
   inside.p_WP = Vec3(0.01, 0.01, 0.0);
   HapticsStep reported(make_touch(), kOffset);
-  const ForceCommand output = answer(reported, inside);
+  const ForceCommand output = reply_to(reported, inside);
   EXPECT_TRUE(output.contact);
   EXPECT_NEAR((output.force_n - Vec3(0, 0, 2)).norm(), 0.0, 1e-3);
 
   // The hand has moved too far since.
   inside.p_WD.z() = -1.1 * kResumeReachM;
   HapticsStep late(make_touch(), kOffset);
-  EXPECT_FALSE(answer(late, inside).contact);
+  EXPECT_FALSE(reply_to(late, inside).contact);
 }
 
 TEST(HapticsStep, KeepsContactInANewSessionUnlessReset) {
   for (const bool forgets : {false, true}) {
     HapticsStep step(make_touch(), kOffset);
     States states;
-    answer(step, states.at({0.01, 0.01, 0.001}));
-    ASSERT_TRUE(answer(step, states.at({0.01, 0.01, -0.002})).contact);
+    reply_to(step, states.at({0.01, 0.01, 0.001}));
+    ASSERT_TRUE(reply_to(step, states.at({0.01, 0.01, -0.002})).contact);
     forgets ? step.restart() : step.resume();
-    const ForceCommand first = answer(step, states.at({0.01, 0.011, -0.003}));
+    const ForceCommand first = reply_to(step, states.at({0.01, 0.011, -0.003}));
     EXPECT_EQ(first.contact, !forgets);
     // A recording of the new session alone cannot know it.
-    EXPECT_EQ(first.answered_before, forgets ? 0 : kUnknownBefore);
+    EXPECT_EQ(first.replied_before, forgets ? 0 : kUnknownBefore);
   }
 }
 
@@ -92,14 +92,14 @@ TEST(HapticsStep, ANewSessionFindsAHandFreeThatHasLeftTheSurface) {
   for (const double z_m : {0.0001, 0.001, 0.01}) {
     HapticsStep step(make_touch(), kOffset);
     States states;
-    answer(step, states.at({0.01, 0.01, 0.001}));
-    ASSERT_TRUE(answer(step, states.at({0.01, 0.01, -0.002})).contact);
+    reply_to(step, states.at({0.01, 0.01, 0.001}));
+    ASSERT_TRUE(reply_to(step, states.at({0.01, 0.01, -0.002})).contact);
     step.resume();
-    const ForceCommand first = answer(step, states.at({0.01, 0.011, z_m}));
+    const ForceCommand first = reply_to(step, states.at({0.01, 0.011, z_m}));
     EXPECT_FALSE(first.contact) << z_m;
-    EXPECT_EQ(first.answered_before, 0U);
+    EXPECT_EQ(first.replied_before, 0U);
     // It is felt again where it comes back.
-    EXPECT_NEAR(answer(step, states.at({0.01, 0.011, -0.001})).force_n.z(), 1.0, 1e-6);
+    EXPECT_NEAR(reply_to(step, states.at({0.01, 0.011, -0.001})).force_n.z(), 1.0, 1e-6);
   }
 }
 
@@ -118,49 +118,49 @@ TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
   EXPECT_FALSE(method->prepare());
   EXPECT_FALSE(step.is_running());
   EXPECT_TRUE(step.has_state());
-  const ForceCommand command = step.answer();
+  const ForceCommand command = step.reply();
   EXPECT_TRUE(command.contact);  // on the side of the earlier contact
   EXPECT_GT(command.force_n.z(), 0.0);
-  EXPECT_EQ(command.answered_before, 0U);
+  EXPECT_EQ(command.replied_before, 0U);
 }
 
 TEST(HapticsStep, NewestStateWinsAndTheOthersAreCounted) {
   HapticsStep step(make_touch(), kOffset);
   States states;
-  answer(step, states.at({0, 0.001, 0.001}));
+  reply_to(step, states.at({0, 0.001, 0.001}));
   step.offer(states.at({0, 0.001, 0.002}));
   step.offer(states.at({0, 0.001, 0.003}));
   const DeviceState newest = states.at({0, 0.001, 0.004});
   step.offer(newest);
-  const ForceCommand command = step.answer();
+  const ForceCommand command = step.reply();
   EXPECT_EQ(command.echo_sample, newest.sample);
   EXPECT_EQ(command.skipped_samples, 2U);
-  EXPECT_EQ(answer(step, states.at({0, 0, 0.005})).skipped_samples, 0U);
+  EXPECT_EQ(reply_to(step, states.at({0, 0, 0.005})).skipped_samples, 0U);
 }
 
 TEST(HapticsStep, AReplySaysWhichOfThe64SamplesBeforeItHadAReply) {
   HapticsStep step(make_touch(), kOffset);
-  const auto answer_sample = [&](std::uint64_t sample) {
-    return answer(step, {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample), .p_WD = {0, 0, 0.01}}).answered_before;
+  const auto reply_to_sample = [&](std::uint64_t sample) {
+    return reply_to(step, {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample), .p_WD = {0, 0, 0.01}}).replied_before;
   };
-  EXPECT_EQ(answer_sample(100), 0U);
-  EXPECT_EQ(answer_sample(101), 0b1U);
-  EXPECT_EQ(answer_sample(102), 0b11U);
-  EXPECT_EQ(answer_sample(105), 0b11100U);
-  EXPECT_EQ(answer_sample(164), 1ULL << 63 | 1ULL << 62 | 1ULL << 61 | 1ULL << 58);
-  EXPECT_EQ(answer_sample(228), 1ULL << 63);
-  EXPECT_EQ(answer_sample(400), 0U);
+  EXPECT_EQ(reply_to_sample(100), 0U);
+  EXPECT_EQ(reply_to_sample(101), 0b1U);
+  EXPECT_EQ(reply_to_sample(102), 0b11U);
+  EXPECT_EQ(reply_to_sample(105), 0b11100U);
+  EXPECT_EQ(reply_to_sample(164), 1ULL << 63 | 1ULL << 62 | 1ULL << 61 | 1ULL << 58);
+  EXPECT_EQ(reply_to_sample(228), 1ULL << 63);
+  EXPECT_EQ(reply_to_sample(400), 0U);
   step.restart();
-  EXPECT_EQ(answer_sample(401), 0U);
+  EXPECT_EQ(reply_to_sample(401), 0U);
 }
 
 TEST(HapticsStep, AReplyNamesItsViewAndItsMethod) {
   HapticsStep step(make_touch(), kOffset);
   States states;
-  EXPECT_EQ(answer(step, states.at({0, 0, 0.01})).view_revision, 0U);
+  EXPECT_EQ(reply_to(step, states.at({0, 0, 0.01})).view_revision, 0U);
   ASSERT_TRUE(step.turn_scene({.revision = 7}));
   step.replace(make_touch());
-  const ForceCommand command = answer(step, states.at({0, 0, 0.01}));
+  const ForceCommand command = reply_to(step, states.at({0, 0, 0.01}));
   EXPECT_EQ(command.view_revision, 7U);
   EXPECT_EQ(command.method_serial, 1U);
 }
@@ -168,25 +168,25 @@ TEST(HapticsStep, AReplyNamesItsViewAndItsMethod) {
 TEST(HapticsStep, TheFirstStateIsFreeSpaceWhereverItIs) {
   HapticsStep step(make_touch(), kOffset);
   States states;
-  EXPECT_FALSE(answer(step, states.at({0, 0.001, -0.002})).contact);
-  EXPECT_TRUE(answer(step, states.at({0, 0.001, 0.002})).contact);  // from below
+  EXPECT_FALSE(reply_to(step, states.at({0, 0.001, -0.002})).contact);
+  EXPECT_TRUE(reply_to(step, states.at({0, 0.001, 0.002})).contact);  // from below
   step.restart();
-  EXPECT_FALSE(answer(step, states.at({0, 0.001, -0.002})).contact);
+  EXPECT_FALSE(reply_to(step, states.at({0, 0.001, -0.002})).contact);
 }
 
 TEST(HapticsStep, ATurnedSceneChangesTheForceAndAnInvalidOneIsIgnored) {
   HapticsStep step(make_touch(), kOffset);
   States states;
-  answer(step, states.at({0.01, 0.001, 0.001}));
+  reply_to(step, states.at({0.01, 0.001, 0.001}));
   ViewTransform raised;
   raised.X_WS[11] = 0.003F;  // z of the translation
   EXPECT_TRUE(step.turn_scene(raised));
-  const ForceCommand command = answer(step, states.at({0.01, 0.001, 0.001}));
+  const ForceCommand command = reply_to(step, states.at({0.01, 0.001, 0.001}));
   EXPECT_NEAR(command.force_n[2], 2.0, 1e-6);
   ViewTransform scaled = raised;
   scaled.X_WS[0] = 2.0F;
   EXPECT_FALSE(step.turn_scene(scaled));
-  EXPECT_NEAR(answer(step, states.at({0.01, 0.001, 0.001})).force_n[2], 2.0, 1e-6);
+  EXPECT_NEAR(reply_to(step, states.at({0.01, 0.001, 0.001})).force_n[2], 2.0, 1e-6);
   EXPECT_EQ(step.counts().views_taken, 1U);
   EXPECT_EQ(step.counts().views_rejected, 1U);
 }
@@ -198,14 +198,14 @@ TEST(HapticsStep, AMethodTakesOverInContactWithoutAForceDiscontinuity) {
     ViewTransform moved;
     moved.X_WS[3] = 0.02F;
     step.turn_scene(moved);
-    answer(step, states.at({0.01, 0.01, side * 0.001}));
-    ASSERT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.0, 1e-9);
+    reply_to(step, states.at({0.01, 0.01, side * 0.001}));
+    ASSERT_NEAR(reply_to(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.0, 1e-9);
     EXPECT_NE(step.replace(make_touch(1100.0)), nullptr);
     for (int i = 1; i <= 100; ++i) {
-      const double felt_n = answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2];
+      const double felt_n = reply_to(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2];
       EXPECT_NEAR(felt_n, side * (2.0 + 0.002 * i), 1e-9) << "the difference of 0.2 N fades in a tenth of a second";
     }
-    EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.2, 1e-9);
+    EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -side * 0.002})).force_n[2], side * 2.2, 1e-9);
   }
 }
 
@@ -214,12 +214,12 @@ TEST(HapticsStep, TheForceFadesWhereTheNextMethodHasNoSurface) {
   const TouchScene elsewhere = {.objects = {{made::shared(made::sheet(0.1, -0.05, 6)), {}}}};
   HapticsStep step(make_touch(), kOffset);
   States states;
-  answer(step, states.at({0.01, 0.01, 0.001}));
-  ASSERT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), 2.0, 1e-9);
+  reply_to(step, states.at({0.01, 0.01, 0.001}));
+  ASSERT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), 2.0, 1e-9);
   step.replace(std::make_unique<TouchStep>(*make_method({.name = "sweep"}, elsewhere)));
   for (int i = 1; i <= 12; ++i) {
     const double left_n = 2.0 * std::max(0.0, 1.0 - 1e-3 * i / ForceFade::kInAirS);
-    EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), left_n, 1e-9) << i;
+    EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), left_n, 1e-9) << i;
   }
 }
 
@@ -229,10 +229,10 @@ TEST(HapticsStep, AMethodTakesOverOnTheSameSideWithEffects) {
   const auto make = [&] { return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene); };
   HapticsStep step(make(), kOffset);
   States states;
-  EXPECT_EQ(answer(step, states.at({0.01, 0.01, 0.001})).force_n, Vec3(0, 0, -5)) << "in free space";
-  EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
+  EXPECT_EQ(reply_to(step, states.at({0.01, 0.01, 0.001})).force_n, Vec3(0, 0, -5)) << "in free space";
+  EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
   step.replace(make());
-  for (int i = 0; i < 3; ++i) EXPECT_NEAR(answer(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(reply_to(step, states.at({0.01, 0.01, -0.002})).force_n.z(), -3.0, 1e-6);
 }
 
 // A scene that is read again, or with an object put down, knows how fast the hand moves: viscosity goes on without a step.
@@ -245,10 +245,10 @@ TEST(HapticsStep, ATakeoverKeepsTheSpeedOfTheHand) {
     const auto make = [&] { return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene); };
     HapticsStep step(make(), kOffset);
     States states;
-    answer(step, states.at({0.0, 0.01, 0.001}));
+    reply_to(step, states.at({0.0, 0.01, 0.001}));
     for (int i = 1; i <= 60; ++i) {
       if (i == 30) step.replace(make());
-      const ForceCommand felt = answer(step, states.at({1e-4 * i, 0.01, z}));
+      const ForceCommand felt = reply_to(step, states.at({1e-4 * i, 0.01, z}));
       if (i > 10) {
         EXPECT_NEAR(felt.force_n.x(), -0.5, 1e-6) << i;
       }
@@ -262,7 +262,7 @@ TEST(HapticsStep, EffectsKeepTheTimeOfTheSamples) {
   HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene), kOffset);
   States states;
   for (int i = 1; i <= 100; ++i) {
-    const ForceCommand command = answer(step, states.at({0.01, 0.01, 0.001}));
+    const ForceCommand command = reply_to(step, states.at({0.01, 0.01, 0.001}));
     EXPECT_NEAR(command.force_n.z(), std::sin(2.0 * std::numbers::pi * 20.0 * 1e-3 * i), 1e-9);
     EXPECT_EQ(command.visual_offset_m, Vec3::Zero());
   }
@@ -276,7 +276,7 @@ TEST(HapticsStep, ButtonsOfTheDeviceReachTheEffects) {
   for (int i = 0; i < 80; ++i) {
     DeviceState state = states.at({0.01, 0.01, 0.001});
     state.buttons = i >= 10 && i < 40 ? 2 : 1;
-    const ForceCommand command = answer(step, state);
+    const ForceCommand command = reply_to(step, state);
     const double gain = std::clamp((i - 10) / 20.0, 0.0, 1.0) - std::clamp((i - 40) / 20.0, 0.0, 1.0);
     EXPECT_NEAR(command.force_n.z(), 2.0 * gain, 1e-9) << i;
     EXPECT_EQ(command.contact, command.force_n.z() != 0.0) << i;
@@ -286,10 +286,10 @@ TEST(HapticsStep, ButtonsOfTheDeviceReachTheEffects) {
 TEST(HapticsStep, AMethodTakesOverInFreeSpaceWhereTheDeviceIs) {
   HapticsStep step(make_touch(), kOffset);
   States states;
-  answer(step, states.at({0.01, 0.01, 0.001}));
+  reply_to(step, states.at({0.01, 0.01, 0.001}));
   step.replace(make_touch());
-  EXPECT_FALSE(answer(step, states.at({0.01, 0.01, 0.0005})).contact);
-  EXPECT_TRUE(answer(step, states.at({0.01, 0.01, -0.0005})).contact);
+  EXPECT_FALSE(reply_to(step, states.at({0.01, 0.01, 0.0005})).contact);
+  EXPECT_TRUE(reply_to(step, states.at({0.01, 0.01, -0.0005})).contact);
 }
 
 TEST(HapticsStep, UsesNoHeap) {
@@ -303,7 +303,7 @@ TEST(HapticsStep, UsesNoHeap) {
   for (int i = 0; i < 1000; ++i) {
     view.X_WS[11] = 1e-6F * static_cast<float>(i);
     step.turn_scene(view);
-    answer(step, states.at({0.00001 * i, 0.0, 0.005 * std::sin(0.1 * i)}));
+    reply_to(step, states.at({0.00001 * i, 0.0, 0.005 * std::sin(0.1 * i)}));
   }
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(step.counts().contact_steps, 100U);
@@ -320,23 +320,23 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   HeldBox box;
   step.hold(box.tool.get());
   States states;
-  ForceCommand command = answer(step, states.at({0.01, 0.01, 0.02}));
+  ForceCommand command = reply_to(step, states.at({0.01, 0.01, 0.02}));
   EXPECT_FALSE(command.contact);
   EXPECT_FALSE(step.is_tool_blocked());
   for (int n = 0; n < 20; ++n) {
-    command = answer(step, states.at({0.01, 0.01, 0.012 - 0.0001 * n}));
+    command = reply_to(step, states.at({0.01, 0.01, 0.012 - 0.0001 * n}));
     box.tool->follow();
   }
-  command = answer(step, states.at({0.01, 0.01, 0.008}));
+  command = reply_to(step, states.at({0.01, 0.01, 0.008}));
   EXPECT_TRUE(command.contact);
   EXPECT_NEAR(command.force_n.z(), 2.0, 0.2) << "the box rests on the sheet, far above a probe's contact";
   EXPECT_NEAR(command.visual_offset_m.z(), 0.002, 0.0002);
-  EXPECT_GT(command.answered_before, 0U);
+  EXPECT_GT(command.replied_before, 0U);
   // Held askew it turns, and that is felt.
   DeviceState askew = states.at({0.01, 0.01, 0.008});
   askew.q_WT = turn_by({0.1, 0.0, 0.0});
   for (int n = 0; n < 20; ++n) {
-    command = answer(step, askew);
+    command = reply_to(step, askew);
     box.tool->follow();
     ++askew.sample;
     askew.sample_time_ns += 1'000'000;
@@ -365,7 +365,7 @@ TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
     if (anew) step.restart();
     for (int n = 1; n <= 50; ++n) {
       const Vec3 p_WD(0.02, 0.01, 0.05 + 0.0001 * n);
-      const ForceCommand command = answer(step, states.at(p_WD));
+      const ForceCommand command = reply_to(step, states.at(p_WD));
       box.tool->follow();
       const Vec3 expected = -50.0 * (p_WD - shift) + Vec3(0.0, 0.5 * std::sin(2.0 * std::numbers::pi * 0.025 * n), 0.0);
       ASSERT_LT((command.force_n - expected).norm(), 1e-6) << n;
@@ -376,12 +376,12 @@ TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
   // With the contact of the tool, which rests on the sheet.
   ForceCommand command;
   for (int n = 0; n < 60; ++n) {
-    command = answer(step, states.at(shift + Vec3(0.0, 0.0, 0.02 - 0.0002 * n)));
+    command = reply_to(step, states.at(shift + Vec3(0.0, 0.0, 0.02 - 0.0002 * n)));
     box.tool->follow();
   }
   EXPECT_NEAR(command.force_n.z(), 1000.0 * 0.0018 - 50.0 * 0.0082, 0.05);
   const AllocationGuard guard;
-  for (int n = 0; n < 100; ++n) answer(step, states.at(shift + Vec3(0.0, 0.0, 0.009)));
+  for (int n = 0; n < 100; ++n) reply_to(step, states.at(shift + Vec3(0.0, 0.0, 0.009)));
   EXPECT_EQ(guard.count(), 0U);
 }
 
@@ -411,7 +411,7 @@ TEST(HapticsStep, AHeldToolFeelsObjectsThatMoveAndTellsWhatItDoesToThoseOfProgra
     ForceCommand command;
     // 15 mm above the block: it goes 5 mm into where the tool is held.
     for (int n = 0; n < 300; ++n) {
-      command = answer(step, states.at({0.0, 0.0, 0.045}));
+      command = reply_to(step, states.at({0.0, 0.0, 0.045}));
       tool.follow();
       if (n == 100) {
         EXPECT_EQ(command.force_n, Vec3(Vec3::Zero()));

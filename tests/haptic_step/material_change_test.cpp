@@ -42,7 +42,7 @@ class Node {
     step.offer({.sample = sample_,
                 .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample_),
                 .p_WD = Vec3(0.011 + x, 0.013, radius_ - depth)});
-    return step.answer();
+    return step.reply();
   }
 
   HapticsStep step;

@@ -49,10 +49,10 @@ struct ObjectMoverTest : testing::Test {
   std::uint64_t sample = 0;
   std::uint32_t last_request = 100;
 
-  ForceCommand answer(const Vec3& hand = {0.01, 0.02, 0.02}) {
+  ForceCommand reply_to(const Vec3& hand = {0.01, 0.02, 0.02}) {
     ++sample;
     step.offer({.sample = sample, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample), .p_WD = hand});
-    return step.answer();
+    return step.reply();
   }
   MoveRequest lift(double height_m, std::optional<double> over_s = std::nullopt) {
     return {.request = ++last_request, .object = {"plate"}, .p_m = Vec3(0, 0, height_m), .over_s = over_s};
@@ -75,7 +75,7 @@ struct ObjectMoverTest : testing::Test {
 
 // What is felt, what is announced and what the reply says are one motion.
 TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
-  for (int i = 0; i < 10; ++i) answer();
+  for (int i = 0; i < 10; ++i) reply_to();
   const ObjectMover::Done done = ask(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
   EXPECT_STREQ(done.move->name.data(), "plate");
@@ -93,7 +93,7 @@ TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
   shown.begin(to_command(*done.move));
   int contacts = 0;
   for (int i = 0; i < 600; ++i) {
-    const ForceCommand reply = answer();
+    const ForceCommand reply = reply_to();
     EXPECT_EQ(reply.move_serial, 1U);
     const double top = shown.pose_at(1e-9 * static_cast<double>(reply.scene_time_ns)).translation().z();
     ASSERT_NEAR(reply.force_n.z(), 1000.0 * std::max(0.0, top - 0.02), 1e-3) << i;
@@ -104,7 +104,7 @@ TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
 }
 
 TEST_F(ObjectMoverTest, NoSurfaceGetsFasterThanAllowed) {
-  answer();
+  reply_to();
   const ObjectMover::Done slowed = ask(lift(0.05, 0.01));
   ASSERT_TRUE(slowed.move);
   EXPECT_NEAR(slowed.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9) << "not 0.01 s";
@@ -112,7 +112,7 @@ TEST_F(ObjectMoverTest, NoSurfaceGetsFasterThanAllowed) {
   EXPECT_NEAR(fastest.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9);
   double before = height();
   for (int i = 0; i < 300; ++i) {
-    answer();
+    reply_to();
     EXPECT_LE(height() - before, 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9));
     before = height();
   }
@@ -123,7 +123,7 @@ TEST_F(ObjectMoverTest, NoSurfaceGetsFasterThanAllowed) {
 }
 
 TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
-  answer();
+  reply_to();
   ask(lift(0.05, 1.0));
   std::mt19937 random(3);
   std::uniform_real_distribution<double> target(-0.04, 0.05);
@@ -131,7 +131,7 @@ TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
   for (int i = 0; i < 2000; ++i) {
     if (i % 7 == 0) ask(lift(target(random), 0.02));
     EXPECT_EQ(height(), before) << "at the moment of the request, " << i;
-    answer();
+    reply_to();
     ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
     before = height();
   }
@@ -139,9 +139,9 @@ TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
 }
 
 TEST_F(ObjectMoverTest, WhatIsNotGivenStaysAsItIs) {
-  answer();
+  reply_to();
   ask(lift(0.02, 0.1));
-  for (int i = 0; i < 200; ++i) answer();
+  for (int i = 0; i < 200; ++i) reply_to();
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
   const ObjectMover::Done done = ask({.request = 5, .object = {"plate"}, .q = turned});
   ASSERT_TRUE(done.move);
@@ -150,7 +150,7 @@ TEST_F(ObjectMoverTest, WhatIsNotGivenStaysAsItIs) {
 }
 
 TEST_F(ObjectMoverTest, ARepetitionOnlyGetsItsReplyAgain) {
-  answer();
+  reply_to();
   const MoveRequest first = lift(0.02, 0.5);
   const ObjectMover::Done done = ask(first);
   const MoveRequest second = lift(-0.01, 0.5);
@@ -165,7 +165,7 @@ TEST_F(ObjectMoverTest, ARepetitionOnlyGetsItsReplyAgain) {
 }
 
 TEST_F(ObjectMoverTest, OthersAreRejectedWithOneLine) {
-  answer();
+  reply_to();
   const auto at = [&](const char* name) {
     MoveRequest request{.request = ++last_request, .p_m = Vec3::Zero()};
     std::copy_n(name, std::char_traits<char>::length(name), request.object.begin());
@@ -189,7 +189,7 @@ TEST_F(ObjectMoverTest, OthersAreRejectedWithOneLine) {
 
 // Of those that wait for one object the newest counts, and who sent the others gets to know it.
 TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
-  answer();
+  reply_to();
   std::vector<MoveRequest> flood;
   for (int n = 0; n < 5000; ++n) flood.push_back(lift(0.01 + 1e-6 * n));
   for (const MoveRequest& request : flood) mover.request(request);
@@ -215,7 +215,7 @@ TEST_F(ObjectMoverTest, MoreThanCanWaitAreCounted) {
 // No heap for requests, good or bad, however many: the loop that replies to the device calls this.
 TEST_F(ObjectMoverTest, TakesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  answer();
+  reply_to();
   std::vector<MoveRequest> requests = {lift(0.02, 0.5),
                                        lift(1e9),
                                        {.request = 1, .object = {"floor"}, .p_m = Vec3::Zero()},
@@ -230,7 +230,7 @@ TEST_F(ObjectMoverTest, TakesNoHeap) {
     request.request = 1000 + n;
     mover.request(request);
     if (n % 3 == 0) mover.work(step);
-    answer();
+    reply_to();
   }
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(step.counts().moves_taken, 10U);
@@ -241,7 +241,7 @@ TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
   std::vector<std::pair<std::size_t, ObjectMove>> announced;
   std::vector<ForceCommand> felt;
   for (std::size_t n = 0; n < 800; ++n) {
-    felt.push_back(answer());
+    felt.push_back(reply_to());
     if (n % 50 == 10) announced.emplace_back(n + 1, *ask(lift(n % 100 < 50 ? 0.05 : 0.01, 0.03)).move);
   }
   HapticsStep again{std::make_unique<TouchStep>(*make_method({}, scene.touch_scene()), scene.touch_scene()), 1e-5};
@@ -250,7 +250,7 @@ TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
   for (std::size_t n = 0; n < felt.size(); ++n) {
     for (; next < announced.size() && announced[next].first == n; ++next) again.command(1, to_command(announced[next].second));
     again.offer({.sample = n + 1, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(n + 1), .p_WD = {0.01, 0.02, 0.02}});
-    const ForceCommand reply = again.answer();
+    const ForceCommand reply = again.reply();
     ASSERT_EQ(reply.force_n, felt[n].force_n) << n;
     ASSERT_EQ(reply.move_serial, felt[n].move_serial) << n;
     contacts += reply.contact ? 1 : 0;
@@ -260,28 +260,28 @@ TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
 
 // The hub has to know of a move before it begins: until then the object is where it was.
 TEST_F(ObjectMoverTest, AMoveMayBeginLater) {
-  for (int i = 0; i < 10; ++i) answer();
+  for (int i = 0; i < 10; ++i) reply_to();
   mover.set_lead_ns(100'000'000);
   const ObjectMover::Done done = ask(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->start_ns, 109'000'000);
   EXPECT_EQ(done.move->end_ns, 509'000'000);
-  for (int i = 0; i < 100; ++i) answer();
+  for (int i = 0; i < 100; ++i) reply_to();
   EXPECT_EQ(height(), 0.0);
-  for (int i = 0; i < 200; ++i) answer();
+  for (int i = 0; i < 200; ++i) reply_to();
   EXPECT_NEAR(height(), 0.015, 1e-12);
 }
 
 // A network that has become faster: the move that waits is overtaken, and the object goes where the newer one says.
 TEST_F(ObjectMoverTest, AMoveThatBeginsBeforeTheOneThatWaitsNeedsNoPause) {
-  for (int i = 0; i < 10; ++i) answer();
+  for (int i = 0; i < 10; ++i) reply_to();
   mover.set_lead_ns(500'000'000);
   ASSERT_TRUE(ask(lift(0.03, 0.1)).move);
   mover.set_lead_ns(498'000'000);
   const ObjectMover::Done done = ask(lift(0.02, 0.1));
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->start_ns, 507'000'000);
-  for (int i = 0; i < 1000; ++i) answer();
+  for (int i = 0; i < 1000; ++i) reply_to();
   EXPECT_NEAR(height(), 0.02, 1e-12);
 }
 
@@ -295,7 +295,7 @@ TEST_F(ObjectMoverTest, NoMoreMovesAreAheadThanAreKept) {
     mover.request(lift(0.01 * std::sin(0.002 * i), 0.01));
     const ObjectMover::Done done = mover.work(step);
     moves += done.move ? 1 : 0;
-    answer();
+    reply_to();
     ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
     before = height();
   }

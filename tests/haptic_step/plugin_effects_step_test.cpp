@@ -31,7 +31,7 @@ struct PluginEffectsStep : testing::Test {
     state.sample_time_ns += 1'000'000;
     state.p_WD = p_WD;
     step.offer(state);
-    return step.answer();
+    return step.reply();
   }
 };
 

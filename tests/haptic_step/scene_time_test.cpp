@@ -32,71 +32,71 @@ struct SceneTime : testing::Test {
   std::uint64_t sample = 100;
   std::int64_t time_ns = 7'000'000'000;
 
-  ForceCommand answer(std::int64_t after_ns, const Vec3& p_WD = {0, 0, 0.03}) {
+  ForceCommand reply_to(std::int64_t after_ns, const Vec3& p_WD = {0, 0, 0.03}) {
     time_ns += after_ns;
     step.offer({.sample = ++sample, .sample_time_ns = time_ns, .p_WD = p_WD});
-    return step.answer();
+    return step.reply();
   }
 };
 
 TEST_F(SceneTime, BeginsWithTheFirstReplyAndRunsWithTheSamples) {
-  EXPECT_EQ(answer(0).scene_time_ns, 0);
-  EXPECT_EQ(answer(1'000'000).scene_time_ns, 1'000'000);
-  EXPECT_EQ(answer(4'000'000).scene_time_ns, 5'000'000);
+  EXPECT_EQ(reply_to(0).scene_time_ns, 0);
+  EXPECT_EQ(reply_to(1'000'000).scene_time_ns, 1'000'000);
+  EXPECT_EQ(reply_to(4'000'000).scene_time_ns, 5'000'000);
 }
 
 // What is felt is what the reply says.
 TEST_F(SceneTime, TheForceIsThatOfTheTimeInTheReply) {
   const Vec3 hand(0.01, 0.0, 0.005);
-  answer(0, hand);
+  reply_to(0, hand);
   for (int i = 0; i < 200; ++i) {
-    const ForceCommand reply = answer(1'000'000, hand);
+    const ForceCommand reply = reply_to(1'000'000, hand);
     const double top = 0.1 * 1e-9 * static_cast<double>(reply.scene_time_ns);
     ASSERT_NEAR(reply.force_n.z(), 1000.0 * std::max(0.0, top - hand.z()), 1e-3) << i;
   }
 }
 
 TEST_F(SceneTime, StandsStillInAGapAndBetweenSessions) {
-  answer(0);
-  answer(10'000'000);
-  EXPECT_EQ(answer(3'000'000'000).scene_time_ns, 10'000'000 + HapticsStep::kMostSceneStepNs);
+  reply_to(0);
+  reply_to(10'000'000);
+  EXPECT_EQ(reply_to(3'000'000'000).scene_time_ns, 10'000'000 + HapticsStep::kMostSceneStepNs);
   step.resume();
-  EXPECT_EQ(answer(5'000'000'000).scene_time_ns, 60'000'000);
-  EXPECT_EQ(answer(1'000'000).scene_time_ns, 61'000'000);
-  EXPECT_EQ(answer(-500'000'000).scene_time_ns, 61'000'000) << "another hub's clock";
+  EXPECT_EQ(reply_to(5'000'000'000).scene_time_ns, 60'000'000);
+  EXPECT_EQ(reply_to(1'000'000).scene_time_ns, 61'000'000);
+  EXPECT_EQ(reply_to(-500'000'000).scene_time_ns, 61'000'000) << "another hub's clock";
 }
 
 // The hand rests on the surface while the hub restarts: the same force before and after.
 TEST_F(SceneTime, ContactGoesOnInTheNextSession) {
   const Vec3 hand(0.01, 0.0, 0.001);
-  answer(0, {0.01, 0.0, 0.002});
+  reply_to(0, {0.01, 0.0, 0.002});
   ForceCommand before;
-  for (int i = 0; i < 30; ++i) before = answer(1'000'000, hand);
+  for (int i = 0; i < 30; ++i) before = reply_to(1'000'000, hand);
   EXPECT_NEAR(before.force_n.z(), 2.0, 1e-2);
   step.resume();
-  const ForceCommand after = answer(10'000'000'000, hand);
+  const ForceCommand after = reply_to(10'000'000'000, hand);
   EXPECT_NEAR(after.force_n.z(), before.force_n.z(), 1e-2);
 }
 
 TEST_F(SceneTime, CanBeSet) {
-  answer(0);
+  reply_to(0);
   step.set_scene_time(400'000'000);
-  EXPECT_EQ(answer(1'000'000).scene_time_ns, 400'000'000);
-  EXPECT_EQ(answer(1'000'000).scene_time_ns, 401'000'000);
+  EXPECT_EQ(reply_to(1'000'000).scene_time_ns, 400'000'000);
+  EXPECT_EQ(reply_to(1'000'000).scene_time_ns, 401'000'000);
 }
 
 // A scene that was read again: the parts that move go on from where they are, and the force fades.
 TEST_F(SceneTime, GoesOnWithAnotherMethod) {
   const Vec3 hand(0.01, 0.0, 0.001);
-  answer(0, {0.01, 0.0, 0.002});
+  reply_to(0, {0.01, 0.0, 0.002});
   ForceCommand before;
-  for (int i = 0; i < 30; ++i) before = answer(1'000'000, hand);
+  for (int i = 0; i < 30; ++i) before = reply_to(1'000'000, hand);
   (void)step.replace(touch_of(rising()));
-  const ForceCommand after = answer(1'000'000, hand);
+  const ForceCommand after = reply_to(1'000'000, hand);
   EXPECT_EQ(after.scene_time_ns, before.scene_time_ns + 1'000'000);
   EXPECT_NEAR(after.force_n.z(), before.force_n.z(), 2e-2);
   ForceCommand later;
-  for (int i = 0; i < 300; ++i) later = answer(1'000'000, hand);
+  for (int i = 0; i < 300; ++i) later = reply_to(1'000'000, hand);
   EXPECT_NEAR(later.force_n.z(), 1000.0 * (0.1 * 1e-9 * static_cast<double>(later.scene_time_ns) - hand.z()), 0.1);
 }
 
@@ -105,29 +105,29 @@ TEST(SceneTimeOfStillScenes, Is0) {
   HapticsStep step(touch_of(rising(false)), kOffset);
   for (std::uint64_t i = 1; i < 5; ++i) {
     step.offer({.sample = i, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(i)});
-    EXPECT_EQ(step.answer().scene_time_ns, 0);
+    EXPECT_EQ(step.reply().scene_time_ns, 0);
   }
 }
 
 TEST_F(SceneTime, TakesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  answer(0, {0, 0, 0.002});
+  reply_to(0, {0, 0, 0.002});
   const AllocationGuard guard;
   double most = 0.0;
-  for (int i = 0; i < 200; ++i) most = std::max(most, answer(1'000'000, {0, 0, 0.002}).force_n.z());
+  for (int i = 0; i < 200; ++i) most = std::max(most, reply_to(1'000'000, {0, 0, 0.002}).force_n.z());
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_GT(most, 10.0);
 }
 
 // While the hub computes the force it determines where everything is, also across a gap; afterwards time goes on from there.
 TEST_F(SceneTime, IsThatOfAHubThatComputesTheForce) {
-  answer(0);
+  reply_to(0);
   time_ns += 300'000'000;
   step.offer({.sample = ++sample, .sample_time_ns = time_ns, .p_WD = {0, 0, 0.03}, .scene_time_ns = 300'000'000});
-  EXPECT_EQ(step.answer().scene_time_ns, 300'000'000);
-  EXPECT_EQ(answer(1'000'000).scene_time_ns, 301'000'000);
+  EXPECT_EQ(step.reply().scene_time_ns, 300'000'000);
+  EXPECT_EQ(reply_to(1'000'000).scene_time_ns, 301'000'000);
   step.offer({.sample = ++sample, .sample_time_ns = time_ns, .p_WD = {0, 0, 0.03}, .scene_time_ns = 295'000'000});
-  EXPECT_EQ(step.answer().scene_time_ns, 295'000'000) << "the hub waited";
+  EXPECT_EQ(step.reply().scene_time_ns, 295'000'000) << "the hub waited";
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ struct CarveUndoTaskTest : testing::Test {
     const Vec3 p = (0.0315 + 0.004 * std::cos(5.0 * angle)) * Vec3(std::cos(angle), std::sin(angle), 0.1);
     step.offer(
         {.sample = sample, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample), .p_WD = p, .buttons = is_down ? 1U : 0U});
-    step.answer();
+    step.reply();
     const MadeCarve* made = step.made_carve();
     if (made != nullptr) note(*made);
     return made != nullptr;

@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 TEST_F(GraspTaskTest, WhatDoesNotMoveIsNotBuiltAgain) {
-  answer(at, 0);
+  reply(at, 0);
   for (int turn = 1; turn <= 2; ++turn) {
     const double x = 0.015 * (turn - 1);
     go({x, 0.0, 0.05}, 0);
@@ -41,7 +41,7 @@ TEST_F(GraspTaskTest, WhatDoesNotMoveIsNotBuiltAgain) {
 
 // What is drawn is where it is felt.
 TEST_F(GraspTaskTest, AnObjectThatCannotBePutDownIsBackWhereItWas) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   go(at, 1);
   ASSERT_TRUE(step->holds_tool());
@@ -78,7 +78,7 @@ TEST_F(GraspTaskTest, AnObjectThatCannotBePutDownIsBackWhereItWas) {
 
 // The hand is in the cube where it is again: the probe is on its surface, as it was when it was picked up.
 TEST_F(GraspTaskTest, AnObjectThatIsBackUnderTheHandIsFeltFromOutside) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   go(at, 1);
   go({0.0, 0.0, 0.03}, 1);
@@ -95,7 +95,7 @@ TEST_F(GraspTaskTest, AnObjectThatIsBackUnderTheHandIsFeltFromOutside) {
 
 // The probe cannot follow the hand through the wall.
 TEST_F(GraspTaskTest, AnObjectThatIsBackBehindAWallDoesNotHoldTheHand) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   go(at, 1);
   ASSERT_TRUE(step->holds_tool());
@@ -114,7 +114,7 @@ TEST_F(GraspTaskTest, AnObjectThatIsBackBehindAWallDoesNotHoldTheHand) {
 }
 
 TEST_F(GraspTaskTest, AMoveOnRequestThatFailsLeavesWhatIsTouched) {
-  answer(at, 0);
+  reply(at, 0);
   go({-0.05, 0.0, 0.03}, 0);
   EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
   fails = true;

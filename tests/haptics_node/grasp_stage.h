@@ -72,11 +72,11 @@ struct GraspTaskTest : testing::Test {
     ++methods;
   }
 
-  ForceCommand answer(const Vec3& p, std::uint32_t buttons, const Quat& q = Quat::Identity()) {
+  ForceCommand reply(const Vec3& p, std::uint32_t buttons, const Quat& q = Quat::Identity()) {
     ++sample;
     step->offer(
         {.sample = sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .q_WT = q, .buttons = buttons});
-    const ForceCommand command = step->answer();
+    const ForceCommand command = step->reply();
     most_change_n = std::max(most_change_n, (command.force_n - last.force_n).norm());
     most_change_nm = std::max(most_change_nm, (command.torque_nm - last.torque_nm).norm());
     last = command;
@@ -89,11 +89,11 @@ struct GraspTaskTest : testing::Test {
   ForceCommand go(const Vec3& to, std::uint32_t buttons) {
     const Vec3 from = at;
     const int steps = 1 + static_cast<int>((to - from).norm() / 5e-5);
-    for (int i = 1; i <= steps; ++i) answer(from + (to - from) * i / steps, buttons);
+    for (int i = 1; i <= steps; ++i) reply(from + (to - from) * i / steps, buttons);
     return rest(buttons, 150);
   }
   ForceCommand rest(std::uint32_t buttons, int steps) {
-    for (int i = 0; i < steps; ++i) answer(at, buttons);
+    for (int i = 0; i < steps; ++i) reply(at, buttons);
     return last;
   }
   // The builder has a thread of its own.

@@ -21,7 +21,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
   go(at, 1);
@@ -75,7 +75,7 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
 }
 
 TEST_F(GraspTaskTest, WhatHasMovedIsPickedUpAgain) {
-  answer(at, 0);
+  reply(at, 0);
   for (int turn = 1; turn <= 3; ++turn) {
     const double x = 0.01 * (turn - 1);
     go({x, 0.0, 0.05}, 0);
@@ -97,7 +97,7 @@ struct PlacedGraspTest : GraspTaskTest {
 };
 
 TEST_F(PlacedGraspTest, AnObjectThatLiesElsewhereAtTheStartIsPickedUpFromThere) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(grasp->poses()[kCube].p_m.x(), 0.03);
   EXPECT_GT(grasp->poses()[kCube].serial, 1U);
   EXPECT_EQ(go({0.0, 0.0, -kPress}, 0).object, kPlate) << "nothing is where the scene file has it";
@@ -121,12 +121,12 @@ struct WindyGraspTest : GraspTaskTest {
 };
 
 TEST_F(WindyGraspTest, EffectsInFreeSpaceActWhileAnObjectIsHeldAndWhileItIsPutDown) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   double farthest_n = 0.0;
   const auto note = [&] { farthest_n = std::max(farthest_n, std::abs(last.force_n.y() - 0.3)); };
   for (int i = 0; i < 200; ++i) {
-    answer(at, 1);
+    reply(at, 1);
     note();
   }
   ASSERT_TRUE(step->holds_tool());
@@ -134,7 +134,7 @@ TEST_F(WindyGraspTest, EffectsInFreeSpaceActWhileAnObjectIsHeldAndWhileItIsPutDo
   go({0.03, 0.0, 0.04}, 1);
   note();
   for (int i = 0; i < 200; ++i) {
-    answer(at, 0);
+    reply(at, 0);
     note();
   }
   wait_for_method(1);
@@ -149,7 +149,7 @@ struct SwitchedGraspTest : GraspTaskTest {
 };
 
 TEST_F(SwitchedGraspTest, AnEffectThatIsOffInTheSceneWithTheObjectPutDownFadesOut) {
-  answer(at, 0);
+  reply(at, 0);
   EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
@@ -157,7 +157,7 @@ TEST_F(SwitchedGraspTest, AnEffectThatIsOffInTheSceneWithTheObjectPutDownFadesOu
   EXPECT_NEAR(last.force_n.y(), 0.3, 1e-6);
   most_change_n = 0.0;
   waits = true;
-  for (int i = 0; i < 200; ++i) answer(at + Vec3(0.0, 0.0, 5e-5), 2);  // away from the object
+  for (int i = 0; i < 200; ++i) reply(at + Vec3(0.0, 0.0, 5e-5), 2);  // away from the object
   waits = false;
   for (int i = 0; i < 30'000 && methods < 1; ++i) {
     rest(2, 1);
@@ -171,7 +171,7 @@ TEST_F(SwitchedGraspTest, AnEffectThatIsOffInTheSceneWithTheObjectPutDownFadesOu
 
 // As vision_node asks when a person takes a move back.
 TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
-  answer(at, 0);
+  reply(at, 0);
   go({-0.05, 0.0, 0.03}, 0);
   EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
   ObjectPose wanted{.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}};
@@ -202,7 +202,7 @@ TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
 }
 
 TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
-  answer(at, 0);
+  reply(at, 0);
   const std::uint32_t serial = grasp->poses()[kCube].serial;
   const Vec3 aside(0.03, 0.0, 0.0);
   for (const ObjectPose& bad : {ObjectPose{.serial = serial + 1, .object = kCube, .p_m = aside},
@@ -228,19 +228,19 @@ TEST_F(GraspTaskTest, ObjectsArePreparedWhileThereIsNothingElseToDoAndOnlyWhatHa
     return prepared;
   };
   EXPECT_EQ(count(), 3);
-  answer(at, 0);
+  reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);
   go(at, 1);
   ASSERT_TRUE(step->holds_tool());
   go({0.0, 0.0, 0.03}, 1);
   // Released: the order is carried out, then the cube is prepared where it is now.
   step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at});
-  (void)step->answer();
+  (void)step->reply();
   EXPECT_EQ(count(), 2);
 }
 
 TEST_F(GraspTaskTest, SaysHowLongAPickUpTookIfTheHandHadToWaitAndCountsTheTimesOfPoses) {
-  answer(at, 0);
+  reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);
   const auto picked_up_in = [&](std::int64_t passes_ns) {
     clock.passes_ns = passes_ns;
@@ -260,7 +260,7 @@ TEST_F(GraspTaskTest, SaysHowLongAPickUpTookIfTheHandHadToWaitAndCountsTheTimesO
 }
 
 TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
-  answer(at, 0);
+  reply(at, 0);
   go({-0.05, 0.0, 0.03}, 0);
   EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
   const Vec3 felt = last.force_n;
@@ -271,7 +271,7 @@ TEST_F(GraspTaskTest, WhatIsNotMovableIsNotPickedUp) {
 }
 
 TEST_F(GraspTaskTest, AButtonThatWasDownBeforePicksUpNothingAndOneInTheAirNeither) {
-  answer(at, 1);
+  reply(at, 1);
   go({0.0, 0.0, 0.021 - kPress}, 1);
   EXPECT_FALSE(step->holds_tool());
   go({0.0, 0.0, 0.05}, 0);
@@ -282,12 +282,12 @@ TEST_F(GraspTaskTest, AButtonThatWasDownBeforePicksUpNothingAndOneInTheAirNeithe
 }
 
 TEST_F(GraspTaskTest, ABriefPressLeavesEverythingAsItWas) {
-  answer(at, 0);
+  reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);
   for (int i = 0; i < 20; ++i) {
     // Without the slow task between press and release, then with it.
     step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
-    (void)step->answer();
+    (void)step->reply();
     rest(0, 1 + i % 3);
   }
   rest(0, 200);
@@ -298,13 +298,13 @@ TEST_F(GraspTaskTest, ABriefPressLeavesEverythingAsItWas) {
 
 TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
-  answer(at, 0);
+  reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);
   const auto step_once = [&](std::uint32_t buttons) {
     at.z() += buttons == 0 ? 0.0 : 1e-5;
     step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = buttons});
     const AllocationGuard guard;
-    last = step->answer();
+    last = step->reply();
     return guard.count();
   };
   for (int n = 0; n < 600; ++n) {
@@ -314,7 +314,7 @@ TEST_F(GraspTaskTest, TheStepUsesNoHeap) {
 }
 
 TEST_F(GraspTaskTest, TheSceneMayTurnWhileAnObjectIsHeld) {
-  answer(at, 0);
+  reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);
   go(at, 1);
   go({0.0, 0.0, 0.04}, 1);

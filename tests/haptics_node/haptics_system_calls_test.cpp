@@ -44,7 +44,7 @@ TEST_P(HapticsSystemCalls, ASlideInAndOutOfContactMakesNone) {
       if (n % 50 == 0) step->set_materials({&other, 1});
       if (n % 100 == 0) step->turn_scene({.revision = static_cast<std::uint32_t>(n)});
       step->offer(std::get<DeviceState>(datagram.message));
-      size = codec->encode({{1, 3, n, clock.now_ns()}, step->answer()}, bytes);
+      size = codec->encode({{1, 3, n, clock.now_ns()}, step->reply()}, bytes);
       if (size == 0) _exit(9);
     }
     if (step->counts().contact_steps < 1000) _exit(9);

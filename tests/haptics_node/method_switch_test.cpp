@@ -84,7 +84,7 @@ class Hand {
     const Vec3 before_n = output_.force_n;
     time_ns_ += std::llround(1e9 * dt_s_);
     step_.offer({.sample = ++sample_, .sample_time_ns = time_ns_, .p_WD = p_WD});
-    output_ = step_.answer();
+    output_ = step_.reply();
     const double change_n = (output_.force_n - before_n).norm();
     largest_change_n_ = std::max(largest_change_n_, change_n);
     largest_excess_n_ = std::max(largest_excess_n_, change_n - 2.0 * kStiffness * (p_WD - p_WD_).norm());

@@ -40,7 +40,7 @@ class ObjectShaperTest : public testing::Test {
   ForceCommand cycle(const Vec3& hand = kHandOverSheet) {
     now_ns_ += kSampleNs;
     step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = hand});
-    force_ = step_.answer();
+    force_ = step_.reply();
     for (int n = 0; n < 4; ++n) {
       const auto message = shaper_.take_due(step_);
       if (!message) break;
@@ -155,7 +155,7 @@ TEST_F(ObjectShaperTest, TheLoopUsesNoHeap) {
     step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = kHandOverSheet});
     {
       const AllocationGuard guard;
-      step_.answer();
+      step_.reply();
       for (int m = 0; m < 4; ++m) (void)shaper_.take_due(step_);
       if (n % 10 == 0) ++shape;
       ShapeRequest request{.stream = 7, .shape = shape, .over_s = 0.01};

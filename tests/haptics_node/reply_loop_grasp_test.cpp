@@ -65,7 +65,7 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   exchange({0.0, 0.0, 0.0095}, 1);
   ASSERT_TRUE(link_.orders.take());
   ASSERT_EQ(link_.orders.value().kind, GraspOrder::Kind::pick_up);
-  link_.answers.publish({link_.orders.value().serial, &tool, {"name=tool"}});
+  link_.replies.publish({link_.orders.value().serial, &tool, {"name=tool"}});
   for (int n = 0; n < 50; ++n) {
     exchange({2e-4 * n, 0.0, 0.02}, 1);
     tool.follow();
@@ -76,7 +76,7 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   exchange({0.01, 0.0, 0.02}, 0);
   ASSERT_TRUE(link_.orders.take());
   ASSERT_EQ(link_.orders.value().kind, GraspOrder::Kind::put_down);
-  link_.answers.publish({link_.orders.value().serial});
+  link_.replies.publish({link_.orders.value().serial});
   for (int n = 0; n < 5; ++n) exchange({0.01, 0.0, 0.02}, 0);
   EXPECT_EQ(method(), "name=proxy");
   EXPECT_GT(setup_.method_serial, methods) << "to a recording it is another one than the tool";

@@ -104,7 +104,7 @@ TEST_F(ReplyLoopMoves, ForcesAndTheAnnouncedMotionAgree) {
 // A vision node knows the motion before the first sample that is felt with it.
 TEST_F(ReplyLoopMoves, TheMotionIsAnnouncedBeforeTheFirstForceWithIt) {
   send(lift(7, 0.02));
-  EXPECT_EQ(cycle().move_serial, 0U) << "the sample at hand is answered first";
+  EXPECT_EQ(cycle().move_serial, 0U) << "the sample at hand gets a reply first";
   ASSERT_EQ(newest_moves(1).size(), 1U);
   EXPECT_EQ(cycle().move_serial, 1U);
   EXPECT_LT(newest_moves(1)[0].start_ns, force_.scene_time_ns);
@@ -167,7 +167,7 @@ TEST_F(ReplyLoopMoves, ARequestIsRepeatedUntilItsReplyComes) {
 // However many come: each sample has its reply, before anything else is sent, and one request is carried out every few milliseconds.
 TEST_F(ReplyLoopMoves, AFloodNeverComesBeforeAForce) {
   const int setups_before = setups_;
-  const std::uint64_t answered = step_.counts().answered;
+  const std::uint64_t replied = step_.counts().replied;
   std::uint32_t request = 100;
   for (int n = 0; n < 400; ++n) {
     for (int k = 0; k < 20; ++k) send(lift(++request, 1e-4 * (k % 7), k % 2));
@@ -177,7 +177,7 @@ TEST_F(ReplyLoopMoves, AFloodNeverComesBeforeAForce) {
     ASSERT_EQ(order_[0], Message(ForceCommand()).index()) << n;
     ASSERT_LE(order_.size(), 8U);
   }
-  EXPECT_EQ(step_.counts().answered, answered + 400U);
+  EXPECT_EQ(step_.counts().replied, replied + 400U);
   EXPECT_LE(step_.counts().moves_taken, 400U * 2U / 4U + 2U) << "one in 4 ms, of 20 a cycle of 2 ms";
   EXPECT_GE(step_.counts().moves_taken, 50U);
   EXPECT_LE(setups_ - setups_before, 4);

@@ -83,7 +83,7 @@ class ReplyLoopTest : public ::testing::Test {
   int commands_ = 0;
 };
 
-TEST_F(ReplyLoopTest, EveryStateIsAnswered) {
+TEST_F(ReplyLoopTest, EveryStateGetsAReply) {
   ASSERT_EQ(client_.state(), JoinState::joined);
   ASSERT_TRUE(exchange({0.01, 0.01, 0.001}));
   const auto pressed = exchange({0.01, 0.01, -0.002});
@@ -118,7 +118,7 @@ TEST_F(ReplyLoopTest, AToolIsFeltAndRejectsWhatIsOfAProbe) {
   EXPECT_EQ(step_.counts().methods_taken, 0U);
 }
 
-TEST_F(ReplyLoopTest, ABacklogGetsOneAnswerToItsNewest) {
+TEST_F(ReplyLoopTest, ABacklogGetsOneReplyToItsNewest) {
   send_state({0.01, 0.01, 0.003});
   send_state({0.01, 0.01, 0.002});
   send_state({0.01, 0.01, 0.001});
@@ -207,7 +207,7 @@ TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMeth
   EXPECT_STREQ(setups_.back().method.data(), "name=sweep");
 }
 
-TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
+TEST_F(ReplyLoopTest, TheFirstReplyWaitsUntilWhatIsNearIsBuilt) {
   const MethodSettings proxy{.name = "proxy", .build_on_approach = true};
   HapticsStep step(std::make_unique<TouchStep>(*make_method(proxy, one_sheet())), 1e-5);
   MethodBuilder builder(proxy, one_sheet(), step.touch().share_method());
@@ -221,7 +221,7 @@ TEST_F(ReplyLoopTest, TheFirstAnswerWaitsUntilWhatIsNearIsBuilt) {
   }
   ASSERT_TRUE(first);
   EXPECT_NE(step.touch().method().describe().find("1 of 1 objects built"), std::string::npos) << step.touch().method().describe();
-  EXPECT_EQ(step.counts().answered, 1U);
+  EXPECT_EQ(step.counts().replied, 1U);
   // From now on every one.
   send_state({0.01, 0.01, -0.002});
   loop.turn(clock_.now_ns() + kMs);
@@ -267,14 +267,14 @@ TEST_F(ReplyLoopTest, WhileTheFirstReplyIsPendingVisionIsNotifiedForHowLong) {
   ASSERT_FALSE(scenes_.empty());
   EXPECT_GT(scenes_.back().preparing_s, 1.7F);
   EXPECT_GE(scenes_.size(), 10U) << "several times a second";
-  EXPECT_EQ(step.counts().answered, 0U);
+  EXPECT_EQ(step.counts().replied, 0U);
   done = true;
-  for (int i = 0; i < 6000 && step.counts().answered == 0; ++i) {
+  for (int i = 0; i < 6000 && step.counts().replied == 0; ++i) {
     turn_on(1);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   turn_on(5);
-  ASSERT_GT(step.counts().answered, 0U);
+  ASSERT_GT(step.counts().replied, 0U);
   EXPECT_EQ(scenes_.back().preparing_s, 0.0F) << "and at once when it is done";
 }
 
@@ -295,15 +295,15 @@ TEST_F(ReplyLoopTest, ANewHubSessionResumesWhereTheHandStillIsAndRestartsElsewhe
   }
 }
 
-TEST_F(ReplyLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
+TEST_F(ReplyLoopTest, AnOvertakenStateGetsNoReplyAfterANewerOne) {
   network_.set_impairments({.seed = 7, .reorder = 0.5, .reorder_by_ns = 3 * kMs});
   const std::int64_t begin_ns = clock_.now_ns();
   std::uint64_t newest = 0;
   for (int i = 0; i < 300; ++i) {
     send_state({0.01, 0.01, 0.001});
-    const std::uint64_t answered_before = step_.counts().answered;
+    const std::uint64_t replied_before = step_.counts().replied;
     turn(1 * kMs);
-    if (step_.counts().answered > answered_before) {
+    if (step_.counts().replied > replied_before) {
       const auto command = receive_reply();
       if (command) {
         newest = std::max(newest, command->echo_sample);
@@ -313,7 +313,7 @@ TEST_F(ReplyLoopTest, AnOvertakenStateIsNotAnsweredAfterANewerOne) {
   EXPECT_GT(client_.sequence_counts().reordered, 20U);
   // Welcomes are overtaken too: there is one for each Hello.
   const auto welcomes = static_cast<std::uint64_t>((clock_.now_ns() - begin_ns) / HubClient::kHelloPeriodNs + 1);
-  EXPECT_LE(step_.counts().answered + step_.counts().skipped + client_.sequence_counts().reordered, 300U + welcomes);
+  EXPECT_LE(step_.counts().replied + step_.counts().skipped + client_.sequence_counts().reordered, 300U + welcomes);
   EXPECT_GT(newest, 250U);
 }
 

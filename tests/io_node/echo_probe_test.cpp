@@ -19,7 +19,7 @@ struct Probe : testing::Test {
   ScriptedEndpoint endpoint{clock};
   EchoProbe probe{endpoint, clock, kResponder};
   std::size_t bytes = 0;
-  void answer_after(std::int64_t delay_ns) {
+  void reply_after(std::int64_t delay_ns) {
     endpoint.on_send_raw = [this, delay_ns](const Address& to, std::span<const std::byte> sent) {
       bytes = sent.size();
       endpoint.arrive_raw(clock.now_ns() + delay_ns, to, reply_to(sent));
@@ -35,23 +35,23 @@ struct Probe : testing::Test {
 };
 
 TEST_F(Probe, MeasuresTheRoundTripOfADatagramAsLongAsADeviceState) {
-  answer_after(20 * kUs);
+  reply_after(20 * kUs);
   for (int n = 0; n < 10; ++n) probe.probe(clock.now_ns() + 300 * kUs);
-  EXPECT_EQ(probe.counts().answered, 10U);
+  EXPECT_EQ(probe.counts().replied, 10U);
   EXPECT_EQ(probe.round_trip().max_ns(), 20 * kUs);
   EXPECT_GT(bytes, 70U);
   EXPECT_LT(bytes, 200U);
 }
 
-TEST_F(Probe, ALateAnswerIsCountedAndNotTakenForTheNextOne) {
-  answer_after(500 * kUs);
+TEST_F(Probe, ALateReplyIsCountedAndNotTakenForTheNextOne) {
+  reply_after(500 * kUs);
   const std::int64_t begin = clock.now_ns();
   probe.probe(begin + 300 * kUs);
   EXPECT_EQ(clock.now_ns(), begin + 300 * kUs);
-  answer_after(250 * kUs);
+  reply_after(250 * kUs);
   probe.probe(clock.now_ns() + 300 * kUs);
   EXPECT_EQ(probe.counts().late, 1U);
-  EXPECT_EQ(probe.counts().answered, 1U);
+  EXPECT_EQ(probe.counts().replied, 1U);
   EXPECT_EQ(probe.round_trip().max_ns(), 250 * kUs);
 }
 
@@ -64,7 +64,7 @@ TEST_F(Probe, UnknownPeersAreNotTakenForTheResponder) {
   };
   probe.probe(clock.now_ns() + 300 * kUs);
   EXPECT_EQ(probe.counts().foreign, 3U);
-  EXPECT_EQ(probe.counts().answered, 0U);
+  EXPECT_EQ(probe.counts().replied, 0U);
 }
 
 }  // namespace

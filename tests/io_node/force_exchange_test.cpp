@@ -22,11 +22,11 @@ TEST_F(Servos, TheWholeSlewOfACycleIsThereForItsForce) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
-  answer.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
+  force_reply.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
   servo->step();
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(stats().governor.counters.slewed, 0U);
-  answer.force_n = Vec3(0, 0, 6.5);
+  force_reply.force_n = Vec3(0, 0, 6.5);
   servo->step();
   EXPECT_NEAR(device.written.back().force_n.z(), 5.9, 1e-9);
   EXPECT_EQ(stats().governor.counters.slewed, 1U);
@@ -36,11 +36,11 @@ TEST_F(Servos, LateForcesAreCountedAndTheNewestWins) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
-  answer_delay_ns = 1300 * kUs;
+  reply_delay_ns = 1300 * kUs;
   run(100);
   EXPECT_NEAR(static_cast<double>(stats().responses.late), 100.0, 2.0);
   EXPECT_EQ(stats().round_trip.max_ns(), 1300 * kUs);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(stats().responses.lost, 0U);
 }
 
@@ -48,12 +48,12 @@ TEST_F(Servos, AnOvertakenForceIsNotWritten) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   servo->step();
   const DeviceState slow = states.back();
   servo->step();
   force(states.back(), 0);
-  answer.force_n = Vec3(7, 0, 0);
+  force_reply.force_n = Vec3(7, 0, 0);
   force(slow, 100);
   run(3);
   EXPECT_EQ(device.written.back().force_n, Vec3(0, 0, 2));
@@ -76,7 +76,7 @@ TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   servo->device_loop().set_local_touch(&local);
   join(kHaptics, NodeRole::haptics);
   run(300);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   local.is_touching = true;
   run(200);
   ASSERT_NEAR(device.written.back().force_n.z(), 1.0, 1e-9);
@@ -86,7 +86,7 @@ TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   servo->step();
   const DeviceState resumed = states.back();
   EXPECT_TRUE(resumed.is_resumed) << "with the first sample that has no local force";
-  answer.force_n = Vec3(0, 0, 3);
+  force_reply.force_n = Vec3(0, 0, 3);
   force(before, 0);
   run(3);
   EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 1e-9);
@@ -99,17 +99,17 @@ TEST_F(Servos, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   run(19);
   EXPECT_NE(device.written.back().force_n, Vec3::Zero());
   run(3);
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
   EXPECT_EQ(stats().governor.counters.command_timeouts, 1U);
-  answer_delay_ns = 50 * kUs;
+  reply_delay_ns = 50 * kUs;
   run(10);
   EXPECT_LT(device.written.back().force_n.z(), 0.3);
   run(120);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(stats().responses.lost, 0U);  // they wait for the patience to end
   run(250);
   EXPECT_NEAR(static_cast<double>(stats().responses.lost), 22.0, 1.0);
@@ -119,12 +119,12 @@ TEST_F(Servos, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   run(4);
-  answer_delay_ns = 100 * kUs;
-  answer.skipped_samples = 4;
+  reply_delay_ns = 100 * kUs;
+  force_reply.skipped_samples = 4;
   servo->step();
-  answer.skipped_samples = 0;
+  force_reply.skipped_samples = 0;
   run(400);
   EXPECT_EQ(stats().responses.superseded, 4U);
   EXPECT_EQ(stats().responses.lost, 0U);
@@ -147,13 +147,13 @@ TEST_F(Servos, SamplesThatALateNetworkSideNeverSentAreNotLost) {
     if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
     cycles(1);
   }
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   cycles(1);
   cycles(3);
-  answer_delay_ns = 100 * kUs;
-  answer.skipped_samples = 2;
+  reply_delay_ns = 100 * kUs;
+  force_reply.skipped_samples = 2;
   cycles(3);
-  answer.skipped_samples = 0;
+  force_reply.skipped_samples = 0;
   for (int n = 0; n < 400; ++n) {
     if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
     cycles(1);
@@ -167,7 +167,7 @@ TEST_F(Servos, HostileForcesNeverReachTheMotorsAsTheyAre) {
   join(kHaptics, NodeRole::haptics);
   run(200);
   for (const double bad : {1e8, -1e8, 1e9, 8.1}) {
-    answer.force_n = Vec3(bad, bad, -bad);
+    force_reply.force_n = Vec3(bad, bad, -bad);
     run(20);
   }
   Vec3 last = Vec3::Zero();
@@ -189,7 +189,7 @@ TEST_F(Servos, DuplicatesAndForgedEchoesAreIgnored) {
   join(kHaptics, NodeRole::haptics);
   run(200);
   const std::size_t written = device.written.size();
-  ForceCommand forged = answer;
+  ForceCommand forged = force_reply;
   forged.force_n = Vec3(8, 0, 0);
   forged.echo_sample = states.back().sample;
   forged.echo_sample_time_ns = states.back().sample_time_ns;
@@ -198,7 +198,7 @@ TEST_F(Servos, DuplicatesAndForgedEchoesAreIgnored) {
   say(kHaptics, forged);
   forged.echo_sample_time_ns = kMaxWireTimeNs;
   say(kHaptics, forged);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   servo->step();
   EXPECT_EQ(device.written.size(), written);
   EXPECT_EQ(stats().responses.duplicate, 1U);

@@ -103,7 +103,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"beyond_patch_steps", &s.patch_touch.beyond_steps},
                                                                         {"moves_late", &s.patch_touch.late_moves},
                                                                         {"echo_sent", &s.echo.sent},
-                                                                        {"echo_answered", &s.echo.answered},
+                                                                        {"echo_answered", &s.echo.replied},
                                                                         {"echo_late", &s.echo.late},
                                                                         {"events_dropped", &s.events_dropped}};
   for (std::size_t n = 0; n < counters.size(); ++n) *counters[n].second = 1000 + n;
@@ -280,7 +280,7 @@ TEST_F(IoReportNumbers, TheDevicesStateIsNamed) {
   }
   stats->status = ProbeStatus::no_haptics;
   stats->newest_round_trip_s = 0.019;
-  EXPECT_EQ(report().notes.at("status_now"), "no force: no haptics node answers");
+  EXPECT_EQ(report().notes.at("status_now"), "no force: no haptics node replies");
   stats->newest_round_trip_s = 0.0412;
   EXPECT_EQ(report().notes.at("status_now"),
             "no force: replies of haptics_node take 41 ms, and a force lasts 20 ms; shorten the way, or see docs/remote.md");

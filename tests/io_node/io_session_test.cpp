@@ -24,10 +24,10 @@ namespace hapton {
 namespace {
 
 // Replies to every sample with 1 N until it is stopped.
-class Answerer {
+class Replier {
  public:
-  explicit Answerer(const Address& hub) : thread_([this, hub] { run(hub); }) {}
-  ~Answerer() {
+  explicit Replier(const Address& hub) : thread_([this, hub] { run(hub); }) {}
+  ~Replier() {
     stop_ = true;
     thread_.join();
   }
@@ -65,7 +65,7 @@ struct Sessions : testing::Test {
     const auto endpoint = open_udp_endpoint("127.0.0.1:0");
     HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
     const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{});
-    Answerer haptics((*endpoint)->local_address());
+    Replier haptics((*endpoint)->local_address());
     IoSession session(*servo, clock, options);
     const auto ended = session.run(stop);
     forces = servo->collect_stats().forces;

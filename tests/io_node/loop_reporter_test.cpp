@@ -22,7 +22,7 @@ TEST_F(LoopReports, ComeOnceASecondWhenEnoughIsMeasured) {
   EXPECT_LE(loop_facts.size(), 4U);
   EXPECT_EQ(std::string(loop_facts.back().device.data()), device.name());
   EXPECT_EQ(loop_facts.back().servo_rate_hz, 1000.0);
-  EXPECT_NEAR(loop_facts.back().round_trip_s, 1e-9 * static_cast<double>(answer_delay_ns), 0.1e-9 * static_cast<double>(answer_delay_ns));
+  EXPECT_NEAR(loop_facts.back().round_trip_s, 1e-9 * static_cast<double>(reply_delay_ns), 0.1e-9 * static_cast<double>(reply_delay_ns));
 }
 
 TEST_F(LoopReports, AreNotSentToAHapticsNodeThatHasLeft) {

@@ -16,7 +16,7 @@ Marker marker_of(std::uint32_t request, std::string_view text) {
   return marker;
 }
 
-TEST_F(Servos, AMarkerOfAnyNodeIsRecordedAtTheNewestSampleAndAnswered) {
+TEST_F(Servos, AMarkerOfAnyNodeIsRecordedAtTheNewestSampleAndGetsAReply) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -43,7 +43,7 @@ TEST_F(Servos, AMarkerOfAnyNodeIsRecordedAtTheNewestSampleAndAnswered) {
   EXPECT_EQ(stats().markers, 3U);
 }
 
-TEST_F(Servos, AMarkerThatIsRepeatedIsRecordedOnceAndAnsweredAgain) {
+TEST_F(Servos, AMarkerThatIsRepeatedIsRecordedOnceAndGetsAnotherReply) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kTool, NodeRole::tool);

@@ -62,13 +62,13 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
   start(TouchChoice::automatic);
   run(2000);
   EXPECT_FALSE(link->is_wanted()) << "100 us";
-  answer_delay_ns = static_cast<std::int64_t>(2e9 * TouchChooser::kSlowS);
+  reply_delay_ns = static_cast<std::int64_t>(2e9 * TouchChooser::kSlowS);
   run(2000);
   EXPECT_TRUE(link->is_wanted());
   ASSERT_FALSE(patch_statuses.empty());
   EXPECT_NEAR(patch_statuses.back().second.round_trip_s, 2.0 * TouchChooser::kSlowS, 0.2 * TouchChooser::kSlowS);
   // Fast again: it goes on until it has been so for a while, then tells haptics.
-  answer_delay_ns = 100 * kUs;
+  reply_delay_ns = 100 * kUs;
   run(2000);
   EXPECT_TRUE(link->is_wanted());
   run(4000);
@@ -90,13 +90,13 @@ TEST_F(PatchLinks, TheLogHasOneLineForEachChangeOfTheSource) {
   start(TouchChoice::automatic);
   run(2000);
   EXPECT_TRUE(take().empty()) << "a fast network";
-  answer_delay_ns = 30 * kMs;
+  reply_delay_ns = 30 * kMs;
   run(4000);
   const auto slow = take();
   ASSERT_EQ(slow.size(), 1U);
   EXPECT_EQ(slow[0].first, ServoEvent::Kind::parts_requested);
   EXPECT_NEAR(slow[0].second, 0.030, 0.003);
-  answer_delay_ns = 100 * kUs;
+  reply_delay_ns = 100 * kUs;
   run(8000);
   const auto fast = take();
   ASSERT_EQ(fast.size(), 1U) << "no parts came, so the force was never computed here";
@@ -109,16 +109,16 @@ TEST_F(PatchLinks, RepliesThatComeTooLateAreNamedAsTheReason) {
   start(TouchChoice::remote);
   run(2000);
   EXPECT_FALSE(stats().are_replies_late());
-  answer_delay_ns = 40 * kMs;
+  reply_delay_ns = 40 * kMs;
   run(2000);
   EXPECT_EQ(stats().status, ProbeStatus::no_haptics);
   EXPECT_TRUE(stats().are_replies_late());
   EXPECT_NEAR(stats().newest_round_trip_s, 0.040, 0.003);
-  answer_delay_ns = 100 * kUs;
+  reply_delay_ns = 100 * kUs;
   run(2000);
   EXPECT_EQ(stats().status, ProbeStatus::ok);
   EXPECT_FALSE(stats().are_replies_late());
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   run(500);
   EXPECT_EQ(stats().status, ProbeStatus::no_haptics);
   EXPECT_FALSE(stats().are_replies_late()) << "it does not reply at all";
@@ -129,16 +129,16 @@ TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
   start(TouchChoice::automatic);
   run(4000);
   for (const int slow_ms : {200, 1000, 1400}) {
-    answer_delay_ns = 40 * kMs;
+    reply_delay_ns = 40 * kMs;
     run(slow_ms);
-    answer_delay_ns = 100 * kUs;
+    reply_delay_ns = 100 * kUs;
     for (int n = 0; n < 40; ++n) {
       run(100);
       ASSERT_FALSE(link->is_wanted()) << slow_ms << " ms, and " << 100 * n << " ms after it";
     }
   }
   EXPECT_TRUE(patch_statuses.empty());
-  answer_delay_ns = 40 * kMs;
+  reply_delay_ns = 40 * kMs;
   run(1800);
   EXPECT_TRUE(link->is_wanted());
 }
@@ -147,13 +147,13 @@ TEST_F(PatchLinks, ANetworkThatIsSlowForAMomentChangesNothing) {
 TEST_F(PatchLinks, ARoundTripThatSwingsAroundTheLimitsChangesTheSourceSeldom) {
   start(TouchChoice::automatic);
   for (const int half_ms : {50, 700, 1900, 2900}) {
-    answer_delay_ns = 100 * kUs;  // each begins with remote force
+    reply_delay_ns = 100 * kUs;  // each begins with remote force
     run(8000);
     int changes = 0;
     bool was_wanted = link->is_wanted();
     ASSERT_FALSE(was_wanted);
     for (int n = 0; n < 40'000; n += 50) {
-      answer_delay_ns = (n / half_ms) % 2 == 0 ? 3 * kMs : 12 * kMs;
+      reply_delay_ns = (n / half_ms) % 2 == 0 ? 3 * kMs : 12 * kMs;
       run(50);
       changes += link->is_wanted() != was_wanted ? 1 : 0;
       was_wanted = link->is_wanted();
@@ -164,7 +164,7 @@ TEST_F(PatchLinks, ARoundTripThatSwingsAroundTheLimitsChangesTheSourceSeldom) {
 
 // A hub that wants parts and gets none: the force is remote, and its round trip matters.
 TEST_F(PatchLinks, WithoutPatchesTheHapticsNodeLearnsOfTheRoundTrip) {
-  answer_delay_ns = 2 * static_cast<std::int64_t>(1e9 * TouchChooser::kSlowS);
+  reply_delay_ns = 2 * static_cast<std::int64_t>(1e9 * TouchChooser::kSlowS);
   start(TouchChoice::automatic);
   run(5000);
   EXPECT_TRUE(link->is_wanted());
@@ -186,16 +186,16 @@ std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
 TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
-  answer.force_n = Vec3::Zero();
-  answer.contact = false;
+  force_reply.force_n = Vec3::Zero();
+  force_reply.contact = false;
   start(TouchChoice::patch);
   servo->device_loop().set_local_touch(&local);
   ASSERT_TRUE(builder_has_caught_up());
   local.set_generation(7);
   run(300);
   device.place.z() = -0.002;
-  answer.force_n = Vec3(0, 0, 2);
-  answer.contact = true;
+  force_reply.force_n = Vec3(0, 0, 2);
+  force_reply.contact = true;
   run(300);
   EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
   const auto least_in = [&](int cycles) {
@@ -227,9 +227,9 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
 TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
-  answer.force_n = Vec3::Zero();
-  answer.contact = false;
-  answer_delay_ns = 12 * kMs;
+  force_reply.force_n = Vec3::Zero();
+  force_reply.contact = false;
+  reply_delay_ns = 12 * kMs;
   start(TouchChoice::automatic);
   servo->device_loop().set_local_touch(&local);
   run(1000);
@@ -239,11 +239,11 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   local.offer(floor_patch(77));
   run(500);
   EXPECT_GT(stats().local_forces, 300U);
-  answer_delay_ns = 100 * kUs;
+  reply_delay_ns = 100 * kUs;
   run(7000);
   ASSERT_FALSE(link->is_wanted());
   const std::uint64_t before = stats().local_forces;
-  answer_delay_ns = 12 * kMs;
+  reply_delay_ns = 12 * kMs;
   run(3000);
   ASSERT_TRUE(link->is_wanted());
   EXPECT_EQ(stats().local_forces, before);
@@ -260,8 +260,8 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
 TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   device.place = Vec3(0.001, 0.002, 0.002);
   floor_z_m = 0.0;
-  answer.force_n = Vec3::Zero();
-  answer.contact = false;
+  force_reply.force_n = Vec3::Zero();
+  force_reply.contact = false;
   start(TouchChoice::patch);
   servo->device_loop().set_local_touch(&local);
   ASSERT_TRUE(builder_has_caught_up());
@@ -278,7 +278,7 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   run(1500);
   EXPECT_EQ(device.written.back().force_n, Vec3(Vec3::Zero()));
 
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   states.clear();
   join(kHaptics, NodeRole::haptics);
   run(20);

@@ -12,7 +12,7 @@ DeviceSample sample_at(std::uint64_t number, double x_m) {
   return sample;
 }
 
-ForceCommand answer_to(std::uint64_t number, bool contact) {
+ForceCommand reply_to(std::uint64_t number, bool contact) {
   ForceCommand command;
   command.echo_sample = number;
   command.contact = contact;
@@ -28,7 +28,7 @@ struct Memory : testing::Test {
 
 TEST_F(Memory, ShowsPoseAndOffsetOfOneSample) {
   memory.note_sample(1, sample_at(1, 0.1));
-  memory.note_answer(answer_to(1, true));
+  memory.note_reply(reply_to(1, true));
   memory.note_sample(2, sample_at(2, 0.2));
   memory.show(false, shown);
   EXPECT_EQ(shown.sample, 1U);
@@ -47,17 +47,17 @@ TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
   EXPECT_FALSE(shown.contact);
   EXPECT_EQ(shown.visual_offset_m, Vec3(Vec3::Zero()));
   EXPECT_EQ(shown.object, -1);
-  memory.note_answer(answer_to(1, true));
+  memory.note_reply(reply_to(1, true));
   memory.show(false, shown);
   EXPECT_EQ(shown.sample, 2U);
 }
 
 // Objects that move by keyframes stay where they were felt last.
-TEST_F(Memory, ShowsTheSceneTimeOfTheLastAnswer) {
+TEST_F(Memory, ShowsTheSceneTimeOfTheLastReply) {
   memory.note_sample(1, sample_at(1, 0.1));
-  ForceCommand command = answer_to(1, true);
+  ForceCommand command = reply_to(1, true);
   command.scene_time_ns = 70'000'000;
-  memory.note_answer(command);
+  memory.note_reply(command);
   memory.show(false, shown);
   EXPECT_EQ(shown.scene_time_ns, 70'000'000);
   memory.note_sample(2, sample_at(2, 0.2));
@@ -66,9 +66,9 @@ TEST_F(Memory, ShowsTheSceneTimeOfTheLastAnswer) {
   EXPECT_EQ(shown.scene_time_ns, 70'000'000);
 }
 
-TEST_F(Memory, AnAnswerToAForgottenSampleHasNoPose) {
+TEST_F(Memory, AReplyToAForgottenSampleHasNoPose) {
   for (std::uint64_t n = 1; n <= 1 + ProbeHistory::kSamples; ++n) memory.note_sample(n, sample_at(n, 0.1));
-  memory.note_answer(answer_to(1, true));
+  memory.note_reply(reply_to(1, true));
   memory.show(false, shown);
   EXPECT_EQ(shown.sample, 1 + ProbeHistory::kSamples);
   EXPECT_FALSE(shown.contact);
@@ -76,14 +76,14 @@ TEST_F(Memory, AnAnswerToAForgottenSampleHasNoPose) {
 
 TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
   memory.note_sample(1, sample_at(1, 0.1));
-  memory.note_answer(answer_to(1, true));
+  memory.note_reply(reply_to(1, true));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
   memory.note_new_haptics();
   EXPECT_EQ(memory.find_resume_point(Vec3(0.1, 0, 0)), Vec3(0.1, 0, 0.002));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1 + 2 * kResumeReachM, 0, 0)));
   memory.forget_rest();
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));
-  memory.note_answer(answer_to(1, false));
+  memory.note_reply(reply_to(1, false));
   memory.note_new_haptics();
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0)));  // it has no position
 }
@@ -91,7 +91,7 @@ TEST_F(Memory, ANewHapticsNodeKeepsTheProbeInPlaceUntilItReplies) {
 // The surface is 2 mm above the device. Beyond it there is nothing to go on with: contact would hold the hand from within.
 TEST_F(Memory, NoContactGoesOnForADeviceThatHasLeftTheSurface) {
   memory.note_sample(1, sample_at(1, 0.1));
-  memory.note_answer(answer_to(1, true));
+  memory.note_reply(reply_to(1, true));
   memory.note_new_haptics();
   EXPECT_TRUE(memory.find_resume_point(Vec3(0.105, 0.001, 0.0019)));
   EXPECT_FALSE(memory.find_resume_point(Vec3(0.1, 0, 0.0021)));
@@ -102,10 +102,10 @@ TEST_F(Memory, NoContactGoesOnForADeviceThatHasLeftTheSurface) {
 
 TEST_F(Memory, AReplyToASampleFromBeforeTheRequestDoesNotCount) {
   memory.note_sample(1, sample_at(1, 0.1));
-  memory.note_answer(answer_to(1, true));
+  memory.note_reply(reply_to(1, true));
   memory.note_sample(2, sample_at(2, 0.1));
   memory.note_new_haptics();
-  memory.note_answer(answer_to(2, true));  // sent before
+  memory.note_reply(reply_to(2, true));  // sent before
   EXPECT_TRUE(memory.is_haptics_new());
   memory.note_resumed(2);
   EXPECT_TRUE(memory.is_haptics_new());

@@ -23,7 +23,7 @@ struct SpinningServos : Servos {
   TickingClock ticking{clock};
 
   void run_with(std::int64_t reply_ns, int cycles) {
-    answer_delay_ns = reply_ns;
+    reply_delay_ns = reply_ns;
     servo = std::make_unique<Servo>(device, peers, ticking, Servo::Options{.reply_spin_ns = 150 * kUs});
     join(kHaptics, NodeRole::haptics);
     run(cycles);

@@ -265,7 +265,7 @@ TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset}).size(), 1U);
   EXPECT_LT(device.written.back().force_n.z(), 0.6);
   run(150);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(tap.faults, std::vector{SessionFault::jump});
   peers.set_tap(nullptr);
 }
@@ -288,7 +288,7 @@ TEST_F(Servos, AResetIsRejectedWhileTheCauseIsThere) {
   run(600);
   say(kTool, reset);
   run(300);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
 }
 
 TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {

@@ -33,37 +33,37 @@ struct ResponseTrackerTest : testing::Test {
 };
 
 TEST_F(ResponseTrackerTest, DistinguishesInTimeLateReorderedDuplicateAndUnknown) {
-  EXPECT_EQ(tracker->answer(to(0)), Verdict::unknown);
+  EXPECT_EQ(tracker->reply(to(0)), Verdict::unknown);
   take(1, 1);
-  EXPECT_FALSE(tracker->is_newest_answered());
-  EXPECT_EQ(tracker->answer(to(1)), Verdict::in_time);
-  EXPECT_TRUE(tracker->is_newest_answered());
-  EXPECT_EQ(tracker->answer(to(1)), Verdict::duplicate);
+  EXPECT_FALSE(tracker->has_newest_reply());
+  EXPECT_EQ(tracker->reply(to(1)), Verdict::in_time);
+  EXPECT_TRUE(tracker->has_newest_reply());
+  EXPECT_EQ(tracker->reply(to(1)), Verdict::duplicate);
   take(2, 5);
-  EXPECT_EQ(tracker->answer(to(4)), Verdict::late);
-  EXPECT_EQ(tracker->answer(to(3)), Verdict::reordered);
-  EXPECT_EQ(tracker->answer(to(6)), Verdict::unknown);
+  EXPECT_EQ(tracker->reply(to(4)), Verdict::late);
+  EXPECT_EQ(tracker->reply(to(3)), Verdict::reordered);
+  EXPECT_EQ(tracker->reply(to(6)), Verdict::unknown);
   ForceCommand forged = to(5);
   forged.echo_sample_time_ns += 1;
-  EXPECT_EQ(tracker->answer(forged), Verdict::unknown);
-  EXPECT_EQ(tracker->answer(to(~std::uint64_t{0})), Verdict::unknown);
+  EXPECT_EQ(tracker->reply(forged), Verdict::unknown);
+  EXPECT_EQ(tracker->reply(to(~std::uint64_t{0})), Verdict::unknown);
 }
 
-TEST_F(ResponseTrackerTest, OvertakenAndNeverAnsweredIsLostAfterThePatience) {
+TEST_F(ResponseTrackerTest, OvertakenAndWithoutAReplyIsLostAfterThePatience) {
   take(1, 10);
-  tracker->answer(to(5));
+  tracker->reply(to(5));
   tracker->settle(ResponseTracker::kReplyTimeoutNs);
   EXPECT_EQ(tracker->counts().lost, 0U);
   tracker->settle(ResponseTracker::kReplyTimeoutNs + 100 * kMs);
   EXPECT_EQ(tracker->counts().lost, 4U);  // 6 to 10 still wait: nothing newer has a response
-  EXPECT_EQ(tracker->answer(to(3)), Verdict::reordered);
+  EXPECT_EQ(tracker->reply(to(3)), Verdict::reordered);
   EXPECT_EQ(tracker->counts().lost, 3U);
 }
 
 TEST_F(ResponseTrackerTest, SkippedIsSupersededNotLost) {
   take(1, 10);
-  tracker->answer(to(2));
-  tracker->answer(to(9, 4));
+  tracker->reply(to(2));
+  tracker->reply(to(9, 4));
   EXPECT_EQ(tracker->counts().superseded, 4U);  // 5 to 8
   tracker->close(true);
   EXPECT_EQ(tracker->counts().lost, 4U);  // 1, 3, 4 and 10
@@ -71,21 +71,21 @@ TEST_F(ResponseTrackerTest, SkippedIsSupersededNotLost) {
 
 TEST_F(ResponseTrackerTest, ALieAboutSkippingExcusesNoMoreThanThereIs) {
   take(1, 10);
-  tracker->answer(to(9, ~std::uint32_t{0}));
+  tracker->reply(to(9, ~std::uint32_t{0}));
   EXPECT_EQ(tracker->counts().superseded, 8U);
-  tracker->answer(to(10, ~std::uint32_t{0}));
+  tracker->reply(to(10, ~std::uint32_t{0}));
   EXPECT_EQ(tracker->counts().superseded, 8U);
 }
 
 // 1 has a response; 2 and 5 are sent, 3 and 4 are not, because there was a newer one; the node skips 2 and 5 and responds to 6.
 TEST_F(ResponseTrackerTest, WhatWasNeverSentIsNoneOfTheSkipped) {
   take(1, 1);
-  tracker->answer(to(1));
+  tracker->reply(to(1));
   take(2, 2);
   tracker->withhold(3, 3 * kMs);
   tracker->withhold(4, 4 * kMs);
   take(5, 6);
-  tracker->answer(to(6, 2));
+  tracker->reply(to(6, 2));
   tracker->close(true);
   EXPECT_EQ(tracker->counts().superseded, 2U);
   EXPECT_EQ(tracker->counts().excused, 2U);
@@ -99,11 +99,11 @@ TEST_F(ResponseTrackerTest, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
     tracker = std::make_unique<ResponseTracker>();
     for (std::uint64_t s = 1; s <= before; ++s) {
       take(s, s);
-      tracker->answer(to(s));
+      tracker->reply(to(s));
     }
     take(before + 1, before + 1);
     take(before + 40, before + 41);
-    tracker->answer(to(before + 41, 2));
+    tracker->reply(to(before + 41, 2));
     tracker->settle(static_cast<std::int64_t>(before) * kMs + 10 * ResponseTracker::kReplyTimeoutNs);
     EXPECT_EQ(tracker->counts().superseded, 2U) << before;
     EXPECT_EQ(tracker->counts().lost, 0U) << before;
@@ -127,7 +127,7 @@ TEST_F(ResponseTrackerTest, ANodeThatSaysWhatItSkippedHasLostNothing) {
       take(newest, newest);
       sent.push_back(newest);
       if (random() % 3 == 0) continue;
-      tracker->answer(to(newest, static_cast<std::uint32_t>(sent.size() - 1)));
+      tracker->reply(to(newest, static_cast<std::uint32_t>(sent.size() - 1)));
       sent.clear();
       tracker->settle(static_cast<std::int64_t>(newest) * kMs);
     }
@@ -140,11 +140,11 @@ TEST_F(ResponseTrackerTest, ANodeThatSaysWhatItSkippedHasLostNothing) {
 TEST_F(ResponseTrackerTest, SamplesWithoutAHapticsNodeAreExcused) {
   take(1, 10, false);
   take(11, 20);
-  tracker->answer(to(12));
+  tracker->reply(to(12));
   tracker->excuse_waiting();
   EXPECT_EQ(tracker->counts().lost, 1U);  // 11: overtaken
   EXPECT_EQ(tracker->counts().excused, 18U);
-  EXPECT_EQ(tracker->answer(to(5)), Verdict::reordered);
+  EXPECT_EQ(tracker->reply(to(5)), Verdict::reordered);
   EXPECT_EQ(tracker->counts().excused, 17U);
 }
 
@@ -159,9 +159,9 @@ TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
       if (what < 60)
         take_or_withhold(++newest, static_cast<unsigned>(random() % 20));
       else if (what < 97)
-        tracker->answer(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
+        tracker->reply(to(newest - std::min(newest, random() % 30), static_cast<std::uint32_t>(random() % 4)));
       else if (what < 98)
-        tracker->answer(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
+        tracker->reply(to(random() % (newest + 10), static_cast<std::uint32_t>(random())));
       else if (what < 99)
         tracker->settle(static_cast<std::int64_t>(newest) * kMs);
       else if (random() % 50 == 0)
@@ -176,9 +176,9 @@ TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
 
 TEST_F(ResponseTrackerTest, ForgetsWhatIsOlderThanItsCapacity) {
   take(1, 3 * ResponseTracker::kCapacity);
-  EXPECT_EQ(tracker->answer(to(1)), Verdict::unknown);
-  EXPECT_EQ(tracker->answer(to(2 * ResponseTracker::kCapacity)), Verdict::unknown);
-  EXPECT_EQ(tracker->answer(to(2 * ResponseTracker::kCapacity + 1)), Verdict::late);
+  EXPECT_EQ(tracker->reply(to(1)), Verdict::unknown);
+  EXPECT_EQ(tracker->reply(to(2 * ResponseTracker::kCapacity)), Verdict::unknown);
+  EXPECT_EQ(tracker->reply(to(2 * ResponseTracker::kCapacity + 1)), Verdict::late);
   EXPECT_EQ(tracker->counts().excused, 2 * ResponseTracker::kCapacity);
 }
 

@@ -73,10 +73,10 @@ TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {
   device.state = DeviceStatus::ready;
   run(1000);
   EXPECT_EQ(probes.back().status, ProbeStatus::ok);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
-  answer_delay_ns = 100 * kUs;
+  reply_delay_ns = 100 * kUs;
   run(500);
   servo->device_loop().latch_again(SafetyFault::speed);
   run(200);

@@ -107,8 +107,8 @@ struct Servos : testing::Test {
   std::vector<LoopFacts> loop_facts;  // these two are for the haptics node alone
   std::vector<std::pair<std::int64_t, PatchStatus>> patch_statuses;
   // Delay of the haptics node's reply; -1: no reply.
-  std::int64_t answer_delay_ns = 100 * kUs;
-  ForceCommand answer;
+  std::int64_t reply_delay_ns = 100 * kUs;
+  ForceCommand force_reply;
   bool takes_views = true;          // its replies name the newest view it was sent
   std::optional<double> floor_z_m;  // set: a floor, so that each reply has its own sample's visual offset
   // How long the vision node draws at a state; -1: it never says.
@@ -119,10 +119,10 @@ struct Servos : testing::Test {
   static constexpr std::uint16_t kHaptics = 1, kVision = 2, kTool = 3;
 
   void SetUp() override {
-    answer.force_n = Vec3(0, 0, 2);
-    answer.contact = true;
-    answer.compute_ns = 7000;
-    answer.visual_offset_m = Vec3(0, 0, 0.001);
+    force_reply.force_n = Vec3(0, 0, 2);
+    force_reply.contact = true;
+    force_reply.compute_ns = 7000;
+    force_reply.visual_offset_m = Vec3(0, 0, 0.001);
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) { receive(to, datagram); };
   }
 
@@ -133,7 +133,7 @@ struct Servos : testing::Test {
   void receive(const Address& to, const Datagram& datagram) {
     if (const auto* state = std::get_if<DeviceState>(&datagram.message)) {
       states.push_back(*state);
-      if (answer_delay_ns >= 0) force(*state, answer_delay_ns);
+      if (reply_delay_ns >= 0) force(*state, reply_delay_ns);
     }
     if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
       probes.push_back(*probe);
@@ -169,7 +169,7 @@ struct Servos : testing::Test {
   }
 
   void force(const DeviceState& state, std::int64_t delay_ns) {
-    ForceCommand command = answer;
+    ForceCommand command = force_reply;
     command.echo_sample = state.sample;
     command.echo_sample_time_ns = state.sample_time_ns;
     if (takes_views && !views.empty()) command.view_revision = views.back().revision;

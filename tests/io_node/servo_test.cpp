@@ -20,7 +20,7 @@ TEST_F(Servos, TicksOnAbsoluteTimeAndWritesTheMatchingForceAtOnce) {
   for (std::size_t n = 1; n < 500; ++n) ASSERT_EQ(device.reads[n] - device.reads[0], static_cast<std::int64_t>(n) * kMs);
   EXPECT_EQ(states.back().p_WD, device.place);
   EXPECT_EQ(states.back().buttons, 5U);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(device.written.back().time_ns, states.back().sample_time_ns + 100 * kUs);
   EXPECT_EQ(stats().round_trip.max_ns(), 100 * kUs);
   EXPECT_EQ(stats().haptics_compute.max_ns(), 7 * kUs);
@@ -47,7 +47,7 @@ TEST_F(Servos, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
     run(20);
     EXPECT_LT(device.written.back().force_n.z(), 0.6);
     run(250);
-    EXPECT_EQ(device.written.back().force_n, answer.force_n);
+    EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   }
   std::vector<ServoEvent::Kind> kinds;
   for (const ServoEvent& event : events_of(*servo, {ServoEvent::Kind::away, ServoEvent::Kind::calibrating, ServoEvent::Kind::back})) {
@@ -64,7 +64,7 @@ TEST_F(Servos, TheDeadMansSwitchLetsGo) {
   EXPECT_TRUE(device.written.empty() || device.written.back().force_n == Vec3::Zero());
   make({.dead_mans_switch = 3});
   run(300);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   device.is_held = false;
   run(20);
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
@@ -89,7 +89,7 @@ TEST_F(Servos, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
   EXPECT_EQ(stats().missed_cycles, 0U);
   EXPECT_EQ(sent.size(), 500U);
   for (std::size_t n = 0; n < sent.size(); ++n) ASSERT_EQ(sent[n] - device.reads[n], 500 * kUs);
-  EXPECT_EQ(stats().echo.answered, 450U);
+  EXPECT_EQ(stats().echo.replied, 450U);
   EXPECT_EQ(stats().bare_echo.max_ns(), 30 * kUs);
 }
 
@@ -97,7 +97,7 @@ TEST_F(Servos, FinishLetsTheDeviceGo) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
-  EXPECT_EQ(device.written.back().force_n, answer.force_n);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   servo->finish();
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
   EXPECT_EQ(stats().responses.lost, 0U);

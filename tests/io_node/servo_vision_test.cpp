@@ -16,9 +16,9 @@ TEST_F(Servos, VisionReceivesTheProbeAtItsRateWithOffsetAndStatistics) {
   run(1000);
   EXPECT_NEAR(static_cast<double>(probes.size()), 50.0, 2.0);
   const ProbeState& probe = probes.back();
-  EXPECT_EQ(probe.visual_offset_m, answer.visual_offset_m);
+  EXPECT_EQ(probe.visual_offset_m, force_reply.visual_offset_m);
   EXPECT_TRUE(probe.contact);
-  EXPECT_EQ(probe.force_n, answer.force_n);
+  EXPECT_EQ(probe.force_n, force_reply.force_n);
   EXPECT_NEAR(probe.servo_rate_hz, 1000.0, 5.0);
   EXPECT_NEAR(probe.round_trip_p50_us, 100.0, 2.0);
   EXPECT_EQ(stats().probe_states_sent, probes.size());
@@ -30,7 +30,7 @@ TEST_F(Servos, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
   make();
   device.drift.z() = -0.5e-3;
   floor_z_m = 0.0;
-  answer_delay_ns = 1300 * kUs;
+  reply_delay_ns = 1300 * kUs;
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   run(300);
@@ -57,7 +57,7 @@ TEST_F(Servos, VisionReceivesTheNewestSampleWithoutHapticsReplies) {
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
   run(200);
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   run(60);
   EXPECT_FALSE(probes.back().contact);
   EXPECT_EQ(probes.back().visual_offset_m, Vec3(Vec3::Zero()));

@@ -20,14 +20,14 @@ TEST_F(Servos, ConfirmsTheViewThatTheForcesAreComputedWith) {
   run(100);
   EXPECT_EQ(probes.back().view_revision, 3U);
   takes_views = false;
-  answer.view_revision = 3;
+  force_reply.view_revision = 3;
   views.clear();
   say(kVision, ViewTransform{.revision = 4});
   run(100);
   ASSERT_FALSE(views.empty());
   EXPECT_EQ(views.back().revision, 4U);
   EXPECT_EQ(probes.back().view_revision, 3U) << "relayed, and not in use";
-  answer.view_revision = 4;
+  force_reply.view_revision = 4;
   run(20);
   EXPECT_EQ(probes.back().view_revision, 4U);
 }
@@ -45,12 +45,12 @@ TEST_F(Servos, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView) {
   EXPECT_EQ(views.front().X_WS[3], 0.5F);
   EXPECT_EQ(probes.back().view_revision, 4U);
   // Killed: neither replies nor heartbeats; then another at another port.
-  answer_delay_ns = -1;
+  reply_delay_ns = -1;
   sequences.erase(kHaptics);
   run(1200);
   EXPECT_EQ(stats().hub.timeouts, 1U);
   views.clear();
-  answer_delay_ns = 100 * kUs;
+  reply_delay_ns = 100 * kUs;
   sequences[kHaptics] = 0;
   endpoint.arrive(clock.now_ns(), at(kHaptics), {{0, 2000, 1, 0}, Hello{NodeRole::haptics}});
   servo->step();
@@ -67,7 +67,7 @@ struct ContactAcrossAView : Servos {
     make();
     join(kHaptics, NodeRole::haptics);
     run(100);
-    answer_delay_ns = -1;
+    reply_delay_ns = -1;
     sequences.erase(kHaptics);
     run(10);
     join(kVision, NodeRole::vision);

@@ -152,7 +152,7 @@ TEST_F(FloodFilterTest, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   const std::size_t before = filter.program().size();
   EXPECT_FALSE(filter.is_due(now_ns));
   filter.note_expected(node_at(77), kConnection, now_ns);
-  ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the answer";
+  ASSERT_TRUE(filter.is_due(now_ns)) << "at once: it sends as soon as it has the reply";
   ASSERT_EQ(filter.end_period(dropped, now_ns), FloodFilter::Action::install);
   EXPECT_GT(filter.program().size(), before);
   // Not for everyone: endless handshakes would make a program each time.

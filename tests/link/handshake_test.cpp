@@ -61,15 +61,15 @@ class HandshakeTest : public testing::Test {
     EXPECT_TRUE(hub.poll(agreement));
     return agreement;
   }
-  Bytes answer(const Bytes& to) {
+  Bytes reply(const Bytes& to) {
     HubHandshake::Agreement agreement = agree(hub_, to);
     EXPECT_TRUE(agreement.went_well);
     hub_channel_ = std::move(agreement.channel);
-    return {agreement.answer.begin(), agreement.answer.end()};
+    return {agreement.reply.begin(), agreement.reply.end()};
   }
   // True when it led to a session.
-  bool takes(const Bytes& answer) {
-    if (!client_.read_answer(answer)) return false;
+  bool takes(const Bytes& reply) {
+    if (!client_.read_reply(reply)) return false;
     Bytes none(seal::kRequestBytes);
     return client_.poll(none) == Finished::agreement;
   }
@@ -96,7 +96,7 @@ TEST_F(HandshakeTest, ANodeAndItsHubAgreeOnASession) {
   EXPECT_TRUE(client_.read_retry(retry(first)));
   const Bytes second = request();
   EXPECT_EQ(check_request(second), Verdict::shows_cookie);
-  EXPECT_TRUE(takes(answer(second)));
+  EXPECT_TRUE(takes(reply(second)));
   EXPECT_FALSE(client_.is_pending());
   SealedChannel channel = client_.take_channel();
   EXPECT_EQ(channel.connection(), 5U);
@@ -126,7 +126,7 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
   HubHandshake::Agreement agreement;
   while (!hub.poll(agreement)) {
   }
-  ASSERT_TRUE(client.read_answer(agreement.answer));
+  ASSERT_TRUE(client.read_reply(agreement.reply));
   ASSERT_EQ(next(bytes), Finished::agreement);
   SealedChannel channel = client.take_channel();
   EXPECT_TRUE(carries(channel, agreement.channel));
@@ -158,10 +158,10 @@ TEST_F(HandshakeTest, TheRoleIsPartOfTheKeys) {
 // The holder of another role's key, with every byte of a handshake, does not have its session.
 TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   const Bytes shown = good_request();
-  const Bytes answered = answer(shown);
+  const Bytes replied = reply(shown);
   const RoleKey vision = key_of(1, KeyRole::vision);
   AgreementTask task;
-  task.kind = AgreementTask::Kind::answer_request;
+  task.kind = AgreementTask::Kind::reply_to_request;
   task.psk = seal::derive_psk(vision);
   std::copy_n(seal::bytes_of(std::span(shown)), seal::kPrologueBytes, task.prologue.begin());
   std::copy_n(seal::bytes_of(std::span(shown)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
@@ -170,20 +170,20 @@ TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
   // Like a hub that holds this key alone: neither side accepts its messages.
   ClientHandshake vision_node(vision, kHost, Where::caller);
   vision_node.begin();
-  EXPECT_FALSE(vision_node.read_answer(answered));
-  EXPECT_TRUE(takes(answered));
+  EXPECT_FALSE(vision_node.read_reply(replied));
+  EXPECT_TRUE(takes(replied));
 }
 
 // With the role's own key learnt later, the master key too, and every byte of the handshake: the key pairs are gone.
 TEST_F(HandshakeTest, TheKeyLearntLaterOpensNoSessionThatIsOver) {
   const Bytes shown = good_request();
-  ASSERT_TRUE(takes(answer(shown)));
+  ASSERT_TRUE(takes(reply(shown)));
   SealedChannel channel = client_.take_channel();
   Bytes recorded(kMaxDatagramBytes);
   recorded.resize(channel.seal(Bytes(20), recorded));
   // All that can be done with them is a handshake of one's own on the same request, which gives other keys.
   AgreementTask task;
-  task.kind = AgreementTask::Kind::answer_request;
+  task.kind = AgreementTask::Kind::reply_to_request;
   task.connection = 5;
   task.psk = seal::derive_psk(key_of(1));
   std::copy_n(seal::bytes_of(std::span(shown)), seal::kPrologueBytes, task.prologue.begin());
@@ -207,14 +207,14 @@ TEST_F(HandshakeTest, NoFlippedBitPasses) {
   }
   const Bytes good_retry = retry(shown);
   for (std::size_t bit = 0; bit < 8 * good_retry.size(); ++bit) ASSERT_FALSE(client_.read_retry(flip(good_retry, bit))) << bit;
-  const Bytes good_answer = answer(shown);
-  for (std::size_t bit = 0; bit < 8 * good_answer.size(); ++bit) ASSERT_FALSE(takes(flip(good_answer, bit))) << bit;
-  EXPECT_TRUE(takes(good_answer));
+  const Bytes good_reply = reply(shown);
+  for (std::size_t bit = 0; bit < 8 * good_reply.size(); ++bit) ASSERT_FALSE(takes(flip(good_reply, bit))) << bit;
+  EXPECT_TRUE(takes(good_reply));
 }
 
 TEST_F(HandshakeTest, NoOtherLengthOrVersionIsAHandshake) {
   const Bytes shown = request();
-  for (const Bytes& message : {shown, retry(shown), answer(shown)}) {
+  for (const Bytes& message : {shown, retry(shown), reply(shown)}) {
     for (std::size_t size = 0; size < 2 * message.size(); ++size) {
       Bytes other = message;
       other.resize(size);
@@ -253,11 +253,11 @@ TEST_F(HandshakeTest, ACookieIsGoodForItsHubOnly) {
   EXPECT_EQ(restarted.check_request(good_request(), from_, kNow), Verdict::wants_cookie);
 }
 
-TEST_F(HandshakeTest, TwoAnswersToARequestAreTwoSessions) {
+TEST_F(HandshakeTest, TwoRepliesToARequestAreTwoSessions) {
   const Bytes shown = good_request();
-  const Bytes first = answer(shown);
+  const Bytes first = reply(shown);
   SealedChannel old_hub = std::move(hub_channel_);
-  const Bytes second = answer(shown);
+  const Bytes second = reply(shown);
   EXPECT_NE(first, second);
   ASSERT_TRUE(takes(first));
   SealedChannel channel = client_.take_channel();
@@ -266,17 +266,17 @@ TEST_F(HandshakeTest, TwoAnswersToARequestAreTwoSessions) {
   EXPECT_FALSE(takes(second));
 }
 
-TEST_F(HandshakeTest, AnAnswerMayComeLateButNotToAnEarlierHandshake) {
+TEST_F(HandshakeTest, AReplyMayComeLateButNotToAnEarlierHandshake) {
   const Bytes shown = good_request();
-  const Bytes late = answer(shown);
+  const Bytes late = reply(shown);
   for (std::size_t i = 1; i < ClientHandshake::kAttempts; ++i) request();
   EXPECT_TRUE(takes(late));
   client_.begin();
   const Bytes old_retry = retry(request());
-  const Bytes old_answer = answer(request());
+  const Bytes old_reply = reply(request());
   client_.begin();
   EXPECT_FALSE(client_.read_retry(old_retry));
-  EXPECT_FALSE(takes(old_answer));
+  EXPECT_FALSE(takes(old_reply));
 }
 
 TEST_F(HandshakeTest, ARequestReflectedIsNoRetry) {
@@ -288,7 +288,7 @@ TEST_F(HandshakeTest, ARequestReflectedIsNoRetry) {
 
 TEST_F(HandshakeTest, NoSenderIsSentMoreThanItSent) {
   EXPECT_LE(seal::kRetryBytes, seal::kRequestBytes);
-  EXPECT_LE(seal::kAnswerBytes, seal::kRequestBytes);
+  EXPECT_LE(seal::kReplyBytes, seal::kRequestBytes);
 }
 
 TEST_F(HandshakeTest, EveryRequestHasALaterTimestampAndAKeyPairOfItsOwn) {
@@ -336,7 +336,7 @@ TEST_F(HandshakeTest, UsesNoHeap) {
     ASSERT_EQ(hub_.check_request(request, from_, kNow), Verdict::shows_cookie);
     ASSERT_TRUE(hub_.agree(request, 1));
     ASSERT_TRUE(hub_.poll(agreement));
-    ASSERT_TRUE(client_.read_answer(agreement.answer));
+    ASSERT_TRUE(client_.read_reply(agreement.reply));
     ASSERT_EQ(client_.poll(request), Finished::agreement);
     SealedChannel channel = client_.take_channel();
     ASSERT_TRUE(channel.is_open());

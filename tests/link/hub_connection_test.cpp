@@ -21,7 +21,7 @@ class HubConnectionTest : public ::testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(make_key_file(key_)); }
 
-  // A hub that answers for as long as `use` runs.
+  // A hub that replies for as long as `use` runs.
   template <class Use>
   void beside_hub(Use&& use) {
     auto endpoint = open_udp_endpoint("127.0.0.1:0");

@@ -92,16 +92,16 @@ TEST_F(HubPeersTest, WelcomesANodeWithSessionAndRate) {
   EXPECT_EQ(joined.role, NodeRole::vision);
   EXPECT_FALSE(joined.replaced);
   EXPECT_EQ(hub_->peer(joined.peer).address, node.endpoint->local_address());
-  const std::vector<Datagram> answers = received_by(node);
-  ASSERT_EQ(answers.size(), 1U);
-  EXPECT_EQ(answers[0].header.session, kSession);
-  EXPECT_EQ(answers[0].header.sequence, 1U);
-  const auto& welcome = std::get<Welcome>(answers[0].message);
+  const std::vector<Datagram> replies = received_by(node);
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_EQ(replies[0].header.session, kSession);
+  EXPECT_EQ(replies[0].header.sequence, 1U);
+  const auto& welcome = std::get<Welcome>(replies[0].message);
   EXPECT_TRUE(welcome.accepted);
   EXPECT_EQ(welcome.servo_rate_hz, kRate);
 }
 
-TEST_F(HubPeersTest, AnswersEveryHelloAndJoinsOnce) {
+TEST_F(HubPeersTest, RepliesToEveryHelloAndJoinsOnce) {
   RawNode node = raw_node(2, 20);
   send(node, Hello{NodeRole::vision}, 0);
   send(node, Hello{NodeRole::vision});
@@ -118,9 +118,9 @@ TEST_F(HubPeersTest, RejectsASecondHapticsNodeWhileTheFirstLives) {
   clock_.advance_ns(HubPeers::kHapticsTimeoutNs);
   send(second, Hello{NodeRole::haptics}, 0);
   EXPECT_EQ(event().kind, Kind::rejected);
-  const std::vector<Datagram> answers = received_by(second);
-  ASSERT_EQ(answers.size(), 1U);
-  EXPECT_FALSE(std::get<Welcome>(answers[0].message).accepted);
+  const std::vector<Datagram> replies = received_by(second);
+  ASSERT_EQ(replies.size(), 1U);
+  EXPECT_FALSE(std::get<Welcome>(replies[0].message).accepted);
   EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).sender, 20U);
 
   send(second, ForceCommand{});
@@ -128,7 +128,7 @@ TEST_F(HubPeersTest, RejectsASecondHapticsNodeWhileTheFirstLives) {
   EXPECT_EQ(hub_->counts().unknown_peers, 1U);
 }
 
-TEST_F(HubPeersTest, AnAnsweringHapticsNodeKeepsItsPlaceBetweenHellos) {
+TEST_F(HubPeersTest, AHapticsNodeThatRepliesKeepsItsPlaceBetweenHellos) {
   RawNode first = raw_node(2, 20);
   RawNode second = raw_node(3, 30);
   send(first, Hello{NodeRole::haptics}, 0);

@@ -15,9 +15,9 @@ TEST(MarkerRequest, HoldsAValidTextAndANumber) {
   EXPECT_NE(make_marker("trial 1")->request, marker->request);
   EXPECT_TRUE(make_marker(std::string(MarkerText::kMostBytes, 'x')));
   for (const std::string& bad : {std::string(), std::string(MarkerText::kMostBytes + 1, 'x'), std::string("a\nb"), std::string("\xFF")}) {
-    const auto refused = make_marker(bad);
-    ASSERT_FALSE(refused) << bad;
-    EXPECT_EQ(refused.error().what.find('\n'), std::string::npos);
+    const auto rejected = make_marker(bad);
+    ASSERT_FALSE(rejected) << bad;
+    EXPECT_EQ(rejected.error().what.find('\n'), std::string::npos);
   }
 }
 

@@ -37,7 +37,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.skipped_samples, b.skipped_samples);
   EXPECT_EQ(a.view_revision, b.view_revision);
   EXPECT_EQ(a.method_serial, b.method_serial);
-  EXPECT_EQ(a.answered_before, b.answered_before);
+  EXPECT_EQ(a.replied_before, b.replied_before);
   EXPECT_EQ(a.material_serial, b.material_serial);
   EXPECT_EQ(a.object, b.object);
   EXPECT_EQ(a.torque_nm, b.torque_nm);

@@ -39,7 +39,7 @@ std::string read_all(int client) {
   return arrived;
 }
 
-// Longer than what is answered takes, and less than the time after which a client is dropped.
+// Longer than what gets a reply takes, and less than the time after which a client is dropped.
 constexpr std::int64_t kSlowNs = kNanosecondsPerSecond;
 
 // An endpoint that stands still for as long as it waits for a client drops it: then it is asked again.
@@ -109,7 +109,7 @@ TEST(MetricsEndpointTest, HostileClientsNeitherStopNorFillIt) {
 }
 
 // A page from elsewhere whose name was made to mean 127.0.0.1 sends that name.
-TEST(MetricsEndpointTest, AnswersToTheNamesOfThisMachineAlone) {
+TEST(MetricsEndpointTest, RepliesToTheNamesOfThisMachineAlone) {
   const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
   ASSERT_TRUE(endpoint) << endpoint.error().what;
   (*endpoint)->set_text("alive 1\n");

@@ -29,22 +29,22 @@ TEST(MoveRequests, HoldWhatWasGivenAndANumber) {
 
 TEST(MoveRequests, WhatNoRequestMayHaveIsOneLine) {
   const MoveTarget good{.position_m = Vec3::Zero()};
-  const auto refused = [](const std::string& object, const MoveTarget& target) {
+  const auto rejected = [](const std::string& object, const MoveTarget& target) {
     const auto made = make_move_request(object, target);
     EXPECT_FALSE(made) << object;
     EXPECT_TRUE(made || made.error().what.find('\n') == std::string::npos);
   };
   for (const std::string& object : {std::string(), std::string("#"), std::string("#-1"), std::string("#1x"), std::string("#99999999999"),
                                     std::string("a\nb"), std::string(256, 'x')}) {
-    refused(object, good);
+    rejected(object, good);
   }
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  refused("lid", {});
-  refused("lid", {.position_m = Vec3(0, kNan, 0)});
-  refused("lid", {.position_m = Vec3(0, 2e9, 0)});
-  refused("lid", {.rotation = Quat(1, 1, 0, 0)});
-  refused("lid", {.rotation = Quat(kNan, 0, 0, 0)});
-  for (const double seconds : {0.0, -1.0, kNan, 86'401.0}) refused("lid", {.position_m = Vec3::Zero(), .over_s = seconds});
+  rejected("lid", {});
+  rejected("lid", {.position_m = Vec3(0, kNan, 0)});
+  rejected("lid", {.position_m = Vec3(0, 2e9, 0)});
+  rejected("lid", {.rotation = Quat(1, 1, 0, 0)});
+  rejected("lid", {.rotation = Quat(kNan, 0, 0, 0)});
+  for (const double seconds : {0.0, -1.0, kNan, 86'401.0}) rejected("lid", {.position_m = Vec3::Zero(), .over_s = seconds});
 }
 
 TEST(MoveRequests, AReplyIsATimeOrAReason) {

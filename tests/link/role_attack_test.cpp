@@ -95,7 +95,7 @@ class RoleAttack : public testing::Test {
 TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
   run(300, [] {});
   ASSERT_GT(true_forces_, 250);
-  // Every request and answer on the wire, and everything he can do with them and his key: a handshake of his own on each request, posing as
+  // Every request and reply on the wire, and everything he can do with them and his key: a handshake of his own on each request, posing as
   // the hub, with the vision key and with the tag and role that would belong to it.
   const RoleKey vision(master_, KeyRole::vision);
   Codec codec;
@@ -115,7 +115,7 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
     if (classify_sealed(arrived.bytes).kind != seal::Kind::request) continue;
     const std::uint8_t* const request = seal::bytes_of(std::span(arrived.bytes));
     AgreementTask task;
-    task.kind = AgreementTask::Kind::answer_request;
+    task.kind = AgreementTask::Kind::reply_to_request;
     task.connection = connections.back();
     task.psk = seal::derive_psk(vision);
     std::copy_n(request, seal::kPrologueBytes, task.prologue.begin());

@@ -29,7 +29,7 @@ TEST_F(SealedHubTest, AReplayedHandshakeGetsNoReplyFromAnyAddressAndIsCounted) {
     }
   }
   EXPECT_EQ(replays, 600U);
-  EXPECT_EQ(hub_endpoint_.sent(), sent) << "a replay was answered";
+  EXPECT_EQ(hub_endpoint_.sent(), sent) << "a replay got a reply";
   EXPECT_EQ(hub_->seal_counts().replayed_handshakes, replays);
 }
 
@@ -111,7 +111,7 @@ TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   EXPECT_TRUE(flood->is_kept_out);
 }
 
-// The answer's session number is sealed: the filter must be notified of it, or it drops the node's first data.
+// The reply's session number is sealed: the filter must be notified of it, or it drops the node's first data.
 TEST_F(SealedHubTest, TheEndpointKnowsWhichSessionToExpectFromEachPeer) {
   const auto node = make_node(2);
   join(*node);
@@ -152,7 +152,7 @@ TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
     node_receives(*haptics);
   }
   EXPECT_GT(hub_->seal_counts().too_many_handshakes, 500U);
-  EXPECT_TRUE(answer(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
+  EXPECT_TRUE(reply(*haptics, "welcome")) << "the haptics node has not come in within 100 ms";
 }
 
 // As many live sessions as a tool's key can have, kept busy: the haptics node still comes in, and changes its keys.
@@ -165,7 +165,7 @@ TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
     say(*nodes.back(), "hello");
     hub_receives();                // its request gets a cookie
     node_receives(*nodes.back());  // requests with the cookie
-    hub_receives();                // is answered
+    hub_receives();                // gets a reply
     clock_.advance_ns(5 * kMs);
   }
   for (const auto& node : nodes) node_receives(*node);  // has a session, and sends what waited
@@ -224,7 +224,7 @@ TEST_F(SealedHubTest, AnotherRoleTakesNoAddressThatIsInUse) {
   const std::uint64_t rejected = hub_->seal_counts().no_place;
   start_request(2);
   EXPECT_EQ(hub_->seal_counts().no_place, rejected + 1);
-  EXPECT_TRUE(answer(*haptics, "still yours"));
+  EXPECT_TRUE(reply(*haptics, "still yours"));
   EXPECT_EQ(node_receives(*haptics), std::vector<std::string>{"still yours"});
 }
 
@@ -243,7 +243,7 @@ TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
                         {.host = 1000 + static_cast<std::uint64_t>(jitter_ns), .rekey_every_ns = 300 * kMs});
     std::array<std::byte, kMaxDatagramBytes> into;
     std::map<int, std::int64_t> said_ns;
-    std::map<int, int> answered;
+    std::map<int, int> replied;
     std::int64_t latest_ns = 0;
     constexpr int kWarmUp = 50;
     constexpr int kTurns = 5000;
@@ -256,12 +256,12 @@ TEST_F(SealedHubTest, AtAChangeOfKeysNoDatagramIsLostOrLate) {
       for (const auto& [what, from] : hub_receives()) hub_->send(from, text(what));
       for (Received received = sealed.receive(into, 0); received.bytes != 0; received = sealed.receive(into, 0)) {
         const int which = std::stoi(words(std::span(into).first(received.bytes)));
-        ++answered[which];
+        ++replied[which];
         if (which >= kWarmUp) latest_ns = std::max(latest_ns, clock_.now_ns() - said_ns[which]);
       }
     }
     EXPECT_GE(sealed.seal_counts().handshakes, 15U);
-    for (int turn = kWarmUp; turn < kTurns; ++turn) ASSERT_EQ(answered[turn], 1) << turn;
+    for (int turn = kWarmUp; turn < kTurns; ++turn) ASSERT_EQ(replied[turn], 1) << turn;
     EXPECT_LE(latest_ns, 4 * kMs + 2 * jitter_ns + (jitter_ns == 0 ? 0 : 4 * kMs) + 2 * kMs);
     EXPECT_EQ(sealed.seal_counts().rejected(), 0U);
     EXPECT_EQ(hub_->seal_counts().forged + hub_->seal_counts().unknown_session, 0U);

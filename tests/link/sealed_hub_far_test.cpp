@@ -22,14 +22,14 @@ TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
       start_hub();
       network_.set_impairments({.seed = seed, .loss = loss, .delay_ns = 490 * kMs, .jitter_ns = 20 * kMs});
       const auto node = make_node(static_cast<std::uint8_t>(seed + 1));
-      answers_ = 0;
+      replies_ = 0;
       live({node.get()}, loss == 0.0 ? 3'300 : 12'000);
-      EXPECT_GT(answers_, 0) << "it has not joined";
+      EXPECT_GT(replies_, 0) << "it has not joined";
       const std::uint64_t handshakes = node->sealed.seal_counts().handshakes;
-      answers_ = 0;
+      replies_ = 0;
       live({node.get()}, 10'000);
       // Ten datagrams a second, and each has to come both ways.
-      EXPECT_GT(answers_, static_cast<int>(0.5 * 100 * (1.0 - loss) * (1.0 - loss)));
+      EXPECT_GT(replies_, static_cast<int>(0.5 * 100 * (1.0 - loss) * (1.0 - loss)));
       if (loss == 0.0) {
         EXPECT_EQ(node->sealed.seal_counts().handshakes, handshakes) << "it agreed on sessions that it did not need";
       }
@@ -53,37 +53,37 @@ TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondLeaveEachOtherTheirPlaces
     live(all, 4'000);
     EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(count));
     EXPECT_EQ(hub_->seal_counts().too_many_handshakes, 0U);
-    for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "here"));
+    for (const auto& node : nodes) EXPECT_TRUE(reply(*node, "here"));
   }
 }
 
-TEST_F(SealedHubTest, AnAddressIsAnsweredAgainOnlyWhenItsAnswerMayBeLost) {
+TEST_F(SealedHubTest, AnAddressGetsAnotherReplyOnlyWhenItsReplyMayBeLost) {
   const auto node = make_node(2);
   say(*node, "first");
   hub_receives();        // cookie
   node_receives(*node);  // requests with it, and again every 50 ms
-  std::vector<std::int64_t> answered_ms;
+  std::vector<std::int64_t> replied_ms;
   for (std::int64_t ms = 0; ms < 3000; ms += 10) {
     const std::size_t before = hub_endpoint_.sent();
     hub_receives();
-    if (hub_endpoint_.sent() > before) answered_ms.push_back(ms);
+    if (hub_endpoint_.sent() > before) replied_ms.push_back(ms);
     std::array<std::byte, kMaxDatagramBytes> lost;
     while (node->endpoint.receive(lost, 0).bytes != 0) {
     }
     clock_.advance_ns(10 * kMs);
     say(*node, "again");
   }
-  ASSERT_GE(answered_ms.size(), 6U);
-  std::int64_t least_ms = SealedHub::kAnswerEveryNs / kMs;
-  for (std::size_t i = 1; i < answered_ms.size(); ++i) {
-    const std::int64_t gap_ms = answered_ms[i] - answered_ms[i - 1];
-    // Answers of more than kAnswerLivesNs ago no longer count.
+  ASSERT_GE(replied_ms.size(), 6U);
+  std::int64_t least_ms = SealedHub::kReplyEveryNs / kMs;
+  for (std::size_t i = 1; i < replied_ms.size(); ++i) {
+    const std::int64_t gap_ms = replied_ms[i] - replied_ms[i - 1];
+    // Replies of more than kReplyLivesNs ago no longer count.
     if (i <= 4) {
       EXPECT_GE(gap_ms, least_ms);
     }
     EXPECT_GE(gap_ms, std::min<std::int64_t>(least_ms, 400));
     EXPECT_LE(gap_ms, least_ms + 60);
-    least_ms = std::min(2 * least_ms, SealedHub::kMostAnswerEveryNs / kMs);
+    least_ms = std::min(2 * least_ms, SealedHub::kMostReplyEveryNs / kMs);
   }
   EXPECT_GT(hub_->seal_counts().repeats, 30U);
 }

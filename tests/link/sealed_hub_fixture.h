@@ -79,7 +79,7 @@ class SealedHubTest : public testing::Test {
   }
 
   void say(Node& node, const std::string& what) { EXPECT_TRUE(node.sealed.send(hub_at_, text(what))); }
-  bool answer(const Node& node, const std::string& what) { return hub_->send(node.endpoint.local_address(), text(what)); }
+  bool reply(const Node& node, const std::string& what) { return hub_->send(node.endpoint.local_address(), text(what)); }
 
   // Runs until both have no more handshake messages to send.
   std::multimap<std::string, Address> meet(Node& node) {
@@ -95,7 +95,7 @@ class SealedHubTest : public testing::Test {
   void join(Node& node) {
     say(node, "first");
     ASSERT_EQ(meet(node).count("first"), 1U);
-    ASSERT_TRUE(answer(node, "welcome"));
+    ASSERT_TRUE(reply(node, "welcome"));
     ASSERT_EQ(node_receives(node), std::vector<std::string>{"welcome"});
   }
 
@@ -107,7 +107,7 @@ class SealedHubTest : public testing::Test {
         if (i % 100 == 0) say(*node, "hello");
       }
       for (const auto& [what, from] : hub_receives()) hub_->send(from, text("re " + what));
-      for (Node* node : nodes) answers_ += static_cast<int>(node_receives(*node).size());
+      for (Node* node : nodes) replies_ += static_cast<int>(node_receives(*node).size());
     }
   }
 
@@ -116,7 +116,7 @@ class SealedHubTest : public testing::Test {
   Address hub_at_ = memory_address(1, 4950);
   TappedEndpoint hub_endpoint_;
   std::optional<SealedHub> hub_;
-  int answers_ = 0;
+  int replies_ = 0;
 };
 
 }  // namespace hapton::sealed_hub

@@ -22,7 +22,7 @@ TEST_F(SealedHubTest, TheFirstMessageWaitsForASession) {
   const auto node = make_node(2);
   say(*node, "hello hub");
   EXPECT_EQ(meet(*node).count("hello hub"), 1U);
-  EXPECT_TRUE(answer(*node, "hello node"));
+  EXPECT_TRUE(reply(*node, "hello node"));
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"hello node"});
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
@@ -40,10 +40,10 @@ TEST_F(SealedHubTest, ManyNodesHaveKeysOfTheirOwn) {
   std::vector<std::unique_ptr<Node>> nodes;
   for (std::uint8_t i = 0; i < 16; ++i) nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i)));
   for (const auto& node : nodes) join(*node);
-  for (const auto& node : nodes) EXPECT_TRUE(answer(*node, "to you"));
+  for (const auto& node : nodes) EXPECT_TRUE(reply(*node, "to you"));
   for (const auto& node : nodes) EXPECT_EQ(node_receives(*node), std::vector<std::string>{"to you"});
   // A datagram to one node opens for no other.
-  ASSERT_TRUE(answer(*nodes[0], "yours alone"));
+  ASSERT_TRUE(reply(*nodes[0], "yours alone"));
   node_receives(*nodes[0]);
   nodes[1]->endpoint.put_in(hub_at_, nodes[0]->endpoint.arrived().back().bytes);
   EXPECT_TRUE(node_receives(*nodes[1]).empty());
@@ -57,7 +57,7 @@ TEST_F(SealedHubTest, WithAnotherKeyThereIsNoReplyAndACount) {
   EXPECT_TRUE(meet(*outsider).empty());
   EXPECT_EQ(hub_endpoint_.sent(), before);
   EXPECT_GT(hub_->seal_counts().wrong_key, 0U);
-  EXPECT_FALSE(answer(*outsider, "no"));
+  EXPECT_FALSE(reply(*outsider, "no"));
 }
 
 TEST_F(SealedHubTest, AnotherVersionAndJunkGetNoReplyAndACount) {
@@ -94,7 +94,7 @@ TEST_F(SealedHubTest, ARecordedDatagramIsNotAcceptedAgain) {
   node_receives(*node);
   say(*node, "still here");
   EXPECT_EQ(hub_receives().count("still here"), 1U);
-  EXPECT_TRUE(answer(*node, "yes"));
+  EXPECT_TRUE(reply(*node, "yes"));
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"yes"});
 }
 
@@ -126,7 +126,7 @@ TEST_F(SealedHubTest, ARecordedHandshakeDoesNotEndALiveSession) {
     node_receives(*second);
     say(*second, "here");
     EXPECT_EQ(hub_receives().count("here"), 1U);
-    EXPECT_TRUE(answer(*second, "good"));
+    EXPECT_TRUE(reply(*second, "good"));
     EXPECT_EQ(node_receives(*second), std::vector<std::string>{"good"});
   }
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
@@ -140,7 +140,7 @@ TEST_F(SealedHubTest, ReflectedDatagramsAreNotAccepted) {
   node->endpoint.put_in(hub_at_, hub_endpoint_.arrived().back().bytes);
   EXPECT_TRUE(node_receives(*node).empty());
   EXPECT_EQ(node->sealed.seal_counts().rejected(), 1U);
-  ASSERT_TRUE(answer(*node, "down"));
+  ASSERT_TRUE(reply(*node, "down"));
   node_receives(*node);
   hub_endpoint_.put_in(node->endpoint.local_address(), node->endpoint.arrived().back().bytes);
   EXPECT_TRUE(hub_receives().empty());
@@ -199,9 +199,9 @@ TEST_F(SealedHubTest, ARestartedHubIsFoundAgain) {
   live({one.get(), two.get()}, 500);
   start_hub();
   live({one.get(), two.get()}, 350);
-  answers_ = 0;
+  replies_ = 0;
   live({one.get(), two.get()}, 200);
-  EXPECT_EQ(answers_, 4);
+  EXPECT_EQ(replies_, 4);
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
 }
 
@@ -214,14 +214,14 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
     clock_.advance_ns(kMs);
     node_receives(*node);
   }
-  EXPECT_TRUE(answer(*node, "here again"));
+  EXPECT_TRUE(reply(*node, "here again"));
   EXPECT_EQ(node_receives(*node).size(), 1U);
   // 400 ms: it requests a new session, and meanwhile the old session still works in both directions.
   for (int i = 0; i < 400; ++i) {
     clock_.advance_ns(kMs);
     node_receives(*node);
   }
-  EXPECT_TRUE(answer(*node, "old keys"));
+  EXPECT_TRUE(reply(*node, "old keys"));
   say(*node, "old keys too");
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"old keys"});
   EXPECT_GE(hub_receives().count("old keys too"), 1U);
@@ -235,7 +235,7 @@ TEST_F(SealedHubTest, ANodeThatWasBusyForLongRequestsNothing) {
   for (int turn = 0; turn < 10; ++turn) {
     for (int i = 0; i < 300; ++i) {
       clock_.advance_ns(kMs);
-      EXPECT_TRUE(answer(*node, "tick"));
+      EXPECT_TRUE(reply(*node, "tick"));
     }
     EXPECT_EQ(node_receives(*node).size(), 300U);
   }
@@ -259,16 +259,16 @@ TEST_F(SealedHubTest, UntilTheHubUsesTheNewSessionTheOldOneIsAccepted) {
   }
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 2U);
   EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
-  EXPECT_TRUE(answer(*node, "still the old one"));
+  EXPECT_TRUE(reply(*node, "still the old one"));
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"still the old one"});
   const Bytes old = node->endpoint.arrived().back().bytes;
   // After one datagram in each direction of the new one, the old one is over, except for late datagrams.
   say(*node, "heard");
   EXPECT_EQ(hub_receives().count("heard"), 1U);
-  EXPECT_TRUE(answer(*node, "the new one"));
+  EXPECT_TRUE(reply(*node, "the new one"));
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"the new one"});
   clock_.advance_ns(SealedClient::kOverlapNs);
-  EXPECT_TRUE(answer(*node, "later"));
+  EXPECT_TRUE(reply(*node, "later"));
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"later"});
   const std::uint64_t unknown = node->sealed.seal_counts().unknown_session;
   node->endpoint.put_in(hub_at_, old);
@@ -290,9 +290,9 @@ TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
     SCOPED_TRACE(seed);
     network_.set_impairments({.seed = seed, .loss = 0.3, .duplicate = 0.1, .reorder = 0.1});
     auto node = make_node(2);
-    answers_ = 0;
+    replies_ = 0;
     live({node.get()}, 3000);
-    EXPECT_GT(answers_, 5);
+    EXPECT_GT(replies_, 5);
     EXPECT_EQ(hub_->seal_counts().forged, 0U);
   }
 }
@@ -307,9 +307,9 @@ TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
   say(*late, "any room?");
   EXPECT_TRUE(meet(*late).empty());
   EXPECT_GT(hub_->seal_counts().no_place, 0U);
-  for (const auto& node : crowd) EXPECT_TRUE(answer(*node, "you stay"));
+  for (const auto& node : crowd) EXPECT_TRUE(reply(*node, "you stay"));
   live({late.get()}, 2500);
-  EXPECT_GT(answers_, 0);
+  EXPECT_GT(replies_, 0);
 }
 
 TEST_F(SealedHubTest, RecordedHandshakesCannotCrowdOutTheLiving) {
@@ -326,7 +326,7 @@ TEST_F(SealedHubTest, RecordedHandshakesCannotCrowdOutTheLiving) {
     EXPECT_EQ(hub_->receive(into, 0).bytes, 0U);
     clock_.advance_ns(5 * kMs);
   }
-  EXPECT_TRUE(answer(*node, "you stay"));
+  EXPECT_TRUE(reply(*node, "you stay"));
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"you stay"});
   const auto late = make_node(3);
   join(*late);

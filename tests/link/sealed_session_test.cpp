@@ -71,7 +71,7 @@ class SealedSessionTest : public testing::Test {
     std::uint64_t before = 0;
     do {
       before = peers_->counts().received;
-      answers_ += peers_->receive(datagram, 0).kind == PeerEvent::Kind::message ? 1 : 0;
+      replies_ += peers_->receive(datagram, 0).kind == PeerEvent::Kind::message ? 1 : 0;
     } while (peers_->counts().received != before);
     if (sends) peers_->send_to_role(NodeRole::haptics, DeviceState{.sample = ++sample_});
   }
@@ -95,7 +95,7 @@ class SealedSessionTest : public testing::Test {
   std::optional<HubPeers> peers_;
   std::uint64_t session_ = 0;
   std::uint64_t sample_ = 0;
-  int answers_ = 0;
+  int replies_ = 0;
 };
 
 TEST_F(SealedSessionTest, ANodeJoinsAtOnce) {
@@ -103,7 +103,7 @@ TEST_F(SealedSessionTest, ANodeJoinsAtOnce) {
   const auto node = make_node(2);
   run({node.get()}, 3);
   EXPECT_EQ(node->client.state(), JoinState::joined);
-  EXPECT_GT(answers_, 0);
+  EXPECT_GT(replies_, 0);
 }
 
 TEST_F(SealedSessionTest, ANodeJoinsAsSoonAsItsHubIsThere) {
@@ -185,7 +185,7 @@ TEST_F(SealedSessionTest, AnUnknownPeerLearnsNothingAndDisturbsNoOther) {
   EXPECT_EQ(unknown->client.state(), JoinState::joining);
   EXPECT_EQ(unknown->sealed.seal_counts().opened, 0U);
   EXPECT_EQ(node->client.state(), JoinState::joined);
-  EXPECT_NEAR(answers_, 2000, 10);
+  EXPECT_NEAR(replies_, 2000, 10);
   EXPECT_NEAR(static_cast<double>(sealed_->seal_counts().wrong_key), 40.0, 2.0);
   EXPECT_EQ(peers_->counts().received, sealed_->seal_counts().opened);
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;
 
-// Answers a position with a force of that many newtons, and notes what it was told.
+// Replies to a position with a force of that many newtons, and notes what it was told.
 struct EchoLaw final : ForceLaw {
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept override {
     seen.push_back(p_WD.x());

@@ -66,15 +66,15 @@ TEST(ObjectsThatProgramsMove, PushAHandThatHoldsStillAndAreReplayed) {
   const Ended slowed = moved_at_last(hand, {"platform", "--to", "-0.05,-0.02,0", "--over", "0.01"});
   EXPECT_THAT(slowed.out, HasSubstr(" s, not 0.01 s: no point of it may be faster than 0.25 m/s\n"));
   moved_at_last(hand, {"#2", "--rotate", "-90,0,70"});
-  Ended refused;
+  Ended rejected;
   const auto is_refused = [&] {
-    refused = move_with(hand, {"ground", "--to", "0,0,0"});
-    return refused.err.find("rejected") != std::string::npos;
+    rejected = move_with(hand, {"ground", "--to", "0,0,0"});
+    return rejected.err.find("rejected") != std::string::npos;
   };
   EXPECT_TRUE(System::wait_until(is_refused));
-  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_EQ(rejected.exit_code, 1);
   EXPECT_EQ(
-      refused.err,
+      rejected.err,
       "hapton move: the haptics node rejected it: programs may not move 'ground': give it moved_by = \"program\" in the scene file\n");
   hand.end();
   const Ended replayed = hand.replay();
@@ -157,9 +157,9 @@ TEST(ObjectsThatProgramsDeform, PushAHandThatHoldsStillAndAreReplayed) {
   const auto back_s = deform_object(program.client, program.clock, outbox, "block", at_rest, 0.0, patience_s);
   ASSERT_TRUE(back_s) << back_s.error().what;
   EXPECT_TRUE(System::wait_until([&] { return knows(at_rest); }));
-  const auto refused = deform_object(program.client, program.clock, outbox, "fish", at_rest, 0.0, patience_s);
-  ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().what, HasSubstr("no object of the scene has that name"));
+  const auto rejected = deform_object(program.client, program.clock, outbox, "fish", at_rest, 0.0, patience_s);
+  ASSERT_FALSE(rejected);
+  EXPECT_THAT(rejected.error().what, HasSubstr("no object of the scene has that name"));
   hand.end();
   const Ended replayed = hand.replay();
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;

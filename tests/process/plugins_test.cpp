@@ -95,7 +95,7 @@ std::vector<Row> read_rows(const std::filesystem::path& csv) {
   return rows;
 }
 
-// The force ends by the rule of the hub: 20 ms after the last sample that was answered. Each cycle is judged by its own time, so a machine
+// The force ends by the rule of the hub: 20 ms after the last sample that got a reply. Each cycle is judged by its own time, so a machine
 // that stands still changes nothing. Two cycles are left for the one that notices and the one that writes.
 void expect_force_ends(const std::string& does) {
   const ScratchFolder scratch;
@@ -123,7 +123,7 @@ void expect_force_ends(const std::string& does) {
   std::size_t silent = 0;
   for (const Row& row : rows) {
     if (row.t_s <= last->t_s + 0.02 || ++silent <= 2) continue;
-    EXPECT_FALSE(row.is_driven) << 1e3 * (row.t_s - last->t_s) << " ms after the last sample that was answered";
+    EXPECT_FALSE(row.is_driven) << 1e3 * (row.t_s - last->t_s) << " ms after the last sample that got a reply";
   }
   EXPECT_GT(silent, 10U);
 }

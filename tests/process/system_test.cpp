@@ -49,8 +49,8 @@ std::string order_name(const ::testing::TestParamInfo<std::vector<std::string>>&
 
 INSTANTIATE_TEST_SUITE_P(All, JoiningOrder, ::testing::ValuesIn(all_orders()), order_name);
 
-// "haptics_node: 1983 samples answered, ..."
-std::int64_t answered_by(Program& haptics_node) {
+// "haptics_node: 1983 samples with a reply, ..."
+std::int64_t replied_by(Program& haptics_node) {
   const std::string out = haptics_node.out();
   const std::size_t at = out.find("haptics_node: ");
   return at == std::string::npos ? -1 : std::stoll(out.substr(at + std::string("haptics_node: ").size()));
@@ -87,10 +87,10 @@ TEST(SystemRun, ReportsWhatItMeasured) {
   EXPECT_LE(count(report, "samples") + count(report, "missed_cycles"), std::llround(1000.0 * elapsed_s));
   EXPECT_GE(static_cast<double>(count(report, "samples")), 500.0 * seconds)
       << "less than half of the rate: the machine is overloaded or the loop is broken";
-  const std::int64_t answered = answered_by(system["haptics_node"]);
-  EXPECT_GE(answered, count(report, "forces"));
-  EXPECT_LE(answered, count(report, "states_sent"));
-  EXPECT_GE(count(report, "forces"), 9 * answered / 10) << "loopback loses no force";
+  const std::int64_t replied = replied_by(system["haptics_node"]);
+  EXPECT_GE(replied, count(report, "forces"));
+  EXPECT_LE(replied, count(report, "states_sent"));
+  EXPECT_GE(count(report, "forces"), 9 * replied / 10) << "loopback loses no force";
   // Every sample with a reply has one round trip.
   EXPECT_EQ(report.at("hops").at("round_trip").at("n").get<std::int64_t>(), count(report, "forces"));
 
@@ -191,7 +191,7 @@ TEST(Hub, ThatEndsInOrderIsNoWarningAtTheOthers) {
     if (node == "io_node") continue;
     const auto says = [&](const char* what) { return system[node].err().find(what, said[node]) != std::string::npos; };
     EXPECT_TRUE(System::wait_until([&] { return says("the hub has ended its session"); })) << node << "\n" << system[node].err();
-    EXPECT_FALSE(says("stopped answering")) << system[node].err();
+    EXPECT_FALSE(says("stopped replying")) << system[node].err();
     system.end(node);
   }
 }

@@ -1,4 +1,4 @@
-// Each baseline where its answer is known by hand.
+// Each baseline where its result is known by hand.
 #include "remote/remote_methods.h"
 
 #include <gtest/gtest.h>

@@ -22,7 +22,7 @@ std::shared_ptr<ForceMethod> sheet_method(double stiffness_n_per_m = 1000.0) {
 
 Vec3 at_depth(double depth_m) { return {0.001, 0.002, -depth_m}; }
 
-TEST(SampleLink, EachSampleIsAnsweredARoundTripLater) {
+TEST(SampleLink, EachSampleGetsAReplyARoundTripLater) {
   SampleLink link(sheet_method(), {.up = {.delay_ns = 2 * kMs}, .down = {.delay_ns = 3 * kMs}});
   for (int n = 0; n < 20; ++n) {
     const std::int64_t now_ns = (100 + n) * kMs;

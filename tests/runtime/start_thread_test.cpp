@@ -6,10 +6,10 @@ namespace hapton {
 namespace {
 
 TEST(StartThreadTest, RunsWhatItIsGiven) {
-  int answer = 0;
-  std::thread thread = start_thread([&] { answer = 42; });
+  int reply = 0;
+  std::thread thread = start_thread([&] { reply = 42; });
   thread.join();
-  EXPECT_EQ(answer, 42);
+  EXPECT_EQ(reply, 42);
 }
 
 TEST(StartThreadDeathTest, AThreadThatIsDeniedIsOneLineAndEndsTheProgram) {

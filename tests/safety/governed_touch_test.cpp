@@ -30,7 +30,7 @@ using Source = std::function<Vec3(const Vec3& p_WD, const Vec3& v)>;
 Touch touch(SafetyGovernor* governor, const Source& source, double seconds, std::uint64_t seed, std::size_t lag = 0) {
   SimulatedPhantom device({.seed = seed, .stylus = {}});
   Touch touch;
-  std::deque<WrenchCommand> answers;
+  std::deque<WrenchCommand> replies;
   Wrench out;
   Vec3 exact_before = device.exact_position_m();
   Vec3 before = exact_before;
@@ -45,17 +45,17 @@ Touch touch(SafetyGovernor* governor, const Source& source, double seconds, std:
     touch.most_given_j = std::max(touch.most_given_j, touch.given_j - least_given_j);
     const Vec3 v = (sample.p_WD - before) * 1000.0;
     before = sample.p_WD;
-    answers.push_back({{.force_n = source(sample.p_WD, v)}, sample.time_ns});
+    replies.push_back({{.force_n = source(sample.p_WD, v)}, sample.time_ns});
     const std::int64_t write_ns = now_ns + 100'000;
-    const Vec3 wanted_n = answers.front().wrench.force_n;
+    const Vec3 wanted_n = replies.front().wrench.force_n;
     if (governor != nullptr) {
       governor->observe(sample, device.status());
-      out = governor->step(answers.size() > lag ? std::optional(answers.front()) : std::nullopt, write_ns);
+      out = governor->step(replies.size() > lag ? std::optional(replies.front()) : std::nullopt, write_ns);
     } else {
       out.force_n = wanted_n;
       if (wanted_n.norm() > model_a::kMaxForceN) out.force_n *= model_a::kMaxForceN / wanted_n.norm();
     }
-    if (answers.size() > lag) answers.pop_front();
+    if (replies.size() > lag) replies.pop_front();
     device.write(out, write_ns);
     if (n < 200 || wanted_n == Vec3::Zero()) continue;
     touch.contact_s += 1e-3;
@@ -91,7 +91,7 @@ TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsRenderedUnchanged) {
   }
 }
 
-TEST(GovernedTouch, SoItIsWhenTheAnswersAreLate) {
+TEST(GovernedTouch, SoItIsWhenTheRepliesAreLate) {
   for (const std::size_t lag : {1U, 3U}) {
     SafetyGovernor governor(model_a::limits());
     touch(&governor, wall(1000.0), 20.0, 1, lag);

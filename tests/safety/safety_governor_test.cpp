@@ -115,16 +115,16 @@ TEST(SafetyGovernor, IsZeroTwentyMillisecondsAfterTheLastCommandAndRampsBack) {
 TEST(SafetyGovernor, ACommandThatComesExactlyAtTheTimeoutRampsIn) {
   Bench bench;
   bench.press(4.0, 300);
-  const std::int64_t answered_ns = bench.now_ns - 100'000;
+  const std::int64_t replied_ns = bench.now_ns - 100'000;
   bench.wait(19);
   const auto command_at = [&](std::int64_t now_ns) {
     bench.sample.time_ns = bench.now_ns = now_ns;
     bench.governor.observe(bench.sample, bench.status);
     return bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, now_ns}, now_ns).force_n.z();
   };
-  command_at(answered_ns + kCommandTimeoutNs);
+  command_at(replied_ns + kCommandTimeoutNs);
   EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
-  EXPECT_LT(command_at(answered_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
+  EXPECT_LT(command_at(replied_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
   // A command that is that old itself is no command.
   const std::uint64_t rejected = bench.governor.counters().rejected_old;
   bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns + 1}, bench.now_ns + 1 + kCommandTimeoutNs);
@@ -236,12 +236,12 @@ TEST(SafetyGovernor, BadNumbersNowAndThenDoNotLatch) {
 TEST(SafetyGovernor, OldRepeatedAndFutureForcesAreRejectedAndDoNotRenewTheTimeout) {
   Bench bench;
   bench.press(2.0, 200);
-  const std::int64_t answered = bench.now_ns - 100'000;
+  const std::int64_t replied = bench.now_ns - 100'000;
   const Wrench other{Vec3(0, 0, 7), Vec3::Zero()};
   for (int n = 0; n < 25; ++n) {
     bench.wait(1);
     for (const std::int64_t time_ns :
-         {answered, answered - 1, bench.now_ns + 1, std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
+         {replied, replied - 1, bench.now_ns + 1, std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min()}) {
       bench.governor.step(WrenchCommand{other, time_ns}, bench.now_ns);
     }
   }

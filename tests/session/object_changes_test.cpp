@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 // What the haptics node said, at a time.
-void hear(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received) {
+void receive(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received) {
   SessionEntry entry;
   entry.kind = kind;
   entry.time_ns = kJoinedStartNs + static_cast<std::int64_t>(1e9 * t_s);
@@ -49,12 +49,12 @@ double value_of(std::span<const ChangeColumn<Row>> columns, std::string_view nam
 TEST(ObjectChanges, EachSceneAndMethodIsThereOnceInItsOrder) {
   ObjectChanges changes(kJoinedStartNs);
   HapticsSetup setup{.scene_hash = 7};
-  for (const double t_s : {0.5, 1.5, 2.5}) hear(changes, setup, t_s);  // the haptics node repeats it
+  for (const double t_s : {0.5, 1.5, 2.5}) receive(changes, setup, t_s);  // the haptics node repeats it
   setup.scene_hash = 8;
-  hear(changes, setup, 3.0);
-  hear(changes, setup, 4.0, SessionEntry::Kind::sent);
+  receive(changes, setup, 3.0);
+  receive(changes, setup, 4.0, SessionEntry::Kind::sent);
   setup.scene_hash = 7;
-  hear(changes, setup, 5.0);
+  receive(changes, setup, 5.0);
   ASSERT_EQ(changes.setups().size(), 3U);
   EXPECT_NEAR(changes.setups()[0].t_s, 0.5, 1e-9);
   EXPECT_EQ(changes.setups()[1].setup.scene_hash, 8U);
@@ -63,13 +63,13 @@ TEST(ObjectChanges, EachSceneAndMethodIsThereOnceInItsOrder) {
 
 TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
   ObjectChanges changes(kJoinedStartNs);
-  hear(changes, moved(5, 0, 2), 0.5);
-  hear(changes, moved(5, 1, 2), 1.0);
-  hear(changes, moved(5, 1, 2), 1.1);
-  hear(changes, moved(5, 1, 2), 1.1, SessionEntry::Kind::sent);
-  hear(changes, moved(5, 2, 0), 1.2);
-  hear(changes, moved(5, 3, 2), 1.3);
-  hear(changes, moved(6, 1, 2), 1.4);
+  receive(changes, moved(5, 0, 2), 0.5);
+  receive(changes, moved(5, 1, 2), 1.0);
+  receive(changes, moved(5, 1, 2), 1.1);
+  receive(changes, moved(5, 1, 2), 1.1, SessionEntry::Kind::sent);
+  receive(changes, moved(5, 2, 0), 1.2);
+  receive(changes, moved(5, 3, 2), 1.3);
+  receive(changes, moved(6, 1, 2), 1.4);
   changes.finish();
   ASSERT_EQ(changes.moves().size(), 4U) << "neither the pose at rest nor repetitions nor the hub's copies";
   EXPECT_STREQ(changes.moves()[0].move.name.data(), "lid");
@@ -86,10 +86,10 @@ TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
 
 TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
   ObjectChanges changes(kJoinedStartNs);
-  hear(changes, Carves{.source = 7, .newest = 3}, 0.1);
-  hear(changes, carved(7, 5, 4, 2), 0.2);  // made meanwhile
-  hear(changes, carved(7, 5, 1, 4), 0.3);  // requested
-  hear(changes, carved(9, 1, 1, 1), 0.4);
+  receive(changes, Carves{.source = 7, .newest = 3}, 0.1);
+  receive(changes, carved(7, 5, 4, 2), 0.2);  // made meanwhile
+  receive(changes, carved(7, 5, 1, 4), 0.3);  // requested
+  receive(changes, carved(9, 1, 1, 1), 0.4);
   changes.finish();
   ASSERT_EQ(changes.carves().size(), 6U);
   for (std::uint32_t n = 0; n < 5; ++n) {
@@ -109,7 +109,7 @@ TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
 // Memory is bounded by what a haptics node can make.
 TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
   ObjectChanges changes(kJoinedStartNs);
-  hear(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
+  receive(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
   changes.finish();
   EXPECT_TRUE(changes.carves().empty());
 }

@@ -178,14 +178,14 @@ TEST_F(AnnotatorTest, UndoAsksForAnObjectToBePutBackInItsTurn) {
   EXPECT_FALSE(asked->is_held);
   EXPECT_EQ(asked->p_m, first);
   EXPECT_FALSE(annotator->take_due(1'050'000'000));
-  EXPECT_TRUE(annotator->take_due(1'100'000'000)) << "again, until there is an answer";
+  EXPECT_TRUE(annotator->take_due(1'100'000'000)) << "again, until there is a reply";
   annotator->receive(ObjectPose{.serial = 6, .object = 1, .p_m = first});
   EXPECT_FALSE(annotator->take_due(1'300'000'000));
   press({.undo = true});
   const auto home = annotator->take_due(2'000'000'000);
   ASSERT_TRUE(home);
   EXPECT_EQ(home->p_m, Vec3::Zero());
-  EXPECT_FALSE(annotator->take_due(4'000'000'000)) << "nobody answers";
+  EXPECT_FALSE(annotator->take_due(4'000'000'000)) << "nobody replies";
   EXPECT_FALSE(annotator->take_due(4'200'000'000));
   press({.undo = true});
   EXPECT_FALSE(annotator->take_due(5'000'000'000)) << "nothing is left";

@@ -52,7 +52,7 @@ struct CarveUndoTest : testing::Test {
     carves.carves[0] = one_carve(serial);
     carved->take(carves, Arrival::newest);
   }
-  void answer(const CarveUndo& request) {
+  void reply(const CarveUndo& request) {
     Carves carves{.source = 3, .newest = ++serial, .first = serial, .count = 1};
     carves.carves[0] = {.object = -1, .undone_first = request.serial, .undone_last = request.serial};
     carved->take(carves, Arrival::newest);
@@ -126,7 +126,7 @@ TEST_F(CarveUndoTest, WhatWasDoneLastIsUndoneFirst) {
   ASSERT_TRUE(second);
   EXPECT_EQ(second->source, 3U);
   EXPECT_EQ(second->serial, 2U);
-  answer(*second);
+  reply(*second);
   EXPECT_FALSE(annotator->take_carve_undo(4 * kTenth)) << "done";
   undo();
   EXPECT_EQ(strokes(), 0U);
@@ -134,7 +134,7 @@ TEST_F(CarveUndoTest, WhatWasDoneLastIsUndoneFirst) {
   const auto first = annotator->take_carve_undo(5 * kTenth);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->serial, 1U);
-  answer(*first);
+  reply(*first);
   undo();
   EXPECT_FALSE(annotator->take_carve_undo(6 * kTenth)) << "nothing is left";
 }
@@ -182,7 +182,7 @@ TEST_F(CarveUndoTest, WhatIsUndoneIsNotSaved) {
   open();
   carve();
   carve();
-  answer({.source = 3, .serial = 1});
+  reply({.source = 3, .serial = 1});
   ASSERT_TRUE(annotator->finish());
   const std::vector<CarvedPress> after = saved();
   ASSERT_EQ(after.size(), 1U);
@@ -199,7 +199,7 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   open();
   draw();
   ASSERT_TRUE(annotator->finish());
-  EXPECT_EQ(saved().size(), 2U) << "none has answered";
+  EXPECT_EQ(saved().size(), 2U) << "none has replied";
   open();
   serial = 6;
   Carves carves{.source = 9, .newest = 1, .first = 1, .count = 1};

@@ -108,12 +108,12 @@ TEST_F(HeadTrackerTest, NamesWhatTheServerHasWhereTheSensorIsNotThere) {
   EXPECT_NE(told.find("sensor 0"), std::string::npos) << told;
 }
 
-TEST_F(HeadTrackerTest, SaysThatNobodyAnswers) {
+TEST_F(HeadTrackerTest, SaysThatNobodyReplies) {
   source.tracker = vrpn::TrackerName{"Head0", "127.0.0.1:1"};
   tracker = std::move(*HeadTracker::open(source, 0.063));
   tracker->take_head(0);
   tracker->take_head(2'000'000'000);
-  EXPECT_NE(tracker->describe(2'000'000'000).find("no VRPN server answers for Head0@127.0.0.1:1"), std::string::npos);
+  EXPECT_NE(tracker->describe(2'000'000'000).find("no VRPN server replies for Head0@127.0.0.1:1"), std::string::npos);
 }
 
 }  // namespace

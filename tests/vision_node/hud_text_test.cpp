@@ -13,10 +13,10 @@ TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   HudFacts facts;
   facts.connected = true;
   facts.state.status = ProbeStatus::no_haptics;
-  EXPECT_NE(compose_hud(facts).find("no haptics_node answers"), std::string::npos);
+  EXPECT_NE(compose_hud(facts).find("no haptics_node replies"), std::string::npos);
   facts.preparing_s = 3.2;
   EXPECT_NE(compose_hud(facts).find("prepares the scene, 3 s"), std::string::npos) << compose_hud(facts);
-  EXPECT_EQ(compose_hud(facts).find("no haptics_node answers"), std::string::npos);
+  EXPECT_EQ(compose_hud(facts).find("no haptics_node replies"), std::string::npos);
   facts.state.status = ProbeStatus::ok;
   EXPECT_EQ(compose_hud(facts).find("free"), std::string::npos) << "it has only joined";
   facts.state.status = ProbeStatus::device_away;
@@ -127,7 +127,7 @@ TEST(Hud, SaysHowFarTheLevelsOfDetailAre) {
 TEST(Hud, SaysWhyThereIsNoForce) {
   HudFacts facts;
   facts.connected = true;
-  const std::pair<ProbeStatus, const char*> statuses[] = {{ProbeStatus::no_haptics, "no haptics_node answers"},
+  const std::pair<ProbeStatus, const char*> statuses[] = {{ProbeStatus::no_haptics, "no haptics_node replies"},
                                                           {ProbeStatus::fault_latched, "hapton set --reset-faults"},
                                                           {ProbeStatus::device_away, "the device is away"},
                                                           {ProbeStatus::calibrating, "being calibrated"}};
@@ -146,11 +146,11 @@ TEST(Hud, SaysThatRepliesComeTooLate) {
   facts.connected = true;
   facts.state.status = ProbeStatus::no_haptics;
   facts.state.round_trip_p50_us = 19'000.0F;
-  EXPECT_NE(compose_hud(facts).find("NO FORCE: no haptics_node answers"), std::string::npos);
+  EXPECT_NE(compose_hud(facts).find("NO FORCE: no haptics_node replies"), std::string::npos);
   facts.state.round_trip_p50_us = 41'200.0F;
   EXPECT_NE(compose_hud(facts).find("NO FORCE: replies of haptics_node take 41 ms, a force lasts 20 ms"), std::string::npos)
       << compose_hud(facts);
-  EXPECT_EQ(compose_hud(facts).find("no haptics_node answers"), std::string::npos);
+  EXPECT_EQ(compose_hud(facts).find("no haptics_node replies"), std::string::npos);
   facts.state.status = ProbeStatus::ok;
   EXPECT_EQ(compose_hud(facts).find("NO FORCE"), std::string::npos) << "io_node computes it";
 }

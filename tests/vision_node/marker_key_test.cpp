@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(MarkerKey, SendsEachPressUntilItIsAnswered) {
+TEST(MarkerKey, SendsEachPressUntilThereIsAReply) {
   MarkerKey key;
   EXPECT_FALSE(key.take_due(0));
   key.press(0);
@@ -23,9 +23,9 @@ TEST(MarkerKey, SendsEachPressUntilItIsAnswered) {
   const auto again = key.take_due(MarkerKey::kRepeatNs);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->request, second->request);
-  const auto refused = key.accept({second->request, 77, MarkerStatus::no_recording});
-  ASSERT_TRUE(refused);
-  EXPECT_NE(refused->find("--record"), std::string::npos) << *refused;
+  const auto rejected = key.accept({second->request, 77, MarkerStatus::no_recording});
+  ASSERT_TRUE(rejected);
+  EXPECT_NE(rejected->find("--record"), std::string::npos) << *rejected;
   EXPECT_FALSE(key.take_due(5 * MarkerKey::kRepeatNs));
 }
 

@@ -276,7 +276,7 @@ TEST(TeachShapes, AFewSharpVerticesDoNotSetTheScale) {
   EXPECT_EQ(find_curvature(TouchScene{}).most, 0.0);
 }
 
-TEST(TeachBuilder, AnswersTheNewestRequest) {
+TEST(TeachBuilder, RepliesToTheNewestRequest) {
   TeachBuilder builder(teach_scene());
   builder.request({TeachView::grid, 0}, teach_probe());
   builder.request({TeachView::tree, 1}, teach_probe());

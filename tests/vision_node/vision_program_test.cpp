@@ -111,7 +111,7 @@ TEST(VisionProgram, BadHubIsOneLine) {
 TEST(VisionProgram, WritesAScreenshotWithoutAPerson) {
   const auto file = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + ".png");
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --size 320x180 --seconds 0.5 --screenshot " + file.string());
-  EXPECT_NE(run.output.find("shows no contact: no hub answered before the end"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("shows no contact: no hub replied before the end"), std::string::npos) << run.output;
   EXPECT_EQ(run.code, 0) << run.output;
   EXPECT_TRUE(std::filesystem::exists(file));
   EXPECT_NE(run.output.find("frames drawn"), std::string::npos);
@@ -137,7 +137,7 @@ TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
 TEST(VisionProgram, WithoutAHubItSaysSoAndFails) {
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 5 --hub 127.0.0.1:9");
   EXPECT_EQ(run.code, 1);
-  EXPECT_NE(run.output.find("no hub answers"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("no hub replies"), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("no hub at "), std::string::npos) << run.output;
 }
 

@@ -268,8 +268,8 @@ TEST_F(VisionStepTest, PlotsAreSwitchedByAKeyAndKeepThePictureGoing) {
 
 TEST_F(VisionStepTest, TheHudSaysWhatIsWrongWithTheTracker) {
   VisionStep step(settings());
-  step.set_head_notice("nobody answers");
-  EXPECT_NE(step.compose(0).hud.find("\nHEAD: nobody answers"), std::string::npos);
+  step.set_head_notice("nobody replies");
+  EXPECT_NE(step.compose(0).hud.find("\nHEAD: nobody replies"), std::string::npos);
 }
 
 TEST_F(VisionStepTest, ThePointersSurfaceIsWantedWhereTheHandIsLed) {

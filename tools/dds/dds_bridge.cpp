@@ -158,7 +158,7 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
   if (replier) {
     replier->stop();
     summary.forces = replier->counts();
-    summary.answers = replier->answers();
+    summary.replies = replier->replies();
   }
   summary.skipped = maker.skipped();
   summary.lost = client.sequence_counts().lost;

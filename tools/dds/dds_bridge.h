@@ -33,7 +33,7 @@ struct BridgeSummary {
   PublishCounts published;
   double seconds = 0.0;
   double servo_rate_hz = 0.0;
-  std::uint64_t answers = 0;  // with forces from DDS, to the hub
+  std::uint64_t replies = 0;  // with forces from DDS, to the hub
   std::optional<ServoForce::Counts> forces;
 };
 

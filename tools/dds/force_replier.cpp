@@ -64,24 +64,24 @@ void ForceReplier::run(RealtimeMode realtime) {
       newest = *state;
       ++states;
     } while (client.receive(datagram, 0));
-    if (newest) answer(*newest, states);
+    if (newest) reply(*newest, states);
   }
 }
 
-void ForceReplier::answer(const DeviceState& state, std::uint32_t states) {
+void ForceReplier::reply(const DeviceState& state, std::uint32_t states) {
   take_commands();
   HubClient& client = connection_->client();
   const std::int64_t now_ns = connection_->clock().now_ns();
   command_.force_n = force_.force_n(now_ns);
   command_.torque_nm = force_.torque_nm(now_ns);
   const std::uint64_t passed = state.sample - command_.echo_sample;
-  command_.answered_before = answers_ == 0 || passed - 1 >= 63 ? 0 : command_.answered_before << passed | std::uint64_t{1} << (passed - 1);
+  command_.replied_before = replies_ == 0 || passed - 1 >= 63 ? 0 : command_.replied_before << passed | std::uint64_t{1} << (passed - 1);
   command_.echo_sample = state.sample;
   command_.echo_sample_time_ns = state.sample_time_ns;
   command_.skipped_samples = states - 1;
   command_.compute_ns = static_cast<std::uint32_t>(std::max<std::int64_t>(0, now_ns - client.receive_time_ns()));
   client.send(command_);
-  ++answers_;
+  ++replies_;
 }
 
 }  // namespace hapton::dds

@@ -14,9 +14,9 @@
 
 namespace hapton::dds {
 
-// A haptics node whose forces are those of servo_cf: it answers each sample of the device with the command that counts then, or with zero.
-// It has the hub's one place for a haptics node, and the governor of io_node bounds what it answers. RT: no. Threads: a thread of its own;
-// the functions one other.
+// A haptics node whose forces are those of servo_cf: it replies to each sample of the device with the command that counts then, or with
+// zero. It has the hub's one place for a haptics node, and the governor of io_node bounds what it replies. RT: no. Threads: a thread of its
+// own; the functions one other.
 class ForceReplier {
  public:
   struct Settings {
@@ -36,7 +36,7 @@ class ForceReplier {
   void stop();
   // After stop.
   const ServoForce::Counts& counts() const noexcept { return force_.counts(); }
-  std::uint64_t answers() const noexcept { return answers_; }
+  std::uint64_t replies() const noexcept { return replies_; }
   // The first command since the last call that was dropped, for a line to a person.
   std::optional<ServoForce::Verdict> take_warning() noexcept;
 
@@ -44,13 +44,13 @@ class ForceReplier {
   ForceReplier(RosNode& node, const Settings& settings, std::unique_ptr<HubConnection> connection);
   void run(RealtimeMode realtime);
   void take_commands();
-  void answer(const DeviceState& state, std::uint32_t states);
+  void reply(const DeviceState& state, std::uint32_t states);
 
   RosNode& node_;
   std::unique_ptr<HubConnection> connection_;
   ServoForce force_;
   ForceCommand command_;
-  std::uint64_t answers_ = 0;
+  std::uint64_t replies_ = 0;
   std::atomic<int> warning_{-1};
   std::atomic<bool> is_stopping_{false};
   std::thread thread_;

@@ -20,22 +20,22 @@ bool is_drawn_by_cpu(const std::string& renderer) {
   return std::any_of(kSoftware.begin(), kSoftware.end(), [&](std::string_view name) { return renderer.find(name) != renderer.npos; });
 }
 
-Finding check_renderer(const std::string& display, const DisplayAnswer& answer) {
-  const std::string seen = fmt::format("{}, OpenGL {} at {}", answer.renderer, answer.version, display);
-  if (is_drawn_by_cpu(answer.renderer)) {
+Finding check_renderer(const std::string& display, const DisplayReply& reply) {
+  const std::string seen = fmt::format("{}, OpenGL {} at {}", reply.renderer, reply.version, display);
+  if (is_drawn_by_cpu(reply.renderer)) {
     return warning(
         "renderer", seen + ": the CPU draws, and takes time from the loops",
         "install the driver of the graphics card (sudo apt-get install firmware-misc-nonfree libgl1-mesa-dri, or nvidia-driver), or run "
         "vision_node on another host");
   }
-  if (!answer.is_direct)
+  if (!reply.is_direct)
     return warning("renderer", seen + ": drawn through the X protocol, slowly",
                    "run vision_node on the host that the display is plugged into");
   return good("renderer", seen);
 }
 
-Finding check_stereo(const Machine& machine, const DisplayAnswer& answer) {
-  if (answer.has_stereo) return good("quad-buffer stereo", "there: vision_node --stereo crystal_eyes");
+Finding check_stereo(const Machine& machine, const DisplayReply& reply) {
+  if (reply.has_stereo) return good("quad-buffer stereo", "there: vision_node --stereo crystal_eyes");
   const bool is_wayland = !machine.environment("WAYLAND_DISPLAY").empty();
   return note(
       "quad-buffer stereo",
@@ -51,35 +51,35 @@ Findings check_display(const Machine& machine) {
     return {warning("display", "DISPLAY is not set, so vision_node cannot show anything here",
                     fmt::format("start it from a desktop, or: {}", kVirtual))};
   if (!machine.questions().display) return {note("display", display + ", not checked")};
-  const DisplayAnswer answer = machine.questions().display();
-  if (!answer.error.empty())
-    return {problem("display", fmt::format("{}: {}", display, answer.error),
+  const DisplayReply reply = machine.questions().display();
+  if (!reply.error.empty())
+    return {problem("display", fmt::format("{}: {}", display, reply.error),
                     fmt::format("start it from a desktop's own terminal (echo $DISPLAY there), or: {}", kVirtual))};
-  return {check_renderer(display, answer), check_stereo(machine, answer)};
+  return {check_renderer(display, reply), check_stereo(machine, reply)};
 }
 
-DisplayAnswer try_display() {
-  const ChildAnswer said = run_in_child(
+DisplayReply try_display() {
+  const ChildReply said = run_in_child(
       [] {
-        const DisplayAnswer answer = probe_display();
-        return nlohmann::json({{"error", answer.error},
-                               {"renderer", answer.renderer},
-                               {"version", answer.version},
-                               {"is_direct", answer.is_direct},
-                               {"has_stereo", answer.has_stereo}})
+        const DisplayReply reply = probe_display();
+        return nlohmann::json({{"error", reply.error},
+                               {"renderer", reply.renderer},
+                               {"version", reply.version},
+                               {"is_direct", reply.is_direct},
+                               {"has_stereo", reply.has_stereo}})
             .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
       },
       kLongestS);
-  DisplayAnswer answer;
-  answer.error = said.failure;
+  DisplayReply reply;
+  reply.error = said.failure;
   const auto json = nlohmann::json::parse(said.text, nullptr, false);
-  if (!json.is_object()) return answer;
-  answer.error = json.at("error");
-  answer.renderer = json.at("renderer");
-  answer.version = json.at("version");
-  answer.is_direct = json.at("is_direct");
-  answer.has_stereo = json.at("has_stereo");
-  return answer;
+  if (!json.is_object()) return reply;
+  reply.error = json.at("error");
+  reply.renderer = json.at("renderer");
+  reply.version = json.at("version");
+  reply.is_direct = json.at("is_direct");
+  reply.has_stereo = json.at("has_stereo");
+  return reply;
 }
 
 }  // namespace hapton::doctor

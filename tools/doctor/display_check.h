@@ -9,6 +9,6 @@ namespace hapton::doctor {
 Findings check_display(const Machine& machine);
 
 // Examines the display in a child process, for Machine::Questions. Pre: the caller has no other threads.
-DisplayAnswer try_display();
+DisplayReply try_display();
 
 }  // namespace hapton::doctor

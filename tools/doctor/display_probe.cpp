@@ -78,28 +78,28 @@ Functions load() {
 }
 
 // Creates an off-screen context, only to read the renderer's name.
-void query_renderer(const Functions& gl, XDisplay* display, int screen, DisplayAnswer& answer) {
+void query_renderer(const Functions& gl, XDisplay* display, int screen, DisplayReply& reply) {
   constexpr std::array wanted = {kGlxDrawableType, kGlxPbufferBit, kGlxRenderType, kGlxRgbaBit, 0};
   int count = 0;
   FbConfig** configs = gl.choose_config(display, screen, wanted.data(), &count);
   if (configs == nullptr || count == 0) {
-    answer.error = "its OpenGL gives no surface to draw on";
+    reply.error = "its OpenGL gives no surface to draw on";
     return;
   }
   constexpr std::array size = {kGlxPbufferWidth, 16, kGlxPbufferHeight, 16, 0};
   const XId surface = gl.create_pbuffer(display, configs[0], size.data());
   GlContext* context = gl.create_context(display, configs[0], kGlxRgbaType, nullptr, 1);
   if (context == nullptr || gl.make_current(display, surface, surface, context) == 0) {
-    answer.error = "its OpenGL gives no context";
+    reply.error = "its OpenGL gives no context";
     return;
   }
   const auto text = [&](unsigned name) {
     const unsigned char* said = gl.get_string(name);
     return said == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(said));
   };
-  answer.renderer = text(kGlRenderer);
-  answer.version = text(kGlVersion);
-  answer.is_direct = gl.is_direct(display, context) != 0;
+  reply.renderer = text(kGlRenderer);
+  reply.version = text(kGlVersion);
+  reply.is_direct = gl.is_direct(display, context) != 0;
 }
 
 bool has_stereo_visual(const Functions& gl, XDisplay* display, int screen) {
@@ -110,29 +110,29 @@ bool has_stereo_visual(const Functions& gl, XDisplay* display, int screen) {
 
 }  // namespace
 
-DisplayAnswer probe_display() {
-  DisplayAnswer answer;
+DisplayReply probe_display() {
+  DisplayReply reply;
   const Functions gl = load();
   if (!gl.error.empty()) {
-    answer.error = gl.error;
-    return answer;
+    reply.error = gl.error;
+    return reply;
   }
   const char* name = std::getenv("DISPLAY");
   XDisplay* display = gl.open_display(nullptr);
   if (display == nullptr) {
-    answer.error = fmt::format("no connection to DISPLAY={}", name == nullptr ? "" : name);
-    return answer;
+    reply.error = fmt::format("no connection to DISPLAY={}", name == nullptr ? "" : name);
+    return reply;
   }
   int error_base = 0;
   int event_base = 0;
   if (gl.query_extension(display, &error_base, &event_base) == 0) {
-    answer.error = "it has no OpenGL (GLX)";
-    return answer;
+    reply.error = "it has no OpenGL (GLX)";
+    return reply;
   }
   const int screen = gl.default_screen(display);
-  answer.has_stereo = has_stereo_visual(gl, display, screen);
-  query_renderer(gl, display, screen, answer);
-  return answer;
+  reply.has_stereo = has_stereo_visual(gl, display, screen);
+  query_renderer(gl, display, screen, reply);
+  return reply;
 }
 
 }  // namespace hapton::doctor

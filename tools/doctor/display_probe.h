@@ -6,6 +6,6 @@ namespace hapton::doctor {
 
 // The OpenGL abilities of the X display of DISPLAY, through libX11 and libGL loaded at run time. Draws nothing. It runs in the caller's
 // process, which a faulty driver may crash: see run_in_child.h. RT: no.
-DisplayAnswer probe_display();
+DisplayReply probe_display();
 
 }  // namespace hapton::doctor

@@ -32,7 +32,7 @@ Finding check_state(const nlohmann::json& notes) {
   if (state == "away")
     return problem(subject, device + ": unplugged or not responding", "check its cable and power; io_node keeps looking for it");
   if (state == "fault")
-    return problem(subject, device + ": it has stopped answering for good", "check its cable and power, then start io_node again");
+    return problem(subject, device + ": it has stopped replying for good", "check its cable and power, then start io_node again");
   if (state == "calibrating" || text_of(notes, "device_calibrated") == "no") {
     return problem(subject, device + ": not calibrated, so it gives no force",
                    "put the stylus into its inkwell (Touch, Omni), hold it in its neutral pose (PHANToM Premium), or move it to all its "
@@ -68,11 +68,11 @@ Findings check_hub(const Machine& machine) {
   if (!find_port_owner(machine, Transport::udp, machine.settings().hub_port))
     return {note("hub", fmt::format("none runs at {}; while io_node runs, this shows calibration, firmware and temperature", where))};
   if (!machine.questions().hub) return {note("hub", "not checked")};
-  const HubAnswer answer = machine.questions().hub();
-  if (!answer.error.empty())
+  const HubReply reply = machine.questions().hub();
+  if (!reply.error.empty())
     return {
-        warning("hub", fmt::format("{}: {}", where, answer.error), "give the key that io_node was started with: hapton doctor --key FILE")};
-  const auto report = nlohmann::json::parse(answer.report, nullptr, false);
+        warning("hub", fmt::format("{}: {}", where, reply.error), "give the key that io_node was started with: hapton doctor --key FILE")};
+  const auto report = nlohmann::json::parse(reply.report, nullptr, false);
   if (!report.is_object() || !report.contains("notes"))
     return {problem("hub", fmt::format("{} replies without a report", where), "start io_node and hapton from one build")};
   Findings findings;

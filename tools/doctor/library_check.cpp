@@ -32,16 +32,16 @@ std::string describe_environment(const Machine& machine, const KnownVendorLibrar
   return text;
 }
 
-Finding explain_failure(const KnownVendorLibrary& library, const LibraryAnswer& answer, const PluggedDevice* driven) {
+Finding explain_failure(const KnownVendorLibrary& library, const LibraryReply& reply, const PluggedDevice* driven) {
   const std::string name(library.name);
-  const auto telling = std::find_if_not(answer.failures.begin(), answer.failures.end(), is_absent);
-  if (telling != answer.failures.end()) return problem(name, telling->error, telling->hint);
+  const auto telling = std::find_if_not(reply.failures.begin(), reply.failures.end(), is_absent);
+  if (telling != reply.failures.end()) return problem(name, telling->error, telling->hint);
   if (driven != nullptr) {
     std::string names;
-    for (const LibraryFailure& failure : answer.failures) names += fmt::format("{}{}", names.empty() ? "" : ", ", failure.file);
+    for (const LibraryFailure& failure : reply.failures) names += fmt::format("{}{}", names.empty() ? "" : ", ", failure.file);
     return problem(
         name,
-        fmt::format("{} needs it, and it is not here: {}", driven->name, answer.failures.empty() ? names : answer.failures.front().error),
+        fmt::format("{} needs it, and it is not here: {}", driven->name, reply.failures.empty() ? names : reply.failures.front().error),
         fmt::format("install {}", library.source));
   }
   return note(name, fmt::format("not installed; it is for {}", library.devices));
@@ -50,11 +50,11 @@ Finding explain_failure(const KnownVendorLibrary& library, const LibraryAnswer& 
 Finding check_library(const Machine& machine, const KnownVendorLibrary& library, const std::vector<PluggedDevice>& devices) {
   const std::string name(library.name);
   if (!machine.questions().library) return note(name, "not looked at");
-  const LibraryAnswer answer = machine.questions().library(library.name);
-  if (!answer.crash.empty())
-    return problem(name, fmt::format("loading it fails: {}", answer.crash), fmt::format("reinstall it: {}", library.source));
-  if (answer.file.empty()) return explain_failure(library, answer, find_driven(devices, library.name));
-  return good(name, fmt::format("{} loads{}; io_node --device {}", answer.file, describe_environment(machine, library), library.device));
+  const LibraryReply reply = machine.questions().library(library.name);
+  if (!reply.crash.empty())
+    return problem(name, fmt::format("loading it fails: {}", reply.crash), fmt::format("reinstall it: {}", library.source));
+  if (reply.file.empty()) return explain_failure(library, reply, find_driven(devices, library.name));
+  return good(name, fmt::format("{} loads{}; io_node --device {}", reply.file, describe_environment(machine, library), library.device));
 }
 
 }  // namespace
@@ -66,11 +66,11 @@ Findings check_libraries(const Machine& machine) {
   return findings;
 }
 
-LibraryAnswer try_vendor_library(std::string_view name) {
+LibraryReply try_vendor_library(std::string_view name) {
   const auto libraries = known_vendor_libraries();
   const auto library = std::find_if(libraries.begin(), libraries.end(), [&](const KnownVendorLibrary& l) { return l.name == name; });
   if (library == libraries.end()) return {};
-  const ChildAnswer said = run_in_child(
+  const ChildReply said = run_in_child(
       [&] {
         std::vector<FailedLoad> failures;
         const VendorLibrary loaded = VendorLibrary::try_open(*library, "", failures);
@@ -79,13 +79,13 @@ LibraryAnswer try_vendor_library(std::string_view name) {
         return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
       },
       kLongestLoadS);
-  LibraryAnswer answer;
-  answer.crash = said.failure;
+  LibraryReply reply;
+  reply.crash = said.failure;
   const auto json = nlohmann::json::parse(said.text, nullptr, false);
-  if (!json.is_object()) return answer;
-  answer.file = json.at("file");
-  for (const auto& failure : json.at("failures")) answer.failures.push_back({failure.at(0), failure.at(1), failure.at(2)});
-  return answer;
+  if (!json.is_object()) return reply;
+  reply.file = json.at("file");
+  for (const auto& failure : json.at("failures")) reply.failures.push_back({failure.at(0), failure.at(1), failure.at(2)});
+  return reply;
 }
 
 }  // namespace hapton::doctor

@@ -11,6 +11,6 @@ namespace hapton::doctor {
 Findings check_libraries(const Machine& machine);
 
 // Loads the library of that name in a child process, for Machine::Questions. Pre: the caller has no other threads.
-LibraryAnswer try_vendor_library(std::string_view name);
+LibraryReply try_vendor_library(std::string_view name);
 
 }  // namespace hapton::doctor

@@ -39,13 +39,13 @@ struct LibraryFailure {
   std::string error;  // the loader's message
   std::string hint;
 };
-struct LibraryAnswer {
+struct LibraryReply {
   std::string file;  // the file loaded; empty: none
   std::vector<LibraryFailure> failures;
   std::string crash;  // loading it ended the process: how
 };
 
-struct DisplayAnswer {
+struct DisplayReply {
   std::string error;     // no connection, no OpenGL: why; empty: all is known
   std::string renderer;  // "llvmpipe (LLVM 15.0.6, 256 bits)"
   std::string version;
@@ -53,20 +53,20 @@ struct DisplayAnswer {
   bool has_stereo = false;  // a quad-buffer stereo visual
 };
 
-struct HubAnswer {
+struct HubReply {
   std::string error;   // why there is no report
   std::string report;  // report.json
 };
 
 // The machine as the doctor sees it: files below a root ("/" for the real one), and questions that no file
-// answers. A test provides its own root and answers; a question without a function is skipped. RT: no. Threads:
+// replies. A test provides its own root and replies; a question without a function is skipped. RT: no. Threads:
 // one.
 class Machine {
  public:
   struct Questions {
-    std::function<LibraryAnswer(std::string_view library)> library;  // by KnownVendorLibrary::name
-    std::function<DisplayAnswer()> display;
-    std::function<HubAnswer()> hub;
+    std::function<LibraryReply(std::string_view library)> library;  // by KnownVendorLibrary::name
+    std::function<DisplayReply()> display;
+    std::function<HubReply()> hub;
   };
   struct Settings {
     int hub_port = 4950;

@@ -37,7 +37,7 @@ std::string read_all(int file) {
   return text;
 }
 
-[[noreturn]] void answer(const std::function<std::string()>& question, int file) {
+[[noreturn]] void reply(const std::function<std::string()>& question, int file) {
   const int nowhere = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) ::dup2(nowhere, standard);
   ::_exit(write_all(file, question()) ? 0 : 1);
@@ -61,12 +61,12 @@ std::string wait_for(pid_t child, double at_most_s) {
 
 }  // namespace
 
-ChildAnswer run_in_child(const std::function<std::string()>& question, double at_most_s) {
-  const int file = ::memfd_create("answer", MFD_CLOEXEC);
+ChildReply run_in_child(const std::function<std::string()>& question, double at_most_s) {
+  const int file = ::memfd_create("reply", MFD_CLOEXEC);
   if (file < 0) return {{}, fmt::format("the check could not run: {}", std::strerror(errno))};
   const pid_t child = ::fork();
-  if (child == 0) answer(question, file);
-  ChildAnswer result;
+  if (child == 0) reply(question, file);
+  ChildReply result;
   if (child < 0) {
     result.failure = fmt::format("the check could not run: {}", std::strerror(errno));
   } else {

@@ -116,11 +116,11 @@ void GovernorEvaluator::see_motion(const DeviceSample& sample) noexcept {
 void GovernorEvaluator::receive(const HostileStep& step) noexcept {
   const bool is_accepted = governor_.counters().accepted != accepted_;
   accepted_ = governor_.counters().accepted;
-  if (is_live_ && now_ns_ - answered_ns_ >= kPeerTimeoutNs) is_live_ = was_open_ = false;
+  if (is_live_ && now_ns_ - accepted_ns_ >= kPeerTimeoutNs) is_live_ = was_open_ = false;
   if (step.wanted && !is_finite(step.wanted->wrench)) is_live_ = false;
   if (!is_accepted) return;
   is_live_ = true;
-  answered_ns_ = step.wanted->sample_time_ns;
+  accepted_ns_ = step.wanted->sample_time_ns;
 }
 
 void GovernorEvaluator::look(const HostileStep& step, bool was_reset, const Wrench& out) noexcept {
@@ -173,7 +173,7 @@ void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept 
 }
 
 void GovernorEvaluator::check_timeout(const Wrench& out) noexcept {
-  const bool is_silent = accepted_ == 0 || now_ns_ - answered_ns_ >= kPeerTimeoutNs;
+  const bool is_silent = accepted_ == 0 || now_ns_ - accepted_ns_ >= kPeerTimeoutNs;
   breach_if(GovernorBreach::command_timeout, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
 }
 

@@ -88,7 +88,7 @@ class GovernorEvaluator {
   std::int64_t out_ns_ = 0;  // of the output before
   Wrench out_;               // on the motors
   std::uint64_t accepted_ = 0;
-  std::int64_t answered_ns_ = 0;  // the sample of the last that counted
+  std::int64_t accepted_ns_ = 0;  // the sample of the last that counted
   bool is_live_ = false;
   double time_constant_s_ = 0.0;
   double heat_n2_ = 0.0;

@@ -113,9 +113,9 @@ int run_line(const MarkOptions& options) {
     fmt::print(stderr, "hapton mark: {}\n", counts.error().what);
     return 1;
   }
-  fmt::print("{} changes, {} marked, {} rejected, {} without a reply\n", counts->changes, counts->marked, counts->refused,
+  fmt::print("{} changes, {} marked, {} rejected, {} without a reply\n", counts->changes, counts->marked, counts->rejected,
              counts->given_up);
-  return counts->refused + counts->given_up == 0 ? 0 : 1;
+  return counts->rejected + counts->given_up == 0 ? 0 : 1;
 }
 
 int run(const MarkOptions& options) {

@@ -172,7 +172,7 @@ std::optional<std::string> LineMarker::take(const MarkerReply& reply) {
   const std::string text = found->text;
   waiting_.erase(found);
   const auto sample = read_reply(reply);
-  ++(sample ? counts_.marked : counts_.refused);
+  ++(sample ? counts_.marked : counts_.rejected);
   return sample ? fmt::format("marked sample {}: {}", *sample, text) : fmt::format("not marked: {}: {}", text, sample.error().what);
 }
 

@@ -44,7 +44,7 @@ Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input);
 
 enum class Edges : std::uint8_t { on, off, both };
 
-// Makes a marker of each change of a line that counts, and repeats it until it is answered, as a datagram may be lost. Units: ns, of one
+// Makes a marker of each change of a line that counts, and repeats it until it gets a reply, as a datagram may be lost. Units: ns, of one
 // clock. RT: no. Threads: one.
 class LineMarker {
  public:
@@ -55,8 +55,8 @@ class LineMarker {
   struct Counts {
     std::uint64_t changes = 0;   // seen
     std::uint64_t marked = 0;    // in the recording
-    std::uint64_t refused = 0;   // by the hub
-    std::uint64_t given_up = 0;  // not answered, or too many at a time
+    std::uint64_t rejected = 0;  // by the hub
+    std::uint64_t given_up = 0;  // without a reply, or too many at a time
   };
 
   // on_text, off_text: of the markers; both are valid.

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr int kMostButton = 31;
-constexpr std::int64_t kAnswerNs = 3 * kNanosecondsPerSecond;
+constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;
 
 class VrpnLine : public DigitalLine {
  public:
@@ -21,8 +21,8 @@ class VrpnLine : public DigitalLine {
     return (link_->buttons() >> button_ & 1U) != 0;
   }
   // Waits for the server.
-  bool answers() {
-    for (const std::int64_t end_ns = clock_.now_ns() + kAnswerNs; clock_.now_ns() < end_ns && !link_->is_connected();) {
+  bool replies() {
+    for (const std::int64_t end_ns = clock_.now_ns() + kReplyNs; clock_.now_ns() < end_ns && !link_->is_connected();) {
       (void)is_on();
       clock_.sleep_until_ns(clock_.now_ns() + kNanosecondsPerMillisecond);
     }
@@ -59,7 +59,7 @@ Result<std::unique_ptr<DigitalLine>> open_vrpn_line(const LineInput& input) {
   auto link = vrpn::TrackerLink::open(*name, 0);
   if (!link) return tl::unexpected(link.error());
   auto line = std::make_unique<VrpnLine>(std::move(*link), input.bit);
-  if (!line->answers()) return fail("no VRPN server answers at {}: start it, or name another one", name->host);
+  if (!line->replies()) return fail("no VRPN server replies at {}: start it, or name another one", name->host);
   return line;
 }
 

@@ -13,7 +13,7 @@ constexpr std::string_view kVrpnLine = "vrpn:";
 // Error, one line: not of that form. RT: no.
 Result<LineInput> parse_vrpn_line(std::string_view text);
 
-// Off while there is no connection, which is made again by itself. Error, one line: no such host, or no VRPN server answers there.
+// Off while there is no connection, which is made again by itself. Error, one line: no such host, or no VRPN server replies there.
 Result<std::unique_ptr<DigitalLine>> open_vrpn_line(const LineInput& input);
 
 }  // namespace hapton

@@ -109,7 +109,7 @@ Result<void> write_tables(const SessionOptions& options) {
 std::string describe(const ReplayCounts& counts, std::uint64_t local) {
   std::string text = fmt::format("replayed: {} steps, {} in contact; {} compared bit for bit, {} different\n", counts.steps,
                                  counts.contact_steps, counts.compared, counts.different);
-  if (counts.lost_answers > 0) text += fmt::format("{} replies were lost: replayed but not compared\n", counts.lost_answers);
+  if (counts.lost_replies > 0) text += fmt::format("{} replies were lost: replayed but not compared\n", counts.lost_replies);
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
@@ -168,7 +168,7 @@ Result<void> feel_again(const SessionOptions& options) {
     if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) comparison.on_shape(datagram->header.sender, *part);
     if (const auto* start = std::get_if<ShapeStart>(&datagram->message)) comparison.on_shape(datagram->header.sender, *start);
     const auto* force = std::get_if<ForceCommand>(&datagram->message);
-    return force != nullptr ? comparison.on_answer(datagram->header.sender, *force) : Result<void>();
+    return force != nullptr ? comparison.on_reply(datagram->header.sender, *force) : Result<void>();
   });
   if (done) done = comparison.finish();
   if (!done) return done;

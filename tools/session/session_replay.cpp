@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// Replies are reordered by at most this; ForceCommand::answered_before covers as many.
+// Replies are reordered by at most this; ForceCommand::replied_before covers as many.
 constexpr std::uint64_t kReach = 64;
 
 // After so long in free space and without a button, a ball that carves has no state left.
@@ -75,23 +75,23 @@ void SessionReplay::on_state(const DeviceState& state) {
 
 void SessionReplay::on_view(const ViewTransform& view) { views_[view.revision] = view; }
 
-Result<void> SessionReplay::on_answer(std::uint64_t sender, const ForceCommand& command) {
+Result<void> SessionReplay::on_reply(std::uint64_t sender, const ForceCommand& command) {
   if (sender != sender_) {
     if (const auto settled = finish(); !settled) return settled;
     if (const auto begun = begin(sender, command); !begun) return begun;
   }
   if (command.echo_sample <= last_sample_) return {};  // a duplicate
-  answers_.emplace(command.echo_sample, command);
-  const std::uint64_t newest = answers_.rbegin()->first;
+  replies_.emplace(command.echo_sample, command);
+  const std::uint64_t newest = replies_.rbegin()->first;
   return newest > kReach ? settle(newest - kReach) : Result<void>();
 }
 
-Result<void> SessionReplay::finish() { return answers_.empty() ? Result<void>() : settle(answers_.rbegin()->first); }
+Result<void> SessionReplay::finish() { return replies_.empty() ? Result<void>() : settle(replies_.rbegin()->first); }
 
 Result<void> SessionReplay::settle(std::uint64_t up_to_sample) {
-  while (!answers_.empty() && answers_.begin()->first <= up_to_sample) {
-    const ForceCommand command = answers_.begin()->second;
-    answers_.erase(answers_.begin());
+  while (!replies_.empty() && replies_.begin()->first <= up_to_sample) {
+    const ForceCommand command = replies_.begin()->second;
+    replies_.erase(replies_.begin());
     if (const auto replayed = step_method(command); !replayed) return replayed;
   }
   return {};
@@ -160,7 +160,7 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) whole_ = *whole;
   if (whole_) repeat_carves(first.carve_serial);
   busy_ns_ = rebuilt_ns_ = first.echo_sample_time_ns;
-  is_certain_ = is_known() && first.answered_before == 0;
+  is_certain_ = is_known() && first.replied_before == 0;
   return {};
 }
 
@@ -359,7 +359,7 @@ std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {
     return std::nullopt;
   }
   step_->offer(state->second);
-  const ForceCommand replayed = step_->answer();
+  const ForceCommand replayed = step_->reply();
   states_.erase(states_.begin(), std::next(state));
   last_sample_ = sample;
   ++counts_.steps;
@@ -372,35 +372,35 @@ void SessionReplay::step_lost(const ForceCommand& before) {
   const bool knows_all = before.echo_sample - last_sample_ <= kReach || last_sample_ == 0;
   if (!knows_all) is_certain_ = false;
   for (std::uint64_t back = kReach; back > 0; --back) {
-    const bool was_answered = (before.answered_before >> (back - 1) & 1U) != 0;
-    if (!was_answered || back >= before.echo_sample || before.echo_sample - back <= last_sample_) continue;
+    const bool had_reply = (before.replied_before >> (back - 1) & 1U) != 0;
+    if (!had_reply || back >= before.echo_sample || before.echo_sample - back <= last_sample_) continue;
     const bool is_before_the_recording = states_.empty() || before.echo_sample - back < states_.begin()->first;
     if (last_sample_ == 0 && is_before_the_recording) continue;
     if (const auto state = states_.find(before.echo_sample - back); last_sample_ == 0 && state != states_.end()) {
       step_->set_scene_time(ns_between(ns_between(state->second.sample_time_ns, before.echo_sample_time_ns), before.scene_time_ns));
     }
-    if (step(before.echo_sample - back)) ++counts_.lost_answers;
+    if (step(before.echo_sample - back)) ++counts_.lost_replies;
   }
 }
 
 Result<void> SessionReplay::step_method(const ForceCommand& command) {
-  const std::uint64_t lost_before = counts_.lost_answers;
+  const std::uint64_t lost_before = counts_.lost_replies;
   const bool is_after_unknown = command.echo_sample - last_sample_ > kReach;
   change_moves(command.move_serial);
   change_shapes(command.shape_serial);
   step_lost(command);
   // It is unknown which of the lost replies was the first with the new method, or with the new materials.
   const bool is_other = command.method_serial != serial_ || command.material_serial != material_serial_;
-  if (is_other && counts_.lost_answers > lost_before) is_certain_ = false;
-  undo_carves(command.carve_serial, counts_.lost_answers > lost_before);
+  if (is_other && counts_.lost_replies > lost_before) is_certain_ = false;
+  undo_carves(command.carve_serial, counts_.lost_replies > lost_before);
   if (const auto changed = change_method(command.method_serial); !changed) return changed;
   if (const auto changed = change_materials(command.material_serial); !changed) return changed;
   turn(command.view_revision);
-  const bool had_gap = command.answered_before == 0 && last_sample_ != 0;
+  const bool had_gap = command.replied_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
   const auto state = states_.find(command.echo_sample);
   const bool is_free = !command.contact && state != states_.end() && state->second.buttons == 0;
-  if (!is_free || is_after_unknown || counts_.lost_answers > lost_before) busy_ns_ = command.echo_sample_time_ns;
+  if (!is_free || is_after_unknown || counts_.lost_replies > lost_before) busy_ns_ = command.echo_sample_time_ns;
   if (const auto found = find_certainty(command); !found) return found;
   step_->set_scene_time(command.scene_time_ns);
   const auto replayed = step(command.echo_sample);

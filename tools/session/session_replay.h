@@ -56,7 +56,7 @@ struct ReplayCounts {
   std::uint64_t contact_steps = 0;
   std::uint64_t compared = 0;
   std::uint64_t different = 0;
-  std::uint64_t lost_answers = 0;  // replayed, but not compared: the recorded reply was lost
+  std::uint64_t lost_replies = 0;  // replayed, but not compared: the recorded reply was lost
   std::uint64_t not_compared = 0;  // replies that depend on steps before the recording or on lost ones: in contact before the first step
                                    // in free space; with effects, all steps after a lost one; with a carvable object, those until the hand
                                    // has rested in free space
@@ -68,7 +68,7 @@ struct ReplayCounts {
   std::string first_difference;  // the first step that differs, in one line; empty: none does
 };
 
-// Replays a recorded session in the order of the haptics node: call on_state, on_view and on_answer with the recording's entries, in their
+// Replays a recorded session in the order of the haptics node: call on_state, on_view and on_reply with the recording's entries, in their
 // order. It repeats the steps of the samples that had a reply, with the view, the method and the materials that each reply names, and
 // compares force, offset and contact to the last bit. Error: that of MakeTouch or MakeMaterials. RT: no. Threads: one.
 class SessionReplay {
@@ -95,7 +95,7 @@ class SessionReplay {
   void on_view(const ViewTransform& view);
   void on_shape(std::uint64_t sender, const ObjectShape& shape) { shapes_.add(sender, shape); }
   void on_shape(std::uint64_t sender, const ShapeStart& start) { shapes_.add(sender, start); }
-  Result<void> on_answer(std::uint64_t sender, const ForceCommand& command);
+  Result<void> on_reply(std::uint64_t sender, const ForceCommand& command);
   // Call it after the last entry: replays the samples that still wait for reordered replies.
   Result<void> finish();
 
@@ -141,7 +141,7 @@ class SessionReplay {
   MakeMaterials make_materials_;
   std::map<std::uint64_t, DeviceState> states_;    // not replayed yet, by sample
   std::map<std::uint32_t, ViewTransform> views_;   // by revision
-  std::map<std::uint64_t, ForceCommand> answers_;  // not replayed yet, by sample
+  std::map<std::uint64_t, ForceCommand> replies_;  // not replayed yet, by sample
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // last replayed sample

@@ -22,7 +22,7 @@ struct SmoothCounters {
   std::uint64_t selections = 0;     // sets that the fast task had to select itself
   std::uint64_t offered = 0;        // sets received from the slow task
   std::uint64_t late = 0;           // selections although a slow task runs: its set did not cover enough
-  std::uint64_t overflows = 0;      // queries that even a fresh set could not cover; answered by the tree
+  std::uint64_t overflows = 0;      // queries that even a fresh set could not cover; left to the tree
   std::uint64_t entries = 0;        // the probe passed through the surface
   std::uint64_t releases = 0;       // the probe came out again
   std::uint64_t astray = 0;         // no intersection along the outward line: the VCP moved to the closest point of the surface

@@ -251,7 +251,7 @@ TYPED_TEST(FdhTreeOf, FollowsMovedVertices) {
   EXPECT_FALSE(tree->refit(fewer));
 }
 
-TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteAreAnswered) {
+TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteGetAReply) {
   const auto empty = FdhTree<TypeParam::kCount>::build({}, {});
   ASSERT_TRUE(empty);
   EXPECT_FALSE(std::isfinite(empty->find_nearest(Vec3::Zero()).distance_squared));

@@ -50,7 +50,7 @@ TEST(MassEffect, IsTheMassTimesTheAccelerationOfAHandThatSpeedsUpSteadily) {
 }
 
 // Against m s / (1 + filter s) as it is sampled, behind the mean of eight differences.
-TEST(MassEffect, AnswersASwingingHandAsItsClosedFormDoes) {
+TEST(MassEffect, FollowsASwingingHandAsItsClosedFormDoes) {
   const MassEffect mass = {.mass_kg = 0.1, .filter_s = 0.02, .max_force_n = 50};
   for (const double hz : {0.5, 2.0, 8.0, 30.0, 120.0, 400.0}) {
     const double angle = 2.0 * std::numbers::pi * hz * 1e-3;

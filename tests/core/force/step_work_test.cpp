@@ -106,7 +106,8 @@ TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
   EXPECT_GT(steps, 200U) << "the triangles are walkable";
 }
 
-// What a step finds depends on nothing before the reset: a method that was pressed about answers to the last bit like a new one.
+// What a step finds depends on nothing before the reset: a method that was pressed about gives the same force as a new one, to the last
+// bit.
 TEST(StepWork, AResetForgetsAllThatWasBefore) {
   constexpr unsigned kSeed = 155;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);

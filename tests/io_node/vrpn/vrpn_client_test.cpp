@@ -96,9 +96,9 @@ TEST(VrpnClient, GetsTheTransformsItAsksFor) {
   speaker.say(3, 4);
   speaker.say(3, 5);
   ASSERT_TRUE(client.receive(speaker.said, kNow));
-  const Bytes answers = taken(client);
-  EXPECT_THAT(messages_in(answers), ElementsAre("9/0", "10/0", "10/0"));
-  std::span<const std::byte> rest(answers);
+  const Bytes replies = taken(client);
+  EXPECT_THAT(messages_in(replies), ElementsAre("9/0", "10/0", "10/0"));
+  std::span<const std::byte> rest(replies);
   const std::string identity =
       to_hex(hex("0000000000000000 0000000000000000 0000000000000000"
                  "0000000000000000 0000000000000000 0000000000000000 3ff0000000000000"));
@@ -152,7 +152,7 @@ TEST(VrpnClient, WithAnotherCookieIsNotListenedTo) {
   EXPECT_FALSE(client.receive(std::as_bytes(std::span(said)), kNow));
 }
 
-TEST(VrpnClient, IsAnsweredAPingThatIsForUs) {
+TEST(VrpnClient, RepliesToAPingThatIsForUs) {
   Client client("Phantom0");
   Speaker speaker;
   speaker.describe_sender(4, "Phantom0");

@@ -135,7 +135,7 @@ TEST_F(VrpnServer, SendsEveryChangeOfAButtonHoweverShort) {
   EXPECT_THAT(changes, testing::ElementsAre(down, up, down, up));
 }
 
-TEST_F(VrpnServer, AnswersPingsAndSendsTheWorkspace) {
+TEST_F(VrpnServer, RepliesToPingsAndSendsTheWorkspace) {
   open();
   Program program;
   program.connect(at());

@@ -75,7 +75,7 @@ DemoEvidence with_hop(const char* hop, double p50_us) {
   return evidence;
 }
 
-TEST(DemoVerdict, TheHeavyMeshAnswersWithinAPeriod) {
+TEST(DemoVerdict, TheHeavyMeshRepliesWithinAPeriod) {
   EXPECT_TRUE(evaluate_heavy(with_hop("haptics_compute", 5.0)).held);
   EXPECT_THAT(evaluate_heavy(with_hop("haptics_compute", 5.0)).text, HasSubstr("5.0 us (p50), 10.0 us (p99)"));
   EXPECT_FALSE(evaluate_heavy(with_hop("haptics_compute", 1500.0)).held);

@@ -40,14 +40,14 @@ struct Fault {
 
 void PrintTo(const Fault& fault, std::ostream* out) { *out << fault.name; }
 
-void answer_library(FakeMachine& machine, const LibraryAnswer& answer) {
-  machine.answers.library = [answer](std::string_view name) {
-    return name == "OpenHaptics" ? answer : LibraryAnswer{{}, {{"libdrd.so", FakeMachine::kNowhere, "install it"}}, {}};
+void reply_for_library(FakeMachine& machine, const LibraryReply& reply) {
+  machine.replies.library = [reply](std::string_view name) {
+    return name == "OpenHaptics" ? reply : LibraryReply{{}, {{"libdrd.so", FakeMachine::kNowhere, "install it"}}, {}};
   };
 }
 
-void answer_hub(FakeMachine& machine, const std::string& notes) {
-  machine.answers.hub = [notes] { return HubAnswer{{}, "{\"notes\": " + notes + "}"}; };
+void reply_as_hub(FakeMachine& machine, const std::string& notes) {
+  machine.replies.hub = [notes] { return HubReply{{}, "{\"notes\": " + notes + "}"}; };
 }
 
 void write_key(FakeMachine& machine, std::size_t bytes, mode_t mode) {
@@ -124,41 +124,41 @@ const std::vector<Fault> kFaults = {
      "sudo systemctl stop spacenavd"},
     {"LibraryNeedsAnother",
      [](FakeMachine& m) {
-       answer_library(m, {{},
-                          {{"libHD.so", "libncurses.so.5: cannot open shared object file: No such file or directory",
-                            "libHD.so is there, but needs libncurses.so.5, which is not: install libncurses5"}},
-                          {}});
+       reply_for_library(m, {{},
+                             {{"libHD.so", "libncurses.so.5: cannot open shared object file: No such file or directory",
+                               "libHD.so is there, but needs libncurses.so.5, which is not: install libncurses5"}},
+                             {}});
      },
      Verdict::problem, "libncurses.so.5: cannot open shared object file: No such file or directory", "install libncurses5"},
     {"LibraryMissing",
      [](FakeMachine& m) {
-       answer_library(m, {{}, {{"libHD.so", "libHD.so: cannot open shared object file: No such file or directory", "install it"}}, {}});
+       reply_for_library(m, {{}, {{"libHD.so", "libHD.so: cannot open shared object file: No such file or directory", "install it"}}, {}});
      },
      Verdict::problem, "3D Systems Touch (USB) needs it, and it is not here: libHD.so: cannot open", "OpenHaptics for Linux"},
     {"LibraryCrashes",
      [](FakeMachine& m) {
-       answer_library(m, {{}, {}, "it ended the process with signal 11 (Segmentation fault)"});
+       reply_for_library(m, {{}, {}, "it ended the process with signal 11 (Segmentation fault)"});
      },
      Verdict::problem, "signal 11", "reinstall it"},
     {"NotCalibrated",
-     [](FakeMachine& m) { answer_hub(m, R"({"device": "openhaptics", "device_state": "calibrating", "device_calibrated": "no"})"); },
+     [](FakeMachine& m) { reply_as_hub(m, R"({"device": "openhaptics", "device_state": "calibrating", "device_calibrated": "no"})"); },
      Verdict::problem, "not calibrated", "put the stylus into its inkwell"},
-    {"Unplugged", [](FakeMachine& m) { answer_hub(m, R"({"device": "wooden-haptics", "device_state": "away"})"); }, Verdict::problem,
+    {"Unplugged", [](FakeMachine& m) { reply_as_hub(m, R"({"device": "wooden-haptics", "device_state": "away"})"); }, Verdict::problem,
      "wooden-haptics: unplugged or not responding", "check its cable and power"},
     {"HotMotors",
-     [](FakeMachine& m) { answer_hub(m, R"({"device": "openhaptics", "device_state": "ready", "motor_temperature": "0.93"})"); },
+     [](FakeMachine& m) { reply_as_hub(m, R"({"device": "openhaptics", "device_state": "ready", "motor_temperature": "0.93"})"); },
      Verdict::warning, "at 93 % of their temperature limit", "let it rest"},
     {"HubWithoutRights",
      [](FakeMachine& m) {
-       answer_hub(
+       reply_as_hub(
            m,
            R"j({"device": "simulated", "device_state": "ready", "realtime": "real time: priority SCHED_FIFO 80 NO (Operation not permitted; x)"})j");
      },
      Verdict::warning, "SCHED_FIFO 80 NO (Operation not permitted", "hapton doctor --only rights"},
-    {"HubWithAnotherKey", [](FakeMachine& m) { m.answers.hub = [] {
-                                                 return HubAnswer{"nobody answers", {}};
+    {"HubWithAnotherKey", [](FakeMachine& m) { m.replies.hub = [] {
+                                                 return HubReply{"nobody replies", {}};
                                                }; }, Verdict::warning,
-     "127.0.0.1:4950: nobody answers", "hapton doctor --key FILE"},
+     "127.0.0.1:4950: nobody replies", "hapton doctor --key FILE"},
     {"NoPriority",
      [](FakeMachine& m) {
        m.set_limits("0", "unlimited");
@@ -210,7 +210,7 @@ const std::vector<Fault> kFaults = {
      [](FakeMachine& m) {
        m.hold_port("udp6", 4950, "88", "python3");
        m.remove("/proc/77");
-       m.answers.hub = {};
+       m.replies.hub = {};
      },
      Verdict::problem, "python3 (process 88) has it, so io_node cannot",
      "kill 88   # or give the hub another one: io_node --bind 127.0.0.1:4951"},
@@ -242,13 +242,13 @@ const std::vector<Fault> kFaults = {
     {"NoDisplay", [](FakeMachine& m) { m.set_environment(std::string("HOME=/home/ada\0", 15)); }, Verdict::warning, "DISPLAY is not set",
      "xvfb-run -a"},
     {"DisplayRefuses",
-     [](FakeMachine& m) { m.answers.display = [] {
-                            return DisplayAnswer{"no connection to DISPLAY=:0", {}, {}, false, false};
+     [](FakeMachine& m) { m.replies.display = [] {
+                            return DisplayReply{"no connection to DISPLAY=:0", {}, {}, false, false};
                           }; },
      Verdict::problem, ":0: no connection", "a desktop's own terminal"},
     {"DrawnByTheCpu",
-     [](FakeMachine& m) { m.answers.display = [] {
-                            return DisplayAnswer{{}, "llvmpipe (LLVM 15.0.6, 256 bits)", "4.5", true, true};
+     [](FakeMachine& m) { m.replies.display = [] {
+                            return DisplayReply{{}, "llvmpipe (LLVM 15.0.6, 256 bits)", "4.5", true, true};
                           }; },
      Verdict::warning, "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5 at :0: the CPU draws", "install the driver of the graphics card"},
 };

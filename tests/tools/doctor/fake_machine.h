@@ -14,7 +14,7 @@
 
 namespace hapton::doctor {
 
-// A machine made of files in a folder, and its answers: it is in order until a test spoils something. A WoodenHaptics (hidraw0), a Touch
+// A machine made of files in a folder, and its replies: it is in order until a test spoils something. A WoodenHaptics (hidraw0), a Touch
 // (ttyACM0) and a SpaceMouse (hidraw1) are plugged in, io_node runs, the user is "ada". The files belong to the user who runs the test, so
 // ada's rights on them are those of a group, whose number is that user's own.
 class FakeMachine {
@@ -24,12 +24,12 @@ class FakeMachine {
     write_timing();
     write_devices();
     write_network();
-    answers.library = [](std::string_view name) {
-      return name == "OpenHaptics" ? LibraryAnswer{"libHD.so.3.4", {}, {}} : LibraryAnswer{{}, {{"libdrd.so", kNowhere, "install it"}}, {}};
+    replies.library = [](std::string_view name) {
+      return name == "OpenHaptics" ? LibraryReply{"libHD.so.3.4", {}, {}} : LibraryReply{{}, {{"libdrd.so", kNowhere, "install it"}}, {}};
     };
-    answers.display = [] { return DisplayAnswer{{}, "NVIDIA RTX A4000/PCIe/SSE2", "4.6.0", true, true}; };
-    answers.hub = [] {
-      return HubAnswer{{}, R"({"notes": {"device": "openhaptics", "device_model": "Touch", "device_firmware": "192",
+    replies.display = [] { return DisplayReply{{}, "NVIDIA RTX A4000/PCIe/SSE2", "4.6.0", true, true}; };
+    replies.hub = [] {
+      return HubReply{{}, R"({"notes": {"device": "openhaptics", "device_model": "Touch", "device_firmware": "192",
       "device_state": "ready", "device_calibrated": "yes", "motor_temperature": "0.2", "realtime": "real time: priority SCHED_FIFO 80 yes"}})"};
     };
   }
@@ -80,10 +80,10 @@ class FakeMachine {
   uid_t unknown() const { return ::getuid() + 1; }
   std::string user_groups() const { return fmt::format("{} 7001", own_group()); }
 
-  Machine look() const { return Machine(root(), answers, settings); }
+  Machine look() const { return Machine(root(), replies, settings); }
   const std::filesystem::path& root() const { return scratch_.path(); }
 
-  Machine::Questions answers;
+  Machine::Questions replies;
   Machine::Settings settings;
 
  private:

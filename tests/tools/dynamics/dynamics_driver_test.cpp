@@ -39,7 +39,7 @@ class Loop {
   ForceCommand step(const Vec3& hand) {
     const std::int64_t now_ns = kMs * ++sample_;
     step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand});
-    const ForceCommand reply = step_->answer();
+    const ForceCommand reply = step_->reply();
     if (sample_ % 4 == 0 && mover_->has_request()) {
       const ObjectMover::Done done = mover_->work(*step_);
       if (done.move) serial_ = done.move->serial;

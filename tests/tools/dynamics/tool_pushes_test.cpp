@@ -41,7 +41,7 @@ class ToolLoop {
   ForceCommand step(const Vec3& hand, const Quat& turn = Quat::Identity()) {
     const std::int64_t now_ns = kTickNs * ++sample_;
     step_->offer({.sample = static_cast<std::uint64_t>(sample_), .sample_time_ns = now_ns, .p_WD = hand, .q_WT = turn});
-    const ForceCommand reply = step_->answer();
+    const ForceCommand reply = step_->reply();
     tool_->follow();
     if (sample_ % 4 == 0 && mover_->has_request()) {
       const ObjectMover::Done done = mover_->work(*step_);

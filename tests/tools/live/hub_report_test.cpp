@@ -40,11 +40,11 @@ class HastyHub {
     while (!ends_) {
       const PeerEvent event = peers.receive(datagram, clock_.now_ns() + kNanosecondsPerMillisecond);
       const auto* request = std::get_if<ReportRequest>(&datagram.message);
-      if (event.kind == PeerEvent::Kind::message && request != nullptr) answer(peers, event.peer, *request);
+      if (event.kind == PeerEvent::Kind::message && request != nullptr) reply(peers, event.peer, *request);
     }
   }
 
-  void answer(HubPeers& peers, std::size_t peer, const ReportRequest& request) {
+  void reply(HubPeers& peers, std::size_t peer, const ReportRequest& request) {
     const bool is_table = request.document == ReportDocument::csv;
     if (revision_ == 0 || (is_table && revision_ <= hasty_)) ++revision_;
     ReportPart part;

@@ -129,7 +129,7 @@ TEST(LineMarkers, ARefusalIsSaidAndCounted) {
   const auto said = line.take({.request = line.next(0)->request, .status = MarkerStatus::no_recording});
   ASSERT_TRUE(said);
   EXPECT_EQ(said->find("not marked: up: "), 0U) << *said;
-  EXPECT_EQ(line.counts().refused, 1U);
+  EXPECT_EQ(line.counts().rejected, 1U);
   EXPECT_EQ(line.counts().marked, 0U);
 }
 
@@ -144,7 +144,7 @@ TEST(LineMarkers, WithoutAHubTheyAreGivenUp) {
   EXPECT_EQ(line.counts().given_up, 99U);
 }
 
-// Whatever is lost on the way: each change is marked, refused or given up, once.
+// Whatever is lost on the way: each change is marked, rejected or given up, once.
 TEST(LineMarkers, NoChangeIsCountedTwice) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
@@ -168,8 +168,8 @@ TEST(LineMarkers, NoChangeIsCountedTwice) {
       }
     }
     const auto& counts = line.counts();
-    EXPECT_LE(counts.marked + counts.refused + counts.given_up, counts.changes) << seed;
-    EXPECT_GE(counts.marked + counts.refused + counts.given_up + LineMarker::kMostWaiting, counts.changes) << seed;
+    EXPECT_LE(counts.marked + counts.rejected + counts.given_up, counts.changes) << seed;
+    EXPECT_GE(counts.marked + counts.rejected + counts.given_up + LineMarker::kMostWaiting, counts.changes) << seed;
     EXPECT_LE(counts.marked, recorded.size()) << seed;
     EXPECT_GT(counts.marked, 300U) << seed;
   }

@@ -26,7 +26,7 @@ TEST(VrpnLines, AreAServerAndAButton) {
 TEST(VrpnLines, WithoutAServerAreOneLine) {
   const auto line = open_line_input(*parse_line_input("vrpn:Pedal@127.0.0.1:1:0"));
   ASSERT_FALSE(line);
-  EXPECT_NE(line.error().what.find("no VRPN server answers at 127.0.0.1:1"), std::string::npos) << line.error().what;
+  EXPECT_NE(line.error().what.find("no VRPN server replies at 127.0.0.1:1"), std::string::npos) << line.error().what;
 }
 
 TEST(VrpnLines, FollowTheButtonOfTheServer) {

@@ -49,7 +49,7 @@ Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
     const DeviceSample read = device.read(now_ns);
     governor.observe(read, device.status());
     step.offer({.sample = sample, .sample_time_ns = now_ns, .p_WD = read.p_WD, .q_WT = read.q_WT});
-    const ForceCommand command = step.answer();
+    const ForceCommand command = step.reply();
     if (sample % static_cast<std::uint64_t>(every) == 0) tool.follow();
     const Wrench written = governor.step(WrenchCommand{{command.force_n, command.torque_nm}, now_ns}, now_ns);
     device.write(written, now_ns);

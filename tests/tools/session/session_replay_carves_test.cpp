@@ -39,7 +39,7 @@ struct CarvesReplayTest : SessionReplayTest {
   void carve(std::uint64_t steps) {
     for (std::uint64_t n = 0; n < steps; ++n) {
       const DeviceState state = carving_state();
-      recorded.emplace_back(state, answer(state));
+      recorded.emplace_back(state, reply(state));
       if (const MadeCarve* made = live.made_carve()) announce(*made);
     }
   }

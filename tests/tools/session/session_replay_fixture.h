@@ -26,7 +26,7 @@ inline std::unique_ptr<TouchStep> make_sphere_touch(const char* method) {
   return std::make_unique<TouchStep>(*make_method({.name = method}, one_sphere()));
 }
 
-// A haptics node at work, whose states and answers are handed to a recording.
+// A haptics node at work, whose states and replies are handed to a recording.
 struct SessionReplayTest : testing::Test {
   HapticsStep live;
   HapticsSetups setups;
@@ -69,14 +69,14 @@ struct SessionReplayTest : testing::Test {
             .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample) + static_cast<std::int64_t>(sample % 7) * 1000,
             .p_WD = radius * Vec3(std::cos(angle), std::sin(angle), 0.1)};
   }
-  ForceCommand answer(const DeviceState& state) {
+  ForceCommand reply(const DeviceState& state) {
     live.offer(state);
-    return live.answer();
+    return live.reply();
   }
   void slide(int steps) {
     for (int n = 0; n < steps; ++n) {
       const DeviceState state = next_state();
-      recorded.emplace_back(state, answer(state));
+      recorded.emplace_back(state, reply(state));
     }
   }
   // Out into free space after so many samples, and 50 steps in again.
@@ -86,7 +86,7 @@ struct SessionReplayTest : testing::Test {
       DeviceState state = next_state();
       state.sample += before;
       state.sample_time_ns += static_cast<std::int64_t>(before) * 1'000'000;
-      recorded.emplace_back(state, answer(state));
+      recorded.emplace_back(state, reply(state));
     }
   }
 
@@ -107,7 +107,7 @@ struct SessionReplayTest : testing::Test {
   void feed(SessionReplay& replay) {
     for (const auto& [state, command] : recorded) {
       replay.on_state(state);
-      ASSERT_TRUE(!command || replay.on_answer(kSender, *command));
+      ASSERT_TRUE(!command || replay.on_reply(kSender, *command));
     }
     ASSERT_TRUE(replay.finish());
   }

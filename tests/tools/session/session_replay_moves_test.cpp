@@ -84,7 +84,7 @@ TEST_F(MovesReplayTest, RepliesThatWereLostAreRepeatedWithTheirMoves) {
   }
   SessionReplay replay = make_replay();
   feed(replay);
-  EXPECT_GT(replay.counts().lost_answers, 100U);
+  EXPECT_GT(replay.counts().lost_replies, 100U);
   EXPECT_GT(replay.counts().compared, 200U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }

@@ -73,7 +73,7 @@ struct ShapesReplayTest : SessionReplayTest {
         std::visit([&](const auto& message) { replay.on_shape(kSender, message); }, announced[next].second);
       }
       replay.on_state(recorded[n].first);
-      ASSERT_TRUE(!recorded[n].second || replay.on_answer(kSender, *recorded[n].second));
+      ASSERT_TRUE(!recorded[n].second || replay.on_reply(kSender, *recorded[n].second));
     }
     ASSERT_TRUE(replay.finish());
   }
@@ -108,7 +108,7 @@ TEST_F(ShapesReplayTest, RepliesThatWereLostAreRepeatedWithTheirShapes) {
   }
   SessionReplay replay = replay_with(make_soft_touch);
   feed_with_shapes(replay);
-  EXPECT_EQ(replay.counts().lost_answers, lost);
+  EXPECT_EQ(replay.counts().lost_replies, lost);
   EXPECT_EQ(replay.counts().compared, recorded.size() - lost);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
@@ -167,7 +167,7 @@ struct LateShapesReplayTest : ShapesReplayTest {
     for (int n = 0; n < steps; ++n) {
       DeviceState state = next_state();
       if (is_free) state.p_WD *= 1.3;
-      recorded.emplace_back(state, answer(state));
+      recorded.emplace_back(state, reply(state));
     }
   }
   ReplayCounts replay_all() {

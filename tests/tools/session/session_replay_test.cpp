@@ -47,7 +47,7 @@ TEST_F(SessionReplayTest, StatesThatWereSkippedAreNotStepped) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-TEST_F(SessionReplayTest, SamplesWhoseAnswersGotLostAreSteppedToo) {
+TEST_F(SessionReplayTest, SamplesWhoseRepliesGotLostAreSteppedToo) {
   slide(300);
   for (std::size_t n = 50; n < 250; n += 3) recorded[n].second.reset();
   for (std::size_t n = 100; n < 130; ++n) recorded[n].second.reset();
@@ -55,25 +55,25 @@ TEST_F(SessionReplayTest, SamplesWhoseAnswersGotLostAreSteppedToo) {
   for (const auto& [state, command] : recorded) lost += command ? 0 : 1;
   SessionReplay replay = make_replay();
   feed(replay);
-  EXPECT_EQ(replay.counts().lost_answers, lost);
+  EXPECT_EQ(replay.counts().lost_replies, lost);
   EXPECT_EQ(replay.counts().compared, 300 - lost);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-TEST_F(SessionReplayTest, AnswersThatOvertookEachOtherArePutInOrder) {
+TEST_F(SessionReplayTest, RepliesThatOvertookEachOtherArePutInOrder) {
   slide(300);
   SessionReplay replay = make_replay();
   for (const auto& [state, command] : recorded) replay.on_state(state);
   for (std::size_t n = 0; n < 300; n += 10) {
-    for (std::size_t k = 10; k-- > 0;) ASSERT_TRUE(replay.on_answer(kSender, *recorded[n + (n == 0 ? 9 - k : k)].second));
-    ASSERT_TRUE(replay.on_answer(kSender, *recorded[n].second));  // and once more
+    for (std::size_t k = 10; k-- > 0;) ASSERT_TRUE(replay.on_reply(kSender, *recorded[n + (n == 0 ? 9 - k : k)].second));
+    ASSERT_TRUE(replay.on_reply(kSender, *recorded[n].second));  // and once more
   }
   ASSERT_TRUE(replay.finish());
   EXPECT_EQ(replay.counts().compared, 300U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-TEST_F(SessionReplayTest, AViewHoldsFromTheAnswerThatNamesIt) {
+TEST_F(SessionReplayTest, AViewHoldsFromTheReplyThatNamesIt) {
   slide(60);
   ViewTransform view{.revision = 3};
   view.X_WS[3] = 0.0005F;
@@ -86,7 +86,7 @@ TEST_F(SessionReplayTest, AViewHoldsFromTheAnswerThatNamesIt) {
   EXPECT_EQ(replay.counts().missing_views, 0U);
 }
 
-TEST_F(SessionReplayTest, AMethodHoldsFromTheAnswerThatCountsIt) {
+TEST_F(SessionReplayTest, AMethodHoldsFromTheReplyThatCountsIt) {
   slide(60);
   live.replace(make_sphere_touch("reference"));
   send_setup("reference");
@@ -101,7 +101,7 @@ constexpr MaterialChange kSofter = {
     .given = MaterialChange::kStiffness | MaterialChange::kFrictionDynamic, .stiffness_n_per_m = 600.0, .friction_dynamic = 0.1};
 constexpr MaterialChange kHarder = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 1700.0};
 
-TEST_F(SessionReplayTest, MaterialsHoldFromTheAnswerThatCountsThem) {
+TEST_F(SessionReplayTest, MaterialsHoldFromTheReplyThatCountsThem) {
   slide(200);
   tune(kSofter);
   slide(150);
@@ -122,8 +122,8 @@ TEST_F(SessionReplayTest, MaterialsHoldFromTheAnswerThatCountsThem) {
   EXPECT_GT(wrong.counts().different, 29U);
 }
 
-// A method takes over with the materials of its moment, whichever of the two changed first between two answers.
-TEST_F(SessionReplayTest, MethodsAndMaterialsThatChangeBetweenTwoAnswersAreReplayedInTheirOrder) {
+// A method takes over with the materials of its moment, whichever of the two changed first between two replies.
+TEST_F(SessionReplayTest, MethodsAndMaterialsThatChangeBetweenTwoRepliesAreReplayedInTheirOrder) {
   slide(100);
   std::vector<Material> tuned = tune(kSofter);
   for (const bool is_method_first : {true, false}) {
@@ -169,7 +169,7 @@ TEST_F(SessionReplayTest, ARecordingThatBeginsAfterAChangeHasItsMaterials) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
-TEST_F(SessionReplayTest, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpaceOn) {
+TEST_F(SessionReplayTest, AMethodThatCameAmongLostRepliesIsComparedFromFreeSpaceOn) {
   slide(60);
   live.replace(make_sphere_touch("smooth"));
   send_setup("smooth");
@@ -178,7 +178,7 @@ TEST_F(SessionReplayTest, AMethodThatCameAmongLostAnswersIsComparedFromFreeSpace
   slide_in_again(100);
   SessionReplay replay = make_replay();
   feed(replay);
-  EXPECT_EQ(replay.counts().lost_answers, 10U);
+  EXPECT_EQ(replay.counts().lost_replies, 10U);
   EXPECT_GE(replay.counts().not_compared, 35U);
   EXPECT_GE(replay.counts().compared, 55U + 39U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
@@ -219,7 +219,7 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   setups.clear();
   slide(1);
   SessionReplay replay = make_replay();
-  const auto done = replay.on_answer(kSender, *recorded[0].second);
+  const auto done = replay.on_reply(kSender, *recorded[0].second);
   ASSERT_FALSE(done);
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }
@@ -346,7 +346,7 @@ struct PluginReplayTest : SessionReplayTest {
   std::string error_of(SessionReplay& replay) {
     for (const auto& [state, command] : recorded) {
       replay.on_state(state);
-      if (const auto done = replay.on_answer(kSender, *command); !done) return done.error().what;
+      if (const auto done = replay.on_reply(kSender, *command); !done) return done.error().what;
     }
     return "";
   }
