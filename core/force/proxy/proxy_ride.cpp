@@ -49,10 +49,12 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
   leave_ball();
   Anchor anchor{.distance = reach_m / geometry_.unit_m()};
   if (!has_sample_) return anchor;
+  // A probe that ran out of work on its way through free space has no contact either.
+  const bool floats = proxy_.is_free || (!surface_.is_on_surface() && proxy_.contact_count == 0);
+  const double reach = floats ? anchor.distance : kBeside * kContactOffset;
   if (!proxy_.is_free) anchor.distance = 0.0;
   if (!surface_.is_on_surface()) {
     const Vec3 p = proxy_.position;
-    const double reach = proxy_.is_free ? anchor.distance : kBeside * kContactOffset;
     Separation nearest;
     const std::optional<std::uint32_t> id = find_nearest(p, reach, nearest);
     if (!id) return anchor;
@@ -78,7 +80,7 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
   anchor.back = surface_.at().a().is_back();
   anchor.point = surface_.point();
   anchor.weights = weights_on(surface_.at().a().shape, anchor.point);
-  if (proxy_.is_free) surface_.leave();
+  if (floats) surface_.leave();
   return anchor;
 }
 
@@ -91,6 +93,7 @@ std::optional<ProxyMethod::HeldPlace> ProxyMethod::find_held_place() const noexc
 
 void ProxyMethod::ride(const Anchor& anchor) noexcept {
   swept_.drop_motion();
+  sphere_.forget_near();
   if (!anchor.exists) return;
   const bool slides = proxy_.slides;
   const ContactTriangle shape = surfaces_.shape_of(anchor.triangle);
@@ -103,7 +106,6 @@ void ProxyMethod::ride(const Anchor& anchor) noexcept {
   place -= shape.normal().dot(place - shape.corner(0)) * shape.normal();
   surface_.leave();
   sphere_.stop_tracking();
-  sphere_.forget_near();
   swept_.forget();
   // A side that holds nothing lets the probe through.
   if (!surface_.land(anchor.triangle, anchor.back, place, slides)) return;

@@ -216,6 +216,55 @@ TEST(DeformingMethod, IsTheProxyWhereNothingChanges) {
   EXPECT_GT(touched, 500);
 }
 
+// A bar along x of n pieces, closed at both ends, which slant: its upper edge hangs over.
+TriangleMesh long_bar(double length, double half_width, std::uint32_t n) {
+  TriangleMesh bar;
+  const double corners[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+  for (std::uint32_t i = 0; i <= n; ++i) {
+    for (const auto& yz : corners)
+      bar.vertices.emplace_back(length * i / n - 0.5 * half_width * (1.0 - yz[1]), half_width * yz[0], half_width * yz[1]);
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t a = 4 * i + k;
+      const std::uint32_t b = 4 * i + (k + 1) % 4;
+      bar.triangles.push_back({a, b + 4, b});
+      bar.triangles.push_back({a, a + 4, b + 4});
+    }
+  }
+  const std::uint32_t e = 4 * n;
+  for (const Triangle& cap : {Triangle{0, 1, 2}, Triangle{0, 2, 3}, Triangle{e, e + 2, e + 1}, Triangle{e, e + 3, e + 2}})
+    bar.triangles.push_back(cap);
+  for (Triangle& triangle : bar.triangles) std::swap(triangle[1], triangle[2]);
+  return bar;
+}
+
+// The work of a step ends anywhere, also just after the probe has left the surface. Then the surface takes it along all the same.
+TEST(DeformingMethod, AProbeThatIsOutOfWorkInTheAirIsNotPassed) {
+  constexpr double kLength = 0.2;
+  constexpr double kHalfWidth = 0.005;
+  constexpr std::uint32_t kPieces = 600;
+  TriangleMesh bar = long_bar(kLength, kHalfWidth, kPieces);
+  const MorphTarget ahead = morph_target_of(bar, [](const Vec3&) { return Vec3(0.01, 0, 0); });
+  const TouchScene scene = deforming_scene(std::move(bar), {ahead}, {{0.0, {0.0}}, {1.0, {0.0}}, {1.001, {1.0}}, {2.0, {1.0}}}, false);
+  const auto method = make_shaped(scene);
+  ASSERT_TRUE(method);
+  int in_the_air = 0;
+  for (int i = 0; i < 590; ++i) {
+    const double x = kLength * (1.0 - (i + 0.3) / kPieces);
+    method->reset({x, 0.001, kHalfWidth + 0.001});
+    (void)method->step({.p_SD = {x, 0.001, kHalfWidth - 0.001}, .dt_s = 1e-3, .time_s = 0.5});
+    const Vec3 device(kLength + 0.002, 0.001, kHalfWidth - 0.001);
+    MethodOutput felt = method->step({.p_SD = device, .dt_s = 1e-3, .time_s = 0.501});
+    in_the_air += felt.contact && felt.p_SP.z() < kHalfWidth - 0.0005 ? 1 : 0;
+    felt = method->step({.p_SD = device, .dt_s = 1.0, .time_s = 1.501});
+    EXPECT_TRUE(felt.contact) << i;
+    method->reset(device);
+    (void)method->step({.p_SD = {kLength + 0.1, 0, 0}, .dt_s = 1e-3, .time_s = 2.0});
+  }
+  EXPECT_GT(in_the_air, 0);
+}
+
 // Without friction the probe slides off; with friction it is carried along.
 TEST(DeformingMethod, CarriesTheProxyAlongByFriction) {
   for (const double friction : {0.0, 0.8}) {
