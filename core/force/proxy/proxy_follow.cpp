@@ -76,7 +76,8 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
   if (!proxy_.is_free && time > 0.0 && !sweep_to(there)) return carry(there);
   if (!sweep_to(device)) return carry(device);
   double here = 0.0;
-  if (!proxy_.is_free && !swept_.is_shrunk()) follow_offset(device, device, here);
+  // Without work left it could only be interrupted, and would lose the contacts.
+  if (work_left_ > 0 && !proxy_.is_free && !swept_.is_shrunk()) follow_offset(device, device, here);
 }
 
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {

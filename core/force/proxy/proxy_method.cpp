@@ -109,6 +109,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   ball_.reset();
   carried_from_.reset();
   unconverged_ = false;
+  touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
   geometry_.place_probe(proxy_.position);
@@ -174,9 +175,13 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     counters_.most_events = std::max(counters_.most_events, surface_.events() - events);
     counters_.most_work = std::max(counters_.most_work, StepWork::kMost - work_left_);
   }
-  if (proxy_.is_free) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+  if (proxy_.is_free) {
+    touched_object_ = -1;
+    return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+  }
 
   ++counters_.contact_steps;
+  if (proxy_.contact_count > 0) touched_object_ = surfaces_.strongest_object(proxy_);
   const Vec3 p_SP = geometry_.to_scene(proxy_.position);
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
   // The surface is one contact offset nearer to the device than the proxy.
@@ -189,7 +194,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   return {.force_n = force_of(extension_m, moved * speed_m_per_s),
           .p_SP = p_SP,
           .contact = is_contact,
-          .object = is_contact ? surfaces_.strongest_object(proxy_) : -1};
+          .object = is_contact ? touched_object_ : -1};
 }
 
 // The spring extension is the sum of multiplier * normal over the active constraints; the same sum over smooth normals gives the shaded
@@ -214,9 +219,17 @@ Vec3 ProxyMethod::shaded(const Vec3& extension) noexcept {
   return result;
 }
 
+// On its way to the next contact, where a step ran out of work, the proxy has none. The material stays that of the object it touched last;
+// if there is none, it is the softest.
+Material ProxyMethod::felt_material() const noexcept {
+  if (proxy_.contact_count > 0) return surfaces_.mean_material(proxy_);
+  if (touched_object_ >= 0) return materials_[static_cast<std::size_t>(touched_object_)];
+  return *std::ranges::min_element(materials_, {}, &Material::stiffness_n_per_m);
+}
+
 // Hooke's law, less damping along the extension; damping never makes the force attractive.
 Vec3 ProxyMethod::force_of(const Vec3& extension_m, const Vec3& velocity_m_per_s) const noexcept {
-  const Material material = surfaces_.mean_material(proxy_);
+  const Material material = felt_material();
   const Vec3 spring = material.stiffness_n_per_m * extension_m;
   const double length = extension_m.norm();
   if (material.damping_ns_per_m == 0.0 || length == 0.0) return spring;

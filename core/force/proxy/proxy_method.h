@@ -111,6 +111,7 @@ class ProxyMethod final : public ForceMethod {
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   void leave_ball() noexcept;
   Vec3 shaded(const Vec3& extension) noexcept;
+  Material felt_material() const noexcept;
   Vec3 force_of(const Vec3& extension_m, const Vec3& velocity_m_per_s) const noexcept;
   void follow(const Vec3& last, const Vec3& device) noexcept;
   void come_near(const Vec3& device) noexcept;
@@ -146,6 +147,7 @@ class ProxyMethod final : public ForceMethod {
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
   bool unconverged_ = false;          // the last step ran out of work
+  int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;
 };
 

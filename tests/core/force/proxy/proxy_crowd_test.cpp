@@ -157,6 +157,34 @@ TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
   }
 }
 
+// A step that runs out of work between two contacts has none at its end; the stiff object that is far away is not felt then.
+TEST_P(AmongThousands, NoStepHasTheStiffnessOfAnotherObject) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const TriangleMesh far = scaled_and_moved(make_box({0.01, 0.01, 0.01}, 1), 1.0, {0.5, 0.0, 0.0});
+  int carried = 0;
+  for (const TriangleMesh& mesh : {star_of_spokes(random), book_of_pages(random), thick_soup(0.002, random), thick_soup(0.02, random)}) {
+    TouchScene scene{.objects = {{made::shared(far), {}}, {made::shared(mesh), {}}}};
+    scene.objects[0].material.stiffness_n_per_m = 1e4;
+    scene.objects[1].material.stiffness_n_per_m = 100.0;
+    for (const double radius_m : {0.0, 0.002, 0.01}) {
+      const auto method = make_method({.name = "proxy", .probe_radius_m = radius_m}, scene).value();
+      Vec3 device(0.0, 0.0, 0.1);
+      method->reset(device);
+      for (int i = 0; i < 100; ++i) {
+        device += i % 8 == 0 ? Vec3(0.02 * Vec3(uniform(random), uniform(random), uniform(random)) - 0.3 * device)
+                             : Vec3(0.001 * Vec3(uniform(random), uniform(random), uniform(random)));
+        const MethodOutput output = method->step({.p_SD = device});
+        carried += method->carried_from() ? 1 : 0;
+        ASSERT_LE(output.force_n.norm(), 100.0 * (1.0 + 1e-9) * (output.p_SP - device).norm()) << "radius " << radius_m << ", step " << i;
+        ASSERT_NE(output.object, 0);
+      }
+    }
+  }
+  EXPECT_GT(carried, 10) << "no step ran out of work";
+}
+
 // The boxes of thousands of slanted triangles hold the whole sphere, but it touches none of them.
 TEST_P(AmongThousands, TheSphereArrivesInFreeSpace) {
   std::mt19937_64 random(GetParam());
