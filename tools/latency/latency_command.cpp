@@ -1,13 +1,10 @@
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdio>
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <system_error>
 
 #include "core/force/force_method.h"
 #include "link/link_key.h"
@@ -17,6 +14,7 @@
 #include "tools/commands.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/latency/latency_run.h"
+#include "tools/temporary_folder.h"
 
 namespace hapton {
 namespace {
@@ -35,11 +33,15 @@ int run(const LatencyRunOptions& options, Exit exit) {
 }
 
 // One line for each node, with the flags that put it where short runs were fastest: a script reads them.
-int print_cpus(const LatencyRunOptions& options) {
+int print_cpus(LatencyRunOptions options) {
   const StopSignal interrupts;
+  const auto folder = TemporaryFolder::make();
+  if (!folder) {
+    fmt::print(stderr, "hapton latency cpus: {}\n", folder.error().what);
+    return 1;
+  }
+  options.out = folder->path();
   const auto chosen = choose_cpus(options);
-  std::error_code ignored;
-  std::filesystem::remove_all(options.out, ignored);
   if (!chosen || interrupts.stop_requested()) {
     fmt::print(stderr, "hapton latency cpus: {}\n", chosen ? "interrupted" : chosen.error().what);
     return 1;
@@ -118,7 +120,6 @@ void add_latency_command(CommandLine app, int& exit_code) {
   auto placed = std::make_shared<LatencyRunOptions>();
   const CommandLine cpus_command =
       command.add_subcommand("cpus", "The CPUs on which io_node and haptics_node reply fastest here, as flags for both; 3 s");
-  placed->out = std::filesystem::temp_directory_path() / fmt::format("hapton_cpus_{}", ::getpid());
   add_node_options(cpus_command, *placed);
   cpus_command.on_run([placed, &exit_code] { exit_code = print_cpus(*placed); });
 
