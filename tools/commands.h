@@ -49,7 +49,8 @@ void add_keygen_command(CommandLine app, int& exit_code);
 
 // hapton latency [run] [--seconds N] [--rate HZ] [--size B] [--vision] [--out DIR]: starts io_node and haptics_node on this machine beside
 // a bare echo and reports the force round trip, its hops, its ratio to the bare echo of the same run and a verdict; with --hosts HUB it
-// measures a system that is already running. hapton latency compare A B: two such reports side by side.
+// measures a system that is already running. hapton latency compare A B: two such reports side by side. hapton latency cpus: flags for the
+// CPUs on which both nodes reply fastest.
 void add_latency_command(CommandLine app, int& exit_code);
 
 // hapton loop zwidth|press|recommend|integrators|velocity|merge: hand, device and force program in closed loop.

@@ -75,7 +75,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
   }
   const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
   if (!options_.screenshot.empty() && !moment_.taken()) {
-    draw(true);  // what has changed since the last frame is in it as well
+    draw(received_ns_ != reported_ns_);  // what has changed since the last frame is in it as well
     if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
     if (moment_.missed_contact()) {
       log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
@@ -226,7 +226,7 @@ Result<void> VisionSession::attend_window() {
   annotate(requests);
   if (view_.mode() == StereoMode::openxr) move_in_headset(requests);
   if (!requests.screenshot) return {};
-  draw(true);
+  draw(received_ns_ != reported_ns_);
   return window_.take_numbered_screenshot();
 }
 
@@ -316,6 +316,7 @@ void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int
   const VisionStep::Screen at = window_.where();
   auto drawn = step_.drew(begin_ns, end_ns, at);
   if (drawn && is_for_us) {
+    reported_ns_ = received_ns_;
     step_.record_motion(end_ns - received_ns_, end_ns);
     drawn->held_ns =
         static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));

@@ -122,6 +122,7 @@ class VisionSession {
   bool absence_reported_ = false;
   std::int64_t start_ns_ = 0;
   std::int64_t received_ns_ = 0;  // when the state came that is drawn next
+  std::int64_t reported_ns_ = 0;  // received_ns_ of the newest state that was acknowledged
 };
 
 // Draws that many frames without pause, the dials turning, once all levels of detail are made, and returns the rate as text.

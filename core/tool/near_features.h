@@ -17,7 +17,7 @@
 
 namespace hapton {
 
-// A pair of features and its distance at the placement of the last collect.
+// A pair of features and its distance at the placement of the last collect or follow.
 struct NearFeature {
   FeaturePair pair;
   FeatureGap gap;
@@ -30,8 +30,8 @@ struct NearFeature {
 // way. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
 // The workers of a team share the work; what they find does not depend on their number.
-// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend and any_intersect
-// yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
+// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend, follow and
+// any_intersect yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
 class NearFeatures {
  public:
   static constexpr std::size_t kMostTrianglePairs = 1U << 17;
@@ -51,7 +51,7 @@ class NearFeatures {
   // normal does not change.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
   // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False if there
-  // are more than fit. Pre: motion.from is the placement of the last collect.
+  // are more than fit. Pre: motion.from is the placement of the last collect or follow.
   bool extend(const RigidMotion& motion, double distance) noexcept;
   // In place of a collect: the tool has made the motion of the last extend, or a part of it, and is at `placement`. All pairs that are
   // known are measured there, with their minima as above. Those that are no farther apart than the distance of that extend are among them.
@@ -59,7 +59,7 @@ class NearFeatures {
   void follow(const Placement& placement, double turn) noexcept;
   // Forgets where the last walk has ended: the next one is as the first.
   void restart() noexcept { front_.restart(); }
-  // Those of the last collect, then those that each extend has added.
+  // Those of the last collect, then those that each extend has added, measured where the last collect or follow was.
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
   // True if triangles of tool and scene intersect (exact signs), or if there are too many near each other to tell.
   bool any_intersect(const Placement& placement) noexcept;
@@ -156,7 +156,7 @@ class NearFeatures {
   NearPairs pairs_;
   double radius_ = 0.0;
   PatchFront front_;
-  Placement placement_;  // of the last collect
+  Placement placement_;  // of the last collect or follow
   double turn_ = 0.0;
   double within_ = 0.0;   // all pairs that are no farther apart at placement_ are known
   double reached_ = 0.0;  // the same, wherever the motion of the last extend leads
