@@ -41,6 +41,12 @@ struct MethodOutput {
   int object = -1;
 };
 
+// What carved bodies add to force and position of the proxy of a step. Frame: S.
+struct BodyPush {
+  Vec3 force_n = Vec3::Zero();
+  Vec3 extension_m = Vec3::Zero();
+};
+
 // A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).
 // RT: step, reset, held_at, resume, carried_from and set_materials yes (no heap, lock, system call, log or throw); everything else set-up
 // only.
@@ -73,9 +79,8 @@ class ForceMethod {
   // surface. Empty: the method renders them itself. RT: yes.
   virtual std::span<const Material> drag_left_out() const noexcept { return {}; }
 
-  // The part of the last step's force that comes from other objects than MethodOutput::object and has its damping and friction already. The
-  // drag that TouchStep adds does not act on it. Asked only where drag_left_out is not empty. Frame: S. RT: yes.
-  virtual Vec3 force_with_own_drag_n() const noexcept { return Vec3::Zero(); }
+  // Of the last step, if MethodOutput::object is another object: effects of its surface do not act on this part. RT: yes.
+  virtual BodyPush body_push() const noexcept { return {}; }
 
   // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
   // it its own, if they are the same at rest; otherwise it does nothing.

@@ -58,7 +58,6 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
 void TouchStep::take_drag() noexcept {
   knows_drag_ = true;
   const std::span<const Material> materials = method_->drag_left_out();
-  adds_drag_ = !materials.empty();
   for (std::size_t o = 0; o < materials.size(); ++o) {
     const Material& material = materials[o];
     effects_->set_drag(o, {.damping_ns_per_m = material.damping_ns_per_m,
@@ -127,25 +126,29 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
   if (has_new_effects_) forget_effects(input);
   if (!knows_drag_) take_drag();
   note_scene(input);
-  SurfaceContact contact = {.force_n = result.force_n, .p_SP = result.p_SP, .object = result.object, .contact = result.contact};
+  MethodOutput own = result;
+  const BodyPush body = method_->body_push();
+  const bool has_body = !body.force_n.isZero(0.0) || !body.extension_m.isZero(0.0);
+  if (has_body) [[unlikely]] {
+    own.force_n -= body.force_n;
+    own.p_SP -= body.extension_m;
+  }
+  SurfaceContact contact = {.force_n = own.force_n, .p_SP = own.p_SP, .object = own.object, .contact = own.contact};
   std::optional<SurfacePlace> place;
   if (frames_ != nullptr) [[unlikely]] {
-    place = place_frames(sample, result);
+    place = place_frames(sample, own);
     if (place) contact.place = &*place;
   }
   std::optional<MapSample> map;
-  if (result.contact && result.object >= 0 && result.object < static_cast<int>(maps_.size())) {
-    if (MapFinder* finder = maps_[static_cast<std::size_t>(result.object)].get()) {
-      contact.map = &map.emplace(finder->find(find_at_rest(result, place)));
+  if (own.contact && own.object >= 0 && own.object < static_cast<int>(maps_.size())) {
+    if (MapFinder* finder = maps_[static_cast<std::size_t>(own.object)].get()) {
+      contact.map = &map.emplace(finder->find(find_at_rest(own, place)));
     }
   }
-  const Vec3 apart_n = adds_drag_ ? method_->force_with_own_drag_n() : Vec3::Zero();
-  const bool is_apart = !apart_n.isZero(0.0);
-  if (is_apart) [[unlikely]]
-    contact.force_n -= apart_n;
   EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
-  if (is_apart) [[unlikely]] {
-    felt.force_n += apart_n;
+  if (has_body) [[unlikely]] {
+    felt.force_n += body.force_n;
+    felt.p_SP += body.extension_m;
     felt.is_felt = true;
   }
   TouchOutput output;

@@ -106,7 +106,6 @@ class TouchStep {
   std::unique_ptr<EffectStep> effects_;           // null: there are none, and never will be
   bool uses_effects_ = false;                     // there are some
   bool has_new_effects_ = false;                  // since the last step
-  bool adds_drag_ = false;                        // method_->drag_left_out() is not empty
   bool knows_drag_ = false;                       // not at once: the method may be in use by another step, in another thread
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
   std::unique_ptr<EffectFrames> frames_;          // null: no object with effects moves

@@ -77,7 +77,7 @@ void SculptMethod::feel(std::size_t body, const MethodInput& input, MethodOutput
 
 MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
   sculpture_->begin_step();
-  apart_n_.setZero();
+  body_push_ = {};
   MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
   if (!input.p_SD.allFinite() || !std::isfinite(input.dt_s)) return output;
   if (!std::exchange(has_begun_, true)) {
@@ -90,10 +90,10 @@ MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
     most_n = output.force_n.norm();
     if (output.object >= 0) output.object = other_objects_[static_cast<std::size_t>(output.object)];
   }
-  const Vec3 of_others_n = output.force_n;
-  const int other = output.contact ? output.object : -1;
+  const MethodOutput of_others = output;
   for (std::size_t body = 0; body < bodies_.size(); ++body) feel(body, input, output, most_n);
-  if (other >= 0 && output.object == other) apart_n_ = output.force_n - of_others_n;
+  if (of_others.object >= 0 && output.object == of_others.object)
+    body_push_ = {.force_n = output.force_n - of_others.force_n, .extension_m = output.p_SP - of_others.p_SP};
   held_at_ = output.contact ? std::optional(output.p_SP) : std::nullopt;
   return output;
 }

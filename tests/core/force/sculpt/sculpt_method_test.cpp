@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <random>
@@ -78,33 +79,45 @@ TEST(SculptMethod, FeelsOtherObjectsAsTheirMethodDoes) {
   }
 }
 
-// The drag of the table is that of the table's own force, whether a carved body is touched beside it or not. Not with sweep: its collision
-// point lags behind the hand and never reaches the body.
-TEST(SculptMethod, DragOfAnotherObjectDoesNotCountTheForceOfTheBody) {
-  for (const char* name : {"smooth"}) {
-    std::vector<std::unique_ptr<TouchStep>> steps;  // with the body, without it; first without drag, then with it
-    for (const bool has_drag : {false, true}) {
-      for (const bool has_body : {true, false}) {
-        TouchScene scene{.objects = {table_object()}};
-        if (has_body) scene.objects.push_back(clay_object(Vec3(0, 0, -0.03)));
-        if (has_drag) {
-          scene.objects[0].material.damping_ns_per_m = 2.0;
-          scene.objects[0].material.friction_static = 0.4;
-          scene.objects[0].material.friction_dynamic = 0.2;
+// What effects of the table change in the force is the same whether a carved body is touched beside it, below it or above it, or not. Not
+// with sweep: its collision point lags behind the hand and never reaches the body.
+TEST(SculptMethod, EffectsOfAnotherObjectAreThoseOfItsOwnForce) {
+  const auto with_drag = [](TouchObject& table) {
+    table.material.damping_ns_per_m = 2.0;
+    table.material.friction_static = 0.4;
+    table.material.friction_dynamic = 0.2;
+  };
+  const auto with_effects = [](TouchObject& table) {
+    table.effects.progressive.n_per_m2 = 2e5;
+    table.effects.viscosity.damping_ns_per_m = 3.0;
+  };
+  const std::pair<const char*, std::function<void(TouchObject&)>> cases[] = {
+      {"smooth", with_drag}, {"smooth", with_effects}, {"proxy", with_effects}};
+  for (const auto& [name, change] : cases) {
+    // The first pushes up as the table does, the second pushes the hand into it.
+    for (const Vec3& clay : {Vec3(0, 0, -0.03), Vec3(0, 0, -0.016)}) {
+      std::vector<std::unique_ptr<TouchStep>> steps;  // with the body, without it; first without effects, then with them
+      for (const bool has_effects : {false, true}) {
+        for (const bool has_body : {true, false}) {
+          TouchScene scene{.objects = {table_object()}};
+          if (has_body) scene.objects.push_back(clay_object(clay));
+          if (has_effects) change(scene.objects[0]);
+          steps.push_back(step_of(scene, {.name = name}));
         }
-        steps.push_back(step_of(scene, {.name = name}));
       }
+      int both = 0;
+      for (int i = 0; i < 500; ++i) {
+        const double down = std::min(i, 100) * 4e-5, along = std::max(i - 100, 0) * 1.5e-4;
+        std::vector<TouchOutput> felt;
+        for (const auto& step : steps) felt.push_back(step->step({.p_WD = {0.06 - along, 0.0, -0.048 - down}, .dt_s = 1e-3}));
+        if (felt[0].object != 0) continue;  // the body pushes most: its own drag counts
+        both += (felt[0].force_n - felt[1].force_n).norm() > 0.1;
+        const Vec3 beside_body = felt[2].force_n - felt[0].force_n, alone = felt[3].force_n - felt[1].force_n;
+        ASSERT_LT((beside_body - alone).norm(), 1e-12 * (1.0 + felt[0].force_n.norm())) << name << ", " << clay.z() << ", step " << i;
+        ASSERT_LT((felt[2].visual_offset_m - felt[0].visual_offset_m).norm(), 1e-12);
+      }
+      EXPECT_GT(both, 10) << name << ", " << clay.z();
     }
-    int both = 0;
-    for (int i = 0; i < 500; ++i) {
-      const double down = std::min(i, 100) * 1e-4, along = std::max(i - 100, 0) * 1e-4;
-      std::vector<Vec3> forces;
-      for (const auto& step : steps) forces.push_back(step->step({.p_WD = {0.06 - along, 0.0, -0.045 - down}, .dt_s = 1e-3}).force_n);
-      both += (forces[0] - forces[1]).norm() > 0.1;
-      const Vec3 beside_body = forces[2] - forces[0], alone = forces[3] - forces[1];
-      ASSERT_LT((beside_body - alone).norm(), 1e-12 * (1.0 + forces[0].norm())) << name << ", step " << i;
-    }
-    EXPECT_GT(both, 10) << name;
   }
 }
 
