@@ -68,7 +68,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   exchange_patches();
   // Where a haptics node has just joined, what is there is of the one before, until the builder has seen to it.
   const bool is_cleared = cleared_.load(std::memory_order_acquire) == orders.clears;
-  touch_.set_generation(is_cleared ? generation_.load(std::memory_order_acquire) : kNoGeneration);
+  touch_.set_generation(is_cleared && orders.may_begin ? generation_.load(std::memory_order_acquire) : kNoGeneration);
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);
   if (std::exchange(started_, orders.start) != orders.start && !touch_.has_arrived()) {
     touch_.start_at(X_SW * orders.p_WP, X_SW.linear() * orders.outward_W, 1e-9 * static_cast<double>(last_ns_ - orders.start_ns),

@@ -15,7 +15,10 @@ namespace hapton {
 
 // What the network side hands to the device side about patches.
 struct PatchOrders {
-  bool is_wanted = false;     // force from patches, where there are any
+  bool is_wanted = false;  // force from patches, where there are any
+  // False: the haptics node that has just joined may know a contact, and has not replied yet. A patch that begins before would take a hand
+  // inside a body for free, and contact would be lost for good.
+  bool may_begin = true;
   std::int64_t until_ns = 0;  // no longer than until then: haptics is silent for too long by then
   Pose X_WS = Pose::Identity();
   // Where the probe was as far as haptics knows, in the sample of that time; counts the notifications. Used until a patch reaches the

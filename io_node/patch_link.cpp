@@ -34,6 +34,7 @@ void PatchLink::drop_parts() noexcept { orders_.clears += std::exchange(must_cle
 
 void PatchLink::on_haptics_joined() noexcept {
   drop_parts();
+  orders_.may_begin = false;
   moves_.clear();
   local_.publish(moves_);
 }
@@ -43,6 +44,7 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   choose(forces, now_ns);
   if (state_ == State::remote) return;
   follow_source(forces);
+  orders_.may_begin = orders_.may_begin || forces.has_resumed();
   if (!was_local_) note_probe(forces, view ? view->revision : 0, now_ns);
   orders_.X_WS = view ? find_rigid_pose(view->X_WS).value_or(Pose::Identity()) : Pose::Identity();
   orders_.anchor_ns = forces.history().last_reply().echo_sample_time_ns;
@@ -66,7 +68,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
     orders_.is_wanted = true;
     was_local_ = false;
     status_ns_ = told_ns_ = 0;
-    start_at_rest(forces);
+    orders_.may_begin = start_at_rest(forces);
   }
   if (state_ == State::patch && !is_wanted) {
     state_ = State::leaving;
@@ -81,16 +83,17 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
 }
 
 // A haptics node that has just joined gets the place of contact, and so does the device side: a patch that is there before its first reply
-// must not take a hand inside a body for free.
-void PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
+// must not take a hand inside a body for free. False: no contact is known here.
+bool PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   const ProbeHistory::Pose& newest = forces.history().newest();
   const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
-  if (!p_WP) return;
+  if (!p_WP) return false;
   ++orders_.start;
   orders_.start_ns = newest.time_ns;
   orders_.start_scene_ns = scene_time_at(forces.history().last_reply(), newest.time_ns);
   orders_.p_WP = *p_WP;
   orders_.outward_W = (*p_WP - newest.p_WD).normalized();
+  return true;
 }
 
 // Where patches start again, the haptics node goes on from where they had the probe (ForceExchange::request_resume).

@@ -54,7 +54,7 @@ class PatchLink {
   void choose(ForceExchange& forces, std::int64_t now_ns) noexcept;
   void follow_source(const ForceExchange& forces) noexcept;
   void note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept;
-  void start_at_rest(const ForceExchange& forces) noexcept;
+  bool start_at_rest(const ForceExchange& forces) noexcept;
   void send_status(double round_trip_s, std::int64_t now_ns) noexcept;
 
   HubPeers& peers_;

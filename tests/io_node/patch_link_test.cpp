@@ -294,6 +294,26 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   EXPECT_NEAR(states.front().p_WP.z(), 0.0, 1e-6);
 }
 
+// A hub that was started again knows no contact, and the haptics node does. Its first reply may come after its first patch.
+TEST_F(PatchLinks, APatchOfAHapticsNodeThatHasNotRepliedIsNotFelt) {
+  device.place = Vec3(0.001, 0.002, -0.002);
+  floor_z_m = 0.0;
+  force_reply.force_n = Vec3(0, 0, 2);
+  force_reply.contact = true;
+  reply_delay_ns = -1;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  ASSERT_TRUE(builder_has_caught_up());
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  EXPECT_EQ(stats().local_forces, 0U);
+  reply_delay_ns = 100 * kUs;
+  run(300);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+  EXPECT_GT(stats().local_forces, 200U);
+}
+
 TEST_F(PatchLinks, WithoutAHapticsNodeNothingIsWanted) {
   start(TouchChoice::patch);
   EXPECT_TRUE(link->is_wanted());

@@ -65,6 +65,7 @@ Result<std::vector<ObjectName>> RecordedScenes::find_names(const HapticsSetup& s
 
 Result<const RecordedScenes::LoadedScene*> RecordedScenes::find_recorded(const HapticsSetup& setup) {
   const std::string path = file_.empty() ? setup.scene.data() : file_;
+  if (setup.scene_hash == 0) return fail("{}: an object was put down, and the recording does not have the scene with it", path);
   const auto said = from_code(setup.scene_loading);
   auto scene = find(path, said.value_or(SceneLoading()));
   if (!scene) return fail("{}; --scene FILE names another place for it", scene.error().what);
