@@ -104,6 +104,9 @@ void GraspTask::pick_up(const GraspOrder& order) {
       number, order.X_SD,
       {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
       std::move(obstacles.friction), make_worker_team(options_.threads));
+  if (step) {
+    if (const auto damped = (*step)->damp(obstacles.damping); !damped) step = tl::unexpected(damped.error());
+  }
   if (!step) {
     log_warning("{} cannot be picked up: {}", name, step.error().what);
     link_.replies.publish({order.serial});

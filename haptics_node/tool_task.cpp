@@ -34,6 +34,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
                              std::move(obstacles.friction), make_worker_team(options.tool_threads), obstacles.part_of);
   if (!step) return fail("tool {}: {}", (*tool)->name, step.error().what);
+  if (const auto damped = (*step)->damp(obstacles.damping); !damped) return fail("tool {}: {}", (*tool)->name, damped.error().what);
   log_info("the stylus holds {}", (*tool)->name);
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);

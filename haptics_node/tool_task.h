@@ -16,10 +16,10 @@ namespace hapton {
 
 // For the log where ToolObstacles::leaves_out.
 inline constexpr std::string_view kToolLeavesOut =
-    "damping, effects of surfaces and two_sided = false are ignored: of surfaces, a rigid tool supports only stiffness and friction";
+    "two_sided = false and effects of surfaces but viscosity are ignored: a rigid tool supports stiffness, friction, damping and viscosity";
 
-// The rigid tool that the options or the scene name; null: the stylus is a probe. The tool feels the friction of the materials. Its spring
-// is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.
+// The rigid tool that the options or the scene name; null: the stylus is a probe. The tool feels friction, damping and viscosity of the
+// materials. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);
 
 // What the hub gets in place of a method's description: "name=tool ...", with the coupling.

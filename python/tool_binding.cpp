@@ -69,7 +69,7 @@ class PythonTool {
   double time_s_ = 0.0;      // of the scene: the sum of all dt_s but the first
 };
 
-// Friction and the stiffest of the materials, as haptics_node has it.
+// Friction, damping, viscosity and the stiffest of the materials, as haptics_node has it.
 PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double rotational_nm_per_rad) {
   if (!(rotational_nm_per_rad >= 0.0 && rotational_nm_per_rad <= 1e6)) {
     raise_value_error(fmt::format("rotational_stiffness_nm_per_rad is {}; give at least 0, at most 1e6", rotational_nm_per_rad));
@@ -77,7 +77,8 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
   ToolObstacles obstacles = make_tool_obstacles(scene);
   if (obstacles.leaves_out &&
       PyErr_WarnEx(PyExc_UserWarning,
-                   "damping, effects of surfaces and two_sided = false are left out: of surfaces, a rigid tool has friction only",
+                   "effects of surfaces but viscosity, and two_sided = false are left out: of surfaces, a rigid tool has friction, damping "
+                   "and viscosity",
                    2) != 0) {
     throw py::error_already_set();
   }
@@ -94,6 +95,7 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
     made = ToolStep::make(tool, std::move(obstacles.meshes), coupling, std::move(obstacles.friction), nullptr, obstacles.part_of);
   }
   tool_ = value_or_raise(std::move(made));
+  if (const auto damped = tool_->damp(obstacles.damping); !damped) raise_value_error(damped.error().what);
 }
 
 void PythonTool::reset(const Doubles& pose, const std::optional<Doubles>& scene_pose) {
@@ -122,7 +124,7 @@ py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& sc
   if (!(dt_s > 0.0 && dt_s <= 1.0)) raise_value_error(fmt::format("dt_s is {}; give seconds above 0, at most 1", dt_s));
   std::vector<ToolInput> inputs;
   const Pose X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity();
-  for (const Pose& X_WD : read_poses(poses, "poses")) inputs.push_back({.X_WD = X_WD, .X_WS = X_WS});
+  for (const Pose& X_WD : read_poses(poses, "poses")) inputs.push_back({.X_WD = X_WD, .X_WS = X_WS, .dt_s = dt_s});
   ToolBatch batch(inputs.size());
   double* force_n = batch.force_n.mutable_data();
   double* torque_nm = batch.torque_nm.mutable_data();

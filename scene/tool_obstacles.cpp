@@ -10,7 +10,17 @@ bool ToolObstacles::has_friction() const {
   return std::any_of(friction.begin(), friction.end(), [](const CoulombFriction& one) { return one.friction_static > 0.0; });
 }
 
+bool ToolObstacles::has_damping() const {
+  return std::any_of(damping.begin(), damping.end(), [](const ContactDamping& one) { return one.is_on(); });
+}
+
 namespace {
+
+bool leaves_out_of(const TouchObject& object) {
+  SurfaceEffects rest = object.effects;
+  rest.viscosity = {};
+  return rest.any() || !object.material.two_sided;
+}
 
 // The number of the part that an object belongs to; adds it where it is new.
 int find_part(const TouchObject& object, int number, std::vector<ToolPart>& parts) {
@@ -38,8 +48,8 @@ ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::si
     obstacles.meshes.push_back(object.mesh);
     obstacles.part_of.push_back(find_part(object, static_cast<int>(o), obstacles.parts));
     obstacles.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
-    obstacles.leaves_out =
-        obstacles.leaves_out || object.effects.any() || object.material.damping_ns_per_m > 0.0 || !object.material.two_sided;
+    obstacles.damping.push_back({object.material.damping_ns_per_m, object.effects.viscosity.damping_ns_per_m});
+    obstacles.leaves_out = obstacles.leaves_out || leaves_out_of(object);
   }
   return obstacles;
 }

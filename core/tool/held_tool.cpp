@@ -1,6 +1,7 @@
 #include "core/tool/held_tool.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace hapton {
@@ -13,6 +14,7 @@ double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
     : tool_(std::move(tool)),
       samples_(Sample{.parts = std::vector<Placement>(tool_->moving_count())}),
+      drag_(tool_->drag()),
       parts_(tool_->moving_count()),
       last_parts_(parts_),
       pushes_(parts_.size()) {
@@ -49,6 +51,10 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   is_known_ = found.serial == serial_;
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
+  if (drag_.is_on()) {
+    if (!is_known_) drag_.reset();
+    drag_.move(device, parts_, seconds(time_ns - felt_ns_));
+  }
   const bool has_friction = tool_->has_friction();
   std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!is_known_ || output.proxy.is_blocked) {
@@ -63,22 +69,24 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   const ToolProxyStep step = output.proxy;
   Placement goal = device;
   found.contacts.follow(parts_);
+  LocalContacts::Held held;
   if (has_friction) {
-    const ToolFriction::Step held = friction_.step(found.contacts, device, parts_);
-    goal = held.goal;
-    output = tool_->felt_at(input, device, held.at);
-    find_pushes(found.contacts, held.held, output, input.X_WS.linear());
+    const ToolFriction::Step rubbed = friction_.step(found.contacts, device, parts_);
+    goal = rubbed.goal;
+    held = rubbed.held;
+    output = tool_->felt_at(input, device, rubbed.at);
   } else {
-    const LocalContacts::Held held = found.contacts.solve(device);
+    held = found.contacts.solve(device);
     output = tool_->felt_at(input, device, held.at);
-    find_pushes(found.contacts, held, output, input.X_WS.linear());
   }
+  find_pushes(found.contacts, held, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
   const double share = std::clamp((kStaleS - age_s_) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
   output.torque_nm *= share;
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
+  if (drag_.is_on()) add_drag(found.contacts, held, share, input.X_WS.linear(), output);
   blend(output, device, time_ns, are_late);
   return output;
 }
@@ -87,7 +95,7 @@ void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::H
                            const Mat3& R_WS) noexcept {
   if (pushes_.empty()) return;
   // Unit of a multiplier: force, and torque with a lever of the local unit.
-  const double unit_n = tool_->coupling().stiffness_n_per_m * tool_->scene().unit_m();
+  const double unit_n = tool_->unit_force_n();
   const double unit_nm = unit_n * tool_->scene().unit_m();
   Vec3 rest_n = felt.force_n;  // what friction adds
   Vec3 rest_nm = felt.torque_nm;
@@ -111,6 +119,26 @@ void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::H
     const double share = held.multipliers[k] * contact.friction.friction_dynamic / grip;
     ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
     push = {push.force_n - share * rest_n, push.torque_nm - share * rest_nm};
+  }
+}
+
+void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
+                        ToolOutput& output) noexcept {
+  std::array<ContactDrag::Contact, ContactDrag::kMostContacts> touched;
+  const auto count = static_cast<std::size_t>(held.active_count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(held.active[k]);
+    const LocalContact& contact = contacts.contacts[i];
+    // The arm is from the grip point at the pose where the contact was found, as the bound is.
+    touched[k] = {contact.arm, contacts.bounds[i].row.head<3>(), share * tool_->unit_force_n() * held.multipliers[k], contact.part,
+                  contact.object};
+  }
+  const ContactDrag::Wrench drag = drag_.step({touched.data(), count});
+  output.force_n += R_WS * drag.force_n;
+  output.torque_nm += R_WS * drag.torque_nm;
+  for (std::size_t p = 0; p < pushes_.size(); ++p) {
+    const ContactDrag::Wrench part = drag_.on_tool_by(static_cast<int>(p) + 1);
+    pushes_[p] = {pushes_[p].force_n - R_WS * part.force_n, pushes_[p].torque_nm - R_WS * part.torque_nm};
   }
 }
 

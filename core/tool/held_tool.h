@@ -61,6 +61,8 @@ class HeldTool {
   };
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
   double length_of(const Felt& felt) const noexcept;
+  void add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
+                ToolOutput& output) noexcept;
   void find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt, const Mat3& R_WS) noexcept;
 
   struct Sample {
@@ -88,6 +90,7 @@ class HeldTool {
   Sample last_;  // followed
   std::optional<Placement> start_;
   ToolFriction friction_;
+  ContactDrag drag_;
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;

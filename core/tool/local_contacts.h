@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include "core/tool/least_motion.h"
@@ -21,6 +22,7 @@ struct LocalContact {
   Vec3 arm = Vec3::Zero();
   CoulombFriction friction;
   int part = 0;                // of the scene that it is on; 0 stands still
+  std::uint32_t object = 0;    // of the part
   Vec3 point = Vec3::Zero();   // on the surface, when the contact was found
   Vec3 anchor = Vec3::Zero();  // the same in the frame of the part, where that should have been then
   double found_least = 0.0;    // of the bound, when the contact was found

@@ -14,8 +14,7 @@ ScenePart::ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurfa
 ScenePart::ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team)
     : near_(first.near_, scene, team), friction_(std::move(friction)), moves_(true) {}
 
-CoulombFriction ScenePart::friction_of(const FeaturePair& pair) const noexcept {
-  const std::uint32_t object = near_.object_of(pair);
+CoulombFriction ScenePart::friction_of(std::uint32_t object) const noexcept {
   return object < friction_.size() ? friction_[object] : CoulombFriction();
 }
 

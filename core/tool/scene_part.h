@@ -24,7 +24,7 @@ class ScenePart {
 
   NearFeatures& near() { return near_; }
   const NearFeatures& near() const { return near_; }
-  CoulombFriction friction_of(const FeaturePair& pair) const noexcept;
+  CoulombFriction friction_of(std::uint32_t object) const noexcept;
 
   // Where the part is for the tool. The origin of the local frame is the part's, too.
   const Placement& at() const { return at_; }

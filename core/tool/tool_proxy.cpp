@@ -353,7 +353,8 @@ void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept
       if (!near.is_minimum) continue;
       Vec6 row;
       row << part.direction(near.gap.normal), part.direction(near.gap.on_tool.cross(near.gap.normal));
-      LocalContact contact{part.direction(near.gap.on_tool), part.friction_of(near.pair)};
+      const std::uint32_t object = part.near().object_of(near.pair);
+      LocalContact contact{.arm = part.direction(near.gap.on_tool), .friction = part.friction_of(object), .object = object};
       if (part.moves()) {
         contact.part = static_cast<int>(p);
         contact.point = part.point(near.gap.on_scene);

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -88,7 +89,9 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
     part.friction.push_back(o < friction.size() ? friction[o] : CoulombFriction());
   }
   const ToolCoupling whole = completed(coupling, find_mean_squared_lever(tool));
-  return checked(std::unique_ptr<ToolStep>(new ToolStep(tool, std::move(objects), box, whole, std::move(team))));
+  auto step = std::unique_ptr<ToolStep>(new ToolStep(tool, std::move(objects), box, whole, std::move(team)));
+  step->part_of_ = parts;
+  return checked(std::move(step));
 }
 
 Result<std::unique_ptr<ToolStep>> ToolStep::make(const PreparedTool& prepared, const ToolCoupling& coupling,
@@ -158,6 +161,7 @@ void ToolStep::reset(const ToolInput& input) noexcept {
   to_local(input.X_SO, parts_);
   proxy_.reset(last_, parts_);
   friction_.forget();
+  drag_.reset();
 }
 
 ToolOutput ToolStep::felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept {
@@ -184,7 +188,40 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   const ToolProxyStep followed = has_friction_ ? follow(device) : proxy_.step(device, parts_);
   if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
   output.proxy = followed;
+  if (drag_.is_on()) {
+    drag_.move(device, parts_, input.dt_s);
+    add_drag(input, output);
+  }
   return output;
+}
+
+Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
+  std::vector<std::vector<ContactDamping>> by_part(moving_.size() + 1);
+  for (std::size_t o = 0; o < damping.size(); ++o) {
+    const ContactDamping& one = damping[o];
+    if (!(one.normal_ns_per_m >= 0.0) || !(one.along_ns_per_m >= 0.0) || !std::isfinite(one.normal_ns_per_m + one.along_ns_per_m)) {
+      return fail("the damping of a surface is {} Ns/m along its normal and {} Ns/m along it; give 0 or more", one.normal_ns_per_m,
+                  one.along_ns_per_m);
+    }
+    by_part[o < part_of_.size() ? static_cast<std::size_t>(std::max(part_of_[o], 0)) : 0].push_back(one);
+  }
+  drag_ = ContactDrag(std::move(by_part), scene_.unit_m(), proxy_.radius());
+  return {};
+}
+
+void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
+  std::array<ContactDrag::Contact, ContactDrag::kMostContacts> contacts;
+  std::size_t count = 0;
+  if (output.contact) {
+    for (const ToolContact& contact : proxy_.contacts()) {
+      const TouchGeometry& scene = contact.part > 0 ? *moving_[static_cast<std::size_t>(contact.part) - 1] : scene_;
+      contacts[count++] = {contact.point - proxy_.placement().position, contact.normal, unit_force_n() * contact.multiplier, contact.part,
+                           scene.mesh_of(contact.scene_triangle)};
+    }
+  }
+  const ContactDrag::Wrench drag = drag_.step({contacts.data(), count});
+  output.force_n += input.X_WS.linear() * drag.force_n;
+  output.torque_nm += input.X_WS.linear() * drag.torque_nm;
 }
 
 // Friction is found from the contacts where the proxy is, then the proxy follows to where it holds the tool.

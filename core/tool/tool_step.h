@@ -7,6 +7,7 @@
 
 #include "core/base/result.h"
 #include "core/base/worker_team.h"
+#include "core/tool/contact_drag.h"
 #include "core/tool/tool_friction.h"
 #include "core/tool/tool_proxy.h"
 
@@ -25,6 +26,7 @@ struct ToolInput {
   Pose X_WD = Pose::Identity();     // grip point and orientation of the stylus
   Pose X_WS = Pose::Identity();     // static scene in world (the view transform)
   std::span<const Pose> X_SO = {};  // of each part of the scene that moves: what its points at rest are moved by, frame S
+  double dt_s = 0.0;                // since the step before; only damping of contacts needs it
 };
 
 struct ToolOutput {
@@ -68,6 +70,10 @@ class ToolStep {
   static Result<std::unique_ptr<ToolStep>> make(const PreparedTool& prepared, const ToolCoupling& coupling,
                                                 std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
 
+  // Damping of each object of the scene, in the order of make, at the contacts of the tool: adds to force and torque, and leaves the proxy
+  // as it is (contact_drag.h). Before the first step. Error: a number that is negative or not finite. RT: set-up only.
+  Result<void> damp(const std::vector<ContactDamping>& damping);
+
   // A part without a pose in the input, or with one that is not finite, stays where it was.
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
@@ -86,7 +92,9 @@ class ToolStep {
   const TouchGeometry& moving(std::size_t part) const { return *moving_[part]; }
   const ObjectGeometry& tool() const { return tool_; }
   bool has_friction() const { return has_friction_; }
-  const ToolCoupling& coupling() const { return coupling_; }  // with the rotational stiffness that is used
+  const ContactDrag& drag() const { return drag_; }
+  double unit_force_n() const { return coupling_.stiffness_n_per_m * scene_.unit_m(); }  // of a multiplier
+  const ToolCoupling& coupling() const { return coupling_; }                             // with the rotational stiffness that is used
   // A few lines for users.
   std::string describe() const;
 
@@ -103,6 +111,7 @@ class ToolStep {
            std::unique_ptr<WorkerTeam> team);
   static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;
+  void add_drag(const ToolInput& input, ToolOutput& output) noexcept;
 
   std::unique_ptr<WorkerTeam> team_;
   ToolCoupling coupling_;
@@ -111,12 +120,14 @@ class ToolStep {
   TouchGeometry scene_;
   std::vector<std::unique_ptr<TouchGeometry>> moving_;
   std::vector<Placement> parts_;  // of these, at the last step
+  std::vector<int> part_of_;      // of each object; empty: all stand still
   ObjectGeometry tool_;
   ToolProxy proxy_;
   // With friction only:
   ToolFriction friction_;
   LocalContacts local_;
   Placement last_;  // device
+  ContactDrag drag_;
 };
 
 }  // namespace hapton

@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kLeftOut[] = "damping, effects of surfaces and two_sided = false are ignored";
+constexpr char kLeftOut[] = "two_sided = false and effects of surfaces but viscosity are ignored";
 
 // A ball of 5 cm, felt with a cube of 1 cm.
 Scene scene_with_tool() {
@@ -44,9 +44,9 @@ TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
   EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut)));
   EXPECT_THAT(log_of_task(scene), HasSubstr("the stylus holds cube"));
   scene.objects[0].material.damping_ns_per_m = 0.5;
-  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "damping";
-  scene = scene_with_tool();
   scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
+  EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut))) << "a tool has damping and viscosity";
+  scene.objects[0].effects.progressive.n_per_m2 = 1e4;
   EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
   scene = scene_with_tool();
   scene.effects.emplace_back();
@@ -54,6 +54,13 @@ TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
   scene = scene_with_tool();
   scene.objects[0].material.two_sided = false;
   EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "a surface felt from one side";
+}
+
+TEST(HeldToolOfAScene, HasTheDampingOfTheMaterials) {
+  Scene scene = scene_with_tool();
+  EXPECT_FALSE(make_held_tool({}, scene).value()->tool().drag().is_on());
+  scene.objects[0].material.damping_ns_per_m = 0.5;
+  EXPECT_TRUE(make_held_tool({}, scene).value()->tool().drag().is_on());
 }
 
 TEST(HeldToolOfAScene, IsNoneWhereNoneIsNamed) {

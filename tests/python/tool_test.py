@@ -103,8 +103,17 @@ class ToolTest(unittest.TestCase):
             hapton.ToolStep.from_scene("nowhere.toml", tool="a.obj")
 
     def test_what_a_tool_does_not_have_is_said(self):
-        with self.assertWarnsRegex(UserWarning, "of surfaces, a rigid tool has friction only"):
-            hapton.ToolStep(make_cube(), make_floor(), hapton.Material(damping_ns_per_m=1.0))
+        with self.assertWarnsRegex(UserWarning, "of surfaces, a rigid tool has friction, damping and viscosity"):
+            hapton.ToolStep(make_cube(), make_floor(), hapton.Material(two_sided=False))
+
+    def test_damping_acts_along_the_normal(self):
+        down = straight_down(0.0, count=300)
+        speed = (down[-2, 2, 3] - down[-1, 2, 3]) / 1e-3
+        forces = [
+            hapton.ToolStep(make_cube(), make_floor(), hapton.Material(damping_ns_per_m=damping)).step(down)["force_n"][-1]
+            for damping in (0.0, 2.0)
+        ]
+        np.testing.assert_allclose(forces[1] - forces[0], [0, 0, 2.0 * speed], atol=1e-3 * speed)
 
     def test_effects_in_free_space_act_at_the_grip(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -73,17 +73,29 @@ TEST(ToolObstacles, SayWhetherAnyHasFriction) {
   EXPECT_FALSE(make_tool_obstacles(scene).has_friction()) << "the first sphere has none";
 }
 
-TEST(ToolObstacles, SayThatDampingOrAnEffectOfASurfaceIsLeftOut) {
+TEST(ToolObstacles, HaveTheDampingAndTheViscosityOfTheirMaterials) {
+  TouchScene scene = three_spheres();
+  EXPECT_FALSE(make_tool_obstacles(scene).has_damping());
+  scene.objects[1].material.damping_ns_per_m = 0.5;
+  scene.objects[2].effects.viscosity.damping_ns_per_m = 1.5;
+  const ToolObstacles obstacles = make_tool_obstacles(scene, 0);
+  EXPECT_TRUE(obstacles.has_damping());
+  EXPECT_FALSE(obstacles.leaves_out);
+  ASSERT_EQ(obstacles.damping.size(), 2U);
+  EXPECT_EQ(obstacles.damping[0].normal_ns_per_m, 0.5);
+  EXPECT_EQ(obstacles.damping[0].along_ns_per_m, 0.0);
+  EXPECT_EQ(obstacles.damping[1].normal_ns_per_m, 0.0);
+  EXPECT_EQ(obstacles.damping[1].along_ns_per_m, 1.5);
+}
+
+TEST(ToolObstacles, SayThatAnotherEffectOfASurfaceIsLeftOut) {
   EXPECT_FALSE(make_tool_obstacles(three_spheres()).leaves_out);
-  TouchScene damped = three_spheres();
-  damped.objects[1].material.damping_ns_per_m = 0.5;
-  EXPECT_TRUE(make_tool_obstacles(damped).leaves_out);
   TouchScene one_sided = three_spheres();
   one_sided.objects[2].material.two_sided = false;
   EXPECT_TRUE(make_tool_obstacles(one_sided).leaves_out);
-  TouchScene viscous = three_spheres();
-  viscous.objects[1].effects.viscosity.damping_ns_per_m = 1.0;
-  EXPECT_TRUE(make_tool_obstacles(viscous).leaves_out);
+  TouchScene ringing = three_spheres();
+  ringing.objects[1].effects.tap.ns_per_m = 1.0;
+  EXPECT_TRUE(make_tool_obstacles(ringing).leaves_out);
   TouchScene with_spring = three_spheres();
   with_spring.effects.emplace_back(SpringEffect{.stiffness_n_per_m = 900.0});
   const ToolObstacles obstacles = make_tool_obstacles(with_spring);

@@ -27,7 +27,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"core/collision", {"core/base", "core/math", "core/geometry"}},
     {"core/sculpt", {"core/base", "core/math", "core/geometry"}},
     {"core/force", {"core/base", "core/math", "core/effects", "core/geometry", "core/sculpt", "core/collision"}},
-    {"core/tool", {"core/base", "core/math", "core/geometry", "core/collision"}},
+    {"core/tool", {"core/base", "core/math", "core/effects", "core/geometry", "core/collision"}},
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
     {"session", {"core/base", "core/math", "runtime", "link"}},

@@ -51,6 +51,7 @@ struct ToolRows {
     Input input;
     input.X_WD.translation() = trajectory[i].p_WD;
     input.X_WD.linear() = trajectory[i].q_WT.toRotationMatrix();
+    input.dt_s = i == 0 ? kFirstStepS : trajectory[i].t_s - trajectory[i - 1].t_s;
     return input;
   }
   static void fill(ReplayRow& row, const Input&, const Output& output) {

@@ -160,7 +160,7 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,
                               .rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad};
   if (obstacles.leaves_out) {
-    fmt::print("tool: damping, effects of surfaces and two_sided = false of {} are left out: {:g} N/m everywhere\n", options.scene,
+    fmt::print("tool: effects of surfaces but viscosity, and two_sided = false of {} are left out: {:g} N/m everywhere\n", options.scene,
                coupling.stiffness_n_per_m);
   }
   const auto felt = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
@@ -171,11 +171,14 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
     return done;
   };
   if (options.tool_voxel_m <= 0.0) {
-    return felt(ToolStep::make(*held.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads),
-                               obstacles.part_of),
-                obstacles.parts);
+    auto tool = ToolStep::make(*held.mesh, obstacles.meshes, coupling, obstacles.friction, make_worker_team(options.tool_threads),
+                               obstacles.part_of);
+    if (!tool) return tl::unexpected(tool.error());
+    if (const auto damped = (*tool)->damp(obstacles.damping); !damped) return tl::unexpected(damped.error());
+    return felt(tool, obstacles.parts);
   }
   if (obstacles.has_friction()) fmt::print("tool: voxels have no friction, so the scene's is left out\n");
+  if (obstacles.has_damping()) fmt::print("tool: voxels have no damping and viscosity, so the scene's are left out\n");
   return felt(VoxelTool::make(*held.mesh, obstacles.meshes, coupling, options.tool_voxel_m));
 }
 

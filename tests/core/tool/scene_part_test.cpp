@@ -98,8 +98,8 @@ TEST_F(ScenePartTest, ACurvatureTurnsWithThePart) {
 }
 
 TEST_F(ScenePartTest, HasTheFrictionOfItsObjects) {
-  EXPECT_EQ(part.friction_of(FeaturePair{}).friction_static, 0.5);
-  EXPECT_EQ(still.friction_of(FeaturePair{}).friction_static, 0.0);
+  EXPECT_EQ(part.friction_of(0).friction_static, 0.5);
+  EXPECT_EQ(still.friction_of(0).friction_static, 0.0);
 }
 
 }  // namespace

@@ -1,0 +1,155 @@
+#include "core/tool/contact_drag.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/effects/bounded_force.h"
+
+namespace hapton {
+namespace {
+
+bool any_is_on(const std::vector<ContactDamping>& objects) {
+  return std::any_of(objects.begin(), objects.end(), [](const ContactDamping& one) { return one.is_on(); });
+}
+
+// The share of a damping force that is within its bound.
+double share_within(double force_n, double most_n) { return force_n > most_n ? most_n / force_n : 1.0; }
+
+}  // namespace
+
+ContactDrag::ContactDrag(std::vector<std::vector<ContactDamping>> damping, double unit_m, double radius)
+    : damping_(std::move(damping)), unit_m_(unit_m), radius_(radius), motions_(damping_.size()) {
+  for (std::size_t p = 0; p < damping_.size(); ++p) {
+    motions_[p].has_damping = any_is_on(damping_[p]);
+    is_on_ = is_on_ || motions_[p].has_damping;
+  }
+}
+
+void ContactDrag::reset() noexcept {
+  for (Motion& motion : motions_) {
+    motion.shift.reset();
+    motion.turn.reset();
+  }
+  is_placed_ = false;
+  dt_s_ = 0.0;
+  touched_.count = 0;
+}
+
+void ContactDrag::move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept {
+  const bool is_first = !std::exchange(is_placed_, true);
+  const Placement last = std::exchange(device_, device);
+  if (dt_s > 0.0) dt_s_ += dt_s;
+  for (std::size_t p = 0; p < motions_.size(); ++p) {
+    Motion& motion = motions_[p];
+    if (!motion.has_damping) continue;
+    const Placement part = p > 0 && p <= parts.size() ? parts[p - 1] : Placement();
+    const bool jumps = is_first || unit_m_ * motion_past(last, radius_, motion.part, part) > kJumpMPerS * dt_s;
+    const Placement from = (jumps ? part : motion.part).inverse() * (is_first ? device : last);
+    const Placement to = part.inverse() * device;
+    motion.part = part;
+    motion.shift.move_last(unit_m_ * from.position);
+    motion.shift.add(unit_m_ * to.position, dt_s);
+    motion.turn.move_last(Vec3::Zero());
+    motion.turn.add(turn_between(from.orientation, to.orientation), dt_s);
+  }
+}
+
+Vec6 ContactDrag::velocity_past(int part) const noexcept {
+  const Motion& motion = motions_[static_cast<std::size_t>(part)];
+  Vec6 velocity;
+  velocity << motion.part.orientation * motion.shift.mean(), motion.part.orientation * motion.turn.mean();
+  return velocity;
+}
+
+ContactDamping ContactDrag::damping_of(const Contact& contact) const noexcept {
+  const auto part = static_cast<std::size_t>(contact.part);
+  if (part >= damping_.size() || contact.object >= damping_[part].size()) return {};
+  return damping_[part][contact.object];
+}
+
+void ContactDrag::add(const Contact& contact, const ContactDamping& damping, double along_n, Touched& touched) const noexcept {
+  const double weight = contact.force_n / along_n;
+  const Vec3 arm = unit_m_ * contact.arm;
+  Mat3 cross;  // cross * w = w x arm
+  cross << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << Mat3::Identity(), cross;
+  const Vec3 velocity = jacobian * velocity_past(contact.part);
+  const double normal_speed = contact.normal.dot(velocity);
+  const Vec6 row = jacobian.transpose() * contact.normal;
+  const auto add_to = [&](Metric& metric, double ns_per_m, double speed, const auto& shape) {
+    if (!(ns_per_m > 0.0)) return;
+    const double coefficient = weight * ns_per_m * share_within(ns_per_m * std::abs(speed), along_n);
+    metric.matrix += coefficient * shape;
+    metric.coefficient += coefficient;
+    metric.contact_n += contact.force_n;
+  };
+  add_to(touched.normal, damping.normal_ns_per_m, normal_speed, Mat6(row * row.transpose()));
+  add_to(touched.along, damping.along_ns_per_m, (velocity - normal_speed * contact.normal).norm(),
+         Mat6(jacobian.transpose() * jacobian - row * row.transpose()));
+}
+
+void ContactDrag::Metric::blend(const Metric& before, double share) noexcept {
+  if (!(before.coefficient > 0.0) || !(coefficient > 0.0)) return;  // its force begins at zero with the contact
+  matrix = before.matrix + share * (matrix - before.matrix);
+  coefficient = before.coefficient + share * (coefficient - before.coefficient);
+}
+
+// By Cauchy's inequality the sum of the contacts' forces is at most the root of coefficient times power.
+Vec6 ContactDrag::Metric::force(const Vec6& velocity) const noexcept {
+  if (!(coefficient > 0.0)) return Vec6::Zero();
+  const Vec6 drag = matrix * velocity;
+  const double most_n = std::sqrt(coefficient * std::max(0.0, drag.dot(velocity)));
+  const Vec6 force = -share_within(most_n, std::min(contact_n, kMostEffectForceN)) * drag;
+  return force.allFinite() ? force : Vec6(Vec6::Zero());
+}
+
+const ContactDrag::Touched* ContactDrag::TouchedParts::find(int part) const noexcept {
+  const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+  const auto found = std::find_if(all.begin(), end, [part](const Touched& one) { return one.part == part; });
+  return found == end ? nullptr : &*found;
+}
+
+ContactDrag::Touched& ContactDrag::TouchedParts::at(int part) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (all[i].part == part) return all[i];
+  }
+  Touched& touched = all[count++];
+  touched.part = part;
+  return touched;
+}
+
+ContactDrag::Wrench ContactDrag::step(std::span<const Contact> contacts) noexcept {
+  contacts = contacts.first(std::min(contacts.size(), kMostContacts));
+  TouchedParts now;
+  for (const Contact& contact : contacts) {
+    const ContactDamping damping = damping_of(contact);
+    if (!damping.is_on() || !(contact.force_n > 0.0)) continue;
+    double along_n = 0.0;
+    for (const Contact& other : contacts) along_n += std::max(0.0, other.force_n) * std::max(0.0, contact.normal.dot(other.normal));
+    add(contact, damping, std::max(along_n, contact.force_n), now.at(contact.part));
+  }
+  const double share = dt_s_ / (kSmoothS + dt_s_);
+  dt_s_ = 0.0;
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t i = 0; i < now.count; ++i) {
+    Touched& touched = now.all[i];
+    if (const Touched* before = touched_.find(touched.part)) {
+      touched.normal.blend(before->normal, share);
+      touched.along.blend(before->along, share);
+    }
+    const Vec6 velocity = velocity_past(touched.part);
+    touched.force = touched.normal.force(velocity) + touched.along.force(velocity);
+    sum += touched.force;
+  }
+  touched_ = now;
+  return {sum.head<3>(), sum.tail<3>()};
+}
+
+ContactDrag::Wrench ContactDrag::on_tool_by(int part) const noexcept {
+  const Touched* touched = touched_.find(part);
+  return touched == nullptr ? Wrench() : Wrench{touched->force.head<3>(), touched->force.tail<3>()};
+}
+
+}  // namespace hapton

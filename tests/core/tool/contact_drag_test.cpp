@@ -1,0 +1,322 @@
+#include "core/tool/contact_drag.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/tool/held_tool.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using DragContact = ContactDrag::Contact;
+
+constexpr double kDragK = 1000.0;
+constexpr double kSampleS = 1e-3;
+constexpr ContactDamping kHoney = {.normal_ns_per_m = 3.0, .along_ns_per_m = 5.0};
+
+Placement drag_at(const Vec3& p, const Vec3& turn = Vec3::Zero()) { return {p, turn_by(turn)}; }
+
+// The drag after twenty samples of a steady motion with these contacts; unit 1 m.
+ContactDrag::Wrench steady(ContactDrag& drag, const std::vector<DragContact>& contacts, const Vec3& velocity,
+                           const Vec3& turn_rate = Vec3::Zero()) {
+  ContactDrag::Wrench wrench;
+  for (int n = 0; n < 20; ++n) {
+    drag.move(drag_at(n * kSampleS * velocity, n * kSampleS * turn_rate), {}, kSampleS);
+    wrench = drag.step(contacts);
+  }
+  return wrench;
+}
+
+TEST(ContactDrag, OneContactIsTheDamperOfItsMaterial) {
+  ContactDrag drag({{kHoney}}, 1.0, 1.0);
+  const ContactDrag::Wrench wrench =
+      steady(drag, {{.arm = {0.1, 0.2, -0.3}, .normal = Vec3::UnitZ(), .force_n = 2.0}}, {0.02, 0.01, -0.04});
+  const Vec3 expected(-5.0 * 0.02, -5.0 * 0.01, 3.0 * 0.04);
+  EXPECT_LT((wrench.force_n - expected).norm(), 1e-12);
+  EXPECT_LT((wrench.torque_nm - Vec3(0.1, 0.2, -0.3).cross(expected)).norm(), 1e-12);
+}
+
+TEST(ContactDrag, ManyContactsOfAFaceShareItsDamping) {
+  for (const int count : {1, 2, 3, 6}) {
+    ContactDrag drag({{kHoney}}, 1.0, 1.0);
+    std::vector<DragContact> contacts;
+    for (int k = 0; k < count; ++k) {
+      contacts.push_back({.arm = {0.01 * k, 0.02 * (k % 2), 0.0}, .normal = Vec3::UnitZ(), .force_n = 2.0 / count});
+    }
+    const ContactDrag::Wrench wrench = steady(drag, contacts, {0.05, 0.0, 0.01});
+    EXPECT_NEAR(wrench.force_n.x(), -5.0 * 0.05, 1e-12) << count;
+    EXPECT_NEAR(wrench.force_n.z(), -3.0 * 0.01, 1e-12) << count;
+  }
+}
+
+TEST(ContactDrag, SurfacesAcrossEachOtherHaveTheirsInFull) {
+  ContactDrag drag({{{.along_ns_per_m = 5.0}, {.along_ns_per_m = 7.0}}}, 1.0, 1.0);
+  const ContactDrag::Wrench wrench =
+      steady(drag, {{.normal = Vec3::UnitZ(), .force_n = 4.0}, {.normal = Vec3::UnitY(), .force_n = 1.0, .object = 1}}, {0.03, 0.0, 0.0});
+  EXPECT_NEAR(wrench.force_n.x(), -(5.0 + 7.0) * 0.03, 1e-12);
+}
+
+TEST(ContactDrag, TwoMaterialsUnderOneFaceCountByTheirForces) {
+  ContactDrag drag({{{.along_ns_per_m = 5.0}, {.along_ns_per_m = 20.0}}}, 1.0, 1.0);
+  const ContactDrag::Wrench wrench =
+      steady(drag, {{.normal = Vec3::UnitZ(), .force_n = 3.0}, {.normal = Vec3::UnitZ(), .force_n = 1.0, .object = 1}}, {0.01, 0.0, 0.0});
+  EXPECT_NEAR(wrench.force_n.x(), -(0.75 * 5.0 + 0.25 * 20.0) * 0.01, 1e-12);
+}
+
+TEST(ContactDrag, BeginsAndEndsWithTheForceOfItsContact) {
+  ContactDrag drag({{kHoney}}, 1.0, 1.0);
+  for (const double force_n : {1e-9, 1e-3, 0.1}) {
+    const ContactDrag::Wrench wrench =
+        steady(drag, {{.arm = {0.1, 0.0, 0.0}, .normal = Vec3::UnitZ(), .force_n = force_n}}, {2.0, 0.0, 3.0});
+    EXPECT_NEAR(wrench.force_n.x(), -force_n, 1e-9 * force_n);
+    EXPECT_NEAR(wrench.force_n.z(), -force_n, 1e-9 * force_n) << "no more than the spring pushes: it never attracts";
+  }
+  // Of two surfaces, each is bounded by its own.
+  const ContactDrag::Wrench beside =
+      steady(drag, {{.normal = Vec3::UnitZ(), .force_n = 0.1}, {.normal = Vec3::UnitY(), .force_n = 50.0, .object = 1}}, {2.0, 0.0, 0.0});
+  EXPECT_NEAR(beside.force_n.x(), -0.1, 1e-9);
+  EXPECT_TRUE(drag.step({}).force_n.isZero(0.0));
+}
+
+// Random contacts, motions, forces: they come and go from step to step.
+TEST(ContactDrag, NeverGivesEnergyAndStaysWithinItsBound) {
+  const unsigned seed = 228;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const auto vector = [&] { return Vec3(any(random), any(random), any(random)); };
+  ContactDrag drag({{{3.0, 0.0}, {0.0, 40.0}, {9.0, 100.0}}}, 1.0, 2.0);
+  Placement at;
+  for (int n = 0; n < 20000; ++n) {
+    // Steady for a while, so that the velocity of the damper is that of the motion.
+    const Vec3 shift = std::pow(10.0, -5.0 + 3.0 * std::abs(any(random))) * vector();
+    const Vec3 turn = std::pow(10.0, -5.0 + 3.0 * std::abs(any(random))) * vector();
+    std::vector<DragContact> contacts;
+    double sum_n = 0.0;
+    double arm = 0.0;
+    for (int k = 0; k < n % 7; ++k) {
+      contacts.push_back({.arm = vector(),
+                          .normal = vector().normalized(),
+                          .force_n = std::abs(any(random)),
+                          .object = static_cast<std::uint32_t>((n + k) % 3)});
+      sum_n += contacts.back().force_n;
+      arm = std::max(arm, contacts.back().arm.norm());
+    }
+    ContactDrag::Wrench wrench;
+    for (int k = 0; k < 10; ++k) {
+      at = {at.position + shift, turn_by(turn) * at.orientation};
+      drag.move(at, {}, kSampleS);
+      wrench = drag.step(contacts);
+      const double length = wrench.force_n.norm();
+      ASSERT_LE(length, 2.0 * sum_n * (1.0 + 1e-12)) << n;
+    }
+    ASSERT_LE(wrench.force_n.dot(shift) + wrench.torque_nm.dot(turn), 0.0) << n;
+  }
+}
+
+TEST(ContactDrag, AChangeOfContactsIsSmoothed) {
+  ContactDrag drag({{{.along_ns_per_m = 5.0}}}, 1.0, 1.0);
+  const std::vector<DragContact> near = {{.arm = {0.1, 0.0, 0.0}, .normal = Vec3::UnitZ(), .force_n = 9.0}};
+  const std::vector<DragContact> far = {{.arm = {0.3, 0.0, 0.0}, .normal = Vec3::UnitZ(), .force_n = 9.0}};
+  const double before_nm = steady(drag, near, Vec3::Zero(), {0.0, 0.0, 0.5}).torque_nm.z();
+  EXPECT_NEAR(before_nm, -5.0 * 0.1 * 0.1 * 0.5, 1e-12);
+  double last_nm = before_nm;
+  double most_nm = 0.0;
+  for (int n = 20; n < 120; ++n) {
+    drag.move(drag_at(Vec3::Zero(), {0.0, 0.0, 0.5 * n * kSampleS}), {}, kSampleS);
+    const double torque_nm = drag.step(far).torque_nm.z();
+    most_nm = std::max(most_nm, std::abs(torque_nm - last_nm));
+    last_nm = torque_nm;
+  }
+  const double change_nm = 5.0 * (0.09 - 0.01) * 0.5;
+  EXPECT_NEAR(last_nm, -5.0 * 0.09 * 0.5, 1e-6);
+  EXPECT_LT(most_nm, 1.01 * change_nm * kSampleS / (ContactDrag::kSmoothS + kSampleS));
+}
+
+// The same over steps of the whole tool.
+std::unique_ptr<ToolStep> make_damped_step(const std::vector<TriangleMesh>& scene, const std::vector<ContactDamping>& damping,
+                                           const std::vector<int>& parts = {}) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TriangleMesh& mesh : scene) meshes.push_back(std::make_shared<TriangleMesh>(mesh));
+  auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), std::move(meshes), {.stiffness_n_per_m = kDragK}, {}, nullptr, parts);
+  EXPECT_TRUE(made) << made.error().what;
+  EXPECT_TRUE((*made)->damp(damping));
+  return std::move(*made);
+}
+
+ToolInput drag_input(const Vec3& p, double turn_rad = 0.0) {
+  ToolInput input;
+  input.X_WD.translation() = p;
+  input.X_WD.linear() = turn_by({0.0, 0.0, turn_rad}).toRotationMatrix();
+  input.dt_s = kSampleS;
+  return input;
+}
+
+void press_down(ToolStep& step) {
+  step.reset(drag_input({0.003, 0.004, 0.03}));
+  for (int n = 0; n <= 220; ++n) step.step(drag_input({0.003, 0.004, 0.03 - 0.0001 * n}));
+}
+
+TEST(ContactDrag, ABoxThatSlidesOnAPlaneIsHeldBackByTheViscosity) {
+  const auto step = make_damped_step({make_plane_grid(0.2, 8)}, {kHoney});
+  const auto plain = make_damped_step({make_plane_grid(0.2, 8)}, {});
+  press_down(*step);
+  press_down(*plain);
+  ToolOutput out;
+  ToolOutput without;
+  for (int n = 0; n < 60; ++n) {
+    const ToolInput input = drag_input({0.003 + 4e-5 * n, 0.004 - 2e-5 * n, 0.008});
+    out = step->step(input);
+    without = plain->step(input);
+    ASSERT_EQ(step->proxy().placement(), plain->proxy().placement()) << "the proxy is that of a tool without damping";
+    if (n < 10) continue;
+    const Vec3 drag_n = out.force_n - without.force_n;
+    ASSERT_LT((drag_n - Vec3(-5.0 * 0.04, 5.0 * 0.02, 0.0)).norm(), 1e-6) << n;
+    // It acts at the foot of the box, where the force presses on the plane: through the middle, 10 mm below the grip.
+    ASSERT_LT((out.torque_nm - without.torque_nm - Vec3(0.0, 0.0, -0.01).cross(drag_n)).norm(), 1e-4 * drag_n.norm()) << n;
+  }
+}
+
+TEST(ContactDrag, ABoxPressedFurtherInFeelsTheDampingAlongTheNormal) {
+  const auto step = make_damped_step({make_plane_grid(0.2, 8)}, {kHoney});
+  press_down(*step);
+  for (int n = 0; n < 30; ++n) {
+    const double z = 0.008 - 1e-5 * n;
+    const ToolOutput out = step->step(drag_input({0.003, 0.004, z}));
+    if (n >= 10) {
+      ASSERT_NEAR(out.force_n.z(), kDragK * (0.01 - z) + 3.0 * 0.01, 2e-3) << n;
+    }
+  }
+}
+
+// A face on four corners: coefficient times the squared distance of a corner.
+TEST(ContactDrag, ABoxThatTurnsOnAPlaneFeelsATorque) {
+  const auto step = make_damped_step({make_plane_grid(0.2, 1)}, {{.along_ns_per_m = 5.0}});
+  step->reset(drag_input({0.0, 0.0, 0.03}));
+  for (int n = 0; n <= 220; ++n) step->step(drag_input({0.0, 0.0, 0.03 - 0.0001 * n}));
+  for (int n = 0; n < 300; ++n) {
+    const ToolOutput out = step->step(drag_input({0.0, 0.0, 0.008}, 2e-3 * n));
+    // The corners may cross the diagonal of the plane's two triangles, which carries then.
+    if (n >= 20 && n < 60) {
+      ASSERT_NEAR(out.torque_nm.z(), -5.0 * 2e-4 * 2.0, 0.03 * 5.0 * 2e-4 * 2.0) << n;
+    }
+    ASSERT_LE(out.torque_nm.z(), 1e-9) << n;
+    ASSERT_NEAR(out.force_n.z(), kDragK * 0.002, 0.01) << n;
+  }
+}
+
+TriangleMesh wall_at_y(double y) {
+  TriangleMesh wall = make_plane_grid(0.2, 4);
+  for (Vec3& v : wall.vertices) v = turn_by({-std::numbers::pi / 2, 0.0, 0.0}) * v + Vec3(0.0, y, 0.0);
+  return wall;
+}
+
+TEST(ContactDrag, InACornerBothSurfacesHoldBack) {
+  const auto step = make_damped_step({make_plane_grid(0.2, 4), wall_at_y(-0.03)}, {{.along_ns_per_m = 5.0}, {.along_ns_per_m = 7.0}});
+  step->reset(drag_input({0.0, 0.0, 0.03}));
+  for (int n = 0; n <= 220; ++n) step->step(drag_input({0.0, -1e-4 * n, 0.03 - 0.0001 * n}));
+  ToolOutput out;
+  for (int n = 0; n < 40; ++n) out = step->step(drag_input({3e-5 * n, -0.022, 0.008}));
+  EXPECT_NEAR(out.force_n.x(), -(5.0 + 7.0) * 0.03, 1e-4);
+  EXPECT_NEAR(out.force_n.y(), kDragK * 0.002, 0.01);
+}
+
+TriangleMesh ridge_at_x(double x) {
+  TriangleMesh ridge;
+  ridge.vertices = {{x - 0.002, -0.1, -0.01}, {x + 0.002, -0.1, -0.01}, {x, -0.1, 0.0},
+                    {x - 0.002, 0.1, -0.01},  {x + 0.002, 0.1, -0.01},  {x, 0.1, 0.0}};
+  ridge.triangles = {{0, 2, 5}, {0, 5, 3}, {2, 1, 4}, {2, 4, 5}, {1, 0, 3}, {1, 3, 4}};
+  return ridge;
+}
+
+// Two rails under the box carry it by the law of the lever: one takes (5 + 2) / 10 of the force.
+TEST(ContactDrag, ABoxOnTwoRailsFeelsTheMeanOfTheirMaterialsByForce) {
+  const auto step = make_damped_step({ridge_at_x(-0.005), ridge_at_x(0.005)}, {{.along_ns_per_m = 4.0}, {.along_ns_per_m = 14.0}});
+  step->reset(drag_input({0.002, 0.0, 0.03}));
+  for (int n = 0; n <= 220; ++n) step->step(drag_input({0.002, 0.0, 0.03 - 0.0001 * n}));
+  ToolOutput out;
+  for (int n = 0; n < 40; ++n) out = step->step(drag_input({0.002, 3e-5 * n, 0.008}));
+  EXPECT_NEAR(out.force_n.y(), -(0.3 * 4.0 + 0.7 * 14.0) * 0.03, 2e-3 * 11.0 * 0.03);
+}
+
+TEST(ContactDrag, AnObjectThatMovesPastAToolAtRestFeelsTheSame) {
+  const auto tool_moves = make_damped_step({make_plane_grid(0.2, 1)}, {kHoney}, {1});
+  const auto plane_moves = make_damped_step({make_plane_grid(0.2, 1)}, {kHoney}, {1});
+  std::vector<Pose> still = {Pose::Identity()};
+  std::vector<Pose> moved = still;
+  ToolOutput a;
+  ToolOutput b;
+  for (int n = 0; n <= 300; ++n) {
+    const Vec3 path(3e-5 * std::max(0, n - 220), -1e-5 * n, -0.0001 * std::min(n, 220));
+    ToolInput input = drag_input(Vec3(0.0, 0.0, 0.03) + path);
+    input.X_SO = still;
+    ToolInput rests = drag_input({0.0, 0.0, 0.03});
+    moved[0].translation() = -path;
+    rests.X_SO = moved;
+    if (n == 0) {
+      tool_moves->reset(input);
+      plane_moves->reset(rests);
+    }
+    a = tool_moves->step(input);
+    b = plane_moves->step(rests);
+    ASSERT_LT((a.force_n - b.force_n).norm(), 4e-3) << n;
+  }
+  EXPECT_NEAR(a.force_n.x(), -5.0 * 0.03, 1e-4);
+  EXPECT_NEAR(b.force_n.x(), -5.0 * 0.03, 1e-4);
+  // A part that jumps has no velocity.
+  moved[0].translation().x() += 0.01;
+  ToolInput rests = drag_input({0.0, 0.0, 0.03});
+  rests.X_SO = moved;
+  const Vec3 jumped_n = plane_moves->step(rests).force_n;
+  EXPECT_LE(std::abs(jumped_n.x()), 5.0 * 0.03 + 1e-4);
+}
+
+TEST(ContactDrag, TheFastTaskFeelsItAndPassesItOnToThePart) {
+  HeldTool held(make_damped_step({make_plane_grid(0.2, 8)}, {kHoney}, {1}));
+  HeldTool plain(make_damped_step({make_plane_grid(0.2, 8)}, {}, {1}));
+  const std::vector<Pose> parts = {Pose::Identity()};
+  Vec3 drag_n;
+  for (int n = 0; n < 280; ++n) {
+    ToolInput input = drag_input({0.003 + 4e-5 * std::max(0, n - 220), 0.004, std::max(0.008, 0.03 - 0.0001 * n)});
+    input.X_SO = parts;
+    const std::int64_t time_ns = 1'000'000 * n;
+    const ToolOutput without = plain.step(input, time_ns);
+    const AllocationGuard guard;
+    const ToolOutput felt = held.step(input, time_ns);
+    const std::uint64_t heap = AllocationGuard::is_available() ? guard.count() : 0;
+    ASSERT_EQ(heap, 0U);
+    held.follow();
+    plain.follow();
+    drag_n = felt.force_n - without.force_n;
+    const Vec3 drag_nm = felt.torque_nm - without.torque_nm;
+    ASSERT_LT((held.push_on(0).force_n - plain.push_on(0).force_n + drag_n).norm(), 1e-12) << n;
+    ASSERT_LT((held.push_on(0).torque_nm - plain.push_on(0).torque_nm + drag_nm).norm(), 1e-12) << n;
+  }
+  EXPECT_NEAR(drag_n.x(), -5.0 * 0.04, 1e-5);
+}
+
+TEST(ContactDrag, ImpossibleDampingIsRejected) {
+  const auto step = make_damped_step({make_plane_grid(0.2, 2)}, {});
+  for (const ContactDamping bad : {ContactDamping{-1.0, 0.0}, {0.0, -1.0}, {std::nan(""), 0.0}, {0.0, HUGE_VAL}}) {
+    EXPECT_FALSE(step->damp({bad}));
+  }
+}
+
+TEST(ContactDrag, HostileInputGivesAFiniteForce) {
+  ContactDrag drag({{{1e300, 1e300}}}, 1e6, 1.0);
+  for (int n = 0; n < 20; ++n) {
+    drag.move(drag_at({1e200 * n, 0.0, 0.0}), {}, 1e-300);
+    const ContactDrag::Wrench wrench = drag.step(std::vector<DragContact>{
+        {.arm = {1e100, 0.0, 0.0}, .normal = Vec3::UnitZ(), .force_n = 1e300}, {.normal = Vec3::UnitZ(), .part = 7}});
+    ASSERT_TRUE(wrench.force_n.allFinite() && wrench.torque_nm.allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace hapton
