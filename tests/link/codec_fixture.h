@@ -186,7 +186,7 @@ class RandomDatagrams {
   MaterialState draw_materials() {
     MaterialState state{.serial = bits32(), .request = bits32()};
     if (flag()) std::fill(state.rejection.begin(), state.rejection.end() - 1, 'r');
-    state.object_count = bits32() % (MaterialState::kMostObjects + 1);
+    state.object_count = static_cast<std::uint32_t>(bits32() % (MaterialState::kMostObjects + 1));
     std::int32_t object = flag() ? -1 : 0;
     for (std::size_t i = 0; i < state.object_count; ++i) {
       state.objects[i] = {object, draw_change(bits32() % (MaterialChange::kAll + 1))};
@@ -256,7 +256,7 @@ class RandomDatagrams {
     PatchCell cell{bits32(), bits32(), bits32() % (kPatchDeepestLevel + 1)};
     for (std::uint32_t& i : cell.index) i = bits32() % (1U << cell.level);
     for (std::size_t l = 0; l < cell.level; ++l) cell.empty_children[l] = static_cast<std::uint8_t>(bits());
-    cell.tile_count = bits32() % (PatchCell::kMostTiles + 1);
+    cell.tile_count = static_cast<std::uint32_t>(bits32() % (PatchCell::kMostTiles + 1));
     for (std::size_t i = 0; i < cell.tile_count; ++i) cell.tiles[i] = bits32() % (1U << 20);
     cell.body = draw_body_number();
     return cell;
@@ -309,7 +309,7 @@ class RandomDatagrams {
     facts.given_hash = bits();
     facts.lowest_m = point();
     facts.highest_m = point();
-    facts.point_count = bits32() % (SceneFacts::kMostPoints + 1);
+    facts.point_count = static_cast<std::uint32_t>(bits32() % (SceneFacts::kMostPoints + 1));
     for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
     facts.preparing_s = static_cast<float>(bits32() % 100);
     facts.is_hand_inside = flag();
