@@ -64,6 +64,8 @@ class ContactDrag {
   // The device's placement at this sample, and that of each part that moves; dt_s: since the sample before; if not above 0, the velocities
   // stay what they were.
   void move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept;
+  // The frame S has moved: at the last sample the device was at this placement in it. That is no motion of the hand.
+  void move_last(const Placement& device) noexcept { device_ = device; }
   // Contacts of this sample; at most kMostContacts count. Returns the sum on the tool.
   Wrench step(std::span<const Contact> contacts) noexcept;
   // Of the last step: on the tool, by the contacts with that part.

@@ -53,6 +53,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
   if (drag_.is_on()) {
     if (!is_known_) drag_.reset();
+    tool_->note_view(input, last_view_, drag_);
     drag_.move(device, parts_, seconds(time_ns - felt_ns_));
   }
   const bool has_friction = tool_->has_friction();

@@ -91,6 +91,7 @@ class HeldTool {
   std::optional<Placement> start_;
   ToolFriction friction_;
   ContactDrag drag_;
+  ToolView last_view_;                 // with damping only
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;

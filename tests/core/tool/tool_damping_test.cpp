@@ -1,0 +1,131 @@
+// Damping at the contacts of a rigid tool, over steps of ToolStep and HeldTool: what the hand feels where the scene, the device or the
+// contacts do not go on as before.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+#include "core/geometry/mesh_shapes.h"
+#include "core/tool/held_tool.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kTickS = 1e-3;
+constexpr double kDampingK = 1000.0;
+constexpr ContactDamping kSyrup = {.normal_ns_per_m = 3.0, .along_ns_per_m = 5.0};
+
+std::unique_ptr<ToolStep> damping_step(const std::vector<TriangleMesh>& scene, const std::vector<ContactDamping>& damping,
+                                       const std::vector<CoulombFriction>& friction = {}, const std::vector<int>& parts = {}) {
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes;
+  for (const TriangleMesh& mesh : scene) meshes.push_back(std::make_shared<TriangleMesh>(mesh));
+  auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), std::move(meshes), {.stiffness_n_per_m = kDampingK}, friction, nullptr, parts);
+  EXPECT_TRUE(made) << made.error().what;
+  EXPECT_TRUE((*made)->damp(damping));
+  return std::move(*made);
+}
+
+ToolInput damping_input(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
+  ToolInput input;
+  input.X_WD.translation() = p;
+  input.X_WD.linear() = turn_by(turn).toRotationMatrix();
+  input.dt_s = kTickS;
+  return input;
+}
+
+Vec3 pressing_path(int n) { return {0.003, 0.004, 0.03 - 0.0001 * std::min(n, 220)}; }
+
+// A tool with damping beside one without, in the whole step or in two tasks: what damping adds.
+class Pair {
+ public:
+  virtual ~Pair() = default;
+  virtual ToolOutput added(const ToolInput& input) = 0;
+};
+
+ToolOutput difference(const ToolOutput& damped, const ToolOutput& plain) {
+  ToolOutput out = plain;
+  out.force_n = damped.force_n - plain.force_n;
+  out.torque_nm = damped.torque_nm - plain.torque_nm;
+  return out;
+}
+
+class WholePair : public Pair {
+ public:
+  WholePair(std::unique_ptr<ToolStep> damped, std::unique_ptr<ToolStep> plain) : damped_(std::move(damped)), plain_(std::move(plain)) {}
+  ToolOutput added(const ToolInput& input) override {
+    if (!std::exchange(has_begun_, true)) {
+      damped_->reset(input);
+      plain_->reset(input);
+    }
+    const ToolOutput plain = plain_->step(input);
+    return difference(damped_->step(input), plain);
+  }
+
+ private:
+  std::unique_ptr<ToolStep> damped_;
+  std::unique_ptr<ToolStep> plain_;
+  bool has_begun_ = false;
+};
+
+class HeldPair : public Pair {
+ public:
+  HeldPair(std::unique_ptr<ToolStep> damped, std::unique_ptr<ToolStep> plain) : damped_(std::move(damped)), plain_(std::move(plain)) {}
+  ToolOutput added(const ToolInput& input) override { return added_at(input, time_ns_ + 1'000'000); }
+  ToolOutput added_at(const ToolInput& input, std::int64_t time_ns) {
+    time_ns_ = time_ns;
+    felt = plain_.step(input, time_ns);
+    const ToolOutput added = difference(damped_.step(input, time_ns), felt);
+    if (follows) {
+      damped_.follow();
+      plain_.follow();
+    }
+    return added;
+  }
+  HeldTool& damped() { return damped_; }
+  std::int64_t time_ns() const { return time_ns_; }
+
+  bool follows = true;  // the slow task is done after each sample
+  ToolOutput felt;      // without damping, the last one
+
+ private:
+  HeldTool damped_;
+  HeldTool plain_;
+  std::int64_t time_ns_ = 0;
+};
+
+std::vector<std::unique_ptr<Pair>> pairs_on(const std::vector<TriangleMesh>& scene, const std::vector<ContactDamping>& damping,
+                                            const std::vector<CoulombFriction>& friction = {}, const std::vector<int>& parts = {}) {
+  std::vector<std::unique_ptr<Pair>> pairs;
+  const auto damped = [&] { return damping_step(scene, damping, friction, parts); };
+  const auto plain = [&] { return damping_step(scene, {}, friction, parts); };
+  pairs.push_back(std::make_unique<WholePair>(damped(), plain()));
+  pairs.push_back(std::make_unique<HeldPair>(damped(), plain()));
+  return pairs;
+}
+
+TEST(ToolDamping, AViewThatTurnsIsNoMotionOfTheHand) {
+  for (const auto& pair : pairs_on({make_plane_grid(0.2, 8)}, {kSyrup})) {
+    for (int n = 0; n <= 240; ++n) pair->added(damping_input(pressing_path(n)));
+    ToolInput input = damping_input(pressing_path(240));
+    for (int n = 1; n <= 30; ++n) {
+      input.X_WS.translation() = Vec3(4e-5 * n, 0.0, -1e-5 * n);
+      input.X_WS.linear() = turn_by({0.0, 0.0, 1e-3 * n}).toRotationMatrix();
+      const ToolOutput added = pair->added(input);
+      ASSERT_TRUE(added.contact) << n;
+      ASSERT_LT(added.force_n.norm(), 1e-9) << n << ": the hand is at rest";
+      ASSERT_LT(added.torque_nm.norm(), 1e-9) << n;
+    }
+    // The hand's own motion still counts, along the axes of the view.
+    ToolOutput added;
+    for (int n = 1; n <= 60; ++n) {
+      input.X_WD.translation().x() += 4e-5;
+      if (n % 2 == 0) input.X_WS.translation().y() += 1e-5;
+      added = pair->added(input);
+    }
+    EXPECT_LT((added.force_n - Vec3(-5.0 * 0.04, 0.0, 0.0)).norm(), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace hapton
