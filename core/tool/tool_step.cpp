@@ -225,7 +225,7 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
                            scene.mesh_of(contact.scene_triangle)};
     }
   }
-  const ContactDrag::Wrench drag = drag_.step({contacts.data(), count});
+  const ContactDrag::Wrench drag = drag_.step({contacts.data(), count}, output.contact);
   output.force_n += input.X_WS.linear() * drag.force_n;
   output.torque_nm += input.X_WS.linear() * drag.torque_nm;
 }

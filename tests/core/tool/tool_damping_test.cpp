@@ -127,5 +127,97 @@ TEST(ToolDamping, AViewThatTurnsIsNoMotionOfTheHand) {
   }
 }
 
+// Hand-over is of the spring: the drag follows the hand at once.
+TEST(ToolDamping, LateContactsDoNotHoldBackADrag) {
+  HeldPair pair(damping_step({make_plane_grid(0.2, 8)}, {kSyrup}), damping_step({make_plane_grid(0.2, 8)}, {}));
+  for (int n = 0; n <= 220; ++n) pair.added(damping_input(pressing_path(n)));
+  ToolInput input = damping_input(pressing_path(220));
+  ToolOutput added;
+  for (int n = 0; n < 60; ++n) {
+    pair.follows = n < 40;
+    input.X_WD.translation().x() += 4e-5;
+    added = pair.added(input);
+  }
+  EXPECT_NEAR(added.force_n.x(), -5.0 * 0.04, 1e-5);
+  pair.follows = true;
+  for (int n = 0; n < 20; ++n) {
+    added = pair.added(input);
+    if (n < 8) continue;
+    ASSERT_LT(added.force_n.norm(), 1e-9) << n << ": the hand is at rest";
+    ASSERT_LT(added.torque_nm.norm(), 1e-9) << n;
+  }
+}
+
+TEST(ToolDamping, AGapOfSamplesIsNoMotion) {
+  for (const std::int64_t gap_ns : {100'000'000LL, -200'000'000LL}) {
+    HeldPair pair(damping_step({make_plane_grid(0.2, 8)}, {kSyrup}), damping_step({make_plane_grid(0.2, 8)}, {}));
+    for (int n = 0; n <= 220; ++n) pair.added(damping_input(pressing_path(n)));
+    ToolInput input = damping_input(pressing_path(220));
+    const auto slide = [&] {
+      ToolOutput added;
+      for (int n = 0; n < 60; ++n) {
+        input.X_WD.translation().x() += 4e-5;
+        added = pair.added(input);
+      }
+      return added;
+    };
+    EXPECT_NEAR(slide().force_n.x(), -5.0 * 0.04, 1e-5);
+    input.X_WD.translation().x() += 0.005;
+    EXPECT_EQ(pair.added_at(input, pair.time_ns() + gap_ns).force_n, Vec3(Vec3::Zero())) << gap_ns;
+    for (int n = 0; n < 10; ++n) ASSERT_EQ(pair.added(input).force_n, Vec3(Vec3::Zero())) << n;
+    EXPECT_NEAR(slide().force_n.x(), -5.0 * 0.04, 1e-4);
+    pair.damped().forget_motion();
+    input.X_WD.translation().x() += 0.005;
+    EXPECT_EQ(pair.added(input).force_n, Vec3(Vec3::Zero())) << "another session, at once";
+  }
+}
+
+TriangleMesh half_plane(double from_x, int cells) {
+  TriangleMesh plane = make_plane_grid(0.06, cells);
+  for (Vec3& v : plane.vertices) v.x() += from_x + 0.03;
+  return plane;
+}
+
+// Where the tool comes upon more than the search for contacts can do, it stays, without contacts; the spring holds it.
+TEST(ToolDamping, TheDragDecaysWhereContactsAreNotKnown) {
+  const auto step = damping_step({half_plane(-0.06, 4), half_plane(0.0, 450)}, {kSyrup, kSyrup});
+  const auto drag_n = [&](const ToolInput& input) {
+    const ToolOutput out = step->step(input);
+    EXPECT_TRUE(out.contact);
+    return Vec3(out.force_n - kDampingK * (out.X_WP.translation() - input.X_WD.translation())).x();
+  };
+  step->reset(damping_input({-0.011, 0.004, 0.03}));
+  for (int n = 0; n <= 320; ++n) step->step(damping_input({-0.011, 0.004, 0.03 - 0.0001 * std::min(n, 220)}));
+  double last_n = 0.0;
+  int unknown = 0;
+  for (int n = 1; n < 120 && unknown < 8; ++n) {
+    const double now_n = drag_n(damping_input({-0.011 + 2e-4 * n, 0.004, 0.008}));
+    if (step->proxy().contacts().empty()) {
+      ++unknown;
+      ASSERT_NEAR(now_n, last_n / (1.0 + kTickS / ContactDrag::kSmoothS), 1e-9) << n;
+    }
+    last_n = now_n;
+  }
+  EXPECT_EQ(unknown, 8) << "the contacts are known everywhere: the test tests nothing";
+  EXPECT_LT(last_n, -0.2);
+}
+
+TEST(ToolDamping, EndsWithContact) {
+  for (const auto& pair : pairs_on({make_plane_grid(0.2, 8)}, {kSyrup})) {
+    for (int n = 0; n <= 220; ++n) pair->added(damping_input(pressing_path(n)));
+    ToolOutput added;
+    for (int n = 0; n < 60; ++n) added = pair->added(damping_input(pressing_path(220) + Vec3(4e-5 * n, 0.0, 0.0)));
+    EXPECT_LT(added.force_n.x(), -0.19);
+    int free = 0;
+    for (int n = 0; n < 20; ++n) {
+      added = pair->added(damping_input(pressing_path(220) + Vec3(4e-5 * n, 0.0, 4e-4 * n)));
+      if (added.contact) continue;
+      ++free;
+      ASSERT_EQ(added.force_n, Vec3(Vec3::Zero())) << n;
+    }
+    EXPECT_GT(free, 10);
+  }
+}
+
 }  // namespace
 }  // namespace hapton
