@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/effects/bounded_force.h"
 
 namespace hapton {
@@ -76,6 +78,9 @@ void ContactDrag::add(const Contact& contact, double along_n, Touched& touched) 
   touched.contact_n += contact.force_n;
   if (!damping.is_on()) return;
   const double weight = contact.force_n / along_n;
+  const double larger = std::max(damping.normal_ns_per_m, damping.along_ns_per_m);
+  touched.largest = std::max(touched.largest, larger);
+  touched.upper_bound += weight * larger;
   const Vec3 arm = unit_m_ * contact.arm;
   Mat3 cross;  // cross * w = w x arm
   cross << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
@@ -130,6 +135,27 @@ ContactDrag::Touched& ContactDrag::TouchedParts::at(int part) noexcept {
   return touched;
 }
 
+// The hand feels the sum over all contacts, and a sum above the largest would be unstable where that material alone is not. Each of the
+// contacts adds at most its coefficient in any direction.
+void ContactDrag::limit(TouchedParts& now) const noexcept {
+  Mat3 sum = Mat3::Zero();
+  double most = 0.0;
+  double upper_bound = 0.0;
+  for (std::size_t i = 0; i < now.count; ++i) {
+    const Touched& one = now.all[i];
+    most = std::max(most, one.largest);
+    upper_bound += one.upper_bound;
+    sum += one.normal.matrix.topLeftCorner<3, 3>() + one.along.matrix.topLeftCorner<3, 3>();
+  }
+  if (upper_bound <= most * (1.0 + 0x1p-40)) return;
+  const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(sum, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  if (!(largest > most)) return;
+  for (std::size_t i = 0; i < now.count; ++i) {
+    now.all[i].normal.scale(most / largest);
+    now.all[i].along.scale(most / largest);
+  }
+}
+
 // A part that is touched no longer, or not known to be, goes on from what it was towards zero, as one that is touched goes on towards what
 // it is now: so the sum over all parts is a mean as well.
 void ContactDrag::blend(TouchedParts& now, double share) const noexcept {
@@ -164,6 +190,7 @@ ContactDrag::Wrench ContactDrag::step(std::span<const Contact> contacts, bool is
   }
   const double share = dt_s_ / (kSmoothS + dt_s_);
   dt_s_ = 0.0;
+  limit(now);
   if (!is_held) now.count = 0;
   if (is_held) blend(now, share);
   Vec6 sum = Vec6::Zero();

@@ -23,8 +23,10 @@ struct ContactDamping {
 // Damping and viscosity at the contacts of a rigid tool. Contact i, with force f_i and unit normal n_i, has
 //   D_i = -w_i C_i u_i,   w_i = f_i / sum_j f_j max(0, n_i . n_j),
 // u_i the velocity of the tool past the surface at its point, C_i the damping along the normal and along the surface. So the contacts of a
-// face share its damping by their forces, however many they are and whichever objects they are on; surfaces across each other have theirs
-// in full. Neither part of D_i is larger than f_i, so it ends with its contact, and damping never attracts.
+// face share its damping by their forces, however many they are and whichever objects they are on; surfaces across each other share less.
+// Where the sum over all contacts is larger in some direction of the shift than the largest coefficient of the materials that are touched,
+// along the normal or along the surface, all of it is scaled down to that: the tool is nowhere damped more than by one surface. Neither
+// part of D_i is larger than f_i, so it ends with its contact, and damping never attracts.
 //
 // Force and torque are F = -G v, G = sum_i J_i^T w_i C_i J_i with 6 x 6 coordinates about the grip point, symmetric and not negative. How
 // the force of a face is distributed over more than three contacts is not unique and may change from step to step, and so may what is
@@ -91,7 +93,10 @@ class ContactDrag {
     Metric normal = {};
     Metric along = {};
     double contact_n = 0.0;  // of its contacts
-    double left = 1.0;       // of what it was when it was touched last
+    // Coefficients of this sample's contacts: the largest of a material, and what they add up to at most in any direction.
+    double largest = 0.0;
+    double upper_bound = 0.0;
+    double left = 1.0;  // of what it was when it was touched last
     Vec6 force = Vec6::Zero();
   };
   // Those that are touched, then those that were a moment ago.
@@ -116,6 +121,7 @@ class ContactDrag {
   ContactDamping damping_of(const Contact& contact) const noexcept;
   Vec6 velocity_past(int part) const noexcept;
   void add(const Contact& contact, double along_n, Touched& touched) const noexcept;
+  void limit(TouchedParts& now) const noexcept;
   void blend(TouchedParts& now, double share) const noexcept;
 
   std::vector<std::vector<ContactDamping>> damping_;

@@ -58,11 +58,48 @@ TEST(ContactDrag, ManyContactsOfAFaceShareItsDamping) {
   }
 }
 
-TEST(ContactDrag, SurfacesAcrossEachOtherHaveTheirsInFull) {
+// The sum of both would be 12 Ns/m along x.
+TEST(ContactDrag, SurfacesAcrossEachOtherHaveTheLargestOfTheirMaterials) {
   ContactDrag drag({{{.along_ns_per_m = 5.0}, {.along_ns_per_m = 7.0}}}, 1.0, 1.0);
-  const ContactDrag::Wrench wrench =
-      steady(drag, {{.normal = Vec3::UnitZ(), .force_n = 4.0}, {.normal = Vec3::UnitY(), .force_n = 1.0, .object = 1}}, {0.03, 0.0, 0.0});
-  EXPECT_NEAR(wrench.force_n.x(), -(5.0 + 7.0) * 0.03, 1e-12);
+  const std::vector<DragContact> contacts = {{.normal = Vec3::UnitZ(), .force_n = 4.0},
+                                             {.normal = Vec3::UnitY(), .force_n = 1.0, .object = 1}};
+  EXPECT_NEAR(steady(drag, contacts, {0.03, 0.0, 0.0}).force_n.x(), -7.0 * 0.03, 1e-12);
+  EXPECT_NEAR(steady(drag, contacts, {0.0, 0.03, 0.0}).force_n.y(), -5.0 * 7.0 / 12.0 * 0.03, 1e-12);
+}
+
+// A peg in a hole, held askew: opposite contacts, four around it, six on all sides, on one part or on several.
+TEST(ContactDrag, NoDirectionIsDampedMoreThanByTheLargestMaterial) {
+  const unsigned seed = 230;
+  SCOPED_TRACE(seed);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  const auto vector = [&] { return Vec3(any(random), any(random), any(random)); };
+  const std::vector<Vec3> sides = {Vec3::UnitY(), -Vec3::UnitY(), Vec3::UnitZ(), -Vec3::UnitZ(), Vec3::UnitX(), -Vec3::UnitX()};
+  double nearest = 0.0;
+  for (int round = 0; round < 300; ++round) {
+    const ContactDamping damping{.normal_ns_per_m = std::max(0.0, 5.0 * any(random)), .along_ns_per_m = std::max(0.0, 5.0 * any(random))};
+    const ContactDamping other{.normal_ns_per_m = 2.0, .along_ns_per_m = 1.0};
+    ContactDrag drag({{damping, other}, {damping}}, 1.0, 1.0);
+    std::vector<DragContact> contacts;
+    for (int k = 0; k < 1 + round % 6; ++k) {
+      contacts.push_back({.normal = round % 2 == 0 ? sides[static_cast<std::size_t>(k)] : Vec3(vector().normalized()),
+                          .force_n = 9.0 + any(random),
+                          .part = k % 3 == 2 ? 1 : 0,
+                          .object = round % 4 < 2 && k == 1 ? 1U : 0U});
+    }
+    double largest = 0.0;
+    for (const DragContact& contact : contacts) {
+      const ContactDamping& one = contact.part == 0 && contact.object == 1 ? other : damping;
+      largest = std::max({largest, one.normal_ns_per_m, one.along_ns_per_m});
+    }
+    for (int n = 0; n < 5; ++n) {
+      const Vec3 direction = n < 3 ? Vec3(Vec3::Unit(n)) : Vec3(vector().normalized());
+      const double felt = -steady(drag, contacts, 0.01 * direction).force_n.dot(direction) / 0.01;
+      ASSERT_LE(felt, largest * (1.0 + 1e-9)) << round;
+      if (largest > 0.0) nearest = std::max(nearest, felt / largest);
+    }
+  }
+  EXPECT_NEAR(nearest, 1.0, 1e-9);
 }
 
 TEST(ContactDrag, TwoMaterialsUnderOneFaceCountByTheirForces) {
@@ -227,6 +264,18 @@ TEST(ContactDrag, AChangeToASurfaceWithoutDampingIsSmoothed) {
   }
 }
 
+// A contact that the slow task found late begins with a force.
+TEST(ContactDrag, BeginsAtZeroWithContact) {
+  ContactDrag drag({{kHoney}}, 1.0, 1.0);
+  steady(drag, {}, {0.2, 0.0, 0.0});
+  EXPECT_LT(largest_change_n(drag, {{.normal = Vec3::UnitZ(), .force_n = 9.0}}, 0.2, kSettled, 50),
+            1.001 * kSampleS / (ContactDrag::kSmoothS + kSampleS));
+  drag.release();
+  drag.move(drag_at({0.2 * (kSettled + 50) * kSampleS, 0.0, 0.0}), {}, kSampleS);
+  const double first_n = drag.step(std::vector<DragContact>{{.normal = Vec3::UnitZ(), .force_n = 9.0}}, true).force_n.norm();
+  EXPECT_NEAR(first_n, kSampleS / (ContactDrag::kSmoothS + kSampleS), 1e-9);
+}
+
 TEST(ContactDrag, DecaysWhereTheToolIsHeldByContactsThatAreNotKnown) {
   ContactDrag drag({{{.along_ns_per_m = 5.0}}}, 1.0, 1.0);
   const std::vector<DragContact> contacts = {{.normal = Vec3::UnitZ(), .force_n = 9.0}};
@@ -344,13 +393,14 @@ TriangleMesh wall_at_y(double y) {
   return wall;
 }
 
-TEST(ContactDrag, InACornerBothSurfacesHoldBack) {
+// Each alone would hold it back less.
+TEST(ContactDrag, InACornerTheMoreViscousSurfaceDetermines) {
   const auto step = make_damped_step({make_plane_grid(0.2, 4), wall_at_y(-0.03)}, {{.along_ns_per_m = 5.0}, {.along_ns_per_m = 7.0}});
   step->reset(drag_input({0.0, 0.0, 0.03}));
   for (int n = 0; n <= 220; ++n) step->step(drag_input({0.0, -1e-4 * n, 0.03 - 0.0001 * n}));
   ToolOutput out;
   for (int n = 0; n < 40; ++n) out = step->step(drag_input({3e-5 * n, -0.022, 0.008}));
-  EXPECT_NEAR(out.force_n.x(), -(5.0 + 7.0) * 0.03, 1e-4);
+  EXPECT_NEAR(out.force_n.x(), -7.0 * 0.03, 1e-4);
   EXPECT_NEAR(out.force_n.y(), kDragK * 0.002, 0.01);
 }
 
