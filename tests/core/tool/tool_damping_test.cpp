@@ -219,5 +219,38 @@ TEST(ToolDamping, EndsWithContact) {
   }
 }
 
+// A plate that turns under a box at rest, 30 mm from its axis, takes it along: as if the box went round the other way.
+TEST(ToolDamping, APartThatTurnsPassesTheToolWithItsSurface) {
+  constexpr double kRateRadPerS = 1.5;
+  for (const auto& pair : pairs_on({make_plane_grid(0.2, 1)}, {kSyrup}, {}, {1})) {
+    std::vector<Pose> parts = {Pose::Identity()};
+    const Vec3 away(0.03, 0.0, 0.0);
+    ToolOutput added;
+    for (int n = 0; n <= 400; ++n) {
+      ToolInput input = damping_input(away + Vec3(0.0, 0.0, 0.03 - 0.0001 * std::min(n, 220)));
+      parts[0].linear() = turn_by({0.0, 0.0, kRateRadPerS * kTickS * std::max(0, n - 350)}).toRotationMatrix();
+      input.X_SO = parts;
+      added = pair->added(input);
+    }
+    EXPECT_NEAR(added.force_n.y(), 5.0 * kRateRadPerS * away.x(), 1e-3);
+    EXPECT_NEAR(added.force_n.x(), 0.0, 5e-3);
+    EXPECT_GT(added.torque_nm.z(), 1e-5) << "and turns it along";
+  }
+}
+
+// The tool sticks while the hand stretches the coupling, and slides then: the hand feels the viscosity all the time.
+TEST(ToolDamping, ActsBesideFriction) {
+  const std::vector<CoulombFriction> friction = {{.friction_static = 0.5, .friction_dynamic = 0.4}};
+  for (const auto& pair : pairs_on({make_plane_grid(0.2, 8)}, {kSyrup}, friction)) {
+    for (int n = 0; n <= 420; ++n) pair->added(damping_input(pressing_path(n)));
+    for (int n = 1; n <= 120; ++n) {
+      const ToolOutput added = pair->added(damping_input(pressing_path(420) + Vec3(4e-5 * n, 0.0, 0.0)));
+      if (n < 10) continue;
+      ASSERT_NEAR(added.force_n.x(), -5.0 * 0.04, 1e-4) << n;
+      ASSERT_NEAR(added.force_n.y(), 0.0, 1e-4) << n;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace hapton
