@@ -252,5 +252,12 @@ TEST(ToolDamping, ActsBesideFriction) {
   }
 }
 
+TEST(ToolDamping, ImpossibleDampingIsRejected) {
+  const auto step = damping_step({make_plane_grid(0.2, 2)}, {});
+  for (const ContactDamping bad : {ContactDamping{-1.0, 0.0}, {0.0, -1.0}, {std::nan(""), 0.0}, {0.0, HUGE_VAL}}) {
+    EXPECT_FALSE(step->damp({bad}));
+  }
+}
+
 }  // namespace
 }  // namespace hapton
