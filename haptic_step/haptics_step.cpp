@@ -178,6 +178,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
     remember_reply();
   } else {
     touch_->forget_effects(input_);
+    tool_->forget_motion();
   }
   running_ = true;
   ToolInput input;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/force/virtual_coupling.h"
+#include "haptic_step/material_tuning.h"
 #include "haptics_node/new_scene.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/tool_task.h"
@@ -95,11 +96,20 @@ void GraspTask::carry_out(const GraspOrder& order) {
   if (order.kind == GraspOrder::Kind::put_down) put_down(order);
 }
 
+TouchScene GraspTask::scene_as_tuned() const {
+  TouchScene scene = scene_.touch_scene();
+  const auto state = tuner_.accepted();
+  if (!state) return scene;
+  const std::vector<Material> materials = tuned_materials(scene, *state, 0.0);
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) scene.objects[o].material = materials[o];
+  return scene;
+}
+
 void GraspTask::pick_up(const GraspOrder& order) {
   const std::int64_t begin_ns = clock_.now_ns();
   const auto number = static_cast<std::size_t>(order.object);
   const std::string name = printable(scene_.objects[number].name);
-  ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_.touch_scene(), options_.coupling_n_per_m), number);
+  ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_as_tuned(), options_.coupling_n_per_m), number);
   auto step = objects_.hold(
       number, order.X_SD,
       {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
@@ -142,6 +152,7 @@ void GraspTask::put_down(const GraspOrder& order) {
     link_.replies.publish({order.serial});
     return;
   }
+  if (tuner_.accepted()) log_warning("the scene has the materials of its file again: what hapton set has changed is lost");
   tuner_.follow(scene_, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} is put down", printable(object.name));

@@ -53,6 +53,8 @@ class GraspTask {
  private:
   void run();
   void carry_out(const GraspOrder& order);
+  // With the materials as `hapton set` has changed them.
+  TouchScene scene_as_tuned() const;
   void pick_up(const GraspOrder& order);
   void put_down(const GraspOrder& order);
   // Prepares one surface with images that is not prepared as it lies now. False: all are.

@@ -177,7 +177,8 @@ int run(const HapticsOptions& options) {
   if (!effects.empty()) loop.set_effects(&effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   const auto gains_of = [&](const TouchScene& touched) {
-    return *tool == nullptr ? find_largest_gains(touched) : find_tool_gains(touched);
+    if (*tool != nullptr) return find_tool_gains(touched);
+    return grasp ? find_largest_gains(touched).largest_of(find_tool_gains(touched)) : find_largest_gains(touched);
   };
   StiffnessAdviser adviser(gains_of(felt));
   loop.set_stiffness_adviser(&adviser);

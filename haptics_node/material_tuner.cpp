@@ -49,6 +49,7 @@ void MaterialTuner::follow(const MaterialState& state) {
 void MaterialTuner::follow(const Scene& scene, std::uint32_t revision) {
   const std::scoped_lock lock(followed_mutex_);
   followed_state_.reset();
+  accepted_.reset();
   followed_scene_.emplace(scene.touch_scene(), revision);
   followed_tuning_.emplace(scene);
 }
@@ -77,8 +78,17 @@ bool MaterialTuner::follow_file() {
   return true;
 }
 
+std::optional<MaterialState> MaterialTuner::accepted() const {
+  const std::scoped_lock lock(followed_mutex_);
+  return accepted_;
+}
+
 void MaterialTuner::publish(std::unique_ptr<TunedMaterials> result) {
   result->scene = scene_revision_;
+  if (!result->materials.empty()) {
+    const std::scoped_lock lock(followed_mutex_);
+    if (!followed_scene_) accepted_ = result->state;  // else they are of a scene that is no longer in use
+  }
   if (!result->materials.empty() && on_tuned_) on_tuned_(result->materials);
   result_.store(result.release(), std::memory_order_release);
 }

@@ -44,6 +44,9 @@ class MaterialTuner {
   // Another scene is in use, with the materials of its file. Threads: any. RT: no.
   void follow(const Scene& scene, std::uint32_t revision);
 
+  // The changes that are accepted, of the scene in use; none: there are none. Threads: any. RT: no.
+  std::optional<MaterialState> accepted() const;
+
   // The result of the next request, once each, in order; none when there is no new one.
   std::unique_ptr<TunedMaterials> take() noexcept;
 
@@ -66,7 +69,8 @@ class MaterialTuner {
   std::atomic<TunedMaterials*> retired_ = nullptr;
   std::uint32_t replied_ = 0;  // request
   std::uint32_t scene_revision_ = 0;
-  std::mutex followed_mutex_;
+  mutable std::mutex followed_mutex_;  // of all that follows
+  std::optional<MaterialState> accepted_;
   std::optional<MaterialState> followed_state_;                         // of the file, not published yet
   std::optional<std::pair<TouchScene, std::uint32_t>> followed_scene_;  // not taken yet
   std::optional<MaterialTuning> followed_tuning_;

@@ -264,7 +264,8 @@ void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   last_material_request_ = request.request;
   if (!is_holding()) return tuner_->request(request);
   materials_.request = request.request;
-  put_text("the stylus holds a rigid tool or an object, whose spring cannot be changed while it is held", materials_.rejection);
+  put_text("the stylus holds a rigid tool or an object, whose stiffness, damping and friction cannot be changed while it is held",
+           materials_.rejection);
   send_setup_soon();
 }
 

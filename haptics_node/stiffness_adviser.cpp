@@ -32,7 +32,8 @@ void warn_of_damping(std::string_view what, double ns_per_m, double safe_ns_per_
       "the scene has up to {:.3g} Ns/m of {}, but {} at {:g} Hz with forces after {:.3g} ms is safe only up to {:.3g} Ns/m (hand: {}); "
       "lower {}, or shorten the delay (see hapton loop recommend)",
       ns_per_m, what, by.device, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), safe_ns_per_m, by.hand,
-      what == "viscosity" ? "viscosity_ns_per_m, or damping_ns_per_m of viscous effects" : "damping_ns_per_m of materials");
+      what == "viscosity" ? "viscosity_ns_per_m, or damping_ns_per_m of viscous effects (of materials, too, with a rigid tool)"
+                          : "damping_ns_per_m of materials");
 }
 
 // 0 where it has not risen.

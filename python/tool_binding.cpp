@@ -75,11 +75,11 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
     raise_value_error(fmt::format("rotational_stiffness_nm_per_rad is {}; give at least 0, at most 1e6", rotational_nm_per_rad));
   }
   ToolObstacles obstacles = make_tool_obstacles(scene);
-  if (obstacles.leaves_out &&
-      PyErr_WarnEx(PyExc_UserWarning,
-                   "effects of surfaces but viscosity, and two_sided = false are left out: of surfaces, a rigid tool has friction, damping "
-                   "and viscosity",
-                   2) != 0) {
+  if (obstacles.leaves_out && PyErr_WarnEx(PyExc_UserWarning,
+                                           "effects of surfaces but viscosity_ns_per_m, images, and two_sided = false are left out: of "
+                                           "surfaces, a rigid tool has friction, damping "
+                                           "and viscosity",
+                                           2) != 0) {
     throw py::error_already_set();
   }
   if (scene.has_deformation()) raise_value_error("an object deforms, which a rigid tool does not support");

@@ -25,12 +25,12 @@ struct ToolPart {
 struct ToolObstacles {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
   std::vector<CoulombFriction> friction;                    // of each mesh
-  std::vector<ContactDamping> damping;                      // of each mesh: damping and viscosity of its material
+  std::vector<ContactDamping> damping;                      // of each mesh: damping_ns_per_m and viscosity_ns_per_m
   std::vector<int> part_of;                                 // of each mesh: 0 where it stands still, else the part's number, from 1
   std::vector<ToolPart> parts;                              // that move
   std::vector<SwitchedEffect> effects;                      // in free space, felt at the grip point
   double stiffness_n_per_m = 0.0;                           // of the stiffest surface of the whole scene
-  bool leaves_out = false;                                  // surfaces have other effects or one side only, which a tool has not
+  bool leaves_out = false;                                  // surfaces have images, other effects or one side only, which a tool has not
 
   bool has_friction() const;
   bool has_damping() const;

@@ -45,19 +45,37 @@ double viscosity_of(const SpaceEffect& effect) {
   return viscous != nullptr ? viscous->damping_ns_per_m : 0.0;
 }
 
+LargestGains LargestGains::largest_of(const LargestGains& other) const noexcept {
+  return {.stiffness_n_per_m = std::max(stiffness_n_per_m, other.stiffness_n_per_m),
+          .damping_ns_per_m = std::max(damping_ns_per_m, other.damping_ns_per_m),
+          .viscosity_ns_per_m = std::max(viscosity_ns_per_m, other.viscosity_ns_per_m)};
+}
+
+namespace {
+
+double find_viscosity_in_space(const TouchScene& scene) {
+  double most_ns_per_m = 0.0;
+  for (const SwitchedEffect& one : scene.effects) most_ns_per_m = std::max(most_ns_per_m, viscosity_of(one.effect));
+  return most_ns_per_m;
+}
+
+}  // namespace
+
 LargestGains find_largest_gains(const TouchScene& scene) {
-  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene)};
+  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene), .viscosity_ns_per_m = find_viscosity_in_space(scene)};
   for (const TouchObject& object : scene.objects) {
     gains.damping_ns_per_m = std::max(gains.damping_ns_per_m, object.material.damping_ns_per_m);
     gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(object.effects));
   }
-  gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, find_tool_gains(scene).viscosity_ns_per_m);
   return gains;
 }
 
 LargestGains find_tool_gains(const TouchScene& scene) {
-  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene)};
-  for (const SwitchedEffect& one : scene.effects) gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(one.effect));
+  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene), .viscosity_ns_per_m = find_viscosity_in_space(scene)};
+  for (const TouchObject& object : scene.objects) {
+    gains.viscosity_ns_per_m =
+        std::max({gains.viscosity_ns_per_m, object.material.damping_ns_per_m, object.effects.viscosity.damping_ns_per_m});
+  }
   return gains;
 }
 

@@ -20,10 +20,13 @@ struct LargestGains {
   double damping_ns_per_m = 0.0;    // of materials, with the velocity of the last interval
   double viscosity_ns_per_m = 0.0;  // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more
 
+  // Both at once: of what is used by turns.
+  LargestGains largest_of(const LargestGains& other) const noexcept;
   bool any() const noexcept { return stiffness_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0; }
 };
 LargestGains find_largest_gains(const TouchScene& scene);
-// With a rigid tool, whose contacts have no damping.
+// With a rigid tool: its contacts have damping of materials and viscosity, but no images, and use the velocity of SmoothVelocity for both
+// (contact_drag.h). So both are viscosity_ns_per_m.
 LargestGains find_tool_gains(const TouchScene& scene);
 // Of a surface, by a number or the largest of an image.
 double viscosity_of(const SurfaceEffects& effects);

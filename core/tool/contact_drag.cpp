@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "core/effects/bounded_force.h"
 
 namespace hapton {
@@ -12,6 +14,9 @@ namespace {
 bool any_is_on(const std::vector<ContactDamping>& objects) {
   return std::any_of(objects.begin(), objects.end(), [](const ContactDamping& one) { return one.is_on(); });
 }
+
+// What is left of a contact that ended, at which it is forgotten: too little to be felt.
+constexpr double kForgotten = 0x1p-16;
 
 // The share of a damping force that is within its bound.
 double share_within(double force_n, double most_n) { return force_n > most_n ? most_n / force_n : 1.0; }
@@ -68,8 +73,14 @@ ContactDamping ContactDrag::damping_of(const Contact& contact) const noexcept {
   return damping_[part][contact.object];
 }
 
-void ContactDrag::add(const Contact& contact, const ContactDamping& damping, double along_n, Touched& touched) const noexcept {
+void ContactDrag::add(const Contact& contact, double along_n, Touched& touched) const noexcept {
+  const ContactDamping damping = damping_of(contact);
+  touched.contact_n += contact.force_n;
+  if (!damping.is_on()) return;
   const double weight = contact.force_n / along_n;
+  const double larger = std::max(damping.normal_ns_per_m, damping.along_ns_per_m);
+  touched.largest = std::max(touched.largest, larger);
+  touched.upper_bound += weight * larger;
   const Vec3 arm = unit_m_ * contact.arm;
   Mat3 cross;  // cross * w = w x arm
   cross << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
@@ -83,25 +94,29 @@ void ContactDrag::add(const Contact& contact, const ContactDamping& damping, dou
     const double coefficient = weight * ns_per_m * share_within(ns_per_m * std::abs(speed), along_n);
     metric.matrix += coefficient * shape;
     metric.coefficient += coefficient;
-    metric.contact_n += contact.force_n;
   };
   add_to(touched.normal, damping.normal_ns_per_m, normal_speed, Mat6(row * row.transpose()));
   add_to(touched.along, damping.along_ns_per_m, (velocity - normal_speed * contact.normal).norm(),
          Mat6(jacobian.transpose() * jacobian - row * row.transpose()));
 }
 
+void ContactDrag::Metric::scale(double share) noexcept {
+  matrix *= share;
+  coefficient *= share;
+}
+
 void ContactDrag::Metric::blend(const Metric& before, double share) noexcept {
-  if (!(before.coefficient > 0.0) || !(coefficient > 0.0)) return;  // its force begins at zero with the contact
+  if (!matrix.allFinite()) *this = {};  // it would stay so
   matrix = before.matrix + share * (matrix - before.matrix);
   coefficient = before.coefficient + share * (coefficient - before.coefficient);
 }
 
 // By Cauchy's inequality the sum of the contacts' forces is at most the root of coefficient times power.
-Vec6 ContactDrag::Metric::force(const Vec6& velocity) const noexcept {
+Vec6 ContactDrag::Metric::force(const Vec6& velocity, double most_n) const noexcept {
   if (!(coefficient > 0.0)) return Vec6::Zero();
   const Vec6 drag = matrix * velocity;
-  const double most_n = std::sqrt(coefficient * std::max(0.0, drag.dot(velocity)));
-  const Vec6 force = -share_within(most_n, std::min(contact_n, kMostEffectForceN)) * drag;
+  const double sum_n = std::sqrt(coefficient * std::max(0.0, drag.dot(velocity)));
+  const Vec6 force = -share_within(sum_n, std::min(most_n, kMostEffectForceN)) * drag;
   return force.allFinite() ? force : Vec6(Vec6::Zero());
 }
 
@@ -120,27 +135,69 @@ ContactDrag::Touched& ContactDrag::TouchedParts::at(int part) noexcept {
   return touched;
 }
 
-ContactDrag::Wrench ContactDrag::step(std::span<const Contact> contacts) noexcept {
+// The hand feels the sum over all contacts, and a sum above the largest would be unstable where that material alone is not. Each of the
+// contacts adds at most its coefficient in any direction.
+void ContactDrag::limit(TouchedParts& now) const noexcept {
+  Mat3 sum = Mat3::Zero();
+  double most = 0.0;
+  double upper_bound = 0.0;
+  for (std::size_t i = 0; i < now.count; ++i) {
+    const Touched& one = now.all[i];
+    most = std::max(most, one.largest);
+    upper_bound += one.upper_bound;
+    sum += one.normal.matrix.topLeftCorner<3, 3>() + one.along.matrix.topLeftCorner<3, 3>();
+  }
+  if (upper_bound <= most * (1.0 + 0x1p-40)) return;
+  const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(sum, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  if (!(largest > most)) return;
+  for (std::size_t i = 0; i < now.count; ++i) {
+    now.all[i].normal.scale(most / largest);
+    now.all[i].along.scale(most / largest);
+  }
+}
+
+// A part that is touched no longer, or not known to be, goes on from what it was towards zero, as one that is touched goes on towards what
+// it is now: so the sum over all parts is a mean as well.
+void ContactDrag::blend(TouchedParts& now, double share) const noexcept {
+  const std::size_t touched = now.count;
+  for (std::size_t i = 0; i < touched; ++i) {
+    Touched& one = now.all[i];
+    const Touched* before = touched_.find(one.part);
+    one.normal.blend(before != nullptr ? before->normal : Metric(), share);
+    one.along.blend(before != nullptr ? before->along : Metric(), share);
+  }
+  for (std::size_t i = 0; i < touched_.count && now.count < now.all.size(); ++i) {
+    const Touched& before = touched_.all[i];
+    const double left = before.left * (1.0 - share);
+    if (left < kForgotten || now.find(before.part) != nullptr) continue;
+    Touched& one = now.all[now.count++];
+    one = before;
+    one.left = left;
+    one.contact_n *= 1.0 - share;
+    one.normal.scale(1.0 - share);
+    one.along.scale(1.0 - share);
+  }
+}
+
+ContactDrag::Wrench ContactDrag::step(std::span<const Contact> contacts, bool is_held) noexcept {
   contacts = contacts.first(std::min(contacts.size(), kMostContacts));
   TouchedParts now;
   for (const Contact& contact : contacts) {
-    const ContactDamping damping = damping_of(contact);
-    if (!damping.is_on() || !(contact.force_n > 0.0)) continue;
+    if (!(contact.force_n > 0.0) || !has_damping(contact.part)) continue;
     double along_n = 0.0;
     for (const Contact& other : contacts) along_n += std::max(0.0, other.force_n) * std::max(0.0, contact.normal.dot(other.normal));
-    add(contact, damping, std::max(along_n, contact.force_n), now.at(contact.part));
+    add(contact, std::max(along_n, contact.force_n), now.at(contact.part));
   }
   const double share = dt_s_ / (kSmoothS + dt_s_);
   dt_s_ = 0.0;
+  limit(now);
+  if (!is_held) now.count = 0;
+  if (is_held) blend(now, share);
   Vec6 sum = Vec6::Zero();
   for (std::size_t i = 0; i < now.count; ++i) {
     Touched& touched = now.all[i];
-    if (const Touched* before = touched_.find(touched.part)) {
-      touched.normal.blend(before->normal, share);
-      touched.along.blend(before->along, share);
-    }
     const Vec6 velocity = velocity_past(touched.part);
-    touched.force = touched.normal.force(velocity) + touched.along.force(velocity);
+    touched.force = touched.normal.force(velocity, touched.contact_n) + touched.along.force(velocity, touched.contact_n);
     sum += touched.force;
   }
   touched_ = now;

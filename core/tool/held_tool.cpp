@@ -51,13 +51,11 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   is_known_ = found.serial == serial_;
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
-  if (drag_.is_on()) {
-    if (!is_known_) drag_.reset();
-    drag_.move(device, parts_, seconds(time_ns - felt_ns_));
-  }
+  if (drag_.is_on()) move_drag(input, device, seconds(time_ns - felt_ns_));
   const bool has_friction = tool_->has_friction();
   std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!is_known_ || output.proxy.is_blocked) {
+    drag_.release();
     publish(device, device, time_ns);
     friction_.forget();
     felt_ = {};
@@ -86,8 +84,8 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   output.force_n *= share;
   output.torque_nm *= share;
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
-  if (drag_.is_on()) add_drag(found.contacts, held, share, input.X_WS.linear(), output);
   blend(output, device, time_ns, are_late);
+  if (drag_.is_on()) add_drag(found.contacts, held, share, input.X_WS.linear(), output);
   return output;
 }
 
@@ -122,6 +120,12 @@ void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::H
   }
 }
 
+void HeldTool::move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept {
+  if (!is_known_ || dt_s < 0.0 || dt_s > kLongestGapS) drag_.reset();
+  tool_->note_view(input, last_view_, drag_);
+  drag_.move(device, parts_, dt_s);
+}
+
 void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
                         ToolOutput& output) noexcept {
   std::array<ContactDrag::Contact, ContactDrag::kMostContacts> touched;
@@ -133,7 +137,7 @@ void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held
     touched[k] = {contact.arm, contacts.bounds[i].row.head<3>(), share * tool_->unit_force_n() * held.multipliers[k], contact.part,
                   contact.object};
   }
-  const ContactDrag::Wrench drag = drag_.step({touched.data(), count});
+  const ContactDrag::Wrench drag = drag_.step({touched.data(), count}, output.contact);
   output.force_n += R_WS * drag.force_n;
   output.torque_nm += R_WS * drag.torque_nm;
   for (std::size_t p = 0; p < pushes_.size(); ++p) {

@@ -31,6 +31,9 @@ class HeldTool {
   // the force fades to the new one over this time.
   static constexpr double kHandOverS = 0.02;
   static constexpr int kPrompt = 2;
+  // Between two samples that are farther apart there was no motion that damping knows, nor where time goes back: io_node uses no force that
+  // is later than this, so none was felt meanwhile.
+  static constexpr double kLongestGapS = 0.02;
 
   explicit HeldTool(std::unique_ptr<ToolStep> tool);
   // The tool lies at X_SP before it is held (frame S), and goes from there to the device.
@@ -40,6 +43,8 @@ class HeldTool {
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
   // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
   void restart() noexcept { ++serial_; }
+  // Fast: the samples do not go on from the last one. The tool does, and its damping begins with the next motion.
+  void forget_motion() noexcept { drag_.reset(); }
   // Fast: the slow task had found the tool's pose before the last step. Until then there is no force, and the tool is drawn at the device.
   bool is_known() const noexcept { return is_known_; }
   // Fast: how old the contacts of the last step were.
@@ -61,6 +66,7 @@ class HeldTool {
   };
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
   double length_of(const Felt& felt) const noexcept;
+  void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
   void add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
                 ToolOutput& output) noexcept;
   void find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt, const Mat3& R_WS) noexcept;
@@ -91,6 +97,7 @@ class HeldTool {
   std::optional<Placement> start_;
   ToolFriction friction_;
   ContactDrag drag_;
+  ToolView last_view_;                 // with damping only
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;

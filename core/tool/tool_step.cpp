@@ -189,10 +189,16 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
   output.proxy = followed;
   if (drag_.is_on()) {
+    note_view(input, last_view_, drag_);
     drag_.move(device, parts_, input.dt_s);
     add_drag(input, output);
   }
   return output;
+}
+
+void ToolStep::note_view(const ToolInput& input, ToolView& last, ContactDrag& drag) const noexcept {
+  if (last.X_WS.matrix() != input.X_WS.matrix()) drag.move_last(to_local({.X_WD = last.X_WD, .X_WS = input.X_WS}));
+  last = {input.X_WD, input.X_WS};
 }
 
 Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
@@ -219,7 +225,7 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
                            scene.mesh_of(contact.scene_triangle)};
     }
   }
-  const ContactDrag::Wrench drag = drag_.step({contacts.data(), count});
+  const ContactDrag::Wrench drag = drag_.step({contacts.data(), count}, output.contact);
   output.force_n += input.X_WS.linear() * drag.force_n;
   output.torque_nm += input.X_WS.linear() * drag.torque_nm;
 }

@@ -29,6 +29,12 @@ struct ToolInput {
   double dt_s = 0.0;                // since the step before; only damping of contacts needs it
 };
 
+// Of the last sample, for what depends on the motion of the hand past the scene.
+struct ToolView {
+  Pose X_WD = Pose::Identity();
+  Pose X_WS = Pose::Identity();
+};
+
 struct ToolOutput {
   Vec3 force_n = Vec3::Zero();    // acts on the device at the grip point, frame W
   Vec3 torque_nm = Vec3::Zero();  // about the grip point, frame W
@@ -82,6 +88,8 @@ class ToolStep {
   Placement to_local(const ToolInput& input) const noexcept;
   // Of the parts that move: where the origin of the local frame goes.
   void to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept;
+  // For the drag of contacts, at each sample: where the scene was moved since the last one, that is no motion of the hand.
+  void note_view(const ToolInput& input, ToolView& last, ContactDrag& drag) const noexcept;
   std::size_t moving_count() const { return moving_.size(); }
   // Force, torque and drawn pose for these poses of device and tool.
   ToolOutput felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept;
@@ -127,7 +135,9 @@ class ToolStep {
   ToolFriction friction_;
   LocalContacts local_;
   Placement last_;  // device
+  // With damping only:
   ContactDrag drag_;
+  ToolView last_view_;
 };
 
 }  // namespace hapton

@@ -348,6 +348,39 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_GE(step.counts().haptons, 1U);
 }
 
+// Damping of a tool's contacts: live, by the times of the samples, and not from one session to the next.
+TEST(HapticsStep, AHeldToolIsDampedByTheMotionOfThisSession) {
+  HapticsStep step(make_touch(), kOffset);
+  auto made = *ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), {made::shared(made::sheet(0.1, 0.0, 6))},
+                              {.stiffness_n_per_m = 1000.0});
+  ASSERT_TRUE(made->damp({{.along_ns_per_m = 5.0}}));
+  HeldTool tool(std::move(made));
+  step.hold(&tool);
+  States states;
+  double x = 0.0;
+  ForceCommand command;
+  const auto slide = [&](double speed, int samples) {
+    for (int n = 0; n < samples; ++n) {
+      x += 1e-3 * speed;
+      command = reply_to(step, states.at({x, 0.01, 0.008}));
+      tool.follow();
+    }
+  };
+  for (int n = 0; n < 100; ++n) {
+    reply_to(step, states.at({0.0, 0.01, std::max(0.008, 0.012 - 0.0001 * n)}));
+    tool.follow();
+  }
+  slide(0.04, 100);
+  EXPECT_NEAR(command.force_n.x(), -5.0 * 0.04, 1e-6);
+  step.restart();
+  x += 0.005;
+  slide(0.0, 1);
+  EXPECT_TRUE(command.contact);
+  EXPECT_NEAR(command.force_n.x(), 0.0, 1e-9) << "the hand was moved meanwhile";
+  slide(0.04, 100);
+  EXPECT_NEAR(command.force_n.x(), -5.0 * 0.04, 1e-6);
+}
+
 // The sheet turned and moved, with a spring to its middle that is felt beside the box, and a motor that runs with the time of the session.
 TEST(HapticsStep, EffectsInFreeSpaceActAtTheGripOfAHeldTool) {
   const TouchScene scene = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}},

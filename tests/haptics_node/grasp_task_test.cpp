@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "haptic_step/haptics_setup.h"
 #include "haptic_step/scene_facts.h"
 #include "scene/scene_hash.h"
 #include "tests/haptics_node/grasp_stage.h"
@@ -72,6 +73,28 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   EXPECT_EQ(go({0.0, 0.0, 0.0 - kPress}, 0).object, kPlate) << "nothing is left where it was";
   EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
   EXPECT_LT(most_change_nm, 0.01);
+}
+
+// What is held is damped by what it touches, as `hapton set` has changed it since the scene was loaded.
+TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
+  MaterialRequest request{.request = 1, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 3.0}};
+  put_text("wall", request.object);
+  tuner->request(request);
+  for (int i = 0; i < 3000 && tuner->take() == nullptr; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(tuner->accepted());
+  reply(at, 0);
+  ASSERT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+  go(at, 1);
+  ASSERT_TRUE(step->holds_tool());
+  go({0.0, 0.0, 0.04}, 1);
+  go({0.0403, 0.0, 0.04}, 1);
+  EXPECT_NEAR(last.force_n.x(), -800.0 * 0.0003, 1e-3) << "at rest";
+  for (int n = 1; n <= 10; ++n) reply({0.0403 + 5e-5 * n, 0.0, 0.04}, 1);
+  EXPECT_NEAR(last.force_n.x(), -800.0 * 0.0008 - 3.0 * 0.05, 1e-3);
+  go({0.03, 0.0, 0.04}, 1);
+  rest(0, 1);
+  wait_for_method(1);
+  EXPECT_FALSE(tuner->accepted()) << "the materials are those of the file again";
 }
 
 TEST_F(GraspTaskTest, WhatHasMovedIsPickedUpAgain) {

@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-constexpr char kLeftOut[] = "two_sided = false and effects of surfaces but viscosity are ignored";
+constexpr char kLeftOut[] = "two_sided = false, images and effects of surfaces but viscosity_ns_per_m are ignored";
 
 // A ball of 5 cm, felt with a cube of 1 cm.
 Scene scene_with_tool() {
@@ -48,6 +48,10 @@ TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
   EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut))) << "a tool has damping and viscosity";
   scene.objects[0].effects.progressive.n_per_m2 = 1e4;
   EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "the effect of a surface";
+  scene = scene_with_tool();
+  scene.objects[0].effects.maps.viscosity = {
+      .image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F}), .at_black = 7.0, .at_white = 2.0};
+  EXPECT_THAT(log_of_task(scene), HasSubstr(kLeftOut)) << "viscosity by an image";
   scene = scene_with_tool();
   scene.effects.emplace_back();
   EXPECT_THAT(log_of_task(scene), Not(HasSubstr(kLeftOut))) << "an effect in space acts on a tool";

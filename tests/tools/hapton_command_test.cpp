@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,6 +16,8 @@
 #include <string>
 #include <thread>
 #include <vector>
+
+#include <fmt/core.h>
 
 #include "link/link_key.h"
 #include "tests/tools/command_run.h"
@@ -46,6 +49,46 @@ class HaptonCommandTest : public ::testing::Test {
 
   std::filesystem::path folder_;
 };
+
+// The last force along z of a cube that is pressed on the tetrahedron's bottom face, from below, at 0.1 m/s.
+double last_tool_force_n(const std::string& out) {
+  std::ifstream file(out);
+  std::string line;
+  std::string last;
+  std::string head;
+  for (; std::getline(file, line);) {
+    if (line.rfind("t_s,", 0) == 0) head = line;
+    if (!line.empty() && line.front() != '#') last = line;
+  }
+  std::istringstream names(head);
+  std::istringstream values(last);
+  std::string value;
+  for (std::string name; std::getline(names, name, ',') && std::getline(values, value, ',');) {
+    if (name == "fz_n") return std::stod(value);
+  }
+  return NAN;
+}
+
+TEST_F(HaptonCommandTest, ReplayOfAToolHasTheDampingOfTheScene) {
+  std::ofstream(folder_ / "cube.obj")
+      << "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+         "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+  std::ofstream trajectory(folder_ / "tool.csv");
+  trajectory << "t_s,x_m,y_m,z_m\n";
+  for (int n = 0; n < 200; ++n) trajectory << fmt::format("{},0.003,0.003,{}\n", 1e-3 * n, -0.02 + 1e-4 * n);
+  trajectory.close();
+  std::vector<double> forces_n;
+  for (const char* damping : {"0", "2"}) {
+    std::ofstream(folder_ / "tool.toml")
+        << "[[object]]\nname = \"block\"\nmesh = \"t.obj\"\nunit = \"mm\"\nstiffness_n_per_m = 500\ndamping_ns_per_m = " << damping
+        << "\n[tool]\nmesh = \"cube.obj\"\nunit = \"mm\"\n";
+    const CommandRun run = run_hapton({"replay", "--scene", path("tool.toml"), "--trajectory", path("tool.csv"), "--out", path("r.csv")});
+    ASSERT_EQ(run.code, 0) << run.err;
+    forces_n.push_back(last_tool_force_n(path("r.csv")));
+  }
+  EXPECT_LT(forces_n[0], -0.1) << "it is pressed";
+  EXPECT_NEAR(forces_n[1] - forces_n[0], -2.0 * 0.1, 1e-3);
+}
 
 TEST_F(HaptonCommandTest, HelpAndVersion) {
   const CommandRun help = run_hapton({"--help"});

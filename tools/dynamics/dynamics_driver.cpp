@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/effects/bounded_force.h"
 #include "core/math/rigid_pose.h"
 #include "haptic_step/material_tuning.h"
 #include "haptic_step/method_text.h"
@@ -61,16 +62,20 @@ std::optional<Push> DynamicsDriver::find_push(const ProbeState& state) const {
               .damping_ns_per_m = settings_.damping_share * stiffness * delay_s_};
 }
 
-// The force acts along a line; the body is damped where that passes nearest to the grip point.
+// The force acts along a line; the body is damped where that passes nearest to the grip point, but no farther from it than the body is:
+// where forces of several contacts and of friction nearly cancel, their line may be anywhere.
 Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) const {
   const ObjectPush push = state.push.value_or(ObjectPush());
   const Vec3 force_n = X_SW.linear() * push.force_n;
   const Vec3 torque_nm = X_SW.linear() * push.torque_nm;
+  const Vec3 grip_S = X_SW * (state.p_WD + state.visual_offset_m);
+  const double most_m =
+      (grip_S - world_->place(state.object).p_S).norm() + scene_->objects[static_cast<std::size_t>(state.object)].commanded->radius_m();
   const double squared = force_n.squaredNorm();
-  const Vec3 arm = squared > 0.0 ? Vec3(force_n.cross(torque_nm) / squared) : Vec3(Vec3::Zero());
+  const Vec3 arm = squared > 0.0 ? bounded_force(force_n.cross(torque_nm) / squared, most_m) : Vec3(Vec3::Zero());
   const double delay = settings_.damping_share * delay_s_;
   return {.object = state.object,
-          .p_S = X_SW * (state.p_WD + state.visual_offset_m) + arm,
+          .p_S = grip_S + arm,
           .force_n = force_n,
           .damping_ns_per_m = tool_->stiffness_n_per_m * delay,
           .torque_nm = torque_nm - arm.cross(force_n),

@@ -160,8 +160,8 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
   const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m,
                               .rotational_stiffness_nm_per_rad = options.rotational_stiffness_nm_per_rad};
   if (obstacles.leaves_out) {
-    fmt::print("tool: effects of surfaces but viscosity, and two_sided = false of {} are left out: {:g} N/m everywhere\n", options.scene,
-               coupling.stiffness_n_per_m);
+    fmt::print("tool: effects of surfaces but viscosity_ns_per_m, images, and two_sided = false of {} are left out: {:g} N/m everywhere\n",
+               options.scene, coupling.stiffness_n_per_m);
   }
   const auto felt = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());

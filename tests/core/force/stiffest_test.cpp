@@ -54,15 +54,35 @@ TEST(Stiffest, AViscosityByAnImageCountsWithItsLargestValue) {
   EXPECT_EQ(viscosity_of(SurfaceEffects{.maps = {.viscosity = {.image = nullptr, .at_black = 7.0, .at_white = 2.0}}}), 0.0);
 }
 
-TEST(Stiffest, AToolHasTheDampingOfTheSpaceAlone) {
+// At its contacts both use the velocity of viscous effects.
+TEST(Stiffest, AToolHasDampingAndViscosityUnderOneLimit) {
   TouchScene scene{.objects = {{.mesh = {}, .material = {.stiffness_n_per_m = 300.0, .damping_ns_per_m = 5.0}}}};
   scene.objects[0].effects.viscosity.damping_ns_per_m = 9.0;
   scene.effects = {ViscousEffect{.damping_ns_per_m = 4.0}, SpringEffect{.stiffness_n_per_m = 900.0}};
   const LargestGains gains = find_tool_gains(scene);
   EXPECT_EQ(gains.stiffness_n_per_m, 900.0);
   EXPECT_EQ(gains.damping_ns_per_m, 0.0);
-  EXPECT_EQ(gains.viscosity_ns_per_m, 4.0);
+  EXPECT_EQ(gains.viscosity_ns_per_m, 9.0);
   EXPECT_EQ(find_largest_gains(scene).viscosity_ns_per_m, 9.0);
+  scene.objects[0].material.damping_ns_per_m = 11.0;
+  EXPECT_EQ(find_tool_gains(scene).viscosity_ns_per_m, 11.0);
+  EXPECT_EQ(find_largest_gains(scene).viscosity_ns_per_m, 9.0) << "a point has the two under limits of their own";
+  scene.effects.push_back(ViscousEffect{.damping_ns_per_m = 12.0});
+  EXPECT_EQ(find_tool_gains(scene).viscosity_ns_per_m, 12.0);
+  EXPECT_EQ(find_largest_gains(scene).viscosity_ns_per_m, 12.0);
+  // Images are not felt with a tool.
+  scene.effects.clear();
+  const auto image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F});
+  scene.objects[0].effects.maps.viscosity = {.image = image, .at_black = 70.0, .at_white = 20.0};
+  EXPECT_EQ(find_tool_gains(scene).viscosity_ns_per_m, 11.0);
+}
+
+TEST(Stiffest, OfPointAndToolByTurnsTheLargestCount) {
+  const LargestGains both = LargestGains{.stiffness_n_per_m = 3.0, .damping_ns_per_m = 2.0, .viscosity_ns_per_m = 1.0}.largest_of(
+      {.stiffness_n_per_m = 2.0, .damping_ns_per_m = 3.0, .viscosity_ns_per_m = 4.0});
+  EXPECT_EQ(both.stiffness_n_per_m, 3.0);
+  EXPECT_EQ(both.damping_ns_per_m, 3.0);
+  EXPECT_EQ(both.viscosity_ns_per_m, 4.0);
 }
 
 TEST(Stiffest, SurfacesAloneLeaveOutTheSpace) {

@@ -131,5 +131,26 @@ TEST(ToolPushes, BesideItsMiddleItTurnsTheBox) {
   EXPECT_GT(turn.y(), 0.1) << "towards +x at +z: from z to x is positive";
 }
 
+// Two contacts and their friction nearly cancel: the line of the force is far away, but the body is damped where it is.
+TEST(ToolPushes, ACoupleTurnsTheBoxWhateverIsLeftOfItsForce) {
+  for (const double left_n : {0.0, 1e-12, 1e-9, 1e-6, 1e-300}) {
+    const Scene scene = table_scene();
+    DynamicsDriver driver = *DynamicsDriver::make(scene, {});
+    HapticsSetup setup;
+    put_text(to_text(ToolCoupling{.stiffness_n_per_m = kSpringNPerM, .rotational_stiffness_nm_per_rad = 0.05}, 12), setup.method);
+    driver.take(setup);
+    for (int ms = 0; ms < 400; ++ms) {
+      driver.take(ProbeState{.sample = static_cast<std::uint64_t>(ms),
+                             .sample_time_ns = kTickNs * ms,
+                             .p_WD = driver.world().place(kBox).p_S,
+                             .contact = true,
+                             .object = kBox,
+                             .scene_time_ns = kTickNs * ms,
+                             .push = ObjectPush{.force_n = {left_n, 0.0, 0.0}, .torque_nm = {0.0, 0.05, 0.0}}});
+    }
+    EXPECT_GT(turn_between(Quat::Identity(), driver.world().place(kBox).turn).y(), 0.02) << left_n;
+  }
+}
+
 }  // namespace
 }  // namespace hapton::dynamics

@@ -125,6 +125,16 @@ TEST(Replay, AToolByVoxelsIsFeltToo) {
   EXPECT_NEAR(replay.rows.back().force_n.z(), 1.97, 1.0) << "a voxel is worth a newton";
 }
 
+TEST(Replay, ATrajectoryGivesAToolTheTimeThatDampingNeeds) {
+  auto tool = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 4))}, {});
+  ASSERT_TRUE(tool);
+  ASSERT_TRUE((*tool)->damp({{.normal_ns_per_m = 4.0}}));
+  std::vector<TrajectoryRow> trajectory;
+  for (int n = 0; n < 400; ++n) trajectory.push_back({2e-3 * n, {0.0, 0.0, 0.02 - 3e-5 * n}, Quat::Identity()});
+  const Replay replay = run_replay(**tool, trajectory, {}, SteadyClock());
+  EXPECT_NEAR(replay.rows.back().force_n.z(), 1000.0 * (0.01 - trajectory.back().p_WD.z()) + 4.0 * 0.015, 2e-3);
+}
+
 // At its grip point, with the buttons of the trajectory; each reset begins anew.
 TEST(Replay, EffectsInFreeSpaceAreAddedToATool) {
   std::vector<TrajectoryRow> trajectory;
