@@ -77,8 +77,7 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
   ToolObstacles obstacles = make_tool_obstacles(scene);
   if (obstacles.leaves_out && PyErr_WarnEx(PyExc_UserWarning,
                                            "effects of surfaces but viscosity_ns_per_m, images, and two_sided = false are left out: of "
-                                           "surfaces, a rigid tool has friction, damping "
-                                           "and viscosity",
+                                           "surfaces, a rigid tool has friction, damping and viscosity",
                                            2) != 0) {
     throw py::error_already_set();
   }
