@@ -110,11 +110,11 @@ bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double fr
 
 // When the motion from p must stop before a triangle, as t in [0, until], or kNever where it may pass until then. It must stop
 // where the distance reaches clearance.offset, but only if it would later come nearer than offset - slop: grazing within the slop
-// passes. The two tangents of the convex distance, one at each end, decide most triangles.
+// passes. The two tangents of the convex distance, one at each end, decide most triangles. start: the separation at p.
 template <class Shape>
-double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, double until, const Clearance& clearance) {
+double time_to_block(const Shape& shape, const Vec3& p, const Separation& start, const Vec3& motion, double until,
+                     const Clearance& clearance) {
   const double low = clearance.offset - clearance.slop;
-  const Separation start = shape.separation(p);
   const double length = motion.norm();
   const double start_slope = start.normal.dot(motion) - normal_error(start) * length;  // at its steepest
   if (start_slope >= 0.0 || start.distance + start_slope * until >= low) return kNever;
@@ -140,6 +140,11 @@ double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   const double level = start.distance >= low - 64.0 * clearance.tolerance ? std::min(low, start.distance) : low;
   if (start.distance < level || end.distance < level) return stop;
   return dips_below(shape, p, motion, stop, until, level, clearance.tolerance) ? stop : kNever;
+}
+
+template <class Shape>
+double time_to_block(const Shape& shape, const Vec3& p, const Vec3& motion, double until, const Clearance& clearance) {
+  return time_to_block(shape, p, shape.separation(p), motion, until, clearance);
 }
 
 // The separation from a triangle that blocks `motion` at p: usually the separation at p. But a point probe just before a shallow concave

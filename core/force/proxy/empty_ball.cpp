@@ -13,9 +13,9 @@ double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double
   const double widest = 64.0 * displacement + 4.0 * rest;
   double clear_squared = widest * widest;
   constexpr int kMostTests = 256;
-  int tests = 0;
+  work_ = 0;
   geometry.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
-    if (++tests > kMostTests) return clear_squared = 0.0;
+    if (++work_ > kMostTests) return clear_squared = 0.0;
     const double d = geometry.separation(triangle, device).distance;
     clear_squared = std::min(bound, kHardlyNearer * d * d);
     return clear_squared;

@@ -21,6 +21,7 @@ class EmptyBall {
   // The radius of an empty ball around the device for a probe that keeps the distance `rest` from triangles; 0: there is none.
   // displacement: that of the device in this step; the search is limited to about 64 of them. may_go: largest radius.
   double find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept;
+  int work() const noexcept { return work_; }  // units (step_work.h), of the last search
   void enter(const TouchGeometry& geometry, const Vec3& p_SD, double radius) noexcept;
   void leave(const TouchGeometry& geometry) noexcept;
   void reset() noexcept { *this = EmptyBall(); }
@@ -30,6 +31,7 @@ class EmptyBall {
   double radius_squared_m2_ = 0.0;  // 0: no ball known
   Vec3 last_S_ = Vec3::Zero();      // m
   double to_travel_ = 0.0;          // distance before the next search
+  int work_ = 0;
 };
 
 }  // namespace hapton

@@ -68,7 +68,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  if (!swept_.must_go_on() && follow_offset(last, device, time)) return;
+  if (!swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && follow_offset(last, device, time)) return;
   ++counters_.swept;
   active_offset_ = kContactOffset;
   if (proxy_.is_free && is_point_) clear_start();

@@ -109,6 +109,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   ball_.reset();
   carried_from_.reset();
   unconverged_ = false;
+  sweeps_finish_ = false;
   touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
@@ -153,6 +154,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 moved = device - last;
   const double displacement = moved.norm();
   last_device_ = device;
+  if (!carried_from_) sweeps_finish_ = false;
   const Vec3 from = carried_from_.value_or(last);
   carried_from_.reset();
   work_left_ = StepWork::kMost;
@@ -164,7 +166,10 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   }
   const double distance = (device - proxy_.position).norm();
   double clear = 0.0;
-  if (proxy_.is_free && ball_.is_due()) clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - distance);
+  if (proxy_.is_free && ball_.is_due()) {
+    clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - distance);
+    work_left_ -= ball_.work();
+  }
   ball_.note_motion(displacement);
   if (distance < clear) {
     proxy_.settle_at(device);

@@ -10,12 +10,15 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   if (proxy_.is_free) {
     if (is_point_) clear_start();
     sphere_.start_free(proxy_.position);
-  } else if (!sphere_.is_tracking() && !sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides)) {
-    return false;
+  } else if (!sphere_.is_tracking()) {
+    const bool has_started = sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides);
+    work_left_ -= sphere_.work();
+    if (!has_started) return false;
   }
   const SphereFollower::Outcome outcome = sphere_.follow(last, device, time, work_left_);
   work_left_ -= sphere_.work();
   if (outcome == SphereFollower::Outcome::failed) {
+    sweeps_finish_ = sphere_.has_given_up_flight();
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_.stop_tracking();
     active_offset_ = kContactOffset;

@@ -131,16 +131,12 @@ void StraightSweep::test(std::uint32_t triangle, ProxyState& proxy, const Cleara
   ++tests_;
   ++tested_;
   const TriangleView shape{surfaces_.geometry(), triangle};
-  double rate = 0.0;
-  if (!is_point_) {
-    const Separation at = shape.separation(from_);
-    note_grazed(proxy, at, triangle, keep, fixed);
-    rate = at.normal.dot(motion_);
-  }
-  const double t = time_to_block(shape, from_, motion_, std::min(end_, first_), keep);
+  const Separation at = shape.separation(from_);
+  if (!is_point_) note_grazed(proxy, at, triangle, keep, fixed);
+  const double t = time_to_block(shape, from_, at, motion_, std::min(end_, first_), keep);
   if (t > 1.0 || !surfaces_.can_touch(triangle, from_)) return;
   first_ = std::min(first_, t);
-  note_blocker({triangle, t, rate});
+  note_blocker({triangle, t, is_point_ ? 0.0 : at.normal.dot(motion_)});
 }
 
 // A sphere on a face is also in contact with coplanar neighbours, although they never block its path.

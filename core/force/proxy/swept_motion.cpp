@@ -79,9 +79,9 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     ++counters_.motions;
     ConstrainedMotion constrained = next_motion(proxy, goal);
     if (proxy.contact_count == ProxyState::kMostContacts) fix_active(proxy, constrained, goal);
-    const Vec3 motion =
-        surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, constrained.motion, device);
-    if (motion.norm() <= least_motion + kNormalError * distance) {
+    const double shortest = least_motion + kNormalError * distance;
+    const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, device);
+    if (motion.norm() <= shortest) {
       if (is_blind(proxy)) {
         if (advance(proxy, Vec3::Zero()) == End::interrupted) return false;
         continue;
@@ -203,12 +203,15 @@ void SweptMotion::grow_to_room(const Vec3& p) noexcept {
   keep_.offset = room >= clearance_.offset - clearance_.slop ? clearance_.offset : std::max(keep_.offset, kShare * room);
 }
 
-// Around an edge or a vertex that the device is near, the pull along the surface is small all the way to the minimum, however far that is.
-// A sphere that the followers do not move goes part of the way, along the tangent; from there the pull brings it back to the surface.
-Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& motion, const Vec3& device) const noexcept {
+// Around an edge or a vertex that the device is near, the pull along the surface is small all the way to the minimum, however far that is:
+// each motion along it would leave the share depth / radius of the way. From the line through the edge and the device, the pull brings the
+// sphere straight back to the surface, to the minimum. The motion goes along the tangent to that line, or part of the way.
+Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& device) const noexcept {
   constexpr double kMostAngle = 0.25;      // rad
   constexpr double kLeastAngle = 0x1p-20;  // a nearer minimum is reached without
-  if (!is_shrunk() || held.active_count != 1) return motion;
+  constexpr double kRounding = 0x1p-48;    // of positions; the normal has it as a share of the distance
+  const Vec3& motion = held.motion;
+  if (is_point_ || held.active_count != 1) return motion;
   const auto& [triangle, shape, s] = proxy.contacts[static_cast<std::size_t>(held.active[0])];
   if (s.feature == Feature::face) return motion;
   Vec3 turn = motion;
@@ -220,8 +223,9 @@ Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held,
   if (!(length > 0.0)) return motion;
   const Vec3 out = device - s.nearest;
   const double angle = std::atan2(out.dot(turn) / length, out.dot(s.normal));
-  if (!(angle > kLeastAngle)) return motion;
-  return motion + turn * (std::max(1.0, s.distance * std::min(angle, kMostAngle) / length) - 1.0);
+  const double error = kRounding / s.distance * (device - proxy.position).norm() / length;  // of the direction, so of the angle
+  if (!(angle > kLeastAngle + error)) return motion;
+  return motion + turn * (std::max(1.0, s.distance * std::tan(std::min(angle, kMostAngle)) / length) - 1.0);
 }
 
 // Coulomb friction: the frictionless goal is `depth` above the device; the proxy may stay up to mu * depth short of the goal.

@@ -79,7 +79,7 @@ class SweptMotion {
   double find_room(const Vec3& p, bool& is_certain) noexcept;
   bool shrink_to_room(const Vec3& p) noexcept;
   void grow_to_room(const Vec3& p) noexcept;
-  Vec3 rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& motion, const Vec3& device) const noexcept;
+  Vec3 rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& device) const noexcept;
   Vec3 apply_friction(ProxyState& proxy, const Vec3& goal, const ConstrainedMotion& constrained) const noexcept;
   Material material_of(const ProxyState& proxy, const ConstrainedMotion& held) const noexcept;
   bool forget_doubtful(ProxyState& proxy, const ConstrainedMotion& held) const noexcept;

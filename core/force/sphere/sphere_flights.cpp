@@ -42,7 +42,8 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
     time = t;
     return std::min(before, t);
   });
-  if (tests > kMostInFlight) return Next::failed;
+  has_given_up_flight_ = tests > kMostInFlight;
+  if (has_given_up_flight_) return Next::failed;
   if (time > 1.0) {
     centre_ = to;
     friction_ = {};

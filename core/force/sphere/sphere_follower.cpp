@@ -37,6 +37,7 @@ bool SphereFollower::is_clear_here(double short_by) noexcept {
 }
 
 bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
+  work_ = 0;
   is_tracking_ = false;
   friction_ = {.slides = slides, .coefficients = {}};
   centre_ = centre;
@@ -56,6 +57,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
     std::array<ContactPlane, kMostContacts> planes;
     contact_count_ = 0;
     near_.visit_near(centre_, centre_, clearance_.offset + clearance_.tolerance, [&](int slot) {
+      ++work_;
       const ContactTriangle& shape = near_.shape(slot);
       const Separation at = shape.separation(centre_);
       const double gap = at.distance - clearance_.offset;
@@ -119,6 +121,7 @@ SphereFollower::Span SphereFollower::find_span(const Vec3& from, const Vec3& to)
 SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to, double& time, int most_work) noexcept {
   work_ = 0;
   most_work_ = most_work;
+  has_given_up_flight_ = false;
   if (!is_carried_) {
     idle_ = 0;
     ++motion_;

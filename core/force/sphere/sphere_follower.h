@@ -82,7 +82,9 @@ class SphereFollower {
   bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
   Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMost) noexcept;
-  int work() const { return work_; }  // units, of the last call
+  int work() const { return work_; }  // units, of the last call of start or follow
+  // Whether a flight of the last call ended among too many triangles.
+  bool has_given_up_flight() const { return has_given_up_flight_; }
 
   double offset() const { return clearance_.offset; }
   const Vec3& centre() const { return centre_; }
@@ -351,7 +353,8 @@ class SphereFollower {
   FrictionState friction_;
   bool is_tracking_ = false;
   bool is_descending_ = false;
-  bool is_carried_ = false;          // the last step ran out of work
+  bool is_carried_ = false;  // the last step ran out of work
+  bool has_given_up_flight_ = false;
   Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
   std::optional<Vec3> slit_at_;      // where a slit was last left to sweeps
   int short_drags_ = 0;              // one after another in this motion

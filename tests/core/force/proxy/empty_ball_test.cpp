@@ -80,5 +80,22 @@ TEST_F(EmptyBallTest, IsSearchedAgainAfterSomeWayOnly) {
   EXPECT_TRUE(ball.is_due());
 }
 
+// The boxes of slanted triangles hold the device, the triangles are far from it.
+TEST_F(EmptyBallTest, AmongTooManyTrianglesThereIsNoneAndTheSearchIsBounded) {
+  TriangleMesh slanted;
+  for (std::uint32_t i = 0; i < 2000; ++i) {
+    for (int k = 0; k < 3; ++k) slanted.vertices.push_back(0.1 * Vec3::Unit(k) - Vec3::Constant(1e-6 * i));
+    slanted.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const TouchGeometry crowd({&slanted});
+  EmptyBall ball;
+  EXPECT_EQ(ball.work(), 0);
+  EXPECT_EQ(ball.find(crowd, crowd.to_local(Vec3::Constant(0.04)), 0.01, kRestOffset, kFar), 0.0);
+  EXPECT_EQ(ball.work(), 257);
+  EXPECT_GT(ball.find(geometry_, geometry_.to_local(Vec3(0.07, 0.0, 0.0)), 0.01, kRestOffset, kFar), 0.0);
+  EXPECT_GE(ball.work(), 1);
+  EXPECT_LT(ball.work(), 64);
+}
+
 }  // namespace
 }  // namespace hapton

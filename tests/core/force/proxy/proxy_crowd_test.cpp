@@ -146,7 +146,10 @@ TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
             device += i % 8 == 0 ? Vec3(0.02 * Vec3(uniform(random), uniform(random), uniform(random)) - 0.3 * device)
                                  : Vec3(0.001 * Vec3(uniform(random), uniform(random), uniform(random)));
             (void)method->step({.p_SD = device});
-            for (int k = 0; method->carried_from() && k < 32; ++k) (void)method->step({.p_SD = device});
+            for (int k = 0; method->carried_from() && k < 32; ++k) {  // the hand goes on meanwhile
+              device += 1e-5 * Vec3(uniform(random), uniform(random), uniform(random));
+              (void)method->step({.p_SD = device});
+            }
           }
         }
         EXPECT_LE(proxy.counters().most_work, StepWork::kMostWithLastEvent) << name << ", radius " << radius_m << ", friction " << friction;
@@ -185,22 +188,39 @@ TEST_P(AmongThousands, NoStepHasTheStiffnessOfAnotherObject) {
   EXPECT_GT(carried, 10) << "no step ran out of work";
 }
 
+INSTANTIATE_TEST_SUITE_P(Seeds, AmongThousands, testing::Values(1U, 2U));
+
 // The boxes of thousands of slanted triangles hold the whole sphere, but it touches none of them.
-TEST_P(AmongThousands, TheSphereArrivesInFreeSpace) {
-  std::mt19937_64 random(GetParam());
-  RecordProperty("seed", std::to_string(GetParam()));
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const Vec3 up = Vec3::Ones().normalized();
-  TriangleMesh mesh;
-  for (std::uint32_t i = 0; i < 2000; ++i) {
-    for (int k = 0; k < 3; ++k) mesh.vertices.push_back(0.1 * Vec3::Unit(k) - (1e-6 * i) * up);
-    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+class OverSlantedTriangles : public ::testing::TestWithParam<unsigned> {
+ protected:
+  OverSlantedTriangles() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
+  TriangleMesh slanted() const {
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < 2000; ++i) {
+      for (int k = 0; k < 3; ++k) mesh.vertices.push_back(0.1 * Vec3::Unit(k) - (1e-6 * i) * up_);
+      mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return mesh;
   }
-  const auto method = make_method({.name = "proxy", .probe_radius_m = kCrowdRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
-  const auto somewhere = [&] {
-    const Vec3 beside(uniform(random), uniform(random), uniform(random));
-    return Vec3(Vec3::Constant(0.1 / 3.0) + 1.2 * kCrowdRadius * up + 0.01 * (beside - beside.dot(up) * up));
-  };
+  static std::unique_ptr<ForceMethod> make(const TriangleMesh& mesh) {
+    return make_method({.name = "proxy", .probe_radius_m = kCrowdRadius}, {.objects = {{made::shared(mesh), {}}}}).value();
+  }
+  double uniform(double most) { return std::uniform_real_distribution<double>(-most, most)(random_); }
+  Vec3 beside(double most) {
+    const double x = uniform(most);
+    const double y = uniform(most);
+    const Vec3 any(x, y, uniform(most));
+    return any - any.dot(up_) * up_;
+  }
+
+  const Vec3 up_ = Vec3::Ones().normalized();
+  const Vec3 middle_ = Vec3::Constant(0.1 / 3.0);  // of the topmost triangle
+  std::mt19937_64 random_;
+};
+
+TEST_P(OverSlantedTriangles, TheSphereArrivesInFreeSpace) {
+  const auto method = make(slanted());
+  const auto somewhere = [&] { return Vec3(middle_ + 1.2 * kCrowdRadius * up_ + beside(0.01)); };
   method->reset(somewhere());
   for (int i = 0; i < 40; ++i) {
     const Vec3 device = somewhere();
@@ -212,7 +232,75 @@ TEST_P(AmongThousands, TheSphereArrivesInFreeSpace) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, AmongThousands, testing::Values(1U, 2U));
+// Also what it looks at before it follows.
+TEST_P(OverSlantedTriangles, AStepCountsAllOfItsWork) {
+  const auto method = make(slanted());
+  method->reset(middle_ + 1.2 * kCrowdRadius * up_);
+  (void)method->step({.p_SD = middle_ + 1.2 * kCrowdRadius * up_});
+  EXPECT_GT(static_cast<const ProxyMethod&>(*method).counters().most_work, 256) << "the search for an empty ball";
+}
+
+// The edge of a fin holds the sphere while the device, close to the edge, goes around it. Where only sweeps go on, motions along the
+// tangent of the pull alone would come nearer by a fifth each, and take a hundred sweeps.
+TEST_P(OverSlantedTriangles, FewSweepsLeadAroundAnEdge) {
+  constexpr double kNear = 0.2 * kCrowdRadius;  // of the device to the edge
+  const Vec3 edge = middle_ + 3.0 * kCrowdRadius * up_;
+  const Vec3 along = beside(1.0).normalized();
+  const Vec3 side = along.cross(up_);
+  TriangleMesh mesh = slanted();
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {edge - 0.02 * along, edge + 0.02 * along, edge + 0.02 * up_});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  const auto method = make(mesh);
+  const auto& proxy = static_cast<const ProxyMethod&>(*method);
+  const auto around = [&](double turn) { return Vec3(std::sin(turn) * side - std::cos(turn) * up_); };
+  method->reset(edge + 1.5 * kCrowdRadius * around(0.0));
+  for (int i = 0; i < 20; ++i) {
+    const Vec3 out = around(uniform(1.0));
+    const Vec3 device = edge + kNear * out + uniform(0.001) * along;
+    const std::uint64_t sweeps = proxy.swept().counters().sweeps;
+    MethodOutput output = method->step({.p_SD = device});
+    for (int k = 0; method->carried_from() && k < 1000; ++k) output = method->step({.p_SD = device});
+    EXPECT_LE(proxy.swept().counters().sweeps - sweeps, 32U) << i;
+    EXPECT_LT((output.p_SP - device - (kCrowdRadius - kNear) * out).norm(), 1e-7 * kCrowdRadius) << i;
+  }
+  EXPECT_GT(proxy.swept().counters().sweeps, 20U);
+}
+
+// Over a fine surface, the box of a long path holds thousands of triangles, that of the sphere alone few. A flight that has given up is not
+// tried again in each step of the same motion: sweeps, which can be interrupted, finish it.
+TEST_P(OverSlantedTriangles, AFlightGivesUpOnceInAMotion) {
+  TriangleMesh mesh = made::sheet(0.05, 0.0, 250);
+  const Mat3 turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up_).toRotationMatrix();
+  for (Vec3& v : mesh.vertices) v = turn * v;
+  const auto method = make(mesh);
+  const auto& proxy = static_cast<const ProxyMethod&>(*method);
+  const auto above = [&] {
+    const double x = uniform(0.03);
+    return Vec3(turn * Vec3(x, uniform(0.03), 1.2 * kCrowdRadius));
+  };
+  Vec3 device = above();
+  method->reset(device);
+  int carried = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Vec3 goal = above();
+    const Vec3 motion = (goal - device) / 8.0;
+    // The device goes on while its motion is carried.
+    for (int k = 0; k < 64 && (k < 8 || method->carried_from()); ++k) {
+      if (k < 8) device += motion;
+      const bool is_carried = method->carried_from().has_value();
+      const std::uint64_t flights = proxy.sphere().flights();
+      (void)method->step({.p_SD = device});
+      carried += is_carried ? 1 : 0;
+      EXPECT_LE(proxy.sphere().flights() - flights, is_carried ? 0U : 1U) << i << ", " << k;
+    }
+    EXPECT_FALSE(method->carried_from()) << i;
+  }
+  RecordProperty("carried", carried);
+  EXPECT_GT(carried, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, OverSlantedTriangles, testing::Values(1U, 2U));
 
 }  // namespace
 }  // namespace hapton

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/force/step_work.h"
 #include "core/geometry/mesh_shapes.h"
@@ -116,6 +120,124 @@ TEST(StraightSweep, TrianglesInTheBoxButFarFromTheProbeCostNothing) {
   stage.sweep.start(stage.proxy.position, motion);
   ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMost), StraightSweep::End::free);
   EXPECT_LE(work, 160);
+}
+
+// Small triangles across the directions around z, at about that distance from the origin.
+class StraightSweepOnACap : public testing::TestWithParam<unsigned> {
+ protected:
+  static constexpr std::size_t kCount = 60;  // more than there are contacts
+  static constexpr double kRadius_m = 0.05;
+
+  StraightSweepOnACap() : random_(GetParam()) { RecordProperty("seed", std::to_string(GetParam())); }
+  // slack_m: they are nearer by up to that.
+  TriangleMesh cap(double slack_m) {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < kCount; ++i) {
+      const double x = unit(random_);
+      const double y = unit(random_);
+      const Vec3 out = Vec3(x, y, 1.5).normalized();
+      const Vec3 along = out.unitOrthogonal();
+      const Vec3 at = (kRadius_m - slack_m * (0.5 + 0.5 * unit(random_))) * out;
+      mesh.vertices.insert(mesh.vertices.end(),
+                           {at - 1e-4 * along - 1e-4 * out.cross(along), at + 1e-4 * along, at + 1e-4 * out.cross(along)});
+      mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return mesh;
+  }
+  static std::vector<std::uint32_t> sorted(std::vector<std::pair<double, std::uint32_t>> by, std::size_t most) {
+    std::sort(by.begin(), by.end());
+    std::vector<std::uint32_t> triangles;
+    for (std::size_t i = 0; i < std::min(most, by.size()); ++i) triangles.push_back(by[i].second);
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
+  }
+
+  std::mt19937_64 random_;
+};
+
+TEST_P(StraightSweepOnACap, OfManyThatItOverlapsItIsBlockedByThoseItComesNearerToFastest) {
+  StraightStage stage(cap(1e-3), kRadius_m);
+  const Vec3 from = stage.geometry.to_local(Vec3::Zero());
+  const Vec3 motion(0.01, 0.02, 0.1);
+  stage.proxy.settle_at(from);
+  stage.sweep.start(from, motion);
+  int work = 0;
+  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMost), StraightSweep::End::stopped);
+  EXPECT_EQ(stage.sweep.time(), 0.0);
+  std::vector<std::pair<double, std::uint32_t>> rates;
+  for (std::uint32_t t = 0; t < kCount; ++t) rates.emplace_back(stage.geometry.separation(t, from).normal.dot(motion), t);
+  std::vector<std::uint32_t> found;
+  for (const StraightSweep::Blocker& blocker : stage.sweep.blockers()) found.push_back(blocker.triangle);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, sorted(rates, ProxyState::kMostContacts));
+}
+
+TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreFixed) {
+  StraightStage stage(cap(1e-3), kRadius_m);
+  const Vec3 from = stage.geometry.to_local(Vec3::Zero());
+  std::vector<std::pair<double, std::uint32_t>> distances;
+  for (std::uint32_t t = 0; t < kCount; ++t) distances.emplace_back(stage.geometry.separation(t, from).distance, t);
+  std::sort(distances.begin(), distances.end());
+  for (const int fixed : {0, 3}) {
+    stage.proxy = ProxyState();
+    stage.proxy.settle_at(from);
+    for (int i = 0; i < fixed; ++i) {  // the farthest
+      const std::uint32_t triangle = distances[distances.size() - 1 - static_cast<std::size_t>(i)].second;
+      ProxyContact& contact = stage.proxy.contacts[static_cast<std::size_t>(stage.proxy.contact_count++)];
+      contact = {.triangle = triangle, .shape = stage.surfaces.shape_of(triangle), .separation = stage.geometry.separation(triangle, from)};
+    }
+    std::vector<std::uint32_t> expected = sorted(distances, static_cast<std::size_t>(ProxyState::kMostContacts - fixed));
+    for (int i = 0; i < fixed; ++i) expected.push_back(stage.proxy.contacts[static_cast<std::size_t>(i)].triangle);
+    std::sort(expected.begin(), expected.end());
+    stage.sweep.drop();
+    stage.sweep.start(from, Vec3::Zero());
+    int work = 0;
+    (void)stage.sweep.go_on(stage.proxy, stage.keep, fixed, work, StepWork::kMost);
+    ASSERT_EQ(stage.proxy.contact_count, ProxyState::kMostContacts);
+    std::vector<std::uint32_t> found;
+    for (const ProxyContact& contact : stage.proxy.contacts) found.push_back(contact.triangle);
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, expected) << fixed << " fixed";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, StraightSweepOnACap, testing::Values(1U, 2U, 3U));
+
+// Along a motion among thousands of triangles, each call that has searched a piece goes there: only before the first piece is found free
+// does the probe wait.
+TEST_P(StraightSweepAmongMany, OutOfWorkItGoesAsFarAsItHasSearched) {
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::mt19937_64 random(GetParam());
+  constexpr double kRadius_m = 0.004;
+  TriangleMesh tube;  // around the x axis
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (std::uint32_t t = 0; t < 20000; ++t) {
+    const double angle = 3.15 * unit(random);
+    const Vec3 out(0.0, std::cos(angle), std::sin(angle));
+    const Vec3 at = 0.05 * unit(random) * Vec3::UnitX() + 1.05 * kRadius_m * out;
+    tube.vertices.insert(tube.vertices.end(), {at, at + 1e-4 * Vec3::UnitX(), at + 1e-4 * Vec3::UnitX().cross(out)});
+    tube.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  StraightStage stage(tube, kRadius_m);
+  const Vec3 from = stage.geometry.to_local(Vec3(-0.04, 0.0, 0.0));
+  const Vec3 motion = stage.geometry.to_local(Vec3(0.04, 0.0, 0.0)) - from;
+  stage.proxy.settle_at(from);
+  stage.sweep.start(from, motion);
+  for (int call = 0, searched = 0;; ++call) {
+    ASSERT_LT(call, 1000) << "the probe waits";
+    int work = 0;
+    const auto end = stage.sweep.go_on(stage.proxy, stage.keep, 0, work, 100);
+    searched += work;
+    if (end == StraightSweep::End::interrupted) continue;
+    ASSERT_EQ(end, StraightSweep::End::stopped);
+    EXPECT_TRUE(stage.sweep.blockers().empty());
+    EXPECT_GT(stage.sweep.time(), 0.0);
+    EXPECT_LT(stage.sweep.time(), 1.0);
+    EXPECT_LT(searched, 2000) << "of about 20,000 along the whole motion";
+    RecordProperty("searched", searched);
+    break;
+  }
 }
 
 }  // namespace

@@ -202,6 +202,7 @@ TEST(SphereFollower, TakesOverACentreInContactAndNoneThatIsTooNear) {
   const double short_by = 0x1p-36;
   const Vec3 place = stage.geometry.to_local({0.1, 0.2, kOffset});
   ASSERT_TRUE(stage.follower->start(place - 0.5 * short_by * Vec3::UnitZ(), false, short_by));
+  EXPECT_GE(stage.follower->work(), 2) << "it gathers and lifts";
   EXPECT_TRUE(stage.follower->is_tracking());
   stage.device = place;
   ASSERT_EQ(stage.move({0.12, 0.2, -0.1}), Outcome::settled);

@@ -189,6 +189,24 @@ TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
   EXPECT_LT(std::hypot(off.x(), off.y()), 1e-9) << "the contact offset adds 1e-10 to the depth";
 }
 
+// The device passes along an edge, so little within the sphere's reach that the lag is a billionth of the motion.
+TEST(SphereFollowerWithFriction, AMotionAlongAnEdgeThatIsOnlyJustTouchedIsLeftToSweeps) {
+  constexpr double kShallowDepth = 1e-9;
+  TriangleMesh fin;
+  fin.vertices = {{-1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.0, -1.0}};
+  fin.triangles = {{0, 1, 2}};
+  Stage stage(fin, kOffset, kRubs);
+  stage.put({-0.9, 0.0, 1.5 * kOffset});
+  ASSERT_EQ(stage.move({-0.9, 0.0, kOffset - kShallowDepth}), Outcome::settled);
+  const std::uint64_t events = stage.follower->events();
+  double time = 0.0;
+  Outcome outcome = Outcome::exhausted;
+  for (int i = 0; i < 1000 && outcome == Outcome::exhausted; ++i)
+    outcome = stage.follower->follow(stage.device, stage.geometry.to_local({0.9, 1e-3 * kShallowDepth, kOffset - kShallowDepth}), time);
+  EXPECT_EQ(outcome, Outcome::failed);
+  EXPECT_LE(stage.follower->events() - events, 300U);
+}
+
 TEST(SphereFollowerWithFriction, UsesNoHeap) {
   Stage stage(made::sphere(0.4, 16, 0.05), 0.03, kRubs);
   Wanderer wanderer(7);
