@@ -45,6 +45,9 @@ class UdpEndpointTest : public testing::Test {
 
 // Boost's context throws when it gets no descriptor: at eight of them io_node aborted.
 TEST(UdpEndpointLimits, TooFewDescriptorsAreOneClearLine) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "sanitizers need descriptors of their own to look at an exception";
+#endif
   rlimit before = {};
   ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
   const int next = ::dup(0);

@@ -181,7 +181,7 @@ TEST(PatchChain, AbsurdMovesGiveFiniteForces) {
     if (n % 10 == 0) {
       ObjectMove move{.source = 9, .serial = n, .object = n % 50 == 0 ? 7 : kPlatform};
       move.start_ns = static_cast<std::int64_t>(random() >> (1 + n % 60));
-      move.end_ns = move.start_ns + static_cast<std::int64_t>(random() >> (2 + n % 60));
+      move.end_ns = static_cast<std::int64_t>(static_cast<std::uint64_t>(move.start_ns) + (random() >> (2 + n % 60)));
       if (move.end_ns < move.start_ns) move.end_ns = move.start_ns;
       move.from_p_m = Vec3(any(random), any(random), any(random));
       move.to_p_m = n % 20 == 0 ? Vec3(any(random), any(random), any(random)) : Vec3(0.03, 0.0, 0.003);
