@@ -75,13 +75,13 @@ TEST_F(HaptonCommandTest, ReplayOfAToolHasTheDampingOfTheScene) {
          "f 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
   std::ofstream trajectory(folder_ / "tool.csv");
   trajectory << "t_s,x_m,y_m,z_m\n";
-  for (int n = 0; n < 200; ++n) trajectory << fmt::format("{},0.003,0.003,{}\n", 1e-3 * n, -0.02 + 1e-4 * n);
+  for (int n = 0; n < 270; ++n) trajectory << fmt::format("{},0.003,0.003,{}\n", 1e-3 * n, -0.02 + 1e-4 * n);
   trajectory.close();
   std::vector<double> forces_n;
   for (const char* damping : {"0", "2"}) {
-    std::ofstream(folder_ / "tool.toml")
-        << "[[object]]\nname = \"block\"\nmesh = \"t.obj\"\nunit = \"mm\"\nstiffness_n_per_m = 500\ndamping_ns_per_m = " << damping
-        << "\n[tool]\nmesh = \"cube.obj\"\nunit = \"mm\"\n";
+    std::ofstream(folder_ / "tool.toml") << "[[object]]\nname = \"block\"\nmesh = \"t.obj\"\nunit = \"mm\"\nmaterial = \"oil\"\n"
+                                            "[material.oil]\nstiffness_n_per_m = 500\ndamping_ns_per_m = "
+                                         << damping << "\n[tool]\nmesh = \"cube.obj\"\nunit = \"mm\"\n";
     const CommandRun run = run_hapton({"replay", "--scene", path("tool.toml"), "--trajectory", path("tool.csv"), "--out", path("r.csv")});
     ASSERT_EQ(run.code, 0) << run.err;
     forces_n.push_back(last_tool_force_n(path("r.csv")));
