@@ -14,7 +14,7 @@ constexpr double kLargestTurn = 0.5;             // rad in a round: bounds are g
 constexpr double kLargestTilt = 0.05;            // rad: of what may become a minimum in a round
 constexpr int kMostCorrections = 3;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
-constexpr std::size_t kMostFollowed = 96;    // with more, most of them are behind the tool: a new search is shorter
+constexpr std::size_t kMostFollowed = 96;    // or twice as many as a search found: with more, most of them are behind the tool
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 constexpr double kShrinkage = 0.125;
 // Pairs that a round begins with: within a share of its reach.
@@ -272,6 +272,24 @@ void ToolProxy::return_to_best() noexcept {
   contacts_ = best_contacts_;
 }
 
+bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, double tried, RigidMotion& motion) noexcept {
+  for (int k = 0; k < kMostExtensions && !(std::isfinite(reach) && is_at_rest()); ++k) {
+    note_known();
+    const bool is_last = k + 1 == kMostExtensions;
+    const double length = motion.length(radius());
+    const bool is_part = length > 2.0 * tried && !is_last;
+    if (!extend(is_part ? motion.scaled(tried / length) : motion, kOffset)) return false;
+    if (is_crossed(motion) && !is_last) {
+      motion = constrain(wanted, reach);
+    } else if (is_part) {
+      tried *= kGrowth;
+    } else {
+      break;
+    }
+  }
+  return true;
+}
+
 // True if there is more to do.
 bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const RigidMotion wanted = wanted_motion(device);
@@ -296,17 +314,13 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const double turn = std::min(2.0 * reach / radius, kLargestTilt);
   if (std::exchange(follows_, false)) {
     follow(proxy_, turn);
-  } else if (!collect(proxy_, kNearShare * reach + kNear * kOffset, turn)) {
+  } else if (collect(proxy_, kNearShare * reach + kNear * kOffset, turn)) {
+    most_followed_ = std::max(kMostFollowed, 2 * feature_count());
+  } else {
     return shorten();
   }
   RigidMotion motion = constrain(wanted, reach);
-  // Pairs that this motion brings together are added, until it crosses none.
-  for (int k = 0; !is_at_rest() && k < kMostExtensions; ++k) {
-    note_known();
-    if (!extend(motion, kOffset)) return shorten();
-    if (k + 1 == kMostExtensions || !is_crossed(motion)) break;
-    motion = constrain(wanted, reach);
-  }
+  if (!extend_until_clear(wanted, reach, tried_, motion)) return shorten();
   report.feature_count = std::max(report.feature_count, feature_count());
   note_contacts(report);
   if (is_at_rest()) return false;
@@ -327,7 +341,8 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     return false;
   }
   proxy_ = motion.at(share);
-  follows_ = feature_count() <= kMostFollowed;
+  follows_ = feature_count() <= most_followed_;
+  tried_ = std::max(tried_, share * length);
   if (share >= 1.0 && length >= 0.99 * reach && feature_count() < kManyFeatures) reach_ *= kGrowth;
   return true;
 }
@@ -382,15 +397,10 @@ bool ToolProxy::is_squeezed_by(const RigidMotion& motion) const noexcept {
 }
 
 bool ToolProxy::find_push(RigidMotion& motion) noexcept {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
   const RigidMotion still{proxy_};
-  motion = constrain(still, std::numeric_limits<double>::infinity());
-  for (int k = 0; k < kMostExtensions; ++k) {
-    note_known();
-    if (!extend(motion, kOffset)) return false;
-    if (k + 1 == kMostExtensions || !is_crossed(motion)) break;
-    motion = constrain(still, std::numeric_limits<double>::infinity());
-  }
-  return !is_squeezed_by(motion);
+  motion = constrain(still, kAny);
+  return extend_until_clear(still, kAny, kAny, motion) && !is_squeezed_by(motion);
 }
 
 double ToolProxy::carry_round(double length) noexcept {
@@ -475,6 +485,7 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
       1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +
       16.0 * kOffset;
   if (contacts_.count == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
+  tried_ = reach_;
   last_ = proxy_;
   progress_.restart();
   follows_ = false;

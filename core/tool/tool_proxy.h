@@ -131,6 +131,10 @@ class ToolProxy {
   bool solve(const Vec6& goal, LeastMotion& least) noexcept;
   RigidMotion constrain(const RigidMotion& wanted, double reach) noexcept;
   bool correct_bounds(const RigidMotion& motion) noexcept;
+  // Adds the pairs that the motion brings together, and finds it again, until it crosses none. False if there are more than fit.
+  // A motion far longer than `tried` is likely to cross one early, and may come near very many later on: its beginning is searched first.
+  // Ends early if the tool is at rest, unless the reach is infinite.
+  bool extend_until_clear(const RigidMotion& wanted, double reach, double tried, RigidMotion& motion) noexcept;
   bool is_at_rest() const noexcept;  // the contacts let the proxy get no nearer to the device
   void note_known() noexcept;        // the features that is_crossed leaves out
   bool is_crossed(const RigidMotion& motion) const noexcept;
@@ -158,7 +162,9 @@ class ToolProxy {
   Placement proxy_;
   Placement last_;      // the proxy before the last step
   double reach_ = 0.0;  // no point of the tool moves farther in a round
+  double tried_ = 0.0;  // the reach that this step began with, or the longest motion that it has made
   bool is_blocked_ = true;
+  std::size_t most_followed_ = 0;    // with more pairs the next round searches again
   bool follows_ = false;             // the next round begins with the pairs of this one, which has made the motion of the last extend
   std::vector<MotionBound> bounds_;  // of the minima of the distance
   std::vector<BoundPair> bound_pairs_;

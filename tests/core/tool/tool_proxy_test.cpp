@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
@@ -104,7 +105,44 @@ TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
   EXPECT_LT(most, ToolProxy::kMostRounds);
 }
 
-// A plate that left a contact was put where the device is, though the bounds of its long and turning motion had bent it: through a bump.
+// A tool that was nearly at rest is moved far along the surface: one search found up to 4,093 pairs along a motion that crossed the surface
+// at its beginning.
+TEST(ToolProxy, ALongMotionIsSearchedFromItsBeginning) {
+  constexpr unsigned kSeed = 5;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  const TriangleMesh ball = make_bumpy_sphere(0.3, 0.02, 20000, 5);
+  const TriangleMesh knob = make_bumpy_sphere(0.1, 0.02, 2000, 7);
+  const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball}};
+  const ObjectGeometry tool(knob, {Vec3::Zero(), scene.unit_m()});
+  ToolProxy proxy(tool, scene, 0.2);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const auto draw = [&] {
+    const double z = uniform(random);
+    const double y = uniform(random);
+    return Vec3(uniform(random), y, z);
+  };
+  int touching = 0;
+  std::size_t most = 0;
+  for (int walk = 0; walk < 40; ++walk) {
+    constexpr std::array<double, 4> kHops = {0.002, 0.005, 0.01, 0.02};
+    Vec3 at = draw().normalized();
+    Placement device{0.45 * at, turn_by(draw())};
+    proxy.reset(device);
+    for (int n = 0; n < 60; ++n) {
+      device.position = (0.3 + 0.1 + 0.05 - std::min(0.08, 0.02 * n)) * at;
+      const ToolProxyStep step = proxy.step(device);
+      if (n > 10 && !proxy.contacts().empty()) {
+        ++touching;
+        most = std::max(most, step.feature_count);
+      }
+      if (n > 8 && n % 4 == 0) at = (at + kHops[walk / 10] * draw()).normalized();
+    }
+  }
+  EXPECT_GT(touching, 1000);
+  EXPECT_LT(most, 1000U);
+}
+
 TEST(ToolProxy, APlateThatLeavesAContactFastStaysOut) {
   constexpr unsigned kSeed = 4245;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
