@@ -9,9 +9,8 @@ namespace hapton {
 namespace {
 
 constexpr double kOffset = ToolProxy::kContactOffset;
-constexpr double kTolerance = kOffset * 0x1p-7;  // of a bound
-constexpr double kLargestTurn = 0.5;             // rad in a round: bounds are good for small ones
-constexpr double kLargestTilt = 0.05;            // rad: of what may become a minimum in a round
+constexpr double kLargestTurn = 0.5;   // rad in a round: bounds are good for small ones
+constexpr double kLargestTilt = 0.05;  // rad: of what may become a minimum in a round
 constexpr int kMostCorrections = 3;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
 constexpr std::size_t kMostFollowed = 96;    // or twice as many as a search found: with more, most of them are behind the tool
@@ -345,40 +344,6 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   tried_ = std::max(tried_, share * length);
   if (share >= 1.0 && length >= 0.99 * reach && feature_count() < kManyFeatures) reach_ *= kGrowth;
   return true;
-}
-
-void ToolProxy::find_local_contacts(double reach, LocalContacts& local) noexcept {
-  local.count = 0;
-  local.is_blocked = is_blocked_;
-  local.proxy = proxy_;
-  local.inverse_root = energy_.inverse_root();
-  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / energy_.turn_length());
-  local.stiffness << Vec3::Ones(), Vec3::Constant(energy_.turn_length() * energy_.turn_length());
-  local.tolerance = kTolerance;
-  local.is_held = false;
-  if (is_blocked_) return;
-  while (!collect(proxy_, reach + kOffset, std::min(2.0 * reach / radius(), kLargestTilt))) {
-    reach *= kShrinkage;
-    local.is_held = reach < kOffset;
-    if (local.is_held) return;
-  }
-  for (std::size_t p = 0; p < parts_.size(); ++p) {
-    const ScenePart& part = *parts_[p];
-    for (const NearFeature& near : part.near().features()) {
-      if (!near.is_minimum) continue;
-      Vec6 row;
-      row << part.direction(near.gap.normal), part.direction(near.gap.on_tool.cross(near.gap.normal));
-      const std::uint32_t object = part.near().object_of(near.pair);
-      LocalContact contact{.arm = part.direction(near.gap.on_tool), .friction = part.friction_of(object), .object = object};
-      if (part.moves()) {
-        contact.part = static_cast<int>(p);
-        contact.point = part.point(near.gap.on_scene);
-        contact.anchor = part.target().inverse().at(contact.point);
-        contact.found_least = kOffset - near.gap.distance;
-      }
-      local.add({row, kOffset - near.gap.distance}, contact);
-    }
-  }
 }
 
 // A part that moves would come nearer than the offset, or than it is: the tool has no room.

@@ -61,9 +61,10 @@ class ToolProxy {
  public:
   // Local units, where the scene's diagonal is 1 to 2: 0.5 to 1 um in a scene of a metre. Far above the rounding of a distance, 2^-50.
   static constexpr double kContactOffset = 0x1p-20;
-  static constexpr double kFloor = 0.75;      // of the offset: no pair comes nearer by a motion
-  static constexpr double kLeastGap = 0.5;    // of the offset: where the proxy may be
-  static constexpr double kConverged = 0.25;  // of the offset
+  static constexpr double kTolerance = kContactOffset * 0x1p-7;  // of a bound
+  static constexpr double kFloor = 0.75;                         // of the offset: no pair comes nearer by a motion
+  static constexpr double kLeastGap = 0.5;                       // of the offset: where the proxy may be
+  static constexpr double kConverged = 0.25;                     // of the offset
   static constexpr int kMostRounds = 24;
   static constexpr int kMostCarries = 16;   // rounds in which all parts move, and as many for each part that was kept back
   static constexpr double kCatchUp = 64.0;  // offsets a step, beyond twice the part's own motion
@@ -96,8 +97,9 @@ class ToolProxy {
   // The reach for find_local_contacts; `moved`: how far the device has moved since the last call. At the same speed the device stays within
   // it until the next call, unless radius() / 64 limits it. A longer reach would find contacts earlier, but the search would take longer.
   double local_reach(double moved) const { return std::min(std::max(64.0 * kContactOffset, 2.0 * moved), radius() / 64.0); }
-  // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now.
-  void find_local_contacts(double reach, LocalContacts& local) noexcept;
+  // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now. If that is more than fits, what
+  // holds it with the device there (contact_choice.h), and the nearest.
+  void find_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept;
   // Of the last step.
   std::span<const ToolContact> contacts() const { return {contacts_.all.data(), static_cast<std::size_t>(contacts_.count)}; }
 
@@ -148,6 +150,10 @@ class ToolProxy {
   // Moves the parts that are aimed, no farther than `length` past the tool, and it out of their way. Returns the share that was made.
   double carry_round(double length) noexcept;
   bool find_push(RigidMotion& motion) noexcept;  // false: there is no room
+  void find_minima() noexcept;
+  MotionBound local_bound(const BoundPair& pair) const noexcept;
+  LocalContact local_contact(const BoundPair& pair) const noexcept;
+  void choose_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept;
   bool is_squeezed_by(const RigidMotion& motion) const noexcept;
 
   struct Contacts {

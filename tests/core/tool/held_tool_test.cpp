@@ -68,6 +68,34 @@ Difference compare(int every) {
   return difference;
 }
 
+// On a fine mesh a flat face has far more contacts than the local set holds. The nearest of them alone would let the tool tilt.
+TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
+  const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 3);
+  for (const int cells : {40, 100}) {  // up to 1,200 vertices below the box
+    const TriangleMesh scene = make_plane_grid(0.06, cells);
+    const auto whole = held_step(tool, scene);
+    HeldTool held(held_step(tool, scene));
+    int contacts = 0;
+    for (int n = 0; n < 300; ++n) {
+      const double t = 1e-3 * n;
+      const ToolInput input = input_at({0.004 * std::sin(7.0 * t), 0.003 * std::sin(5.0 * t), 0.0115 - std::min(t * 0.05, 0.004)},
+                                       {0.05 * std::sin(9.0 * t), 0.04 * std::sin(8.0 * t), 0.5 * t});
+      if (n == 0) whole->reset(input);
+      const ToolOutput expected = whole->step(input);
+      if (n % 5 == 0) {
+        held.step(input, n * kTickNs);
+        held.follow();
+      }
+      const ToolOutput felt = held.step(input, n * kTickNs);
+      if (n < 60) continue;
+      EXPECT_LT((felt.force_n - expected.force_n).norm(), 1e-4) << cells << " cells, sample " << n;
+      EXPECT_LT((felt.torque_nm - expected.torque_nm).norm(), 1e-5) << cells << " cells, sample " << n;
+      contacts += felt.contact ? 1 : 0;
+    }
+    EXPECT_GT(contacts, 200);
+  }
+}
+
 TEST(HeldTool, FeelsWhatTheWholeStepFeels) {
   const Difference each = compare(1);
   EXPECT_GT(each.contacts, 1000);

@@ -17,9 +17,9 @@ Box box_at(const ObjectGeometry& surface, std::uint32_t t, const Placement& at) 
 }
 
 TEST(NearPairs, FindsEveryPairThatABruteForceSearchFinds) {
-  constexpr unsigned kSeed = 31;
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
-  std::mt19937_64 random(kSeed);
+  constexpr unsigned kPairsSeed = 31;
+  SCOPED_TRACE(testing::Message() << "seed " << kPairsSeed);
+  std::mt19937_64 random(kPairsSeed);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 3);
   const TriangleMesh box = scaled_and_moved(make_box({0.4, 0.2, 0.3}, 3), 1.0, {0.5, 0.0, 0.0});

@@ -1,0 +1,97 @@
+// What a tool touches or is about to touch, for the fast task.
+#include <algorithm>
+
+#include "core/tool/contact_choice.h"
+#include "core/tool/tool_proxy.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kMostTilt = 0.05;  // rad: of what may become a minimum
+
+}  // namespace
+
+void ToolProxy::find_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept {
+  constexpr double kShorter = 0.125;
+  local.count = 0;
+  local.is_blocked = is_blocked_;
+  local.proxy = proxy_;
+  local.inverse_root = energy_.inverse_root();
+  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / energy_.turn_length());
+  local.stiffness << Vec3::Ones(), Vec3::Constant(energy_.turn_length() * energy_.turn_length());
+  local.tolerance = kTolerance;
+  local.is_held = false;
+  if (is_blocked_) return;
+  while (!collect(proxy_, reach + kContactOffset, std::min(2.0 * reach / radius(), kMostTilt))) {
+    reach *= kShorter;
+    local.is_held = reach < kContactOffset;
+    if (local.is_held) return;
+  }
+  find_minima();
+  if (bound_count_ <= LocalContacts::kMost) {
+    for (std::size_t i = 0; i < bound_count_; ++i) local.add(bounds_[i], local_contact(bound_pairs_[i]));
+    return;
+  }
+  choose_local_contacts(device, reach, local);
+}
+
+// All minima of the distance that collect has found, as bounds of shift and turn.
+void ToolProxy::find_minima() noexcept {
+  bound_count_ = 0;
+  for (std::uint32_t p = 0; p < parts_.size(); ++p) {
+    const auto features = parts_[p]->near().features();
+    for (std::uint32_t f = 0; f < features.size(); ++f) {
+      if (!features[f].is_minimum) continue;
+      bounds_[bound_count_] = local_bound({p, f});
+      bound_pairs_[bound_count_++] = {p, f};
+    }
+  }
+}
+
+MotionBound ToolProxy::local_bound(const BoundPair& pair) const noexcept {
+  const ScenePart& part = *parts_[pair.part];
+  const NearFeature& near = near_of(pair);
+  MotionBound bound{.least = kContactOffset - near.gap.distance};
+  bound.row << part.direction(near.gap.normal), part.direction(near.gap.on_tool.cross(near.gap.normal));
+  return bound;
+}
+
+LocalContact ToolProxy::local_contact(const BoundPair& pair) const noexcept {
+  const ScenePart& part = *parts_[pair.part];
+  const NearFeature& near = near_of(pair);
+  const std::uint32_t object = part.near().object_of(near.pair);
+  LocalContact contact{.arm = part.direction(near.gap.on_tool), .friction = part.friction_of(object), .object = object};
+  if (part.moves()) {
+    contact.part = static_cast<int>(pair.part);
+    contact.point = part.point(near.gap.on_scene);
+    contact.anchor = part.target().inverse().at(contact.point);
+    contact.found_least = kContactOffset - near.gap.distance;
+  }
+  return contact;
+}
+
+// Of more than fit, those that hold the tool while the device is where it is, and while it shifts or turns a reach farther in any
+// direction.
+void ToolProxy::choose_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept {
+  std::array<Vec6, 13> goals;
+  Vec6 wanted;
+  wanted << device.position - proxy_.position, turn_between(proxy_.orientation, device.orientation);
+  for (std::size_t g = 0; g < goals.size(); ++g) {
+    Vec6 farther = wanted;
+    if (g > 0) {
+      const auto axis = static_cast<int>(g - 1) / 2;
+      const double length = axis < 3 ? reach : reach / radius();
+      farther[axis] += g % 2 == 1 ? length : -length;
+    }
+    goals[g] = local.inverse_root.transpose() * local.stiffness.cwiseProduct(farther);
+  }
+  for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].row = energy_.to_row(bounds_[i].row);
+  std::array<std::uint32_t, LocalContacts::kMost> chosen;
+  const std::size_t count = choose_contacts({bounds_.data(), bound_count_}, goals, kTolerance, chosen);
+  for (std::size_t i = 0; i < count; ++i) {
+    const BoundPair& pair = bound_pairs_[chosen[i]];
+    local.add(local_bound(pair), local_contact(pair));
+  }
+}
+
+}  // namespace hapton
