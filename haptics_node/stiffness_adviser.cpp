@@ -91,6 +91,7 @@ void StiffnessAdviser::run() {
                              .damping_ns_per_m = if_risen(before.damping_ns_per_m, now.damping_ns_per_m),
                              .viscosity_ns_per_m = if_risen(before.viscosity_ns_per_m, now.viscosity_ns_per_m)};
     if (risen.any()) advise(considered_, risen);
+    looks_.fetch_add(1, std::memory_order_release);
     std::this_thread::sleep_for(kPeriod);
   }
 }

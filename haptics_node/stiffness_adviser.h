@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <thread>
@@ -47,6 +48,8 @@ class StiffnessAdviser {
   void note(const LoopFacts& facts) noexcept { facts_.publish(facts); }
   // The materials of the scene have changed. Threads: any.
   void set_gains(const LargestGains& gains) noexcept;
+  // How often its thread has looked for new facts and gains, and said what it had to. Threads: any.
+  std::uint64_t looks() const noexcept { return looks_.load(std::memory_order_acquire); }
 
  private:
   void run();
@@ -61,6 +64,7 @@ class StiffnessAdviser {
   Mailbox<LoopFacts> facts_;
   LoopFacts considered_;           // of the last advice; used by its own thread alone
   LargestGains considered_gains_;  // then; the same
+  std::atomic<std::uint64_t> looks_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

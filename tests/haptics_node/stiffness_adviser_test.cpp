@@ -19,6 +19,16 @@ namespace {
 
 constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F};
 
+// Until it has looked once from beginning to end.
+void wait_for(const StiffnessAdviser& adviser) {
+  const std::uint64_t before = adviser.looks();
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+  while (adviser.looks() < before + 2) {
+    ASSERT_LT(std::chrono::steady_clock::now(), deadline);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
 // What an adviser logs of these facts.
 std::string log_of(const LargestGains& gains, const std::vector<LoopFacts>& facts) {
   testing::internal::CaptureStderr();
@@ -27,7 +37,7 @@ std::string log_of(const LargestGains& gains, const std::vector<LoopFacts>& fact
     StiffnessAdviser adviser(gains);
     for (const LoopFacts& one : facts) {
       adviser.note(one);
-      std::this_thread::sleep_for(std::chrono::milliseconds(600));
+      wait_for(adviser);
     }
   }
   return testing::internal::GetCapturedStderr();
@@ -97,12 +107,11 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooStiff) {
   {
     start_log("haptics_node");
     StiffnessAdviser adviser({.stiffness_n_per_m = 0.5 * safe_n_per_m});
-    const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(600)); };
     adviser.note(kSimulated);
-    wait();
+    wait_for(adviser);
     for (const double share : {0.9, 1.5, 1.5, 0.5}) {
       adviser.set_gains({.stiffness_n_per_m = share * safe_n_per_m});
-      wait();
+      wait_for(adviser);
     }
   }
   const std::string log = testing::internal::GetCapturedStderr();
@@ -157,12 +166,11 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooDamped) {
     start_log("haptics_node");
     const double stiffness_n_per_m = 2.0 * advice.safe_n_per_m;
     StiffnessAdviser adviser({.stiffness_n_per_m = stiffness_n_per_m});
-    const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(600)); };
     adviser.note(kSimulated);
-    wait();
+    wait_for(adviser);
     for (const double share : {0.9, 1.5, 0.5}) {
       adviser.set_gains({.stiffness_n_per_m = stiffness_n_per_m, .damping_ns_per_m = share * advice.damping_ns_per_m});
-      wait();
+      wait_for(adviser);
     }
   }
   const std::string log = testing::internal::GetCapturedStderr();
