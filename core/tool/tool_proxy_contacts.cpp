@@ -70,8 +70,8 @@ LocalContact ToolProxy::local_contact(const BoundPair& pair) const noexcept {
   return contact;
 }
 
-// Of more than fit, those that hold the tool while the device is where it is, and while it shifts or turns a reach farther in any
-// direction.
+// Of more than fit, those that hold the tool while the device is where it is, and while it shifts or turns a reach farther along
+// or about an axis.
 void ToolProxy::choose_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept {
   std::array<Vec6, 13> goals;
   Vec6 wanted;

@@ -147,7 +147,7 @@ class ProxyMethod final : public ForceMethod {
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
   bool unconverged_ = false;          // the last step ran out of work
-  bool sweeps_finish_ = false;        // a flight among too many triangles has given up: in this motion none starts again
+  bool sweeps_finish_ = false;        // a flight among too many triangles has given up: none starts again while the sphere touches nothing
   int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;
 };
