@@ -9,13 +9,11 @@ namespace hapton {
 namespace {
 
 constexpr double kOffset = ToolProxy::kContactOffset;
-constexpr double kLargestTurn = 0.5;   // rad in a round: bounds are good for small ones
-constexpr double kLargestTilt = 0.05;  // rad: of what may become a minimum in a round
+constexpr double kLargestTurn = 0.5;  // rad in a round: bounds are good for small ones
 constexpr int kMostCorrections = 3;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
 constexpr std::size_t kMostFollowed = 96;    // or twice as many as a search found: with more, most of them are behind the tool
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
-constexpr double kShrinkage = 0.125;
 // Pairs that a round begins with: within a share of its reach.
 constexpr double kNearShare = 0x1p-7;
 constexpr double kNear = 8.0;  // and offsets

@@ -106,6 +106,9 @@ class ToolProxy {
  private:
   ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team);
 
+  static constexpr double kLargestTilt = 0.05;  // rad: of what may become a minimum in a round
+  static constexpr double kShrinkage = 0.125;   // of a reach within which there are more pairs than fit
+
   using Parts = std::vector<std::unique_ptr<ScenePart>>;
 
   struct BoundPair {

@@ -5,14 +5,8 @@
 #include "core/tool/tool_proxy.h"
 
 namespace hapton {
-namespace {
-
-constexpr double kMostTilt = 0.05;  // rad: of what may become a minimum
-
-}  // namespace
 
 void ToolProxy::find_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept {
-  constexpr double kShorter = 0.125;
   local.count = 0;
   local.is_blocked = is_blocked_;
   local.proxy = proxy_;
@@ -22,8 +16,8 @@ void ToolProxy::find_local_contacts(const Placement& device, double reach, Local
   local.tolerance = kTolerance;
   local.is_held = false;
   if (is_blocked_) return;
-  while (!collect(proxy_, reach + kContactOffset, std::min(2.0 * reach / radius(), kMostTilt))) {
-    reach *= kShorter;
+  while (!collect(proxy_, reach + kContactOffset, std::min(2.0 * reach / radius(), kLargestTilt))) {
+    reach *= kShrinkage;
     local.is_held = reach < kContactOffset;
     if (local.is_held) return;
   }

@@ -79,9 +79,8 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     ++counters_.motions;
     ConstrainedMotion constrained = next_motion(proxy, goal);
     if (proxy.contact_count == ProxyState::kMostContacts) fix_active(proxy, constrained, goal);
-    const double shortest = least_motion + kNormalError * distance;
     const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, device);
-    if (motion.norm() <= shortest) {
+    if (motion.norm() <= least_motion + kNormalError * distance) {
       if (is_blind(proxy)) {
         if (advance(proxy, Vec3::Zero()) == End::interrupted) return false;
         continue;
