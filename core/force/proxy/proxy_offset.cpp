@@ -18,7 +18,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   const SphereFollower::Outcome outcome = sphere_.follow(last, device, time, work_left_);
   work_left_ -= sphere_.work();
   if (outcome == SphereFollower::Outcome::failed) {
-    sweeps_finish_ = sphere_.has_given_up_flight();
+    sweeps_finish_ |= sphere_.has_given_up_flight();
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     sphere_.stop_tracking();
     active_offset_ = kContactOffset;
