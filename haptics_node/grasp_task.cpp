@@ -37,7 +37,7 @@ std::vector<bool> list_movable(const Scene& scene) {
   return movable;
 }
 
-GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
+GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, const MaterialTuner& tuner,
                      MethodBuilder& builder, const Clock& clock)
     : options_(std::move(options)),
       scene_(place_objects(scene, put_down)),
@@ -152,9 +152,12 @@ void GraspTask::put_down(const GraspOrder& order) {
     link_.replies.publish({order.serial});
     return;
   }
-  if (tuner_.accepted()) log_warning("the scene has the materials of its file again: what hapton set has changed is lost");
-  tuner_.follow(scene_, made->revision);
-  if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
+  if (options_.on_scene) {
+    TouchScene felt = scene_as_tuned();
+    felt.built = made->touch.built;
+    felt.mapped = made->touch.mapped;
+    options_.on_scene(couple_scene(felt, options_.coupling_n_per_m));
+  }
   log_info("{} is put down", printable(object.name));
   describer_.describe(scene_, made->revision);
 }

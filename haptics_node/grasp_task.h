@@ -36,7 +36,7 @@ class GraspTask {
   };
 
   // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.
-  GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, MaterialTuner& tuner,
+  GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, const MaterialTuner& tuner,
             MethodBuilder& builder, const Clock& clock);
   ~GraspTask();
   GraspTask(const GraspTask&) = delete;
@@ -66,7 +66,7 @@ class GraspTask {
   PreparedObjects objects_;
   std::vector<std::shared_ptr<const MappedSurface>> mapped_;  // by object; null: it has no images, or it is not prepared yet
   GraspLink& link_;
-  MaterialTuner& tuner_;
+  const MaterialTuner& tuner_;
   MethodBuilder& builder_;
   const Clock& clock_;
   std::unique_ptr<HeldTool> tool_;  // the step holds it until it orders something else

@@ -216,7 +216,7 @@ void ReplyLoop::note_hand() noexcept {
 void ReplyLoop::change_method() noexcept {
   if (auto built = builder_.take()) {
     if (built->scene != nullptr && step_.grasp() != nullptr) step_.grasp()->note_built(built->scene->put_down);
-    if (built->scene == nullptr && tuned_ != nullptr && tuned_->scene == scene_revision_) built->step->set_materials(tuned_->materials);
+    if (built->scene == nullptr && is_tuned()) built->step->set_materials(tuned_->materials);
     built->step = step_.replace(std::move(built->step));
     show_method(built->text);
     setup_.material_serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
@@ -233,19 +233,21 @@ void ReplyLoop::change_method() noexcept {
   }
 }
 
-// Materials count on: what was said of the objects of the scene before means nothing for these. With an object put down the scene has no
-// hash until that is known (PlacedScene): that of before is another scene's.
+// Materials count on: what was said of the objects of the scene before means nothing for these. With an object put down they are the same
+// objects, with their materials as they were changed, but the scene has no hash until that is known (PlacedScene): that of before is
+// another scene's.
 void ReplyLoop::take_scene(const NewScene& scene) noexcept {
   scene_revision_ = scene.revision;
   if (scene.put_down == 0) {
+    material_revision_ = scene.revision;
     describe_scene(scene.hash, scene.facts);
+    materials_.object_count = 0;
+    materials_.rejection = {};
   } else {
     setup_.scene_hash = 0;
   }
-  step_.set_materials(scene.materials);
+  step_.set_materials(is_tuned() ? tuned_->materials : scene.materials);
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
-  materials_.object_count = 0;
-  materials_.rejection = {};
   // What a vision node showed until now says nothing of what it shows from now on.
   scene_shown_ = scene_reported_ = 0;
 }
@@ -273,13 +275,13 @@ void ReplyLoop::change_materials() noexcept {
   if (tuner_ == nullptr) return;
   auto result = tuner_->take();
   if (result == nullptr) return;
-  if (result->scene == scene_revision_) {
+  if (result->scene == material_revision_) {
     materials_ = result->state;
   } else {
     materials_.request = result->state.request;
     put_text("the scene was read again meanwhile; request it again", materials_.rejection);
   }
-  if (result->scene == scene_revision_ && !result->materials.empty()) {
+  if (result->scene == material_revision_ && !result->materials.empty()) {
     step_.set_materials(result->materials);
     std::swap(result, tuned_);
   }

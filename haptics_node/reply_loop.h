@@ -80,6 +80,7 @@ class ReplyLoop {
   void reject_method(std::uint32_t request) noexcept;
   void change_method() noexcept;
   void change_materials() noexcept;
+  bool is_tuned() const noexcept { return tuned_ != nullptr && tuned_->scene == material_revision_; }
   void take_scene(const NewScene& scene) noexcept;
   void describe_scene(std::uint64_t hash, const SceneFacts& facts) noexcept;
   void send_patches() noexcept;
@@ -135,8 +136,9 @@ class ReplyLoop {
   InsideWatch* inside_ = nullptr;
   std::uint32_t free_starts_ = 0;  // of the step, as noted there
   MaterialTuner* tuner_ = nullptr;
-  std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of this scene; null, or of another: those of the scene's file
+  std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of these materials; null, or of others: those of the scene's file
   std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
+  std::uint32_t material_revision_ = 0;    // of the scene that its materials came with: objects that are put down keep theirs
   const PlacedScene* placed_ = nullptr;    // of a scene that is not in use yet; null: none
   MaterialState materials_;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none

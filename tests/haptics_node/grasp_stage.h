@@ -46,7 +46,8 @@ struct GraspTaskTest : testing::Test {
                       built_of.push_back(touched.built);
                       return make_built_in(settings, touched);
                     });
-    task.emplace(GraspTask::Options{}, scene, put_down, link, *tuner, *builder, clock);
+    task.emplace(GraspTask::Options{.on_scene = [this](const TouchScene& now) { felt_scenes.push_back(now); }}, scene, put_down, link,
+                 *tuner, *builder, clock);
   }
 
   static SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool is_movable = false) {
@@ -139,6 +140,7 @@ struct GraspTaskTest : testing::Test {
   bool waits = false;                                         // nothing that was built is taken
   std::atomic<bool> fails = false;                            // no method can be built
   std::vector<std::shared_ptr<const BuiltObjects>> built_of;  // by scene; the builder's thread writes it while put_down waits
+  std::vector<TouchScene> felt_scenes;                        // each with an object put down
   int methods = 0;
 };
 

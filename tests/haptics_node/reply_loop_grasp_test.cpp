@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <memory>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "core/base/button_bit.h"
@@ -34,8 +36,12 @@ class GraspLoopTest : public ReplyLoopStage {
   void take(const Message& message) override {
     if (const auto* setup = std::get_if<HapticsSetup>(&message)) setup_ = *setup;
     if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && pose->object == 1) pose_ = *pose;
-    if (const auto* command = std::get_if<ForceCommand>(&message)) object_ = command->object;
+    if (const auto* command = std::get_if<ForceCommand>(&message)) {
+      object_ = command->object;
+      force_n_ = command->force_n[2];
+    }
     if (const auto* scene = std::get_if<SceneFacts>(&message)) scene_ = *scene;
+    if (const auto* materials = std::get_if<MaterialState>(&message)) materials_ = *materials;
   }
   void exchange(const Vec3& p_WD, std::uint32_t buttons) {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = p_WD, .buttons = buttons});
@@ -52,7 +58,9 @@ class GraspLoopTest : public ReplyLoopStage {
   HapticsSetup setup_;
   ObjectPose pose_;
   SceneFacts scene_;
+  MaterialState materials_;
   std::int32_t object_ = -1;
+  double force_n_ = 0.0;
   std::uint64_t sample_ = 0;
 };
 
@@ -117,6 +125,48 @@ TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceThatIsKnown) {
   link_.placed.publish({2, 44, facts});
   for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.05}, 0);
   EXPECT_EQ(setup_.scene_hash, 44U);
+}
+
+// They are the same objects: as stiff as they were made, from the first force in the new scene on, and after it.
+TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
+  constexpr double kDepth = 0.002;
+  Scene named;
+  for (const TouchObject& object : two_boxes_of_loop().objects)
+    named.objects.push_back({.name = "box", .mesh = object.mesh, .material = {}});
+  MaterialTuner tuner(named, 0.0);
+  loop_.set_material_tuner(&tuner);
+  const auto press = [&](int count) {
+    for (int n = 0; n < count; ++n) exchange({0.0, 0.0, 0.01 - kDepth}, 0);
+  };
+  const auto stiffen = [&](std::uint32_t number, double n_per_m) {
+    for (int i = 0; i < 6000 && materials_.request != number; ++i) {
+      send(MaterialRequest{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}});
+      press(1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the tuner lives in real time
+    }
+    press(120);  // it fades
+    EXPECT_STREQ(materials_.rejection.data(), "");
+    EXPECT_NEAR(force_n_, n_per_m * kDepth, 1e-4);
+  };
+  exchange({0.0, 0.0, 0.015}, 0);
+  press(1);
+  stiffen(1, 1500.0);
+  const std::uint32_t before = materials_.serial;
+  auto made = std::make_shared<NewScene>();
+  made->touch = two_boxes_of_loop();
+  made->materials.resize(2);
+  made->revision = 1;
+  made->put_down = 1;
+  ASSERT_TRUE(builder_.follow(made));
+  for (int n = 0; n < 200; ++n) {
+    press(1);
+    ASSERT_NEAR(force_n_, 1500.0 * kDepth, 1e-4) << n;
+  }
+  ASSERT_EQ(step_.counts().methods_taken, 1U);
+  EXPECT_GT(materials_.serial, before);
+  ASSERT_EQ(materials_.object_count, 1U) << "for recordings and tools";
+  EXPECT_EQ(materials_.objects[0].change.stiffness_n_per_m, 1500.0);
+  stiffen(2, 800.0);  // the tuner knows of no other scene, and needs not
 }
 
 }  // namespace
