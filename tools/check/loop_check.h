@@ -27,8 +27,9 @@ CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, 
 // A spring or a snap in free space.
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
-// A damped or viscous surface, or a viscous volume, of more than that. RT: set-up only.
-CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
+// A damped or viscous surface, or a viscous volume, of more than that. is_touched_by_tool: by a rigid tool, or by an object that the
+// stylus has picked up, whose contacts use the smoothed velocity of viscosity for damping, too. RT: set-up only.
+CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool);
 CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
 // A virtual mass in free space of more than half of what is stable, with its own filter, in the least of the loops. Pre: as above.

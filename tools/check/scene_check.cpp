@@ -78,11 +78,14 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   SceneCheck check{
       .path = path, .findings = {}, .accepted = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldGains held = find_held_gains(settings.loops, settings.rate_hz, settings.delay_s);
-  if (scene.tool) check.notes.push_back(fmt::format("not checked: the tool '{}'; all findings are for a probe", scene.tool->name));
+  if (scene.tool)
+    check.notes.push_back(fmt::format("not checked: the tool '{}'; all findings but those on damping are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
     check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
   }
   if (scene.touch_scene().has_sculpt()) check.notes.emplace_back("checked as it is before it is carved");
+  const bool has_tool =
+      scene.tool || std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.is_movable; });
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();
@@ -90,7 +93,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_inertia(object), found);
     append(check_sculpt(object), found);
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), found);
-    append(check_damping(object, held, settings.rate_hz, settings.delay_s), found);
+    append(check_damping(object, held, settings.rate_hz, settings.delay_s, has_tool), found);
     append(check_frequency(object, settings.rate_hz), found);
     for (const DevicePreset* device : reaching) append(check_reach(object, *device), found);
     sort_findings(object, settings, std::move(found), check);
