@@ -103,6 +103,7 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   });
   queried += waiting;
   if (fits) fits = add(batch, waiting, most);
+  found_ = count_;
   if (!fits) {
     clear();
     return false;

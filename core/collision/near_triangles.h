@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -57,6 +58,12 @@ class NearTriangles {
     return distance - rounding(off.norm());
   }
 
+  // The share of the triangles within that distance of the ball's centre, of those that the last gather() found before it ended.
+  double share_within(double distance) const {
+    const auto end = distance_.begin() + found_;
+    return static_cast<double>(std::count_if(distance_.begin(), end, [&](double d) { return d <= distance; })) / std::max(found_, 1);
+  }
+
   // Calls visit(slot) for every triangle within `distance` of the segment from p to q, and for some others.
   // Pre: covers(p, distance) and covers(q, distance).
   template <class Visit>
@@ -102,6 +109,7 @@ class NearTriangles {
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;
   int count_ = 0;
+  int found_ = 0;  // by the last gather(), also if they were too many
   // Unused lanes of the last four hold an infinite distance.
   alignas(32) std::array<double, kCapacity> distance_;
   alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;

@@ -1,16 +1,26 @@
 #include "core/force/proxy/free_flight.h"
 
+#include <algorithm>
+
 #include "core/math/side_sign.h"
 
 namespace hapton {
 
 FreeFlight::Met FreeFlight::fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept {
+  tests_ = 0;
+  const Met met = find_first(from, to, slides, surface, time);
+  work_ = std::max(kLeastWork, tests_ / SurfaceFollower::kFacetsPerUnit);
+  return met;
+}
+
+FreeFlight::Met FreeFlight::find_first(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept {
   const TouchGeometry& geometry = surfaces_.geometry();
   Met met = Met::nothing;
   std::uint32_t first = 0;
   TouchGeometry::Hit hit;
   const Vec3 motion = to - from;
   geometry.visit_along(from, to, clearance_.offset, [&](std::uint32_t id, double until) {
+    ++tests_;
     if (!geometry.is_walkable(id)) {
       if (!surfaces_.can_touch(id, from) || time_to_block(TriangleView{geometry, id}, from, motion, until, clearance_) > until)
         return until;
@@ -69,6 +79,7 @@ bool FreeFlight::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, b
 bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept {
   if (!vertex_.land(id, back, hit) || !vertex_.reach_vertex(k)) return true;
   int more = 0;
+  tests_ += static_cast<int>(vertex_.fan().size());
   for (const SurfacePoint::FanFacet& facet : vertex_.fan()) {
     const TouchGeometry::Hit at = surfaces_.geometry().pierce(facet.id, p, to);
     if (at.time <= 1.0) more += at.from_back == facet.back ? 1 : -1;

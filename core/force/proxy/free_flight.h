@@ -12,6 +12,9 @@ namespace hapton {
 // Straight motions of a free point. Frame: TouchGeometry's local one. RT: yes. Keeps references.
 class FreeFlight {
  public:
+  // Units of work of a flight (step_work.h). SurfaceFollower::kFacetsPerUnit triangles on the way take one: where thousands meet, it ends a
+  // step, and is not interrupted.
+  static constexpr int kLeastWork = 16;
   enum class Met : std::uint8_t { nothing, walkable, other };
 
   // clearance: what sweeps keep.
@@ -21,6 +24,7 @@ class FreeFlight {
   // Moves the point from `from` to `to`. Met::walkable: it has reached a walkable triangle, is on `surface` now, and `time` is the time of
   // the contact. Met::other: the path first comes to a triangle that is not walkable, as near as sweeps allow.
   Met fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
+  int work() const { return work_; }  // units (step_work.h), of the last flight
 
   // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on its own side that is far enough from them; p
   // itself if that would be farther than `farthest`.
@@ -30,6 +34,7 @@ class FreeFlight {
   Vec3 off_surface(const Vec3& p, double least) const noexcept;
 
  private:
+  Met find_first(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
   bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept;
   bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept;
 
@@ -37,6 +42,8 @@ class FreeFlight {
   Clearance clearance_;
   SurfacePoint vertex_;  // scratch: the vertex that a flight reaches
   std::array<ContactPlane, ProxyState::kMostContacts> planes_;
+  int tests_ = 0;  // triangles that the last flight looked at
+  int work_ = 0;
 };
 
 }  // namespace hapton

@@ -100,7 +100,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     if (!surface_.is_on_surface()) {
       double until = 1.0;
       const Met met = flight_.fly(here, device, false, surface_, until);
-      work_left_ -= kWorkOfFlight;
+      work_left_ -= flight_.work();
       if (met == Met::nothing) {
         proxy_.settle_at(device);
         return true;
@@ -126,10 +126,10 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     has_settled = true;
     if (outcome == Outcome::settled) continue;
     ++counters_.flights;
-    work_left_ -= kWorkOfFlight;
     if (outcome == Outcome::released) {
       double until = 1.0;
       const Met met = flight_.fly(surface_.at().lifted_towards(device, kLift), device, false, surface_, until);
+      work_left_ -= flight_.work();
       if (met == Met::other) return false;
       if (met == Met::nothing) {
         surface_.leave();
@@ -142,6 +142,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     double until = 1.0;
     const Vec3 at = on_path(last, device, time);
     const Met met = flight_.fly(surface_.at().lifted_towards(at, kLift), at, surface_.slides(), surface_, until);
+    work_left_ -= flight_.work();
     if (met == Met::other) return false;
     if (met == Met::nothing) {
       surface_.leave();

@@ -105,7 +105,6 @@ class ProxyMethod final : public ForceMethod {
   std::string describe_steps() const;
 
   // Units of work (step_work.h).
-  static constexpr int kWorkOfFlight = 16;
   static constexpr int kLeastSweptWork = 100;  // however little is left, so that a motion that the followers cannot finish goes on
 
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;

@@ -27,10 +27,10 @@ bool SurfaceFollower::land_on_edge(std::uint32_t triangle, bool back, int k, con
   return true;
 }
 
-// A vertex costs more with more facets.
+// A vertex costs more with more facets, and all twice as much with friction.
 void SurfaceFollower::spend() noexcept {
-  work_left_ -= 1;
-  if (at_.on() == On::vertex) work_left_ -= static_cast<int>(at_.fan().size()) / kFacetsPerEvent;
+  const int units = 1 + (at_.on() == On::vertex ? static_cast<int>(at_.fan().size()) / kFacetsPerUnit : 0);
+  work_left_ -= friction_.acts() ? 2 * units : units;
 }
 
 SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device, int most_work) noexcept {

@@ -25,10 +25,10 @@ namespace hapton {
 //
 // Frame: TouchGeometry's local one. RT: yes.
 //
-// Bounded: a call has StepWork::kMost events at the most, a unit of work each (step_work.h).
+// Bounded: a call has StepWork::kMost units of work (step_work.h), an event one or, with friction, two.
 class SurfaceFollower {
  public:
-  static constexpr int kFacetsPerEvent = 16;  // at a vertex: this many facets cost one event more
+  static constexpr int kFacetsPerUnit = 16;  // at a vertex: this many facets cost a unit more (measured at fans of 1,000)
 
   enum class Outcome : std::uint8_t {
     settled,     // at a local minimum for the device at `time`, or held by friction

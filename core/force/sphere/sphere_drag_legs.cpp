@@ -35,19 +35,19 @@ double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept 
   return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / clearance_.offset : 0.0;
 }
 
-// Distance along a straight direction to the boundary of the active part, with a margin.
-double SphereFollower::distance_to_boundary(const Vec3& direction) noexcept {
-  double distance = kInfinity;
-  note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);
-  const int count = find_exits(contacts_[0]);
-  for (int i = 0; i < count; ++i) {
-    const double rate = exits_[i].direction.dot(direction);
-    if (rate > 0.0)
-      distance = std::min(distance, std::max(0.0, (kOnBoundary - exits_[i].direction.dot(centre_ - exits_[i].origin)) / rate));
-  }
+// Distance along a straight direction to the boundary of the active part, over level faces to that of the last, with a margin. Above `most`
+// only that it is.
+double SphereFollower::distance_to_boundary(const Vec3& direction, double most) noexcept {
   constexpr double kBeyond = 1.25;
   constexpr double kLeastDistance = 0x1p-10;  // of the offset
-  return kBeyond * distance + kLeastDistance * clearance_.offset;
+  note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);
+  const CentrePath path = CentrePath::straight(centre_, centre_ + most * direction);
+  CentrePath::Prefix prefix = path.prefix(1.0);
+  Event exit;
+  if (!find_first_exit(path, 0, prefix, exit) || exit.contact < 0) return kInfinity;
+  OffsetContact last = contacts_[0];
+  if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return kInfinity;
+  return kBeyond * exit.time * most + kLeastDistance * clearance_.offset;
 }
 
 // Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from
@@ -98,7 +98,8 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   if (slip.is_on_cone) return true;
   const Vec3 direction = pull.tangential / pull.length;
   const double turn = kTurn / std::max(find_turn(direction), 0x1p-100);
-  const double most = active_count_ == 1 ? std::min(turn, distance_to_boundary(direction)) : turn;
+  const double farthest = std::min(turn, 2.0 * pull.length);
+  const double most = active_count_ == 1 ? std::min(turn, distance_to_boundary(direction, farthest)) : turn;
   OffsetDrag::Pull there;
   OffsetDrag::Descent end;
   const auto go = [&](double length) {
@@ -193,7 +194,9 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   }
   const double release_span = span;
   if (!is_flat) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
-  if (active_count_ == 1 && rate.norm() > 0.0) span = std::min(span, distance_to_boundary(rate.normalized()) / rate.norm());
+  if (const double speed = rate.norm(); active_count_ == 1 && speed > 0.0) {
+    span = std::min(span, distance_to_boundary(rate / speed, speed * span) / speed);
+  }
   // Where the device comes out of the surface, the centre is at the device.
   const auto place_at = [&](double then, Vec3& c) {
     c = centre_;
@@ -309,8 +312,9 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   }
   const Vec3 slope = drag.find_slope(pull, motion);
   const double turn = kTurn / std::max(find_turn(slope), 0x1p-100);
-  const double most =
-      active_count_ == 1 && excess_rate > 0.0 ? std::min(turn, distance_to_boundary(slope / excess_rate) / excess_rate) : turn;
+  const double most = active_count_ == 1 && excess_rate > 0.0
+                          ? std::min(turn, distance_to_boundary(slope / excess_rate, turn * excess_rate) / excess_rate)
+                          : turn;
   // No longer than one integration leads, as far as the last one tells. Along the curve of two contacts nothing is integrated.
   constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;
   const double within_reach = active_count_ == 1 && friction_.step > 0.0 ? std::min(most, kStepsOfLeg * friction_.step) : most;

@@ -35,18 +35,18 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     event.time = prefix.until;
   }
   for (int i = 0; i < active_count_; ++i) {
-    const int count = find_exits(contacts_[i]);
-    if (count < 0) return false;
-    for (int k = 0; k < count; ++k) {
-      const double time = path.time_to_cross(exits_[k].origin, exits_[k].direction, kOnBoundary, prefix);
-      if (time > event.time || (time == event.time && event.contact >= 0)) continue;
-      const bool is_face_here = time <= 0.0 && exits_[k].slot >= 0 && exits_[k].part == Part::face;
-      if (is_face_here && is_past_needle(near_.shape(exits_[k].slot), exits_[k].index)) continue;
-      event.time = time;
-      event.contact = i;
-      event.exit = exits_[k];
-      prefix = path.prefix(time);
+    LevelFaces& crossed = crossed_[static_cast<std::size_t>(i)];
+    crossed.until = 0.0;
+    Event exit = event;
+    if (!find_first_exit(path, i, prefix, exit)) return false;
+    if (exit.contact != i) continue;
+    if (contacts_[i].part == Part::face) {
+      crossed.last = contacts_[i];
+      if (!cross_level_faces(path, event.time, crossed.last, exit)) exit = event;
+      crossed.until = exit.time;
+      prefix = path.prefix(exit.time);
     }
+    event = exit;
   }
   if (!is_curved) {
     const double exit_time = event.time;
@@ -72,7 +72,93 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     event.slot = block.hits ? slot : -1;
     prefix = path.prefix(event.time);
   }
+  keep_up(path, event);
   return true;
+}
+
+// The first time at which a contact leaves its part, up to that of the event. False: it has too many exits.
+bool SphereFollower::find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept {
+  const int count = find_exits(contacts_[contact]);
+  for (int k = 0; k < count; ++k) {
+    const double time = path.time_to_cross(exits_[k].origin, exits_[k].direction, kOnBoundary, prefix);
+    if (time > event.time || (time == event.time && event.contact >= 0)) continue;
+    const bool is_face_here = time <= 0.0 && exits_[k].slot >= 0 && exits_[k].part == Part::face;
+    if (is_face_here && is_past_needle(near_.shape(exits_[k].slot), exits_[k].index)) continue;
+    event.time = time;
+    event.contact = contact;
+    event.exit = exits_[k];
+    prefix = path.prefix(time);
+  }
+  return count >= 0;
+}
+
+// Over an edge where the next face lies in the same plane nothing changes but the triangle. Follows the path over such faces, from the exit
+// in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
+bool SphereFollower::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
+  constexpr int kMostFaces = 1024;
+  for (int n = 0; n < kMostFaces; ++n) {
+    work_ += n % 2;  // two take a unit
+    OffsetContact level;
+    const double here = event.time;
+    if (!find_level_face(contact, event.exit.index, path.at(here), level)) return true;
+    Exit exit;
+    double then = kNever;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& origin = level.shape.corner(k);
+      const Vec3 direction = level.shape.edge(k).cross(level.shape.normal()) / level.shape.length(k);
+      const double time = path.time_to_cross(origin, direction, kOnBoundary, here, until);
+      if (!(time < then)) continue;
+      then = time;
+      exit = {origin, direction, -1, k, Part::edge};
+    }
+    const bool leaves = then <= until;
+    if (!is_level_at(level, path.at(leaves ? then : until))) return true;
+    contact = level;
+    if (!leaves) return false;
+    event.time = then;
+    event.exit = exit;
+  }
+  return true;
+}
+
+// The face beyond an edge, if its plane is the same within rounding where the centre at c crosses over to it. The normals of two needles in
+// one plane differ by the rounding of their corners, as a share of their heights.
+bool SphereFollower::find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept {
+  constexpr double kMostTilt = 0x1p-36;  // rad
+  const TouchGeometry::Adjacent across = geometry_.adjacent(contact.triangle, edge);
+  if (!across.exists || across.id == contact.triangle) return false;
+  const ObjectGeometry::Corners corners = geometry_.corners(across.id);
+  const ContactTriangle shape(corners.a, corners.b, corners.c);
+  if (!(shape.normal().cross(contact.normal).squaredNorm() <= kMostTilt * kMostTilt) || !is_over(shape, c)) return false;
+  if (!can_touch(across.id, shape, c)) return false;
+  level = OffsetContact::on_face(across.id, shape, contact.normal);
+  return is_level_at(level, c);
+}
+
+// Whether the centre at c is in contact with a face within rounding.
+bool SphereFollower::is_level_at(const OffsetContact& face, const Vec3& c) const noexcept {
+  return std::fabs(face.proximity(c).distance - clearance_.offset) <= kCoplanar;
+}
+
+bool SphereFollower::is_over(const ContactTriangle& shape, const Vec3& c) noexcept {
+  return shape.inside(0, c) > 0.0 && shape.inside(1, c) > 0.0 && shape.inside(2, c) > 0.0;
+}
+
+// The contacts that cross level faces on the way are on the last of these before the event.
+void SphereFollower::keep_up(const CentrePath& path, const Event& event) noexcept {
+  for (int i = 0; i < active_count_; ++i) {
+    LevelFaces& crossed = crossed_[static_cast<std::size_t>(i)];
+    if (!(crossed.until > 0.0)) continue;
+    if (event.time < crossed.until) {
+      Event exit;
+      exit.time = event.time;
+      CentrePath::Prefix prefix = path.prefix(event.time);
+      if (!find_first_exit(path, i, prefix, exit) || exit.contact != i) continue;
+      crossed.last = contacts_[i];
+      cross_level_faces(path, event.time, crossed.last, exit);
+    }
+    contacts_[i] = crossed.last;
+  }
 }
 
 // Whether a triangle cannot stop the centre, whatever its distance. Triangles below the plane of a face are never nearer than the face, for
@@ -272,13 +358,8 @@ int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit
     const ContactTriangle& shape = near_.shape(slot);
     if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
       return;
-    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise)) return;
-    const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
-    if (!(std::fabs(face.proximity(centre_).distance - clearance_.offset) <= kCoplanar)) return;
-    for (int k = 0; k < 3; ++k) {
-      if (!(shape.inside(k, centre_) > 0.0)) return;
-    }
-    level = slot;
+    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise) || !is_over(shape, centre_)) return;
+    if (is_level_at(OffsetContact::on_face(near_.triangle(slot), shape, contact.normal), centre_)) level = slot;
   });
   return level;
 }

@@ -137,6 +137,11 @@ class SphereFollower {
     Exit exit;
     int slot = -1;  // the triangle that is hit; -1: none
   };
+  // What a contact on a face becomes where a path crosses faces of the same plane: the last of them before `until`. 0: it crosses none.
+  struct LevelFaces {
+    OffsetContact last;
+    double until = 0.0;
+  };
   // A piece of the path with the device moving.
   struct Leg {
     CentrePath path;
@@ -233,7 +238,7 @@ class SphereFollower {
   double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
                       double share) noexcept;
   double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
-  double distance_to_boundary(const Vec3& direction) noexcept;
+  double distance_to_boundary(const Vec3& direction, double most) noexcept;
   bool is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
   Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -287,7 +292,14 @@ class SphereFollower {
   bool find_frame(const Vec3& c, ContactFrame& frame) const noexcept;
   bool cover(const CentrePath& path, double& until) noexcept;
   bool gather(const Vec3& towards) noexcept;
+  bool are_slivers(double radius) const noexcept;
   bool find_event(const CentrePath& path, Event& event) noexcept;
+  bool find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
+  bool cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept;
+  bool find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept;
+  bool is_level_at(const OffsetContact& face, const Vec3& c) const noexcept;
+  static bool is_over(const ContactTriangle& shape, const Vec3& c) noexcept;
+  void keep_up(const CentrePath& path, const Event& event) noexcept;
   bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
   void note_tangents(const CentrePath& path) noexcept;
   bool is_below_tangents(const ContactTriangle& shape) const noexcept;
@@ -370,6 +382,7 @@ class SphereFollower {
   int gathered_count_ = 0;                                                // triangles the last time
   double gather_radius_ = 0.0;                                            // of the next gather()
   std::array<int, NearTriangles::kCapacity> candidates_;                  // slots in near_ that a path may hit
+  std::array<LevelFaces, 3> crossed_;                                     // by active contact, of the path of the last event
   std::array<TangentSpan, 3> tangents_;
   int tangent_count_ = 0;
   int candidate_count_ = 0;

@@ -376,6 +376,10 @@ bool SphereFollower::cover(const CentrePath& path, double& until) noexcept {
   return false;
 }
 
+// Whether a ball of half that radius would hold nearly as many triangles: of even ones it would hold half, of slivers side by side seven
+// tenths, and at the tip of a fan all. Then a wider ball gathers fewer on the way.
+bool SphereFollower::are_slivers(double radius) const noexcept { return near_.share_within(clearance_.offset + 0.5 * radius) > 0.625; }
+
 // The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles. False: within the least radius
 // there are too many. Then it is not tried again before the centre has gone some way.
 bool SphereFollower::gather(const Vec3& towards) noexcept {
@@ -387,13 +391,19 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr double kWidest = 0.25;
   constexpr double kDenser = 0.35;
   constexpr double kMuchWider = 4.0;
+  constexpr double kWider = 1.4;
+  constexpr double kLess = 0.7;
+  constexpr double kWidestOfSlivers = 4.0;  // offsets
+  constexpr int kManyAtOnce = NearTriangles::kCapacity;
   const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
   if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
+  const double given = gather_radius_;
   const double length = towards.norm();
+  const double enough = std::max(least, length);
   bool is_guess = false;
   bool has_room = true;
   for (int i = 0; has_room; ++i) {
-    // Where the triangles are much smaller than at the last place, the radius was too large. At the tip of a fan none is small enough.
+    // Where the triangles are much smaller than at the last place, the radius was too large.
     is_guess = i < kMostGuesses && gathered_count_ <= kMostFew && gather_radius_ > least;
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * gather_radius_ / length)) : Vec3::Zero();
     int queried = 0;
@@ -403,14 +413,24 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     work_ += queried + queried / 4;  // in a large mesh each waits for memory
     if (!fits) {
       has_room = is_guess || gather_radius_ > least;
-      gather_radius_ = is_guess ? kDenser * gather_radius_ : std::min(0.5 * gather_radius_, least);
+      if (is_guess && gather_radius_ > enough && !are_slivers(gather_radius_)) {
+        gather_radius_ = std::max(kDenser * gather_radius_, enough);
+      } else if (is_guess) {
+        i = kMostGuesses - 1;
+      } else {
+        gather_radius_ = are_slivers(gather_radius_) ? std::max(0.5 * gather_radius_, least) : std::min(0.5 * gather_radius_, least);
+      }
       continue;
     }
     gathered_count_ = near_.count();
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
     const int few = std::max(kFew, std::min(queried / 8, kMostFew));
-    if (near_.count() < few) gather_radius_ = std::min((near_.count() < few / 4 ? kMuchWider : 1.4) * gather_radius_, kWidest);
-    if (near_.count() > 3 * few) gather_radius_ = std::max(0.7 * gather_radius_, least);
+    if (near_.count() < few) gather_radius_ = std::min((near_.count() < few / 4 ? kMuchWider : kWider) * gather_radius_, kWidest);
+    if (near_.count() > 3 * few) {
+      const double wider = std::max(given, std::min(kWider * gather_radius_, kWidestOfSlivers * clearance_.offset));
+      const double floor = near_.count() <= kManyAtOnce ? std::min(gather_radius_, enough) : least;
+      gather_radius_ = are_slivers(gather_radius_) ? wider : std::max(kLess * gather_radius_, floor);
+    }
     return true;
   }
   crowd_ = centre_;

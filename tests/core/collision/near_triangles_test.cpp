@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 #include <set>
 #include <vector>
@@ -173,6 +174,28 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   EXPECT_FALSE(near->covers(Vec3(0.02, 0.0, 0.0), 0.04));
   near->clear();
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
+}
+
+// How much smaller a ball would have to be to hold fewer. Of even triangles, half of the radius above the plane holds half; at the tip of a
+// fan all.
+TEST(NearTriangles, ItKnowsTheShareOfASmallerBall) {
+  const auto share = [](const TriangleMesh& mesh, int most) {
+    const TouchGeometry geometry({&mesh});
+    NearTriangles near;
+    int queried = 0;
+    const bool fits = near.gather(geometry, geometry.to_local(Vec3(0.0, 0.0, 0.01)), 0.012 / geometry.unit_m(), queried, most);
+    EXPECT_EQ(fits, most == NearTriangles::kCapacity);
+    EXPECT_EQ(near.count() > 0, fits);
+    return near.share_within(0.011 / geometry.unit_m());
+  };
+  TriangleMesh fan;
+  fan.vertices = {{0.0, 0.0, 0.0}};
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    fan.vertices.emplace_back(0.05 * std::cos(0.02 * i), 0.05 * std::sin(0.02 * i), 0.0);
+    if (i > 0) fan.triangles.push_back({0, i, i + 1});
+  }
+  EXPECT_NEAR(share(made::sheet(0.05, 0.0, 140), NearTriangles::kCapacity), 0.5, 0.1);
+  for (const int most : {100, NearTriangles::kCapacity}) EXPECT_EQ(share(fan, most), 1.0) << "also where they were too many";
 }
 
 TEST(NearTriangles, ShapesAreThoseOfTheGeometryAndNothingAllocates) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
@@ -59,6 +60,24 @@ TEST(FreeFlight, LandsOnTheFirstOfAllTriangles) {
     ++landed;
   }
   EXPECT_GT(landed, 1000);
+}
+
+// In units of work, below the tip of a fan of 2,000 triangles and away from all.
+TEST(FreeFlight, ItsWorkGrowsWithTheTrianglesOnTheWay) {
+  constexpr std::uint32_t kCount = 2000;
+  TriangleMesh cone;
+  cone.vertices = {{0.0, 0.0, 0.05}};
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kCount;
+    cone.vertices.emplace_back(0.05 * std::cos(angle), 0.05 * std::sin(angle), 0.0);
+    cone.triangles.push_back({0, 1 + i, 1 + (i + 1) % kCount});
+  }
+  FlightStage stage(cone);
+  double time = 1.0;
+  EXPECT_EQ(stage.fly(Vec3(0.06, 0.0, 0.02), Vec3(0.06, 0.0, 0.03), time), FreeFlight::Met::nothing);
+  EXPECT_EQ(stage.flight.work(), FreeFlight::kLeastWork);
+  EXPECT_EQ(stage.fly(Vec3(-5e-5, 0.0, 0.0499), Vec3(5e-5, 0.0, 0.0499), time), FreeFlight::Met::nothing);
+  EXPECT_GE(stage.flight.work(), static_cast<int>(kCount) / 2 / SurfaceFollower::kFacetsPerUnit);
 }
 
 TEST(FreeFlight, PassesAOneSidedFaceFromBehind) {
