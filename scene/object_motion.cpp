@@ -1,5 +1,7 @@
 #include "scene/object_motion.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -58,6 +60,17 @@ Result<void> check_turns(const MotionSpec& given, const std::vector<Keyframe>& k
   return {};
 }
 
+// Back to the first pose, at the mean speed: the animation may leave out the frame that would repeat it. Pre: it moves.
+Keyframe make_seam(const std::vector<Keyframe>& keyframes, double radius_m) {
+  double way_m = 0.0;
+  for (std::size_t i = 1; i < keyframes.size(); ++i) way_m += difference(keyframes[i - 1], keyframes[i], radius_m);
+  const Keyframe& last = keyframes.back();
+  const double share = difference(last, keyframes.front(), radius_m) / way_m;
+  Keyframe seam = keyframes.front();
+  seam.time_s = last.time_s + share * (last.time_s - keyframes.front().time_s);
+  return seam;
+}
+
 Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
   const std::vector<Keyframe>& keyframes = motion.keyframes();
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
@@ -80,25 +93,30 @@ double radius_about(const Vec3& point, const TriangleMesh& mesh) {
 }
 
 Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& object, const std::string& name, const SceneFit& fit,
-                                                          const TriangleMesh& mesh) {
+                                                          const TriangleMesh& mesh, std::vector<std::string>& notes) {
   if (!object.moves()) return std::shared_ptr<const KeyframeMotion>();
   const MotionSpec& given = object.motion;
   const Vec3 in_mesh = object.animated ? object.animated->pivot() : given.p_MP;
   const Vec3 pivot = fit.apply(object.p_SM + object.q_SM * (object.scale * in_mesh));
   const double radius_m = radius_about(pivot, mesh);
   std::vector<Keyframe> keyframes = object.animated ? place_animation(object, fit) : place_keyframes(object, fit);
-  if (const auto checked = check_turns(given, keyframes, printable(name)); !checked) return tl::unexpected(checked.error());
   if (given.loops) {
-    Keyframe& last = keyframes.back();
-    if (difference(keyframes.front(), last, radius_m) > kSameEnd * radius_m) {
+    const bool has_seam = difference(keyframes.front(), keyframes.back(), radius_m) > kSameEnd * radius_m;
+    if (has_seam && !object.animated) {
       return fail(
           "line {}: the last keyframe of '{}' has another pose than the first, so it would jump at each repetition: end with the first "
           "pose, or leave out 'loop'",
           line_of(given, keyframes.size() - 1), printable(name));
     }
-    last.p_S = keyframes.front().p_S;
-    last.turn = keyframes.front().turn;
+    if (has_seam) {
+      keyframes.push_back(make_seam(keyframes, radius_m));
+      notes.push_back(fmt::format("line {}: the animation of '{}' ends with another pose than the first, to which it goes back in {:.3g} s",
+                                  given.animation_line, printable(name), keyframes.back().time_s - keyframes.end()[-2].time_s));
+    }
+    keyframes.back().p_S = keyframes.front().p_S;
+    keyframes.back().turn = keyframes.front().turn;
   }
+  if (const auto checked = check_turns(given, keyframes, printable(name)); !checked) return tl::unexpected(checked.error());
   auto motion = std::make_shared<const KeyframeMotion>(pivot, std::move(keyframes), given.loops);
   if (const auto checked = check_speed(given, *motion, radius_m, printable(name)); !checked) return tl::unexpected(checked.error());
   return motion;

@@ -316,12 +316,12 @@ std::size_t deforms_line(const ObjectSpec& object) {
 
 // A surface snaps when it is not touched; where the point of the last contact is then, one that deforms does not tell.
 Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec& object, const MaterialSpec& material, const SceneFit& fit,
-                                                               const TriangleMesh& mesh) {
+                                                               const TriangleMesh& mesh, std::vector<std::string>& notes) {
   if ((object.deforms() || object.program_shape.is_on) && material.effects.snap.is_on()) {
     return fail("line {}: '{}' deforms: its material may have every effect but snap: leave snap_range_m out", deforms_line(object),
                 printable(name_of(object)));
   }
-  return make_motion(object, name_of(object), fit, mesh);
+  return make_motion(object, name_of(object), fit, mesh, notes);
 }
 
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
@@ -363,7 +363,7 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
     auto texture = textures.find(material.texture);
     if (!texture) return tl::unexpected(texture.error());
     material.effects.texture.models = std::move(*texture);
-    auto motion = make_felt_motion(object, material, fitted, meshes[i].mesh);
+    auto motion = make_felt_motion(object, material, fitted, meshes[i].mesh, scene.notes);
     if (!motion) return tl::unexpected(motion.error());
     if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));
     auto deformation = make_deformation(object, name_of(object), fitted, meshes[i].in_file, meshes[i].mesh, motion->get());

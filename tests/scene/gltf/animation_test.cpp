@@ -373,6 +373,23 @@ TEST_F(GltfAnimation, AnObjectThatPlaysItBecomesOneForEachMotion) {
   EXPECT_LT((scene->objects[1].motion->pose_at(0.5) * Vec3(0.55, 0, 0.5) - half_way).norm(), 1e-6);
 }
 
+// Exporters leave out the frame that would repeat the first: a wheel that turns by thirds needs a third back to where it began.
+TEST_F(GltfAnimation, ALoopThatEndsElsewhereGoesBackAtItsMeanSpeed) {
+  add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, about_z({0, 120, 240}));
+  write();
+  const std::string object = "[[object]]\nname = 'crane'\nmesh = 'a.gltf'\nscale = 0.5\nanimation = 'animation 0'\n";
+  const auto scene = load_scene(folder.write("a.toml", object + "loop = true\nanimation_speed = 0.5\n"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_THAT(scene->notes, Contains(HasSubstr("line 5: the animation of 'crane/hand' ends with another pose than the first, to which it "
+                                               "goes back in 4 s")));
+  const KeyframeMotion& hand = *scene->objects[1].motion;
+  EXPECT_LT((hand.pose_at(10.0) * Vec3(0.55, 0, 0) - Vec3(0.525, -0.05 * std::sqrt(0.75), 0)).norm(), 1e-6) << "half way back: 300 degrees";
+  EXPECT_TRUE(hand.pose_at(12.0).isApprox(hand.pose_at(0.0), 1e-6));
+  const auto once = load_scene(folder.write("a.toml", object));
+  ASSERT_TRUE(once) << once.error().what;
+  EXPECT_EQ(once->objects[1].motion->keyframes().size(), 3U) << "it stays there";
+}
+
 TEST_F(GltfAnimation, IsPlayedSlower) {
   add_channel(0, 1, "rotation", {0.0F, 0.5F}, about_z({0, 90}));
   EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("line 3: before keyframe 2 'a/hand' moves at up to"));
