@@ -145,7 +145,7 @@ class Numbers {
     if (!timing) return tl::unexpected(timing.error());
     const auto peers = time_peers(*mesh_, make_queries(timing->felt, free->reset_every, kExtent_m));
     if (!peers) return tl::unexpected(peers.error());
-    add({"free-space step, " + size_, "p50", "ns", 20, false, "110",
+    add({"free-space step, " + size_, "p50", "ns", 10, false, "110",
          figures_of(*peers, &QueryStructureKind::segments, [](const StructureTiming& t) { return t.segments.time.p50_ns; }),
          timing->free.p50_ns,
          fmt::format("{} free steps, mean {:.1f}, p99 {:.0f}, worst {:.0f} ns; peers: the segment query alone, mean {}", timing->free.count,
@@ -301,7 +301,7 @@ class Numbers {
     };
     add({"build, " + size_, "time", "ms", 400, false, "547 .. 758", always(build), build_ms_,
          "least of several builds; ours: method proxy, all it needs, one thread"});
-    add({"build, " + size_, "memory", "MB", 90, false, "320", always(memory), build_mb_,
+    add({"build, " + size_, "memory", "MB", 130, false, "320", always(memory), build_mb_,
          "ours: heap grown by the method; embree: its own count; others: heap grown"});
     progress_("local sets of 64 triangles");
     const auto scene = SmoothScene::build(scene_of(mesh_), {});

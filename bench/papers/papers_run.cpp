@@ -104,9 +104,12 @@ Result<void> measure_tasks(const PapersSettings& settings, const Stopwatch& watc
   fill_in(report, "fdh.idle_1khz", 100.0 * at_1khz.idle_share_at_work(), idle(at_1khz));
   fill_in(report, "fdh.idle_3khz", 100.0 * at_3khz.idle_share_at_work(), idle(at_3khz));
   fill_in(report, "fdh.idle_10khz", 100.0 * at_10khz.idle_share_at_work(), idle(at_10khz));
-  fill_in(report, "fdh.rate", 1e9 / at_10khz.busy.worst_ns,
-          fmt::format("one over the worst of {} steps at 10 kHz ({:.3g} us), device and link left out", at_10khz.steps,
-                      1e-3 * at_10khz.busy.worst_ns));
+  const SmoothTasks& slowest =
+      *std::max_element(report.tasks.begin(), report.tasks.end(),
+                        [](const SmoothTasks& one, const SmoothTasks& other) { return one.busy.worst_ns < other.busy.worst_ns; });
+  fill_in(report, "fdh.rate", 1e9 / slowest.busy.worst_ns,
+          fmt::format("one over the worst step of all three runs ({:.3g} us, of {} at {:g} kHz), device and link left out",
+                      1e-3 * slowest.busy.worst_ns, slowest.steps, 1e-3 * slowest.rate_hz));
   fill_in(report, "fdh.swap", 1e-3 * at_1khz.swap.p50_ns, fmt::format("p50 of {} sets taken over by copying", at_1khz.swap.count));
   fill_in(report, "fdh.without_set", 100.0 * at_1khz.share_without_set(),
           fmt::format("{} of {} steps, slow task every 10 ms; {} sets handed over; age of the set p50 {:.1f} ms", at_1khz.without_set,

@@ -15,8 +15,11 @@ constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not gr
 constexpr std::size_t kMostFollowed = 96;    // or twice as many as a search found: with more, most of them are behind the tool
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 // Pairs that a round begins with: within a share of its reach.
-constexpr double kNearShare = 0x1p-7;
-constexpr double kNear = 8.0;  // and offsets
+constexpr double kNearShare = 0x1p-8;
+constexpr double kNear = 2.0;  // and offsets
+// The first part that is searched of a motion that no contact holds: it may lead straight into a surface, however far the last one went.
+constexpr double kFirstShare = 0x1p-8;  // of the motion
+constexpr double kLeastFirst = 16.0;    // offsets
 constexpr int kMostExtensions = 8;
 // Where a tool slides far below its device, a small slide brings it nearer by a far smaller distance.
 constexpr double kLeastGain = kOffset * 0x1p-12;
@@ -317,7 +320,9 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
     return shorten();
   }
   RigidMotion motion = constrain(wanted, reach);
-  if (!extend_until_clear(wanted, reach, tried_, motion)) return shorten();
+  const double first = std::max(kLeastFirst * kOffset, kFirstShare * motion.length(radius));
+  const double tried = least_.active_count == 0 ? std::min(tried_, first) : tried_;
+  if (!extend_until_clear(wanted, reach, tried, motion)) return shorten();
   report.feature_count = std::max(report.feature_count, feature_count());
   note_contacts(report);
   if (is_at_rest()) return false;
