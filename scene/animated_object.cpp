@@ -19,6 +19,35 @@ Result<const MeshAnimation*> find_animation(const std::string& name, const MeshF
   return fail("has no animation '{}': it has {}", printable(name), names);
 }
 
+// How long a motion takes from its last pose back to the first at its mean speed: 0 if it ends there. Exporters leave out the frame that
+// would repeat the first.
+double find_seam_s(const KeyframeMotion& motion) {
+  constexpr double kSame = 1e-6;  // of the path: numbers of a file have seven digits
+  const std::vector<Keyframe>& keyframes = motion.keyframes();
+  double path_m = 0.0;
+  double turned_rad = 0.0;
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    path_m += (keyframes[i].p_S - keyframes[i - 1].p_S).norm();
+    turned_rad += keyframes[i].turn.angularDistance(keyframes[i - 1].turn);
+  }
+  const Keyframe& first = keyframes.front();
+  const Keyframe& last = keyframes.back();
+  const double shift = path_m > 0.0 ? (last.p_S - first.p_S).norm() / path_m : 0.0;
+  const double turn = turned_rad > 0.0 ? last.turn.angularDistance(first.turn) / turned_rad : 0.0;
+  const double share = std::max(shift, turn);
+  return share > kSame ? share * (last.time_s - first.time_s) : 0.0;
+}
+
+// All parts of an animation begin again together: after the longest way back. What deforms has none.
+void close_loops(std::vector<ObjectSpec>& parts) {
+  double seam_s = 0.0;
+  for (const ObjectSpec& part : parts) {
+    if (part.animated_morphs != nullptr) return;
+    if (part.animated) seam_s = std::max(seam_s, find_seam_s(*part.animated));
+  }
+  for (ObjectSpec& part : parts) part.motion.seam_s = seam_s;
+}
+
 }  // namespace
 
 Result<std::vector<ObjectSpec>> split_animated(const ObjectSpec& object, const std::string& name, const MeshFile& file) {
@@ -52,6 +81,7 @@ Result<std::vector<ObjectSpec>> split_animated(const ObjectSpec& object, const s
     if (!own(*found)) found->nodes.push_back(part.node);
   }
   if (moving.empty()) return fail("animation '{}' moves nothing here: leave it out", printable(object.motion.animation));
+  if (object.motion.loops) close_loops(moving);
   if (!still.nodes.empty()) moving.insert(moving.begin(), std::move(still));
   return moving;
 }

@@ -26,6 +26,7 @@ struct MotionSpec {
   double animation_speed = 1.0;
   std::size_t animation_line = 0;
   bool loops = false;
+  double seam_s = 0.0;      // from the end of an animation that loops back to its first pose, of the file; no key: split_animated sets it
   bool by_program = false;  // moved_by
   double mass_kg = 0.0;     // above 0: it can be pushed
 

@@ -54,21 +54,14 @@ std::size_t line_of(const MotionSpec& motion, std::size_t i) {
 Result<void> check_turns(const MotionSpec& given, const std::vector<Keyframe>& keyframes, const std::string& name) {
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
     if (keyframes[i - 1].turn.angularDistance(keyframes[i].turn) < std::numbers::pi - kSameTurn) continue;
+    if (given.seam_s > 0.0 && i + 1 == keyframes.size()) {
+      return fail("line {}: '{}' would go back to its first pose by half a turn, which may go either way: leave out 'loop'",
+                  line_of(given, i), name);
+    }
     return fail("line {}: keyframe {} of '{}' is half a turn from the one before, which may go either way: put one between them",
                 line_of(given, i), i + 1, name);
   }
   return {};
-}
-
-// Back to the first pose, at the mean speed: the animation may leave out the frame that would repeat it. Pre: it moves.
-Keyframe make_seam(const std::vector<Keyframe>& keyframes, double radius_m) {
-  double way_m = 0.0;
-  for (std::size_t i = 1; i < keyframes.size(); ++i) way_m += difference(keyframes[i - 1], keyframes[i], radius_m);
-  const Keyframe& last = keyframes.back();
-  const double share = difference(last, keyframes.front(), radius_m) / way_m;
-  Keyframe seam = keyframes.front();
-  seam.time_s = last.time_s + share * (last.time_s - keyframes.front().time_s);
-  return seam;
 }
 
 Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
@@ -101,17 +94,22 @@ Result<std::shared_ptr<const KeyframeMotion>> make_motion(const ObjectSpec& obje
   const double radius_m = radius_about(pivot, mesh);
   std::vector<Keyframe> keyframes = object.animated ? place_animation(object, fit) : place_keyframes(object, fit);
   if (given.loops) {
-    const bool has_seam = difference(keyframes.front(), keyframes.back(), radius_m) > kSameEnd * radius_m;
-    if (has_seam && !object.animated) {
+    const bool ends_elsewhere = difference(keyframes.front(), keyframes.back(), radius_m) > kSameEnd * radius_m;
+    if (ends_elsewhere && !(given.seam_s > 0.0)) {
       return fail(
           "line {}: the last keyframe of '{}' has another pose than the first, so it would jump at each repetition: end with the first "
           "pose, or leave out 'loop'",
           line_of(given, keyframes.size() - 1), printable(name));
     }
-    if (has_seam) {
-      keyframes.push_back(make_seam(keyframes, radius_m));
-      notes.push_back(fmt::format("line {}: the animation of '{}' ends with another pose than the first, to which it goes back in {:.3g} s",
-                                  given.animation_line, printable(name), keyframes.back().time_s - keyframes.end()[-2].time_s));
+    if (given.seam_s > 0.0) {
+      const double seam_s = given.seam_s / given.animation_speed;
+      if (ends_elsewhere) {
+        notes.push_back(
+            fmt::format("line {}: the animation of '{}' ends with another pose than the first, to which it goes back in {:.3g} s",
+                        given.animation_line, printable(name), seam_s));
+      }
+      keyframes.push_back(keyframes.back());
+      keyframes.back().time_s += seam_s;
     }
     keyframes.back().p_S = keyframes.front().p_S;
     keyframes.back().turn = keyframes.front().turn;

@@ -104,8 +104,9 @@ void compare_damping(const std::string& name, double damping_ns_per_m, std::stri
 CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool) {
   CheckFindings findings;
   if (is_touched_by_tool) {
-    compare_damping(object.name, object.material.damping_ns_per_m, "its damping_ns_per_m (at the contacts of a rigid tool)",
-                    held.by_viscosity, held.viscosity_ns_per_m, rate_hz, delay_s, findings);
+    compare_damping(object.name, object.material.damping_ns_per_m,
+                    "its damping_ns_per_m (at the contacts of a rigid tool or a held object)", held.by_viscosity, held.viscosity_ns_per_m,
+                    rate_hz, delay_s, findings);
   } else {
     compare_damping(object.name, object.material.damping_ns_per_m, "its damping_ns_per_m", held.by_damping, held.damping_ns_per_m, rate_hz,
                     delay_s, findings);

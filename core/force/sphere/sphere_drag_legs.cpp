@@ -35,8 +35,8 @@ double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept 
   return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / clearance_.offset : 0.0;
 }
 
-// Distance along a straight direction to the boundary of the active part, over level faces to that of the last, with a margin. Above `most`
-// only that it is.
+// Distance along a straight direction to the boundary of the active part, over level faces to that of the last, with a margin. Infinite if
+// it is farther than `most`.
 double SphereFollower::distance_to_boundary(const Vec3& direction, double most) noexcept {
   constexpr double kBeyond = 1.25;
   constexpr double kLeastDistance = 0x1p-10;  // of the offset

@@ -41,7 +41,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     if (!find_first_exit(path, i, prefix, exit)) return false;
     if (exit.contact != i) continue;
     if (contacts_[i].part == Part::face) {
-      crossed.last = contacts_[i];
+      crossed.first = crossed.last = contacts_[i];
       if (!cross_level_faces(path, event.time, crossed.last, exit)) exit = event;
       crossed.until = exit.time;
       prefix = path.prefix(exit.time);
@@ -72,7 +72,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     event.slot = block.hits ? slot : -1;
     prefix = path.prefix(event.time);
   }
-  keep_up(path, event);
+  move_to_last_level_face(path, event);
   return true;
 }
 
@@ -96,8 +96,8 @@ bool SphereFollower::find_first_exit(const CentrePath& path, int contact, Centre
 // in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
 bool SphereFollower::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
   constexpr int kMostFaces = 1024;
-  for (int n = 0; n < kMostFaces; ++n) {
-    work_ += n % 2;  // two take a unit
+  for (int n = 0; n < kMostFaces && work_ <= most_work_; ++n) {
+    work_ += path.is_straight() ? n % 2 : 2;
     OffsetContact level;
     const double here = event.time;
     if (!find_level_face(contact, event.exit.index, path.at(here), level)) return true;
@@ -145,7 +145,7 @@ bool SphereFollower::is_over(const ContactTriangle& shape, const Vec3& c) noexce
 }
 
 // The contacts that cross level faces on the way are on the last of these before the event.
-void SphereFollower::keep_up(const CentrePath& path, const Event& event) noexcept {
+void SphereFollower::move_to_last_level_face(const CentrePath& path, const Event& event) noexcept {
   for (int i = 0; i < active_count_; ++i) {
     LevelFaces& crossed = crossed_[static_cast<std::size_t>(i)];
     if (!(crossed.until > 0.0)) continue;

@@ -377,6 +377,9 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   });
   if (!is_restored) {
     centre_ = before;
+    for (int i = 0; i < active_count_; ++i) {
+      if (crossed_[static_cast<std::size_t>(i)].until > 0.0) contacts_[i] = crossed_[static_cast<std::size_t>(i)].first;
+    }
     return active_count_ == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
   }
   note_move(before);

@@ -137,9 +137,10 @@ class SphereFollower {
     Exit exit;
     int slot = -1;  // the triangle that is hit; -1: none
   };
-  // What a contact on a face becomes where a path crosses faces of the same plane: the last of them before `until`. 0: it crosses none.
+  // A contact on a face where a path crosses faces of the same plane: before the path, and the last of them before `until`. 0: it crosses
+  // none.
   struct LevelFaces {
-    OffsetContact last;
+    OffsetContact first, last;
     double until = 0.0;
   };
   // A piece of the path with the device moving.
@@ -299,7 +300,7 @@ class SphereFollower {
   bool find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept;
   bool is_level_at(const OffsetContact& face, const Vec3& c) const noexcept;
   static bool is_over(const ContactTriangle& shape, const Vec3& c) noexcept;
-  void keep_up(const CentrePath& path, const Event& event) noexcept;
+  void move_to_last_level_face(const CentrePath& path, const Event& event) noexcept;
   bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
   void note_tangents(const CentrePath& path) noexcept;
   bool is_below_tangents(const ContactTriangle& shape) const noexcept;

@@ -394,7 +394,7 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   constexpr double kWider = 1.4;
   constexpr double kLess = 0.7;
   constexpr double kWidestOfSlivers = 4.0;  // offsets
-  constexpr int kManyAtOnce = NearTriangles::kCapacity;
+  constexpr int kMostHalvings = 2;
   const double least = (is_point_ ? 64.0 : 0x1p-6) * clearance_.offset;
   if (!(gather_radius_ > 0.0)) gather_radius_ = std::max(least, 0.5 * clearance_.offset);
   const double given = gather_radius_;
@@ -402,6 +402,7 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   const double enough = std::max(least, length);
   bool is_guess = false;
   bool has_room = true;
+  int overflows = 0;
   for (int i = 0; has_room; ++i) {
     // Where the triangles are much smaller than at the last place, the radius was too large.
     is_guess = i < kMostGuesses && gathered_count_ <= kMostFew && gather_radius_ > least;
@@ -413,12 +414,14 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     work_ += queried + queried / 4;  // in a large mesh each waits for memory
     if (!fits) {
       has_room = is_guess || gather_radius_ > least;
-      if (is_guess && gather_radius_ > enough && !are_slivers(gather_radius_)) {
+      const bool are_narrow = are_slivers(gather_radius_);
+      if (is_guess && gather_radius_ > enough && !are_narrow) {
         gather_radius_ = std::max(kDenser * gather_radius_, enough);
       } else if (is_guess) {
         i = kMostGuesses - 1;
       } else {
-        gather_radius_ = are_slivers(gather_radius_) ? std::max(0.5 * gather_radius_, least) : std::min(0.5 * gather_radius_, least);
+        gather_radius_ =
+            are_narrow && overflows++ < kMostHalvings ? std::max(0.5 * gather_radius_, least) : std::min(0.5 * gather_radius_, least);
       }
       continue;
     }
@@ -428,8 +431,8 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     if (near_.count() < few) gather_radius_ = std::min((near_.count() < few / 4 ? kMuchWider : kWider) * gather_radius_, kWidest);
     if (near_.count() > 3 * few) {
       const double wider = std::max(given, std::min(kWider * gather_radius_, kWidestOfSlivers * clearance_.offset));
-      const double floor = near_.count() <= kManyAtOnce ? std::min(gather_radius_, enough) : least;
-      gather_radius_ = are_slivers(gather_radius_) ? wider : std::max(kLess * gather_radius_, floor);
+      const double smaller = std::max(kLess * gather_radius_, std::min(gather_radius_, enough));
+      if (overflows == 0) gather_radius_ = are_slivers(gather_radius_) ? wider : smaller;
     }
     return true;
   }

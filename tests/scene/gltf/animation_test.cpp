@@ -390,6 +390,24 @@ TEST_F(GltfAnimation, ALoopThatEndsElsewhereGoesBackAtItsMeanSpeed) {
   EXPECT_EQ(once->objects[1].motion->keyframes().size(), 3U) << "it stays there";
 }
 
+// They are joined: after the same time, although only one of them ends elsewhere.
+TEST_F(GltfAnimation, AllPartsOfALoopBeginAgainTogether) {
+  add_channel(0, 1, "rotation", {0.0F, 2.0F, 4.0F}, about_z({0, 120, 240}));
+  add_channel(0, 3, "translation", {0.0F, 2.0F, 4.0F}, {0, 0, 0, 0.1F, 0, 0, 0, 0, 0});
+  write();
+  const auto scene = load_scene(
+      folder.write("a.toml", "[[object]]\nname = 'crane'\nmesh = 'a.gltf'\nscale = 0.1\nanimation = 'animation 0'\nloop = true\n"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  int moving = 0;
+  for (const SceneObject& object : scene->objects) {
+    if (object.motion == nullptr) continue;
+    ++moving;
+    EXPECT_NEAR(object.motion->keyframes().back().time_s, 6.0, 1e-6) << object.name;
+    EXPECT_TRUE(object.motion->pose_at(6.0).isApprox(object.motion->pose_at(0.0), 1e-6)) << object.name;
+  }
+  EXPECT_GE(moving, 2);
+}
+
 TEST_F(GltfAnimation, IsPlayedSlower) {
   add_channel(0, 1, "rotation", {0.0F, 0.5F}, about_z({0, 90}));
   EXPECT_THAT(scene_error("animation = 'animation 0'"), HasSubstr("line 3: before keyframe 2 'a/hand' moves at up to"));

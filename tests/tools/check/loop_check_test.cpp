@@ -102,7 +102,7 @@ TEST(LoopCheck, DampingIsHeldToHalfOfWhatIsStable) {
   EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, false).empty());
   found = check_damping(object, held, 1000.0, 1e-3, true);
   ASSERT_EQ(found.size(), 1U) << "a tool's contacts smooth the velocity";
-  EXPECT_THAT(found[0].fix, HasSubstr("set its damping_ns_per_m (at the contacts of a rigid tool) to"));
+  EXPECT_THAT(found[0].fix, HasSubstr("set its damping_ns_per_m (at the contacts of a rigid tool or a held object) to"));
   object.material.damping_ns_per_m = viscosity;
   EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, true).empty());
   object.material.damping_ns_per_m = 0.0;
