@@ -97,9 +97,12 @@ class ToolProxy {
   // The reach for find_local_contacts; `moved`: how far the device has moved since the last call. At the same speed the device stays within
   // it until the next call, unless radius() / 64 limits it. A longer reach would find contacts earlier, but the search would take longer.
   double local_reach(double moved) const { return std::min(std::max(64.0 * kContactOffset, 2.0 * moved), radius() / 64.0); }
+  // How far the parts of the scene move past the tool from where they should be now, if they should be at `parts` next. Local units.
+  double travel_to(std::span<const Placement> parts) const noexcept;
   // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now. If that is more than fits, what
-  // holds it with the device there (contact_choice.h), and the nearest.
-  void find_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept;
+  // holds it with the device and the parts of the scene there (contact_choice.h), and the nearest. The bounds are of where the parts are
+  // now: LocalContacts::follow moves them.
+  void find_local_contacts(const Placement& device, std::span<const Placement> parts, double reach, LocalContacts& local) noexcept;
   // Of the last step.
   std::span<const ToolContact> contacts() const { return {contacts_.all.data(), static_cast<std::size_t>(contacts_.count)}; }
 
@@ -156,7 +159,7 @@ class ToolProxy {
   void find_minima() noexcept;
   MotionBound local_bound(const BoundPair& pair) const noexcept;
   LocalContact local_contact(const BoundPair& pair) const noexcept;
-  void choose_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept;
+  void choose_local_contacts(const Placement& device, std::span<const Placement> parts, double reach, LocalContacts& local) noexcept;
   bool is_squeezed_by(const RigidMotion& motion) const noexcept;
 
   struct Contacts {
