@@ -107,7 +107,7 @@ void ToolProxy::reset(const Placement& device, std::span<const Placement> parts)
 void ToolProxy::place(const Placement& device) noexcept {
   proxy_ = last_ = device;
   contacts_.count = 0;
-  reach_ = 0.0;
+  reach_ = local_limit_ = 0.0;
   for (std::size_t p = 1; p < parts_.size(); ++p) parts_[p]->put_at_target();
   energy_.set_plain();
   is_blocked_ = overlaps(device);

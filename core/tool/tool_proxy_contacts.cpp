@@ -17,17 +17,41 @@ void ToolProxy::find_local_contacts(const Placement& device, std::span<const Pla
   local.tolerance = kTolerance;
   local.is_held = false;
   if (is_blocked_) return;
+  if (local_limit_ > 0.0) reach = std::min(reach, local_limit_);
   while (!collect(proxy_, reach + kContactOffset, std::min(2.0 * reach / radius(), kLargestTilt))) {
     reach *= kShrinkage;
+    local_limit_ = reach;
     local.is_held = reach < kContactOffset;
     if (local.is_held) return;
   }
+  last_local_reach_ = reach;
+  limit_local_reach();
   find_minima();
   if (bound_count_ <= LocalContacts::kMost) {
     for (std::size_t i = 0; i < bound_count_; ++i) local.add(bounds_[i], local_contact(bound_pairs_[i]));
     return;
   }
   choose_local_contacts(device, parts, reach, local);
+}
+
+// Of the next search. Pairs that even the least reach would find take no part in it.
+void ToolProxy::limit_local_reach() noexcept {
+  constexpr double kMany = 512.0;  // each takes about 2 us
+  double all = 0.0;
+  double close = 0.0;
+  for (const auto& part : parts_) {
+    for (const NearFeature& near : part->near().features()) {
+      all += 1.0;
+      close += near.gap.distance <= kLeastLocalReach + kContactOffset ? 1.0 : 0.0;
+    }
+  }
+  const double most = kMany + 2.0 * close;
+  if (all > most) {
+    local_limit_ = std::max(kLeastLocalReach, std::max(kShrinkage, 0.5 * most / all) * last_local_reach_);
+  } else if (all < 0.25 * most && local_limit_ > 0.0) {
+    local_limit_ *= 2.0;
+    if (local_limit_ > radius()) local_limit_ = 0.0;
+  }
 }
 
 // All minima of the distance that collect has found, as bounds of shift and turn.
