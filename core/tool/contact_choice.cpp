@@ -1,62 +1,110 @@
 #include "core/tool/contact_choice.h"
 
 #include <algorithm>
-
-#include "core/tool/local_contacts.h"
+#include <array>
 
 namespace hapton {
 namespace {
 
-// The bounds that are chosen so far.
+// The bounds that are chosen so far, of all.
 class Chosen {
  public:
-  explicit Chosen(std::span<std::uint32_t> numbers) : numbers_(numbers.first(std::min(numbers.size(), LocalContacts::kMost))) {}
+  Chosen(std::span<const MotionBound> all, const LocalContacts& metric, std::span<std::uint32_t> numbers)
+      : all_(all), metric_(metric), numbers_(numbers.first(std::min(numbers.size(), LocalContacts::kMost))) {
+    roots_[kCurved] = metric.inverse_root;
+    roots_[kPlain] = metric.plain_inverse_root.asDiagonal();
+  }
 
-  bool is_full() const noexcept { return count_ == numbers_.size(); }
+  std::size_t count() const noexcept { return count_; }
+  std::size_t left() const noexcept { return numbers_.size() - count_; }
   bool has(std::uint32_t number) const noexcept {
     const auto end = numbers_.begin() + static_cast<std::ptrdiff_t>(count_);
     return std::find(numbers_.begin(), end, number) != end;
   }
-  void add(std::uint32_t number, const MotionBound& bound) noexcept {
-    bounds_[count_] = bound;
+  void add(std::uint32_t number) noexcept {
+    for (std::size_t m = 0; m < roots_.size(); ++m) bounds_[m][count_] = {roots_[m].transpose() * all_[number].row, least_of(number)};
     numbers_[count_++] = number;
   }
-  std::span<const MotionBound> bounds() const noexcept { return {bounds_.data(), count_}; }
-  std::size_t count() const noexcept { return count_; }
+
+  // Adds bounds until the motion of the device to there is that within all, or as many as may be. False: the chosen ones were found to
+  // contradict each other, so what was added for other goals before may not do.
+  bool hold(const Vec6& goal, int most_cuts) noexcept {
+    if (is_free(goal) && !add_violated(goal)) return true;
+    for (const Metric metric : {kCurved, kPlain}) {
+      LeastMotion least;
+      for (int cut = 0; cut <= most_cuts; ++cut) {
+        const Vec6 pull = roots_[metric].transpose() * metric_.stiffness.cwiseProduct(goal);
+        least = find_least_motion(pull, {bounds_[metric].data(), count_}, metric_.tolerance);
+        if (!least.solved) return !relax();
+        if (cut == most_cuts || !add_violated(roots_[metric] * least.y)) break;
+      }
+      if (least.active_count > 0) break;
+    }
+    return true;
+  }
 
  private:
-  std::span<std::uint32_t> numbers_;
-  std::array<MotionBound, LocalContacts::kMost> bounds_;
-  std::size_t count_ = 0;
-};
+  enum Metric : std::size_t { kCurved, kPlain };
 
-void choose_for(const Vec6& goal, std::span<const MotionBound> bounds, double tolerance, Chosen& chosen) noexcept {
-  for (int cut = 0; cut < kMostCuts && !chosen.is_full(); ++cut) {
-    const LeastMotion least = find_least_motion(goal, chosen.bounds(), tolerance);
-    if (!least.solved) return;
+  double least_of(std::uint32_t number) const noexcept { return is_relaxed_ ? std::min(all_[number].least, 0.0) : all_[number].least; }
+  bool is_free(const Vec6& motion) const noexcept {
+    return std::all_of(numbers_.begin(), numbers_.begin() + static_cast<std::ptrdiff_t>(count_),
+                       [&](std::uint32_t number) { return all_[number].row.dot(motion) >= least_of(number) - metric_.tolerance; });
+  }
+  // The one of all that the motion violates most. False: none, or there is no place.
+  bool add_violated(const Vec6& motion) noexcept {
+    if (left() == 0) return false;
     std::uint32_t worst = 0;
-    double most = tolerance;
-    for (std::uint32_t i = 0; i < bounds.size(); ++i) {
-      const double violation = bounds[i].least - bounds[i].row.dot(least.y);
+    double most = metric_.tolerance;
+    for (std::uint32_t i = 0; i < all_.size(); ++i) {
+      const double violation = least_of(i) - all_[i].row.dot(motion);
       if (violation > most) {
         most = violation;
         worst = i;
       }
     }
-    if (!(most > tolerance) || chosen.has(worst)) return;
-    chosen.add(worst, bounds[worst]);
+    if (!(most > metric_.tolerance) || has(worst)) return false;
+    add(worst);
+    return true;
+  }
+  // False: they were lowered before, and contradict each other by rounding.
+  bool relax() noexcept {
+    if (is_relaxed_) return false;
+    is_relaxed_ = true;
+    for (auto& bounds : bounds_) {
+      for (std::size_t i = 0; i < count_; ++i) bounds[i].least = std::min(bounds[i].least, 0.0);
+    }
+    return true;
+  }
+
+  std::span<const MotionBound> all_;
+  const LocalContacts& metric_;
+  std::array<Mat6, 2> roots_;
+  std::span<std::uint32_t> numbers_;
+  std::array<std::array<MotionBound, LocalContacts::kMost>, 2> bounds_;  // in the coordinates of each metric
+  std::size_t count_ = 0;
+  bool is_relaxed_ = false;
+};
+
+void choose_for_all(std::span<const Vec6> goals, Chosen& chosen) noexcept {
+  if (goals.empty()) return;
+  // The first one last as well, with as many as there are.
+  for (std::size_t g = 0; g <= goals.size();) {
+    const bool is_last = g == goals.size();
+    const bool is_held = chosen.hold(goals[is_last ? 0 : g], is_last ? static_cast<int>(LocalContacts::kMost) : kMostCuts);
+    g = is_held ? g + 1 : 0;
   }
 }
 
 }  // namespace
 
-std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const Vec6> goals, double tolerance,
+std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const Vec6> goals, const LocalContacts& metric,
                             std::span<std::uint32_t> numbers) noexcept {
-  Chosen chosen(numbers);
-  for (const Vec6& goal : goals) choose_for(goal, bounds, tolerance, chosen);
+  Chosen chosen(bounds, metric, numbers);
+  choose_for_all(goals, chosen);
   std::array<std::uint32_t, LocalContacts::kMost> nearest;
   std::size_t count = 0;
-  const std::size_t most = std::min(numbers.size(), LocalContacts::kMost) - chosen.count();
+  const std::size_t most = chosen.left();
   const auto has_less_room = [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; };
   for (std::uint32_t i = 0; i < bounds.size() && most > 0; ++i) {  // a heap with the one that has most room at its front
     if (count == most && !has_less_room(i, nearest[0])) continue;
@@ -65,7 +113,7 @@ std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const
     nearest[count++] = i;
     std::push_heap(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(count), has_less_room);
   }
-  for (std::size_t i = 0; i < count; ++i) chosen.add(nearest[i], bounds[nearest[i]]);
+  for (std::size_t i = 0; i < count; ++i) chosen.add(nearest[i]);
   return chosen.count();
 }
 

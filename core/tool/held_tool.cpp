@@ -199,7 +199,8 @@ bool HeldTool::follow() noexcept {
   start_.reset();
   found.step = proxy.step(sample.goal, sample.parts);
   // As far as the device and parts of the scene get before the next contacts come, if they go on like that.
-  proxy.find_local_contacts(sample.device, proxy.local_reach(is_first ? 0.0 : travel_since_last(sample)), found.contacts);
+  const double reach = proxy.local_reach(is_first ? 0.0 : travel_since_last(sample));
+  proxy.find_local_contacts(sample.device, sample.parts, reach, found.contacts);
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;
   last_ = sample;

@@ -42,15 +42,15 @@ void LocalContacts::add(const MotionBound& bound, const LocalContact& contact) n
   *farthest = bound;
 }
 
-// The surface stays on its side of the plane that moves with the contact's point; that the plane turns is of second order.
+double moved_least(const MotionBound& bound, const LocalContact& contact, std::span<const Placement> parts) noexcept {
+  if (contact.part <= 0 || static_cast<std::size_t>(contact.part) > parts.size()) return bound.least;
+  const Vec3 moved = parts[static_cast<std::size_t>(contact.part) - 1].at(contact.anchor) - contact.point;
+  return contact.found_least + bound.row.head<3>().dot(moved);
+}
+
 void LocalContacts::follow(std::span<const Placement> parts) noexcept {
   if (parts.empty()) return;
-  for (std::size_t i = 0; i < count; ++i) {
-    const LocalContact& contact = contacts[i];
-    if (contact.part <= 0 || static_cast<std::size_t>(contact.part) > parts.size()) continue;
-    const Vec3 moved = parts[static_cast<std::size_t>(contact.part) - 1].at(contact.anchor) - contact.point;
-    bounds[i].least = contact.found_least + bounds[i].row.head<3>().dot(moved);
-  }
+  for (std::size_t i = 0; i < count; ++i) bounds[i].least = moved_least(bounds[i], contacts[i], parts);
 }
 
 LocalContacts::Held LocalContacts::solve(const Placement& device) const noexcept {

@@ -28,6 +28,10 @@ struct LocalContact {
   double found_least = 0.0;    // of the bound, when the contact was found
 };
 
+// The bound of a contact with a part that moves, once the parts are at `parts`: raised or lowered by how far its point has moved along the
+// normal. That the plane turns is of second order. parts: as LocalContacts::follow has them. RT: yes.
+double moved_least(const MotionBound& bound, const LocalContact& contact, std::span<const Placement> parts) noexcept;
+
 // What a rigid tool touches or is about to touch: a local set in the sense of the FDH paper, which the slow task finds and the fast task
 // computes with. Each pair of features that is a local minimum of the distance keeps the tool on its side of a plane through its contact
 // (Ortega, Redon & Coquillart 2007, section 5: constraint-based force between two steps of the pose). Plain memory. Frame: local units.
@@ -49,8 +53,8 @@ struct LocalContacts {
   // Keeps the kMost with the least room.
   void add(const MotionBound& bound, const LocalContact& contact = {}) noexcept;
 
-  // The parts have moved since the contacts were found: raises or lowers the bounds of those that move by how far their contacts have moved
-  // along the normals. parts: where each should be, without the one that stands still. RT: yes.
+  // The parts have moved since the contacts were found: raises or lowers the bounds of those that move (moved_least). parts: where each
+  // should be, without the one that stands still. RT: yes.
   void follow(std::span<const Placement> parts) noexcept;
 
   // Where the bounds hold the tool while the device is there: the device itself where none does. RT: yes, at most kMost bounds a round of

@@ -57,15 +57,18 @@ void ToolProxy::add_part(const TouchGeometry& scene, std::vector<CoulombFriction
   known_.resize(parts_.size());
 }
 
-void ToolProxy::set_targets(std::span<const Placement> parts) noexcept {
-  travel_ = 0.0;
+double ToolProxy::travel_to(std::span<const Placement> parts) const noexcept {
+  double travel = 0.0;
   for (std::size_t p = 1; p < parts_.size() && p <= parts.size(); ++p) {
-    ScenePart& part = *parts_[p];
-    const Placement& target = parts[p - 1];
-    if (part.target() == target) continue;
-    travel_ = std::max(travel_, motion_past(proxy_, radius(), part.target(), target));
-    part.set_target(target);
+    const Placement& target = parts_[p]->target();
+    if (!(target == parts[p - 1])) travel = std::max(travel, motion_past(proxy_, radius(), target, parts[p - 1]));
   }
+  return travel;
+}
+
+void ToolProxy::set_targets(std::span<const Placement> parts) noexcept {
+  travel_ = travel_to(parts);
+  for (std::size_t p = 1; p < parts_.size() && p <= parts.size(); ++p) parts_[p]->set_target(parts[p - 1]);
 }
 
 bool ToolProxy::collect(const Placement& placement, double distance, double turn) noexcept {
@@ -107,7 +110,7 @@ void ToolProxy::reset(const Placement& device, std::span<const Placement> parts)
 void ToolProxy::place(const Placement& device) noexcept {
   proxy_ = last_ = device;
   contacts_.count = 0;
-  reach_ = 0.0;
+  reach_ = local_limit_ = 0.0;
   for (std::size_t p = 1; p < parts_.size(); ++p) parts_[p]->put_at_target();
   energy_.set_plain();
   is_blocked_ = overlaps(device);

@@ -68,6 +68,7 @@ class ToolProxy {
   static constexpr int kMostRounds = 24;
   static constexpr int kMostCarries = 16;   // rounds in which all parts move, and as many for each part that was kept back
   static constexpr double kCatchUp = 64.0;  // offsets a step, beyond twice the part's own motion
+  static constexpr double kLeastLocalReach = 64.0 * kContactOffset;
 
   // friction: of the scene's objects, for find_local_contacts; empty: none. team: shares the search for contacts; steps are the same to the
   // bit with any number of workers.
@@ -96,10 +97,16 @@ class ToolProxy {
   double radius() const { return parts_[0]->near().radius(); }  // of the tool about its grip point
   // The reach for find_local_contacts; `moved`: how far the device has moved since the last call. At the same speed the device stays within
   // it until the next call, unless radius() / 64 limits it. A longer reach would find contacts earlier, but the search would take longer.
-  double local_reach(double moved) const { return std::min(std::max(64.0 * kContactOffset, 2.0 * moved), radius() / 64.0); }
+  double local_reach(double moved) const { return std::min(std::max(kLeastLocalReach, 2.0 * moved), radius() / 64.0); }
+  // How far the parts of the scene move past the tool from where they should be now, if they should be at `parts` next. Local units.
+  double travel_to(std::span<const Placement> parts) const noexcept;
   // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now. If that is more than fits, what
-  // holds it with the device there (contact_choice.h), and the nearest.
-  void find_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept;
+  // holds it with the device and the parts of the scene there (contact_choice.h), and the nearest. The bounds are of where the parts are
+  // now: LocalContacts::follow moves them. The reach is shortened, as far as kLeastLocalReach, where surfaces that nearly fit into each
+  // other would give so many pairs that the search takes far longer than a step; from call to call, as the number of pairs tells.
+  void find_local_contacts(const Placement& device, std::span<const Placement> parts, double reach, LocalContacts& local) noexcept;
+  // Of the last find_local_contacts: the one that was asked for, or a shorter one.
+  double last_local_reach() const { return last_local_reach_; }
   // Of the last step.
   std::span<const ToolContact> contacts() const { return {contacts_.all.data(), static_cast<std::size_t>(contacts_.count)}; }
 
@@ -153,10 +160,11 @@ class ToolProxy {
   // Moves the parts that are aimed, no farther than `length` past the tool, and it out of their way. Returns the share that was made.
   double carry_round(double length) noexcept;
   bool find_push(RigidMotion& motion) noexcept;  // false: there is no room
+  void limit_local_reach() noexcept;
   void find_minima() noexcept;
   MotionBound local_bound(const BoundPair& pair) const noexcept;
   LocalContact local_contact(const BoundPair& pair) const noexcept;
-  void choose_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept;
+  void choose_local_contacts(const Placement& device, std::span<const Placement> parts, double reach, LocalContacts& local) noexcept;
   bool is_squeezed_by(const RigidMotion& motion) const noexcept;
 
   struct Contacts {
@@ -173,6 +181,8 @@ class ToolProxy {
   double reach_ = 0.0;  // no point of the tool moves farther in a round
   double tried_ = 0.0;  // the reach that this step began with, or the longest motion that it has made
   bool is_blocked_ = true;
+  double local_limit_ = 0.0;  // of the reach for local contacts; 0: none
+  double last_local_reach_ = 0.0;
   std::size_t most_followed_ = 0;    // with more pairs the next round searches again
   bool follows_ = false;             // the next round begins with the pairs of this one, which has made the motion of the last extend
   std::vector<MotionBound> bounds_;  // of the minima of the distance

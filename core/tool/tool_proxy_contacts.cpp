@@ -6,7 +6,8 @@
 
 namespace hapton {
 
-void ToolProxy::find_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept {
+void ToolProxy::find_local_contacts(const Placement& device, std::span<const Placement> parts, double reach,
+                                    LocalContacts& local) noexcept {
   local.count = 0;
   local.is_blocked = is_blocked_;
   local.proxy = proxy_;
@@ -16,17 +17,41 @@ void ToolProxy::find_local_contacts(const Placement& device, double reach, Local
   local.tolerance = kTolerance;
   local.is_held = false;
   if (is_blocked_) return;
+  if (local_limit_ > 0.0) reach = std::min(reach, local_limit_);
   while (!collect(proxy_, reach + kContactOffset, std::min(2.0 * reach / radius(), kLargestTilt))) {
     reach *= kShrinkage;
+    local_limit_ = reach;
     local.is_held = reach < kContactOffset;
     if (local.is_held) return;
   }
+  last_local_reach_ = reach;
+  limit_local_reach();
   find_minima();
   if (bound_count_ <= LocalContacts::kMost) {
     for (std::size_t i = 0; i < bound_count_; ++i) local.add(bounds_[i], local_contact(bound_pairs_[i]));
     return;
   }
-  choose_local_contacts(device, reach, local);
+  choose_local_contacts(device, parts, reach, local);
+}
+
+// Of the next search. Pairs that even the least reach would find take no part in it.
+void ToolProxy::limit_local_reach() noexcept {
+  constexpr double kMany = 512.0;  // each takes about 2 us
+  double all = 0.0;
+  double close = 0.0;
+  for (const auto& part : parts_) {
+    for (const NearFeature& near : part->near().features()) {
+      all += 1.0;
+      close += near.gap.distance <= kLeastLocalReach + kContactOffset ? 1.0 : 0.0;
+    }
+  }
+  const double most = kMany + 2.0 * close;
+  if (all > most) {
+    local_limit_ = std::max(kLeastLocalReach, std::max(kShrinkage, 0.5 * most / all) * last_local_reach_);
+  } else if (all < 0.25 * most && local_limit_ > 0.0) {
+    local_limit_ *= 2.0;
+    if (local_limit_ > radius()) local_limit_ = 0.0;
+  }
 }
 
 // All minima of the distance that collect has found, as bounds of shift and turn.
@@ -64,24 +89,23 @@ LocalContact ToolProxy::local_contact(const BoundPair& pair) const noexcept {
   return contact;
 }
 
-// Of more than fit, those that hold the tool while the device is where it is, and while it shifts or turns a reach farther along
+// Of more than fit, those that hold the tool while device and parts are there, and while the device shifts or turns a reach farther along
 // or about an axis.
-void ToolProxy::choose_local_contacts(const Placement& device, double reach, LocalContacts& local) noexcept {
+void ToolProxy::choose_local_contacts(const Placement& device, std::span<const Placement> parts, double reach,
+                                      LocalContacts& local) noexcept {
   std::array<Vec6, 13> goals;
-  Vec6 wanted;
-  wanted << device.position - proxy_.position, turn_between(proxy_.orientation, device.orientation);
-  for (std::size_t g = 0; g < goals.size(); ++g) {
-    Vec6 farther = wanted;
-    if (g > 0) {
-      const auto axis = static_cast<int>(g - 1) / 2;
-      const double length = axis < 3 ? reach : reach / radius();
-      farther[axis] += g % 2 == 1 ? length : -length;
-    }
-    goals[g] = local.inverse_root.transpose() * local.stiffness.cwiseProduct(farther);
+  goals[0] << device.position - proxy_.position, turn_between(proxy_.orientation, device.orientation);
+  for (std::size_t g = 1; g < goals.size(); ++g) {
+    const auto axis = static_cast<int>(g - 1) / 2;
+    const double length = axis < 3 ? reach : reach / radius();
+    goals[g] = goals[0];
+    goals[g][axis] += g % 2 == 1 ? length : -length;
   }
-  for (std::size_t i = 0; i < bound_count_; ++i) bounds_[i].row = energy_.to_row(bounds_[i].row);
+  for (std::size_t i = 0; i < bound_count_ && !parts.empty(); ++i) {
+    if (parts_[bound_pairs_[i].part]->moves()) bounds_[i].least = moved_least(bounds_[i], local_contact(bound_pairs_[i]), parts);
+  }
   std::array<std::uint32_t, LocalContacts::kMost> chosen;
-  const std::size_t count = choose_contacts({bounds_.data(), bound_count_}, goals, kTolerance, chosen);
+  const std::size_t count = choose_contacts({bounds_.data(), bound_count_}, goals, local, chosen);
   for (std::size_t i = 0; i < count; ++i) {
     const BoundPair& pair = bound_pairs_[chosen[i]];
     local.add(local_bound(pair), local_contact(pair));

@@ -234,7 +234,7 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
 ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
   const RigidMotion moved{last_, device.position - last_.position, turn_between(last_.orientation, device.orientation)};
   last_ = device;
-  proxy_.find_local_contacts(device, proxy_.local_reach(moved.length(proxy_.radius())), local_);
+  proxy_.find_local_contacts(device, parts_, proxy_.local_reach(moved.length(proxy_.radius()) + proxy_.travel_to(parts_)), local_);
   local_.follow(parts_);
   const ToolProxyStep followed = proxy_.step(friction_.step(local_, device, parts_).goal, parts_);
   friction_.move_to(proxy_.placement());

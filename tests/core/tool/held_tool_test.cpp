@@ -90,10 +90,37 @@ TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
       if (n < 60) continue;
       EXPECT_LT((felt.force_n - expected.force_n).norm(), 1e-4) << cells << " cells, sample " << n;
       EXPECT_LT((felt.torque_nm - expected.torque_nm).norm(), 1e-5) << cells << " cells, sample " << n;
+      EXPECT_GT(held.tool().proxy().last_local_reach(), 2.0 * ToolProxy::kLeastLocalReach) << "a shorter one would find as many";
       contacts += felt.contact ? 1 : 0;
     }
     EXPECT_GT(contacts, 200);
   }
+}
+
+// A fine ball slides and turns in a fine bowl that is 1 % larger: all of its lower half is near the bowl. Only what is nearest is found.
+TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
+  const TriangleMesh tool = make_icosphere(0.0099, 4);
+  const TriangleMesh scene = make_icosphere(0.01, 5);
+  const auto whole = held_step(tool, scene);
+  HeldTool held(held_step(tool, scene));
+  const double kLeast = ToolProxy::kLeastLocalReach;
+  int contacts = 0;
+  for (int n = 0; n < 100; ++n) {
+    const double t = 1e-3 * n;
+    const double d = std::min(t * 0.05, 0.003);
+    const ToolInput input = input_at({d * std::cos(4.0 * t), d * std::sin(4.0 * t), 0.3 * d}, {0.0, 0.0, 0.5 * t});
+    if (n == 0) whole->reset(input);
+    const ToolOutput expected = whole->step(input);
+    held.step(input, n * kTickNs);
+    held.follow();
+    const ToolOutput felt = held.step(input, n * kTickNs);
+    if (n < 20) continue;
+    EXPECT_GE(held.tool().proxy().last_local_reach(), kLeast);
+    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kLeast) << "sample " << n;  // at first 15 times as far was asked for
+    EXPECT_LT((felt.force_n - expected.force_n).norm(), 0.01 * expected.force_n.norm()) << "sample " << n;
+    contacts += felt.contact ? 1 : 0;
+  }
+  EXPECT_EQ(contacts, 80);
 }
 
 TEST(HeldTool, FeelsWhatTheWholeStepFeels) {
