@@ -123,11 +123,20 @@ TEST(FeltStiffness, OfEveryEffectInFreeSpaceIsWhatItClaims) {
 struct TouchedPlane {
   Material material;
   SurfaceEffects effects;
+  double image_m = 1.0;  // a side of its images, which repeat
 
   SurfaceContact contact_at(const Vec3& p) const {
     return {.force_n = {0, 0, -material.stiffness_n_per_m * p.z()}, .p_SP = {p.x(), p.y(), 0}, .object = 0, .contact = p.z() < 0.0};
   }
-  Vec3 force_at(EffectStep step, const Vec3& p, double dt_s = 0.0) const { return step.step(p, dt_s, contact_at(p)).force_n; }
+  Vec3 force_at(EffectStep step, const Vec3& p) const {
+    SurfaceContact contact = contact_at(p);
+    MapSample map;
+    if (effects.maps.is_on()) {
+      map = effects.maps.sample({.texcoord = p.head<2>() / image_m, .du = Vec3::UnitX() / image_m, .dv = Vec3::UnitY() / image_m});
+      contact.map = &map;
+    }
+    return step.step(p, 0.0, contact).force_n;
+  }
 };
 
 // The largest stiffness of a plane that is pressed with up to this force, at many places. moved: of the way of a difference.
@@ -184,6 +193,58 @@ TEST(FeltStiffness, OfBumpsWithFrictionCountsBoth) {
     plane.effects.bumps.height_m = plane.effects.bumps.length_m * between(random, 0.01, 0.2);
     plane.effects.drag = {.stiffness_n_per_m = plane.material.stiffness_n_per_m, .friction = {0.9, 0.9}};
     expect_bound(plane, by_ratio(random, 0.5, 10.0), plane.effects.bumps.length_m, random, "seed " + std::to_string(seed));
+  }
+}
+
+// The images of a square of the plane.
+std::shared_ptr<const std::vector<MappedTriangle>> square_of(double side_m) {
+  const Vec3 right(side_m, 0, 0);
+  const Vec3 up(0, side_m, 0);
+  const std::vector<MappedTriangle> two = {{{Vec3(0, 0, 0), right, Vec3(right + up)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}},
+                                           {{Vec3(0, 0, 0), Vec3(right + up), up}, {Eigen::Vector2d(0, 0), {1, 1}, {0, 1}}}};
+  return std::make_shared<const std::vector<MappedTriangle>>(two);
+}
+
+std::shared_ptr<const SurfaceImage> noise_of(Random& random, int side) {
+  std::vector<float> texels;
+  for (int n = 0; n < side * side; ++n) texels.push_back(static_cast<float>(between(random, 0, 1)));
+  return std::make_shared<const SurfaceImage>(side, side, std::move(texels));
+}
+
+// At many places, pressed with this force: -p is the depth below the bumps where it is.
+double largest_felt_of_images(const TouchedPlane& plane, double pressed_n, Random& random) {
+  double most = 0.0;
+  for (int n = 0; n < 4000; ++n) {
+    Vec3 at(between(random, 0, plane.image_m), between(random, 0, plane.image_m), 0);
+    const MapSample map =
+        plane.effects.maps.sample({.texcoord = at.head<2>() / plane.image_m, .du = Vec3::UnitX() / plane.image_m, .dv = Vec3::Zero()});
+    const double deep_m = pressed_n / (map.stiffness * plane.material.stiffness_n_per_m);
+    at.z() = map.height_m - deep_m;
+    const auto force = [&](const Vec3& p) { return plane.force_at(EffectStep({plane.effects}, {}), p); };
+    most = std::max(most, largest_slope(force, at, 1e-6 * std::min(plane.image_m, deep_m)));
+  }
+  return most;
+}
+
+// Reliefs and stiffness by images of noise, alone and together. Together each counts as if it were worst where the other one is.
+TEST(FeltStiffness, OfImagesIsAtMostAFewTimesWhatIsFelt) {
+  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+    Random random(seed);
+    TouchedPlane plane{
+        .material = {.stiffness_n_per_m = by_ratio(random, 200.0, 2000.0)}, .effects = {}, .image_m = by_ratio(random, 0.003, 0.1)};
+    plane.effects.maps.triangles = square_of(plane.image_m);
+    const bool has_height = seed % 3 != 0;
+    const bool has_stiffness = seed % 3 != 1;
+    if (has_height)
+      plane.effects.maps.height = {
+          .image = noise_of(random, 5), .at_black = -0.1 * plane.image_m * between(random, 0.1, 1.0), .at_white = 0.0};
+    if (has_stiffness)
+      plane.effects.maps.stiffness = {.image = noise_of(random, 4), .at_black = between(random, 0.2, 0.8), .at_white = 1.0};
+    const double pressed_n = by_ratio(random, 0.5, 10.0);
+    const double felt = largest_felt_of_images(plane, pressed_n, random);
+    const double claimed = stiffest_by_place_of(plane.material, plane.effects, pressed_n).n_per_m;
+    EXPECT_GE(claimed * (1.0 + 1e-3), felt) << "seed " << seed;
+    EXPECT_LE(claimed, (has_height && has_stiffness ? 3.0 : 2.0) * felt) << "seed " << seed;
   }
 }
 

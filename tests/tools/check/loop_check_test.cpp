@@ -103,12 +103,12 @@ TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
   const auto loops = loops_for_check("model-a", "light");
   const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
   const std::vector<MappedTriangle> two = {
-      {{Vec3(0, 0, 0), Vec3(0.016, 0, 0), Vec3(0.016, 0.016, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}},
-      {{Vec3(0, 0, 0), Vec3(0.016, 0.016, 0), Vec3(0, 0.016, 0)}, {Eigen::Vector2d(0, 0), {1, 1}, {0, 1}}}};
+      {{Vec3(0, 0, 0), Vec3(0.008, 0, 0), Vec3(0.008, 0.008, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}},
+      {{Vec3(0, 0, 0), Vec3(0.008, 0.008, 0), Vec3(0, 0.008, 0)}, {Eigen::Vector2d(0, 0), {1, 1}, {0, 1}}}};
   const auto image = std::make_shared<const SurfaceImage>(4, 1, std::vector<float>{0.0F, 0.5F, 1.0F, 0.5F});
   SceneObject object = object_of(800.0);
   object.effects.maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(two);
-  object.effects.maps.height = {.image = image, .at_black = -0.005, .at_white = 0.0};
+  object.effects.maps.height = {.image = image, .at_black = -0.002, .at_white = 0.0};
   CheckFindings found = check_stiffness(object, held, 1000.0, 5e-4);
   ASSERT_EQ(found.size(), 1U);
   double share = 0.0;
