@@ -108,7 +108,7 @@ TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
   const auto image = std::make_shared<const SurfaceImage>(4, 1, std::vector<float>{0.0F, 0.5F, 1.0F, 0.5F});
   SceneObject object = object_of(800.0);
   object.effects.maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(two);
-  object.effects.maps.height = {.image = image, .at_black = -0.002, .at_white = 0.0};
+  object.effects.maps.height = {.image = image, .at_black = -0.008, .at_white = 0.0};
   CheckFindings found = check_stiffness(object, held, 1000.0, 5e-4);
   ASSERT_EQ(found.size(), 1U);
   double share = 0.0;
