@@ -94,6 +94,38 @@ MapRanges ranges_of(const Texels& texels, const Part& part, const ImageMap& map)
   return ranges;
 }
 
+// The same of a whole texel, wider and several times as fast: by its texels in place of control points.
+MapRanges wide_ranges_of(const Texels& texels, const ImageMap& map) noexcept {
+  const double scale = map.at_white - map.at_black;
+  const double width = map.image->width();
+  const double height = map.image->height();
+  const auto& a = texels.at;
+  Range value = only(a[0][0]), u = only(0.0), v = only(0.0), uu = only(a[0][0] - 2.0 * a[0][1] + a[0][2]), uv = only(0.0),
+        vv = only(a[0][0] - 2.0 * a[1][0] + a[2][0]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) value.add(a[i][j]);
+    uu.add(a[i][0] - 2.0 * a[i][1] + a[i][2]);
+    vv.add(a[0][i] - 2.0 * a[1][i] + a[2][i]);
+    for (std::size_t j = 0; j < 2; ++j) {
+      u.add(a[i][j + 1] - a[i][j]);
+      v.add(a[j + 1][i] - a[j][i]);
+      if (i < 2) uv.add(a[i + 1][j + 1] - a[i + 1][j] - a[i][j + 1] + a[i][j]);
+    }
+  }
+  const auto scaled = [](const Range& range, double by) {
+    return by >= 0.0 ? Range{by * range.low, by * range.high} : Range{by * range.high, by * range.low};
+  };
+  MapRanges ranges{.value = scaled(value, scale),
+                   .u = scaled(u, scale * width),
+                   .v = scaled(v, scale * height),
+                   .uu = scaled(uu, scale * width * width),
+                   .uv = scaled(uv, scale * width * height),
+                   .vv = scaled(vv, scale * height * height)};
+  ranges.value.low += map.at_black;
+  ranges.value.high += map.at_black;
+  return ranges;
+}
+
 double largest_eigenvalue_of(double trace, double determinant) noexcept {
   return 0.5 * (trace + std::sqrt(std::max(0.0, trace * trace - 4.0 * determinant)));
 }
@@ -172,6 +204,7 @@ double find_largest(const ImageMap& map, const Bound& bound) {
   for (int y = 0; y < map.image->height(); ++y) {
     for (int x = 0; x < map.image->width(); ++x) {
       const Texels texels = texels_around(*map.image, x, y);
+      if (!(bound(wide_ranges_of(texels, map)) > kMapMargin * best)) continue;
       parts.assign(1, Part());
       while (!parts.empty()) {
         const Part part = parts.back();

@@ -20,14 +20,15 @@ struct Relief {
   double slope = 0.0;
   double curvature_per_m = 0.0;
 
-  explicit Relief(const SurfaceEffects& effects) {
+  // pressed_n: 0 has no use for the curvature.
+  Relief(const SurfaceEffects& effects, double pressed_n) {
     const SurfaceMaps& maps = effects.maps;
     if (effects.bumps.is_on()) {
       bumps = &effects.bumps;
       slope = bumps->slope();
     } else if (has_image(maps.height, maps)) {
       slope = maps.height.steepest(*maps.triangles);
-      curvature_per_m = largest_curvature(maps.height, *maps.triangles);
+      if (pressed_n > 0.0) curvature_per_m = largest_curvature(maps.height, *maps.triangles);
     }
   }
 
@@ -62,7 +63,7 @@ double stiffest_in_layers(const Relief& relief, const TissueLayers& layers, doub
 
 // Where the normal of a surface or its stiffness changes from place to place; 0: nowhere.
 double stiffest_by_place(const Material& material, const SurfaceEffects& effects, double pressed_n) {
-  const Relief relief(effects);
+  const Relief relief(effects, pressed_n);
   const double sideways_n_per_m = sideways_of(material, effects);
   if (effects.layers.is_on()) return relief.is_on() ? stiffest_in_layers(relief, effects.layers, sideways_n_per_m, pressed_n) : 0.0;
   const double on_relief =
@@ -73,6 +74,7 @@ double stiffest_by_place(const Material& material, const SurfaceEffects& effects
                             .beside_n_per_m = progressive_of(effects),
                             .sideways_n_per_m = sideways_n_per_m,
                             .pressed_n = pressed_n};
+  if (!(pressed_n > 0.0)) return std::max({on_relief, spring.spring_n_per_m + spring.beside_n_per_m, sideways_n_per_m});
   if (!relief.is_on()) return spring.largest_n_per_m(maps.stiffness, *maps.triangles);
   return on_relief + spring.added_n_per_m(maps.stiffness, *maps.triangles, relief.slope);
 }
@@ -166,7 +168,7 @@ double drag_of(const SurfaceEffects& effects) {
     if (std::isfinite(effects.layers[i].pop_force_n)) drag_ns_per_m = std::max(drag_ns_per_m, effects.layers[i].drag_ns_per_m);
   }
   if (!(drag_ns_per_m > 0.0)) return 0.0;
-  const Relief relief(effects);
+  const Relief relief(effects, 0.0);
   return relief.is_on() ? relief.largest(drag_ns_per_m, viscosity_of(effects), 0.0) : drag_ns_per_m;
 }
 
