@@ -6,7 +6,7 @@ namespace hapton {
 
 // What an image of heights or of stiffness adds to the stiffness of a surface at most, wherever it is touched on its triangles: by branch
 // and bound over the image, so that no place is left out and the result is at most kMargin above the largest for one
-// mapping. Where triangles map the image unevenly, that of the steepest mapping counts everywhere. RT: no: some 10 ns a texel, and more
+// mapping. Where triangles map the image unevenly, that of the steepest mapping counts everywhere. RT: no: up to 0.2 us a texel, most
 // where the image is rough.
 constexpr double kMapMargin = 1.05;
 
