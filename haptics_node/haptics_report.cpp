@@ -46,13 +46,19 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
 
 void log_method(const ForceMethod& method) {
   std::istringstream text(method.describe());
+  std::string first_of_objects;
+  std::size_t of_objects = 0;
   for (std::string line; std::getline(text, line);) {
     if (line.starts_with("note: ")) {
       log_warning("{}", line.substr(6));
-    } else {
+    } else if (!line.starts_with("object ")) {
       log_info("{}", line);
+    } else if (++of_objects == 1) {
+      first_of_objects = line;
     }
   }
+  if (of_objects == 1) log_info("{}", first_of_objects);
+  if (of_objects > 1) log_info("{} (and {} more lines on objects, in the report at the end)", first_of_objects, of_objects - 1);
 }
 
 }  // namespace hapton

@@ -20,7 +20,8 @@ std::string describe_times(const std::string& what, const LatencyHistogram& time
 // How often the loop spun for a sample and how often one arrived meanwhile, a line; empty if it never spun. RT: set-up only.
 std::string describe_spins(const StateWait& wait);
 
-// Logs the method's report, line by line; what it leaves out of the scene ("note: ...") as warnings. RT: no.
+// Logs the method's report, line by line; what it leaves out of the scene ("note: ...") as warnings. Of the lines on objects only the
+// first, with their count. RT: no.
 void log_method(const ForceMethod& method);
 
 }  // namespace hapton

@@ -23,6 +23,9 @@ struct StiffnessAdvice {
 
   double safe_n_per_m = 0.0;
   Loop by_stiffness;
+  double loop_n_per_m = 0.0;  // without the stiffness limits of the devices: where the stiffness changes from place to place
+  Loop by_loop;
+  double pressed_n = kMostPressedN;   // how hard surfaces are pressed: the largest force of the strongest of these devices
   bool is_limited_by_device = false;  // the device's own stiffness limit is the least, whatever hand and delay
   double damping_ns_per_m = 0.0;      // of materials
   Loop by_damping;
@@ -53,12 +56,17 @@ class StiffnessAdviser {
 
  private:
   void run();
+  LargestGains read_gains() const noexcept;
   void consider(const LoopFacts& facts);
   // Of those gains that are above 0.
   void advise(const LoopFacts& facts, const LargestGains& gains);
 
   // Each stands for itself.
   std::atomic<double> stiffness_n_per_m_;
+  std::atomic<StiffCause> cause_;
+  std::atomic<double> by_place_n_per_m_;
+  std::atomic<double> of_pressing_n_per_m_;
+  std::atomic<StiffCause> place_cause_;
   std::atomic<double> damping_ns_per_m_;
   std::atomic<double> viscosity_ns_per_m_;
   Mailbox<LoopFacts> facts_;

@@ -71,7 +71,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
     if (parsed)
       spec.unit = *parsed;
     else
-      reader.fail_at("unit", "{}", parsed.error().what);
+      reader.fail_at("unit", "'unit': {}", parsed.error().what);
   }
   if (reader.error()) return tl::unexpected(*reader.error());
   if (const auto accepted = read_accepted_findings(table, name); !accepted) return tl::unexpected(accepted.error());

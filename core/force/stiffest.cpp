@@ -4,54 +4,116 @@
 #include <cmath>
 #include <variant>
 
+#include "core/effects/mapped_spring.h"
+#include "core/effects/tilted_spring.h"
+
 namespace hapton {
-
-double stiffest_of(const Material& material, const SurfaceEffects& effects) {
-  constexpr double kPressedN = 10.0;  // hardly any desktop device gives more
-  double stiffest_n_per_m = effects.layers.is_on() ? 0.0 : material.stiffness_n_per_m;
-  for (std::size_t i = 0; i < effects.layers.count(); ++i)
-    stiffest_n_per_m = std::max(stiffest_n_per_m, effects.layers[i].stiffness_n_per_m);
-  stiffest_n_per_m += 2.0 * std::sqrt(kPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kPressedN
-  return std::max(stiffest_n_per_m, effects.snap.is_on() ? effects.snap.stiffness_n_per_m : 0.0);
-}
-
-double stiffest_of(const SpaceEffect& effect) {
-  if (const auto* spring = std::get_if<SpringEffect>(&effect)) return spring->stiffness_n_per_m;
-  if (const auto* snap = std::get_if<SnapEffect>(&effect)) return snap->stiffness_n_per_m();
-  return 0.0;
-}
-
-double find_stiffest_surface(const TouchScene& scene) {
-  double stiffest_n_per_m = 0.0;
-  for (const TouchObject& object : scene.objects)
-    stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(object.material, object.effects));
-  return stiffest_n_per_m;
-}
-
-double find_stiffest(const TouchScene& scene) {
-  double stiffest_n_per_m = find_stiffest_surface(scene);
-  for (const SwitchedEffect& one : scene.effects) stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_of(one.effect));
-  return stiffest_n_per_m;
-}
-
-double viscosity_of(const SurfaceEffects& effects) {
-  const ImageMap& map = effects.maps.viscosity;
-  const double most_of_map = map.is_on() ? std::max(map.at_black, map.at_white) : 0.0;
-  return std::max(effects.viscosity.damping_ns_per_m, most_of_map);
-}
-
-double viscosity_of(const SpaceEffect& effect) {
-  const auto* viscous = std::get_if<ViscousEffect>(&effect);
-  return viscous != nullptr ? viscous->damping_ns_per_m : 0.0;
-}
-
-LargestGains LargestGains::largest_of(const LargestGains& other) const noexcept {
-  return {.stiffness_n_per_m = std::max(stiffness_n_per_m, other.stiffness_n_per_m),
-          .damping_ns_per_m = std::max(damping_ns_per_m, other.damping_ns_per_m),
-          .viscosity_ns_per_m = std::max(viscosity_ns_per_m, other.viscosity_ns_per_m)};
-}
-
 namespace {
+
+Stiffest stiffer_of(const Stiffest& a, const Stiffest& b) { return b.n_per_m > a.n_per_m ? b : a; }
+
+bool has_image(const ImageMap& map, const SurfaceMaps& maps) { return map.is_on() && maps.triangles != nullptr; }
+
+// The bumps of a surface, by a formula or an image: what of them makes it stiff. None: it is smooth.
+struct Relief {
+  const SurfaceBumps* bumps = nullptr;
+  double slope = 0.0;
+  double curvature_per_m = 0.0;
+
+  // pressed_n: 0 has no use for the curvature.
+  Relief(const SurfaceEffects& effects, double pressed_n) {
+    const SurfaceMaps& maps = effects.maps;
+    if (effects.bumps.is_on()) {
+      bumps = &effects.bumps;
+      slope = bumps->slope();
+    } else if (has_image(maps.height, maps)) {
+      slope = maps.height.steepest(*maps.triangles);
+      if (pressed_n > 0.0) curvature_per_m = largest_curvature(maps.height, *maps.triangles);
+    }
+  }
+
+  bool is_on() const { return bumps != nullptr || slope > 0.0; }
+  double largest(double spring, double sideways, double pressed_n) const {
+    if (bumps != nullptr) return largest_on_bumps(*bumps, spring, sideways, pressed_n);
+    return TiltedSpring{.spring_n_per_m = spring,
+                        .slope_squared = slope * slope,
+                        .bending_n_per_m = pressed_n * curvature_per_m,
+                        .sideways_n_per_m = sideways}
+        .largest_n_per_m();
+  }
+};
+
+// Friction has a spring along the surface, as stiff as the material's, where the method has none of its own or an image gives the
+// coefficient.
+double sideways_of(const Material& material, const SurfaceEffects& effects) {
+  return effects.maps.friction.is_on() || material.friction_static > 0.0 ? material.stiffness_n_per_m : 0.0;
+}
+
+double progressive_of(const SurfaceEffects& effects) {
+  return 2.0 * std::sqrt(kMostPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kMostPressedN
+}
+
+double stiffest_in_layers(const Relief& relief, const TissueLayers& layers, double sideways_n_per_m, double pressed_n) {
+  double stiffest = 0.0;
+  for (std::size_t i = 0; i < layers.count(); ++i)
+    stiffest =
+        std::max(stiffest, relief.largest(layers[i].stiffness_n_per_m, sideways_n_per_m, std::min(pressed_n, layers[i].pop_force_n)));
+  return stiffest;
+}
+
+// Where the normal of a surface or its stiffness changes from place to place; 0: nowhere.
+double stiffest_by_place(const Material& material, const SurfaceEffects& effects, double pressed_n) {
+  const Relief relief(effects, pressed_n);
+  const double sideways_n_per_m = sideways_of(material, effects);
+  if (effects.layers.is_on()) return relief.is_on() ? stiffest_in_layers(relief, effects.layers, sideways_n_per_m, pressed_n) : 0.0;
+  const double on_relief =
+      relief.is_on() ? relief.largest(material.stiffness_n_per_m + progressive_of(effects), sideways_n_per_m, pressed_n) : 0.0;
+  const SurfaceMaps& maps = effects.maps;
+  if (!has_image(maps.stiffness, maps)) return on_relief;
+  const MappedSpring spring{.spring_n_per_m = material.stiffness_n_per_m,
+                            .beside_n_per_m = progressive_of(effects),
+                            .sideways_n_per_m = sideways_n_per_m,
+                            .pressed_n = pressed_n};
+  if (!(pressed_n > 0.0)) return std::max({on_relief, spring.spring_n_per_m + spring.beside_n_per_m, sideways_n_per_m});
+  if (!relief.is_on()) return spring.largest_n_per_m(maps.stiffness, *maps.triangles);
+  return on_relief + spring.added_n_per_m(maps.stiffness, *maps.triangles, relief.slope);
+}
+
+// One for each type: an effect that is new has to say how stiff it is.
+struct StiffnessOf {
+  Stiffest operator()(const SpringEffect& spring) const { return {spring.stiffness_n_per_m, StiffCause::spring_effect}; }
+  Stiffest operator()(const SnapEffect& snap) const { return {snap.stiffness_n_per_m(), StiffCause::snap_effect}; }
+  // At the centre, where dx/dr is 1 / (sqrt(2) radius): its force is -max_force c x (1 + x^2)^(-3/2).
+  Stiffest operator()(const GravityWellEffect& well) const {
+    const double c = 1.5 * std::sqrt(3.0);
+    return {well.max_force_n * c / (std::sqrt(2.0) * well.radius_m), StiffCause::gravity_well};
+  }
+  // No function of the position, but for its step at the border of a volume, whose energy passivity() states.
+  Stiffest operator()(const ConstantEffect&) const { return {}; }
+  Stiffest operator()(const WaveEffect&) const { return {}; }
+  Stiffest operator()(const BurstEffect&) const { return {}; }
+  // Of the velocity.
+  Stiffest operator()(const ViscousEffect&) const { return {}; }
+  Stiffest operator()(const MassEffect&) const { return {}; }
+};
+
+// A mass has a limit of its own (find_stable_mass).
+struct ViscosityOf {
+  double operator()(const ViscousEffect& viscous) const { return viscous.damping_ns_per_m; }
+  double operator()(const MassEffect&) const { return 0.0; }
+  double operator()(const SpringEffect&) const { return 0.0; }
+  double operator()(const SnapEffect&) const { return 0.0; }
+  double operator()(const GravityWellEffect&) const { return 0.0; }
+  double operator()(const ConstantEffect&) const { return 0.0; }
+  double operator()(const WaveEffect&) const { return 0.0; }
+  double operator()(const BurstEffect&) const { return 0.0; }
+};
+
+Stiffest find_stiffest_in_space(const TouchScene& scene) {
+  Stiffest stiffest;
+  for (const SwitchedEffect& one : scene.effects) stiffest = stiffer_of(stiffest, stiffest_of(one.effect));
+  return stiffest;
+}
 
 double find_viscosity_in_space(const TouchScene& scene) {
   double most_ns_per_m = 0.0;
@@ -61,20 +123,100 @@ double find_viscosity_in_space(const TouchScene& scene) {
 
 }  // namespace
 
+Stiffest stiffest_spring_of(const Material& material, const SurfaceEffects& effects) {
+  Stiffest stiffest{material.stiffness_n_per_m, effects.maps.stiffness.is_on() ? StiffCause::stiffness_map : StiffCause::spring};
+  if (effects.layers.is_on()) stiffest = {0.0, StiffCause::layers};
+  for (std::size_t i = 0; i < effects.layers.count(); ++i)
+    stiffest.n_per_m = std::max(stiffest.n_per_m, effects.layers[i].stiffness_n_per_m);
+  if (effects.progressive.is_on()) {
+    stiffest.n_per_m += progressive_of(effects);
+    stiffest.cause = StiffCause::progressive;
+  }
+  if (effects.snap.is_on()) stiffest = stiffer_of(stiffest, {effects.snap.stiffness_n_per_m, StiffCause::surface_snap});
+  return stiffest;
+}
+
+Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& effects, double pressed_n) {
+  // All of them by name: one that is new has to be considered here, in stiffest_spring_of and in drag_of.
+  [[maybe_unused]] const auto& [progressive, layers, bumps, viscosity, snap, tap, maps, texture, drag] = effects;
+  const double n_per_m = stiffest_by_place(material, effects, pressed_n);
+  if (!(n_per_m > 0.0)) return {};
+  return {n_per_m, bumps.is_on() || maps.height.is_on() ? StiffCause::bumps : StiffCause::stiffness_map};
+}
+
+Stiffest stiffest_of(const SpaceEffect& effect) { return std::visit(StiffnessOf(), effect); }
+
+double find_stiffest_surface(const TouchScene& scene) {
+  double stiffest_n_per_m = 0.0;
+  for (const TouchObject& object : scene.objects)
+    stiffest_n_per_m = std::max(stiffest_n_per_m, stiffest_spring_of(object.material, object.effects).n_per_m);
+  return stiffest_n_per_m;
+}
+
+double find_stiffest(const TouchScene& scene) { return std::max(find_stiffest_surface(scene), find_stiffest_in_space(scene).n_per_m); }
+
+double viscosity_of(const SurfaceEffects& effects) {
+  const ImageMap& map = effects.maps.viscosity;
+  const double most_of_map = map.is_on() ? std::max(map.at_black, map.at_white) : 0.0;
+  return std::max(effects.viscosity.damping_ns_per_m, most_of_map);
+}
+
+// A layer that is never punctured has no tissue behind it.
+double drag_of(const SurfaceEffects& effects) {
+  double drag_ns_per_m = 0.0;
+  for (std::size_t i = 0; i < effects.layers.count(); ++i) {
+    if (std::isfinite(effects.layers[i].pop_force_n)) drag_ns_per_m = std::max(drag_ns_per_m, effects.layers[i].drag_ns_per_m);
+  }
+  if (!(drag_ns_per_m > 0.0)) return 0.0;
+  const Relief relief(effects, 0.0);
+  return relief.is_on() ? relief.largest(drag_ns_per_m, viscosity_of(effects), 0.0) : drag_ns_per_m;
+}
+
+double viscosity_of(const SpaceEffect& effect) { return std::visit(ViscosityOf(), effect); }
+
+// Convex in the force that a surface is pressed with, so below kMostPressedN the chord is not less.
+double LargestGains::by_place_at(double pressed_n) const noexcept {
+  const double share = std::clamp(pressed_n / kMostPressedN, 0.0, 1.0);
+  return by_place_n_per_m - (1.0 - share) * of_pressing_n_per_m;
+}
+
+LargestGains LargestGains::largest_of(const LargestGains& other) const noexcept {
+  const double by_place = std::max(by_place_n_per_m, other.by_place_n_per_m);
+  return {.stiffness_n_per_m = std::max(stiffness_n_per_m, other.stiffness_n_per_m),
+          .cause = other.stiffness_n_per_m > stiffness_n_per_m ? other.cause : cause,
+          .by_place_n_per_m = by_place,
+          .of_pressing_n_per_m = by_place - std::max(by_place_at(0.0), other.by_place_at(0.0)),
+          .place_cause = other.by_place_n_per_m > by_place_n_per_m ? other.place_cause : place_cause,
+          .damping_ns_per_m = std::max(damping_ns_per_m, other.damping_ns_per_m),
+          .viscosity_ns_per_m = std::max(viscosity_ns_per_m, other.viscosity_ns_per_m)};
+}
+
 LargestGains find_largest_gains(const TouchScene& scene) {
-  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene), .viscosity_ns_per_m = find_viscosity_in_space(scene)};
+  const Stiffest in_space = find_stiffest_in_space(scene);
+  LargestGains gains{.stiffness_n_per_m = in_space.n_per_m, .cause = in_space.cause, .viscosity_ns_per_m = find_viscosity_in_space(scene)};
   for (const TouchObject& object : scene.objects) {
-    gains.damping_ns_per_m = std::max(gains.damping_ns_per_m, object.material.damping_ns_per_m);
-    gains.viscosity_ns_per_m = std::max(gains.viscosity_ns_per_m, viscosity_of(object.effects));
+    const Stiffest spring = stiffest_spring_of(object.material, object.effects);
+    const Stiffest pressed = stiffest_by_place_of(object.material, object.effects);
+    const Stiffest unpressed = pressed.n_per_m > 0.0 ? stiffest_by_place_of(object.material, object.effects, 0.0) : Stiffest();
+    gains = gains.largest_of({.stiffness_n_per_m = spring.n_per_m,
+                              .cause = spring.cause,
+                              .by_place_n_per_m = pressed.n_per_m,
+                              .of_pressing_n_per_m = pressed.n_per_m - unpressed.n_per_m,
+                              .place_cause = pressed.cause,
+                              .damping_ns_per_m = object.material.damping_ns_per_m,
+                              .viscosity_ns_per_m = std::max(viscosity_of(object.effects), drag_of(object.effects))});
   }
   return gains;
 }
 
 LargestGains find_tool_gains(const TouchScene& scene) {
-  LargestGains gains{.stiffness_n_per_m = find_stiffest(scene), .viscosity_ns_per_m = find_viscosity_in_space(scene)};
+  const Stiffest in_space = find_stiffest_in_space(scene);
+  LargestGains gains{.stiffness_n_per_m = in_space.n_per_m, .cause = in_space.cause, .viscosity_ns_per_m = find_viscosity_in_space(scene)};
   for (const TouchObject& object : scene.objects) {
-    gains.viscosity_ns_per_m =
-        std::max({gains.viscosity_ns_per_m, object.material.damping_ns_per_m, object.effects.viscosity.damping_ns_per_m});
+    const Stiffest spring = stiffest_spring_of(object.material, object.effects);
+    gains = gains.largest_of({.stiffness_n_per_m = spring.n_per_m,
+                              .cause = spring.cause,
+                              .viscosity_ns_per_m = std::max(object.material.damping_ns_per_m, object.effects.viscosity.damping_ns_per_m)});
   }
   return gains;
 }

@@ -119,6 +119,34 @@ TEST(StiffnessAdviser, WarnsWhenAMaterialHasBecomeTooStiff) {
   EXPECT_THAT(log, testing::HasSubstr(fmt::format("the scene has up to {:.0f} N/m", 1.5 * safe_n_per_m)));
 }
 
+TEST(StiffnessAdviser, NamesTheKeyOfWhatIsStiff) {
+  const auto log = [](StiffCause cause) { return log_of({.stiffness_n_per_m = 320000.0, .cause = cause}, {kSimulated}); };
+  const std::string magnet = log(StiffCause::snap_effect);
+  EXPECT_THAT(magnet, testing::HasSubstr("up to 320000 N/m in an effect of type magnet"));
+  EXPECT_THAT(magnet, testing::HasSubstr("lower 4 max_force_n / range_m, or shorten"));
+  EXPECT_THAT(magnet, testing::Not(testing::HasSubstr("stiffness_n_per_m")));
+  EXPECT_THAT(log(StiffCause::spring), testing::HasSubstr("lower its stiffness_n_per_m, start with --coupling"));
+}
+
+// Bumps are as stiff as this device can press them, and the maker's limit is one of walls.
+TEST(StiffnessAdviser, CountsBumpsAtTheForceOfTheDevice) {
+  LoopFacts fast = kSimulated;
+  fast.round_trip_s = 1e-4F;
+  const StiffnessAdvice advice = *advise_stiffness(fast);
+  EXPECT_NEAR(advice.pressed_n, 8.45, 0.01);
+  ASSERT_TRUE(advice.is_limited_by_device);
+  ASSERT_GT(advice.loop_n_per_m, 1.5 * advice.safe_n_per_m);
+  const auto log_at = [&](double share) {
+    LargestGains gains{.by_place_n_per_m = share * advice.loop_n_per_m * kMostPressedN / advice.pressed_n,
+                       .place_cause = StiffCause::bumps};
+    gains.of_pressing_n_per_m = gains.by_place_n_per_m;
+    return log_of(gains, {fast});
+  };
+  EXPECT_THAT(log_at(0.99), testing::Not(testing::HasSubstr("has up to")));
+  EXPECT_THAT(log_at(1.01), testing::HasSubstr("N/m on bumps, pressed with 8.5 N, but PHANToM Model A at 1000 Hz"));
+  EXPECT_THAT(log_at(1.01), testing::HasSubstr("lower bump_height_m"));
+}
+
 TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {
   const StiffnessAdvice advice = *advise_stiffness(kSimulated);
   EXPECT_THAT(log_of({.stiffness_n_per_m = 0.9 * advice.safe_n_per_m,

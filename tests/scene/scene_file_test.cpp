@@ -185,7 +185,7 @@ TEST_F(SceneFile, RejectsAbsurdMaterials) {
 TEST_F(SceneFile, RejectsAbsurdObjects) {
   EXPECT_THAT(object_error("scale = 0"), AllOf(HasSubstr("line 3"), HasSubstr("above 0")));
   EXPECT_THAT(object_error("scale = -1"), HasSubstr("above 0"));
-  EXPECT_THAT(object_error("unit = 'ft'"), HasSubstr("'ft'"));
+  EXPECT_THAT(object_error("unit = 'ft'"), HasSubstr("'unit': unknown unit 'ft'"));
   EXPECT_THAT(object_error("position_m = [0, 0]"), HasSubstr("3 numbers"));
   EXPECT_THAT(object_error("position_m = [0, 0, nan]"), HasSubstr("number 3"));
   EXPECT_THAT(object_error("rotation = [0, 0, 0, 0]"), HasSubstr("length 0"));

@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <variant>
 
-#include "core/force/stiffest.h"
 #include "loop/recommendation.h"
 #include "loop/stability.h"
+#include "scene/scene_key.h"
 #include "tools/check/rounded_down.h"
 
 namespace hapton {
@@ -34,7 +36,10 @@ void keep_least(const NamedLoop& loop, double value, const NamedLoop*& by, doubl
 
 HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s) {
   HeldGains held;
+  held.pressed_n = 0.0;
   for (const NamedLoop& loop : loops) {
+    const double most_n = loop.limits.max_force_n;
+    held.pressed_n = std::max(held.pressed_n, most_n > 0.0 ? std::min(most_n, kMostPressedN) : kMostPressedN);
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, rate_hz, delay_s);
     keep_least(loop, advice.stable_n_per_m / kGainMargin, held.by_loop, held.safe_n_per_m);
     keep_least(loop, advice.damping_ns_per_m, held.by_damping, held.damping_ns_per_m);
@@ -46,44 +51,104 @@ HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, doub
 
 namespace {
 
-// what_to_set: "its stiffness_n_per_m".
-CheckFindings compare_stiffness(const std::string& name, double stiffness_n_per_m, const std::string& what_to_set, const HeldGains& held,
-                                double rate_hz, double delay_s) {
+// What is stiff: "4,200 N/m sideways on its bumps at 8.5 N", and what to do, if the limit is `most_n_per_m`.
+struct StiffPart {
+  double n_per_m = 0.0;
+  std::string where = {};
+  std::function<std::string(double most_n_per_m)> fix;
+};
+
+CheckFinding stiffer_than_loop(const std::string& name, const StiffPart& part, const HeldGains& held, double rate_hz, double delay_s) {
+  return {SceneFault::stiffer_than_loop, name, std::nullopt,
+          fmt::format("{:.6g} N/m{}, but {} is safe only up to {} N/m", part.n_per_m, part.where,
+                      describe_loop(*held.by_loop, rate_hz, delay_s), at_most(held.safe_n_per_m)),
+          fmt::format("{}, or shorten the delay (hapton loop recommend)", part.fix(held.safe_n_per_m))};
+}
+
+CheckFindings compare_stiffness(const std::string& name, const StiffPart& part, const HeldGains& held, double rate_hz, double delay_s) {
   CheckFindings findings;
-  if (held.by_device != nullptr && stiffness_n_per_m > held.device_n_per_m) {
-    findings.push_back({SceneFault::stiffer_than_device, name, std::nullopt,
-                        fmt::format("{:.6g} N/m, but the stiffness limit of {} is {:.6g} N/m", stiffness_n_per_m, held.by_device->device,
-                                    held.device_n_per_m),
-                        fmt::format("set {} to {} or less", what_to_set, at_most(held.device_n_per_m))});
-  }
-  if (held.by_loop != nullptr && stiffness_n_per_m > held.safe_n_per_m) {
+  if (held.by_device != nullptr && part.n_per_m > held.device_n_per_m) {
     findings.push_back(
-        {SceneFault::stiffer_than_loop, name, std::nullopt,
-         fmt::format("{:.6g} N/m, but {} is safe only up to {} N/m", stiffness_n_per_m, describe_loop(*held.by_loop, rate_hz, delay_s),
-                     at_most(held.safe_n_per_m)),
-         fmt::format("set {} to {} or less, or shorten the delay (hapton loop recommend)", what_to_set, at_most(held.safe_n_per_m))});
+        {SceneFault::stiffer_than_device, name, std::nullopt,
+         fmt::format("{:.6g} N/m, but the stiffness limit of {} is {:.6g} N/m", part.n_per_m, held.by_device->device, held.device_n_per_m),
+         part.fix(held.device_n_per_m)});
   }
+  if (held.by_loop != nullptr && part.n_per_m > held.safe_n_per_m)
+    findings.push_back(stiffer_than_loop(name, part, held, rate_hz, delay_s));
   return findings;
 }
 
-// The keys that make it as stiff as it is.
-std::string stiff_keys_of(const SurfaceEffects& effects) {
-  if (effects.layers.is_on()) return "the stiffness_n_per_m of its layers";
-  if (effects.progressive.is_on()) return "its stiffness_n_per_m, with what progressive_n_per_m2 adds at 10 N,";
-  return effects.snap.is_on() ? "its stiffness_n_per_m and snap_stiffness_n_per_m" : "its stiffness_n_per_m";
+StiffPart spring_part(const Stiffest& stiffest) {
+  const std::string key = std::string(scene_key_of(stiffest.cause));
+  return {.n_per_m = stiffest.n_per_m,
+          .fix = [key](double most_n_per_m) { return fmt::format("set {} to {} or less", key, at_most(most_n_per_m)); }};
+}
+
+// The object with this share of the height of its bumps.
+SurfaceEffects with_lower_bumps(SurfaceEffects effects, double share) {
+  effects.bumps.height_m *= share;
+  effects.maps.height.at_black *= share;
+  effects.maps.height.at_white *= share;
+  return effects;
+}
+
+// The largest such share that is not stiffer than that; 0: none.
+double find_share_of_height(const SceneObject& object, double most_n_per_m, double pressed_n) {
+  double low = 0.0;
+  double high = 1.0;
+  constexpr int kHalvings = 16;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    const Stiffest felt = stiffest_by_place_of(object.material, with_lower_bumps(object.effects, middle), pressed_n);
+    (felt.n_per_m > most_n_per_m ? high : low) = middle;
+  }
+  return low;
+}
+
+std::string lower_bumps(const SceneObject& object, double most_n_per_m, double pressed_n) {
+  const double share = find_share_of_height(object, most_n_per_m, pressed_n);
+  if (!(share > 1e-3)) return "set its stiffness_n_per_m and its bump_height_m to less";
+  if (object.effects.bumps.is_on())
+    return fmt::format("set its bump_height_m to {:.2g} or less, or its bump_length_m to more",
+                       rounded_down(share * object.effects.bumps.height_m));
+  return fmt::format("multiply its bump_height_m (of a normal map: normal_map_scale) by {:.2g} or less, or take a smoother image",
+                     rounded_down(share));
+}
+
+// Where its normal or its stiffness changes from place to place.
+StiffPart part_by_place(const SceneObject& object, double n_per_m, double pressed_n, double most_n_per_m) {
+  SurfaceEffects alone = object.effects;
+  alone.maps.stiffness.image = nullptr;
+  const bool is_of_bumps = stiffest_by_place_of(object.material, alone, pressed_n).n_per_m > most_n_per_m;
+  if (!is_of_bumps) {
+    return {
+        .n_per_m = n_per_m, .where = fmt::format(" where its stiffness_map changes, pressed with {:.2g} N", pressed_n), .fix = [](double) {
+          return "set the two numbers of its stiffness_map_n_per_m nearer to each other, or take a smoother image";
+        }};
+  }
+  return {.n_per_m = n_per_m,
+          .where = fmt::format(" on its bumps, pressed with {:.2g} N", pressed_n),
+          .fix = [&object, pressed_n](double most) { return lower_bumps(object, most, pressed_n); }};
 }
 
 }  // namespace
 
+// Where a spring is too stiff, lower bumps are of no help. The limit of a device is that of a wall that is pressed; over the width of a
+// bump only the loop's counts.
 CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s) {
-  return compare_stiffness(object.name, stiffest_of(object.material, object.effects), stiff_keys_of(object.effects), held, rate_hz,
-                           delay_s);
+  CheckFindings findings =
+      compare_stiffness(object.name, spring_part(stiffest_spring_of(object.material, object.effects)), held, rate_hz, delay_s);
+  const auto is_of_loop = [](const CheckFinding& found) { return found.fault == SceneFault::stiffer_than_loop; };
+  if (std::any_of(findings.begin(), findings.end(), is_of_loop)) return findings;
+  const Stiffest felt = stiffest_by_place_of(object.material, object.effects, held.pressed_n);
+  if (held.by_loop == nullptr || felt.n_per_m <= held.safe_n_per_m) return findings;
+  const StiffPart part = part_by_place(object, felt.n_per_m, held.pressed_n, held.safe_n_per_m);
+  findings.push_back(stiffer_than_loop(object.name, part, held, rate_hz, delay_s));
+  return findings;
 }
 
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s) {
-  const bool is_spring = std::holds_alternative<SpringEffect>(effect.effect);
-  return compare_stiffness(shown_name(effect), stiffest_of(effect.effect), is_spring ? "its stiffness_n_per_m" : "4 max_force_n / range_m",
-                           held, rate_hz, delay_s);
+  return compare_stiffness(shown_name(effect), spring_part(stiffest_of(effect.effect)), held, rate_hz, delay_s);
 }
 
 namespace {
@@ -113,6 +178,8 @@ CheckFindings check_damping(const SceneObject& object, const HeldGains& held, do
   }
   const std::string_view key = object.effects.maps.viscosity.is_on() ? "its viscosity_map_ns_per_m" : "its viscosity_ns_per_m";
   compare_damping(object.name, viscosity_of(object.effects), key, held.by_viscosity, held.viscosity_ns_per_m, rate_hz, delay_s, findings);
+  compare_damping(object.name, drag_of(object.effects), "the drag_ns_per_m of its layers", held.by_viscosity, held.viscosity_ns_per_m,
+                  rate_hz, delay_s, findings);
   return findings;
 }
 

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "core/force/stiffest.h"
 #include "scene/scene_file.h"
 #include "tools/check/check_finding.h"
 #include "tools/loop/loop_flags.h"
@@ -17,18 +18,19 @@ struct HeldGains {
   const NamedLoop* by_damping = nullptr;
   double damping_ns_per_m = 0.0;  // of a material
   const NamedLoop* by_viscosity = nullptr;
-  double viscosity_ns_per_m = 0.0;  // of an effect
+  double viscosity_ns_per_m = 0.0;   // of an effect
+  double pressed_n = kMostPressedN;  // how hard surfaces are pressed: the largest force of the strongest device
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, some 0.1 s.
 HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
-// An object stiffer than that. RT: set-up only.
+// An object stiffer than that, by its spring or by its bumps. RT: set-up only.
 CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
-// A spring or a snap in free space.
+// A spring, a snap or a gravity well in free space.
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
-// A damped or viscous surface, or a viscous volume, of more than that. is_touched_by_tool: by a rigid tool, or by an object that the
-// stylus has picked up, whose contacts use the smoothed velocity of viscosity for damping, too. RT: set-up only.
+// A damped or viscous surface, layers with drag, or a viscous volume, of more than that. is_touched_by_tool: by a rigid tool, or by an
+// object that the stylus has picked up, whose contacts use the smoothed velocity of viscosity for damping, too. RT: set-up only.
 CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool);
 CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 

@@ -30,6 +30,70 @@ TEST(Stiffest, CountsWhatEffectsAdd) {
   EXPECT_EQ(find_stiffest(scene), 3000.0);
 }
 
+TEST(Stiffest, NamesTheCause) {
+  const Material material{.stiffness_n_per_m = 700.0};
+  SurfaceEffects effects;
+  EXPECT_EQ(stiffest_spring_of(material, effects).cause, StiffCause::spring);
+  effects.maps.stiffness.image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F});
+  EXPECT_EQ(stiffest_spring_of(material, effects).cause, StiffCause::stiffness_map);
+  effects = {};
+  effects.progressive.n_per_m2 = 1e5;
+  EXPECT_EQ(stiffest_spring_of(material, effects).cause, StiffCause::progressive);
+  effects = {};
+  effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0});
+  EXPECT_EQ(stiffest_spring_of(material, effects).cause, StiffCause::layers);
+  effects.snap = {.stiffness_n_per_m = 300.0, .range_m = 0.01};
+  EXPECT_EQ(stiffest_spring_of(material, effects).cause, StiffCause::layers) << "the snap is less stiff";
+  effects.snap.stiffness_n_per_m = 50000.0;
+  EXPECT_EQ(stiffest_spring_of(material, effects).cause, StiffCause::surface_snap);
+  EXPECT_EQ(stiffest_spring_of(material, effects).n_per_m, 50000.0);
+  EXPECT_EQ(stiffest_of(SpaceEffect(SnapEffect{})).cause, StiffCause::snap_effect);
+  EXPECT_EQ(stiffest_of(SpaceEffect(GravityWellEffect{})).cause, StiffCause::gravity_well);
+  EXPECT_EQ(stiffest_of(SpaceEffect(MassEffect{})).cause, StiffCause::none);
+  EXPECT_NEAR(stiffest_of(SpaceEffect(GravityWellEffect{.radius_m = 1e-4, .max_force_n = 8.0})).n_per_m, 147000.0, 100.0);
+}
+
+TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
+  TouchScene scene = ball_of({.stiffness_n_per_m = 800.0});
+  const Material material = scene.objects[0].material;
+  EXPECT_EQ(stiffest_by_place_of(material, {}).n_per_m, 0.0);
+  SurfaceEffects effects;
+  effects.bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = 0.0003, .length_m = 0.001};
+  scene.objects[0].effects = effects;
+  EXPECT_GT(stiffest_by_place_of(material, effects, 4.6).n_per_m, 27000.0);
+  const LargestGains gains = find_largest_gains(scene);
+  EXPECT_EQ(gains.stiffness_n_per_m, 800.0);
+  EXPECT_EQ(gains.cause, StiffCause::spring);
+  EXPECT_EQ(gains.by_place_n_per_m, stiffest_by_place_of(material, effects, kMostPressedN).n_per_m);
+  EXPECT_EQ(gains.place_cause, StiffCause::bumps);
+  for (const double pressed_n : {0.0, 0.1, 0.5, 1.0, 3.3, 8.5, 10.0}) {
+    const double exact = stiffest_by_place_of(material, effects, pressed_n).n_per_m;
+    EXPECT_GE(gains.by_place_at(pressed_n), (1.0 - 1e-12) * exact) << pressed_n << " N";
+    EXPECT_LE(gains.by_place_at(pressed_n), 1.5 * exact) << pressed_n << " N";
+  }
+  EXPECT_EQ(gains.by_place_at(30.0), gains.by_place_n_per_m) << "more is not foreseen";
+  // A tool feels no bumps.
+  EXPECT_EQ(find_tool_gains(scene).by_place_n_per_m, 0.0);
+  EXPECT_EQ(find_stiffest(scene), 800.0);
+  // Beside another whose bumps are less stiff, but stiffer where they are hardly pressed.
+  scene.objects.push_back(ball_of({.stiffness_n_per_m = 5000.0}).objects.front());
+  scene.objects[1].effects.bumps = {.height_m = 0.001, .length_m = 0.02};
+  const LargestGains both = find_largest_gains(scene);
+  EXPECT_EQ(both.by_place_n_per_m, gains.by_place_n_per_m);
+  EXPECT_GE(both.by_place_at(0.0), 5000.0);
+}
+
+TEST(Stiffest, DragOfLayersIsViscosity) {
+  TouchScene scene = ball_of({});
+  SurfaceEffects& effects = scene.objects[0].effects;
+  effects.layers.add({.depth_m = 0.0, .pop_force_n = 1.0, .drag_ns_per_m = 900.0});
+  effects.layers.add({.depth_m = 0.01, .drag_ns_per_m = 2000.0});
+  EXPECT_DOUBLE_EQ(drag_of(effects), 900.0) << "the last layer is never punctured";
+  EXPECT_DOUBLE_EQ(find_largest_gains(scene).viscosity_ns_per_m, 900.0);
+  EXPECT_EQ(find_tool_gains(scene).viscosity_ns_per_m, 0.0);
+  EXPECT_EQ(drag_of({}), 0.0);
+}
+
 TEST(Stiffest, TheLargestGainsAreThoseOfAllObjectsAndEffects) {
   TouchScene scene = ball_of({.stiffness_n_per_m = 700.0, .damping_ns_per_m = 3.0});
   scene.objects.push_back(ball_of({.stiffness_n_per_m = 100.0, .damping_ns_per_m = 7.0}).objects.front());

@@ -73,6 +73,102 @@ TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   EXPECT_TRUE(check_stiffness(SceneEffect{.name = "wind", .effect = ConstantEffect{}}, held, 1000.0, 1e-3).empty());
 }
 
+// With what the device can press, and a fix that holds.
+TEST(LoopCheck, BumpsAreStiffSideways) {
+  const auto loops = loops_for_check("model-a", "light");
+  const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
+  EXPECT_NEAR(held.pressed_n, 8.45, 0.01);
+  SceneObject object = object_of(800.0);
+  object.effects.bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = 0.0003, .length_m = 0.001};
+  CheckFindings found = check_stiffness(object, held, 1000.0, 5e-4);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found.back().fault, SceneFault::stiffer_than_loop);
+  EXPECT_THAT(found.back().what, HasSubstr("on its bumps, pressed with 8.5 N"));
+  double advised = 0.0;
+  ASSERT_EQ(std::sscanf(found.back().fix.c_str(), "set its bump_height_m to %lf or less, or its bump_length_m to more", &advised), 1)
+      << found.back().fix;
+  object.effects.bumps.height_m = advised;
+  for (const CheckFinding& one : check_stiffness(object, held, 1000.0, 5e-4)) EXPECT_NE(one.fault, SceneFault::stiffer_than_loop);
+  object.effects.bumps.height_m = 1.2 * advised;
+  EXPECT_FALSE(check_stiffness(object, held, 1000.0, 5e-4).empty()) << "it is no lower than it has to be";
+  // Where the spring alone is too stiff, that is what has to change first.
+  object.material.stiffness_n_per_m = 2.0 * held.safe_n_per_m;
+  found = check_stiffness(object, held, 1000.0, 5e-4);
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found.back().fix, HasSubstr("set its stiffness_n_per_m to"));
+}
+
+// The same relief by an image, and one of stiffness.
+TEST(LoopCheck, ImagesAreStiffWhereTheyChange) {
+  const auto loops = loops_for_check("model-a", "light");
+  const HeldGains held = find_held_gains(loops, 1000.0, 5e-4);
+  const std::vector<MappedTriangle> two = {
+      {{Vec3(0, 0, 0), Vec3(0.008, 0, 0), Vec3(0.008, 0.008, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}},
+      {{Vec3(0, 0, 0), Vec3(0.008, 0.008, 0), Vec3(0, 0.008, 0)}, {Eigen::Vector2d(0, 0), {1, 1}, {0, 1}}}};
+  const auto image = std::make_shared<const SurfaceImage>(4, 1, std::vector<float>{0.0F, 0.5F, 1.0F, 0.5F});
+  SceneObject object = object_of(800.0);
+  object.effects.maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(two);
+  object.effects.maps.height = {.image = image, .at_black = -0.008, .at_white = 0.0};
+  CheckFindings found = check_stiffness(object, held, 1000.0, 5e-4);
+  ASSERT_EQ(found.size(), 1U);
+  double share = 0.0;
+  ASSERT_EQ(std::sscanf(found[0].fix.c_str(), "multiply its bump_height_m (of a normal map: normal_map_scale) by %lf or less", &share), 1)
+      << found[0].fix;
+  object.effects.maps.height.at_black *= share;
+  EXPECT_TRUE(check_stiffness(object, held, 1000.0, 5e-4).empty()) << share;
+  object.effects.maps.height = {};
+  object.effects.maps.stiffness = {.image = image, .at_black = 0.1, .at_white = 1.0};
+  found = check_stiffness(object, held, 1000.0, 5e-4);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].what, HasSubstr("where its stiffness_map changes, pressed with 8.5 N"));
+  EXPECT_THAT(found[0].fix, HasSubstr("set the two numbers of its stiffness_map_n_per_m nearer to each other"));
+}
+
+// A device that is not known may press with 10 N, and of several the strongest counts.
+TEST(LoopCheck, SurfacesArePressedAsTheStrongestDeviceCan) {
+  LoopFlags flags;
+  flags.mass_kg = 0.2;
+  flags.damping_ns_per_m = 5.0;
+  EXPECT_EQ(find_held_gains(*loops_of(flags), 1000.0, 1e-3).pressed_n, 10.0);
+  EXPECT_EQ(find_held_gains(loops_for_check("touch", "light"), 1000.0, 1e-3).pressed_n, 3.3);
+  EXPECT_EQ(find_held_gains(loops_for_check("touch,omega.3", "light"), 1000.0, 1e-3).pressed_n, 10.0);
+}
+
+TEST(LoopCheck, TheFixNamesTheKeyOfWhatIsStiff) {
+  const auto loops = loops_for_check("model-a", "light");
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  const auto fix_of = [&](const SceneObject& object) {
+    const CheckFindings found = check_stiffness(object, held, 1000.0, 1e-3);
+    return found.empty() ? std::string("nothing found") : found.back().fix;
+  };
+  SceneObject object = object_of(60000.0);
+  object.effects.maps.stiffness = {
+      .image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F}), .at_black = 100.0 / 60000.0, .at_white = 1.0};
+  EXPECT_THAT(fix_of(object), HasSubstr("set its stiffness_map_n_per_m to"));
+  object = object_of(1000.0);
+  object.effects.layers.add({.stiffness_n_per_m = 400.0});
+  object.effects.snap = {.stiffness_n_per_m = 50000.0, .range_m = 0.01};
+  EXPECT_THAT(fix_of(object), HasSubstr("set its snap_stiffness_n_per_m to"));
+  const SceneEffect well{.name = "star", .effect = GravityWellEffect{.radius_m = 1e-4, .max_force_n = 8.0}};
+  const CheckFindings found = check_stiffness(well, held, 1000.0, 1e-3);
+  ASSERT_FALSE(found.empty());
+  EXPECT_THAT(found.back().fix, HasSubstr("set 1.84 max_force_n / radius_m to"));
+}
+
+TEST(LoopCheck, DragOfLayersIsViscosity) {
+  const auto loops = loops_for_check("model-a", "light");
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  SceneObject object = object_of(20.0);
+  object.effects.layers.add({.pop_force_n = 1.0, .drag_ns_per_m = held.viscosity_ns_per_m});
+  EXPECT_TRUE(check_damping(object, held, 1000.0, 1e-3, false).empty());
+  object.effects.layers = {};
+  object.effects.layers.add({.pop_force_n = 1.0, .drag_ns_per_m = 900.0});
+  const CheckFindings found = check_damping(object, held, 1000.0, 1e-3, false);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::more_damped_than_loop);
+  EXPECT_THAT(found[0].fix, HasSubstr("set the drag_ns_per_m of its layers to"));
+}
+
 TEST(LoopCheck, DampingIsHeldToHalfOfWhatIsStable) {
   const auto loops = loops_for_check("omega.3,touch", "light,firm");
   const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);

@@ -131,10 +131,27 @@ TEST(BoardScene, CorduroyPushesSidewaysWithItsPeriod) {
   const Replay replay = board.replay(stroke(front, 0.003, {0.04, 0, 0}, 400));
   for (int k = 0; k <= 400; k += 7) {
     const auto& row = replay.rows[replay.rows.size() - 401 + k];
-    const double turn = 2.0 * std::numbers::pi * row.p_WD.x() / 0.004;
-    const double pressed_m = 0.003 - 0.0004 * (1.0 - std::cos(turn));
+    const double turn = 2.0 * std::numbers::pi * row.p_WD.x() / 0.005;
+    const double pressed_m = 0.003 - 0.0002 * (1.0 - std::cos(turn));
     EXPECT_NEAR(row.force_n.z(), 600 * pressed_m, 1e-5) << k;
-    EXPECT_NEAR(row.force_n.x(), 600 * pressed_m * 0.0004 * 2.0 * std::numbers::pi / 0.004 * std::sin(turn), 1e-5) << k;
+    EXPECT_NEAR(row.force_n.x(), 600 * pressed_m * 0.0002 * 2.0 * std::numbers::pi / 0.005 * std::sin(turn), 1e-5) << k;
+  }
+}
+
+// Down into the gap between two tiles, onto the plate, and sideways. Of the methods that follow the surface itself.
+TEST(BoardScene, NothingSlipsUnderATile) {
+  const EffectScene board("board.toml");
+  const double wood_m = board.front_of("wood").x() - 0.028;  // its left side
+  for (const char* method : {"proxy", "reference"}) {
+    std::vector<Vec3> path;
+    for (int k = 0; k <= 200; ++k) path.push_back(Vec3(wood_m - 0.003, board.front_of("wood").y(), 0.0115 - 7e-5 * k));
+    for (int k = 1; k <= 600; ++k) path.push_back(path[200] + Vec3(1e-5 * k, 0, 0));
+    const Replay replay = board.replay(path, method);
+    EXPECT_NEAR(replay.rows.back().p_WD.x(), wood_m + 0.003, 1e-9);
+    EXPECT_LT(replay.rows.back().force_n.x(), -2.5) << method << ": 3 mm at 1,000 N/m";
+    for (std::size_t n = 500; n < replay.rows.size(); ++n) {
+      EXPECT_LT((replay.rows[n].force_n - replay.rows[n - 1].force_n).norm(), 0.1) << method << ", step " << n;
+    }
   }
 }
 

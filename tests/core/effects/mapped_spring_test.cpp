@@ -1,0 +1,138 @@
+#include "core/effects/mapped_spring.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace hapton {
+namespace {
+
+constexpr double kTurnOfWave = 2.0 * std::numbers::pi;
+
+using Triangles = std::vector<MappedTriangle>;
+
+// A rectangle of the plane z = 0 with the whole image, sheared.
+Triangles sheet(double width_m, double height_m, double shear_m = 0.0) {
+  const Vec3 right(width_m, 0, 0);
+  const Vec3 down(shear_m, height_m, 0);
+  return {{{Vec3(0, 0, 0), right, Vec3(right + down)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}},
+          {{Vec3(0, 0, 0), Vec3(right + down), down}, {Eigen::Vector2d(0, 0), {1, 1}, {0, 1}}}};
+}
+
+template <class ValueAt>
+std::shared_ptr<const SurfaceImage> image_of(int width, int height, ValueAt value_at) {
+  std::vector<float> texels;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) texels.push_back(static_cast<float>(value_at((x + 0.5) / width, (y + 0.5) / height)));
+  }
+  return std::make_shared<const SurfaceImage>(width, height, std::move(texels));
+}
+
+std::shared_ptr<const SurfaceImage> noise(std::mt19937_64& random, int width, int height) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  return image_of(width, height, [&](double, double) { return unit(random); });
+}
+
+// Of the number, by differences of its gradient along the plane.
+Eigen::Matrix2d second_derivative(const ImageMap& map, const MapPlace& place, double step) {
+  Eigen::Matrix2d found;
+  for (int k = 0; k < 2; ++k) {
+    const auto gradient_at = [&](double aside) {
+      MapPlace moved = place;
+      moved.texcoord += aside * Eigen::Vector2d(place.du[k], place.dv[k]);
+      return Eigen::Vector2d(map.at(moved).gradient.head<2>());
+    };
+    found.col(k) = (gradient_at(step) - gradient_at(-step)) / (2.0 * step);
+  }
+  return 0.5 * (found + found.transpose());
+}
+
+double largest_of(const Eigen::Matrix2d& matrix) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+}
+
+TEST(MappedSpring, AWaveHasItsOwnCurvature) {
+  const ImageMap map{.image = image_of(256, 1, [](double u, double) { return 0.5 + 0.5 * std::cos(kTurnOfWave * u); }),
+                     .at_black = -0.001,
+                     .at_white = 0.0};
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    const double expected = 0.5 * 0.001 * std::pow(kTurnOfWave / (0.02 * scale), 2);
+    const double found = largest_curvature(map, sheet(0.02 * scale, 0.3 * scale));
+    EXPECT_GT(found, 0.999 * expected) << scale;
+    EXPECT_LT(found, 1.06 * expected) << scale;
+  }
+  const ImageMap grey{.image = image_of(3, 5, [](double, double) { return 0.5; }), .at_black = -0.001, .at_white = 0.0};
+  EXPECT_LT(largest_curvature(grey, sheet(0.1, 0.1)), 1e-6);
+  EXPECT_EQ(largest_curvature(grey, {}), 0.0);
+}
+
+// Twin by brute force: derivatives at places all over the image, on sheets that stretch and shear it.
+TEST(MappedSpring, NoPlaceIsMoreCurvedAndTheMostCurvedIsFound) {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const bool is_reversed = seed % 2 == 0;
+    const ImageMap map{.image = noise(random, 1 + static_cast<int>(random() % 12), 1 + static_cast<int>(random() % 12)),
+                       .at_black = is_reversed ? 0.0 : -0.001,
+                       .at_white = is_reversed ? -0.001 : 0.0};
+    const double scale = std::pow(10.0, 8.0 * unit(random) - 4.0);
+    const Triangles triangles = sheet(scale, scale * (0.1 + 10.0 * unit(random)), scale * (unit(random) - 0.5));
+    MapPlace place = map_gradients(triangles[0]);
+    double most = 0.0;
+    for (int n = 0; n < 20000; ++n) {
+      place.texcoord = {unit(random), unit(random)};
+      most = std::max(most, largest_of(second_derivative(map, place, 1e-6 * scale)));
+    }
+    const double found = largest_curvature(map, triangles);
+    EXPECT_GE(found, (1.0 - 1e-3) * most) << "seed " << seed;
+    EXPECT_LE(found, 1.25 * most) << "seed " << seed;
+  }
+}
+
+// Where one triangle maps the image more densely, its curvature counts.
+TEST(MappedSpring, TheDensestTriangleCounts) {
+  std::mt19937_64 random(5);
+  const ImageMap map{.image = noise(random, 8, 8), .at_black = -0.001, .at_white = 0.0};
+  Triangles triangles = sheet(0.1, 0.1);
+  const double wide = largest_curvature(map, triangles);
+  const Triangles dense = sheet(0.05, 0.05);
+  triangles.push_back(dense[0]);
+  const double both = largest_curvature(map, triangles);
+  EXPECT_NEAR(both, 4.0 * wide, 0.06 * both);
+}
+
+// By the formula of K, with the force at each place.
+TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const ImageMap share{.image = noise(random, 1 + static_cast<int>(random() % 8), 1 + static_cast<int>(random() % 8)),
+                         .at_black = std::pow(10.0, -2.0 * unit(random)),
+                         .at_white = 1.0};
+    const double scale = std::pow(10.0, 2.0 * unit(random) - 3.0);
+    const Triangles triangles = sheet(scale, scale * (0.3 + 3.0 * unit(random)), 0.3 * scale);
+    const MappedSpring spring{.spring_n_per_m = 200.0 + 2000.0 * unit(random), .pressed_n = 10.0 * unit(random)};
+    MapPlace place = map_gradients(triangles[0]);
+    double most = 0.0;
+    for (int n = 0; n < 30000; ++n) {
+      place.texcoord = {unit(random), unit(random)};
+      const ImageMap::Value at = share.at(place);
+      const double force = spring.pressed_n / at.number;
+      Mat3 k = Mat3::Zero();
+      k(2, 2) = at.number * spring.spring_n_per_m;
+      k.topLeftCorner<2, 2>() = 0.5 * force * force / spring.spring_n_per_m * second_derivative(share, place, 1e-6 * scale);
+      k.col(2).head<2>() = k.row(2).head<2>() = -force * at.gradient.head<2>();
+      most = std::max(most, Eigen::SelfAdjointEigenSolver<Mat3>(k, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff());
+    }
+    const double found = spring.largest_n_per_m(share, triangles);
+    EXPECT_GE(found, (1.0 - 1e-3) * most) << "seed " << seed;
+    EXPECT_LE(found, 1.6 * most) << "seed " << seed;
+    EXPECT_GE(spring.added_n_per_m(share, triangles, 0.5), spring.added_n_per_m(share, triangles, 0.0)) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace hapton
