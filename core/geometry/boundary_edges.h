@@ -8,9 +8,11 @@ namespace hapton {
 
 // The edges with only one triangle, by kind.
 struct BoundaryEdges {
-  std::size_t open = 0;       // of a sheet or a hole: nothing continues beyond
-  std::size_t cracks = 0;     // another boundary runs alongside: the surface continues across a gap
-  std::size_t work = 0;       // boxes and points examined; proportional to the time
+  std::size_t open = 0;    // of a sheet or a hole: nothing continues beyond
+  std::size_t cracks = 0;  // another boundary runs alongside: the surface continues across a gap
+  double widest_crack =
+      0.0;               // gap at a quarter, the middle and three quarters of a crack's edges: the widest; an upper bound if many differ
+  std::size_t work = 0;  // boxes and points examined; proportional to the time
   bool has_given_up = false;  // some edges counted as open were not examined completely, because too many lie across one another
 };
 

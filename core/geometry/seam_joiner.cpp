@@ -13,6 +13,7 @@ constexpr std::size_t kMostNearVertices = 32;
 constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
 constexpr std::size_t kMostValence = 256;      // largest valence for which a weld is tried from both ends
 constexpr int kMostRounds = 64;
+constexpr std::size_t kMostMembers = 32;  // welded together whose positions are tried as the common one
 // Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
 constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
 constexpr std::size_t kMostJunctions = 64;  // per boundary edge of the original mesh
@@ -20,8 +21,8 @@ constexpr double kFoldedBack = 0.5;         // cosine of the angle between the t
 
 }  // namespace
 
-SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched)
-    : seam_(mesh, std::move(at_boundary), tolerance), tolerance_(tolerance), mesh_(mesh), untouched_(untouched) {}
+SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched, Turning turning)
+    : seam_(mesh, std::move(at_boundary), tolerance, turning), tolerance_(tolerance), mesh_(mesh), untouched_(untouched) {}
 
 SeamJoiner::Closest SeamJoiner::closest_on(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
@@ -175,8 +176,48 @@ bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   if (first == SeamMesh::Weld::done) return true;
   const SeamMesh::Weld second = seam_.valence(v) > kMostValence ? SeamMesh::Weld::rejected : seam_.weld(v, u);
   if (second == SeamMesh::Weld::done) return true;
-  if (first == SeamMesh::Weld::too_far || second == SeamMesh::Weld::too_far) {
-    for (const std::uint32_t of : {u, v}) seam_.for_each_member(of, [&](std::uint32_t member) { untouched_.vertices.insert(member); });
+  if (first != SeamMesh::Weld::too_far && second != SeamMesh::Weld::too_far) return false;
+  std::vector<std::uint32_t> of_u, of_v;
+  seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
+  seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
+  if (of_u.size() + of_v.size() <= kMostMembers) {
+    candidates_ += of_u.size() * of_v.size();
+    if (weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u)) return true;
+    if (move_apart(u, of_u, v, of_v)) return false;
+  }
+  untouched_.vertices.insert(of_u.begin(), of_u.end());
+  untouched_.vertices.insert(of_v.begin(), of_v.end());
+  return false;
+}
+
+// Welds u and v at the position of another vertex welded to u that suits all.
+bool SeamJoiner::weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
+                                const std::vector<std::uint32_t>& of_v) {
+  const auto is_near_all = [&](std::uint32_t member, const std::vector<std::uint32_t>& all) {
+    return std::all_of(all.begin(), all.end(), [&](std::uint32_t other) { return is_near((at(other) - at(member)).squaredNorm()); });
+  };
+  for (const std::uint32_t member : of_u) {
+    if (member == u || !is_near_all(member, of_u) || !is_near_all(member, of_v) || !seam_.move_to_member(u, member)) continue;
+    if (seam_.weld(v, member) == SeamMesh::Weld::done) return true;
+    seam_.move_to_member(member, u);
+  }
+  return false;
+}
+
+// Two vertices near each other that cannot be welded, because vertices welded to them before would move too far: they get positions farther
+// apart than the tolerance, so that the gap between them is seen to be too wide.
+bool SeamJoiner::move_apart(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
+                            const std::vector<std::uint32_t>& of_v) {
+  for (const std::uint32_t to_u : of_u) {
+    for (const std::uint32_t to_v : of_v) {
+      if (is_near((at(to_u) - at(to_v)).squaredNorm()) || apart_.contains(key_of(to_u, to_v)) || !seam_.move_to_member(u, to_u)) continue;
+      if (seam_.move_to_member(v, to_v)) {
+        apart_.insert(key_of(to_u, to_v));
+        ++changes_;
+        return true;
+      }
+      seam_.move_to_member(to_u, u);
+    }
   }
   return false;
 }

@@ -37,7 +37,8 @@ class SeamJoiner {
   // Parts that would lead too far are added to it: vertices that would move others farther than the tolerance from their origin; edges
   // along which a gap would be zipped up, split by split, to where it is wider than that. Joining must then be repeated on the original
   // mesh.
-  SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched);
+  SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched,
+             Turning turning = Turning::any);
 
   // Call once. False: it took more than most_work and was not finished; do not use the mesh then.
   bool run(std::size_t most_work);
@@ -91,6 +92,8 @@ class SeamJoiner {
   bool is_across_strip(std::uint32_t u, std::uint32_t v, const Edge& e, const Edge& f) const;
   void weld_round();
   bool weld(std::uint32_t u, std::uint32_t v);
+  bool weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v, const std::vector<std::uint32_t>& of_v);
+  bool move_apart(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v, const std::vector<std::uint32_t>& of_v);
 
   void find_junctions();
   void split_round();
@@ -117,6 +120,7 @@ class SeamJoiner {
   };
   std::vector<std::uint32_t> welded_;
   std::vector<Cut> cut_;
+  std::unordered_set<std::uint64_t> apart_;  // pairs of positions to which vertices were moved apart
   Kind kind_ = straight;
   std::size_t changes_ = 0;
   double widest_gap_ = 0.0;
