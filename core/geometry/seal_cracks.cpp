@@ -313,8 +313,8 @@ std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, Wo
 }
 
 // Seals by the method that joins most; where that does not settle, by the careful one. Nothing if neither settles.
-std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share, const std::vector<std::uint8_t>& at_boundary) {
-  const WorkBudget budget = make_budget(mesh, at_boundary);
+std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share) {
+  const WorkBudget budget = make_budget(mesh, find_boundary_vertices(mesh));
   WorkBudget used = budget;
   JoinedParts untouched;
   std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::any}, untouched, used);
@@ -336,11 +336,11 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
     source->resize(mesh.triangles.size());
     std::iota(source->begin(), source->end(), 0U);
   }
-  const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
-  if (at_boundary.empty()) return mesh;
-  std::optional<Sealing> sealing = seal_by_best_method(mesh, share, at_boundary);
+  if (find_boundary_vertices(mesh).empty()) return mesh;
+  std::optional<Sealing> sealing = seal_by_best_method(mesh, share);
   if (sealing) {
     report = sealing->report;
+    report.tolerance = share * compute_bounds(mesh).extent();
   } else {
     const std::size_t edges = count_edges(mesh).boundary;
     report = {

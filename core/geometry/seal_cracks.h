@@ -20,7 +20,7 @@ struct SealReport {
   std::size_t boundary_edges_left = 0;
   std::size_t unsealed_edges = 0;  // of these: of gaps no wider than the tolerance, as count_boundary_edges counts them
   double widest_unsealed = 0.0;    // of those
-  bool has_given_up = false;         // too many vertices and edges lie within the tolerance of one another: nothing was sealed
+  bool has_given_up = false;       // too many vertices and edges lie within the tolerance of one another: nothing was sealed
 
   bool has_sealed() const { return welded_vertices + split_triangles > 0; }
   bool is_worth_a_note() const { return has_sealed() || has_given_up || unsealed_edges > 0; }

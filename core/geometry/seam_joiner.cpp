@@ -13,6 +13,7 @@ constexpr std::size_t kMostNearVertices = 32;
 constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
 constexpr std::size_t kMostValence = 256;      // largest valence for which a weld is tried from both ends
 constexpr int kMostRounds = 64;
+constexpr double kReservedGap = 4.0;      // tolerances
 constexpr std::size_t kMostMembers = 32;  // welded together whose positions are tried as the common one
 // Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
 constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
@@ -22,7 +23,11 @@ constexpr double kFoldedBack = 0.5;         // cosine of the angle between the t
 }  // namespace
 
 SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched, Turning turning)
-    : seam_(mesh, std::move(at_boundary), tolerance, turning), tolerance_(tolerance), mesh_(mesh), untouched_(untouched) {}
+    : seam_(mesh, std::move(at_boundary), tolerance, turning),
+      tolerance_(tolerance),
+      turning_(turning),
+      mesh_(mesh),
+      untouched_(untouched) {}
 
 SeamJoiner::Closest SeamJoiner::closest_on(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
@@ -49,6 +54,7 @@ bool SeamJoiner::run(std::size_t most_work) {
   boundary_edges_ = seam_.boundary_edges().size();
   for (int kind = straight; kind < kind_count; ++kind) {
     kind_ = static_cast<Kind>(kind);
+    if (kind_ != straight) find_reserved();
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t before = changes_;
       weld_round();
@@ -78,6 +84,29 @@ JoinedParts SeamJoiner::joined() const {
 SeamJoiner::Kind SeamJoiner::kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const {
   if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return sharp;
   return (one.from == a) == (other.from == b) ? flipped : straight;
+}
+
+void SeamJoiner::find_reserved() {
+  const double radius = kReservedGap * tolerance_;
+  reserved_.clear();
+  VertexTree tree(mesh_.vertices, seam_.boundary_vertices());
+  std::vector<VertexTree::Found> found;
+  for (const Edge& edge : seam_.boundary_edges()) {
+    tree.find_near_segment(at(edge.from), at(edge.to), radius, found);
+    for (const VertexTree::Found& near : found) {
+      if (near.vertex == edge.from || near.vertex == edge.to || seam_.valence(near.vertex) > kMostValence) continue;
+      seam_.find_boundary_edges_at(near.vertex, edges_v_);
+      for (const Edge& other : edges_v_) {
+        if (other.triangle == edge.triangle || seam_.inward(edge).dot(seam_.inward(other)) > kFoldedBack) continue;
+        if ((at(edge.to) - at(edge.from)).dot(at(other.to) - at(other.from)) >= 0.0) continue;
+        const std::uint32_t far = other.other(near.vertex);
+        const double at_far = std::min(
+            {closest(edge, far).squared_distance, closest(other, edge.from).squared_distance, closest(other, edge.to).squared_distance});
+        const double squared_gap = std::max(near.squared_distance, at_far);
+        if (squared_gap <= radius * radius && !is_near(squared_gap)) reserved_.insert({edge.chord, other.chord});
+      }
+    }
+  }
 }
 
 void SeamJoiner::find_pairs() {
@@ -123,7 +152,9 @@ bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
   seam_.find_boundary_edges_at(u, edges_u_);
   seam_.find_boundary_edges_at(v, edges_v_);
   for (const Edge& e : edges_u_) {
+    if (is_reserved(e)) continue;
     for (const Edge& f : edges_v_) {
+      if (is_reserved(f)) continue;
       const std::uint32_t far_e = e.other(u);
       const std::uint32_t far_f = f.other(v);
       if (far_e != far_f && !is_near(closest(f, far_e).squared_distance) && !is_near(closest(e, far_f).squared_distance)) continue;
@@ -141,7 +172,7 @@ bool SeamJoiner::is_seam_from_far_end(std::uint32_t u, std::uint32_t v) {
     const std::uint32_t far = e.other(u);
     if (!seam_.is_boundary(far, v)) return false;
     const Edge f = seam_.boundary_edge(far, v);
-    return kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f);
+    return !is_reserved(e) && !is_reserved(f) && kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f);
   });
 }
 
@@ -162,8 +193,8 @@ void SeamJoiner::weld_round() {
     if (u == v || seam_.boundary_count(u) == 0 || seam_.boundary_count(v) == 0) continue;
     if (untouched_.vertices.contains(u) || untouched_.vertices.contains(v)) continue;
     const double squared = (at(u) - at(v)).squaredNorm();
-    if (!is_near(squared) || seam_.is_edge(u, v) || !is_seam_at(u, v) || !weld(u, v)) continue;
-    widest_gap_ = std::max(widest_gap_, std::sqrt(squared));
+    if (seam_.is_edge(u, v) || !is_seam_at(u, v) || !(is_near(squared) ? weld(u, v) : weld_between(u, v))) continue;
+    widest_gap_ = std::max(widest_gap_, std::sqrt(std::min(squared, (at(pair.u) - at(pair.v)).squaredNorm())));
     welded_.insert(welded_.end(), {u, v});
     ++changes_;
   }
@@ -188,6 +219,17 @@ bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   untouched_.vertices.insert(of_u.begin(), of_u.end());
   untouched_.vertices.insert(of_v.begin(), of_v.end());
   return false;
+}
+
+// Vertices welded to u and v are near each other, u and v are not any more.
+bool SeamJoiner::weld_between(std::uint32_t u, std::uint32_t v) {
+  if (turning_ == Turning::little) return false;
+  std::vector<std::uint32_t> of_u, of_v;
+  seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
+  seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
+  if (of_u.size() + of_v.size() > kMostMembers) return false;
+  candidates_ += of_u.size() * of_v.size();
+  return weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u);
 }
 
 // Welds u and v at the position of another vertex welded to u that suits all.
@@ -314,6 +356,7 @@ void SeamJoiner::uncut(const Edge& piece, std::uint32_t vertex) {
 
 // Splits a piece of boundary at a vertex if that lets a part of it join an edge that ends at the vertex, at once or by a second split.
 bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
+  if (is_reserved(piece)) return false;
   std::vector<Edge> alongside;
   if (seam_.valence(vertex) <= kMostValence) {
     seam_.find_boundary_edges_at(vertex, alongside);
@@ -326,7 +369,7 @@ bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
   for (const bool is_second_needed : {false, true}) {
     for (const Edge& f : alongside) {
       const std::uint32_t far = f.other(vertex);
-      if ((far == piece.from || far == piece.to) == is_second_needed) continue;
+      if ((far == piece.from || far == piece.to) == is_second_needed || is_reserved(f)) continue;
       if (!(is_second_needed ? zip_with_second(piece, vertex, f, far) : zip_to_end(piece, vertex, f, far))) continue;
       widest_gap_ = std::max(widest_gap_, gap);
       return true;
