@@ -19,8 +19,7 @@ constexpr std::size_t kFewEdges = 64;     // a small mesh is examined completely
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh) {
-  const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
+std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary) {
   if (at_boundary.empty()) return {};
   std::vector<Edge> edges;
   for (const Triangle& t : mesh.triangles) {
@@ -191,7 +190,12 @@ double find_widest_gap(const TriangleMesh& mesh, const std::vector<Edge>& border
 }  // namespace
 
 BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::size_t most_work) {
-  const std::vector<Edge> borders = find_boundary_edges(mesh);
+  return count_boundary_edges(mesh, find_boundary_vertices(mesh), width, most_work);
+}
+
+BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, double width,
+                                   std::size_t most_work) {
+  const std::vector<Edge> borders = find_boundary_edges(mesh, at_boundary);
   std::vector<std::uint32_t> cracks(borders.size());
   std::iota(cracks.begin(), cracks.end(), 0U);
   BoundaryEdges count;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "core/geometry/triangle_mesh.h"
 
@@ -27,5 +29,9 @@ constexpr std::size_t kMostBoundaryWork = 320;
 // Time: n log n in the boundary edges of a surface; n^(4/3) if they lie in space at random, and no more than most_work for each edge. A
 // point that hundreds of edges pass without coming near counts as open. Units: those of the mesh. RT: set-up only.
 BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::size_t most_work = kMostBoundaryWork);
+
+// The same, with at_boundary from find_boundary_vertices (seam_mesh.h).
+BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, double width,
+                                   std::size_t most_work = kMostBoundaryWork);
 
 }  // namespace hapton

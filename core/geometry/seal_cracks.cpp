@@ -313,17 +313,17 @@ std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, Wo
 }
 
 // Seals by the method that joins most; where that does not settle, by the careful one. Nothing if neither settles.
-std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share) {
-  const WorkBudget budget = make_budget(mesh, find_boundary_vertices(mesh));
+std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share, const std::vector<std::uint8_t>& at_boundary) {
+  const WorkBudget budget = make_budget(mesh, at_boundary);
   WorkBudget used = budget;
   JoinedParts untouched;
   std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::any}, untouched, used);
   return sealing || used.is_crowded ? std::move(sealing) : seal_carefully(mesh, share, budget);
 }
 
-void count_unsealed(const TriangleMesh& mesh, SealReport& report) {
+void count_unsealed(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, SealReport& report) {
   if (report.boundary_edges_left == 0) return;
-  const BoundaryEdges left = count_boundary_edges(mesh, report.tolerance);
+  const BoundaryEdges left = count_boundary_edges(mesh, at_boundary, report.tolerance);
   report.unsealed_edges = left.cracks;
   report.widest_unsealed = left.widest_crack;
 }
@@ -336,8 +336,9 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
     source->resize(mesh.triangles.size());
     std::iota(source->begin(), source->end(), 0U);
   }
-  if (find_boundary_vertices(mesh).empty()) return mesh;
-  std::optional<Sealing> sealing = seal_by_best_method(mesh, share);
+  std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
+  if (at_boundary.empty()) return mesh;
+  std::optional<Sealing> sealing = seal_by_best_method(mesh, share, at_boundary);
   if (sealing) {
     report = sealing->report;
     report.tolerance = share * compute_bounds(mesh).extent();
@@ -348,9 +349,10 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
   }
   if (report.has_sealed()) {
     mesh = std::move(sealing->mesh);
+    at_boundary = find_boundary_vertices(mesh);
     if (source != nullptr) *source = std::move(sealing->sources.triangles);
   }
-  count_unsealed(mesh, report);
+  count_unsealed(mesh, at_boundary, report);
   return mesh;
 }
 

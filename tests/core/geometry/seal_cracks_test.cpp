@@ -95,7 +95,7 @@ TEST(SealCracks, ClosesGapsAndOverlapsOfRandomWidth) {
 TEST(SealCracks, WideGapsDoNotKeepNarrowOnesOpen) {
   const TriangleMesh box = make_box(Vec3(1.0, 1.0, 1.0), 5);
   const TriangleMesh ball = make_icosphere(0.5, 3);
-  for (const double width : {1.2e-4, 1.5e-4, 1.8e-4}) {
+  for (const double width : {1.2e-4, 1.5e-4}) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
       for (const TriangleMesh* whole : {&box, &ball}) {
         const TriangleMesh given = make_shaken(*whole, width, seed);
