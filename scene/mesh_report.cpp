@@ -105,6 +105,10 @@ std::string describe_bad_edges(const MeshTopology& t) {
   return text;
 }
 
+std::string describe_widest(const BoundaryEdges& edges) {
+  return edges.cracks == 0 ? std::string() : fmt::format("; the widest {:.3g} m", edges.widest_crack);
+}
+
 }  // namespace
 
 std::string to_text(const MeshReport& report) {
@@ -124,8 +128,8 @@ std::string to_text(const MeshReport& report) {
   line("signed volume", "{:.6g} m^3", t.signed_volume);
   line("edges", "{:.4g} / {:.4g} / {:.4g} m (shortest / median / longest)", t.shortest_edge, t.median_edge, t.longest_edge);
   line("closed", "{}", t.is_closed() ? "yes" : "no");
-  line("boundary edges", "{} ({} open, {} of cracks up to {:g} of the longest side wide)", t.boundary_edges, report.flaws.borders.open,
-       report.flaws.borders.cracks, kCrackShare);
+  line("boundary edges", "{} ({} open, {} of cracks up to {:g} of the longest side wide{})", t.boundary_edges, report.flaws.borders.open,
+       report.flaws.borders.cracks, kCrackShare, describe_widest(report.flaws.borders));
   if (report.flaws.borders.has_given_up) {
     line("", "not all cracks were looked for: too many boundary edges lie across each other; these triangles do not form a surface");
   }
@@ -144,8 +148,8 @@ std::string to_text(const MeshReport& report) {
     line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : printable(full_name(part), kLongestShownName));
   for (const HapticMaterial* material : haptic_materials_of(report.file)) line("haptic material", "{}", describe(*material));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
-  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{})", report.is_closed_for_touch ? "yes" : "no",
-       report.left.open + report.left.cracks, report.left.open, report.left.cracks,
+  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{}{})", report.is_closed_for_touch ? "yes" : "no",
+       report.left.open + report.left.cracks, report.left.open, report.left.cracks, describe_widest(report.left),
        report.is_closed_for_touch ? "" : describe_bad_edges(t));
   line("method smooth would", "{}", report.flaws.repair.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
@@ -180,6 +184,7 @@ std::string to_json(const MeshReport& report) {
                      {"boundary_edges", t.boundary_edges},
                      {"open_border_edges", report.flaws.borders.open},
                      {"crack_edges", report.flaws.borders.cracks},
+                     {"widest_crack_m", report.flaws.borders.widest_crack},
                      {"crack_edges_all_counted", !report.flaws.borders.has_given_up},
                      {"nonmanifold_edges", t.nonmanifold_edges},
                      {"inconsistent_edges", t.inconsistent_edges},
@@ -203,6 +208,9 @@ std::string to_json(const MeshReport& report) {
                        {"boundary_edges_left", report.sealed.boundary_edges_left},
                        {"open_border_edges_left", report.left.open},
                        {"crack_edges_left", report.left.cracks},
+                       {"widest_crack_left_m", report.left.widest_crack},
+                       {"unsealed_edges", report.sealed.unsealed_edges},
+                       {"widest_unsealed_m", report.sealed.widest_unsealed},
                        {"closed", report.is_closed_for_touch}}},
                      {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
                      {"components", t.components},

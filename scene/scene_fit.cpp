@@ -21,6 +21,7 @@ void SceneFit::apply(TriangleMesh& mesh, SealReport& sealed) const {
 void scale_widths(SealReport& sealed, double scale) {
   sealed.widest_gap *= scale;
   sealed.tolerance *= scale;
+  sealed.widest_unsealed *= scale;
 }
 
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {

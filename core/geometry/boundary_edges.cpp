@@ -1,26 +1,33 @@
 #include "core/geometry/boundary_edges.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/seam_mesh.h"
 #include "core/geometry/segment_slabs.h"
 
 namespace hapton {
 namespace {
 
 constexpr double kShareOfEdge = 0.05;
-constexpr std::size_t kFewEdges = 64;  // a small mesh is examined completely
+constexpr std::size_t kMostMeasured = 8;  // points whose nearest edge is looked for
+constexpr std::size_t kFewEdges = 64;     // a small mesh is examined completely
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
-std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh) {
+std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary) {
+  if (at_boundary.empty()) return {};
   std::vector<Edge> edges;
   for (const Triangle& t : mesh.triangles) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    for (int k = 0; k < 3; ++k) edges.emplace_back(std::minmax(t[k], t[(k + 1) % 3]));
+    for (int k = 0; k < 3; ++k) {
+      const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
+      if (at_boundary[low] != 0 && at_boundary[high] != 0) edges.emplace_back(low, high);
+    }
   }
   std::sort(edges.begin(), edges.end());
   std::vector<Edge> borders;
@@ -30,6 +37,20 @@ std::vector<Edge> find_boundary_edges(const TriangleMesh& mesh) {
   }
   return borders;
 }
+
+struct Segment {
+  Vec3 a, along;
+  double inverse_squared = 0.0;  // of its length; 0: it is a point
+
+  Segment(const Vec3& from, const Vec3& to) : a(from), along(to - from) {
+    const double squared = along.squaredNorm();
+    if (squared > 0.0) inverse_squared = 1.0 / squared;
+  }
+  double squared_distance(const Vec3& p) const {
+    const Vec3 to_p = p - a;
+    return (to_p - std::clamp(along.dot(to_p) * inverse_squared, 0.0, 1.0) * along).squaredNorm();
+  }
+};
 
 // Points that wait for a boundary edge to come near, in a kd-tree. Each has its own radius and leaves the tree once an edge came within it,
 // so thousands of points and edges in one place cost time in proportion to their number, not to its square.
@@ -41,6 +62,7 @@ class WaitingPoints {
     std::uint32_t edge = 0;  // its own edge, which does not count
     std::uint32_t misses = 0;
     bool is_found = false;
+    double squared_gap = 0.0;  // to the edge that was found, which need not be the nearest
   };
 
   explicit WaitingPoints(std::vector<Point> points) : points_(std::move(points)) {
@@ -48,9 +70,7 @@ class WaitingPoints {
   }
 
   void pass(std::uint32_t edge, const Vec3& a, const Vec3& b) {
-    const Vec3 along = b - a;
-    const double squared = along.squaredNorm();
-    visit(0, {edge, a, along, squared > 0.0 ? 1.0 / squared : 0.0, SegmentSlabs(a, b)});
+    visit(0, {.edge = edge, .segment = Segment(a, b), .slabs = SegmentSlabs(a, b)});
   }
 
   const std::vector<Point>& points() const { return points_; }
@@ -70,14 +90,8 @@ class WaitingPoints {
   };
   struct Passing {
     std::uint32_t edge = 0;
-    Vec3 a, along;
-    double inverse_squared = 0.0;  // of its length; 0: it is a point
+    Segment segment;
     SegmentSlabs slabs;
-
-    double squared_distance(const Vec3& p) const {
-      const Vec3 to_p = p - a;
-      return (to_p - std::clamp(along.dot(to_p) * inverse_squared, 0.0, 1.0) * along).squaredNorm();
-    }
   };
 
   std::uint32_t build(std::uint32_t first, std::uint32_t last) {
@@ -122,7 +136,8 @@ class WaitingPoints {
   bool try_point(Point& point, const Passing& passing) {
     if (point.is_found || point.misses == kMostMisses || point.edge == passing.edge) return false;
     ++work_;
-    point.is_found = passing.squared_distance(point.at) <= point.radius * point.radius;
+    point.squared_gap = passing.segment.squared_distance(point.at);
+    point.is_found = point.squared_gap <= point.radius * point.radius;
     return point.is_found || ++point.misses == kMostMisses;
   }
 
@@ -144,13 +159,47 @@ std::vector<WaitingPoints::Point> points_along(const TriangleMesh& mesh, const s
   return points;
 }
 
+double find_squared_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, const WaitingPoints::Point& point) {
+  double squared_gap = point.squared_gap;
+  for (std::uint32_t e = 0; e < borders.size(); ++e) {
+    if (e == point.edge) continue;
+    squared_gap =
+        std::min(squared_gap, Segment(mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]).squared_distance(point.at));
+  }
+  return squared_gap;
+}
+
+// The widest of the gaps at these points: their nearest edges are looked for in order of those that were found, until no other can be
+// wider. If that is still not so after kMostMeasured: an upper bound.
+double find_widest_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, std::vector<WaitingPoints::Point> points,
+                       std::size_t& work) {
+  const std::size_t count = std::min(points.size(), kMostMeasured + 1);
+  std::partial_sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
+                    [](const WaitingPoints::Point& p, const WaitingPoints::Point& q) {
+                      return p.squared_gap != q.squared_gap ? p.squared_gap > q.squared_gap : p.edge < q.edge;
+                    });
+  double widest_squared = 0.0;
+  for (std::size_t i = 0; i < count && points[i].squared_gap > widest_squared; ++i) {
+    if (i == kMostMeasured) return std::sqrt(points[i].squared_gap);
+    widest_squared = std::max(widest_squared, find_squared_gap(mesh, borders, points[i]));
+    work += borders.size();
+  }
+  return std::sqrt(widest_squared);
+}
+
 }  // namespace
 
 BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::size_t most_work) {
-  const std::vector<Edge> borders = find_boundary_edges(mesh);
+  return count_boundary_edges(mesh, find_boundary_vertices(mesh), width, most_work);
+}
+
+BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, double width,
+                                   std::size_t most_work) {
+  const std::vector<Edge> borders = find_boundary_edges(mesh, at_boundary);
   std::vector<std::uint32_t> cracks(borders.size());
   std::iota(cracks.begin(), cracks.end(), 0U);
   BoundaryEdges count;
+  std::vector<WaitingPoints::Point> at_cracks;
   // Most edges have nothing beside their middle: only the others are tested at further points.
   for (const std::vector<double>& shares : {std::vector{0.5}, std::vector{0.25, 0.75}}) {
     WaitingPoints waiting(points_along(mesh, borders, cracks, shares, width));
@@ -161,11 +210,16 @@ BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::
     }
     std::vector<std::uint8_t> found(borders.size(), 0);
     for (const WaitingPoints::Point& point : waiting.points()) {
-      if (point.is_found) ++found[point.edge];
+      if (!point.is_found) continue;
+      ++found[point.edge];
+      at_cracks.push_back(point);
     }
     std::erase_if(cracks, [&](std::uint32_t e) { return found[e] < shares.size(); });
     count.work += waiting.work();
   }
+  std::erase_if(at_cracks,
+                [&](const WaitingPoints::Point& point) { return !std::binary_search(cracks.begin(), cracks.end(), point.edge); });
+  count.widest_crack = find_widest_gap(mesh, borders, std::move(at_cracks), count.work);
   count.cracks = cracks.size();
   count.open = borders.size() - count.cracks;
   return count;

@@ -3,11 +3,19 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <functional>
+#include <map>
 #include <numeric>
+#include <optional>
+#include <set>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "core/geometry/boundary_edges.h"
+#include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/seam_joiner.h"
 #include "core/geometry/vertex_tree.h"
@@ -16,82 +24,74 @@ namespace hapton {
 namespace {
 
 constexpr int kMostTries = 16;
-constexpr std::size_t kMostWork = 5000;  // per boundary edge: surfaces need less than a fiftieth of that
+constexpr int kMostPasses = 8;                   // surfaces need one or two that change something
+constexpr double kMostOffsetOfPart = 2.0;        // tolerances from a part of a split triangle to the triangle
+constexpr std::size_t kMostWork = 5000;          // per boundary edge: surfaces need less than a fiftieth of that
+constexpr std::size_t kTrianglesPerVertex = 64;  // away from the boundary, that cost as much as a vertex at it
 // Limit on complete repetitions, so that many close vertices do not take minutes: surfaces need one or two, dense clusters dozens. A small
-// boundary may take more: kMostJoinedVertices in all.
+// mesh may take more: kMostJoinedVertices in all.
 constexpr std::size_t kMostJoins = 6;
-constexpr std::size_t kMostJoinedVertices = 200'000;
+constexpr std::size_t kMostJoinedVertices = 60'000;
 
 struct WorkBudget {
   std::size_t left = 0;
-  std::size_t joins_left = 0;
+  std::size_t vertices_left = 0;
   bool is_spent = false;
+  bool is_crowded = false;  // one join alone takes too much work
 };
 
-WorkBudget make_budget(const std::vector<std::uint8_t>& at_boundary) {
-  const auto vertices = static_cast<std::size_t>(std::count(at_boundary.begin(), at_boundary.end(), 1));
-  return {.left = kMostWork * vertices, .joins_left = std::max(kMostJoins, kMostJoinedVertices / std::max<std::size_t>(vertices, 1))};
+std::size_t count_vertices(const std::vector<std::uint8_t>& at_boundary) {
+  return static_cast<std::size_t>(std::count(at_boundary.begin(), at_boundary.end(), 1));
 }
 
-// Joins until nothing more can be joined, so that sealing again finds nothing. Where that would go too far, the parts that led there are
-// excluded and everything is repeated: a notch, say, whose sides are close at its tip would be zipped up from there, vertex by vertex.
+std::size_t cost_of_join(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary) {
+  return count_vertices(at_boundary) + mesh.triangles.size() / kTrianglesPerVertex;
+}
+
+WorkBudget make_budget(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary) {
+  return {.left = kMostWork * count_vertices(at_boundary),
+          .vertices_left = std::max(kMostJoins * cost_of_join(mesh, at_boundary), kMostJoinedVertices)};
+}
+
+struct Method {
+  double share = kSealedShare;
+  Turning turning = Turning::any;
+};
+
+// Joins until nothing more can be joined. Where that would go too far, the parts that led there are excluded and everything is repeated: a
+// notch, say, whose sides are close at its tip would be zipped up from there, vertex by vertex.
 // Calls use(joiner, joined mesh) at the end; not if there is no boundary or the budget is used up.
 template <class Use>
-void join(const TriangleMesh& mesh, double share, JoinedParts& untouched, WorkBudget& budget, Use&& use) {
+void join(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget, Use&& use) {
   const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
   if (at_boundary.empty()) return;
-  const double tolerance = share * compute_bounds(mesh).extent();
+  const double tolerance = method.share * compute_bounds(mesh).extent();
+  const std::size_t cost = cost_of_join(mesh, at_boundary);
   for (int tries = 1;; ++tries) {
     const std::size_t before = untouched.size();
     TriangleMesh joined_mesh = mesh;
-    SeamJoiner joiner(joined_mesh, at_boundary, tolerance, untouched);
-    if (budget.joins_left == 0 || !joiner.run(budget.left)) {
-      budget.is_spent = true;
+    SeamJoiner joiner(joined_mesh, at_boundary, tolerance, untouched, method.turning);
+    budget.is_spent = budget.vertices_left < cost;
+    if (budget.is_spent) return;
+    if (!joiner.run(budget.left)) {
+      budget.is_spent = budget.is_crowded = true;
       return;
     }
     budget.left -= joiner.work();
-    --budget.joins_left;
+    budget.vertices_left -= cost;
     if (untouched.size() > before && tries < kMostTries) continue;
     use(joiner, joined_mesh);
     return;
   }
 }
 
-// The parts of the original mesh that joining the joined mesh once more would join.
-JoinedParts find_unsettled(const SeamMesh& seam, const SeamMesh::Sources& sources, const TriangleMesh& joined_mesh, double share,
-                           WorkBudget& budget) {
-  JoinedParts unsettled;
-  JoinedParts none;
-  join(joined_mesh, share, none, budget, [&](SeamJoiner& again, const TriangleMesh&) {
-    const JoinedParts joined = again.joined();
-    for (const std::uint32_t vertex : joined.vertices)
-      seam.for_each_member(sources.vertices[vertex], [&](std::uint32_t member) { unsettled.vertices.insert(member); });
-    for (const std::uint32_t chord : joined.chords) unsettled.chords.insert(3 * sources.triangles[chord / 3] + chord % 3);
-  });
-  return unsettled;
-}
-
-// Excludes the boundary within `radius` of these parts.
-void leave_untouched(const TriangleMesh& mesh, const JoinedParts& parts, double radius, JoinedParts& untouched) {
-  untouched.vertices.insert(parts.vertices.begin(), parts.vertices.end());
-  untouched.chords.insert(parts.chords.begin(), parts.chords.end());
-  const VertexTree tree(mesh.vertices, {parts.vertices.begin(), parts.vertices.end()});
-  const std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
-  std::vector<VertexTree::Found> found;
-  for (std::uint32_t v = 0; v < at_boundary.size(); ++v) {
-    if (at_boundary[v] == 0) continue;
-    tree.find_nearest(mesh.vertices[v], SeamMesh::kNone, radius, 1, found);
-    if (!found.empty()) untouched.vertices.insert(v);
-  }
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = mesh.triangles[t][k];
-      const std::uint32_t b = mesh.triangles[t][(k + 1) % 3];
-      if (at_boundary[a] != 0 && at_boundary[b] != 0 && (untouched.vertices.contains(a) || untouched.vertices.contains(b)))
-        untouched.chords.insert(3 * t + k);
-    }
-  }
-}
+// A mesh that was joined once or more, compared with the given one. Mesh and sources are empty if nothing was joined.
+struct Sealing {
+  TriangleMesh mesh;
+  SealReport report;
+  SeamMesh::Sources sources;
+  bool is_settled = false;  // there is nothing left to join
+};
 
 SealReport report_on(SeamJoiner& joiner) {
   return {.welded_vertices = joiner.seam().welded(),
@@ -103,9 +103,229 @@ SealReport report_on(SeamJoiner& joiner) {
           .boundary_edges_left = joiner.seam().boundary_edges().size()};
 }
 
-SealReport give_up(const TriangleMesh& mesh, double tolerance) {
-  const std::size_t edges = count_edges(mesh).boundary;
-  return {.tolerance = tolerance, .boundary_edges = edges, .boundary_edges_left = edges, .has_given_up = true};
+void add(const SealReport& next, SealReport& report) {
+  report.welded_vertices += next.welded_vertices;
+  report.split_triangles += next.split_triangles;
+  report.zipped_edges += next.zipped_edges;
+  report.widest_gap = std::max(report.widest_gap, next.widest_gap);
+  report.boundary_edges_left = next.boundary_edges_left;
+}
+
+// Adds what was joined after that.
+void add(Sealing next, Sealing& sealing) {
+  if (!sealing.report.has_sealed()) {
+    sealing = std::move(next);
+    return;
+  }
+  add(next.report, sealing.report);
+  sealing.mesh = std::move(next.mesh);
+  for (std::uint32_t& vertex : sealing.sources.vertices) vertex = next.sources.vertices[vertex];
+  for (std::uint32_t& triangle : next.sources.triangles) triangle = sealing.sources.triangles[triangle];
+  sealing.sources.triangles = std::move(next.sources.triangles);
+}
+
+// The excluded parts of the given mesh, in the mesh that it became.
+JoinedParts follow(const JoinedParts& parts, const TriangleMesh& mesh, const Sealing& sealing) {
+  JoinedParts now;
+  const std::vector<std::uint32_t>& vertex_now = sealing.sources.vertices;
+  for (const std::uint32_t v : parts.vertices) now.vertices.insert(vertex_now[v]);
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const std::uint32_t chord : parts.chords) {
+    const Triangle& t = mesh.triangles[chord / 3];
+    edges.insert(std::minmax({vertex_now[t[chord % 3]], vertex_now[t[(chord + 1) % 3]]}));
+  }
+  if (edges.empty()) return now;
+  for (std::uint32_t t = 0; t < sealing.mesh.triangles.size(); ++t) {
+    const Triangle& triangle = sealing.mesh.triangles[t];
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      if (edges.contains(std::minmax({triangle[k], triangle[(k + 1) % 3]}))) now.chords.insert(3 * t + k);
+    }
+  }
+  return now;
+}
+
+// Joins in passes until nothing more can be joined, with these parts excluded.
+Sealing join_in_passes(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+  Sealing sealing;
+  for (int pass = 0; pass <= kMostPasses && !sealing.is_settled && !budget.is_spent; ++pass) {
+    JoinedParts followed;
+    if (pass > 0) followed = follow(untouched, mesh, sealing);
+    Sealing next{.mesh = {}, .report = {}, .sources = {}, .is_settled = true};
+    join(pass == 0 ? mesh : sealing.mesh, method, pass == 0 ? untouched : followed, budget, [&](SeamJoiner& joiner, TriangleMesh& joined) {
+      next.report = report_on(joiner);
+      if (!next.report.has_sealed()) return;
+      next.sources = joiner.seam().finish();
+      next.mesh = std::move(joined);
+      next.is_settled = false;
+    });
+    if (pass == 0 || next.report.has_sealed())
+      add(std::move(next), sealing);
+    else
+      sealing.is_settled = true;
+  }
+  return sealing;
+}
+
+std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::size_t t) {
+  return {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)};
+}
+
+bool is_in_bounds(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& after, bool is_part, double tolerance) {
+  if (!is_sound_change(before, after, tolerance)) return false;
+  if (!is_part) return true;
+  return std::all_of(after.begin(), after.end(), [&](const Vec3& corner) {
+    return closest_point(before[0], before[1], before[2], corner).distance <= kMostOffsetOfPart * tolerance;
+  });
+}
+
+// What several passes together did too much of: vertices of the given mesh that were moved farther than the tolerance, edges of triangles
+// that were turned too far.
+JoinedParts find_overdone(const TriangleMesh& mesh, const Sealing& sealing) {
+  JoinedParts found;
+  const double tolerance = sealing.report.tolerance;
+  const SeamMesh::Sources& sources = sealing.sources;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!((sealing.mesh.vertices[sources.vertices[v]] - mesh.vertices[v]).norm() <= tolerance)) found.vertices.insert(v);
+  }
+  std::vector<std::uint32_t> parts(mesh.triangles.size(), 0);
+  for (const std::uint32_t t : sources.triangles) ++parts[t];
+  for (std::uint32_t t = 0; t < sealing.mesh.triangles.size(); ++t) {
+    const std::uint32_t source = sources.triangles[t];
+    const std::array<Vec3, 3> before = corners_of(mesh, source);
+    const std::array<Vec3, 3> after = corners_of(sealing.mesh, t);
+    const bool is_part = parts[source] > 1;
+    if (before == after || is_in_bounds(before, after, is_part, tolerance)) continue;
+    if (is_part) {
+      found.chords.insert({3 * source, 3 * source + 1, 3 * source + 2});
+    } else {
+      found.vertices.insert(mesh.triangles[source].begin(), mesh.triangles[source].end());
+    }
+  }
+  return found;
+}
+
+// Excludes parts, and a growing neighbourhood of those that return.
+class Exclusion {
+ public:
+  Exclusion(const TriangleMesh& mesh, double radius) : mesh_(mesh), at_boundary_(find_boundary_vertices(mesh)), radius_(radius) {}
+
+  void exclude(const JoinedParts& parts, JoinedParts& untouched) {
+    std::map<int, std::unordered_set<std::uint32_t>> by_rings;
+    const auto exclude_vertex = [&](std::uint32_t v) { by_rings[times_[v]++].insert(v); };
+    for (const std::uint32_t v : parts.vertices) exclude_vertex(v);
+    for (const std::uint32_t chord : parts.chords) {
+      if (!untouched.chords.insert(chord).second) exclude_vertex(mesh_.triangles[chord / 3][chord % 3]);
+    }
+    if (by_rings.empty()) return;
+    std::unordered_set<std::uint32_t> reached;
+    for (int rings = by_rings.rbegin()->first; rings >= 0; --rings) {
+      if (const auto found = by_rings.find(rings); found != by_rings.end()) reached.insert(found->second.begin(), found->second.end());
+      if (rings > 0) grow(reached);
+    }
+    untouched.vertices.insert(reached.begin(), reached.end());
+  }
+
+ private:
+  // Adds the boundary vertices near these, and those of their triangles.
+  void grow(std::unordered_set<std::uint32_t>& reached) const {
+    const VertexTree tree(mesh_.vertices, {reached.begin(), reached.end()});
+    std::vector<VertexTree::Found> found;
+    std::unordered_set<std::uint32_t> more;
+    for (std::uint32_t v = 0; v < at_boundary_.size(); ++v) {
+      if (at_boundary_[v] == 0) continue;
+      tree.find_nearest(mesh_.vertices[v], SeamMesh::kNone, radius_, 1, found);
+      if (!found.empty()) more.insert(v);
+    }
+    for (const Triangle& t : mesh_.triangles) {
+      if (std::none_of(t.begin(), t.end(), [&](std::uint32_t v) { return reached.contains(v); })) continue;
+      std::copy_if(t.begin(), t.end(), std::inserter(more, more.end()), [&](std::uint32_t v) { return at_boundary_[v] != 0; });
+    }
+    reached.insert(more.begin(), more.end());
+  }
+
+  const TriangleMesh& mesh_;
+  std::vector<std::uint8_t> at_boundary_;
+  double radius_;
+  std::unordered_map<std::uint32_t, int> times_;
+};
+
+// Joins in passes, and excludes what they would overdo. Nothing if the budget is used up.
+std::optional<Sealing> join_in_bounds(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+  std::optional<Exclusion> exclusion;
+  for (;;) {
+    Sealing sealing = join_in_passes(mesh, method, untouched, budget);
+    if (budget.is_spent) return std::nullopt;
+    if (!sealing.report.has_sealed()) return sealing;
+    const JoinedParts overdone = find_overdone(mesh, sealing);
+    if (overdone.size() == 0) return sealing;
+    if (!exclusion) exclusion.emplace(mesh, sealing.report.tolerance);
+    exclusion->exclude(overdone, untouched);
+  }
+}
+
+// The same, until the same without exclusions finds nothing to join.
+std::optional<Sealing> join_until_settled(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+  std::optional<Sealing> sealing = join_in_bounds(mesh, method, untouched, budget);
+  if (!sealing || !sealing->report.has_sealed() || (untouched.size() == 0 && sealing->is_settled)) return sealing;
+  sealing->is_settled = false;
+  for (int tries = 0; tries < kMostTries && !sealing->is_settled; ++tries) {
+    JoinedParts none;
+    std::optional<Sealing> again = join_in_bounds(sealing->mesh, method, none, budget);
+    if (!again) return std::nullopt;
+    if (again->report.has_sealed())
+      add(std::move(*again), *sealing);
+    else
+      sealing->is_settled = true;
+  }
+  return sealing;
+}
+
+// Seals so that sealing the result by the same method changes nothing.
+std::optional<Sealing> seal(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
+  std::optional<Exclusion> exclusion;
+  for (;;) {
+    std::optional<Sealing> sealing = join_until_settled(mesh, method, untouched, budget);
+    if (!sealing || !sealing->report.has_sealed()) return sealing;
+    const JoinedParts overdone = find_overdone(mesh, *sealing);
+    if (overdone.size() == 0) return sealing->is_settled ? std::move(sealing) : std::nullopt;
+    if (!exclusion) exclusion.emplace(mesh, sealing->report.tolerance);
+    exclusion->exclude(overdone, untouched);
+  }
+}
+
+// Seals by the careful method, and the result by the other one as far as that settles.
+std::optional<Sealing> seal_carefully(const TriangleMesh& mesh, double share, WorkBudget budget) {
+  JoinedParts untouched;
+  std::optional<Exclusion> exclusion;
+  for (;;) {
+    std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::little}, untouched, budget);
+    if (!sealing || !sealing->report.has_sealed()) return sealing;
+    JoinedParts none;
+    WorkBudget more_budget = make_budget(sealing->mesh, find_boundary_vertices(sealing->mesh));
+    std::optional<Sealing> more = seal(sealing->mesh, {.share = share, .turning = Turning::any}, none, more_budget);
+    if (!more || !more->report.has_sealed()) return sealing;
+    add(std::move(*more), *sealing);
+    const JoinedParts overdone = find_overdone(mesh, *sealing);
+    if (overdone.size() == 0) return sealing;
+    if (!exclusion) exclusion.emplace(mesh, sealing->report.tolerance);
+    exclusion->exclude(overdone, untouched);
+  }
+}
+
+// Seals by the method that joins most; where that does not settle, by the careful one. Nothing if neither settles.
+std::optional<Sealing> seal_by_best_method(const TriangleMesh& mesh, double share, const std::vector<std::uint8_t>& at_boundary) {
+  const WorkBudget budget = make_budget(mesh, at_boundary);
+  WorkBudget used = budget;
+  JoinedParts untouched;
+  std::optional<Sealing> sealing = seal(mesh, {.share = share, .turning = Turning::any}, untouched, used);
+  return sealing || used.is_crowded ? std::move(sealing) : seal_carefully(mesh, share, budget);
+}
+
+void count_unsealed(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, SealReport& report) {
+  if (report.boundary_edges_left == 0) return;
+  const BoundaryEdges left = count_boundary_edges(mesh, at_boundary, report.tolerance);
+  report.unsealed_edges = left.cracks;
+  report.widest_unsealed = left.widest_crack;
 }
 
 }  // namespace
@@ -116,41 +336,41 @@ TriangleMesh seal_cracks(TriangleMesh mesh, SealReport& report, double share, st
     source->resize(mesh.triangles.size());
     std::iota(source->begin(), source->end(), 0U);
   }
-  JoinedParts untouched;
-  WorkBudget budget = make_budget(find_boundary_vertices(mesh));
-  bool is_settled = false;
-  for (int tries = 1; !is_settled; ++tries) {
-    is_settled = true;
-    join(mesh, share, untouched, budget, [&](SeamJoiner& joiner, TriangleMesh& sealed) {
-      report = report_on(joiner);
-      if (!report.has_sealed()) return;
-      SeamMesh::Sources sources = joiner.seam().finish();
-      const JoinedParts unsettled = find_unsettled(joiner.seam(), sources, sealed, share, budget);
-      if (budget.is_spent) return;
-      if (unsettled.size() > 0) {
-        // Clusters thinner than the tolerance, where joining some vertices moves others. They are excluded, in growing neighbourhoods if
-        // necessary.
-        leave_untouched(mesh, unsettled, tries == 1 ? 0.0 : report.tolerance * std::exp2(tries - 2), untouched);
-        is_settled = false;
-        return;
-      }
-      if (source != nullptr) *source = std::move(sources.triangles);
-      mesh = std::move(sealed);
-    });
+  std::vector<std::uint8_t> at_boundary = find_boundary_vertices(mesh);
+  if (at_boundary.empty()) return mesh;
+  std::optional<Sealing> sealing = seal_by_best_method(mesh, share, at_boundary);
+  if (sealing) {
+    report = sealing->report;
+    report.tolerance = share * compute_bounds(mesh).extent();
+  } else {
+    const std::size_t edges = count_edges(mesh).boundary;
+    report = {
+        .tolerance = share * compute_bounds(mesh).extent(), .boundary_edges = edges, .boundary_edges_left = edges, .has_given_up = true};
   }
-  if (budget.is_spent) report = give_up(mesh, share * compute_bounds(mesh).extent());
+  if (report.has_sealed()) {
+    mesh = std::move(sealing->mesh);
+    at_boundary = find_boundary_vertices(mesh);
+    if (source != nullptr) *source = std::move(sealing->sources.triangles);
+  }
+  count_unsealed(mesh, at_boundary, report);
   return mesh;
 }
 
 std::string SealReport::describe() const {
+  const std::string left =
+      unsealed_edges == 0 ? "" : fmt::format("; {} of them are at cracks up to {:.3g} m wide", unsealed_edges, widest_unsealed);
   if (has_given_up) {
-    return fmt::format("cracks not sealed: its {} boundary edges lie too close together to identify gaps of {:.3g} m; repair the mesh",
-                       boundary_edges, tolerance);
+    return fmt::format("cracks not sealed: its {} boundary edges lie too close together to identify gaps of {:.3g} m{}; repair the mesh",
+                       boundary_edges, tolerance, left);
   }
-  if (!has_sealed()) return fmt::format("no cracks up to {:.3g} m wide; {} boundary edges", tolerance, boundary_edges);
+  const std::string why =
+      left.empty() ? "" : left + ": closing them would move a vertex too far, flip a triangle or join what is not one surface";
+  if (!has_sealed() && unsealed_edges == 0)
+    return fmt::format("no cracks up to {:.3g} m wide; {} boundary edges", tolerance, boundary_edges);
+  if (!has_sealed()) return fmt::format("no cracks sealed; {} boundary edges{}", boundary_edges, why);
   return fmt::format(
-      "sealed cracks up to {:.3g} m wide: welded {} vertices, split {} triangles, joined {} pairs of boundary edges; {} of {} left",
-      widest_gap, welded_vertices, split_triangles, zipped_edges, boundary_edges_left, boundary_edges);
+      "sealed cracks up to {:.3g} m wide: welded {} vertices, split {} triangles, joined {} pairs of boundary edges; {} of {} left{}",
+      widest_gap, welded_vertices, split_triangles, zipped_edges, boundary_edges_left, boundary_edges, why);
 }
 
 }  // namespace hapton

@@ -13,6 +13,8 @@ constexpr std::size_t kMostNearVertices = 32;
 constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
 constexpr std::size_t kMostValence = 256;      // largest valence for which a weld is tried from both ends
 constexpr int kMostRounds = 64;
+constexpr double kReservedGap = 4.0;      // tolerances
+constexpr std::size_t kMostMembers = 32;  // welded together whose positions are tried as the common one
 // Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
 constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
 constexpr std::size_t kMostJunctions = 64;  // per boundary edge of the original mesh
@@ -20,8 +22,12 @@ constexpr double kFoldedBack = 0.5;         // cosine of the angle between the t
 
 }  // namespace
 
-SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched)
-    : seam_(mesh, std::move(at_boundary), tolerance), tolerance_(tolerance), mesh_(mesh), untouched_(untouched) {}
+SeamJoiner::SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched, Turning turning)
+    : seam_(mesh, std::move(at_boundary), tolerance, turning),
+      tolerance_(tolerance),
+      turning_(turning),
+      mesh_(mesh),
+      untouched_(untouched) {}
 
 SeamJoiner::Closest SeamJoiner::closest_on(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 along = b - a;
@@ -48,6 +54,7 @@ bool SeamJoiner::run(std::size_t most_work) {
   boundary_edges_ = seam_.boundary_edges().size();
   for (int kind = straight; kind < kind_count; ++kind) {
     kind_ = static_cast<Kind>(kind);
+    if (kind_ != straight) find_reserved();
     for (int round = 0; round < kMostRounds; ++round) {
       const std::size_t before = changes_;
       weld_round();
@@ -77,6 +84,29 @@ JoinedParts SeamJoiner::joined() const {
 SeamJoiner::Kind SeamJoiner::kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const {
   if (seam_.inward(one).dot(seam_.inward(other)) > kFoldedBack) return sharp;
   return (one.from == a) == (other.from == b) ? flipped : straight;
+}
+
+void SeamJoiner::find_reserved() {
+  const double radius = kReservedGap * tolerance_;
+  reserved_.clear();
+  VertexTree tree(mesh_.vertices, seam_.boundary_vertices());
+  std::vector<VertexTree::Found> found;
+  for (const Edge& edge : seam_.boundary_edges()) {
+    tree.find_near_segment(at(edge.from), at(edge.to), radius, found);
+    for (const VertexTree::Found& near : found) {
+      if (near.vertex == edge.from || near.vertex == edge.to || seam_.valence(near.vertex) > kMostValence) continue;
+      seam_.find_boundary_edges_at(near.vertex, edges_v_);
+      for (const Edge& other : edges_v_) {
+        if (other.triangle == edge.triangle || seam_.inward(edge).dot(seam_.inward(other)) > kFoldedBack) continue;
+        if ((at(edge.to) - at(edge.from)).dot(at(other.to) - at(other.from)) >= 0.0) continue;
+        const std::uint32_t far = other.other(near.vertex);
+        const double at_far = std::min(
+            {closest(edge, far).squared_distance, closest(other, edge.from).squared_distance, closest(other, edge.to).squared_distance});
+        const double squared_gap = std::max(near.squared_distance, at_far);
+        if (squared_gap <= radius * radius && !is_near(squared_gap)) reserved_.insert({edge.chord, other.chord});
+      }
+    }
+  }
 }
 
 void SeamJoiner::find_pairs() {
@@ -122,7 +152,9 @@ bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
   seam_.find_boundary_edges_at(u, edges_u_);
   seam_.find_boundary_edges_at(v, edges_v_);
   for (const Edge& e : edges_u_) {
+    if (is_reserved(e)) continue;
     for (const Edge& f : edges_v_) {
+      if (is_reserved(f)) continue;
       const std::uint32_t far_e = e.other(u);
       const std::uint32_t far_f = f.other(v);
       if (far_e != far_f && !is_near(closest(f, far_e).squared_distance) && !is_near(closest(e, far_f).squared_distance)) continue;
@@ -140,7 +172,7 @@ bool SeamJoiner::is_seam_from_far_end(std::uint32_t u, std::uint32_t v) {
     const std::uint32_t far = e.other(u);
     if (!seam_.is_boundary(far, v)) return false;
     const Edge f = seam_.boundary_edge(far, v);
-    return kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f);
+    return !is_reserved(e) && !is_reserved(f) && kind_of(e, u, f, v) <= kind_ && !is_across_strip(u, v, e, f);
   });
 }
 
@@ -161,8 +193,8 @@ void SeamJoiner::weld_round() {
     if (u == v || seam_.boundary_count(u) == 0 || seam_.boundary_count(v) == 0) continue;
     if (untouched_.vertices.contains(u) || untouched_.vertices.contains(v)) continue;
     const double squared = (at(u) - at(v)).squaredNorm();
-    if (!is_near(squared) || seam_.is_edge(u, v) || !is_seam_at(u, v) || !weld(u, v)) continue;
-    widest_gap_ = std::max(widest_gap_, std::sqrt(squared));
+    if (seam_.is_edge(u, v) || !is_seam_at(u, v) || !(is_near(squared) ? weld(u, v) : weld_between(u, v))) continue;
+    widest_gap_ = std::max(widest_gap_, std::sqrt(std::min(squared, (at(pair.u) - at(pair.v)).squaredNorm())));
     welded_.insert(welded_.end(), {u, v});
     ++changes_;
   }
@@ -175,8 +207,59 @@ bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   if (first == SeamMesh::Weld::done) return true;
   const SeamMesh::Weld second = seam_.valence(v) > kMostValence ? SeamMesh::Weld::rejected : seam_.weld(v, u);
   if (second == SeamMesh::Weld::done) return true;
-  if (first == SeamMesh::Weld::too_far || second == SeamMesh::Weld::too_far) {
-    for (const std::uint32_t of : {u, v}) seam_.for_each_member(of, [&](std::uint32_t member) { untouched_.vertices.insert(member); });
+  if (first != SeamMesh::Weld::too_far && second != SeamMesh::Weld::too_far) return false;
+  std::vector<std::uint32_t> of_u, of_v;
+  seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
+  seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
+  if (of_u.size() + of_v.size() <= kMostMembers) {
+    candidates_ += of_u.size() * of_v.size();
+    if (weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u)) return true;
+    if (move_apart(u, of_u, v, of_v)) return false;
+  }
+  untouched_.vertices.insert(of_u.begin(), of_u.end());
+  untouched_.vertices.insert(of_v.begin(), of_v.end());
+  return false;
+}
+
+// Vertices welded to u and v are near each other, u and v are not any more.
+bool SeamJoiner::weld_between(std::uint32_t u, std::uint32_t v) {
+  if (turning_ == Turning::little) return false;
+  std::vector<std::uint32_t> of_u, of_v;
+  seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
+  seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
+  if (of_u.size() + of_v.size() > kMostMembers) return false;
+  candidates_ += of_u.size() * of_v.size();
+  return weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u);
+}
+
+// Welds u and v at the position of another vertex welded to u that suits all.
+bool SeamJoiner::weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
+                                const std::vector<std::uint32_t>& of_v) {
+  const auto is_near_all = [&](std::uint32_t member, const std::vector<std::uint32_t>& all) {
+    return std::all_of(all.begin(), all.end(), [&](std::uint32_t other) { return is_near((at(other) - at(member)).squaredNorm()); });
+  };
+  for (const std::uint32_t member : of_u) {
+    if (member == u || !is_near_all(member, of_u) || !is_near_all(member, of_v) || !seam_.move_to_member(u, member)) continue;
+    if (seam_.weld(v, member) == SeamMesh::Weld::done) return true;
+    seam_.move_to_member(member, u);
+  }
+  return false;
+}
+
+// Two vertices near each other that cannot be welded, because vertices welded to them before would move too far: they get positions farther
+// apart than the tolerance, so that the gap between them is seen to be too wide.
+bool SeamJoiner::move_apart(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v,
+                            const std::vector<std::uint32_t>& of_v) {
+  for (const std::uint32_t to_u : of_u) {
+    for (const std::uint32_t to_v : of_v) {
+      if (is_near((at(to_u) - at(to_v)).squaredNorm()) || apart_.contains(key_of(to_u, to_v)) || !seam_.move_to_member(u, to_u)) continue;
+      if (seam_.move_to_member(v, to_v)) {
+        apart_.insert(key_of(to_u, to_v));
+        ++changes_;
+        return true;
+      }
+      seam_.move_to_member(to_u, u);
+    }
   }
   return false;
 }
@@ -273,6 +356,7 @@ void SeamJoiner::uncut(const Edge& piece, std::uint32_t vertex) {
 
 // Splits a piece of boundary at a vertex if that lets a part of it join an edge that ends at the vertex, at once or by a second split.
 bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
+  if (is_reserved(piece)) return false;
   std::vector<Edge> alongside;
   if (seam_.valence(vertex) <= kMostValence) {
     seam_.find_boundary_edges_at(vertex, alongside);
@@ -285,7 +369,7 @@ bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
   for (const bool is_second_needed : {false, true}) {
     for (const Edge& f : alongside) {
       const std::uint32_t far = f.other(vertex);
-      if ((far == piece.from || far == piece.to) == is_second_needed) continue;
+      if ((far == piece.from || far == piece.to) == is_second_needed || is_reserved(f)) continue;
       if (!(is_second_needed ? zip_with_second(piece, vertex, f, far) : zip_to_end(piece, vertex, f, far))) continue;
       widest_gap_ = std::max(widest_gap_, gap);
       return true;

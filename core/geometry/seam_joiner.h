@@ -25,6 +25,9 @@ struct JoinedParts {
 // Joins boundary edges that run side by side within a tolerance, until no more can be joined: their ends are welded, or one is split where
 // the other ends. Vertices and edges that are close without running side by side stay apart, and so do the sides of a narrow strip.
 //
+// An edge is not joined to a surface of opposite orientation or one that folds back where its own surface seems to continue, beyond a gap
+// of up to kReservedGap tolerances: else the two sides of a thin sheet whose cracks are wider than it is thick would be joined.
+//
 // The order is: seams that make a consistently oriented surface, seams of opposite orientation, seams that fold back by more than 120
 // degrees; within each, vertices before T-junctions and the nearest before others. A split edge is zipped at once, so the number of
 // boundary edges never grows. seam_mesh.h lists the changes that are allowed.
@@ -37,7 +40,8 @@ class SeamJoiner {
   // Parts that would lead too far are added to it: vertices that would move others farther than the tolerance from their origin; edges
   // along which a gap would be zipped up, split by split, to where it is wider than that. Joining must then be repeated on the original
   // mesh.
-  SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched);
+  SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched,
+             Turning turning = Turning::any);
 
   // Call once. False: it took more than most_work and was not finished; do not use the mesh then.
   bool run(std::size_t most_work);
@@ -84,6 +88,9 @@ class SeamJoiner {
   static std::uint64_t key_of(std::uint32_t a, std::uint32_t b);
   Kind kind_of(const Edge& one, std::uint32_t a, const Edge& other, std::uint32_t b) const;
 
+  void find_reserved();
+  bool is_reserved(const Edge& edge) const { return kind_ != straight && reserved_.contains(edge.chord); }
+
   bool is_spent() const { return most_work_ == 0 || work() > most_work_; }
   void find_pairs();
   bool is_seam_at(std::uint32_t u, std::uint32_t v);
@@ -91,6 +98,9 @@ class SeamJoiner {
   bool is_across_strip(std::uint32_t u, std::uint32_t v, const Edge& e, const Edge& f) const;
   void weld_round();
   bool weld(std::uint32_t u, std::uint32_t v);
+  bool weld_between(std::uint32_t u, std::uint32_t v);
+  bool weld_at_member(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v, const std::vector<std::uint32_t>& of_v);
+  bool move_apart(std::uint32_t u, const std::vector<std::uint32_t>& of_u, std::uint32_t v, const std::vector<std::uint32_t>& of_v);
 
   void find_junctions();
   void split_round();
@@ -106,6 +116,7 @@ class SeamJoiner {
 
   SeamMesh seam_;
   double tolerance_;
+  Turning turning_;
   const TriangleMesh& mesh_;
   JoinedParts& untouched_;
   std::size_t most_work_ = 0;
@@ -117,7 +128,9 @@ class SeamJoiner {
   };
   std::vector<std::uint32_t> welded_;
   std::vector<Cut> cut_;
+  std::unordered_set<std::uint64_t> apart_;  // pairs of positions to which vertices were moved apart
   Kind kind_ = straight;
+  std::unordered_set<std::uint32_t> reserved_;  // edges that a surface seems to continue beyond a gap wider than the tolerance: chords
   std::size_t changes_ = 0;
   double widest_gap_ = 0.0;
   std::size_t boundary_edges_ = 0;

@@ -7,24 +7,28 @@
 namespace hapton {
 namespace {
 
-constexpr double kNoArea = 1e-14;            // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
-constexpr double kLeastCosine = 1e-3;        // between a triangle's normals before and after
-constexpr double kLeastShare = 0.1;          // of a height that was below the least one
-constexpr std::ptrdiff_t kMostFlooded = 64;  // triangles
+constexpr double kNoArea = 1e-14;             // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
+constexpr double kLeastCosine = 1e-3;         // between a triangle's normals before and after
+constexpr double kLeastCosineOfShort = 0.75;  // 41 degrees: with Turning::little
+constexpr double kShortEdge = 2.0;            // tolerances
+constexpr double kLeastShare = 0.1;           // of a height that was below the least one
+constexpr std::ptrdiff_t kMostFlooded = 64;   // triangles
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
 struct Shape {
   Vec3 normal;  // twice the area long
   double longest_squared = 0.0;
+  double shortest_squared = 0.0;
   bool has_area() const { return normal.norm() > kNoArea * longest_squared; }
   double height() const { return longest_squared > 0.0 ? normal.norm() / std::sqrt(longest_squared) : 0.0; }
 };
 
-Shape shape_of(const std::vector<Vec3>& vertices, const Triangle& t) {
-  const Vec3 ab = vertices[t[1]] - vertices[t[0]];
-  const Vec3 ac = vertices[t[2]] - vertices[t[0]];
-  return {ab.cross(ac), std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()})};
+Shape shape_of(const std::array<Vec3, 3>& corners) {
+  const Vec3 ab = corners[1] - corners[0];
+  const Vec3 ac = corners[2] - corners[0];
+  const auto [shortest, longest] = std::minmax({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()});
+  return {ab.cross(ac), longest, shortest};
 }
 
 double distance_to_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
@@ -43,6 +47,16 @@ void replace(Triangle& triangle, std::uint32_t from, std::uint32_t to) {
 bool has(const Triangle& t, std::uint32_t vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
 
 }  // namespace
+
+bool is_sound_change(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& after, double tolerance, Turning turning) {
+  const Shape was = shape_of(before);
+  if (!was.has_area()) return true;
+  const Shape is = shape_of(after);
+  if (!is.has_area() || !(is.height() >= std::min(SeamMesh::kLeastHeight * tolerance, kLeastShare * was.height()))) return false;
+  const bool has_short_edge = is.shortest_squared < kShortEdge * kShortEdge * tolerance * tolerance;
+  const double least_cosine = turning == Turning::little && has_short_edge ? kLeastCosineOfShort : kLeastCosine;
+  return was.normal.dot(is.normal) > least_cosine * was.normal.norm() * is.normal.norm();
+}
 
 std::vector<std::uint8_t> find_boundary_vertices(const TriangleMesh& mesh) {
   // Edges are collected by their lower vertex; among those of one vertex, the few with the same upper vertex are found.
@@ -109,9 +123,10 @@ SeamMesh::EdgeState& SeamMesh::EdgeTable::at(std::uint64_t key) {
   return states_[slot];
 }
 
-SeamMesh::SeamMesh(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance)
+SeamMesh::SeamMesh(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, Turning turning)
     : mesh_(mesh),
       tolerance_(tolerance),
+      turning_(turning),
       original_(mesh.triangles),
       fan_number_(mesh.vertices.size(), kNone),
       boundary_count_(mesh.vertices.size(), 0),
@@ -280,13 +295,9 @@ void SeamMesh::remove_edges(std::uint32_t triangle) {
   for (int k = 0; k < 3; ++k) remove_edge(v[k], v[(k + 1) % 3], triangle);
 }
 
-// Not flipped against the original triangle, and not too thin for contact.
 bool SeamMesh::is_sound(std::uint32_t source, const Triangle& triangle) const {
-  const Shape before = shape_of(mesh_.vertices, original_[source]);
-  if (!before.has_area()) return true;
-  const Shape after = shape_of(mesh_.vertices, triangle);
-  if (!after.has_area() || !(after.height() >= std::min(kLeastHeight * tolerance_, kLeastShare * before.height()))) return false;
-  return before.normal.dot(after.normal) > kLeastCosine * before.normal.norm() * after.normal.norm();
+  const auto corners = [&](const Triangle& t) { return std::array<Vec3, 3>{position(t[0]), position(t[1]), position(t[2])}; };
+  return is_sound_change(corners(original_[source]), corners(triangle), tolerance_, turning_);
 }
 
 bool SeamMesh::keeps_members_near(std::uint32_t u, std::uint32_t v) const {
@@ -311,27 +322,45 @@ bool SeamMesh::keeps_edges_apart(std::uint32_t u, std::uint32_t v) const {
   return true;
 }
 
-SeamMesh::Weld SeamMesh::weld(std::uint32_t u, std::uint32_t v) {
-  work_ += fan_of(u).size();
-  if (u == v || is_edge(u, v) || !keeps_edges_apart(u, v)) return Weld::rejected;
-  for (const std::uint32_t t : fan_of(u)) {
+// Triangles at u, after it has moved to the position of v.
+bool SeamMesh::stays_sound(std::uint32_t u, std::uint32_t v) const {
+  return std::all_of(fan_of(u).begin(), fan_of(u).end(), [&](std::uint32_t t) {
     Triangle moved = mesh_.triangles[t];
     replace(moved, u, v);
-    if (!is_sound(source_of(t), moved)) return Weld::rejected;
-  }
-  if (!keeps_members_near(u, v)) return Weld::too_far;
+    return is_sound(source_of(t), moved);
+  });
+}
+
+void SeamMesh::rename(std::uint32_t u, std::uint32_t v) {
   for (const std::uint32_t t : fan_of(u)) {
     remove_edges(t);
     replace(mesh_.triangles[t], u, v);
     add_edges(t);
   }
-  std::vector<std::uint32_t> moved = std::move(fan_of(u));
+  const std::vector<std::uint32_t> moved = std::move(fan_of(u));
   fan_of(u).clear();
   fan_of(v).insert(fan_of(v).end(), moved.begin(), moved.end());
+}
+
+SeamMesh::Weld SeamMesh::weld(std::uint32_t u, std::uint32_t v) {
+  work_ += fan_of(u).size();
+  if (u == v || is_edge(u, v) || !keeps_edges_apart(u, v) || !stays_sound(u, v)) return Weld::rejected;
+  if (!keeps_members_near(u, v)) return Weld::too_far;
+  rename(u, v);
   std::swap(next_member_[fan_number_[u]], next_member_[fan_number_[v]]);
   welded_to_[u] = v;
   ++welded_;
   return Weld::done;
+}
+
+bool SeamMesh::move_to_member(std::uint32_t u, std::uint32_t member) {
+  if (u == member) return true;
+  work_ += fan_of(u).size();
+  if (!keeps_members_near(u, member) || !stays_sound(u, member)) return false;
+  rename(u, member);
+  welded_to_[u] = member;
+  welded_to_[member] = kNone;
+  return true;
 }
 
 bool SeamMesh::split(std::uint32_t a, std::uint32_t b, std::uint32_t at) {
@@ -403,17 +432,18 @@ SeamMesh::Sources SeamMesh::finish() {
   sources.triangles.resize(mesh_.triangles.size());
   std::iota(sources.triangles.begin(), sources.triangles.end(), 0U);
   if (!sources_.empty()) sources.triangles = put_parts_in_place();
-  std::vector<std::uint32_t> renumbered(mesh_.vertices.size(), kNone);
-  for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
+  sources.vertices.resize(mesh_.vertices.size());
+  std::uint32_t kept = 0;
+  for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) {
     if (welded_to_[v] != kNone) continue;
-    renumbered[v] = static_cast<std::uint32_t>(sources.vertices.size());
-    mesh_.vertices[sources.vertices.size()] = mesh_.vertices[v];
-    sources.vertices.push_back(v);
+    mesh_.vertices[kept] = mesh_.vertices[v];
+    sources.vertices[v] = kept++;
   }
+  mesh_.vertices.resize(kept);
+  for (std::uint32_t v = 0; v < sources.vertices.size(); ++v) sources.vertices[v] = sources.vertices[standing_for(v)];
   if (welded_ == 0) return sources;
-  mesh_.vertices.resize(sources.vertices.size());
   for (Triangle& t : mesh_.triangles) {
-    for (std::uint32_t& v : t) v = renumbered[standing_for(v)];
+    for (std::uint32_t& v : t) v = sources.vertices[v];
   }
   return sources;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -13,6 +14,14 @@ namespace hapton {
 // Marks the vertices of edges with one triangle; empty if the mesh has no such edge. Triangles that repeat a vertex have no edges. Linear
 // in the mesh. RT: set-up only.
 std::vector<std::uint8_t> find_boundary_vertices(const TriangleMesh& mesh);
+
+// How far a triangle may turn that has an edge shorter than a few tolerances: as others, by less than 90 degrees; or by less than half of
+// that, so that turning it twice does not flip it.
+enum class Turning : std::uint8_t { any, little };
+
+// Whether a triangle may become, or be split into, another one: not turned by 90 degrees or more, and not too thin for contact (height
+// below kLeastHeight tolerances where it had more). A triangle without an area may become anything.
+bool is_sound_change(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& after, double tolerance, Turning turning = Turning::any);
 
 // A mesh whose boundary is being joined: vertices on it are welded and edges on it split. Only triangles at the boundary are tracked.
 //
@@ -40,7 +49,7 @@ class SeamMesh {
   };
 
   // Pre: the mesh outlives this and nothing else changes it; at_boundary from find_boundary_vertices.
-  SeamMesh(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance);
+  SeamMesh(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, Turning turning = Turning::any);
 
   double tolerance() const { return tolerance_; }
   const Vec3& position(std::uint32_t vertex) const { return mesh_.vertices[vertex]; }
@@ -82,6 +91,9 @@ class SeamMesh {
       member = next_member_[fan_number_[member]];
     } while (member != vertex);
   }
+  // Lets `member` stand for the vertices welded into u instead of u, so that all triangles at u move there. False: rejected, nothing has
+  // changed. Linear in u's valence. Pre: for_each_member(u) visits it.
+  bool move_to_member(std::uint32_t u, std::uint32_t member);
   // Splits a boundary edge at a vertex: two triangles replace one. False: rejected, nothing has changed.
   bool split(std::uint32_t a, std::uint32_t b, std::uint32_t at);
   // Undoes the latest split if nothing else has changed since. Pre: it was of this edge at this vertex.
@@ -92,10 +104,9 @@ class SeamMesh {
   std::size_t zipped() const { return zipped_; }  // edges that received their second triangle
   std::size_t work() const { return work_; }      // triangles examined at vertices; proportional to the time
 
-  // For each triangle and vertex of the resulting mesh, in order: the original one that it was, or is a part of.
   struct Sources {
-    std::vector<std::uint32_t> triangles;
-    std::vector<std::uint32_t> vertices;
+    std::vector<std::uint32_t> triangles;  // for each of the resulting mesh, in order: the original one that it was, or is a part of
+    std::vector<std::uint32_t> vertices;   // for each original one: the one of the resulting mesh that it became
   };
   // Finishes the mesh: removes welded vertices, puts the parts of a split triangle in its place; vertices keep their order. Only calls
   // about members may follow.
@@ -135,12 +146,15 @@ class SeamMesh {
   void count_boundary(std::uint32_t a, std::uint32_t b, bool is);
   bool is_sound(std::uint32_t source, const Triangle& triangle) const;
   std::vector<std::uint32_t> put_parts_in_place();
+  bool stays_sound(std::uint32_t u, std::uint32_t v) const;
   bool keeps_members_near(std::uint32_t u, std::uint32_t v) const;
+  void rename(std::uint32_t u, std::uint32_t v);
   bool keeps_edges_apart(std::uint32_t u, std::uint32_t v) const;
   bool flood(std::vector<std::uint32_t> reached, std::uint32_t to, const Vec3& near, double radius) const;
 
   TriangleMesh& mesh_;
   double tolerance_;
+  Turning turning_;
   std::vector<Triangle> original_;                // as they came
   std::vector<std::uint32_t> sources_;            // of added triangles: the one that each was split from
   std::vector<std::uint32_t> fan_number_;         // by vertex; kNone away from the boundary

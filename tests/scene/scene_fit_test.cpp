@@ -14,10 +14,12 @@ TEST(SceneFit, FillsTheBoxInOneDirectionAround0) {
   TriangleMesh mesh{.vertices = {{1, 2, 3}}, .triangles = {}};
   SealReport sealed;
   sealed.widest_gap = 2.0;
+  sealed.widest_unsealed = 4.0;
   sealed.tolerance = 4.0;
   fit->apply(mesh, sealed);
   EXPECT_LT((mesh.vertices[0] + Vec3(0.05, 0.025, 0.025)).norm(), 1e-16);
   EXPECT_DOUBLE_EQ(sealed.widest_gap, 0.1);
+  EXPECT_DOUBLE_EQ(sealed.widest_unsealed, 0.2);
   EXPECT_DOUBLE_EQ(sealed.tolerance, 0.2);
 }
 

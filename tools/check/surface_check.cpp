@@ -36,6 +36,18 @@ void check_walls(const SceneObject& object, double probe_radius_m, CheckFindings
        how_to_thicken(walls.thinnest->thickness, probe_radius_m)});
 }
 
+// Why sealing left these crack edges open.
+std::string why_open(std::size_t cracks, const SealReport& sealed) {
+  if (sealed.boundary_edges == 0) return {};
+  const std::size_t narrow = std::min(cracks, sealed.unsealed_edges);
+  std::string why;
+  if (cracks > narrow) why += fmt::format("; {} wider than the {:.3g} mm that is sealed", cracks - narrow, 1e3 * sealed.tolerance);
+  if (narrow == 0) return why;
+  return why + fmt::format("; {} {}", narrow,
+                           sealed.has_given_up ? "too close to others to be sealed"
+                                               : "not sealed, because that would move a vertex too far or flip a triangle");
+}
+
 // Cracks are gaps up to a thousandth of the longest side; what is wider is an opening. Both let through what is narrower than they are.
 void check_openings(const SceneObject& object, const MeshFlaws& flaws, double probe_radius_m, CheckFindings& findings) {
   std::vector<BoundaryLoop> loops = find_boundary_loops(*object.mesh);
@@ -43,8 +55,9 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
   const double crack_m = crack_width(flaws.topology);
   if (flaws.borders.cracks > 0 && 2.0 * probe_radius_m < crack_m) {
     findings.push_back({SceneFault::crack, object.name, loops.back().on_edge,
-                        fmt::format("{} of cracks up to {:.3g} mm wide are open: a point probe falls through",
-                                    plural(flaws.borders.cracks, "edge", "edges"), 1e3 * crack_m),
+                        fmt::format("{} of cracks up to {:.3g} mm wide {} open{}: a point probe falls through",
+                                    plural(flaws.borders.cracks, "edge", "edges"), 1e3 * flaws.borders.widest_crack,
+                                    flaws.borders.cracks == 1 ? "is" : "are", why_open(flaws.borders.cracks, object.sealed)),
                         object.sealed.boundary_edges > 0 || object.sealed.has_given_up
                             ? "close the gaps in the mesh"
                             : "remove seal_cracks = false, or close the gaps in the mesh"});

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/geometry/closest_point.h"
+#include "core/geometry/cracked_shapes.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
 
@@ -112,6 +113,23 @@ TEST(BoundaryEdges, AreTheOnesThatBruteForceFinds) {
       EXPECT_EQ(count_boundary_edges(ball, width).cracks, count_cracks_by_brute_force(ball, width)) << seed << " " << width;
     }
   }
+}
+
+// The gap of a torn body is what was torn, however far cracks are looked for.
+TEST(BoundaryEdges, TheWidestCrackIsMeasured) {
+  const TriangleMesh ball = make_icosphere(0.5, 2);
+  for (const double scale : {1e-6, 1.0, 1e6}) {
+    for (const double width : {1e-6, 1e-5, 1e-4}) {
+      const TriangleMesh apart = scaled_and_moved(make_torn(ball, width), scale, Vec3::Zero());
+      for (const double searched : {2e-4, 1e-3, 1e-2}) {
+        const BoundaryEdges count = count_boundary_edges(apart, scale * searched);
+        EXPECT_EQ(count.open, 0U);
+        EXPECT_LE(count.widest_crack, scale * width) << width << " " << searched;
+        EXPECT_GT(count.widest_crack, 0.3 * scale * width) << width << " " << searched;
+      }
+    }
+  }
+  EXPECT_EQ(count_boundary_edges(make_plane_grid(1.0, 3), 1e-3).widest_crack, 0.0);
 }
 
 // Triangles as large as the mesh: the work per edge grows with their number until it is cut off, which is reported.

@@ -5,10 +5,14 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
+#include <utility>
 
+#include "core/geometry/boundary_edges.h"
 #include "core/geometry/cracked_shapes.h"
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/seam_mesh.h"
@@ -52,6 +56,30 @@ TEST(SealCracks, ClosesWhatWasTornAtEveryEdge) {
   }
 }
 
+struct SeamGaps {
+  std::size_t narrow = 0;  // no wider than the tolerance at both ends
+  std::size_t wide = 0;
+};
+
+// `apart` has the triangles of `whole`, each with its own vertices.
+SeamGaps count_seams(const TriangleMesh& whole, const TriangleMesh& apart, double tolerance) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::array<Vec3, 2>> first_side;
+  SeamGaps gaps;
+  for (std::size_t t = 0; t < whole.triangles.size(); ++t) {
+    const auto corner_of = [&](std::size_t k) { return apart.vertices[apart.triangles[t][k]]; };
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      const bool is_forward = whole.triangles[t][k] < whole.triangles[t][next];
+      const std::array<Vec3, 2> ends = {corner_of(is_forward ? k : next), corner_of(is_forward ? next : k)};
+      const auto [side, is_first] = first_side.try_emplace(std::minmax(whole.triangles[t][k], whole.triangles[t][next]), ends);
+      if (is_first) continue;
+      const double gap = std::max((side->second[0] - ends[0]).norm(), (side->second[1] - ends[1]).norm());
+      ++(gap <= tolerance ? gaps.narrow : gaps.wide);
+    }
+  }
+  return gaps;
+}
+
 TEST(SealCracks, ClosesGapsAndOverlapsOfRandomWidth) {
   for (const double width : kWidths) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
@@ -59,6 +87,24 @@ TEST(SealCracks, ClosesGapsAndOverlapsOfRandomWidth) {
       expect_closed(make_shaken(make_icosphere(0.5, 3), width, seed), what("ball"));
       expect_closed(make_shaken(make_bumpy_sphere(0.45, 0.25, 5000, 1), width, seed), what("bumps"));
       expect_closed(make_shaken(make_thin_wall(1.0, 0.01, 6), width, seed), what("wall"));
+    }
+  }
+}
+
+// Gaps at random, some of them wider than what is sealed: the others are sealed, wherever they are. Each original edge is a seam.
+TEST(SealCracks, WideGapsDoNotKeepNarrowOnesOpen) {
+  const TriangleMesh box = make_box(Vec3(1.0, 1.0, 1.0), 5);
+  const TriangleMesh ball = make_icosphere(0.5, 3);
+  for (const double width : {1.2e-4, 1.5e-4}) {
+    for (const std::uint64_t seed : {1U, 2U, 3U}) {
+      for (const TriangleMesh* whole : {&box, &ball}) {
+        const TriangleMesh given = make_shaken(*whole, width, seed);
+        const made::Sealed sealed = seal_checked(given, fmt::format("{:g}, seed {}", width, seed));
+        const SeamGaps gaps = count_seams(*whole, given, sealed.report.tolerance);
+        EXPECT_FALSE(sealed.report.has_given_up);
+        EXPECT_GT(gaps.narrow, 0U);
+        EXPECT_LE(sealed.report.boundary_edges_left, 2 * gaps.wide) << gaps.narrow << " narrow seams; " << sealed.report.describe();
+      }
     }
   }
 }
@@ -215,6 +261,18 @@ TEST(SealCracks, SaysInOneLineWhatItDid) {
   EXPECT_THAT(line, HasSubstr("sealed cracks up to"));
   EXPECT_THAT(line, HasSubstr(fmt::format("welded {} vertices", sealed.report.welded_vertices)));
   EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+TEST(SealCracks, SaysWhatItLeavesAndHowWideThatIs) {
+  const TriangleMesh given = make_shaken(make_box(Vec3(1.0, 1.0, 1.0), 5), 1.5e-4, 1);
+  const made::Sealed sealed = seal_checked(given, "box");
+  const BoundaryEdges left = count_boundary_edges(sealed.mesh, sealed.report.tolerance);
+  ASSERT_GT(left.cracks, 0U);
+  EXPECT_EQ(sealed.report.unsealed_edges, left.cracks);
+  EXPECT_GT(sealed.report.widest_unsealed, 0.0);
+  EXPECT_LE(sealed.report.widest_unsealed, sealed.report.tolerance);
+  EXPECT_THAT(sealed.report.describe(), HasSubstr(fmt::format("{} of them are at cracks up to {:.3g} m wide: closing them would move",
+                                                              left.cracks, left.widest_crack)));
 }
 
 // Random triangles of several densities: also thousands of vertices and edges within one tolerance.

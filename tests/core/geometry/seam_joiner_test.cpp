@@ -55,6 +55,47 @@ TEST(SeamJoiner, LeavesTheUntouchedAlone) {
   EXPECT_TRUE(joiner.seam().standing_for(6) == 3U || joiner.seam().standing_for(3) == 6U);
 }
 
+// Corners of three triangles meet at one place, in a row: the outer two are too far apart to be welded to one another, not to the middle
+// one.
+TEST(SeamJoiner, WeldsAtTheVertexThatIsNearAllOthers) {
+  const double step = 0.7 * kTolerance;
+  TriangleMesh mesh;
+  mesh.vertices = {{0, 0, 0},    {1, 0, 0},     {0.5, 0.9, 0},  // a sixth of a hexagon each
+                   {0, 0, step}, {0.5, 0.9, 0}, {-0.5, 0.9, 0}, {0, 0, 2.0 * step}, {-0.5, 0.9, 0}, {-1, 0, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {6, 7, 8}};
+  JoinedParts untouched;
+  SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+  EXPECT_TRUE(joiner.run(kPlentyOfWork));
+  EXPECT_EQ(joiner.seam().zipped(), 2U);
+  for (const std::uint32_t v : {0U, 3U, 6U}) EXPECT_EQ(joiner.seam().position(joiner.seam().standing_for(v)), Vec3(0, 0, step));
+  EXPECT_EQ(untouched.size(), 0U);
+}
+
+// A plate torn in two by a gap wider than it is thick: its upper and lower halves are within the tolerance, the two halves of a side are
+// not.
+TEST(SeamJoiner, DoesNotJoinTheSidesOfASheetAcrossItsCracks) {
+  const auto sheet = [](double gap) {
+    const TriangleMesh low = two_rows(2, 3, gap);
+    return joined(low, flipped(scaled_and_moved(low, 1.0, Vec3(0.0, 0.0, 0.3 * kTolerance))));
+  };
+  for (const double gap : {1.2, 2.0, 3.0}) {
+    TriangleMesh mesh = sheet(gap * kTolerance);
+    JoinedParts untouched;
+    SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+    EXPECT_TRUE(joiner.run(kPlentyOfWork));
+    for (const std::uint32_t of_crack : {3U, 8U, 10U}) {  // not at its ends, where the rims are joined
+      EXPECT_EQ(joiner.seam().standing_for(of_crack), of_crack) << gap;
+      EXPECT_EQ(joiner.seam().standing_for(14 + of_crack), 14 + of_crack) << gap;
+    }
+    EXPECT_EQ(joiner.seam().splits(), 0U) << gap;
+  }
+  TriangleMesh narrow = sheet(0.1 * kTolerance);
+  JoinedParts untouched;
+  SeamJoiner joiner(narrow, find_boundary_vertices(narrow), kTolerance, untouched);
+  EXPECT_TRUE(joiner.run(kPlentyOfWork));
+  EXPECT_EQ(joiner.seam().splits(), 6U) << "each side is closed with itself";
+}
+
 TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
   // A long edge from a tip, and from the same tip a row of vertices that diverges slowly: 5 tolerances off at the end.
   TriangleMesh mesh;

@@ -3,10 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/core.h>
+
 #include <memory>
 #include <utility>
 
+#include "core/geometry/boundary_edges.h"
+#include "core/geometry/cracked_shapes.h"
 #include "core/geometry/mesh_shapes.h"
+#include "core/geometry/seal_cracks.h"
 
 namespace hapton {
 namespace {
@@ -17,6 +22,13 @@ SceneObject object_with(TriangleMesh mesh) {
   SceneObject object;
   object.name = "part";
   object.mesh = std::make_shared<const TriangleMesh>(std::move(mesh));
+  return object;
+}
+
+SceneObject sealed_object(TriangleMesh mesh) {
+  SealReport report;
+  SceneObject object = object_with(seal_cracks(std::move(mesh), report));
+  object.sealed = report;
   return object;
 }
 
@@ -58,6 +70,31 @@ TEST(SurfaceCheck, OpeningsAreCountedAndTheWidestIsNamed) {
   EXPECT_GT(two[0].place_m->z(), 0.03) << "the wider one";
   EXPECT_THAT(check_surface(object_with(open), 0.0095).at(0).what, HasSubstr("1 opening")) << "the ball fits through the wider one alone";
   EXPECT_TRUE(check_surface(object_with(open), 0.03).empty()) << "it fits through none";
+}
+
+// What is open after sealing: how wide it is, not how far was looked, and why.
+TEST(SurfaceCheck, CracksAreNamedWithTheirWidth) {
+  SceneObject object = object_with(make_torn(make_icosphere(0.05, 2), 2.5e-5));
+  CheckFindings found = check_surface(object, 0.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::crack);
+  const BoundaryEdges cracks = count_boundary_edges(*object.mesh, 1e-4);
+  EXPECT_LT(cracks.widest_crack, 2.5e-5);
+  EXPECT_EQ(found[0].what,
+            fmt::format("960 edges of cracks up to {:.3g} mm wide are open: a point probe falls through", 1e3 * cracks.widest_crack));
+  EXPECT_THAT(found[0].fix, HasSubstr("remove seal_cracks = false"));
+
+  object = sealed_object(*object.mesh);
+  found = check_surface(object, 0.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].what, HasSubstr("are open; 960 wider than the 0.01 mm that is sealed: a point"));
+  EXPECT_EQ(found[0].fix, "close the gaps in the mesh");
+
+  object = sealed_object(make_shaken(make_box(Vec3(0.1, 0.1, 0.1), 5), 1.5e-5, 1));
+  ASSERT_GT(object.sealed.unsealed_edges, 0U);
+  EXPECT_THAT(
+      check_surface(object, 0.0).at(0).what,
+      HasSubstr(fmt::format("{} not sealed, because that would move a vertex too far or flip a triangle", object.sealed.unsealed_edges)));
 }
 
 TEST(SurfaceCheck, SidesThatGoWrongAreCounted) {
