@@ -58,7 +58,7 @@ void log_method(const ForceMethod& method) {
     }
   }
   if (of_objects == 1) log_info("{}", first_of_objects);
-  if (of_objects > 1) log_info("{} (and {} more lines on objects, in the report at the end)", first_of_objects, of_objects - 1);
+  if (of_objects > 1) log_info("{} (and {} more lines on objects)", first_of_objects, of_objects - 1);
 }
 
 }  // namespace hapton

@@ -89,8 +89,9 @@ void MaterialTuner::publish(std::unique_ptr<TunedMaterials> result) {
     const std::scoped_lock lock(followed_mutex_);
     if (!followed_scene_) accepted_ = result->state;  // else they are of a scene that is no longer in use
   }
-  if (!result->materials.empty() && on_tuned_) on_tuned_(result->materials);
-  result_.store(result.release(), std::memory_order_release);
+  const std::vector<Material> materials = result->materials;
+  result_.store(result.release(), std::memory_order_release);  // first: who needs to know of them may take a while
+  if (!materials.empty() && on_tuned_) on_tuned_(materials);
 }
 
 void MaterialTuner::tune(const MaterialRequest& request) {

@@ -27,7 +27,7 @@ struct TunedMaterials {
 // An accepted change is logged, a rejected one too. RT: request, take and retire yes; the rest set-up only. Threads: one caller.
 class MaterialTuner {
  public:
-  // Called by the tuner's thread with the materials of each accepted change.
+  // Called by the tuner's thread with the materials of each accepted change, once they are ready for take().
   using OnTuned = std::function<void(const std::vector<Material>&)>;
 
   MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned = {});

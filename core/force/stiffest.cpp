@@ -141,7 +141,10 @@ Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& ef
   [[maybe_unused]] const auto& [progressive, layers, bumps, viscosity, snap, tap, maps, texture, drag] = effects;
   const double n_per_m = stiffest_by_place(material, effects, pressed_n);
   if (!(n_per_m > 0.0)) return {};
-  return {n_per_m, bumps.is_on() || maps.height.is_on() ? StiffCause::bumps : StiffCause::stiffness_map};
+  if (!has_image(maps.stiffness, maps)) return {n_per_m, StiffCause::bumps};
+  SurfaceEffects alone = effects;
+  alone.maps.stiffness.image = nullptr;
+  return {n_per_m, 2.0 * stiffest_by_place(material, alone, pressed_n) >= n_per_m ? StiffCause::bumps : StiffCause::stiffness_map};
 }
 
 Stiffest stiffest_of(const SpaceEffect& effect) { return std::visit(StiffnessOf(), effect); }
@@ -174,7 +177,8 @@ double drag_of(const SurfaceEffects& effects) {
 
 double viscosity_of(const SpaceEffect& effect) { return std::visit(ViscosityOf(), effect); }
 
-// Convex in the force that a surface is pressed with, so below kMostPressedN the chord is not less.
+// Convex in the force that a surface is pressed with, so below kMostPressedN the chord is not less. In layers it is not: what pressing adds
+// counts in full.
 double LargestGains::by_place_at(double pressed_n) const noexcept {
   const double share = std::clamp(pressed_n / kMostPressedN, 0.0, 1.0);
   return by_place_n_per_m - (1.0 - share) * of_pressing_n_per_m;
@@ -201,7 +205,7 @@ LargestGains find_largest_gains(const TouchScene& scene) {
     gains = gains.largest_of({.stiffness_n_per_m = spring.n_per_m,
                               .cause = spring.cause,
                               .by_place_n_per_m = pressed.n_per_m,
-                              .of_pressing_n_per_m = pressed.n_per_m - unpressed.n_per_m,
+                              .of_pressing_n_per_m = object.effects.layers.is_on() ? 0.0 : pressed.n_per_m - unpressed.n_per_m,
                               .place_cause = pressed.cause,
                               .damping_ns_per_m = object.material.damping_ns_per_m,
                               .viscosity_ns_per_m = std::max(viscosity_of(object.effects), drag_of(object.effects))});

@@ -48,7 +48,7 @@ struct LargestGains {
   double stiffness_n_per_m = 0.0;  // of springs
   StiffCause cause = StiffCause::none;
   double by_place_n_per_m = 0.0;     // stiffest_by_place_of, pressed with kMostPressedN
-  double of_pressing_n_per_m = 0.0;  // the part of it that is due to the force
+  double of_pressing_n_per_m = 0.0;  // the part of it that is due to the force; 0: not known
   StiffCause place_cause = StiffCause::none;
   double damping_ns_per_m = 0.0;    // of materials, with the velocity of the last interval
   double viscosity_ns_per_m = 0.0;  // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more

@@ -83,6 +83,18 @@ TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
   EXPECT_GE(both.by_place_at(0.0), 5000.0);
 }
 
+// Layers are pressed with no more than punctures them, so less force than the most may feel as stiff.
+TEST(Stiffest, BumpsOnLayersCountInFull) {
+  TouchScene scene = ball_of({});
+  SurfaceEffects& effects = scene.objects[0].effects;
+  effects.bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = 0.0003, .length_m = 0.001};
+  effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 2.0});
+  effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 300.0});
+  const LargestGains gains = find_largest_gains(scene);
+  for (const double pressed_n : {0.5, 2.0, 3.3, 10.0})
+    EXPECT_GE(gains.by_place_at(pressed_n), stiffest_by_place_of(scene.objects[0].material, effects, pressed_n).n_per_m) << pressed_n;
+}
+
 TEST(Stiffest, DragOfLayersIsViscosity) {
   TouchScene scene = ball_of({});
   SurfaceEffects& effects = scene.objects[0].effects;
