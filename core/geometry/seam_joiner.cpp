@@ -194,7 +194,7 @@ void SeamJoiner::weld_round() {
     if (untouched_.vertices.contains(u) || untouched_.vertices.contains(v)) continue;
     const double squared = (at(u) - at(v)).squaredNorm();
     if (seam_.is_edge(u, v) || !is_seam_at(u, v) || !(is_near(squared) ? weld(u, v) : weld_between(u, v))) continue;
-    widest_gap_ = std::max(widest_gap_, std::sqrt(std::min(squared, (at(pair.u) - at(pair.v)).squaredNorm())));
+    widest_gap_ = std::max(widest_gap_, is_near(squared) ? std::sqrt(squared) : (at(pair.u) - at(pair.v)).norm());
     welded_.insert(welded_.end(), {u, v});
     ++changes_;
   }
