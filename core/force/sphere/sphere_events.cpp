@@ -96,7 +96,7 @@ bool SphereFollower::find_first_exit(const CentrePath& path, int contact, Centre
 // in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
 bool SphereFollower::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
   constexpr int kMostFaces = 1024;
-  for (int n = 0; n < kMostFaces && work_ <= most_work_; ++n) {
+  for (int n = 0; n < kMostFaces; ++n) {
     work_ += path.is_straight() ? n % 2 : 2;
     OffsetContact level;
     const double here = event.time;
