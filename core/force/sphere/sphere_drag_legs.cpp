@@ -39,8 +39,8 @@ double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept 
 // it is farther than `most`.
 double SphereFollower::distance_to_boundary(const Vec3& direction, double most) noexcept {
   constexpr double kBeyond = 1.25;
-  constexpr double kLeastDistance = 0x1p-10;  // of the offset
-  note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);
+  constexpr double kLeastDistance = 0x1p-10;                                                             // of the offset
+  if (contacts_[0].is_curved()) note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);  // for find_exits
   const CentrePath path = CentrePath::straight(centre_, centre_ + most * direction);
   CentrePath::Prefix prefix = path.prefix(1.0);
   Event exit;

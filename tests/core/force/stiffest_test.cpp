@@ -71,7 +71,7 @@ TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
     EXPECT_GE(gains.by_place_at(pressed_n), (1.0 - 1e-12) * exact) << pressed_n << " N";
     EXPECT_LE(gains.by_place_at(pressed_n), 1.5 * exact) << pressed_n << " N";
   }
-  EXPECT_EQ(gains.by_place_at(30.0), gains.by_place_n_per_m) << "more is not foreseen";
+  EXPECT_EQ(gains.by_place_at(30.0), gains.by_place_n_per_m) << "more counts as the most";
   // A tool feels no bumps.
   EXPECT_EQ(find_tool_gains(scene).by_place_n_per_m, 0.0);
   EXPECT_EQ(find_stiffest(scene), 800.0);
