@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "bench/measure/effect_error.h"
 #include "bench/measure/method_run.h"
 #include "bench/measure/pareto_run.h"
 #include "bench/measure/run_conditions.h"
@@ -17,12 +19,13 @@ struct EffectsSettings {
   TimingBudget budget{.repetitions = 8, .seconds = 2.0};
 };
 
-// The step of method proxy with one effect, on the same slide as without any.
+// The step of method proxy with one effect, on the same slide as without any, and its error on a plane.
 struct EffectsRow {
   std::string effect;
   TimeSpread contact;
-  double mean_ns = 0.0;   // of all steps, without reading the clock in between; other programs' time is in it
-  double added_ns = 0.0;  // by the effect, to the median contact step
+  double mean_ns = 0.0;                   // of all steps, without reading the clock in between; other programs' time is in it
+  double added_ns = 0.0;                  // by the effect, to the median contact step
+  std::optional<EffectError> error = {};  // none: a recorded texture, which has no formula
 };
 
 struct EffectsReport {
@@ -30,7 +33,7 @@ struct EffectsReport {
   std::vector<EffectsRow> rows;  // the first one: none
 };
 
-// What each effect of core/effects adds to a step. Error: see make_method. RT: set-up only.
+// What each effect of core/effects adds to a step, and how far its force is from its formula. Error: see make_method. RT: set-up only.
 Result<EffectsReport> measure_effects(const EffectsSettings& settings, const Stopwatch& watch, const Progress& progress);
 
 std::string to_csv(const EffectsReport& report);

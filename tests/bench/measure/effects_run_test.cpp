@@ -22,8 +22,11 @@ TEST(EffectsRun, MeasuresEveryEffectBesideNone) {
   for (const EffectsRow& row : report->rows) {
     EXPECT_GT(row.contact.count, 30U) << row.effect;
     EXPECT_GT(row.mean_ns, 0.0) << row.effect;
+    EXPECT_EQ(row.error.has_value(), row.effect.rfind("texture", 0) != 0) << row.effect;
   }
   EXPECT_EQ(nlohmann::json::parse(to_json(*report)).at("rows").size(), 28U);
+  EXPECT_LT(report->rows[1].error->rms, 1e-6) << report->rows[1].effect;
+  EXPECT_TRUE(nlohmann::json::parse(to_json(*report)).at("rows").back().at("error_rms").is_null());
   const std::string csv = to_csv(*report);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 29);
   EXPECT_NE(to_text(*report).find("gravity well"), std::string::npos);

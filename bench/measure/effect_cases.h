@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/effects/space_effect.h"
+#include "core/effects/surface_effects.h"
+#include "core/geometry/triangle_mesh.h"
+
+namespace hapton {
+
+// An effect, or several together, as `hapton bench effects` measures it: on the surface of a mesh or in free space.
+struct EffectCase {
+  std::string name;
+  SurfaceEffects surface;
+  std::vector<SwitchedEffect> space;
+};
+
+// Their images: kTexels x kTexels, kImagesPerM of them a metre along x and y.
+constexpr int kTexels = 512;
+constexpr double kImagesPerM = 10.0;
+// What they show: waves of 32 texels. u, v: texture coordinates, 1 across the image.
+constexpr double kWavesPerImage = kTexels / 32.0;
+inline double brightness_at(double u, double v) {
+  constexpr double kTurn = 2.0 * std::numbers::pi * kWavesPerImage;
+  return 0.5 + 0.25 * (std::sin(kTurn * u) + std::sin(kTurn * v));
+}
+
+// The first one: none. RT: set-up only.
+std::vector<EffectCase> make_effect_cases(const TriangleMesh& mesh);
+
+}  // namespace hapton

@@ -1,0 +1,186 @@
+#include "bench/measure/effect_form.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <variant>
+
+#include "core/force/touch_scene.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+Vec3 along_plane(const Vec3& v) { return {v.x(), v.y(), 0.0}; }
+
+Vec3 at_most(const Vec3& v, double length) { return v.norm() > length ? Vec3(v.normalized() * length) : v; }
+
+// A height and its gradient along the plane.
+struct Relief {
+  double height_m = 0.0;
+  Vec3 slope = Vec3::Zero();
+};
+
+Relief relief_of(const SurfaceBumps& bumps, const Vec3& p) {
+  if (!(bumps.height_m > 0.0)) return {};
+  const double k = kTurn / bumps.length_m;
+  const double half = 0.5 * bumps.height_m;
+  if (bumps.pattern == SurfaceBumps::Pattern::ridges) {
+    const double x = bumps.direction.dot(p);
+    return {half * (std::cos(k * x) - 1.0), along_plane(-half * k * std::sin(k * x) * bumps.direction)};
+  }
+  return {half * ((std::cos(k * p.x()) + std::cos(k * p.y()) + 1.0) / 3.0 - 1.0),
+          -half * k / 3.0 * Vec3(std::sin(k * p.x()), std::sin(k * p.y()), 0.0)};
+}
+
+// A number by an image, and its gradient.
+Relief value_of(const ImageMap& map, const Vec3& p, double where_off) {
+  if (!map.is_on()) return {where_off, Vec3::Zero()};
+  const double range = map.at_white - map.at_black;
+  const double u = kImagesPerM * p.x();
+  const double v = kImagesPerM * p.y();
+  const double k = kTurn * kWavesPerImage;
+  return {map.at_black + range * brightness_at(u, v), range * 0.25 * k * kImagesPerM * Vec3(std::cos(k * u), std::cos(k * v), 0.0)};
+}
+
+double ring(double since_s, double frequency_hz, double decay_s) {
+  return std::exp(-since_s / decay_s) * std::sin(kTurn * frequency_hz * since_s);
+}
+
+double wave(Waveform form, double cycles) {
+  const double phase = std::fmod(cycles, 1.0);
+  switch (form) {
+    case Waveform::sine:
+      return std::sin(kTurn * phase);
+    case Waveform::square:
+      return phase < 0.5 ? 1.0 : -1.0;
+    case Waveform::triangle:
+      return std::asin(std::sin(kTurn * phase)) / (0.25 * kTurn);
+    case Waveform::sawtooth:
+      return 2.0 * phase - 1.0;
+  }
+  return 0.0;
+}
+
+Vec3 from_target(const SnapEffect& snap, const Vec3& p) {
+  const Vec3 q = p - snap.position;
+  switch (snap.target) {
+    case SnapEffect::Target::line:
+      return q - q.dot(snap.direction) * snap.direction;
+    case SnapEffect::Target::plane:
+      return q.dot(snap.direction) * snap.direction;
+    default:
+      return q;
+  }
+}
+
+}  // namespace
+
+Vec3 plane_spring(const Vec3& p) { return {0.0, 0.0, Material().stiffness_n_per_m * std::max(0.0, -p.z())}; }
+
+Vec3 EffectForm::force_at(const EffectMoment& moment) {
+  Vec3 force_n = in_space(moment);
+  if (moment.p.z() < 0.0) {
+    force_n += touched(moment, !in_contact_);
+    in_contact_ = true;
+    left_at_ = along_plane(moment.p);
+  } else {
+    in_contact_ = false;
+    force_n += held_above(moment.p);
+  }
+  last_s_ = moment.time_s;
+  return force_n;
+}
+
+Vec3 EffectForm::touched(const EffectMoment& moment, bool begins) {
+  const SurfaceEffects& surface = effects_.surface;
+  const double k = Material().stiffness_n_per_m;
+  const double depth_m = -moment.p.z();
+  if (begins) {
+    punctured_ = 0;
+    resists_from_m_ = 0.0;
+    ring_ = {moment.time_s, std::clamp(-moment.v.z() * surface.tap.ns_per_m, 0.0, surface.tap.max_force_n)};
+  }
+  const Relief bumps = surface.maps.height.is_on() ? value_of(surface.maps.height, moment.p, 0.0) : relief_of(surface.bumps, moment.p);
+  const Relief share = value_of(surface.maps.stiffness, moment.p, 1.0);
+  const double pressed_m = std::max(0.0, depth_m + bumps.height_m);
+  double normal_n = share.height_m * k * pressed_m + surface.progressive.n_per_m2 * pressed_m * pressed_m;
+  if (surface.layers.is_on()) normal_n = layers_n(depth_m, -moment.v.z());
+
+  Vec3 force_n = normal_n * (Vec3::UnitZ() - bumps.slope) - 0.5 * k * pressed_m * pressed_m * share.slope;
+  const double bound_n = std::abs(normal_n);
+  force_n += friction(moment.p, value_of(surface.maps.friction, moment.p, 0.0).height_m, bound_n, begins);
+  const Vec3 along = along_plane(moment.v);
+  force_n += at_most(-surface.viscosity.damping_ns_per_m * along, bound_n);
+  force_n += at_most(-value_of(surface.maps.viscosity, moment.p, 0.0).height_m * along, bound_n);
+  force_n.z() += ring_.amplitude_n * ring(moment.time_s - ring_.since_s, surface.tap.frequency_hz, surface.tap.decay_s);
+  return force_n;
+}
+
+double EffectForm::layers_n(double depth_m, double inward_m_per_s) {
+  const TissueLayers& layers = effects_.surface.layers;
+  const auto resistance = [&] {
+    return punctured_ < layers.count() ? layers[punctured_].stiffness_n_per_m * std::max(0.0, depth_m - resists_from_m_) : 0.0;
+  };
+  while (punctured_ < layers.count() && resistance() > layers[punctured_].pop_force_n) {
+    ++punctured_;
+    if (punctured_ < layers.count()) resists_from_m_ = std::max(depth_m, layers[punctured_].depth_m);
+  }
+  return resistance() + (punctured_ > 0 ? layers[punctured_ - 1].drag_ns_per_m * inward_m_per_s : 0.0);
+}
+
+// A spring to a point of the plane, which is drawn along where the cone ends.
+Vec3 EffectForm::friction(const Vec3& p, double coefficient, double normal_n, bool begins) {
+  const Vec3 here = along_plane(p);
+  if (begins) sticks_at_ = here;
+  const double k = Material().stiffness_n_per_m;
+  sticks_at_ = here - at_most(here - sticks_at_, coefficient * normal_n / k);
+  return -k * (here - sticks_at_);
+}
+
+Vec3 EffectForm::held_above(const Vec3& p) {
+  const SurfaceSnap& snap = effects_.surface.snap;
+  if (!left_at_) return Vec3::Zero();
+  const bool is_far = p.z() > snap.range_m || (along_plane(p) - *left_at_).norm() > 4.0 * snap.range_m;
+  if (is_far) left_at_.reset();
+  return is_far ? Vec3(Vec3::Zero()) : Vec3(0.0, 0.0, -snap.stiffness_n_per_m * p.z());
+}
+
+Vec3 EffectForm::in_space(const EffectMoment& moment) {
+  const double dt_s = last_s_ ? moment.time_s - *last_s_ : 0.0;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < space_.size(); ++i) {
+    SpaceState& state = space_[i];
+    const SpaceEffect& effect = effects_.space[i].effect;
+    if (const auto* spring = std::get_if<SpringEffect>(&effect)) {
+      sum += at_most(spring->stiffness_n_per_m * (spring->centre - moment.p), spring->max_force_n);
+    } else if (const auto* constant = std::get_if<ConstantEffect>(&effect)) {
+      sum += constant->force_n;
+    } else if (const auto* snap = std::get_if<SnapEffect>(&effect)) {
+      const Vec3 q = from_target(*snap, moment.p);
+      const double u = std::min(1.0, q.norm() / snap->range_m);
+      sum -= snap->max_force_n * 4.0 * u * (1.0 - u) * q.normalized();
+    } else if (const auto* well = std::get_if<GravityWellEffect>(&effect)) {
+      const Vec3 q = moment.p - well->centre;
+      const double x = q.norm() / (std::numbers::sqrt2 * well->radius_m);
+      sum -= well->max_force_n * 1.5 * std::numbers::sqrt3 * x / std::pow(1.0 + x * x, 1.5) * q.normalized();
+    } else if (const auto* viscous = std::get_if<ViscousEffect>(&effect)) {
+      sum += at_most(-viscous->damping_ns_per_m * moment.v, viscous->max_force_n);
+    } else if (const auto* waves = std::get_if<WaveEffect>(&effect)) {
+      sum += waves->amplitude_n * wave(waves->waveform, waves->frequency_hz * moment.time_s) * waves->direction;
+    } else if (const auto* mass = std::get_if<MassEffect>(&effect)) {
+      state.mass_v += (1.0 - std::exp(-dt_s / mass->filter_s)) * (moment.v - state.mass_v);
+      sum += at_most(-mass->mass_kg / mass->filter_s * (moment.v - state.mass_v), mass->max_force_n);
+    } else if (const auto* burst = std::get_if<BurstEffect>(&effect)) {
+      const bool is_inside = burst->volume.contains(moment.p);
+      if (is_inside && !state.was_inside) state.rings_since_s = moment.time_s;
+      state.was_inside = is_inside;
+      if (!state.rings_since_s) continue;
+      sum += burst->amplitude_n * ring(moment.time_s - *state.rings_since_s, burst->frequency_hz, burst->decay_s) * burst->direction;
+    }
+  }
+  return sum;
+}
+
+}  // namespace hapton

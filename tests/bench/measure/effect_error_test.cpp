@@ -1,0 +1,72 @@
+#include "bench/measure/effect_error.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "bench/measure/effect_form.h"
+
+namespace hapton {
+namespace {
+
+const EffectCase& named(const std::vector<EffectCase>& cases, const std::string& name) {
+  return *std::find_if(cases.begin(), cases.end(), [&](const EffectCase& one) { return one.name == name; });
+}
+
+EffectError error_of(const EffectCase& effects, double rate_hz = 1000.0, std::uint64_t seed = 1) {
+  const auto error = measure_effect_error(effects, {.steps = static_cast<std::size_t>(2.0 * rate_hz), .rate_hz = rate_hz, .seed = seed});
+  EXPECT_TRUE(error) << error.error().what;
+  EXPECT_TRUE(*error) << effects.name;
+  return **error;
+}
+
+// What depends on the position alone is the formula, to the offset at which contact begins.
+TEST(EffectErrorOf, PositionAloneIsThatOfRounding) {
+  const auto cases = make_effect_cases(effect_plane());
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    for (const char* name : {"none", "progressive stiffness", "bumps, ridges", "bumps, grid", "spring", "constant", "magnet", "line snap",
+                             "plane snap", "gravity well", "wave"}) {
+      EXPECT_LT(error_of(named(cases, name), 1000.0, seed).rms, 1e-6) << name << ", seed " << seed;
+    }
+  }
+}
+
+// Images of 32 texels a wave keep their heights within 1 %.
+TEST(EffectErrorOf, ImagesIsThatOfTheirResolution) {
+  const auto cases = make_effect_cases(effect_plane());
+  for (const char* name : {"bumps, image", "stiffness, image"}) {
+    const double rms = error_of(named(cases, name)).rms;
+    EXPECT_GT(rms, 1e-4) << name;
+    EXPECT_LT(rms, 0.01) << name;
+  }
+}
+
+// Velocities, beginnings and slips are found at samples: ten times as many, a tenth of the error or less than a third at least.
+TEST(EffectErrorOf, WhatDependsOnTimeFallsWithTheRate) {
+  const auto cases = make_effect_cases(effect_plane());
+  for (const char* name : {"viscosity", "viscous", "mass", "vibration on tap", "burst", "8 layers"}) {
+    const double slow = error_of(named(cases, name)).rms;
+    const double fast = error_of(named(cases, name), 10000.0).rms;
+    EXPECT_LT(fast, slow / 3.0) << name;
+    EXPECT_LT(fast, 0.1) << name;
+  }
+}
+
+TEST(EffectErrorOf, AWrongParameterShows) {
+  const auto cases = make_effect_cases(effect_plane());
+  EffectCase bumps = named(cases, "bumps, ridges");
+  const auto right = EffectForm(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}});
+  bumps.surface.bumps.height_m *= 1.01;
+  EXPECT_GT((EffectForm(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - right).norm(), 1e-4);
+}
+
+TEST(EffectErrorOf, ARecordedTextureIsNone) {
+  const auto error = measure_effect_error(named(make_effect_cases(effect_plane()), "texture of 1 kHz"), {.steps = 300});
+  ASSERT_TRUE(error);
+  EXPECT_FALSE(*error);
+}
+
+}  // namespace
+}  // namespace hapton
