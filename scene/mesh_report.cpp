@@ -98,10 +98,12 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
 namespace {
 
 // A surface without a boundary is not closed either where these are; sealing leaves them as they are.
-std::string describe_bad_edges(const MeshTopology& t) {
+std::string describe_flaws(const MeshTopology& t) {
   std::string text;
   if (t.nonmanifold_edges > 0) text += fmt::format("; {} non-manifold edges", t.nonmanifold_edges);
   if (t.inconsistent_edges > 0) text += fmt::format("; {} inconsistent edges", t.inconsistent_edges);
+  if (t.nonmanifold_vertices > 0) text += fmt::format("; {} non-manifold vertices", t.nonmanifold_vertices);
+  if (t.degenerate_triangles > 0) text += fmt::format("; {} degenerate triangles", t.degenerate_triangles);
   return text;
 }
 
@@ -150,7 +152,7 @@ std::string to_text(const MeshReport& report) {
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
   line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{}{})", report.is_closed_for_touch ? "yes" : "no",
        report.left.open + report.left.cracks, report.left.open, report.left.cracks, describe_widest(report.left),
-       report.is_closed_for_touch ? "" : describe_bad_edges(t));
+       report.is_closed_for_touch ? "" : describe_flaws(t));
   line("method smooth would", "{}", report.flaws.repair.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;

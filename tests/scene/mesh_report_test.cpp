@@ -123,6 +123,13 @@ TEST(MeshReport, SaysWhyASurfaceWithoutABoundaryIsNotClosed) {
       scratch.write("flipped.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"), std::nullopt);
   ASSERT_TRUE(flipped) << flipped.error().what;
   EXPECT_THAT(to_text(*flipped), HasSubstr("no (0 boundary edges: 0 open, 0 of cracks; 3 inconsistent edges)\n"));
+  // Two tetrahedra that share one corner.
+  const auto pinched = make_mesh_report(scratch.write("pinched.obj",
+                                                      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+                                                      "v -1 0 0\nv 0 -1 0\nv 0 0 -1\nf 1 5 6\nf 1 6 7\nf 5 7 6\nf 1 7 5\n"),
+                                        std::nullopt);
+  ASSERT_TRUE(pinched) << pinched.error().what;
+  EXPECT_THAT(to_text(*pinched), HasSubstr("no (0 boundary edges: 0 open, 0 of cracks; 1 non-manifold vertices)\n"));
   const auto good =
       make_mesh_report(scratch.write("good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"), std::nullopt);
   ASSERT_TRUE(good) << good.error().what;
