@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "core/tool/held_tool.h"
 #include "haptic_step/haptics_step.h"
 #include "haptics_node/state_wait.h"
 #include "link/hub_client.h"
@@ -16,6 +17,9 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
 
 // "WHAT: p50 .. us, p90 .., p99 .., p99.9 .., worst .., n ..", a line; empty if there are none. RT: set-up only.
 std::string describe_times(const std::string& what, const LatencyHistogram& times);
+
+// That the pose of a tool came so late that its force faded, how often and what helps, a line; empty if it never did. RT: set-up only.
+std::string describe_late_tool(const HeldTool::Lateness& lateness);
 
 // How often the loop spun for a sample and how often one arrived meanwhile, a line; empty if it never spun. RT: set-up only.
 std::string describe_spins(const StateWait& wait);

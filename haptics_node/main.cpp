@@ -254,6 +254,7 @@ int run(const HapticsOptions& options) {
   if (tool_task) {
     tool_task->stop();
     fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
+    if (const std::string late = describe_late_tool((*tool)->lateness()); !late.empty()) log_warning("{}", late);
   }
   if (grasp_task) {
     grasp_task->stop();

@@ -1,5 +1,7 @@
 #include "haptics_node/tool_task.h"
 
+#include <pthread.h>
+
 #include <chrono>
 #include <sstream>
 #include <utility>
@@ -28,6 +30,9 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   for (const std::string& note : notes) log_info("tool: {}", note);
   if (!*tool) return std::unique_ptr<HeldTool>();
   if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
+  if (options.method.name != MethodSettings().name) {
+    return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);
+  }
   if (options.method.probe_radius_m > 0.0) return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
   auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
@@ -58,6 +63,7 @@ void ToolTask::stop() noexcept {
 }
 
 void ToolTask::run() noexcept {
+  ::pthread_setname_np(::pthread_self(), "hapton-tool");
   const SteadyClock clock;
   while (!stop_.load(std::memory_order_acquire)) {
     const std::int64_t begin_ns = clock.now_ns();

@@ -9,6 +9,10 @@ namespace {
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
+RigidMotion motion_between(const Placement& from, const Placement& to) noexcept {
+  return {from, to.position - from.position, turn_between(from.orientation, to.orientation)};
+}
+
 }  // namespace
 
 HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
@@ -65,18 +69,24 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
     return output;
   }
   const ToolProxyStep step = output.proxy;
+  ++lateness_.samples;
+  lateness_.faded += age_s_ > kFreshS ? 1 : 0;
+  lateness_.longest_s = std::max(lateness_.longest_s, age_s_);
   Placement goal = device;
+  Placement at = device;
   found.contacts.follow(parts_);
   LocalContacts::Held held;
   if (has_friction) {
     const ToolFriction::Step rubbed = friction_.step(found.contacts, device, parts_);
     goal = rubbed.goal;
     held = rubbed.held;
-    output = tool_->felt_at(input, device, rubbed.at);
+    at = rubbed.at;
   } else {
     held = found.contacts.solve(device);
-    output = tool_->felt_at(input, device, held.at);
+    at = held.at;
   }
+  output = tool_->felt_at(input, device, at);
+  if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn(found, at)).X_WP;
   find_pushes(found.contacts, held, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
@@ -87,6 +97,12 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   blend(output, device, time_ns, are_late);
   if (drag_.is_on()) add_drag(found.contacts, held, share, input.X_WS.linear(), output);
   return output;
+}
+
+Placement HeldTool::drawn(const Found& found, const Placement& at) const noexcept {
+  const RigidMotion motion = motion_between(found.contacts.proxy, at);
+  const double length = motion.length(tool_->proxy().radius());
+  return length > found.reach ? motion.at(found.reach / length) : at;
 }
 
 void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt,
@@ -184,9 +200,7 @@ void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t t
 
 double HeldTool::travel_since_last(const Sample& sample) const noexcept {
   const ToolProxy& proxy = tool_->proxy();
-  const RigidMotion moved{last_.device, sample.device.position - last_.device.position,
-                          turn_between(last_.device.orientation, sample.device.orientation)};
-  return moved.length(proxy.radius()) + proxy.travel();
+  return motion_between(last_.device, sample.device).length(proxy.radius()) + proxy.travel();
 }
 
 bool HeldTool::follow() noexcept {
@@ -201,6 +215,7 @@ bool HeldTool::follow() noexcept {
   // As far as the device and parts of the scene get before the next contacts come, if they go on like that.
   const double reach = proxy.local_reach(is_first ? 0.0 : travel_since_last(sample));
   proxy.find_local_contacts(sample.device, sample.parts, reach, found.contacts);
+  found.reach = proxy.last_local_reach();
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;
   last_ = sample;

@@ -27,6 +27,9 @@ class HeldTool {
   // Age of the contacts at which the force begins to fade, and at which it is zero.
   static constexpr double kFreshS = 0.05;
   static constexpr double kStaleS = 0.15;
+  // Age from which on the picture shows the tool no farther from where it was known to be free than contacts were searched for: the hand
+  // may be deep inside what the slow task has not found yet.
+  static constexpr double kLateS = 0.005;
   // If new contacts come more than kPrompt samples after the previous ones and change the force by more than the device's motion explains,
   // the force fades to the new one over this time.
   static constexpr double kHandOverS = 0.02;
@@ -49,6 +52,14 @@ class HeldTool {
   bool is_known() const noexcept { return is_known_; }
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
+
+  // Fast: samples with contacts so far, those whose contacts were so old that the force faded, and the largest age.
+  struct Lateness {
+    std::uint64_t samples = 0;
+    std::uint64_t faded = 0;
+    double longest_s = 0.0;
+  };
+  const Lateness& lateness() const noexcept { return lateness_; }
 
   // Fast: of the last step, what the contacts with a part that moves do to it. Friction is shared among all contacts by their dynamic
   // friction. Pre: of the parts that move, from 0.
@@ -83,15 +94,18 @@ class HeldTool {
   struct Found {
     LocalContacts contacts;
     ToolProxyStep step;
+    double reach = 0.0;  // local units; all that holds the tool this near to contacts.proxy is among them
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;
   };
+  Placement drawn(const Found& found, const Placement& at) const noexcept;
 
   std::unique_ptr<ToolStep> tool_;  // its proxy is the slow task's
   Mailbox<Sample> samples_;
   Mailbox<Found> found_;
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
+  Lateness lateness_;
   bool is_known_ = false;
   Sample last_;  // followed
   std::optional<Placement> start_;

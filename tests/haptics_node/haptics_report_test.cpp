@@ -45,5 +45,11 @@ TEST(HapticsReport, OfTheObjectsOneLineIsLogged) {
 
 TEST(HapticsReport, NothingMeasuredIsNoLine) { EXPECT_EQ(describe_times("step", LatencyHistogram()), ""); }
 
+TEST(HapticsReport, SaysHowLateTheToolWas) {
+  EXPECT_EQ(describe_late_tool({.samples = 1000, .faded = 0, .longest_s = 0.04}), "");
+  const std::string late = describe_late_tool({.samples = 1000, .faded = 25, .longest_s = 0.183});
+  EXPECT_NE(late.find("more than 50 ms late in 2.5 % of samples, 183 ms at most"), std::string::npos) << late;
+}
+
 }  // namespace
 }  // namespace hapton

@@ -41,6 +41,8 @@ std::vector<StressTool> make_tools() {
           {"bracket", make_prism({{0.0, 0.0}, {0.2, 0.0}, {0.2, 0.05}, {0.05, 0.05}, {0.05, 0.2}, {0.0, 0.2}}, 0.1, 2)}};
 }
 
+constexpr std::uint64_t kInsideEvery = 4;  // episodes: one of them begins inside the body, which one depends on body, tool and seed
+
 // One tool on one body at one scale.
 class ToolEpisodes {
  public:
@@ -51,8 +53,7 @@ class ToolEpisodes {
     }
   }
 
-  void run(std::uint64_t episode, ToolStressCount& count) {
-    const bool begins_inside = episode % 4 == 3;
+  void run(bool begins_inside, ToolStressCount& count) {
     Pose device = Pose::Identity();
     device.translation() = size_ * (begins_inside ? 0.2 : 1.4) * draw().normalized();
     device.linear() = turn_by(3.0 * draw()).toRotationMatrix();
@@ -151,10 +152,11 @@ Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBo
         }
         auto step = ToolStep::make(tool, std::move(scene), {}, {}, nullptr, parts);
         if (!step) return tl::unexpected(step.error());
-        ToolEpisodes run(**step, scale * side, seed_of(plan.seed, bodies[b].name, tools[t].name));
+        const std::uint64_t seed = seed_of(plan.seed, bodies[b].name, tools[t].name);
+        ToolEpisodes run(**step, scale * side, seed);
         for (std::uint64_t episode = 0; episode < episodes; ++episode) {
           const std::uint64_t before = result.count.faults();
-          run.run(episode, result.count);
+          run.run((episode + seed) % kInsideEvery == 0, result.count);
           if (before == 0 && result.count.faults() > 0) {
             result.count.first_fault = fmt::format("tool {}, scale {:g}, episode {}", tools[t].name, scale, episode);
           }

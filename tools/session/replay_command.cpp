@@ -32,7 +32,7 @@ struct ReplayOptions {
   std::string out;
   std::string tool;
   std::string tool_unit;
-  std::string tool_grip = "origin";
+  std::string tool_grip;  // empty: origin
   double rotational_stiffness_nm_per_rad = 0.0;
   double tool_voxel_m = 0.0;  // 0: no voxels
   int tool_threads = 1;
@@ -76,7 +76,7 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
     }
     choice.unit = *unit;
   }
-  const auto grip = parse_tool_grip(options.tool_grip);
+  const auto grip = parse_tool_grip(options.tool_grip.empty() ? "origin" : options.tool_grip);
   if (!grip) {
     return tl::unexpected(grip.error());
   }
@@ -93,7 +93,11 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
 Result<void> check_tool_options(const ReplayOptions& options, bool has_tool) {
   const MethodSettings& method = options.method.settings;
   const MethodSettings plain;
-  if (options.tool.empty() && !options.tool_unit.empty()) return fail("--tool-unit goes with --tool");
+  if (options.tool.empty()) {
+    const std::string_view reason = has_tool ? "; the scene file gives that of its [tool]" : "";
+    if (!options.tool_unit.empty()) return fail("--tool-unit goes with --tool FILE{}", reason);
+    if (!options.tool_grip.empty()) return fail("--tool-grip goes with --tool FILE{}", reason);
+  }
   if (!has_tool) {
     if (options.rotational_stiffness_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with --tool");
     if (options.tool_voxel_m > 0.0) return fail("--tool-voxels goes with --tool");

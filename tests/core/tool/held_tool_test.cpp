@@ -196,6 +196,28 @@ TEST(HeldTool, TheForceFadesWhereTheSlowTaskStalls) {
   EXPECT_NEAR(before_n, whole_n, 0.1);
 }
 
+// The hand goes on into a plate that the slow task has not seen: the tool is drawn above it.
+TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
+  const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 2);
+  HeldTool held(held_step(tool, make_box({0.1, 0.1, 0.02}, 4)));
+  std::int64_t now = 0;
+  const auto step = [&](double height_m) { return held.step(input_at({0, 0, 0.02 + height_m}), now += kTickNs); };
+  for (int n = 0; n < 5; ++n) {
+    step(0.002);
+    held.follow();
+  }
+  EXPECT_EQ(held.lateness().faded, 0U);
+  for (int n = 0; n < 100; ++n) {
+    const ToolOutput felt = step(0.002 - 1e-4 * n);
+    if (n <= 5) continue;
+    EXPECT_GT(felt.X_WP.translation().z(), 0.02) << n;
+  }
+  EXPECT_GT(held.lateness().faded, 45U);
+  EXPECT_NEAR(held.lateness().longest_s, 0.1, 0.002);
+  held.follow();
+  EXPECT_NEAR(step(-0.0079).X_WP.translation().z(), 0.02, 1e-4) << "on the plate";
+}
+
 TEST(HeldTool, ARestartPutsTheToolWhereTheDeviceIs) {
   HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   for (int n = 0; n <= 150; ++n) {

@@ -46,6 +46,25 @@ TEST(ToolStress, HasNoFaultOnBodiesThatMove) {
   EXPECT_GT(squeezed, 0U);
 }
 
+// With one episode for each body and tool, a quarter of them still begins inside.
+TEST(ToolStress, AShortRunBeginsInsideTooAndFindsOverlaps) {
+  std::vector<StressBody> bodies;
+  for (const std::string_view name : stress_body_names()) {
+    if (bodies.size() < 6) bodies.push_back(make_stress_body(std::string(name)));
+  }
+  ToolStressPlan plan;
+  plan.steps = 1;
+  plan.scales = {1.0};
+  const auto results = run_tool_stress(bodies, plan, [](const ToolStressResult&) {});
+  ASSERT_TRUE(results) << results.error().what;
+  std::uint64_t overlaps = 0;
+  for (const ToolStressResult& result : *results) {
+    EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
+    overlaps += result.count.overlaps;
+  }
+  EXPECT_GT(overlaps, 2U);
+}
+
 TEST(ToolStress, AFaultIsNamedInTheTable) {
   ToolStressResult result{.body = "box", .count = {}};
   result.count.penetrations = 3;
