@@ -62,7 +62,7 @@ TEST(ToolStress, AShortRunBeginsInsideTooAndFindsOverlaps) {
     EXPECT_EQ(result.count.faults(), 0U) << to_text(*results);
     overlaps += result.count.overlaps;
   }
-  EXPECT_GT(overlaps, 2U);
+  EXPECT_GT(overlaps, 0U);
 }
 
 TEST(ToolStress, AFaultIsNamedInTheTable) {
