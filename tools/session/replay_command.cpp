@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -186,6 +187,13 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
   return felt(VoxelTool::make(*held.mesh, obstacles.meshes, coupling, options.tool_voxel_m));
 }
 
+void note_buttons(const Scene& scene, std::span<const TrajectoryRow> trajectory) {
+  const bool can_pick_up = std::any_of(scene.objects.begin(), scene.objects.end(), [](const auto& object) { return object.is_movable; });
+  const bool presses = std::any_of(trajectory.begin(), trajectory.end(), [](const TrajectoryRow& row) { return row.buttons != 0; });
+  if (!can_pick_up || !presses) return;
+  fmt::print("movable objects stay where they are: a replay picks nothing up. deploy/run --device simulated --trajectory FILE does\n");
+}
+
 Result<void> replay(ReplayOptions& options) {
   const auto settings = settings_of(options.method);
   if (!settings) {
@@ -202,6 +210,7 @@ Result<void> replay(ReplayOptions& options) {
   for (const std::string& note : scene->notes) {
     fmt::print("{}\n", note);
   }
+  note_buttons(*scene, *trajectory);
   const auto tool = choose_tool(options, *scene);
   if (!tool) {
     return tl::unexpected(tool.error());
