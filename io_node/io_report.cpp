@@ -45,7 +45,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"unknown_echo", whole(s.responses.unknown)},
                      {"superseded", whole(s.responses.superseded)},
                      {"lost", whole(s.responses.lost)},
-                     {"unanswered_without_haptics", whole(s.responses.excused)},
+                     {"no_reply_without_haptics", whole(s.responses.excused)},
                      {"missed_cycles", whole(s.missed_cycles)},
                      {"caught_up_cycles", whole(s.caught_up_cycles)},
                      {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
@@ -81,14 +81,14 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"unknown_peers", whole(s.socket.unknown_peers)},
                      {"dropped_by_kernel", whole(s.socket.dropped)},
                      {"floods", whole(s.socket.floods)},
-                     {"budget_spent", whole(s.budget_spent)},
+                     {"datagram_budget_exhausted", whole(s.budget_spent)},
                      {"cycles_unreported", whole(s.cycles_unreported)},
-                     {"device_cuts", whole(s.cuts)},
+                     {"device_releases", whole(s.cuts)},
                      {"joins_rejected", whole(s.hub.rejections)},
                      {"peers_timed_out", whole(s.hub.timeouts)},
                      {"bad_settings", whole(s.bad_settings)},
                      {"markers", whole(s.markers)},
-                     {"markers_refused", whole(s.markers_refused)},
+                     {"markers_rejected", whole(s.markers_rejected)},
                      {"moves_rejected", whole(s.moves_rejected)},
                      {"shape_parts_rejected", whole(s.shape_parts_rejected)},
                      {"vision_sent", whole(s.probe_states_sent)},
@@ -103,7 +103,7 @@ void add_counters(LatencyReport& report, const ServoStats& s) {
                      {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
                      {"moves_late", whole(s.patch_touch.late_moves)},
                      {"echo_sent", whole(s.echo.sent)},
-                     {"echo_answered", whole(s.echo.replied)},
+                     {"echo_replied", whole(s.echo.replied)},
                      {"echo_late", whole(s.echo.late)},
                      {"events_dropped", whole(s.events_dropped)}};
 }
@@ -163,7 +163,7 @@ void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
   report.counters["loop_involuntary_switches"] = whole(s.involuntary_switches);
   report.counters["loop_waited_us"] = std::llround(1e3 * s.waited_ms);
   report.counters["machine_stolen_us"] = std::llround(1e3 * s.stolen_ms);
-  report.counters["near_throttling"] = whole(s.near_throttling);
+  report.counters["near_rt_throttling"] = whole(s.near_throttling);
 }
 
 std::string describe_scheduling(const SchedulingStats& s) {

@@ -243,7 +243,8 @@ py::dict describe_node(FieldNode& node) {
   state["force_n"] = make_point(now.force_n);
   state["buttons"] = now.buttons;
   state["joined"] = now.is_joined;
-  state["answers"] = now.replies;
+  state["replies"] = now.replies;
+  state["answers"] = now.replies;  // its name before
   state["superseded"] = now.superseded;
   state["changes"] = now.laws;
   state["changed_sample"] = now.laws_sample;
@@ -279,7 +280,8 @@ Vec3 read_force(const py::object& returned, std::uint64_t sample) {
 
 py::dict describe_run(const NodeLink& link, double seconds) {
   py::dict report;
-  report["answers"] = link.replies();
+  report["replies"] = link.replies();
+  report["answers"] = link.replies();  // its name before
   report["seconds"] = seconds;
   report["rate_hz"] = static_cast<double>(link.replies()) / seconds;
   report["superseded"] = link.superseded();
@@ -423,7 +425,7 @@ void bind_force_function(py::module_& module) {
              py::arg("key_file") = "",
              "Is the haptics node of a session: calls force(hand: HandSample) for each newest sample and sends the (fx, fy, fz) that it "
              "returns, N.\n"
-             "Returns what was measured: answers, seconds, rate_hz, superseded (samples that came while Python was busy), compute_p50_us,\n"
+             "Returns what was measured: replies, seconds, rate_hz, superseded (samples that came while Python was busy), compute_p50_us,\n"
              "compute_p99_us, compute_max_us. An exception ends it, after a force of zero.");
 }
 
@@ -449,7 +451,7 @@ void bind_live(py::module_& module) {
   bind_client(module);
   bind_force_function(module);
   py::class_<FieldNode>(module, "FieldNode",
-                        "A haptics node whose C++ thread answers every sample with a sum of fields; set() changes them.")
+                        "A haptics node whose C++ thread replies to every sample with a sum of fields; set() changes them.")
       .def(py::init(&open_field_node), py::arg("hub") = "127.0.0.1", py::arg("key_file") = "", py::arg("watch_s") = py::none(),
            "hub: HOST or HOST:PORT of io_node. key_file: of the role haptics; empty: this user's key. watch_s: the force fades to zero "
            "while\n"
@@ -459,7 +461,7 @@ void bind_live(py::module_& module) {
            "mark: also marks the recording (io_node --record) once they are in use, waits for it, and returns the number of the marked "
            "sample.")
       .def("state", &describe_node,
-           "The newest sample as a dict: sample, t_s, position_m, velocity_m_per_s, force_n (asked for), buttons, joined, answers, "
+           "The newest sample as a dict: sample, t_s, position_m, velocity_m_per_s, force_n (requested), buttons, joined, replies, "
            "superseded,\n"
            "changes (of the fields), changed_sample (the first with the present fields), watch_over (no force, see watch_s), rate_hz, "
            "compute_p50_us, compute_p99_us.")

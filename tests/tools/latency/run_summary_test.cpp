@@ -11,7 +11,7 @@ using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
 Json make_report() {
-  return {{"schema", "hapton.report/3"},
+  return {{"schema", "hapton.report/4"},
           {"seconds", 6.0},
           {"rates_hz", {{"samples", 1999.3}, {"servo_requested", 2000.0}}},
           {"counters",
@@ -72,7 +72,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
 }
 
 TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
-  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/3"}, {"hops", Json::object()}}, "x");
+  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/4"}, {"hops", Json::object()}}, "x");
   EXPECT_FALSE(summary.touched);
   EXPECT_FALSE(summary.held);
   EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));
