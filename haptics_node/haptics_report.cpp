@@ -21,13 +21,15 @@ std::string describe_spins(const StateWait& wait) {
                      1e-3 * static_cast<double>(wait.spun_ns()) / spins, 100.0 * static_cast<double>(wait.arrivals()) / spins);
 }
 
+std::string describe_joins(std::uint64_t joins) { return joins == 1 ? std::string("once") : fmt::format("{} times", joins); }
+
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
                                 const LatencyHistogram& step_times) {
   const HapticsCounts& counts = step.counts();
-  std::string text =
-      fmt::format("haptics_node: {} samples with a reply, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered, {} joins\n",
-                  counts.replied, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost,
-                  hub.sequence_counts().reordered, hub.counts().joins);
+  std::string text = fmt::format(
+      "haptics_node: {} samples with a reply, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered; joined the hub {}\n",
+      counts.replied, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost, hub.sequence_counts().reordered,
+      describe_joins(hub.counts().joins));
   text += describe_times("step", step_times);
   text += describe_times("arrival to reply", compute_times);
   if (counts.views_taken + counts.views_rejected > 0) {

@@ -168,8 +168,8 @@ void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
 
 std::string describe_scheduling(const SchedulingStats& s) {
   return fmt::format(
-      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; waited for a CPU {:.1f} ms, preempted {} times, {:.0f} ms stolen from "
-      "the machine\n",
+      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; waited for a CPU {:.1f} ms, preempted {} times, {:.0f} ms steal time "
+      "(hypervisor)\n",
       100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
 }
 

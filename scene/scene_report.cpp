@@ -55,13 +55,12 @@ std::vector<std::string> names_of(const SurfaceEffects& effects) {
 }
 
 std::string describe_motion(const KeyframeMotion& motion) {
-  return fmt::format("moves by {} keyframes for {:g} s{}", motion.keyframes().size(), motion.duration_s(),
-                     motion.loops() ? ", again and again" : "");
+  return fmt::format("moves by {} keyframes, {:g} s{}", motion.keyframes().size(), motion.duration_s(), motion.loops() ? ", repeated" : "");
 }
 
 std::string describe_deformation(const MeshDeformation& deformation) {
-  return fmt::format("deforms by {} morph{} for {:g} s{}: {} vertices move", deformation.targets().size(),
-                     deformation.targets().size() == 1 ? "" : "s", deformation.duration_s(), deformation.loops() ? ", again and again" : "",
+  return fmt::format("deforms by {} morph{}, {:g} s{}: {} vertices move", deformation.targets().size(),
+                     deformation.targets().size() == 1 ? "" : "s", deformation.duration_s(), deformation.loops() ? ", repeated" : "",
                      deformation.moved().size());
 }
 
@@ -106,7 +105,7 @@ std::string describe_setting(const SceneReport& report) {
   const SceneLayout& layout = *report.layout;
   std::string text;
   if (layout.fit_m)
-    text += fmt::format("fit_m: everything fits into {} m, {:.4g} times its size\n", describe(*layout.fit_m), report.scene.fit_scale);
+    text += fmt::format("fit_m: scene scaled by {1:.4g} to fit into {0} m\n", describe(*layout.fit_m), report.scene.fit_scale);
   if (layout.workspace) text += describe(*layout.workspace);
   const auto in_group = [](const GroupSpec& spec) { return spec.group.empty() ? std::string() : ", in group " + spec.group; };
   for (const GroupSpec& group : layout.groups) text += fmt::format("group {}{}\n", group.name, in_group(group));

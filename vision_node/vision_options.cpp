@@ -111,11 +111,12 @@ void add_session_options(CLI::App& app, VisionOptions& options) {
       ->check(between(SessionPlayer::kSlowest, SessionPlayer::kFastest))
       ->capture_default_str()
       ->needs(session);
-  const auto frames = app.add_option("--frames", options.frames,
-                                     "New or empty folder for pictures frame_000001.png ..., from --at or the begin to the end or for "
-                                     "--seconds: for a video")
-                          ->needs(session)
-                          ->excludes(app.get_option("--screenshot"));
+  const auto frames =
+      app.add_option("--frames", options.frames,
+                     "New or empty folder for pictures frame_000001.png ..., from --at, or the beginning, to the end, or for "
+                     "--seconds: for a video")
+          ->needs(session)
+          ->excludes(app.get_option("--screenshot"));
   app.add_option("--frame-rate", options.frame_rate_hz, "Pictures for each second of the video")
       ->check(between(1.0, 240.0))
       ->capture_default_str()
@@ -136,7 +137,7 @@ void add_view_options(CLI::App& app, VisionOptions& options) {
       ->check(between(-180.0, 180.0))
       ->capture_default_str()
       ->excludes(screen);
-  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this many degrees above")
+  app.add_option("--view-pitch-deg", options.view_pitch_deg, "The viewer stands this many degrees above")
       ->check(between(-89.0, 89.0))
       ->capture_default_str()
       ->excludes(screen);
@@ -269,8 +270,10 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_flag("--no-depth-cues", no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
   app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start: degrees about the x axis")
       ->check(between(-360.0, 360.0));
-  app.add_option("--dial-y-deg", options.dials_degrees.y(), "... about the y axis")->check(between(-360.0, 360.0));
-  app.add_option("--dial-z-deg", options.dials_degrees.z(), "... about the z axis")->check(between(-360.0, 360.0));
+  app.add_option("--dial-y-deg", options.dials_degrees.y(), "Knob box at the start: degrees about the y axis")
+      ->check(between(-360.0, 360.0));
+  app.add_option("--dial-z-deg", options.dials_degrees.z(), "Knob box at the start: degrees about the z axis")
+      ->check(between(-360.0, 360.0));
   app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse); or in addition spacemouse (turns of its cap)")
       ->check(CLI::IsMember({"window", "spacemouse"}))
       ->capture_default_str();
@@ -296,10 +299,11 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")
       ->check(between(0, 32))
       ->capture_default_str();
-  app.add_option("--measure-button", options.annotations.measure_button, "... that sets an end of a measure, 0: none")
+  app.add_option("--measure-button", options.annotations.measure_button, "Button of the stylus that sets an end of a measure, 0: none")
       ->check(between(0, 32))
       ->capture_default_str();
-  app.add_option("--menu-button", options.annotations.menu_button, "... that opens and closes the menu in the workspace, 0: none")
+  app.add_option("--menu-button", options.annotations.menu_button,
+                 "Button of the stylus that opens and closes the menu in the workspace, 0: none")
       ->check(between(0, 32))
       ->capture_default_str();
   app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");

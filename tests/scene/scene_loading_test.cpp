@@ -60,7 +60,7 @@ TEST_F(FittedMesh, LiesInTheMiddleOfTheWorkspaceAndJustFitsItsBox) {
     EXPECT_LT(box.center().norm(), 1e-12);
     const Eigen::Array3d shares = box.sizes().array() / fitted_size_m().array();
     EXPECT_NEAR(shares.maxCoeff(), 1.0, 1e-12);
-    EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr("a.obj"), HasSubstr("times its size"), HasSubstr("--no-fit"))));
+    EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr("a.obj"), HasSubstr("scaled by"), HasSubstr("--no-fit"))));
   }
 }
 

@@ -59,9 +59,10 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
     const char* said;
   };
   for (const Case& c :
-       {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 faults latched"},
-        Case{"counters", "command_timeouts", 4, "4 command timeouts"}, Case{"counters", "late", 120, "120 forces late"},
-        Case{"counters", "forces", 0, "no force came back"}, Case{"rates_hz", "samples", 1979, "1979 samples a second of 2000"}}) {
+       {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 fault latched"},
+        Case{"counters", "command_timeouts", 4, "4 command timeouts"}, Case{"counters", "command_timeouts", 1, "1 command timeout,"},
+        Case{"counters", "late", 120, "120 forces late"}, Case{"counters", "forces", 0, "no force came back"},
+        Case{"rates_hz", "samples", 1979, "1979 samples a second of 2000"}}) {
     Json report = make_report();
     report[c.section][c.key] = c.value;
     const RunSummary summary = summarise_run(report, "x");
