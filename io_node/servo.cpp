@@ -150,7 +150,7 @@ void Servo::do_housekeeping() noexcept {
 void Servo::show_proxy() noexcept {
   if (vrpn_feed_ == nullptr || !vrpn_feed_->is_wanted()) return;
   ProbeState probe;
-  forces_.history().show(loop_.latest().is_silent, probe);
+  forces_.history().show(loop_.latest().has_timed_out, probe);
   vrpn_feed_->show_proxy({probe.p_WD + probe.visual_offset_m, turn_by(probe.visual_turn) * probe.q_WT, probe.contact});
 }
 
