@@ -328,36 +328,8 @@ py::dict run_force_function(const py::function& force, double seconds, const std
   return report;
 }
 
-void bind_client(py::module_& module) {
-  py::class_<LiveClient>(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.")
-      .def(py::init([](const std::string& hub, const std::string& key_file) {
-             return open_or_raise([&] { return LiveClient::open(hub, key_file); });
-           }),
-           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
-           "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
-      .def("state", &describe_probe,
-           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, object, "
-           "object_name\n"
-           "(of those that programs may move; else empty), buttons, status, view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, "
-           "round_trip_p99_us. None before the first. A few hundred a "
-           "second at most.")
-      .def("turn_scene", &turn_scene, py::arg("scene_pose"),
-           "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
-           "forces do.")
-      .def_property_readonly("joined", &LiveClient::is_joined, "A hub replies.")
-      .def(
-          "mark",
-          [](LiveClient& client, const std::string& text) {
-            auto sample = [&] {
-              const py::gil_scoped_release others_run;
-              return client.mark(text);
-            }();
-            return value_or_raise(std::move(sample));
-          },
-          py::arg("text"),
-          "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
-          "one line.\n"
-          "Raises where nothing is recorded, or above 50 markers a second.")
+void bind_client_objects(py::class_<LiveClient>& client) {
+  client
       .def("move_object", &move_object, py::arg("object"), py::arg("position_m") = py::none(), py::kw_only(),
            py::arg("rotation") = py::none(), py::arg("rotation_deg") = py::none(), py::arg("over_s") = py::none(),
            "Moves an object that has moved_by = \"program\" in the scene file, in over_s seconds, and returns the time that it takes: "
@@ -400,7 +372,42 @@ void bind_client(py::module_& module) {
            "undone_first, undone_last: of an undo, whose object is -1: the entries, counted from 1, that count no longer; 0: a carve.\n"
            "after: leave out so many, those that you have. "
            "newest: how many\n"
-           "haptics_node has announced. Fewer than before: it was started again, and the objects are whole.")
+           "haptics_node has announced. Fewer than before: it was started again, and the objects are whole.");
+}
+
+void bind_client(py::module_& module) {
+  py::class_<LiveClient> client(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.");
+  client
+      .def(py::init([](const std::string& hub, const std::string& key_file) {
+             return open_or_raise([&] { return LiveClient::open(hub, key_file); });
+           }),
+           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
+           "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
+      .def("state", &describe_probe,
+           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, object, "
+           "object_name\n"
+           "(of those that programs may move; else empty), buttons, status, view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, "
+           "round_trip_p99_us. None before the first. A few hundred a "
+           "second at most.")
+      .def("turn_scene", &turn_scene, py::arg("scene_pose"),
+           "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
+           "forces do.")
+      .def_property_readonly("joined", &LiveClient::is_joined, "A hub replies.")
+      .def(
+          "mark",
+          [](LiveClient& client, const std::string& text) {
+            auto sample = [&] {
+              const py::gil_scoped_release others_run;
+              return client.mark(text);
+            }();
+            return value_or_raise(std::move(sample));
+          },
+          py::arg("text"),
+          "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
+          "one line.\n"
+          "Raises where nothing is recorded, or above 50 markers a second.");
+  bind_client_objects(client);
+  client
       .def("set", &change_settings, py::kw_only(), py::arg("method") = py::none(), py::arg("object") = py::none(),
            py::arg("stiffness_n_per_m") = py::none(), py::arg("damping_ns_per_m") = py::none(), py::arg("friction_static") = py::none(),
            py::arg("friction_dynamic") = py::none(), py::arg("rate_hz") = py::none(), py::arg("key_file") = "",
