@@ -6,6 +6,11 @@
 #include "runtime/log.h"
 
 namespace hapton {
+namespace {
+
+std::string describe_joins(std::uint64_t joins) { return joins == 1 ? std::string("once") : fmt::format("{} times", joins); }
+
+}  // namespace
 
 std::string describe_times(const std::string& what, const LatencyHistogram& times) {
   if (times.count() == 0) return {};
@@ -20,8 +25,6 @@ std::string describe_spins(const StateWait& wait) {
   return fmt::format("waits that spun: {}, {:.1f} us each, {:.1f} % ended with a sample\n", wait.spins(),
                      1e-3 * static_cast<double>(wait.spun_ns()) / spins, 100.0 * static_cast<double>(wait.arrivals()) / spins);
 }
-
-std::string describe_joins(std::uint64_t joins) { return joins == 1 ? std::string("once") : fmt::format("{} times", joins); }
 
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
                                 const LatencyHistogram& step_times) {

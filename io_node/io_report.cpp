@@ -52,6 +52,8 @@ Counters count_forces(const ServoStats& s) {
           {"no_reply_without_haptics", whole(s.responses.excused)},
           {"missed_cycles", whole(s.missed_cycles)},
           {"caught_up_cycles", whole(s.caught_up_cycles)},
+          {"cycles_unreported", whole(s.cycles_unreported)},
+          {"device_releases", whole(s.cuts)},
           {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
           {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
           {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
@@ -90,8 +92,6 @@ Counters count_datagrams(const ServoStats& s) {
           {"dropped_by_kernel", whole(s.socket.dropped)},
           {"floods", whole(s.socket.floods)},
           {"datagram_budget_exhausted", whole(s.budget_spent)},
-          {"cycles_unreported", whole(s.cycles_unreported)},
-          {"device_releases", whole(s.cuts)},
           {"joins_rejected", whole(s.hub.rejections)},
           {"peers_timed_out", whole(s.hub.timeouts)}};
 }

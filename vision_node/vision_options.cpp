@@ -345,7 +345,8 @@ Result<void> check_head(const VisionOptions& options) {
 
 std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv) {
   VisionOptions options;
-  VisionWords words = {.hubs = {options.hub}};
+  VisionWords words;
+  words.hubs = {options.hub};
   HeadWords head;
   RoomWords room;
 
