@@ -24,6 +24,10 @@ struct DeviceLimits {
   double max_speed_m_per_s = 0.0;   // no hand is faster: above it an encoder is broken or the device out of control; 0: unknown
 };
 
+// From zero to the maximum force, where nothing more is known of a device: half of a quarter period at 30 Hz, the lowest structural
+// frequency of the PHANToM Model A, faster than the mechanics pass force on.
+inline constexpr double kForceRiseS = 0.004;
+
 // What goes to the motors, frame W.
 struct Wrench {
   Vec3 force_n = Vec3::Zero();

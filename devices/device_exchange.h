@@ -18,9 +18,9 @@ namespace hapton {
 class DeviceExchange {
  public:
   // The servo reads once a cycle, every 4 ms at the slowest; this is the command timeout.
-  static constexpr std::int64_t kServoSilenceNs = 20 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kServoTimeoutNs = 20 * kNanosecondsPerMillisecond;
   // Drivers tick a thousand times a second; a hundred missed ticks are more than load explains.
-  static constexpr std::int64_t kDriverSilenceNs = 100 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kDriverTimeoutNs = 100 * kNanosecondsPerMillisecond;
   // Duration of the ramp up for a device that has become ready, from its first command on: a driver that is late after its first sample
   // must not begin in the middle of it.
   static constexpr std::int64_t kRampNs = 200 * kNanosecondsPerMillisecond;
@@ -58,8 +58,8 @@ class DeviceExchange {
   const Reading& reading() const noexcept { return readings_.value(); }
   DeviceStatus status() const noexcept {
     const Reading& newest = readings_.value();
-    const bool is_silent = now_ns_ - newest.sample.time_ns > kDriverSilenceNs;
-    return is_silent && newest.status == DeviceStatus::ready ? DeviceStatus::away : newest.status;
+    const bool has_timed_out = now_ns_ - newest.sample.time_ns > kDriverTimeoutNs;
+    return has_timed_out && newest.status == DeviceStatus::ready ? DeviceStatus::away : newest.status;
   }
 
   // Driver: the newest sample. Its status determines what wrench() returns.
@@ -77,7 +77,7 @@ class DeviceExchange {
     commands_.take();
     const Command& command = commands_.value();
     if (!is_ready_) return {};
-    if (now_ns - command.time_ns > kServoSilenceNs || is_cut_.load(std::memory_order_acquire)) {
+    if (now_ns - command.time_ns > kServoTimeoutNs || is_cut_.load(std::memory_order_acquire)) {
       restart_ramp();
       return {};
     }
@@ -87,7 +87,7 @@ class DeviceExchange {
   }
 
   // Driver: before the first read no command has been requested.
-  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoSilenceNs; }
+  bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoTimeoutNs; }
 
  private:
   struct Command {

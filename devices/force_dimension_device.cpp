@@ -24,7 +24,6 @@ constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;
 constexpr int kMostFailuresInARow = 10;  // failed calls; this many lost USB packets mean an unplugged cable
 // Our choice, see docs/vendor-devices.md.
-constexpr double kRiseS = 0.004;
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;
 
@@ -125,12 +124,12 @@ Result<void> ForceDimensionDevice::open() {
     unsigned short number = 0;
     if (dhd_.get_serial_number != nullptr && dhd_.get_serial_number(&number, id_) >= 0) serial_ = fmt::format("{}", number);
     limits_ = {.max_force_n = system.max_force_n,
-               .max_slew_n_per_s = system.max_force_n / kRiseS,
+               .max_slew_n_per_s = system.max_force_n / kForceRiseS,
                .max_stiffness_n_per_m = 2000.0,
                .workspace_min_m = -system.half_workspace_m,
                .workspace_max_m = system.half_workspace_m,
                .max_torque_nm = system.max_torque_nm,
-               .max_torque_slew_nm_per_s = system.max_torque_nm / kRiseS,
+               .max_torque_slew_nm_per_s = system.max_torque_nm / kForceRiseS,
                .continuous_force_n = system.continuous_force_n,
                .peak_s = kPeakS,
                .max_speed_m_per_s = kMaxSpeedMPerS};

@@ -31,7 +31,7 @@ constexpr const char* kRemedy = "start it (systemctl start haply-inverse-service
 DeviceLimits careful_limits() {
   DeviceLimits limits;
   limits.max_force_n = 5.0;
-  limits.max_slew_n_per_s = limits.max_force_n / 0.004;
+  limits.max_slew_n_per_s = limits.max_force_n / kForceRiseS;
   limits.max_stiffness_n_per_m = 600.0;
   limits.workspace_min_m = Vec3::Constant(-0.1);
   limits.workspace_max_m = Vec3::Constant(0.1);

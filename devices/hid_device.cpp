@@ -72,7 +72,7 @@ Result<void> HidDevice::on_opened(HidTransport& transport) {
 void HidDevice::on_report(std::span<const std::uint8_t> report, std::int64_t now_ns) noexcept {
   const std::lock_guard lock(driver_mutex_);
   if (!backend_->decode(report, now_ns, reading_)) return;
-  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp();
+  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverTimeoutNs) exchange_.restart_ramp();
   reading_.sample.time_ns = now_ns;
   has_news_ = true;
 }

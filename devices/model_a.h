@@ -22,8 +22,7 @@ constexpr double kPeakS = 10.0;
 // Twice what an arm does in earnest.
 constexpr double kMaxSpeedMPerS = 3.0;
 
-// From nothing to everything in 4 ms, half of a quarter period at 30 Hz: faster than the mechanics pass force on.
-constexpr double kMaxSlewNPerS = kMaxForceN / 0.004;
+constexpr double kMaxSlewNPerS = kMaxForceN / kForceRiseS;
 
 inline DeviceLimits limits() {
   const Vec3 half = 0.5 * kInchM * Vec3(10.5, 7.5, 15.0);
@@ -44,7 +43,7 @@ constexpr double kMaxTorqueNm = 0.17;
 inline DeviceLimits limits_with_torque() {
   DeviceLimits limits = model_a::limits();
   limits.max_torque_nm = kMaxTorqueNm;
-  limits.max_torque_slew_nm_per_s = kMaxTorqueNm / 0.004;
+  limits.max_torque_slew_nm_per_s = kMaxTorqueNm / kForceRiseS;
   return limits;
 }
 

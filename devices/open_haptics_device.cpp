@@ -26,13 +26,12 @@ constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // the others are interrupted meanwhile
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of the same state; more often is not worth a line
 // The library's scheduler calls a thousand times a second. Without a call for this time, it or the device has stopped.
-constexpr std::int64_t kSchedulerSilenceNs = kNanosecondsPerSecond / 2;
+constexpr std::int64_t kSchedulerTimeoutNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
 constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
 constexpr int kMostErrorsATick = 8;                                            // taken from the library's queue: bounds the work of a tick
 // The library does not report these: conservative values of our own, see docs/vendor-devices.md.
-constexpr double kRiseS = 0.004;  // from zero to the maximum force, as for the PHANToM Model A
-constexpr double kPeakS = 5.0;    // that the motors hold the maximum force
+constexpr double kPeakS = 5.0;  // that the motors hold the maximum force
 constexpr double kMaxTorqueNm = 0.1;
 constexpr double kMaxSpeedMPerS = 5.0;
 
@@ -172,7 +171,7 @@ Result<void> OpenHapticsDevice::read_limits() {
   limits_.workspace_min_m = low_m - middle_m_;
   limits_.workspace_max_m = high_m - middle_m_;
   limits_.max_force_n = max_n;
-  limits_.max_slew_n_per_s = max_n / kRiseS;
+  limits_.max_slew_n_per_s = max_n / kForceRiseS;
   limits_.continuous_force_n = std::clamp(get(hd::kNominalMaxContinuousForce, 0.25 * max_n), 0.0, max_n);
   limits_.peak_s = kPeakS;
   limits_.max_speed_m_per_s = kMaxSpeedMPerS;
@@ -182,7 +181,7 @@ Result<void> OpenHapticsDevice::read_limits() {
   hd_.get_integers(hd::kOutputDof, &output_dof);
   has_torque_ = output_dof == 6;
   limits_.max_torque_nm = has_torque_ ? kMaxTorqueNm : 0.0;
-  limits_.max_torque_slew_nm_per_s = limits_.max_torque_nm / kRiseS;
+  limits_.max_torque_slew_nm_per_s = limits_.max_torque_nm / kForceRiseS;
   return {};
 }
 
@@ -230,7 +229,7 @@ hd::Enum OpenHapticsDevice::on_tick(void* self) noexcept {
 void OpenHapticsDevice::tick() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   // Opening or closing another device stops the scheduler of all.
-  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverSilenceNs) exchange_.restart_ramp();
+  if (now_ns - reading_.sample.time_ns > DeviceExchange::kDriverTimeoutNs) exchange_.restart_ramp();
   reading_.sample.time_ns = now_ns;
   hd_.make_current_device(device_);
   hd_.begin_frame(device_);
@@ -357,7 +356,7 @@ void OpenHapticsDevice::log_errors(std::int64_t now_ns) {
 bool OpenHapticsDevice::is_lost(std::int64_t now_ns) const {
   if (!is_open_) return true;
   return device_error_.load(std::memory_order_relaxed) != hd::kSuccess ||
-         now_ns - ticked_ns_.load(std::memory_order_acquire) > kSchedulerSilenceNs;
+         now_ns - ticked_ns_.load(std::memory_order_acquire) > kSchedulerTimeoutNs;
 }
 
 void OpenHapticsDevice::reopen(std::int64_t now_ns) {

@@ -47,7 +47,7 @@ def main():
     rows = [row for trial in range(trials) for row in run_trial(node, trial)]
     state = node.state()
     node.close()
-    print(f"{state['answers']} forces, {state['rate_hz']:.0f} a second, {state['superseded']} samples superseded, p99 {state['compute_p99_us']:.1f} us")
+    print(f"{state['replies']} forces, {state['rate_hz']:.0f} a second, {state['superseded']} samples superseded, p99 {state['compute_p99_us']:.1f} us")
     if len(sys.argv) > 3:
         np.savez(sys.argv[3], trials=np.array(rows))
 

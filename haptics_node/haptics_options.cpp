@@ -22,10 +22,8 @@ std::string check_method(const std::string& word) {
   return choice ? std::string() : choice.error().what;
 }
 
-}  // namespace
-
-std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* const* argv) {
-  HapticsOptions options;
+// What is parsed once all is given.
+struct HapticsWords {
   std::string grid = "32";
   std::string realtime = "try";
   std::string unit;
@@ -35,10 +33,11 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   std::string tool_unit;
   std::vector<std::string> effects;
   std::string tool_grip = "origin";
-  options.method.build_on_approach = true;
-  double offset_in = options.method.offset_m / kMetresPerInch;
+  double offset_in = 0.0;
+};
 
-  CLI::App app{"Computes the force for every device sample of the hub.", "haptics_node"};
+// The hub, and the scene that is touched.
+void add_scene_options(CLI::App& app, HapticsOptions& options, HapticsWords& words) {
   app.add_option("--hub", options.hub, "Where io_node is: HOST or HOST:PORT")->capture_default_str();
   app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
   app.add_option("--key", options.key_file, kKeyHelp);
@@ -48,14 +47,18 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option("--probe", options.probe,
                  "Probe of the scene file that this node computes, by the name of its [[probe]]: radius, method and shading (default: the "
                  "first one); flags count more");
-  app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
-  app.add_flag("--no-seal", no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
-  app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
+  app.add_option("--unit", words.unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
+  app.add_flag("--no-seal", words.no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
+  app.add_flag("--no-fit", words.no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");
+}
+
+// The method, and what shared libraries add.
+void add_plugin_options(CLI::App& app, HapticsOptions& options, HapticsWords& words) {
   app.add_option("--method", options.method.name,
                  "Force method, one of: " + method_names() + "; or a shared library with one, FILE.so:KEY=VALUE,... (docs/plugins.md)")
       ->check(CLI::Validator(check_method, ""))
       ->capture_default_str();
-  app.add_option("--effect", effects,
+  app.add_option("--effect", words.effects,
                  "Effect from a shared library, added to the force: FILE.so or FILE.so:KEY=VALUE,... (docs/plugins.md); may be repeated")
       ->check(accepts(parse_plugin_choice));
   app.add_flag("--allow-plugins", options.allow_plugins,
@@ -64,8 +67,14 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
                  "Time for each call of a plug-in, us; one that overruns it too often is cut off")
       ->check(between(1.0, 1e4))
       ->capture_default_str();
-  app.add_option("--grid", grid, "sweep: cells along each axis, N or NxNxN")->check(accepts(parse_grid_division))->capture_default_str();
-  app.add_option("--offset-in", offset_in, "sweep: length of the offset vector, inches")
+}
+
+// Settings of single methods.
+void add_method_options(CLI::App& app, HapticsOptions& options, HapticsWords& words) {
+  app.add_option("--grid", words.grid, "sweep: cells along each axis, N or NxNxN")
+      ->check(accepts(parse_grid_division))
+      ->capture_default_str();
+  app.add_option("--offset-in", words.offset_in, "sweep: length of the offset vector, inches")
       ->check(above_zero("inches"))
       ->capture_default_str();
   app.add_option("--set-size", options.method.set_size, "smooth: triangles in the local set, 16 to 256")->capture_default_str();
@@ -81,9 +90,13 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
                  "smooth, proxy with shading: edges at which the surface turns by more degrees than this are sharp")
       ->check(between(0.0, 180.0))
       ->capture_default_str();
-  app.add_option("--simplify", simplify, "smooth: simplify the mesh within this distance of its surface, such as 0.1mm; 0: do not simplify")
+  app.add_option("--simplify", words.simplify,
+                 "smooth: simplify the mesh within this distance of its surface, such as 0.1mm; 0: do not simplify")
       ->check(accepts(parse_length))
       ->capture_default_str();
+}
+
+void add_probe_options(CLI::App& app, HapticsOptions& options) {
   app.add_option("--probe-radius", options.method.probe_radius_m,
                  "Radius of the probe, metres; 0: a point (sweep and smooth have only points)")
       ->check(zero_or_more("metres"))
@@ -99,14 +112,18 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_flag("--build-on-approach,!--build-at-once", options.method.build_on_approach,
                "proxy: build an object's structures when the probe first approaches it, while the loop runs")
       ->default_str("true");
+}
+
+// A rigid tool, also one that is picked up.
+void add_tool_options(CLI::App& app, HapticsOptions& options, HapticsWords& words) {
   const auto tool =
       app.add_option("--tool", options.tool.file,
                      "Mesh of a rigid tool that the stylus holds in place of a probe: force and torque (docs/tool.md; default: "
                      "the scene's [tool], if it has one)");
-  app.add_option("--tool-unit", tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
+  app.add_option("--tool-unit", words.tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
       ->check(accepts(parse_unit))
       ->needs(tool);
-  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
+  app.add_option("--tool-grip", words.tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
       ->check(accepts(parse_tool_grip))
       ->capture_default_str()
       ->needs(tool);
@@ -124,7 +141,10 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
   app.add_option(
       "--annotations", options.annotations,
       "File of vision_node --annotations: poses of movable objects, and what was carved, at the start (docs/tool.md, docs/vision.md)");
-  app.add_option("--rt", realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
+}
+
+void add_loop_options(CLI::App& app, HapticsOptions& options, HapticsWords& words) {
+  app.add_option("--rt", words.realtime, "Real-time priority, memory lock and wake-up latency: off, try or require")
       ->check(accepts(parse_realtime_mode))
       ->capture_default_str();
   app.add_option("--rt-priority", options.realtime.priority, "SCHED_FIFO priority; 0: ordinary thread")
@@ -141,25 +161,46 @@ std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* co
       ->check(between(0.01, 1000.0))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();
+}
 
-  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+void set_options(const CLI::App& app, const HapticsWords& words, HapticsOptions& options) {
   options.is_method_given = app.count("--method") > 0;
   options.is_radius_given = app.count("--probe-radius") > 0;
   options.is_shading_given = app.count("--shading") > 0;
-  options.method.grid_division = *parse_grid_division(grid);
+  options.method.grid_division = *parse_grid_division(words.grid);
   if (names_plugin_file(options.method.name)) {
     options.method_file = *parse_plugin_choice(options.method.name);
     options.method.name = kPluginMethod;
   }
-  for (const std::string& effect : effects) options.effects.push_back(*parse_plugin_choice(effect));
-  options.method.simplify_m = *parse_length(simplify);
-  options.method.offset_m = offset_in * kMetresPerInch;
-  options.realtime.mode = *parse_realtime_mode(realtime);
-  if (!unit.empty()) options.loading.unit = *parse_unit(unit);
-  if (!tool_unit.empty()) options.tool.unit = *parse_unit(tool_unit);
-  options.tool.grip = *parse_tool_grip(tool_grip);
-  if (no_seal) options.loading.sealing = CrackSealing::off;
-  if (no_fit) options.loading.fit = MeshFit::off;
+  for (const std::string& effect : words.effects) options.effects.push_back(*parse_plugin_choice(effect));
+  options.method.simplify_m = *parse_length(words.simplify);
+  options.method.offset_m = words.offset_in * kMetresPerInch;
+  options.realtime.mode = *parse_realtime_mode(words.realtime);
+  if (!words.unit.empty()) options.loading.unit = *parse_unit(words.unit);
+  if (!words.tool_unit.empty()) options.tool.unit = *parse_unit(words.tool_unit);
+  options.tool.grip = *parse_tool_grip(words.tool_grip);
+  if (words.no_seal) options.loading.sealing = CrackSealing::off;
+  if (words.no_fit) options.loading.fit = MeshFit::off;
+}
+
+}  // namespace
+
+std::variant<HapticsOptions, int> parse_haptics_options(int argc, const char* const* argv) {
+  HapticsOptions options;
+  HapticsWords words;
+  options.method.build_on_approach = true;
+  words.offset_in = options.method.offset_m / kMetresPerInch;
+
+  CLI::App app{"Computes the force for every device sample of the hub.", "haptics_node"};
+  add_scene_options(app, options, words);
+  add_plugin_options(app, options, words);
+  add_method_options(app, options, words);
+  add_probe_options(app, options);
+  add_tool_options(app, options, words);
+  add_loop_options(app, options, words);
+
+  if (const auto code = parse_command_line(app, argc, argv)) return *code;
+  set_options(app, words, options);
   return options;
 }
 

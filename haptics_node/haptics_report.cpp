@@ -6,6 +6,11 @@
 #include "runtime/log.h"
 
 namespace hapton {
+namespace {
+
+std::string describe_joins(std::uint64_t joins) { return joins == 1 ? std::string("once") : fmt::format("{} times", joins); }
+
+}  // namespace
 
 std::string describe_times(const std::string& what, const LatencyHistogram& times) {
   if (times.count() == 0) return {};
@@ -34,10 +39,10 @@ std::string describe_spins(const StateWait& wait) {
 std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, const LatencyHistogram& compute_times,
                                 const LatencyHistogram& step_times) {
   const HapticsCounts& counts = step.counts();
-  std::string text =
-      fmt::format("haptics_node: {} samples with a reply, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered, {} joins\n",
-                  counts.replied, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost,
-                  hub.sequence_counts().reordered, hub.counts().joins);
+  std::string text = fmt::format(
+      "haptics_node: {} samples with a reply, {} in contact, maximum {:.3f} N; {} skipped, {} lost, {} reordered; joined the hub {}\n",
+      counts.replied, counts.contact_steps, counts.max_force_n, counts.skipped, hub.sequence_counts().lost, hub.sequence_counts().reordered,
+      describe_joins(hub.counts().joins));
   text += describe_times("step", step_times);
   text += describe_times("arrival to reply", compute_times);
   if (counts.views_taken + counts.views_rejected > 0) {

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kNotifyEveryNs = 200 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kLookNs = 20 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kPollNs = 20 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ void notify_preparation(HubClient& hub, const Clock& clock, SceneFacts scene, st
       next_ns = now_ns + kNotifyEveryNs;
     }
     // Drops the device's states: they are for the node that starts afterwards.
-    (void)hub.receive(received, now_ns + kLookNs);
+    (void)hub.receive(received, now_ns + kPollNs);
   }
 }
 

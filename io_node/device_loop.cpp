@@ -183,7 +183,7 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   device_.write(wrench, begin_ns);
   if (is_off) set_force_sample(0);
   device_ns_ += clock_.now_ns() - begin_ns;
-  const bool is_released = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.is_silent();
+  const bool is_released = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.has_timed_out();
   if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
   written_ = wrench;
   stats_.max_force_n = std::max(stats_.max_force_n, wrench.force_n.norm());
@@ -292,7 +292,7 @@ void DeviceLoop::show() noexcept {
   side.written = written_;
   side.status = status();
   side.governor = governor_.figures();
-  side.is_silent = governor_.is_silent();
+  side.has_timed_out = governor_.has_timed_out();
   side.is_energy_gone = governor_.is_energy_gone();
   side.is_switch_held = governor_.is_switch_held();
   side.has_overrun = has_overrun();

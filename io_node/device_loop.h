@@ -50,7 +50,7 @@ struct DeviceSide {
   Wrench written;  // on the motors
   DeviceStatus status = DeviceStatus::ready;
   GovernorStats governor;
-  bool is_silent = true;  // see SafetyGovernor::is_silent
+  bool has_timed_out = true;  // see SafetyGovernor::has_timed_out
   bool is_energy_gone = false;
   bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
   bool has_overrun = false;

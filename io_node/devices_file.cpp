@@ -50,8 +50,7 @@ int read_dead_mans_switch(TomlReader& reader, int otherwise) {
   return static_cast<int>(from_zero + 1);
 }
 
-IoOptions read_device(TomlReader& reader, const IoOptions& common) {
-  IoOptions options = common;
+void allow_device_keys(TomlReader& reader) {
   reader.allow({"name",
                 "device",
                 "bind",
@@ -80,6 +79,31 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
                 "metrics",
                 "vrpn",
                 "vrpn_name"});
+}
+
+void read_safety(TomlReader& reader, DeviceSettings& device) {
+  reader.read("max_force_n", device.max_force_n, 0.0, kMostForceN);
+  reader.read("max_slew_n_per_s", device.max_slew_n_per_s, 0.0, kMostSlewNPerS);
+  reader.read("max_torque_nm", device.max_torque_nm, 0.0, kMostForceN);
+  reader.read("continuous_force_n", device.continuous_force_n, 0.0, kMostForceN);
+  reader.read("max_speed_m_per_s", device.max_speed_m_per_s, 0.0, 100.0);
+  device.dead_mans_switch = read_dead_mans_switch(reader, device.dead_mans_switch);
+  std::int64_t clutch_button = device.clutch_button;
+  reader.read("clutch_button", clutch_button, 0, 32);
+  device.clutch_button = static_cast<int>(clutch_button);
+  if (clutch_button > 0 && clutch_button == device.dead_mans_switch) {
+    reader.reject("clutch_button",
+                  fmt::format("'clutch_button' = {} is also the button of 'dead_mans_switch': take another one", clutch_button));
+  }
+  reader.read("passive_mass_kg", device.passive_mass_kg, 0.0, 100.0);
+  reader.read("passive_damping_ns_per_m", device.passive_damping_ns_per_m, 0.0, 1000.0);
+  reader.read("passive_friction_n", device.passive_friction_n, 0.0, 100.0);
+  reader.read("passive_position_step_m", device.passive_position_step_m, 0.0, 0.01);
+}
+
+IoOptions read_device(TomlReader& reader, const IoOptions& common) {
+  IoOptions options = common;
+  allow_device_keys(reader);
   for (const char* key : {"name", "device", "bind"}) reader.require(key);
   reader.read("name", options.name);
   if (!is_good_name(options.name)) {
@@ -100,23 +124,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   reader.read("seed", seed, 0, kMostSeed);
   options.device.seed = static_cast<std::uint64_t>(seed);
   options.device.X_WB = read_place(reader);
-  reader.read("max_force_n", options.device.max_force_n, 0.0, kMostForceN);
-  reader.read("max_slew_n_per_s", options.device.max_slew_n_per_s, 0.0, kMostSlewNPerS);
-  reader.read("max_torque_nm", options.device.max_torque_nm, 0.0, kMostForceN);
-  reader.read("continuous_force_n", options.device.continuous_force_n, 0.0, kMostForceN);
-  reader.read("max_speed_m_per_s", options.device.max_speed_m_per_s, 0.0, 100.0);
-  options.device.dead_mans_switch = read_dead_mans_switch(reader, options.device.dead_mans_switch);
-  std::int64_t clutch_button = options.device.clutch_button;
-  reader.read("clutch_button", clutch_button, 0, 32);
-  options.device.clutch_button = static_cast<int>(clutch_button);
-  if (clutch_button > 0 && clutch_button == options.device.dead_mans_switch) {
-    reader.reject("clutch_button",
-                  fmt::format("'clutch_button' = {} is also the button of 'dead_mans_switch': take another one", clutch_button));
-  }
-  reader.read("passive_mass_kg", options.device.passive_mass_kg, 0.0, 100.0);
-  reader.read("passive_damping_ns_per_m", options.device.passive_damping_ns_per_m, 0.0, 1000.0);
-  reader.read("passive_friction_n", options.device.passive_friction_n, 0.0, 100.0);
-  reader.read("passive_position_step_m", options.device.passive_position_step_m, 0.0, 0.01);
+  read_safety(reader, options.device);
   reader.read("rate_hz", options.rate_hz, kMinServoRateHz, kMaxServoRateHz);
   std::int64_t cpu = options.realtime.cpu;
   reader.read("cpu", cpu, -1, 4095);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "link/udp_endpoint.h"
@@ -32,80 +34,93 @@ std::string describe_causes(const ServoStats& stats) {
   return text;
 }
 
-void add_counters(LatencyReport& report, const ServoStats& s) {
+using Counters = std::map<std::string, std::int64_t>;
+
+// Samples, forces and cycles.
+Counters count_forces(const ServoStats& s) {
+  return {{"samples", whole(s.samples)},
+          {"states_sent", whole(s.states_sent)},
+          {"forces", whole(s.forces)},
+          {"contact_samples", whole(s.contact_samples)},
+          {"forces_in_time", whole(s.responses.in_time)},
+          {"late", whole(s.responses.late)},
+          {"reordered", whole(s.responses.reordered)},
+          {"duplicate", whole(s.responses.duplicate)},
+          {"unknown_echo", whole(s.responses.unknown)},
+          {"superseded", whole(s.responses.superseded)},
+          {"lost", whole(s.responses.lost)},
+          {"no_reply_without_haptics", whole(s.responses.excused)},
+          {"missed_cycles", whole(s.missed_cycles)},
+          {"caught_up_cycles", whole(s.caught_up_cycles)},
+          {"cycles_unreported", whole(s.cycles_unreported)},
+          {"device_releases", whole(s.cuts)},
+          {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
+          {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
+          {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
+          {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
+          {"command_timeouts", whole(s.governor.counters.command_timeouts)},
+          {"clamped", whole(s.governor.counters.clamped)},
+          {"rate_limited", whole(s.governor.counters.slewed)},
+          {"not_finite", whole(s.governor.counters.not_finite)},
+          {"rejected_old", whole(s.governor.counters.rejected_old)},
+          {"rejected_future", whole(s.governor.counters.rejected_future)},
+          {"longest_release_us", (s.longest_release_ns + 999) / 1000}};
+}
+
+Counters count_datagrams(const ServoStats& s) {
   const auto rejected = s.hub.undecodable + s.hub.other_session + s.hub.unknown_peers + s.hub.wrong_role;
-  report.counters = {{"samples", whole(s.samples)},
-                     {"states_sent", whole(s.states_sent)},
-                     {"forces", whole(s.forces)},
-                     {"contact_samples", whole(s.contact_samples)},
-                     {"forces_in_time", whole(s.responses.in_time)},
-                     {"late", whole(s.responses.late)},
-                     {"reordered", whole(s.responses.reordered)},
-                     {"duplicate", whole(s.responses.duplicate)},
-                     {"unknown_echo", whole(s.responses.unknown)},
-                     {"superseded", whole(s.responses.superseded)},
-                     {"lost", whole(s.responses.lost)},
-                     {"unanswered_without_haptics", whole(s.responses.excused)},
-                     {"missed_cycles", whole(s.missed_cycles)},
-                     {"caught_up_cycles", whole(s.caught_up_cycles)},
-                     {"missed_late_wake_up", whole(missed_by(s, MissCause::late_wake_up))},
-                     {"missed_device_slow", whole(missed_by(s, MissCause::device_slow))},
-                     {"missed_work_long", whole(missed_by(s, MissCause::work_long))},
-                     {"missed_machine_stalled", whole(missed_by(s, MissCause::machine_stalled))},
-                     {"command_timeouts", whole(s.governor.counters.command_timeouts)},
-                     {"clamped", whole(s.governor.counters.clamped)},
-                     {"rate_limited", whole(s.governor.counters.slewed)},
-                     {"not_finite", whole(s.governor.counters.not_finite)},
-                     {"rejected_old", whole(s.governor.counters.rejected_old)},
-                     {"rejected_future", whole(s.governor.counters.rejected_future)},
-                     {"longest_release_us", (s.longest_release_ns + 999) / 1000},
-                     {"datagrams_sent", whole(s.hops.link.datagrams_sent)},
-                     {"bytes_sent", whole(s.hops.link.bytes_sent)},
-                     {"bytes_received", whole(s.hops.link.bytes_received)},
-                     {"datagrams_received", whole(s.hub.received)},
-                     {"datagrams_rejected", whole(rejected)},
-                     {"sessions_sealed", whole(s.seal.handshakes)},
-                     {"rejected_malformed", whole(s.seal.malformed)},
-                     {"rejected_wrong_version", whole(s.seal.wrong_version)},
-                     {"rejected_wrong_key", whole(s.seal.wrong_key)},
-                     {"rejected_replayed_handshakes", whole(s.seal.replayed_handshakes)},
-                     {"rejected_too_many_handshakes", whole(s.seal.too_many_handshakes)},
-                     {"rejected_oversized", whole(s.seal.oversized)},
-                     {"rejected_role", whole(s.hub.role_violations)},
-                     {"handshake_retries", whole(s.seal.retries)},
-                     {"resets_denied", whole(s.resets_denied)},
-                     {"rejected_unknown_session", whole(s.seal.unknown_session)},
-                     {"rejected_replayed", whole(s.seal.replayed)},
-                     {"rejected_forged", whole(s.seal.forged)},
-                     {"rejected_no_slot", whole(s.seal.no_place)},
-                     {"unknown_peers", whole(s.socket.unknown_peers)},
-                     {"dropped_by_kernel", whole(s.socket.dropped)},
-                     {"floods", whole(s.socket.floods)},
-                     {"budget_spent", whole(s.budget_spent)},
-                     {"cycles_unreported", whole(s.cycles_unreported)},
-                     {"device_cuts", whole(s.cuts)},
-                     {"joins_rejected", whole(s.hub.rejections)},
-                     {"peers_timed_out", whole(s.hub.timeouts)},
-                     {"bad_settings", whole(s.bad_settings)},
-                     {"markers", whole(s.markers)},
-                     {"markers_refused", whole(s.markers_refused)},
-                     {"moves_rejected", whole(s.moves_rejected)},
-                     {"shape_parts_rejected", whole(s.shape_parts_rejected)},
-                     {"vision_sent", whole(s.probe_states_sent)},
-                     {"vision_unchanged", whole(s.probe_states_unchanged)},
-                     {"views_forwarded", whole(s.views_forwarded)},
-                     {"drawn", whole(s.drawn)},
-                     {"local_forces", whole(s.local_forces)},
-                     {"patch_parts", whole(s.patch_builder.store.parts)},
-                     {"patches_built", whole(s.patch_builder.built)},
-                     {"patches_taken_over", whole(s.patch_touch.handed_over)},
-                     {"beyond_patch", whole(s.patch_touch.beyond)},
-                     {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
-                     {"moves_late", whole(s.patch_touch.late_moves)},
-                     {"echo_sent", whole(s.echo.sent)},
-                     {"echo_answered", whole(s.echo.replied)},
-                     {"echo_late", whole(s.echo.late)},
-                     {"events_dropped", whole(s.events_dropped)}};
+  return {{"datagrams_sent", whole(s.hops.link.datagrams_sent)},
+          {"bytes_sent", whole(s.hops.link.bytes_sent)},
+          {"bytes_received", whole(s.hops.link.bytes_received)},
+          {"datagrams_received", whole(s.hub.received)},
+          {"datagrams_rejected", whole(rejected)},
+          {"sessions_sealed", whole(s.seal.handshakes)},
+          {"rejected_malformed", whole(s.seal.malformed)},
+          {"rejected_wrong_version", whole(s.seal.wrong_version)},
+          {"rejected_wrong_key", whole(s.seal.wrong_key)},
+          {"rejected_replayed_handshakes", whole(s.seal.replayed_handshakes)},
+          {"rejected_too_many_handshakes", whole(s.seal.too_many_handshakes)},
+          {"rejected_oversized", whole(s.seal.oversized)},
+          {"rejected_role", whole(s.hub.role_violations)},
+          {"handshake_retries", whole(s.seal.retries)},
+          {"resets_denied", whole(s.resets_denied)},
+          {"rejected_unknown_session", whole(s.seal.unknown_session)},
+          {"rejected_replayed", whole(s.seal.replayed)},
+          {"rejected_forged", whole(s.seal.forged)},
+          {"rejected_no_slot", whole(s.seal.no_place)},
+          {"unknown_peers", whole(s.socket.unknown_peers)},
+          {"dropped_by_kernel", whole(s.socket.dropped)},
+          {"floods", whole(s.socket.floods)},
+          {"datagram_budget_exhausted", whole(s.budget_spent)},
+          {"joins_rejected", whole(s.hub.rejections)},
+          {"peers_timed_out", whole(s.hub.timeouts)}};
+}
+
+// What nodes request, and what is shown.
+Counters count_requests(const ServoStats& s) {
+  return {{"bad_settings", whole(s.bad_settings)},
+          {"markers", whole(s.markers)},
+          {"markers_rejected", whole(s.markers_rejected)},
+          {"moves_rejected", whole(s.moves_rejected)},
+          {"shape_parts_rejected", whole(s.shape_parts_rejected)},
+          {"vision_sent", whole(s.probe_states_sent)},
+          {"vision_unchanged", whole(s.probe_states_unchanged)},
+          {"views_forwarded", whole(s.views_forwarded)},
+          {"drawn", whole(s.drawn)}};
+}
+
+// Forces from patches, and the bare echo.
+Counters count_patches(const ServoStats& s) {
+  return {{"local_forces", whole(s.local_forces)},         {"patch_parts", whole(s.patch_builder.store.parts)},
+          {"patches_built", whole(s.patch_builder.built)}, {"patches_taken_over", whole(s.patch_touch.handed_over)},
+          {"beyond_patch", whole(s.patch_touch.beyond)},   {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
+          {"moves_late", whole(s.patch_touch.late_moves)}, {"echo_sent", whole(s.echo.sent)},
+          {"echo_replied", whole(s.echo.replied)},         {"echo_late", whole(s.echo.late)},
+          {"events_dropped", whole(s.events_dropped)}};
+}
+
+void add_counters(LatencyReport& report, const ServoStats& s) {
+  for (Counters counters : {count_forces(s), count_datagrams(s), count_requests(s), count_patches(s)}) report.counters.merge(counters);
 }
 
 // The state and counters of the safety governor.
@@ -163,13 +178,13 @@ void add_scheduling(LatencyReport& report, const SchedulingStats& s) {
   report.counters["loop_involuntary_switches"] = whole(s.involuntary_switches);
   report.counters["loop_waited_us"] = std::llround(1e3 * s.waited_ms);
   report.counters["machine_stolen_us"] = std::llround(1e3 * s.stolen_ms);
-  report.counters["near_throttling"] = whole(s.near_throttling);
+  report.counters["near_rt_throttling"] = whole(s.near_throttling);
 }
 
 std::string describe_scheduling(const SchedulingStats& s) {
   return fmt::format(
-      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; waited for a CPU {:.1f} ms, preempted {} times, {:.0f} ms stolen from "
-      "the machine\n",
+      "loop: worked {:.1f} %, spun {:.1f} %, slept {:.1f} %; waited for a CPU {:.1f} ms, preempted {} times, {:.0f} ms steal time "
+      "(hypervisor)\n",
       100.0 * s.worked_share, 100.0 * s.spun_share, 100.0 * s.slept_share, s.waited_ms, s.involuntary_switches, s.stolen_ms);
 }
 

@@ -11,7 +11,7 @@ void MarkerLog::accept(const Marker& marker, const PeerEvent& event, std::uint64
       std::find_if(source.replies.begin(), source.replies.end(), [&](const MarkerReply& reply) { return reply.request == marker.request; });
   const bool is_new = known == source.replies.end();
   if (!source.markers.take(now_ns)) {
-    stats_.markers_refused += is_new ? 1 : 0;
+    stats_.markers_rejected += is_new ? 1 : 0;
     if (!source.refusals.take(now_ns)) return;
     peers_.send_to(event.peer, is_new ? MarkerReply{marker.request, sample, MarkerStatus::too_many} : *known);
     return;
@@ -25,7 +25,7 @@ MarkerReply MarkerLog::record(const Marker& marker, NodeRole role, std::uint64_t
   MarkerReply reply{marker.request, sample, MarkerStatus::no_recording};
   const std::string_view text(marker.text.data());
   if (tap_ != nullptr) reply.status = tap_->on_marker({sample, role, text}, now_ns);
-  ++(reply.status == MarkerStatus::recorded ? stats_.markers : stats_.markers_refused);
+  ++(reply.status == MarkerStatus::recorded ? stats_.markers : stats_.markers_rejected);
   return reply;
 }
 

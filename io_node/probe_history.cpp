@@ -31,8 +31,8 @@ std::optional<Vec3> ProbeHistory::find_probe() const noexcept {
   return poses_[last_.echo_sample % kSamples].p_WD + last_.visual_offset_m;
 }
 
-void ProbeHistory::show(bool is_silent, ProbeState& probe) const noexcept {
-  const bool is_live = !is_silent && is_known(last_.echo_sample);
+void ProbeHistory::show(bool has_timed_out, ProbeState& probe) const noexcept {
+  const bool is_live = !has_timed_out && is_known(last_.echo_sample);
   const std::uint64_t shown = is_live ? last_.echo_sample : newest_;
   if (shown < probe.sample) return;  // a reply to a sample from before the timeout is too late to be shown
   const Pose& pose = poses_[shown % kSamples];

@@ -59,7 +59,7 @@ class ProbeHistory {
 
   // Pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw the
   // probe off the surface by the device's motion in between. Without replies: the newest sample, without offset.
-  void show(bool is_silent, ProbeState& probe) const noexcept;
+  void show(bool has_timed_out, ProbeState& probe) const noexcept;
 
  private:
   bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_ - sample < kSamples; }

@@ -37,7 +37,7 @@ ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneRea
   if (side.governor.fault != SafetyFault::none) return ProbeStatus::fault_latched;
   if (side.status == DeviceStatus::away || side.status == DeviceStatus::fault) return ProbeStatus::device_away;
   if (side.status == DeviceStatus::calibrating) return ProbeStatus::calibrating;
-  if (!has_haptics || side.is_silent) return ProbeStatus::no_haptics;
+  if (!has_haptics || side.has_timed_out) return ProbeStatus::no_haptics;
   if (reach == SceneReach::out_of_reach) return ProbeStatus::out_of_reach;
   if (reach == SceneReach::too_small) return ProbeStatus::too_small;
   return is_hand_inside ? ProbeStatus::hand_inside : ProbeStatus::ok;

@@ -150,7 +150,7 @@ void Servo::do_housekeeping() noexcept {
 void Servo::show_proxy() noexcept {
   if (vrpn_feed_ == nullptr || !vrpn_feed_->is_wanted()) return;
   ProbeState probe;
-  forces_.history().show(loop_.latest().is_silent, probe);
+  forces_.history().show(loop_.latest().has_timed_out, probe);
   vrpn_feed_->show_proxy({probe.p_WD + probe.visual_offset_m, turn_by(probe.visual_turn) * probe.q_WT, probe.contact});
 }
 
@@ -204,8 +204,12 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     peers_.send_to_role(NodeRole::vision, *carves);
     return;
   }
-  // Of these kinds the newest wins (KindOrder).
-  if (event.arrival != Arrival::newest) return;
+  if (event.arrival == Arrival::newest) on_newest(event, datagram);
+}
+
+// Of these kinds the newest wins (KindOrder).
+void Servo::on_newest(const PeerEvent& event, const Datagram& datagram) noexcept {
+  const Message& message = datagram.message;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
   if (const auto* drawn = std::get_if<FrameAck>(&message)) {
     return vision_.on_frame_ack(datagram.header, *drawn, event.peer, cycle_.number, clock_.now_ns());
@@ -222,7 +226,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
     return;
   }
   if (const auto* pose = std::get_if<ObjectPose>(&message)) {
-    if (event.role == NodeRole::vision) {  // asks for it to be moved there
+    if (event.role == NodeRole::vision) {  // requests that it be moved there
       peers_.send_to_role(NodeRole::haptics, *pose);
       return;
     }

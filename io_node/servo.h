@@ -116,6 +116,7 @@ class Servo final : private PeerEventHandler {
 
   void handle(const PeerEvent& event, const Datagram& datagram) noexcept override;
   void on_message(const PeerEvent& event, const Datagram& datagram) noexcept;
+  void on_newest(const PeerEvent& event, const Datagram& datagram) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
   void on_view(const ViewTransform& view) noexcept;

@@ -26,7 +26,7 @@ void VisionFeed::on_frame_ack(const Header& header, const FrameAck& frame, std::
 
 void VisionFeed::send(const ProbeHistory& memory, const DeviceSide& side, const DeviceCycle& cycle, std::uint32_t view_revision,
                       ProbeStatus status, std::int64_t now_ns) noexcept {
-  memory.show(side.is_silent, probe_);
+  memory.show(side.has_timed_out, probe_);
   probe_.buttons = cycle.sample.buttons;
   probe_.force_n = side.written.force_n;
   probe_.torque_nm = side.written.torque_nm;

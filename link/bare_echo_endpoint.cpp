@@ -48,9 +48,8 @@ BareEchoEndpoint::~BareEchoEndpoint() {
 
 bool BareEchoEndpoint::serve_one() noexcept {
   std::array<std::byte, 65536> buffer;
-  sockaddr_storage from;
-  socklen_t from_size = sizeof from;
-  const ssize_t received = ::recvfrom(socket_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &from_size);
+  SocketAddress from;
+  const ssize_t received = ::recvfrom(socket_, buffer.data(), buffer.size(), 0, from.get(), &from.size);
   if (received < 0) {
     return false;
   }
@@ -59,7 +58,7 @@ bool BareEchoEndpoint::serve_one() noexcept {
     return true;
   }
   std::memcpy(buffer.data(), kEchoReply.data(), kEchoMarkBytes);
-  ::sendto(socket_, buffer.data(), static_cast<std::size_t>(received), 0, reinterpret_cast<const sockaddr*>(&from), from_size);
+  ::sendto(socket_, buffer.data(), static_cast<std::size_t>(received), 0, from.get(), from.size);
   ++served_;
   return true;
 }

@@ -18,7 +18,7 @@ constexpr std::int64_t kRepeatSettingNs = kNanosecondsPerSecond / 2;
 
 std::uint32_t make_request_number() { return static_cast<std::uint32_t>(make_random_id()) | 1U; }
 
-// What is sent and heard meanwhile.
+// What is sent and received meanwhile.
 class SettingsTalk {
  public:
   SettingsTalk(HubClient& client, const Clock& clock) : client_(client), clock_(clock) {}

@@ -20,7 +20,7 @@ AxisMotion::AxisMotion(const DeviceModel& device, const HandModel& hand)
   net_force_.setZero(states_ + AxisPlant::kInputs);
   net_force_ << plant_.a.row(1).transpose(), plant_.b.row(1).transpose();
   // Over the inverse mass: the friction input is a force.
-  net_force_ /= plant_.b(1, AxisPlant::kFriction);
+  net_force_ /= plant_.b(1, AxisPlant::friction);
   if (device.friction_n > 0.0) {
     const double fastest = std::max(1e-3, compute_eigenvalues(plant_.a).cwiseAbs().maxCoeff());
     const double cell_ns = 1e9 * 2.0 * std::numbers::pi / (kCellsPerPeriod * fastest);
@@ -32,7 +32,7 @@ AxisMotion::AxisMotion(const DeviceModel& device, const HandModel& hand)
 
 AxisMotion::WholeMatrix AxisMotion::motor_power() const {
   WholeMatrix power = WholeMatrix::Zero(states_ + AxisPlant::kInputs, states_ + AxisPlant::kInputs);
-  const int force = plant_.has_amplifier ? states_ - 1 : states_ + AxisPlant::kCommand;
+  const int force = plant_.has_amplifier ? states_ - 1 : states_ + AxisPlant::command;
   power(1, force) = power(force, 1) = 0.5;
   return power;
 }
@@ -57,7 +57,7 @@ AxisMotion::Steps AxisMotion::make_steps(bool pinned) const {
   Eigen::MatrixXd rate = Eigen::MatrixXd::Zero(n, n);
   rate.topLeftCorner(states_, states_) = plant_.a;
   rate.topRightCorner(states_, AxisPlant::kInputs) = plant_.b;
-  rate(states_ + AxisPlant::kHand, states_ + AxisPlant::kHandSpeed) = 1.0;
+  rate(states_ + AxisPlant::hand, states_ + AxisPlant::hand_speed) = 1.0;
   if (pinned) rate.topRows(2).setZero();
   Steps steps;
   for (int bit = 0; bit < kMostBits; ++bit) {
@@ -111,7 +111,7 @@ bool AxisMotion::run(const Steps& steps, State& state, Whole& whole, std::int64_
 
 // `whole` has the push in its friction input; friction comes on top where the mass slides.
 void AxisMotion::cross_cell(State& state, Whole& whole, std::int64_t left_ns) const noexcept {
-  const int friction_at = states_ + AxisPlant::kFriction;
+  const int friction_at = states_ + AxisPlant::friction;
   const double push_n = whole[friction_at];
   const double most_n = device_.friction_n;
   for (int events = 0; left_ns > 0; ++events) {

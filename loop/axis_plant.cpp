@@ -31,16 +31,16 @@ AxisPlant make_axis_plant(const DeviceModel& device, const HandModel& hand) {
   const int last = masses - 1;
   plant.a(2 * last + 1, 2 * last) -= hand.stiffness_n_per_m / mass_kg(last);
   plant.a(2 * last + 1, 2 * last + 1) -= hand.damping_ns_per_m / mass_kg(last);
-  plant.b(2 * last + 1, AxisPlant::kHand) = hand.stiffness_n_per_m / mass_kg(last);
-  plant.b(2 * last + 1, AxisPlant::kHandSpeed) = hand.damping_ns_per_m / mass_kg(last);
-  plant.b(1, AxisPlant::kFriction) = 1.0 / mass_kg(0);
+  plant.b(2 * last + 1, AxisPlant::hand) = hand.stiffness_n_per_m / mass_kg(last);
+  plant.b(2 * last + 1, AxisPlant::hand_speed) = hand.damping_ns_per_m / mass_kg(last);
+  plant.b(1, AxisPlant::friction) = 1.0 / mass_kg(0);
   if (plant.has_amplifier) {
     const double rate = 2.0 * std::numbers::pi * device.amplifier_hz;
     plant.a(states - 1, states - 1) = -rate;
-    plant.b(states - 1, AxisPlant::kCommand) = rate;
+    plant.b(states - 1, AxisPlant::command) = rate;
     plant.a(1, states - 1) = 1.0 / mass_kg(0);
   } else {
-    plant.b(1, AxisPlant::kCommand) = 1.0 / mass_kg(0);
+    plant.b(1, AxisPlant::command) = 1.0 / mass_kg(0);
   }
   return plant;
 }

@@ -20,7 +20,7 @@ namespace hapton {
 struct AxisPlant {
   static constexpr int kMostStates = 2 * (DeviceModel::kMostModes + 1) + 1;
   static constexpr int kInputs = 4;
-  enum Input : int { kHand = 0, kHandSpeed = 1, kCommand = 2, kFriction = 3 };
+  enum Input : int { hand = 0, hand_speed = 1, command = 2, friction = 3 };
 
   using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
   using InputMatrix = Eigen::Matrix<double, Eigen::Dynamic, kInputs, 0, kMostStates, kInputs>;

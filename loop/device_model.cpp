@@ -21,7 +21,7 @@ constexpr double kAssumedHalfM = 0.1;
 // half_m: of the cube that the workspace fits into.
 DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half_m) {
   return {.max_force_n = max_force_n,
-          .max_slew_n_per_s = max_force_n / 0.004,
+          .max_slew_n_per_s = max_force_n / kForceRiseS,
           .max_stiffness_n_per_m = stiffness_n_per_m,
           .workspace_min_m = Vec3::Constant(-half_m),
           .workspace_max_m = Vec3::Constant(half_m),

@@ -37,7 +37,7 @@ AxisMotion::StateVector SteppedMotion::rate(const AxisMotion::StateVector& state
 // Whether the mass is at rest and stays so: Coulomb friction is larger than all other forces together.
 bool SteppedMotion::holds(const AxisMotion::StateVector& state, const AxisMotion::Input& input, double since_s) const noexcept {
   if (friction_n_ == 0.0 || state[1] != 0.0) return false;
-  const double net_n = rate(state, input, since_s, 0.0)[1] / plant_.b(1, AxisPlant::kFriction);
+  const double net_n = rate(state, input, since_s, 0.0)[1] / plant_.b(1, AxisPlant::friction);
   return std::fabs(net_n) <= friction_n_;
 }
 

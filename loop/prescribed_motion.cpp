@@ -52,7 +52,7 @@ class OnsetSearch {
   EnergyOnset run() {
     press_and_release();
     swing_between_samples();
-    if (device_.encoder_step_m > 0.0) oscillate_at_an_edge();
+    if (device_.encoder_step_m > 0.0) oscillate_at_an_encoder_edge();
     return onset_;
   }
 
@@ -67,8 +67,8 @@ class OnsetSearch {
     try_motion(HandPath({at(0, 0.0), at(press_ns, -depth_m), at(2 * press_ns, 0.0)}), "press and release");
   }
 
-  // The worst of all motions of one frequency and its aliases: two speeds in each period, before and after the force changes, that turn
-  // with the frequency from period to period. Which two: the eigenvector of the largest work for the same heat.
+  // The worst motion at one frequency and its aliases: two speeds in each period, before and after the force changes. The speeds are the
+  // eigenvector of the largest work per heat; their phases advance by the frequency from period to period.
   void swing_between_samples() {
     constexpr int kFrequencies = 24;
     constexpr std::int64_t kMostPeriods = 20;  // of delay; with more the slow motions of a press decide
@@ -108,8 +108,8 @@ class OnsetSearch {
     return HandPath(std::move(points));
   }
 
-  // Across an edge by a small part of a step, back and forth: the read position changes by a whole step each time.
-  void oscillate_at_an_edge() {
+  // Across an encoder edge by a small part of a step, back and forth: the read position changes by a whole step each time.
+  void oscillate_at_an_encoder_edge() {
     constexpr int kCycles = 50;
     for (std::int64_t half_ns = period_ns_; half_ns <= 4 * (period_ns_ + delay_ns_); half_ns += period_ns_) {
       for (const std::int64_t begin_ns : {std::int64_t{0}, period_ns_ / 2}) {

@@ -22,7 +22,7 @@ Held hold(const AxisPlant& plant, double duration_s) {
   const int n = plant.states();
   Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(n + 1, n + 1);
   whole.topLeftCorner(n, n) = plant.a;
-  whole.topRightCorner(n, 1) = plant.b.col(AxisPlant::kCommand);
+  whole.topRightCorner(n, 1) = plant.b.col(AxisPlant::command);
   const Eigen::MatrixXd over = compute_exponential(whole * duration_s);
   return {over.topLeftCorner(n, n), over.topRightCorner(n, 1)};
 }

@@ -243,7 +243,8 @@ py::dict describe_node(FieldNode& node) {
   state["force_n"] = make_point(now.force_n);
   state["buttons"] = now.buttons;
   state["joined"] = now.is_joined;
-  state["answers"] = now.replies;
+  state["replies"] = now.replies;
+  state["answers"] = now.replies;  // its name before
   state["superseded"] = now.superseded;
   state["changes"] = now.laws;
   state["changed_sample"] = now.laws_sample;
@@ -279,7 +280,8 @@ Vec3 read_force(const py::object& returned, std::uint64_t sample) {
 
 py::dict describe_run(const NodeLink& link, double seconds) {
   py::dict report;
-  report["answers"] = link.replies();
+  report["replies"] = link.replies();
+  report["answers"] = link.replies();  // its name before
   report["seconds"] = seconds;
   report["rate_hz"] = static_cast<double>(link.replies()) / seconds;
   report["superseded"] = link.superseded();
@@ -326,36 +328,8 @@ py::dict run_force_function(const py::function& force, double seconds, const std
   return report;
 }
 
-void bind_client(py::module_& module) {
-  py::class_<LiveClient>(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.")
-      .def(py::init([](const std::string& hub, const std::string& key_file) {
-             return open_or_raise([&] { return LiveClient::open(hub, key_file); });
-           }),
-           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
-           "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
-      .def("state", &describe_probe,
-           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, object, "
-           "object_name\n"
-           "(of those that programs may move; else empty), buttons, status, view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, "
-           "round_trip_p99_us. None before the first. A few hundred a "
-           "second at most.")
-      .def("turn_scene", &turn_scene, py::arg("scene_pose"),
-           "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
-           "forces do.")
-      .def_property_readonly("joined", &LiveClient::is_joined, "A hub replies.")
-      .def(
-          "mark",
-          [](LiveClient& client, const std::string& text) {
-            auto sample = [&] {
-              const py::gil_scoped_release others_run;
-              return client.mark(text);
-            }();
-            return value_or_raise(std::move(sample));
-          },
-          py::arg("text"),
-          "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
-          "one line.\n"
-          "Raises where nothing is recorded, or above 50 markers a second.")
+void bind_client_objects(py::class_<LiveClient>& client) {
+  client
       .def("move_object", &move_object, py::arg("object"), py::arg("position_m") = py::none(), py::kw_only(),
            py::arg("rotation") = py::none(), py::arg("rotation_deg") = py::none(), py::arg("over_s") = py::none(),
            "Moves an object that has moved_by = \"program\" in the scene file, in over_s seconds, and returns the time that it takes: "
@@ -398,7 +372,42 @@ void bind_client(py::module_& module) {
            "undone_first, undone_last: of an undo, whose object is -1: the entries, counted from 1, that count no longer; 0: a carve.\n"
            "after: leave out so many, those that you have. "
            "newest: how many\n"
-           "haptics_node has announced. Fewer than before: it was started again, and the objects are whole.")
+           "haptics_node has announced. Fewer than before: it was started again, and the objects are whole.");
+}
+
+void bind_client(py::module_& module) {
+  py::class_<LiveClient> client(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.");
+  client
+      .def(py::init([](const std::string& hub, const std::string& key_file) {
+             return open_or_raise([&] { return LiveClient::open(hub, key_file); });
+           }),
+           py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
+           "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
+      .def("state", &describe_probe,
+           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, object, "
+           "object_name\n"
+           "(of those that programs may move; else empty), buttons, status, view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, "
+           "round_trip_p99_us. None before the first. A few hundred a "
+           "second at most.")
+      .def("turn_scene", &turn_scene, py::arg("scene_pose"),
+           "Moves what is touched: (4, 4), pose of the scene in W. Returns its revision; state()['view_revision'] reaches it when the "
+           "forces do.")
+      .def_property_readonly("joined", &LiveClient::is_joined, "A hub replies.")
+      .def(
+          "mark",
+          [](LiveClient& client, const std::string& text) {
+            auto sample = [&] {
+              const py::gil_scoped_release others_run;
+              return client.mark(text);
+            }();
+            return value_or_raise(std::move(sample));
+          },
+          py::arg("text"),
+          "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
+          "one line.\n"
+          "Raises where nothing is recorded, or above 50 markers a second.");
+  bind_client_objects(client);
+  client
       .def("set", &change_settings, py::kw_only(), py::arg("method") = py::none(), py::arg("object") = py::none(),
            py::arg("stiffness_n_per_m") = py::none(), py::arg("damping_ns_per_m") = py::none(), py::arg("friction_static") = py::none(),
            py::arg("friction_dynamic") = py::none(), py::arg("rate_hz") = py::none(), py::arg("key_file") = "",
@@ -423,7 +432,7 @@ void bind_force_function(py::module_& module) {
              py::arg("key_file") = "",
              "Is the haptics node of a session: calls force(hand: HandSample) for each newest sample and sends the (fx, fy, fz) that it "
              "returns, N.\n"
-             "Returns what was measured: answers, seconds, rate_hz, superseded (samples that came while Python was busy), compute_p50_us,\n"
+             "Returns what was measured: replies, seconds, rate_hz, superseded (samples that came while Python was busy), compute_p50_us,\n"
              "compute_p99_us, compute_max_us. An exception ends it, after a force of zero.");
 }
 
@@ -449,7 +458,7 @@ void bind_live(py::module_& module) {
   bind_client(module);
   bind_force_function(module);
   py::class_<FieldNode>(module, "FieldNode",
-                        "A haptics node whose C++ thread answers every sample with a sum of fields; set() changes them.")
+                        "A haptics node whose C++ thread replies to every sample with a sum of fields; set() changes them.")
       .def(py::init(&open_field_node), py::arg("hub") = "127.0.0.1", py::arg("key_file") = "", py::arg("watch_s") = py::none(),
            "hub: HOST or HOST:PORT of io_node. key_file: of the role haptics; empty: this user's key. watch_s: the force fades to zero "
            "while\n"
@@ -459,7 +468,7 @@ void bind_live(py::module_& module) {
            "mark: also marks the recording (io_node --record) once they are in use, waits for it, and returns the number of the marked "
            "sample.")
       .def("state", &describe_node,
-           "The newest sample as a dict: sample, t_s, position_m, velocity_m_per_s, force_n (asked for), buttons, joined, answers, "
+           "The newest sample as a dict: sample, t_s, position_m, velocity_m_per_s, force_n (requested), buttons, joined, replies, "
            "superseded,\n"
            "changes (of the fields), changed_sample (the first with the present fields), watch_over (no force, see watch_s), rate_hz, "
            "compute_p50_us, compute_p99_us.")

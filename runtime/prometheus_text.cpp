@@ -5,6 +5,8 @@
 #include <string_view>
 #include <utility>
 
+#include "runtime/counter_descriptions.h"
+
 namespace hapton {
 namespace {
 
@@ -65,7 +67,8 @@ std::string counters_text(const LatencyReport& report) {
     const bool is_gauge = name.starts_with("longest_");
     const std::string metric =
         fmt::format("hapton_{}{}{}", is_time ? name.substr(0, name.size() - 3) : name, is_time ? "_seconds" : "", is_gauge ? "" : "_total");
-    text += head(metric, is_gauge ? "gauge" : "counter", "See docs/latency.md.");
+    const std::string_view description = describe_counter(name);
+    text += head(metric, is_gauge ? "gauge" : "counter", description.empty() ? name : description);
     text += is_time ? fmt::format("{} {:.9g}\n", metric, 1e-6 * static_cast<double>(count)) : fmt::format("{} {}\n", metric, count);
   }
   return text;

@@ -50,7 +50,7 @@ RealtimeItem set_priority(int priority) {
 }
 
 RealtimeItem set_cpu(int cpu) {
-  RealtimeItem item{.name = "cpu", .requested = fmt::format("{}", cpu), .obtained = false, .reason = {}, .remedy = {}};
+  RealtimeItem item{.name = "CPU", .requested = fmt::format("{}", cpu), .obtained = false, .reason = {}, .remedy = {}};
   if (cpu >= CPU_SETSIZE) {
     item.reason = "no such number";
     item.remedy = "choose a CPU below the number that nproc prints";
@@ -113,9 +113,9 @@ RealtimeItem hold_low_latency() {
 
 std::string item_text(const RealtimeItem& item) {
   if (item.obtained) {
-    return fmt::format("{} {} yes", item.name, item.requested);
+    return fmt::format("{} {}: granted", item.name, item.requested);
   }
-  return fmt::format("{} {} NO ({}; {})", item.name, item.requested, item.reason, item.remedy);
+  return fmt::format("{} {}: denied ({}; {})", item.name, item.requested, item.reason, item.remedy);
 }
 
 }  // namespace
@@ -143,7 +143,8 @@ std::string RealtimeReport::to_text() const {
 std::vector<std::string> RealtimeReport::to_lines() const {
   std::vector<std::string> lines(1, "real time: ");
   for (const RealtimeItem& item : items) {
-    lines[0] += fmt::format("{}{} {} {}", &item == items.data() ? "" : "; ", item.name, item.requested, item.obtained ? "yes" : "NO");
+    lines[0] +=
+        fmt::format("{}{} {}: {}", &item == items.data() ? "" : "; ", item.name, item.requested, item.obtained ? "granted" : "denied");
     if (!item.obtained) lines.push_back(fmt::format("not granted: {} {} ({}); {}", item.name, item.requested, item.reason, item.remedy));
   }
   if (allowed_share) lines[0] += fmt::format("; the kernel allows real-time threads {:.0f} % of each CPU", 100.0 * *allowed_share);

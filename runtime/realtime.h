@@ -29,7 +29,7 @@ struct RealtimeSettings {
 
 // One request to the system.
 struct RealtimeItem {
-  std::string name;       // "priority", "cpu", "memory lock", "timer slack", "wake-up latency"
+  std::string name;       // "priority", "CPU", "memory lock", "timer slack", "wake-up latency"
   std::string requested;  // "SCHED_FIFO 80"
   bool obtained = false;
   std::string reason;  // why it was denied, the system's text; empty if obtained
@@ -43,7 +43,7 @@ struct RealtimeReport {
   std::optional<double> allowed_share;
 
   bool complete() const;  // every item was obtained
-  // "real time: priority SCHED_FIFO 80 yes; cpu 1 yes; memory lock NO (…: remedy) …" in one line.
+  // "real time: priority SCHED_FIFO 80: granted; CPU 1: granted; memory lock all: denied (reason; remedy) …" in one line.
   std::string to_text() const;
   // The same for a log: granted and denied items in the first line, then a line for each rejection with its remedy.
   std::vector<std::string> to_lines() const;

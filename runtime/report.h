@@ -12,7 +12,7 @@
 namespace hapton {
 
 // In report.json as "schema"; a reader rejects unknown ones. New fields may be added within a version.
-constexpr const char* kReportSchema = "hapton.report/3";
+constexpr const char* kReportSchema = "hapton.report/4";
 
 // The machine of a measurement.
 struct MachineInfo {

@@ -111,8 +111,8 @@ class SafetyGovernor {
   const Wrench& output() const noexcept { return out_; }
   SafetyFault fault() const noexcept { return fault_; }
   GovernorState state() const noexcept;
-  // No valid command: the force is zero or ramping down.
-  bool is_silent() const noexcept { return !filter_.is_live(); }
+  // No valid command within the command timeout, or none yet: the force is zero or ramping down.
+  bool has_timed_out() const noexcept { return !filter_.is_live(); }
   const DeviceLimits& limits() const noexcept { return limits_.now(); }
   const DeviceLimits& device_limits() const noexcept { return limits_.device(); }
   const GovernorCounters& counters() const noexcept { return counters_; }

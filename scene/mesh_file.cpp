@@ -79,7 +79,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   if (raw.look.says_anything() || raw.look.has_texcoords()) file.look = std::move(raw.look);
   const double longest = (highest - lowest).maxCoeff();
   if (!unit_is_known && (longest > 10.0 || longest < 1e-3)) {
-    file.notes.push_back(fmt::format("is {:.4g} m long read in {}: if that is wrong, give its unit", longest, name_of(unit)));
+    file.notes.push_back(fmt::format("is {:.4g} m long if its unit is {}; otherwise give the unit", longest, name_of(unit)));
   }
   return file;
 }

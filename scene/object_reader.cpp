@@ -20,6 +20,27 @@ void read_scale(TableReader& reader, double& scale) {
   }
 }
 
+namespace {
+
+// What moves it, deforms it or carves it.
+Result<void> read_changes(const toml::table& table, const std::string& name, ObjectSpec& spec) {
+  auto motion = read_motion(table, name);
+  if (!motion) return tl::unexpected(motion.error());
+  spec.motion = std::move(*motion);
+  auto morphs = read_morphs(table, name);
+  if (!morphs) return tl::unexpected(morphs.error());
+  spec.morphs = std::move(*morphs);
+  const auto program_shape = read_program_shape(table, name);
+  if (!program_shape) return tl::unexpected(program_shape.error());
+  spec.program_shape = *program_shape;
+  auto sculpt = read_sculpt(table, name);
+  if (!sculpt) return tl::unexpected(sculpt.error());
+  spec.sculpt = *sculpt;
+  return {};
+}
+
+}  // namespace
+
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name) {
   ObjectSpec spec;
   const auto line_of = [&](std::string_view key) -> std::size_t {
@@ -75,18 +96,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   }
   if (reader.error()) return tl::unexpected(*reader.error());
   if (const auto accepted = read_accepted_findings(table, name); !accepted) return tl::unexpected(accepted.error());
-  auto motion = read_motion(table, name);
-  if (!motion) return tl::unexpected(motion.error());
-  spec.motion = std::move(*motion);
-  auto morphs = read_morphs(table, name);
-  if (!morphs) return tl::unexpected(morphs.error());
-  spec.morphs = std::move(*morphs);
-  const auto program_shape = read_program_shape(table, name);
-  if (!program_shape) return tl::unexpected(program_shape.error());
-  spec.program_shape = *program_shape;
-  auto sculpt = read_sculpt(table, name);
-  if (!sculpt) return tl::unexpected(sculpt.error());
-  spec.sculpt = *sculpt;
+  if (const auto read = read_changes(table, name, spec); !read) return tl::unexpected(read.error());
   if (spec.is_movable && spec.motion.any()) {
     return fail("line {}: {} is movable and moves by itself: keep one", line_of("movable"), name);
   }

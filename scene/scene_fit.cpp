@@ -5,10 +5,10 @@
 namespace hapton {
 namespace {
 
-// "shown 0.1 times its size"; empty: in its size.
+// "scaled by 0.1"; empty: in its size.
 std::string describe_scale(double scale) {
   const std::string digits = fmt::format("{:.4g}", scale);
-  return digits == "1" ? std::string() : fmt::format("shown {} times its size", digits);
+  return digits == "1" ? std::string() : fmt::format("scaled by {}", digits);
 }
 
 }  // namespace
@@ -36,13 +36,13 @@ Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
 
 void note_scale(std::string_view by, const SceneFit& fit, std::vector<std::string>& notes) {
   const std::string shown = describe_scale(fit.scale);
-  if (!shown.empty()) notes.push_back(fmt::format("{}: everything is {}", by, shown));
+  if (!shown.empty()) notes.push_back(fmt::format("{}: scene {}", by, shown));
 }
 
 std::string describe_fit(const std::string& path, const Eigen::AlignedBox3d& box, const SceneFit& fit) {
   const std::string shown = describe_scale(fit.scale);
-  return fmt::format("{}: is {:.4g} m long, {} in the middle of the workspace; --no-fit leaves it as it is", path, box.sizes().maxCoeff(),
-                     shown.empty() ? "shown" : shown);
+  return fmt::format("{}: is {:.4g} m long, {}centred in the workspace; --no-fit leaves it as it is", path, box.sizes().maxCoeff(),
+                     shown.empty() ? shown : shown + " and ");
 }
 
 }  // namespace hapton

@@ -25,7 +25,7 @@ struct SceneFit {
 // The lengths of a report on cracks, scaled with its mesh.
 void scale_widths(SealReport& sealed, double scale);
 
-// A note on the scale, unless it is 1 as far as its four digits say: "fit_m: everything is shown 0.1 times its size". by: the key or table
+// A note on the scale, unless it is 1 as far as its four digits say: "fit_m: scene scaled by 0.1". by: the key or table
 // that gives it. RT: no.
 void note_scale(std::string_view by, const SceneFit& fit, std::vector<std::string>& notes);
 

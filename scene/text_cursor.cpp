@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Bytes of the character at the begin, in UTF-8 (RFC 3629). 0: none, or one that changes what stands beside it: controls, separators of
+// Bytes of the character at the beginning, in UTF-8 (RFC 3629). 0: none, or one that changes what stands beside it: controls, separators of
 // lines and paragraphs, directions of writing. Pre: not empty.
 std::size_t visible_length(std::string_view text) {
   const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };

@@ -35,11 +35,11 @@ double FrameLog::rate_hz() const {
   return moving_ns_ > 0 ? static_cast<double>(moving_frames_) * 1e9 / static_cast<double>(moving_ns_) : 0.0;
 }
 
-std::string FrameLog::describe_motion(std::string_view name) const {
+std::string FrameLog::describe_motion() const {
   if (motion_to_photon_.count() == 0) return {};
   const double p50_ns = static_cast<double>(motion_to_photon_.quantile_ns(0.5));
   const double p99_ns = static_cast<double>(motion_to_photon_.quantile_ns(0.99));
-  std::string text = fmt::format("{} p50 {:.1f} ms p99 {:.1f} ms", name, p50_ns * 1e-6, p99_ns * 1e-6);
+  std::string text = fmt::format("motion to photon p50 {:.1f} ms p99 {:.1f} ms", p50_ns * 1e-6, p99_ns * 1e-6);
   if (rate_hz() > 0.0) text += fmt::format(" ({:.2f}, {:.2f} frames)", p50_ns * 1e-9 * rate_hz(), p99_ns * 1e-9 * rate_hz());
   return text;
 }
@@ -49,7 +49,7 @@ std::string FrameLog::describe() const {
       "frames drawn {}, states that needed no frame {}, {:.1f} frames/s while moving, drawing p50 {:.1f} ms p99 {:.1f} ms, the first "
       "{:.0f} ms",
       drawn_, skipped_, rate_hz(), draw_time_.quantile_ns(0.5) * 1e-6, draw_time_.quantile_ns(0.99) * 1e-6, first_draw_ms_);
-  if (motion_to_photon_.count() > 0) text += ", " + describe_motion("state to photon");
+  if (motion_to_photon_.count() > 0) text += ", " + describe_motion();
   return text;
 }
 

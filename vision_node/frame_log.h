@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <string>
-#include <string_view>
 
 #include "runtime/latency_histogram.h"
 
@@ -30,7 +29,7 @@ class FrameLog {
   // Of the first frame, which builds shaders. 0 until then.
   double first_draw_ms() const { return first_draw_ms_; }
   // "motion to photon p50 8.1 ms p99 12.0 ms (0.3, 0.4 frames)"; empty while nothing has moved.
-  std::string describe_motion(std::string_view name = "motion to photon") const;
+  std::string describe_motion() const;
 
   // One line for people.
   std::string describe() const;

@@ -1,6 +1,7 @@
 #include "vision_node/interaction.h"
 
 #include <algorithm>
+#include <array>
 #include <numbers>
 #include <utility>
 
@@ -22,6 +23,29 @@ constexpr double kFarthestOff = -0.5;
 constexpr std::int64_t kHandResendNs = 100'000'000;
 constexpr std::int64_t kFarewellNs = 30'000'000;
 constexpr int kFarewells = 4;
+
+// Keys of what the window does not do itself.
+constexpr std::array<std::pair<char, bool UserRequests::*>, 19> kRequestKeys = {{
+    {'f', &UserRequests::look_at_scene},
+    {'m', &UserRequests::next_stereo},
+    {'e', &UserRequests::swap_eyes},
+    {'b', &UserRequests::toggle_cull},
+    {'g', &UserRequests::toggle_depth_cues},
+    {'c', &UserRequests::toggle_plots},
+    {'s', &UserRequests::screenshot},
+    {'n', &UserRequests::mark},
+    {'d', &UserRequests::draw},
+    {'l', &UserRequests::measure},
+    {'u', &UserRequests::undo},
+    {'U', &UserRequests::redo},
+    {'w', &UserRequests::save},
+    {'o', &UserRequests::export_work},
+    {'t', &UserRequests::menu},
+    {'v', &UserRequests::next_teach},
+    {'V', &UserRequests::next_level},
+    {'k', &UserRequests::toggle_help},
+    {'q', &UserRequests::quit},
+}};
 
 }  // namespace
 
@@ -56,6 +80,9 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
 }
 
 void Interaction::press_key(char key, const View& view) {
+  for (const auto& [of, request] : kRequestKeys) {
+    if (key == of) requests_.*request = true;
+  }
   switch (key) {
     case 'x':
       dials_.turn(0, kDialKeyDegrees);
@@ -87,63 +114,6 @@ void Interaction::press_key(char key, const View& view) {
       break;
     case 'r':
       camera_ = {};
-      break;
-    case 'f':
-      requests_.look_at_scene = true;
-      break;
-    case 'm':
-      requests_.next_stereo = true;
-      break;
-    case 'e':
-      requests_.swap_eyes = true;
-      break;
-    case 'b':
-      requests_.toggle_cull = true;
-      break;
-    case 'g':
-      requests_.toggle_depth_cues = true;
-      break;
-    case 'c':
-      requests_.toggle_plots = true;
-      break;
-    case 's':
-      requests_.screenshot = true;
-      break;
-    case 'n':
-      requests_.mark = true;
-      break;
-    case 'd':
-      requests_.draw = true;
-      break;
-    case 'l':
-      requests_.measure = true;
-      break;
-    case 'u':
-      requests_.undo = true;
-      break;
-    case 'U':
-      requests_.redo = true;
-      break;
-    case 'w':
-      requests_.save = true;
-      break;
-    case 'o':
-      requests_.export_work = true;
-      break;
-    case 't':
-      requests_.menu = true;
-      break;
-    case 'v':
-      requests_.next_teach = true;
-      break;
-    case 'V':
-      requests_.next_level = true;
-      break;
-    case 'k':
-      requests_.toggle_help = true;
-      break;
-    case 'q':
-      requests_.quit = true;
       break;
     case 'p':
       press_hand_button(1);

@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// The text with each line that does not fit in several: broken at three blanks, as between the entries of the HUD's lines, and an entry
-// that does not fit itself at single ones. A word that does not fit stays whole. fits: whether a line does.
+// Breaks each line that is too wide: at triple spaces (between HUD entries), else at single spaces. A word that is too wide stays whole.
+// fits: whether a line is narrow enough.
 std::string break_lines(std::string_view text, const std::function<bool(std::string_view)>& fits);
 
 }  // namespace hapton

@@ -11,7 +11,7 @@
 namespace hapton {
 
 // Turns keys, and the mouse on the time line, into what the player of a recording does: space pauses, comma and point step by one sample, n
-// and N go to the next and the previous marker or fault, [ and ] change the speed, a goes to the begin, a left drag on the line to the
+// and N go to the next and the previous marker or fault, [ and ] change the speed, a goes to the beginning, a left drag on the line to the
 // moment under the pointer. What would turn, move or draw live means nothing here. RT: no.
 class SessionControl {
  public:

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// The moment of a recording that is shown: it moves on with a clock, at a chosen speed, from the recording's begin to its end, where it
+// The moment of a recording that is shown: it moves on with a clock, at a chosen speed, from the recording's beginning to its end, where it
 // stops. Units: seconds of the recording; ns of any one monotonic clock. RT: no.
 class SessionPlayer {
  public:
@@ -18,7 +18,7 @@ class SessionPlayer {
   bool advance(std::int64_t now_ns);
   // To that moment, or the nearest one that the recording has. A number that is not finite changes nothing.
   void seek(double t_s);
-  // Playing at the end begins again at the begin.
+  // Playing at the end starts again at the beginning.
   void toggle_pause();
   void pause() { is_paused_ = true; }
   // While the line is dragged the moment stands still, paused or not.

@@ -35,7 +35,7 @@ struct ViewSettings {
   int height_px = 720;
   int msaa = 0;            // samples a pixel; 0: none. Slow in software rendering
   bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
-  bool offscreen = false;  // do not map a window; an X display is needed all the same
+  bool offscreen = false;  // do not map a window; an X display is still needed
   bool plain = false;      // a dark background, no light, no HUD: for tests that measure pixels
   bool depth_cues = true;  // ground, shadow, workspace, haze and scale bar; none with plain
   Framing framing;

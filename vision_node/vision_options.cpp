@@ -111,11 +111,12 @@ void add_session_options(CLI::App& app, VisionOptions& options) {
       ->check(between(SessionPlayer::kSlowest, SessionPlayer::kFastest))
       ->capture_default_str()
       ->needs(session);
-  const auto frames = app.add_option("--frames", options.frames,
-                                     "New or empty folder for pictures frame_000001.png ..., from --at or the begin to the end or for "
-                                     "--seconds: for a video")
-                          ->needs(session)
-                          ->excludes(app.get_option("--screenshot"));
+  const auto frames =
+      app.add_option("--frames", options.frames,
+                     "New or empty folder for pictures frame_000001.png ..., from --at, or the beginning, to the end, or for "
+                     "--seconds: for a video")
+          ->needs(session)
+          ->excludes(app.get_option("--screenshot"));
   app.add_option("--frame-rate", options.frame_rate_hz, "Pictures for each second of the video")
       ->check(between(1.0, 240.0))
       ->capture_default_str()
@@ -136,7 +137,7 @@ void add_view_options(CLI::App& app, VisionOptions& options) {
       ->check(between(-180.0, 180.0))
       ->capture_default_str()
       ->excludes(screen);
-  app.add_option("--view-pitch-deg", options.view_pitch_deg, "... and this many degrees above")
+  app.add_option("--view-pitch-deg", options.view_pitch_deg, "The viewer stands this many degrees above")
       ->check(between(-89.0, 89.0))
       ->capture_default_str()
       ->excludes(screen);
@@ -173,6 +174,146 @@ void set_room(const RoomWords& words, VisionOptions& options) {
   options.X_OW = Eigen::Translation3d(*parse_triple(at_m)) * Pose(turn_by_degrees(*parse_triple(words.turn_deg)));
 }
 
+// What is parsed once all is given.
+struct VisionWords {
+  std::vector<std::string> hubs;
+  std::string stereo = "auto";
+  std::string size = "1280x720";
+  std::string when = "contact";
+  std::string teach = "off";
+  std::string unit;
+  std::string tool_unit;
+  std::string tool_grip = "origin";
+  bool no_fit = false;
+  std::string knobs = "window";
+  bool no_cull = false;
+  bool no_help = false;
+  bool no_depth_cues = false;
+};
+
+// The hub, and the scene and tool that are drawn.
+void add_scene_options(CLI::App& app, VisionOptions& options, VisionWords& words) {
+  app.add_option("--hub", words.hubs,
+                 "Where io_node is: HOST or HOST:PORT (default: 127.0.0.1); if given twice, the hand of the second hub is shown as well")
+      ->expected(1, 2);
+  app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
+  app.add_option("--key", options.key_file, kKeyHelp);
+  app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
+  app.add_flag("--watch-scene", options.watch_scene,
+               "Show the scene file again when it is saved, once haptics_node uses it, which needs the same option");
+  app.add_flag("--no-fit", words.no_fit, "Keep a mesh file's position and size; haptics_node needs the same option");
+  app.add_option("--unit", words.unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
+  const auto tool =
+      app.add_option("--tool", options.tool.file, "Mesh of the tool that the stylus holds, as haptics_node has it (default: the scene's)");
+  app.add_option("--tool-unit", words.tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
+      ->check(accepts(parse_unit))
+      ->needs(tool);
+  app.add_option("--tool-grip", words.tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
+      ->check(accepts(parse_tool_grip))
+      ->capture_default_str()
+      ->needs(tool);
+}
+
+void add_picture_options(CLI::App& app, VisionOptions& options, VisionWords& words) {
+  app.add_option("--stereo", words.stereo,
+                 fmt::format("One of: {}. auto: quad-buffer if the display supports it, else mono; openxr: a headset",
+                             [] {
+                               std::string all;
+                               for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
+                               return all;
+                             }()))
+      ->check(accepts(find_stereo_mode))
+      ->capture_default_str();
+  app.add_option("--size", words.size, "Window, WIDTHxHEIGHT in pixels")->check(accepts(parse_size))->capture_default_str();
+  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0: no depth")
+      ->check(between(0.0, 200.0))
+      ->capture_default_str();
+}
+
+void add_probe_options(CLI::App& app, VisionOptions& options) {
+  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus to the upper right by this angle; 0: as reported")
+      ->check(between(0.0, 90.0))
+      ->capture_default_str();
+  app.add_option("--probe-radius", options.probe_radius_m,
+                 "Draw the probe with this radius, metres; 0: a pin (default: the radius that haptics_node uses)")
+      ->check(between(0.0, 1.0));
+}
+
+// What is drawn and how, besides scene and probe, and what turns it.
+void add_drawing_options(CLI::App& app, VisionOptions& options, VisionWords& words) {
+  app.add_flag("--no-depth-cues", words.no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
+  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start: degrees about the x axis")
+      ->check(between(-360.0, 360.0));
+  app.add_option("--dial-y-deg", options.dials_degrees.y(), "Knob box at the start: degrees about the y axis")
+      ->check(between(-360.0, 360.0));
+  app.add_option("--dial-z-deg", options.dials_degrees.z(), "Knob box at the start: degrees about the z axis")
+      ->check(between(-360.0, 360.0));
+  app.add_option("--knobs", words.knobs, "What turns the dials: window (keys and mouse); or in addition spacemouse (turns of its cap)")
+      ->check(CLI::IsMember({"window", "spacemouse"}))
+      ->capture_default_str();
+  app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Maximum frames a second, 0: no limit (default: 60, in software 30)")
+      ->check(between(0.0, 10000.0));
+  app.add_option("--msaa", options.view.msaa, "Samples per pixel; slow in software")->check(between(0, 16))->capture_default_str();
+  app.add_flag("--no-cull", words.no_cull, "Draw triangles seen from behind as well");
+  app.add_flag("--no-keys-help", words.no_help, "Do not show the help on keys (k shows it)");
+  app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
+  app.add_option("--teach", words.teach,
+                 "Show the data of the force method: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
+      ->check(accepts(parse_teach));
+  app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
+  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
+      ->check(between(0.0, 1e9))
+      ->capture_default_str();
+}
+
+void add_annotation_options(CLI::App& app, VisionOptions& options) {
+  app.add_option(
+      "--annotations", options.annotations.file,
+      "File (.toml) of strokes, measures, poses and carves: read at the start where it exists, written at the end and by the key w; with "
+      "--session its strokes and measures are shown, and it is not written");
+  app.add_option("--strokes", options.annotations.strokes,
+                 "Write strokes and measures as polylines, at the end and by the key w: FILE.obj or FILE.vtp");
+  app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")
+      ->check(between(0, 32))
+      ->capture_default_str();
+  app.add_option("--measure-button", options.annotations.measure_button, "Button of the stylus that sets an end of a measure, 0: none")
+      ->check(between(0, 32))
+      ->capture_default_str();
+  app.add_option("--menu-button", options.annotations.menu_button,
+                 "Button of the stylus that opens and closes the menu in the workspace, 0: none")
+      ->check(between(0, 32))
+      ->capture_default_str();
+}
+
+void add_screenshot_options(CLI::App& app, VisionOptions& options, VisionWords& words) {
+  app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
+  app.add_option("--screenshot-when", words.when,
+                 "When to take the screenshot: contact, exit or SECONDS after the start; at the latest at exit")
+      ->check(accepts(ScreenshotMoment::parse))
+      ->capture_default_str();
+  app.add_option(
+         "--bench-frames", options.bench_frames,
+         "Draw this many frames as fast as possible with turning dials, print rate, time of the first frame and motion to photon, then end")
+      ->check(between(0, 1'000'000));
+}
+
+void set_words(const VisionWords& words, VisionOptions& options) {
+  const PictureSize pixels = *parse_size(words.size);
+  options.view.stereo = *find_stereo_mode(words.stereo);
+  options.view.width_px = pixels.width_px;
+  options.view.height_px = pixels.height_px;
+  options.view.cull = !words.no_cull;
+  options.help = !words.no_help;
+  options.view.depth_cues = !words.no_depth_cues;
+  options.has_space_knobs = words.knobs == "spacemouse";
+  options.teach = *parse_teach(words.teach);
+  options.screenshot_moment = *ScreenshotMoment::parse(words.when);
+  if (!words.unit.empty()) options.loading.unit = *parse_unit(words.unit);
+  if (!words.tool_unit.empty()) options.tool.unit = *parse_unit(words.tool_unit);
+  options.tool.grip = *parse_tool_grip(words.tool_grip);
+  if (words.no_fit) options.loading.fit = MeshFit::off;
+}
+
 }  // namespace
 
 Result<void> check_headset(const VisionOptions& options) {
@@ -204,19 +345,8 @@ Result<void> check_head(const VisionOptions& options) {
 
 std::variant<VisionOptions, int> parse_vision_options(int argc, const char* const* argv) {
   VisionOptions options;
-  std::string stereo = "auto";
-  std::string size = "1280x720";
-  std::string when = "contact";
-  std::string teach = "off";
-  std::string unit;
-  std::string tool_unit;
-  std::string tool_grip = "origin";
-  bool no_fit = false;
-  std::string knobs = "window";
-  std::vector<std::string> hubs = {options.hub};
-  bool no_cull = false;
-  bool no_help = false;
-  bool no_depth_cues = false;
+  VisionWords words;
+  words.hubs = {options.hub};
   HeadWords head;
   RoomWords room;
 
@@ -225,92 +355,15 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
       "simulated hand.\n\nIn the window:\n" +
           std::string(keys_help()),
       "vision_node"};
-  app.add_option("--hub", hubs,
-                 "Where io_node is: HOST or HOST:PORT (default: 127.0.0.1); if given twice, the hand of the second hub is shown as well")
-      ->expected(1, 2);
-  app.add_option("--bind", options.bind, "Local address: ADDRESS:PORT (default: any)");
-  app.add_option("--key", options.key_file, kKeyHelp);
-  app.add_option("--scene", options.scene, "Scene file (TOML) or mesh file")->capture_default_str();
-  app.add_flag("--watch-scene", options.watch_scene,
-               "Show the scene file again when it is saved, once haptics_node uses it, which needs the same option");
-  app.add_flag("--no-fit", no_fit, "Keep a mesh file's position and size; haptics_node needs the same option");
-  app.add_option("--unit", unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
-  const auto tool =
-      app.add_option("--tool", options.tool.file, "Mesh of the tool that the stylus holds, as haptics_node has it (default: the scene's)");
-  app.add_option("--tool-unit", tool_unit, "Unit of the tool's file: m, cm, mm or in (default: --unit)")
-      ->check(accepts(parse_unit))
-      ->needs(tool);
-  app.add_option("--tool-grip", tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
-      ->check(accepts(parse_tool_grip))
-      ->capture_default_str()
-      ->needs(tool);
-  app.add_option("--stereo", stereo,
-                 fmt::format("One of: {}. auto: quad-buffer if the display supports it, else mono; openxr: a headset",
-                             [] {
-                               std::string all;
-                               for (const auto& name : stereo_mode_names()) all += (all.empty() ? "" : ", ") + name;
-                               return all;
-                             }()))
-      ->check(accepts(find_stereo_mode))
-      ->capture_default_str();
-  app.add_option("--size", size, "Window, WIDTHxHEIGHT in pixels")->check(accepts(parse_size))->capture_default_str();
-  app.add_option("--ipd-mm", options.ipd_mm, "Distance between the eyes, mm; 0: no depth")
-      ->check(between(0.0, 200.0))
-      ->capture_default_str();
+  add_scene_options(app, options, words);
+  add_picture_options(app, options, words);
   add_head_options(app, head, options);
   add_view_options(app, options);
   add_room_options(app, room);
-  app.add_option("--stylus-lean-deg", options.stylus_lean_deg, "Tilt the drawn stylus to the upper right by this angle; 0: as reported")
-      ->check(between(0.0, 90.0))
-      ->capture_default_str();
-  app.add_option("--probe-radius", options.probe_radius_m,
-                 "Draw the probe with this radius, metres; 0: a pin (default: the radius that haptics_node uses)")
-      ->check(between(0.0, 1.0));
-  app.add_flag("--no-depth-cues", no_depth_cues, "Leave out ground, shadow, workspace, haze and scale bar (g brings them back)");
-  app.add_option("--dial-x-deg", options.dials_degrees.x(), "Knob box at the start: degrees about the x axis")
-      ->check(between(-360.0, 360.0));
-  app.add_option("--dial-y-deg", options.dials_degrees.y(), "... about the y axis")->check(between(-360.0, 360.0));
-  app.add_option("--dial-z-deg", options.dials_degrees.z(), "... about the z axis")->check(between(-360.0, 360.0));
-  app.add_option("--knobs", knobs, "What turns the dials: window (keys and mouse); or in addition spacemouse (turns of its cap)")
-      ->check(CLI::IsMember({"window", "spacemouse"}))
-      ->capture_default_str();
-  app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Maximum frames a second, 0: no limit (default: 60, in software 30)")
-      ->check(between(0.0, 10000.0));
-  app.add_option("--msaa", options.view.msaa, "Samples per pixel; slow in software")->check(between(0, 16))->capture_default_str();
-  app.add_flag("--no-cull", no_cull, "Draw triangles seen from behind as well");
-  app.add_flag("--no-keys-help", no_help, "Do not show the help on keys (k shows it)");
-  app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
-  app.add_option("--teach", teach,
-                 "Show the data of the force method: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
-      ->check(accepts(parse_teach));
-  app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
-  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
-      ->check(between(0.0, 1e9))
-      ->capture_default_str();
-  app.add_option(
-      "--annotations", options.annotations.file,
-      "File (.toml) of strokes, measures, poses and carves: read at the start where it exists, written at the end and by the key w; with "
-      "--session its strokes and measures are shown, and it is not written");
-  app.add_option("--strokes", options.annotations.strokes,
-                 "Write strokes and measures as polylines, at the end and by the key w: FILE.obj or FILE.vtp");
-  app.add_option("--draw-button", options.annotations.draw_button, "Button of the stylus that draws on what is touched, 0: none")
-      ->check(between(0, 32))
-      ->capture_default_str();
-  app.add_option("--measure-button", options.annotations.measure_button, "... that sets an end of a measure, 0: none")
-      ->check(between(0, 32))
-      ->capture_default_str();
-  app.add_option("--menu-button", options.annotations.menu_button, "... that opens and closes the menu in the workspace, 0: none")
-      ->check(between(0, 32))
-      ->capture_default_str();
-  app.add_option("--screenshot", options.screenshot, "Write one picture to this PNG file");
-  app.add_option("--screenshot-when", when, "When to take the screenshot: contact, exit or SECONDS after the start; at the latest at exit")
-      ->check(accepts(ScreenshotMoment::parse))
-      ->capture_default_str();
-  app.add_option(
-         "--bench-frames", options.bench_frames,
-         "Draw this many frames as fast as possible with turning dials, print rate, time of the first frame and motion to photon, then end")
-      ->check(between(0, 1'000'000));
-
+  add_probe_options(app, options);
+  add_drawing_options(app, options, words);
+  add_annotation_options(app, options);
+  add_screenshot_options(app, options, words);
   add_session_options(app, options);
 
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
@@ -320,22 +373,9 @@ std::variant<VisionOptions, int> parse_vision_options(int argc, const char* cons
   options.is_loading_given = app.count("--unit") + app.count("--no-fit") > 0;
   set_head(head, options);
   set_room(room, options);
-  options.hub = hubs.front();
-  if (hubs.size() > 1) options.other_hub = hubs.back();
-  const PictureSize pixels = *parse_size(size);
-  options.view.stereo = *find_stereo_mode(stereo);
-  options.view.width_px = pixels.width_px;
-  options.view.height_px = pixels.height_px;
-  options.view.cull = !no_cull;
-  options.help = !no_help;
-  options.view.depth_cues = !no_depth_cues;
-  options.has_space_knobs = knobs == "spacemouse";
-  options.teach = *parse_teach(teach);
-  options.screenshot_moment = *ScreenshotMoment::parse(when);
-  if (!unit.empty()) options.loading.unit = *parse_unit(unit);
-  if (!tool_unit.empty()) options.tool.unit = *parse_unit(tool_unit);
-  options.tool.grip = *parse_tool_grip(tool_grip);
-  if (no_fit) options.loading.fit = MeshFit::off;
+  options.hub = words.hubs.front();
+  if (words.hubs.size() > 1) options.other_hub = words.hubs.back();
+  set_words(words, options);
   return options;
 }
 

@@ -36,15 +36,15 @@ WindowListener::WindowListener(vtkRenderWindow* window) {
   interactor_->SetRenderWindow(window);
   interactor_->SetInteractorStyle(nullptr);
   interactor_->EnableRenderOff();
-  vtkNew<vtkCallbackCommand> hearing;
-  hearing->SetClientData(this);
-  hearing->SetCallback([](vtkObject*, unsigned long event, void* self, void*) { static_cast<WindowListener*>(self)->receive(event); });
+  vtkNew<vtkCallbackCommand> callback;
+  callback->SetClientData(this);
+  callback->SetCallback([](vtkObject*, unsigned long event, void* self, void*) { static_cast<WindowListener*>(self)->receive(event); });
   for (const unsigned long event :
        {vtkCommand::KeyPressEvent, vtkCommand::LeftButtonPressEvent, vtkCommand::LeftButtonReleaseEvent, vtkCommand::MiddleButtonPressEvent,
         vtkCommand::MiddleButtonReleaseEvent, vtkCommand::RightButtonPressEvent, vtkCommand::RightButtonReleaseEvent,
         vtkCommand::MouseMoveEvent, vtkCommand::MouseWheelForwardEvent, vtkCommand::MouseWheelBackwardEvent, vtkCommand::ExitEvent,
         vtkCommand::RenderEvent, vtkCommand::ExposeEvent, vtkCommand::ConfigureEvent}) {
-    interactor_->AddObserver(event, hearing);
+    interactor_->AddObserver(event, callback);
   }
   interactor_->Initialize();
 }

@@ -61,8 +61,8 @@ Result<void> WatchdogProcess::spawn() {
 bool WatchdogProcess::look_after(std::int64_t now_ns) {
   if (process_ <= 0 || now_ns - started_ns_ < kPeerTimeoutNs) return false;
   const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) == process_;
-  const bool is_silent = now_ns - memory_->page().guard_beat_ns.load() > kPeerTimeoutNs;
-  if (!has_ended && !is_silent) return false;
+  const bool has_timed_out = now_ns - memory_->page().guard_beat_ns.load() > kPeerTimeoutNs;
+  if (!has_ended && !has_timed_out) return false;
   if (!has_ended) {
     ::kill(process_, SIGKILL);
     ::waitpid(process_, nullptr, 0);

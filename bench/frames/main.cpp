@@ -35,7 +35,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Frames a second of vision_node's view beside a plain VTK program, both on the same mesh in the same run.", "frames_bench"};
   app.add_option("--mesh", meshes, "Mesh files, or bumpy: a generated one of 1,310,720 triangles")->capture_default_str();
   app.add_option("--frames", settings.frames, "Frames of each program and mesh")->check(CLI::Range(1, 100'000))->capture_default_str();
-  app.add_flag("--offscreen", settings.offscreen, "No windows; an X display is needed all the same");
+  app.add_flag("--offscreen", settings.offscreen, "No windows; an X display is still needed");
   app.add_option("--out", out, "Folder for frames.csv and frames.txt");
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   std::vector<FramesRow> rows;

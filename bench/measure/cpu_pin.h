@@ -4,8 +4,8 @@
 
 namespace hapton {
 
-// Keeps the calling thread on one CPU, the last of those it may use, until it goes. Threads started meanwhile would inherit that: build
-// before, measure after. RT: set-up only.
+// Keeps the calling thread on one CPU, the last of those it may use, until destroyed. Threads started meanwhile inherit the pin: start
+// them before. RT: set-up only.
 class CpuPin {
  public:
   CpuPin();

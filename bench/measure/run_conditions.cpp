@@ -17,7 +17,7 @@ std::string RunConditions::to_text() const {
                   machine.cpu, machine.cpu_count, machine.kernel, machine.compiler, machine.build, seed, load_before, load_after,
                   clock_cost_ns, clock_resolution_ns);
   if (clock_drift > 0.01) text += fmt::format("; the time stamp counter drifts by {:.1f} %: do not trust these times", 100.0 * clock_drift);
-  if (was_shared()) text += "; other programs were running: times are too long, the longest most";
+  if (was_shared()) text += "; other programs were running: times are upper bounds, above all the maxima";
   if (!missing_peers.empty()) text += fmt::format("; not built: {}", fmt::join(missing_peers, ", "));
   return text;
 }

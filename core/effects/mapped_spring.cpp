@@ -21,7 +21,7 @@ struct Range {
 };
 Range only(double x) noexcept { return {x, x}; }
 
-// Of the number of an image in a part of one texel: its value, and its first and second derivatives by texture coordinates.
+// Ranges over a part of a texel: of the value, and of its first and second derivatives by texture coordinates.
 struct MapRanges {
   Range value, u, v, uu, uv, vv;
 };
@@ -69,7 +69,7 @@ Range range_of(const Texels& texels, const std::array<Row, a>& across, const std
   return range;
 }
 
-// scale: of the number of a texel; width and height: of the image.
+// scale: value per texel unit; width, height: image size in texels.
 MapRanges ranges_of(const Texels& texels, const Part& part, const ImageMap& map) noexcept {
   const double scale = map.at_white - map.at_black;
   const double width = map.image->width();
@@ -94,7 +94,7 @@ MapRanges ranges_of(const Texels& texels, const Part& part, const ImageMap& map)
   return ranges;
 }
 
-// The same of a whole texel, wider and several times as fast: by its texels in place of control points.
+// Looser and several times faster bounds over a whole texel: by its texels in place of control points.
 MapRanges wide_ranges_of(const Texels& texels, const ImageMap& map) noexcept {
   const double scale = map.at_white - map.at_black;
   const double width = map.image->width();

@@ -32,7 +32,7 @@ DeformingMethod::DeformingMethod(std::unique_ptr<ForceMethod> method, const Touc
 std::string DeformingMethod::describe() const {
   const DeformingGeometry& surface = riding_.surface().geometry();
   return fmt::format("deforms for {:g} s{}: {} vertices move, {} trees of {:.3g} MB\n", surface.deformation().duration_s(),
-                     surface.deformation().loops() ? ", again and again" : "", surface.deformation().moved().size(), surface.tree_count(),
+                     surface.deformation().loops() ? ", repeated" : "", surface.deformation().moved().size(), surface.tree_count(),
                      static_cast<double>(surface.bytes()) * 1e-6) +
          riding_.method().describe();
 }

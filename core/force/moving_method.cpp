@@ -127,7 +127,7 @@ std::string MovingMethod::describe() const {
     if (group.is_second) continue;
     if (group.motion != nullptr) {
       text += fmt::format("{} of the objects move by themselves for {:g} s{}:\n", group.objects.size(), group.motion->duration_s(),
-                          group.motion->loops() ? ", again and again" : "");
+                          group.motion->loops() ? ", repeated" : "");
     } else if (group.commanded >= 0) {
       text += "1 of the objects moves where programs command it:\n";
     } else if (!group.is_deforming) {

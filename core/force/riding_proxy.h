@@ -56,7 +56,7 @@ class RidingProxy {
     }
     if (reach_m > 0.0 || surface_.is_due(input.time_s)) deform(input.time_s, reach_m);
     output = method_->step({.p_SD = input.p_SD, .dt_s = input.dt_s});
-    if (!output.contact) look_round(input.p_SD, (input.p_SD - last_p_SD_).norm() + reach_m);
+    if (!output.contact) search_around(input.p_SD, (input.p_SD - last_p_SD_).norm() + reach_m);
     last_p_SD_ = input.p_SD;
     last_time_s_ = input.time_s;
     return output;
@@ -120,7 +120,7 @@ class RidingProxy {
   }
 
   // Pre: the probe is free, at the device.
-  void look_round(const Vec3& p_SD, double moved_m) noexcept {
+  void search_around(const Vec3& p_SD, double moved_m) noexcept {
     to_travel_m_ -= moved_m;
     if (to_travel_m_ > 0.0) return;
     const double reach_m = kLookSteps * moved_m;

@@ -37,9 +37,9 @@ struct JoinedParts {
 class SeamJoiner {
  public:
   // Pre: mesh and untouched outlive this; at_boundary from find_boundary_vertices. untouched: parts that are neither welded nor split.
-  // Parts that would lead too far are added to it: vertices that would move others farther than the tolerance from their origin; edges
-  // along which a gap would be zipped up, split by split, to where it is wider than that. Joining must then be repeated on the original
-  // mesh.
+  // Parts whose joining would exceed the tolerance are added to it: vertices that would move others farther than the tolerance from their
+  // origin; edges along which a gap would be zipped up, split by split, to where it is wider than that. Joining must then be repeated on
+  // the original mesh.
   SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched,
              Turning turning = Turning::any);
 

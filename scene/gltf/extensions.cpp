@@ -59,7 +59,7 @@ std::optional<Error> check_required_extensions(const Json& root) {
   return std::nullopt;
 }
 
-std::vector<std::string> note_unread_extensions(const Json& root) {
+std::vector<std::string> describe_unsupported_extensions(const Json& root) {
   std::set<std::string> unread;
   for (const Json& extension : member(root, "extensionsUsed")) {
     if (!is_shape_complete_with(text_of(extension))) unread.insert(printable(text_of(extension)));

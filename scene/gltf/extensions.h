@@ -13,6 +13,6 @@ namespace hapton::gltf {
 std::optional<Error> check_required_extensions(const Json& root);
 
 // One line for each unsupported extension in the file that may change its shape.
-std::vector<std::string> note_unread_extensions(const Json& root);
+std::vector<std::string> describe_unsupported_extensions(const Json& root);
 
 }  // namespace hapton::gltf

@@ -304,7 +304,7 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
                      wants_look, std::move(*haptic_places), raw);
   if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
   reader.add_notes();
-  for (std::string& note : note_unread_extensions(*root)) raw.notes.push_back(std::move(note));
+  for (std::string& note : describe_unsupported_extensions(*root)) raw.notes.push_back(std::move(note));
   raw.end_parts();
   // An error here is a note only: a scene that plays no animation needs none.
   if (const auto read = read_animations(document, raw); !read) {

@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0.5, 1e5))
       ->take_last()
       ->capture_default_str();
-  app.add_option("--only", settings.only, "Those alone whose name contains this");
+  app.add_option("--only", settings.only, "Only faults whose name contains this");
   app.add_option("--touch", settings.touch,
                  "Where forces are computed, as io_node --touch; with patch each row begins once patches are in use")
       ->check(CLI::IsMember({"remote", "auto", "patch"}))
@@ -70,7 +70,8 @@ int main(int argc, char** argv) {
                  "For a machine that is not idle: a bound exceeded by less than this is reported but is no failure")
       ->check(CLI::Range(0.0, 1e5))
       ->capture_default_str();
-  app.add_option("--give-up-seconds", settings.give_up_s, "On a machine that stood still meanwhile: what is not begun by then is skipped")
+  app.add_option("--give-up-seconds", settings.give_up_s,
+                 "On a machine that stood still meanwhile: faults not begun after this time are skipped")
       ->check(CLI::Range(1.0, 1e9));
   app.add_option("--json", json_file, "File for the table");
   CLI11_PARSE(app, argc, argv);

@@ -254,11 +254,13 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Floods a hub with what an unknown peer without its key can send, or captures what a node says to it.", "hapton_flood"};
   app.add_option("--to", options.to, "The hub, on this machine or a private network")->capture_default_str();
-  app.add_option("--kind", options.kind, "What")->check(CLI::IsMember({"junk", "oversized", "handshake", "data"}))->capture_default_str();
+  app.add_option("--kind", options.kind, "Kind of datagram")
+      ->check(CLI::IsMember({"junk", "oversized", "handshake", "data"}))
+      ->capture_default_str();
   app.add_option("--rate", options.rate_per_s, "Datagrams a second")->check(CLI::Range(1.0, 1e8))->capture_default_str();
   app.add_option("--seconds", options.seconds, "How long")->check(CLI::Range(0.01, 1e6))->capture_default_str();
-  app.add_option("--sources", options.sources, "From so many ports")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--seed", options.seed, "Of the junk")->capture_default_str();
+  app.add_option("--sources", options.sources, "Number of source ports")->check(CLI::Range(1, 1000))->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of the junk")->capture_default_str();
   app.add_option("--capture", options.capture, "File of captured datagrams: to replay (handshake, data), or with --listen to write");
   app.add_option("--spoof", options.spoof, "Sends as if from this address (root only)");
   app.add_option("--listen", options.listen, "Captures: a node whose hub is this address is passed on to --to");

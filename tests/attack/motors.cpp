@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
   std::string what = "watch";
   double seconds = 1.0;
   CLI::App app{"Measures how long a force stays on the simulated motors of an io_node; one JSON object is printed.", "hapton_motors"};
-  app.add_option("process", process, "Of io_node")->required();
+  app.add_option("process", process, "Process ID of io_node")->required();
   app.add_option("what", what, "watch it, also while a real-time program runs wild (hog), or send it a signal and measure the release")
       ->check(CLI::IsMember({"watch", "hog", "freeze", "kill"}))
       ->capture_default_str();

@@ -44,7 +44,7 @@ TEST(DdsRefusals, DomainsThatDoNotExist) {
   ::unsetenv("ROS_DOMAIN_ID");
 }
 
-TEST(DdsRefusals, InterfacesThatAreNone) {
+TEST(DdsRefusals, InvalidInterfaces) {
   expect_refusal({"--interface", "\"/><Tracing/>"}, "is not a network interface");
   expect_refusal({"--interface", "a b"}, "is not a network interface");
 }
@@ -67,7 +67,7 @@ TEST(DdsRefusals, AnInterfaceThatThisHostLacks) {
 
 TEST(DdsRefusals, NoHub) { expect_refusal({"--hub", "127.0.0.1:" + find_free_port()}, "no reply from a hub"); }
 
-TEST(DdsRefusals, AKeyFileThatIsNone) {
+TEST(DdsRefusals, AnInvalidKeyFile) {
   const ScratchFolder scratch;
   expect_refusal({"--key", scratch.write("key", "short").string()}, "key");
 }

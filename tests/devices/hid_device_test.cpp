@@ -140,7 +140,7 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
     // Where a busy machine kept the servo from its commands for half of what the device waits for one, or the device from its reports, the
     // force may have been released in between: the ramp is the last one then.
     std::size_t begin = 0;
-    if (hand_.longest_gap_ns() > DeviceExchange::kServoSilenceNs / 2 || was_away_again) {
+    if (hand_.longest_gap_ns() > DeviceExchange::kServoTimeoutNs / 2 || was_away_again) {
       for (begin = reports.size() - 1; begin > 0 && reports[begin][2] != 0;) --begin;
     }
     steps = 0;
@@ -198,7 +198,7 @@ TEST_F(HidDeviceTest, SilentThoughPluggedInItIsAwayAndItsForceRampsInAgainAfterw
   EXPECT_TRUE(saw_part);
 }
 
-TEST_F(HidDeviceTest, ThatIsNotCalibratedOrBrokenIsNotPushed) {
+TEST_F(HidDeviceTest, AnUncalibratedOrBrokenDeviceGetsNoForce) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   for (const DeviceStatus status : {DeviceStatus::calibrating, DeviceStatus::fault}) {
     reporter_.set_status(status);
@@ -212,7 +212,7 @@ TEST_F(HidDeviceTest, ThatIsNotCalibratedOrBrokenIsNotPushed) {
   }
 }
 
-TEST_F(HidDeviceTest, EndsWithAReportThatLetsGo) {
+TEST_F(HidDeviceTest, EndsWithAReportThatReleasesTheForce) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   device_.reset();
   EXPECT_EQ(hid_.take_written().back()[1], 0);
@@ -232,7 +232,7 @@ TEST_F(HidDeviceTest, ReadAndWriteUseNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(HidDevice, ThatSaysNothingOrNonsenseIsAnErrorInOneLine) {
+TEST(HidDevice, ASilentOrInvalidDeviceIsAnErrorInOneLine) {
   HidDescription description;
   description.path = "/dev/fake";
   FakeHid hid(description);
@@ -256,7 +256,7 @@ TEST_F(HidDeviceTest, HasAPositionFromTheFirstReadOn) {
   EXPECT_TRUE(device_->status() == DeviceStatus::ready || device_->status() == DeviceStatus::away) << "away: its reporter stands still";
 }
 
-TEST(HidDevice, ThatIsNotThereIsAnErrorInOneLine) {
+TEST(HidDevice, AMissingDeviceIsAnErrorInOneLine) {
   FakeHid hid;
   hid.unplug();
   const auto opened = HidDevice::open(std::make_unique<PlainBackend>(), hid.opener());

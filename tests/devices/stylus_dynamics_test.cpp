@@ -137,7 +137,7 @@ TEST(StylusDynamics, CoulombFrictionStopsACoastingMassWhereItShouldAndHoldsIt) {
   EXPECT_NEAR(state.device_m - held, -0.5 * 0.02 / model.device_mass_kg * 1e-4, 1e-10);
 }
 
-TEST(StylusDynamics, StopIsHardAndLetsGo) {
+TEST(StylusDynamics, StopIsHardAndReleases) {
   StylusModel model = apart();
   model.device_damping_n_s_per_m = 0.0;
   const StylusDynamics dynamics(model);

@@ -132,7 +132,7 @@ TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
   EXPECT_LT((large.normalized() - small.normalized()).norm(), 0.02);
 }
 
-TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndLetsGoAtOnce) {
+TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndReleasesAtOnce) {
   begin();
   receive(kInTheMiddle);
   const double first_ma = currents(Vec3::Zero()).norm();

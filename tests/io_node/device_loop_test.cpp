@@ -397,7 +397,7 @@ TEST_F(DeviceLoops, UsesNeitherHeapNorSystemCalls) {
 }
 
 // Two threads, no network, and the network side stops for good: the central property of the design.
-TEST(DeviceThreads, LetsGoWhenTheNetworkSideStops) {
+TEST(DeviceThreads, ReleasesTheForceWhenTheNetworkSideStops) {
   SteadyClock clock;
   SimulatedPhantom device({});
   const auto loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{});

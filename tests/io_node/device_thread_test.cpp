@@ -39,7 +39,7 @@ TEST_F(DeviceThreadTest, RealTimeThatIsRequiredAndDeniedIsAnError) {
   DeviceThread thread(*loop, clock);
   const auto started = thread.start({.mode = RealtimeMode::require, .priority = 80, .cpu = 4095});
   ASSERT_FALSE(started);
-  EXPECT_NE(started.error().what.find("cpu"), std::string::npos);
+  EXPECT_NE(started.error().what.find("CPU"), std::string::npos);
 }
 
 TEST_F(DeviceThreadTest, AThreadThatNeverBeganEnds) {

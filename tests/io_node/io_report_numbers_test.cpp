@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "io_node/io_report.h"
+#include "runtime/counter_descriptions.h"
 
 namespace hapton {
 namespace {
@@ -37,7 +39,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"unknown_echo", &s.responses.unknown},
                                                                         {"superseded", &s.responses.superseded},
                                                                         {"lost", &s.responses.lost},
-                                                                        {"unanswered_without_haptics", &s.responses.excused},
+                                                                        {"no_reply_without_haptics", &s.responses.excused},
                                                                         {"missed_cycles", &s.missed_cycles},
                                                                         {"caught_up_cycles", &s.caught_up_cycles},
                                                                         {"missed_late_wake_up", &s.missed_by_cause[1]},
@@ -81,14 +83,14 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"unknown_peers", &s.socket.unknown_peers},
                                                                         {"dropped_by_kernel", &s.socket.dropped},
                                                                         {"floods", &s.socket.floods},
-                                                                        {"budget_spent", &s.budget_spent},
+                                                                        {"datagram_budget_exhausted", &s.budget_spent},
                                                                         {"cycles_unreported", &s.cycles_unreported},
-                                                                        {"device_cuts", &s.cuts},
+                                                                        {"device_releases", &s.cuts},
                                                                         {"joins_rejected", &s.hub.rejections},
                                                                         {"peers_timed_out", &s.hub.timeouts},
                                                                         {"bad_settings", &s.bad_settings},
                                                                         {"markers", &s.markers},
-                                                                        {"markers_refused", &s.markers_refused},
+                                                                        {"markers_rejected", &s.markers_rejected},
                                                                         {"moves_rejected", &s.moves_rejected},
                                                                         {"shape_parts_rejected", &s.shape_parts_rejected},
                                                                         {"vision_sent", &s.probe_states_sent},
@@ -103,7 +105,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"beyond_patch_steps", &s.patch_touch.beyond_steps},
                                                                         {"moves_late", &s.patch_touch.late_moves},
                                                                         {"echo_sent", &s.echo.sent},
-                                                                        {"echo_answered", &s.echo.replied},
+                                                                        {"echo_replied", &s.echo.replied},
                                                                         {"echo_late", &s.echo.late},
                                                                         {"events_dropped", &s.events_dropped}};
   for (std::size_t n = 0; n < counters.size(); ++n) *counters[n].second = 1000 + n;
@@ -182,9 +184,17 @@ TEST_F(IoReportNumbers, EachRateAndShareIsUnderItsOwnName) {
   EXPECT_EQ(written.counters.at("loop_involuntary_switches"), 7);
   EXPECT_EQ(written.counters.at("loop_waited_us"), 2500);
   EXPECT_EQ(written.counters.at("machine_stolen_us"), 750);
-  EXPECT_EQ(written.counters.at("near_throttling"), 3);
+  EXPECT_EQ(written.counters.at("near_rt_throttling"), 3);
   EXPECT_THAT(describe_run(*stats, scheduling),
               HasSubstr("worked 25.0 %, spun 12.5 %, slept 62.5 %; waited for a CPU 2.5 ms, preempted 7"));
+}
+
+TEST_F(IoReportNumbers, EveryCounterIsDescribedAndNoOther) {
+  scheduling.is_known = true;
+  std::set<std::string> counted, described;
+  for (const auto& [name, count] : report().counters) counted.insert(name);
+  for (const auto& [name, text] : counter_descriptions()) described.emplace(name);
+  EXPECT_EQ(counted, described);
 }
 
 TEST_F(IoReportNumbers, ANodeHasItsOwnCounts) {

@@ -66,7 +66,7 @@ TEST(LocalPatch, EndsWhenHapticsIsSilentForTooLong) {
 }
 
 // A hand that goes through the surface while haptics is silent is on the same side of it when haptics is heard again.
-TEST(LocalPatch, TheSurfaceIsTheSameAfterASilence) {
+TEST(LocalPatch, TheSurfaceIsTheSameAfterATimeout) {
   LocalPatch local;
   local.offer(sheet_patch(0.0));
   local.publish(orders_until(50 * kMs));

@@ -72,7 +72,7 @@ TEST_F(Servos, AFloodOfMarkersIsCountedAndTheOthersAreRecorded) {
   EXPECT_LE(tap.markers.size(), static_cast<std::size_t>(MarkerLog::kBurst + MarkerLog::kPerSecond));
   EXPECT_GE(tap.markers.size(), static_cast<std::size_t>(MarkerLog::kBurst));
   EXPECT_EQ(tap.markers.back().second, "mine") << "each node has its own limit";
-  EXPECT_EQ(stats().markers + stats().markers_refused, 5001U);
+  EXPECT_EQ(stats().markers + stats().markers_rejected, 5001U);
   EXPECT_LT(marker_replies.size(), tap.markers.size() + 20U);
   clock.advance_ns(kNanosecondsPerSecond);
   run(2);
@@ -86,7 +86,7 @@ TEST_F(Servos, ANodeLearnsThatNothingIsRecorded) {
   run(2);
   ASSERT_EQ(marker_replies.size(), 1U);
   EXPECT_EQ(marker_replies[0].second.status, MarkerStatus::no_recording);
-  EXPECT_EQ(stats().markers_refused, 1U);
+  EXPECT_EQ(stats().markers_rejected, 1U);
 }
 
 }  // namespace

@@ -200,7 +200,7 @@ TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
   }
 }
 
-TEST_F(Servos, TheMouseLeadsTheHandUntilItLetsGoOrLeaves) {
+TEST_F(Servos, TheMouseLeadsTheHandUntilItReleasesOrLeaves) {
   make();
   join(kVision, NodeRole::vision);
   run(2);

@@ -57,7 +57,7 @@ TEST_F(Servos, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
   EXPECT_EQ(stats().governor.fault, SafetyFault::none);
 }
 
-TEST_F(Servos, TheDeadMansSwitchLetsGo) {
+TEST_F(Servos, TheDeadMansSwitchReleasesTheForce) {
   make({.dead_mans_switch = 2});
   join(kHaptics, NodeRole::haptics);
   run(300);  // the device holds buttons 0 and 2
@@ -93,7 +93,7 @@ TEST_F(Servos, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
   EXPECT_EQ(stats().bare_echo.max_ns(), 30 * kUs);
 }
 
-TEST_F(Servos, FinishLetsTheDeviceGo) {
+TEST_F(Servos, FinishReleasesTheForce) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);

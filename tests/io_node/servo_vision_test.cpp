@@ -98,7 +98,7 @@ TEST_F(Servos, VisionGetsNoMoreThanItDraws) {
   EXPECT_LE(stats().device_to_drawn.max_ns(), 21 * kMs);
 }
 
-TEST_F(Servos, DrawnGivesTheAgeOfThePicture) {
+TEST_F(Servos, FrameAckGivesTheAgeOfTheFrame) {
   make();
   draw_ns = -1;
   join(kVision, NodeRole::vision);

@@ -47,7 +47,7 @@ struct Feed : testing::Test {
     cycle.sample.buttons = 5;
     memory.note_sample(cycle.number, cycle.sample);
     side.written.force_n = Vec3(0, 0, x_m);
-    side.is_silent = true;
+    side.has_timed_out = true;
     feed.send(memory, side, cycle, 3, ProbeStatus::ok, clock.now_ns());
   }
   FrameAck drawn() const { return {received.back().sample, received.back().sample_time_ns, 60.0F}; }

@@ -66,7 +66,7 @@ TEST(HandPresets, GoFromNoHandToAFirmGrip) {
 TEST(AxisPlant, StaticForceBendsJointsAndHandInSeries) {
   const DeviceModel device = find_device_preset("premium-1.5")->model;
   const AxisPlant plant = make_axis_plant(device, *find_hand_preset("stylus"));
-  const Eigen::VectorXd rest = Eigen::MatrixXd(plant.a).fullPivLu().solve(Eigen::VectorXd(-plant.b.col(AxisPlant::kCommand)));
+  const Eigen::VectorXd rest = Eigen::MatrixXd(plant.a).fullPivLu().solve(Eigen::VectorXd(-plant.b.col(AxisPlant::command)));
   EXPECT_NEAR(rest[0], 1.0 / 500.0 + 1.0 / 3500.0, 1e-12);
 }
 

@@ -174,7 +174,7 @@ TEST(Annotations, AnObjectLiesAtTheStartWhereTheFileHasIt) {
   EXPECT_THAT(read_text(notes), HasSubstr("position_m = [0.0, 0.0, 0.03]"));
 }
 
-TEST(Annotations, AFileThatIsNoneIsOneLineAndIsLeftAlone) {
+TEST(Annotations, AnInvalidFileIsOneLineAndIsLeftAlone) {
   ScratchFolder scratch;
   scratch.write("cube.obj", kCube);
   const std::string text = "schema = \"hapton.annotations/1\"\nstroke = 3\n";

@@ -39,7 +39,7 @@ void expect_one_line(const std::string& program, const std::vector<std::string>&
   EXPECT_EQ(std::count(ended->err.begin(), ended->err.end(), '\n'), 1) << ended->err;
 }
 
-TEST(Plugins, AFileThatIsNoneIsOneLineAndNoStart) {
+TEST(Plugins, AnInvalidFileIsOneLineAndNoStart) {
   const ScratchFolder scratch;
   const std::string text = scratch.write("text.so", "force = 2 N\n").string();
   expect_one_line("haptics_node", {"--effect", scratch.path() / "gone.so"}, "No such file");

@@ -30,7 +30,7 @@ bool is_drawn(const Json& report) { return count(report, "drawn") > 0; }
 
 void expect_sane(const Json& report) {
   ASSERT_TRUE(report.is_object()) << report;
-  EXPECT_EQ(report.at("schema"), "hapton.report/3");
+  EXPECT_EQ(report.at("schema"), "hapton.report/4");
   EXPECT_EQ(report.at("program"), "io_node");
   EXPECT_GT(report.at("seconds").get<double>(), 0.0);
   for (const auto& [name, value] : report.at("counters").items()) EXPECT_GE(value.get<std::int64_t>(), 0) << name;

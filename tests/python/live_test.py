@@ -182,13 +182,13 @@ class LiveTest(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "--record"):
             client.mark("begin")
 
-    def test_a_field_node_answers_every_sample_within_the_limits(self):
+    def test_a_field_node_replies_to_every_sample_within_the_limits(self):
         recording = os.path.join(os.environ.get("TMPDIR", "/tmp"), f"hapton-field-{os.getpid()}.hapton")
         self.addCleanup(lambda: os.path.exists(recording) and os.remove(recording))
         system = self.start("--record", recording, "--rate", "2000")
         node = hapton.FieldNode(system.hub)
         node.set([hapton.fields.spring([0, 0, 0], 20.0), hapton.fields.viscous(1.0)])
-        self.assertTrue(wait_until(lambda: node.state()["changes"] == 1 and node.state()["answers"] > 1000))
+        self.assertTrue(wait_until(lambda: node.state()["changes"] == 1 and node.state()["replies"] > 1000))
         node.set([hapton.fields.constant([0, 3.0, 0])])  # above the limit
         self.assertTrue(wait_until(lambda: node.state()["changes"] == 2))
         self.assertTrue(wait_until(lambda: np.allclose(node.state()["force_n"], [0, 3.0, 0], atol=1e-6)))
@@ -245,7 +245,7 @@ class LiveTest(unittest.TestCase):
             hapton.FieldNode(system.hub, watch_s=0)
         with hapton.FieldNode(system.hub, watch_s=1.0) as node:
             node.set([hapton.fields.constant([0, 1.0, 0])])
-            self.assertTrue(wait_until(lambda: node.state()["answers"] > 0 and felt()))
+            self.assertTrue(wait_until(lambda: node.state()["replies"] > 0 and felt()))
             self.assertTrue(wait_until(lambda: np.allclose(client.state()["force_n"], 0), 10), "node.state is not called meanwhile")
             self.assertTrue(node.state()["watch_over"])
             self.assertTrue(wait_until(lambda: not node.state()["watch_over"] and felt()))
@@ -264,11 +264,12 @@ class LiveTest(unittest.TestCase):
         for seconds in (1.5, 6.0, 24.0):
             hands.clear()
             report = hapton.run_haptics_node(force, seconds, hub=system.hub)
-            if report["answers"] > 10:
+            if report["replies"] > 10:
                 break
-        self.assertEqual(report["answers"], len(hands))
-        self.assertGreater(report["answers"], 10)
-        self.assertAlmostEqual(report["rate_hz"], report["answers"] / report["seconds"])
+        self.assertEqual(report["replies"], len(hands))
+        self.assertEqual(report["answers"], report["replies"], "its name before")
+        self.assertGreater(report["replies"], 10)
+        self.assertAlmostEqual(report["rate_hz"], report["replies"] / report["seconds"])
         self.assertGreater(report["compute_p99_us"], 0)
         samples = [hand[0] for hand in hands]
         self.assertEqual(samples, sorted(set(samples)))

@@ -59,7 +59,7 @@ TEST(RealtimeTest, TheReportIsTrue) {
   const RealtimeReport& report = **outcome.report;
   ASSERT_EQ(report.items.size(), 5U);
   EXPECT_EQ(find_item(report, "priority")->obtained, outcome.policy == SCHED_FIFO && outcome.priority == 7);
-  if (find_item(report, "cpu")->obtained) {
+  if (find_item(report, "CPU")->obtained) {
     EXPECT_EQ(outcome.cpu, 0);
   }
   for (const RealtimeItem& item : report.items) {
@@ -75,20 +75,20 @@ TEST(RealtimeTest, ADenialIsReportedWithItsRemedyAndOnlyRequireFails) {
   constexpr int kNoSuchCpu = 1000;
   const Outcome tried = enter_in_a_thread({.mode = RealtimeMode::attempt, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
   ASSERT_TRUE(*tried.report);
-  const RealtimeItem* item = find_item(**tried.report, "cpu");
+  const RealtimeItem* item = find_item(**tried.report, "CPU");
   ASSERT_NE(item, nullptr);
   EXPECT_FALSE(item->obtained);
-  EXPECT_THAT((*tried.report)->to_text(), HasSubstr("cpu 1000 NO ("));
+  EXPECT_THAT((*tried.report)->to_text(), HasSubstr("CPU 1000: denied ("));
   EXPECT_FALSE((*tried.report)->complete());
   const auto lines = (*tried.report)->to_lines();
   ASSERT_GE(lines.size(), 2U);
-  EXPECT_THAT(lines[0], HasSubstr("cpu 1000 NO"));
-  EXPECT_THAT(lines[1], HasSubstr("not granted: cpu 1000 ("));
+  EXPECT_THAT(lines[0], HasSubstr("CPU 1000: denied"));
+  EXPECT_THAT(lines[1], HasSubstr("not granted: CPU 1000 ("));
   EXPECT_THAT(lines[1], HasSubstr(item->remedy));
 
   const Outcome required = enter_in_a_thread({.mode = RealtimeMode::require, .priority = 0, .cpu = kNoSuchCpu, .lock_memory = false});
   ASSERT_FALSE(*required.report);
-  EXPECT_THAT(required.report->error().what, HasSubstr("not granted: cpu 1000"));
+  EXPECT_THAT(required.report->error().what, HasSubstr("not granted: CPU 1000"));
   EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
 }
 

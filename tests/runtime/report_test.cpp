@@ -35,7 +35,7 @@ LatencyReport sample_report() {
 
 TEST(ReportTest, JsonHoldsEveryFigure) {
   const nlohmann::json json = nlohmann::json::parse(to_json(sample_report()));
-  EXPECT_EQ(json["schema"], "hapton.report/3");
+  EXPECT_EQ(json["schema"], "hapton.report/4");
   EXPECT_EQ(json["program"], "io_node");
   EXPECT_EQ(json["seconds"], 2.5);
   EXPECT_EQ(json["rates_hz"]["servo"], 999.5);

@@ -99,7 +99,7 @@ TEST(SafetyGovernor, AfterAnInterruptNothingComesBeforeANewCommand) {
   bench.press(5.0, 200);
   ASSERT_EQ(bench.out.force_n, Vec3(0, 0, 5));
   bench.governor.interrupt();
-  EXPECT_TRUE(bench.governor.is_silent());
+  EXPECT_TRUE(bench.governor.has_timed_out());
   bench.wait(5);
   EXPECT_EQ(bench.out.force_n, Vec3::Zero());
   EXPECT_EQ(bench.governor.state(), GovernorState::no_command);

@@ -16,7 +16,7 @@ TEST(SlewLimit, FollowsAtItsRateAndArrivesExactly) {
   EXPECT_FALSE(slew.was_cut());
 }
 
-TEST(SlewLimit, ComesIntoTheBallBeforeItFollows) {
+TEST(SlewLimit, ReachesTheMagnitudeLimitFirst) {
   SlewLimit slew;
   slew.follow(Vec3(4, 0, 0), 10.0, {10.0, 10.0});
   // The goal is aside; the whole step goes into coming within the limit.

@@ -13,7 +13,7 @@ TEST(ThermalBudget, BearsThePeakForAsLongAsTheDeviceSays) {
   EXPECT_NEAR(budget.load(kLimits), 1.0, 1e-9);
 }
 
-TEST(ThermalBudget, BearsTheContinuousForceWithoutEnd) {
+TEST(ThermalBudget, AllowsTheContinuousForceIndefinitely) {
   ThermalBudget budget(kLimits);
   for (int n = 0; n < 100'000; ++n) budget.held(Vec3(0, 0, 2), 0.01);
   EXPECT_NEAR(budget.load(kLimits), 1.0, 1e-4);

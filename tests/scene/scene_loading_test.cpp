@@ -60,7 +60,7 @@ TEST_F(FittedMesh, LiesInTheMiddleOfTheWorkspaceAndJustFitsItsBox) {
     EXPECT_LT(box.center().norm(), 1e-12);
     const Eigen::Array3d shares = box.sizes().array() / fitted_size_m().array();
     EXPECT_NEAR(shares.maxCoeff(), 1.0, 1e-12);
-    EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr("a.obj"), HasSubstr("times its size"), HasSubstr("--no-fit"))));
+    EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr("a.obj"), HasSubstr("scaled by"), HasSubstr("--no-fit"))));
   }
 }
 
@@ -69,7 +69,7 @@ TEST_F(FittedMesh, InItsSizeHasNoFactor) {
   const auto path = folder_.write("a.obj", fmt::format("v 0 0 0\nv {:.17g} 0 0\nv 0 0.01 0\nf 1 2 3\n", longest_m));
   const auto scene = load_scene(path, {.fit = MeshFit::workspace});
   ASSERT_TRUE(scene) << scene.error().what;
-  EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr(" long, shown in the middle of the workspace; --no-fit"))));
+  EXPECT_THAT(scene->notes, Contains(AllOf(HasSubstr(" long, centred in the workspace; --no-fit"))));
 }
 
 TEST_F(FittedMesh, IsLeftAsItIsWithoutFit) {

@@ -46,7 +46,7 @@ TEST(SceneReport, SaysWhatIsMovable) {
 TEST(SceneReport, SaysWhatMovesByItself) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/machine.toml");
   ASSERT_TRUE(report) << report.error().what;
-  EXPECT_NE(to_text(*report).find("moves by 5 keyframes for 4.8 s, again and again"), std::string::npos) << to_text(*report);
+  EXPECT_NE(to_text(*report).find("moves by 5 keyframes, 4.8 s, repeated"), std::string::npos) << to_text(*report);
   EXPECT_NE(to_json(*report).find("\"motion_s\": 4.8"), std::string::npos);
 }
 

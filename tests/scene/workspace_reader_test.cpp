@@ -37,7 +37,7 @@ TEST_F(Workspace, SaysWhereTheHandIsInTheScene) {
   EXPECT_LT((mesh.vertices[1] - Vec3(0.15, 0, 0.1)).norm(), 1e-12) << "1.5 m along the scene's y axis";
   EXPECT_LT((mesh.vertices[2] - Vec3(0, 0.225, 0.1)).norm(), 1e-12);
   EXPECT_EQ(scene->fit_scale, 0.1);
-  EXPECT_THAT(scene->notes, ::testing::Contains("[workspace]: everything is shown 0.1 times its size"));
+  EXPECT_THAT(scene->notes, ::testing::Contains("[workspace]: scene scaled by 0.1"));
 }
 
 TEST_F(Workspace, InItsSizeNeedsNoNote) {

@@ -316,6 +316,13 @@ TEST_F(HaptonCommandTest, BenchTakesTheOldNameOfComparedStepsAndSaysSo) {
   }
 }
 
+TEST_F(HaptonCommandTest, StressTakesTheOldNameOfMinimumEveryAndSaysSo) {
+  const CommandRun seen = run_hapton({"stress", "--body", "box", "--rest-every", "16", "--friction-dynamic", "0.3"});
+  EXPECT_EQ(seen.code, 1);
+  EXPECT_THAT(seen.err, HasSubstr("--rest-every is now --minimum-every"));
+  EXPECT_THAT(run_hapton({"stress", "--help"}).out, Not(HasSubstr("rest-every")));
+}
+
 TEST_F(HaptonCommandTest, StressRejectsADynamicFrictionAboveTheStaticOne) {
   const CommandRun seen = run_hapton({"stress", "--body", "box", "--friction-dynamic", "0.3"});
   EXPECT_EQ(seen.code, 1);

@@ -20,7 +20,7 @@ TEST(SessionPlayer, PlaysWithTheClockAtTheChosenSpeedAndStopsAtTheEnd) {
   EXPECT_DOUBLE_EQ(player.moment_s(), 14.0);
   EXPECT_TRUE(player.is_paused());
   player.toggle_pause();
-  EXPECT_DOUBLE_EQ(player.moment_s(), 10.0) << "from the begin";
+  EXPECT_DOUBLE_EQ(player.moment_s(), 10.0) << "from the beginning";
 }
 
 TEST(SessionPlayer, PausesAndIsHeld) {

@@ -175,7 +175,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
       "Compute the force from patches of each body, as io_node --touch patch does, at its own scale and place, without and with friction");
   const CommandOption tool =
       command.add_flag("--tool", options->tool, "Press rigid tools of six shapes on each body instead: penetration by exact signs, gaps");
-  command.add_flag("--moving", options->moving, "With --tool: the bodies move, beside a ball that stands still").needs(tool);
+  command.add_flag("--moving", options->moving, "With --tool: the bodies move, next to a stationary ball").needs(tool);
   tool.excludes(patches);
   const CommandOption on_grid = command.add_flag("--on-grid", options->plan.on_grid,
                                                  "Round the vertices to the grid of patches first, and use the whole body: a fault that "
@@ -194,10 +194,11 @@ void add_stress_command(CommandLine app, int& exit_code) {
       command.add_option("--friction-dynamic", options->friction_dynamic, "Only with this friction, not above the static one")
           .between(0.0, kFrictionDynamicLimit.most);
   const CommandOption episode = command.add_option("--episode", options->episode, "Only this episode, as a finding names it");
-  command
-      .add_option("--rest-every", options->plan.compare_every,
-                  "Steps between two checks of the proxy's local minimum by the reference; 0: only where a fault is suspected")
-      .shows_default();
+  const CommandOption minimum_every =
+      command.add_option("--minimum-every", options->plan.compare_every,
+                         "Steps between two checks of the proxy's local minimum by the reference; 0: only where a fault is suspected");
+  minimum_every.shows_default();
+  command.add_old_option("--rest-every", minimum_every);
   command.add_option("--substeps", options->plan.method.reference_substeps, "Sub-steps of --method reference")
       .between(1, 10000)
       .shows_default();

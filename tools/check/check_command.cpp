@@ -95,7 +95,7 @@ void add_check_command(CommandLine app, int& exit_code) {
       .not_negative("metres");
   check.add_option("--rate", settings.rate_hz, "Servo rate, Hz").between(10.0, 1e6).shows_default();
   check.add_option("--delay", options->delay_ms, "From the sample to its force on the motors, ms (half a cycle)").between(0.0, 10'000.0);
-  check.add_flag("--json", options->json, "As JSON");
+  check.add_flag("--json", options->json, "Print JSON");
   check.on_run([options, &exit_code] {
     const Result<bool> is_clean = run(*options);
     if (!is_clean) std::fprintf(stderr, "hapton check: %s\n", is_clean.error().what.c_str());

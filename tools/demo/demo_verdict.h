@@ -11,7 +11,7 @@ namespace hapton {
 // What was recorded during a step of the tour.
 struct DemoEvidence {
   DemoMotion motion;
-  nlohmann::ordered_json report;  // the hub's report.json, schema hapton.report/2
+  nlohmann::ordered_json report;  // the hub's report.json, schema kReportSchema
   std::int64_t killed_ns = 0;     // when the haptics node was killed and started again, this machine's clock; 0: it was not
   std::int64_t restarted_ns = 0;
 };

@@ -137,7 +137,7 @@ void check_haply(const Machine& machine, Findings& findings) {
   // The kernel keeps the first 15 letters of a program's name.
   const bool runs = machine.find_process(std::string(kUnit).substr(0, 15)).has_value();
   if (runs) {
-    findings.push_back(good("Haply service", "runs; io_node --device haply asks it at ws://localhost:10001"));
+    findings.push_back(good("Haply service", "runs; io_node --device haply connects to ws://localhost:10001"));
   } else if (is_installed) {
     findings.push_back(warning("Haply service", "is installed, but does not run", "sudo systemctl enable --now haply-inverse-service"));
   } else {

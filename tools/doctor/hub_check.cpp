@@ -54,7 +54,7 @@ void add_temperature(const nlohmann::json& notes, Findings& findings) {
 void add_realtime(const nlohmann::json& notes, Findings& findings) {
   const std::string realtime = text_of(notes, "realtime");
   if (realtime.empty()) return;
-  if (realtime.find(" NO (") == realtime.npos) {
+  if (realtime.find(": denied (") == realtime.npos) {
     findings.push_back(good("rights of the hub", "all requested rights were granted"));
   } else {
     findings.push_back(warning("rights of the hub", realtime, "grant them (hapton doctor --only rights), then start io_node again"));

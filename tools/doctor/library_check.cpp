@@ -49,7 +49,7 @@ Finding explain_failure(const KnownVendorLibrary& library, const LibraryReply& r
 
 Finding check_library(const Machine& machine, const KnownVendorLibrary& library, const std::vector<PluggedDevice>& devices) {
   const std::string name(library.name);
-  if (!machine.questions().library) return note(name, "not looked at");
+  if (!machine.questions().library) return note(name, "not checked");
   const LibraryReply reply = machine.questions().library(library.name);
   if (!reply.crash.empty())
     return problem(name, fmt::format("loading it fails: {}", reply.crash), fmt::format("reinstall it: {}", library.source));

@@ -32,14 +32,14 @@ std::optional<Limit> read_limit(const Machine& machine, std::string_view name) {
 Finding check_priority(const Machine& machine) {
   const std::string subject = "real-time priority";
   if (machine.user().has_capability(User::kSysNice))
-    return good(subject, fmt::format("any, by CAP_SYS_NICE; io_node asks for {:g}", kPriority));
+    return good(subject, fmt::format("any, by CAP_SYS_NICE; io_node requests {:g}", kPriority));
   const auto limit = read_limit(machine, "Max realtime priority");
   if (!limit) return note(subject, "not known: /proc/self/limits does not say");
   if (limit->is_unlimited || limit->soft >= kPriority)
     return good(subject,
-                fmt::format("up to {}; io_node asks for {:g}", limit->is_unlimited ? "any" : fmt::format("{:g}", limit->soft), kPriority));
+                fmt::format("up to {}; io_node requests {:g}", limit->is_unlimited ? "any" : fmt::format("{:g}", limit->soft), kPriority));
   return problem(subject,
-                 fmt::format("at most {:g} for {}, and io_node asks for {:g}: other programs get in its way for milliseconds", limit->soft,
+                 fmt::format("at most {:g} for {}, and io_node requests {:g}: other programs get in its way for milliseconds", limit->soft,
                              machine.user().name, kPriority),
                  line_that_grants_realtime(machine));
 }

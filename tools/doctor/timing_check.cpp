@@ -105,7 +105,7 @@ Findings check_kernel(const Machine& machine) {
   if (machine.read("/sys/kernel/realtime") == "1" || version.find("PREEMPT_RT") != version.npos)
     return {good("kernel", fmt::format("{}, PREEMPT_RT", release))};
   if (version.find("PREEMPT") != version.npos)
-    return {good("kernel", fmt::format("{}, preemptible; linux-image-rt-amd64 has shorter worst cases yet", release))};
+    return {good("kernel", fmt::format("{}, preemptible; linux-image-rt-amd64 has still shorter worst cases", release))};
   return {warning("kernel", fmt::format("{} is not preemptible: its own work may hold the loop up for milliseconds", release),
                   "sudo apt-get install linux-image-rt-amd64 && sudo reboot")};
 }

@@ -173,8 +173,8 @@ void GovernorEvaluator::check_slew(const Wrench& out, double passed_s) noexcept 
 }
 
 void GovernorEvaluator::check_timeout(const Wrench& out) noexcept {
-  const bool is_silent = accepted_ == 0 || now_ns_ - accepted_ns_ >= kPeerTimeoutNs;
-  breach_if(GovernorBreach::command_timeout, is_silent && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
+  const bool has_timed_out = accepted_ == 0 || now_ns_ - accepted_ns_ >= kPeerTimeoutNs;
+  breach_if(GovernorBreach::command_timeout, has_timed_out && (size_of(out.force_n) > 0.0 || size_of(out.torque_nm) > 0.0));
 }
 
 double GovernorEvaluator::energy_share() const noexcept {

@@ -44,6 +44,12 @@ constexpr std::array kRenamed = {
     Renamed{"refused_forged", "rejected_forged"},
     Renamed{"refused_no_place", "rejected_no_slot"},
     Renamed{"servo_asked", "servo_requested"},
+    Renamed{"unanswered_without_haptics", "no_reply_without_haptics"},
+    Renamed{"echo_answered", "echo_replied"},
+    Renamed{"device_cuts", "device_releases"},
+    Renamed{"budget_spent", "datagram_budget_exhausted"},
+    Renamed{"markers_refused", "markers_rejected"},
+    Renamed{"near_throttling", "near_rt_throttling"},
 };
 
 void rename_keys(nlohmann::ordered_json& section) {
@@ -59,7 +65,7 @@ void rename_keys(nlohmann::ordered_json& section) {
 void upgrade_report(nlohmann::ordered_json& report) {
   if (!report.is_object()) return;
   const std::string schema = report.value("schema", "");
-  if (schema != "hapton.report/1" && schema != "hapton.report/2") return;
+  if (schema != "hapton.report/1" && schema != "hapton.report/2" && schema != "hapton.report/3") return;
   for (const char* section : {"counters", "notes", "rates_hz"}) {
     if (report.contains(section) && report[section].is_object()) rename_keys(report[section]);
   }

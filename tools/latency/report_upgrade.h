@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Gives a report of schema hapton.report/1 or /2 the names of kReportSchema; any other stays as it is. The numbers are the same in all:
+// Gives a report of schema hapton.report/1 to /3 the names of kReportSchema; any other stays as it is. The numbers are the same in all:
 // only counters, notes and rates were renamed. RT: no.
 void upgrade_report(nlohmann::ordered_json& report);
 

@@ -42,12 +42,12 @@ std::vector<std::string> find_troubles(const Json& report) {
   std::vector<std::string> troubles;
   if (const std::string reach = note(report, "reach"); !reach.empty()) troubles.push_back(reach + " (check --unit and --no-fit)");
   const auto count = [&](const char* key) { return json_number_of(report, "counters", key); };
-  const auto add = [&](const char* key, const char* name) {
-    if (count(key) > 0.0) troubles.push_back(fmt::format("{:.0f} {}", count(key), name));
+  const auto add = [&](const char* key, const char* noun, const char* participle) {
+    if (count(key) > 0.0) troubles.push_back(fmt::format("{:.0f} {}{}{}", count(key), noun, count(key) == 1.0 ? "" : "s", participle));
   };
-  add("faults_latched", "faults latched");
-  add("command_timeouts", "command timeouts");
-  add("lost", "forces lost");
+  add("faults_latched", "fault", " latched");
+  add("command_timeouts", "command timeout", "");
+  add("lost", "force", " lost");
   if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");
   const double rate = json_number_of(report, "rates_hz", "samples");

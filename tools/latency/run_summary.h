@@ -12,7 +12,7 @@ struct RunSummary {
   std::string text;      // two lines: what was touched; whether it held, and if not what did not
 };
 
-// From a report.json (schema hapton.report/2) as read_report_json returns it; missing keys count as zero. `what`: the object to
+// From a report.json (schema kReportSchema) as read_report_json returns it; missing keys count as zero. `what`: the object to
 // touch, for the text. Held: at least 99 % of the servo rate, no force lost, at most 1 % late, no fault latched, no command timeout.
 // RT: no.
 RunSummary summarise_run(const nlohmann::ordered_json& report, const std::string& what);

@@ -165,8 +165,10 @@ void add_set_command(CommandLine app, int& exit_code) {
   command.add_option("--damping", options->damping_ns_per_m, "Damping of the material, Ns/m").between(0.0, kDampingLimit.most);
   const auto friction = command.add_option("--friction", options->friction, "Static and dynamic friction coefficient, the same for both")
                             .between(0.0, kFrictionStaticLimit.most);
-  command.add_option("--friction-static", options->friction_static, "Coulomb").between(0.0, kFrictionStaticLimit.most).excludes(friction);
-  command.add_option("--friction-dynamic", options->friction_dynamic, "Coulomb, at most the static one")
+  command.add_option("--friction-static", options->friction_static, "Static friction coefficient")
+      .between(0.0, kFrictionStaticLimit.most)
+      .excludes(friction);
+  command.add_option("--friction-dynamic", options->friction_dynamic, "Dynamic friction coefficient, at most the static one")
       .between(0.0, kFrictionDynamicLimit.most)
       .excludes(friction);
   command.add_flag("--report", options->report, "Make io_node write report.json and latency.csv now; hapton plot draws them");

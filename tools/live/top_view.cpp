@@ -67,7 +67,7 @@ std::string safety_text(const ReportJson& report) {
 
 std::string nodes_text(const Span& span) {
   std::string text = fmt::format("{:<9} {:<28} {:>12} {:>12} {:>8} {:>10} {:>10}\n", "node", "address", "received/s", "sent/s", "lost",
-                                 "reordered", "there for");
+                                 "reordered", "joined for");
   for (const ReportJson& node : section(span.now, "nodes")) {
     const ReportJson* earlier = find_node(span.before, node);
     const double seconds = earlier == nullptr ? json_number_of(node, "seconds") : span.seconds;

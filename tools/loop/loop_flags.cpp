@@ -106,7 +106,7 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
   changes.add_option("--quantisation", flags.encoder_step_m, "Encoder step at the device point").between(0.0, 0.1);
   changes.add_option("--amplifier", flags.amplifier_hz, "Bandwidth of the amplifier, at least 0.1 Hz; 0: no lag").between(0.0, 1e5);
   changes.add_option("--joint", flags.joints,
-                     "A joint that bends, as MASS,STIFFNESS,DAMPING: of the mass beyond it (part of the device's), in kg, N/m and Ns/m; "
+                     "Compliant joint, as MASS,STIFFNESS,DAMPING: of the mass beyond it (part of the device's), in kg, N/m and Ns/m; "
                      "twice for two, from the motors outwards");
   changes.add_option("--modes", flags.modes, "Number of structural modes, at most; 0: rigid")
       .between(0, DeviceModel::kMostModes)

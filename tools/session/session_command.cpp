@@ -132,7 +132,7 @@ Result<void> load_effects(const SessionOptions& options, PluginEffects& effects)
   return {};
 }
 
-Result<void> feel_again(const SessionOptions& options) {
+Result<void> replay_session(const SessionOptions& options) {
   auto first = SessionReader::open(options.file);
   if (!first) return tl::unexpected(first.error());
   SessionSummary summary;
@@ -220,7 +220,7 @@ void add_session_command(CommandLine app, int& exit_code) {
                   "Effect from a shared library, as haptics_node had it: FILE.so:KEY=VALUE,...; may be repeated")
       .again_for_more();
   replay.add_option("--method", options->method, "Method from a shared library, as haptics_node had it: FILE.so:KEY=VALUE,...");
-  replay.on_run([options, &exit_code] { exit_code = report(feel_again(*options), "replay"); });
+  replay.on_run([options, &exit_code] { exit_code = report(replay_session(*options), "replay"); });
 }
 
 }  // namespace hapton

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <ctime>
 #include <type_traits>
+#include <utility>
 
 #include "scene/scene_loading.h"
 
@@ -137,8 +138,9 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));
   if (missed_ + causes_.size() > 0) {
-    text += fmt::format("missed cycles: {}", missed_);
-    for (const auto& [cause, count] : causes_) text += fmt::format("; {} times: {}", count, to_string(cause));
+    text += fmt::format("{} missed cycles", missed_);
+    const char* before = "; times by cause:";
+    for (const auto& [cause, count] : causes_) text += fmt::format("{} {} {}", std::exchange(before, ","), to_string(cause), count);
     text += "\n";
   }
   for (const Fault& fault : faults_) {

@@ -18,7 +18,7 @@ TEST(SurfaceSnap, HoldsTheDeviceUntilItIsOutOfRange) {
   EXPECT_DOUBLE_EQ(glue.bound_n(), 0.6);
 }
 
-TEST(SurfaceSnap, LetsGoFarAlongThePlane) {
+TEST(SurfaceSnap, ReleasesFarAlongThePlane) {
   const SurfaceSnap glue = {.stiffness_n_per_m = 200, .range_m = 0.003};
   SurfaceSnap::State state;
   SurfaceSnap::touch({0, 0, 0}, Vec3::UnitZ(), state);

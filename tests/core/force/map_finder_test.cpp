@@ -7,27 +7,11 @@
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
+#include "tests/core/force/made_maps.h"
 #include "tests/support/allocation_guard.h"
 
 namespace hapton {
 namespace {
-
-// Texture coordinates that are all different, so that a wrong triangle is seen.
-SurfaceMaps maps_of(const TriangleMesh& mesh) {
-  auto triangles = std::make_shared<std::vector<MappedTriangle>>();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    MappedTriangle made;
-    for (std::size_t k = 0; k < 3; ++k) {
-      made.corner[k] = mesh.corner(t, static_cast<int>(k));
-      made.texcoord[k] = Eigen::Vector2d(3.0 * made.corner[k].x() + made.corner[k].z(), 2.0 * made.corner[k].y());
-    }
-    triangles->push_back(made);
-  }
-  std::vector<float> texels;
-  for (int n = 0; n < 64 * 64; ++n) texels.push_back(0.5F + 0.5F * std::sin(0.05F * static_cast<float>(n)));
-  const auto image = std::make_shared<const SurfaceImage>(64, 64, std::move(texels));
-  return {.triangles = triangles, .height = {.image = image, .at_black = -1e-3, .at_white = 0.0}};
-}
 
 MapSample brute_force(const SurfaceMaps& maps, const Vec3& p) {
   double nearest_m = std::numeric_limits<double>::infinity();
@@ -46,7 +30,7 @@ MapSample brute_force(const SurfaceMaps& maps, const Vec3& p) {
 
 TEST(MapFinder, FindsThePlaceOfTheNearestPoint) {
   const TriangleMesh torus = make_torus(0.035, 0.015, 60, 24);
-  const SurfaceMaps maps = maps_of(torus);
+  const SurfaceMaps maps = made_maps(torus);
   MapFinder finder(maps);
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -62,7 +46,7 @@ TEST(MapFinder, FindsThePlaceOfTheNearestPoint) {
 }
 
 TEST(MapFinder, IsContinuousAlongAPathOverManyTriangles) {
-  MapFinder finder(maps_of(make_torus(0.035, 0.015, 60, 24)));
+  MapFinder finder(made_maps(make_torus(0.035, 0.015, 60, 24)));
   double before_m = finder.find({0.05, 0.0, 0.0}).height_m;
   for (int n = 1; n < 20000; ++n) {
     const double angle = 1e-3 * n;
@@ -75,7 +59,7 @@ TEST(MapFinder, IsContinuousAlongAPathOverManyTriangles) {
 }
 
 TEST(MapFinder, UsesNoHeapAndTakesAnyPoint) {
-  MapFinder finder(maps_of(make_torus(0.035, 0.015, 40, 16)));
+  MapFinder finder(made_maps(make_torus(0.035, 0.015, 40, 16)));
   const AllocationGuard guard;
   for (int n = 0; n < 100; ++n) (void)finder.find(0.001 * n * Vec3(1, 0.3, 0.1));
   EXPECT_EQ(finder.find(Vec3::Constant(std::numeric_limits<double>::quiet_NaN())).height_m, 0.0);

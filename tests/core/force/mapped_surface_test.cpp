@@ -10,33 +10,18 @@
 #include "core/force/map_finder.h"
 #include "core/force/touch_step.h"
 #include "core/geometry/mesh_shapes.h"
+#include "tests/core/force/made_maps.h"
 
 namespace hapton {
 namespace {
 
 constexpr unsigned kMappedSeed = 77;
 
-SurfaceMaps images_on(const TriangleMesh& mesh) {
-  auto triangles = std::make_shared<std::vector<MappedTriangle>>();
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    MappedTriangle made;
-    for (std::size_t k = 0; k < 3; ++k) {
-      made.corner[k] = mesh.corner(t, static_cast<int>(k));
-      made.texcoord[k] = Eigen::Vector2d(3.0 * made.corner[k].x() + made.corner[k].z(), 2.0 * made.corner[k].y());
-    }
-    triangles->push_back(made);
-  }
-  std::vector<float> texels;
-  for (int n = 0; n < 64 * 64; ++n) texels.push_back(0.5F + 0.5F * std::sin(0.05F * static_cast<float>(n)));
-  const auto image = std::make_shared<const SurfaceImage>(64, 64, std::move(texels));
-  return {.triangles = triangles, .height = {.image = image, .at_black = -1e-3, .at_white = 0.0}};
-}
-
 // Twin: every triangle.
 TEST(MappedSurface, FindsThePlaceOfTheNearestPointWhereverTheSearchBegins) {
   SCOPED_TRACE(testing::Message() << "seed " << kMappedSeed);
   const TriangleMesh torus = make_torus(0.035, 0.015, 30, 12);
-  const SurfaceMaps maps = images_on(torus);
+  const SurfaceMaps maps = made_maps(torus);
   const MappedSurface surface(maps.triangles);
   EXPECT_EQ(surface.triangles(), maps.triangles);
   std::mt19937_64 random(kMappedSeed);
@@ -60,12 +45,12 @@ TEST(MappedSurface, FindsThePlaceOfTheNearestPointWhereverTheSearchBegins) {
 
 TEST(MappedSurface, AStepSharesTheOneOfItsTrianglesAndNoOther) {
   const TriangleMesh torus = make_torus(0.035, 0.015, 30, 12);
-  const SurfaceMaps maps = images_on(torus);
+  const SurfaceMaps maps = made_maps(torus);
   TouchScene scene;
   scene.objects.push_back({.mesh = std::make_shared<const TriangleMesh>(torus), .material = {}});
   scene.objects.front().effects.maps = maps;
   const auto surface = std::make_shared<const MappedSurface>(maps.triangles);
-  const auto of_another = std::make_shared<const MappedSurface>(images_on(make_torus(0.03, 0.01, 30, 12)).triangles);
+  const auto of_another = std::make_shared<const MappedSurface>(made_maps(make_torus(0.03, 0.01, 30, 12)).triangles);
   TouchScene shared = scene;
   shared.mapped = {surface};
   TouchScene stale = scene;

@@ -101,7 +101,7 @@ DemoEvidence death(int last_ms, int first_again_ms) {
   return evidence;
 }
 
-TEST(DemoVerdict, ADeathLetsTheMotorsGoAndTheForceComesBack) {
+TEST(DemoVerdict, ADeathReleasesTheMotorsAndTheForceComesBack) {
   EXPECT_TRUE(evaluate_death(death(1018, 2150)).held);
   EXPECT_THAT(evaluate_death(death(1018, 2150)).text, HasSubstr("no force 18 ms after the node is killed, force again 150 ms after"));
   EXPECT_FALSE(evaluate_death(death(1300, 2150)).held) << "held on to the force";

@@ -152,9 +152,9 @@ const std::vector<Fault> kFaults = {
      [](FakeMachine& m) {
        reply_as_hub(
            m,
-           R"j({"device": "simulated", "device_state": "ready", "realtime": "real time: priority SCHED_FIFO 80 NO (Operation not permitted; x)"})j");
+           R"j({"device": "simulated", "device_state": "ready", "realtime": "real time: priority SCHED_FIFO 80: denied (Operation not permitted; x)"})j");
      },
-     Verdict::warning, "SCHED_FIFO 80 NO (Operation not permitted", "hapton doctor --only rights"},
+     Verdict::warning, "SCHED_FIFO 80: denied (Operation not permitted", "hapton doctor --only rights"},
     {"HubWithAnotherKey", [](FakeMachine& m) { m.replies.hub = [] {
                                                  return HubReply{"nobody replies", {}};
                                                }; }, Verdict::warning,
@@ -164,7 +164,7 @@ const std::vector<Fault> kFaults = {
        m.set_limits("0", "unlimited");
        m.remove("/etc/security/limits.d/hapton.conf");
      },
-     Verdict::problem, "at most 0 for ada, and io_node asks for 80",
+     Verdict::problem, "at most 0 for ada, and io_node requests 80",
      "printf '@hapton - rtprio 90\\n@hapton - memlock unlimited\\n' | sudo tee /etc/security/limits.d/hapton.conf"},
     {"NotInTheRealTimeGroup",
      [](FakeMachine& m) {

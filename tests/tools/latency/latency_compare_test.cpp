@@ -14,7 +14,7 @@ nlohmann::ordered_json report(double p50_us, int lost) {
   const auto hop = [](int n, double us) {
     return nlohmann::ordered_json{{"n", n}, {"p50_us", us}, {"p99_us", 2 * us}, {"p99_9_us", 3 * us}, {"max_us", 4 * us}};
   };
-  return {{"schema", "hapton.report/3"},
+  return {{"schema", "hapton.report/4"},
           {"hops", {{"round_trip", hop(100, p50_us)}, {"device_to_drawn", hop(0, 0.0)}}},
           {"ratios", {{"round_trip_over_echo_p50", 1.25}}},
           {"rates_hz", {{"samples", 1000.0}}},

@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 nlohmann::ordered_json report(double seconds, int samples, int longest_us) {
-  return {{"schema", "hapton.report/3"},
+  return {{"schema", "hapton.report/4"},
           {"seconds", seconds},
           {"rates_hz", {{"servo_requested", 1000.0}, {"samples", 1.0}}},
           {"counters", {{"samples", samples}, {"forces", samples / 2}, {"longest_release_us", longest_us}}},

@@ -29,6 +29,27 @@ TEST(ReportUpgrade, GivesTheSecondSchemaTheNewNames) {
   EXPECT_EQ(report["rates_hz"], (Json{{"samples", 999.9}, {"servo_requested", 1000.0}}));
 }
 
+TEST(ReportUpgrade, GivesTheThirdSchemaTheNewNames) {
+  Json report = {{"schema", "hapton.report/3"},
+                 {"counters",
+                  {{"unanswered_without_haptics", 1},
+                   {"echo_answered", 2},
+                   {"device_cuts", 3},
+                   {"budget_spent", 4},
+                   {"markers_refused", 5},
+                   {"near_throttling", 6},
+                   {"late", 7}}}};
+  upgrade_report(report);
+  EXPECT_EQ(report["schema"], kReportSchema);
+  EXPECT_EQ(nlohmann::json(report["counters"]), (nlohmann::json{{"no_reply_without_haptics", 1},
+                                                                {"echo_replied", 2},
+                                                                {"device_releases", 3},
+                                                                {"datagram_budget_exhausted", 4},
+                                                                {"markers_rejected", 5},
+                                                                {"near_rt_throttling", 6},
+                                                                {"late", 7}}));
+}
+
 TEST(ReportUpgrade, LeavesAnyOtherAsItIs) {
   const std::vector<Json> others = {{{"schema", kReportSchema}, {"counters", {{"silence_events", 3}}}},
                                     {{"schema", "hapton.report/9"}},

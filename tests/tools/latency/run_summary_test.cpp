@@ -11,7 +11,7 @@ using ::testing::Not;
 using Json = nlohmann::ordered_json;
 
 Json make_report() {
-  return {{"schema", "hapton.report/3"},
+  return {{"schema", "hapton.report/4"},
           {"seconds", 6.0},
           {"rates_hz", {{"samples", 1999.3}, {"servo_requested", 2000.0}}},
           {"counters",
@@ -59,9 +59,10 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
     const char* said;
   };
   for (const Case& c :
-       {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 faults latched"},
-        Case{"counters", "command_timeouts", 4, "4 command timeouts"}, Case{"counters", "late", 120, "120 forces late"},
-        Case{"counters", "forces", 0, "no force came back"}, Case{"rates_hz", "samples", 1979, "1979 samples a second of 2000"}}) {
+       {Case{"counters", "lost", 2, "2 forces lost"}, Case{"counters", "faults_latched", 1, "1 fault latched"},
+        Case{"counters", "command_timeouts", 4, "4 command timeouts"}, Case{"counters", "command_timeouts", 1, "1 command timeout,"},
+        Case{"counters", "late", 120, "120 forces late"}, Case{"counters", "forces", 0, "no force came back"},
+        Case{"rates_hz", "samples", 1979, "1979 samples a second of 2000"}}) {
     Json report = make_report();
     report[c.section][c.key] = c.value;
     const RunSummary summary = summarise_run(report, "x");
@@ -72,7 +73,7 @@ TEST(RunSummary, NamesEachThingThatDidNotHold) {
 }
 
 TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
-  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/3"}, {"hops", Json::object()}}, "x");
+  const RunSummary summary = summarise_run(Json{{"schema", "hapton.report/4"}, {"hops", Json::object()}}, "x");
   EXPECT_FALSE(summary.touched);
   EXPECT_FALSE(summary.held);
   EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));

@@ -100,7 +100,7 @@ TEST(TopView, AHubThatBeganAgainIsShownFromItsStart) {
 TEST(TopView, RubbishIsNamedAndAnEmptyReportShown) {
   EXPECT_FALSE(read_top_look("hello", ""));
   EXPECT_FALSE(read_top_look("{\"schema\": \"other\"}", ""));
-  const auto empty = read_top_look("{\"schema\": \"hapton.report/3\"}", "");
+  const auto empty = read_top_look("{\"schema\": \"hapton.report/4\"}", "");
   ASSERT_TRUE(empty);
   EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("no node has joined"));
 }

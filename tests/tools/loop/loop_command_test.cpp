@@ -107,7 +107,7 @@ TEST(LoopCommand, PressOnAMeshThroughTheGovernor) {
 TEST(LoopCommand, RecommendReadsAMeasuredLatency) {
   const std::filesystem::path report = std::filesystem::temp_directory_path() / ("loop_report_" + std::to_string(::getpid()) + ".json");
   std::ofstream(report)
-      << R"({"schema":"hapton.report/3","hops":{"round_trip":{"n":10,"p99_9_us":30000.0}},"rates_hz":{"servo_requested":1000}})";
+      << R"({"schema":"hapton.report/4","hops":{"round_trip":{"n":10,"p99_9_us":30000.0}},"rates_hz":{"servo_requested":1000}})";
   const CommandRun seen = run({"recommend", "--device", "touch", "--latency", report.string(), "--json"});
   std::filesystem::remove(report);
   ASSERT_EQ(seen.code, 0) << seen.err;

@@ -27,6 +27,15 @@ inline std::unique_ptr<TouchStep> make_sphere_touch(const char* method) {
 }
 
 // A haptics node at work, whose states and replies are handed to a recording.
+// Shifts and turns there and back in 0.2 s, repeated.
+inline std::shared_ptr<const KeyframeMotion> make_turn_to_and_fro() {
+  const Quat there(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
+  return std::make_shared<const KeyframeMotion>(
+      Vec3(0.001, 0, 0),
+      std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3(0.005, 0, 0), there}, {0.2, Vec3::Zero(), Quat::Identity()}},
+      true);
+}
+
 struct SessionReplayTest : testing::Test {
   HapticsStep live;
   HapticsSetups setups;

@@ -228,11 +228,7 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
 
 std::unique_ptr<TouchStep> make_moving_touch() {
   TouchScene scene = one_sphere();
-  const Quat there(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
-  scene.objects[0].motion = std::make_shared<const KeyframeMotion>(
-      Vec3(0.001, 0, 0),
-      std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3(0.005, 0, 0), there}, {0.2, Vec3::Zero(), Quat::Identity()}},
-      true);
+  scene.objects[0].motion = make_turn_to_and_fro();
   return std::make_unique<TouchStep>(*make_method({.name = "proxy"}, scene), scene);
 }
 

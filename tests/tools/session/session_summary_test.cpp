@@ -131,7 +131,7 @@ TEST_F(SessionSummaryTest, SaysWhatIsMissing) {
   add_cycle(5, {.sample = 14, .missed = 1, .cause = MissCause::late_wake_up});
   add_cycle(9, {.sample = 17, .missed = 4, .cause = MissCause::device_slow});
   EXPECT_THAT(text(), HasSubstr("cycles: 4, late by "));
-  EXPECT_THAT(text(), HasSubstr("missed cycles: 7; 2 times: late wake-up; 1 times: device slow\n"));
+  EXPECT_THAT(text(), HasSubstr("7 missed cycles; times by cause: late wake-up 2, device slow 1\n"));
   EXPECT_THAT(text(), HasSubstr("missing in the recording: 4 samples in 2 gaps\n"));
   EXPECT_THAT(text(), Not(HasSubstr("not recorded")));
   SessionEntry entry;

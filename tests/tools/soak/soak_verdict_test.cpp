@@ -139,7 +139,7 @@ TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
   EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("not flat: io_node ended with 139: Segmentation fault, after 1200 s"));
 }
 
-TEST(SoakVerdict, TooFewLooksAreNoProof) {
+TEST(SoakVerdict, TooFewObservationsAreNoProof) {
   SoakRun run = an_hour();
   run.looks.clear();
   EXPECT_FALSE(evaluate_soak(run).flat);

@@ -76,7 +76,7 @@ TEST(ReferenceMethod, ThinWallHoldsFastMotion) {
   EXPECT_NEAR(felt.p_SP.z(), 5e-6, 1e-10);
 }
 
-TEST(ReferenceMethod, OneSidedSurfaceLetsGoFromBehind) {
+TEST(ReferenceMethod, OneSidedSurfaceReleasesFromBehind) {
   Material material;
   material.two_sided = false;
   auto method = reference_over(make_plane_grid(0.1, 4), 0.0, material);

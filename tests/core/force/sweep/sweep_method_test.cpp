@@ -31,7 +31,7 @@ std::unique_ptr<SweepMethod> make_sweep(const TouchScene& scene, std::array<int,
 
 MethodOutput step(ForceMethod& method, const Vec3& p_SD) { return method.step({.p_SD = p_SD}); }
 
-TEST(SweepMethod, EqualsItsBruteForceTwinToTheBit) {
+TEST(SweepMethod, AgreesWithItsBruteForceTwin) {
   constexpr std::uint64_t kSeed = 31;
   RecordProperty("seed", std::to_string(kSeed));
   std::mt19937_64 random(kSeed);

@@ -1,0 +1,115 @@
+#include "runtime/counter_descriptions.h"
+
+#include <algorithm>
+#include <array>
+
+namespace hapton {
+namespace {
+
+constexpr auto kDescriptions = std::to_array<CounterDescription>({
+    {"samples", "Device samples taken, one for each servo cycle."},
+    {"states_sent", "Samples sent to a haptics node."},
+    {"forces", "Replies accepted from a haptics node, the first for each sample."},
+    {"contact_samples", "Replies accepted that were computed in contact."},
+    {"forces_in_time", "Forces for the newest sample."},
+    {"late", "Forces for an older sample, received before any force for a newer one."},
+    {"reordered", "Forces received after the force for a newer sample."},
+    {"duplicate", "Forces for a sample that already had one."},
+    {"unknown_echo", "Forces for no sample of this hub, or for one that is too old to check."},
+    {"superseded", "Samples that the haptics node skipped because it already had a newer one."},
+    {"lost", "Samples without a reply although a haptics node was present."},
+    {"no_reply_without_haptics",
+     "Samples that needed no reply: no haptics node was present, or it had just joined, or the sample was not sent."},
+    {"command_timeouts", "Times that the force went to zero because no reply came for 20 ms."},
+    {"longest_release_us",
+     "Over all command timeouts, the longest time from the sample of the last accepted force until the force on the device is zero."},
+    {"missed_cycles", "Servo ticks that were skipped because the loop came too late for them."},
+    {"caught_up_cycles", "Servo cycles that ran late, one after the other, instead of being skipped."},
+    {"missed_late_wake_up", "Missed or late cycles because the loop, waiting in time, woke up late."},
+    {"missed_device_slow", "Missed or late cycles because reading and writing the device took most of the time."},
+    {"missed_work_long", "Missed or late cycles because the loop's own work took most of the time."},
+    {"missed_machine_stalled", "Missed or late cycles because the process or the machine was stopped."},
+    {"cycles_unreported",
+     "Cycles of the device thread that the network thread was too late to receive; they are missing in the recording."},
+    {"device_releases",
+     "Times that io_node released the device's force from outside its loop, because the device's library or the loop was stalled."},
+    {"events_dropped", "Events for the log that were dropped because their queue was full."},
+    {"loop_involuntary_switches", "Times that the servo loop was preempted."},
+    {"loop_waited_us", "Time that the servo loop was ready to run and waited for a CPU."},
+    {"machine_stolen_us", "Steal time: time that a hypervisor gave this machine's CPUs to others."},
+    {"near_rt_throttling", "Checks that found the servo loop near the kernel's limit for real-time threads."},
+    {"clamped", "Accepted forces above the magnitude limit."},
+    {"rate_limited", "Accepted forces limited in their rate of change."},
+    {"workspace_limited", "Accepted forces limited at the edge of the workspace."},
+    {"speed_limited", "Accepted forces reduced by the speed limit."},
+    {"energy_damped", "Accepted forces reduced by the energy budget."},
+    {"passivity_limited", "Accepted forces reduced by the passivity controller."},
+    {"thermal_limited", "Accepted forces reduced by the thermal budget."},
+    {"not_finite", "Received forces or torques that were not finite."},
+    {"rejected_old", "Received forces that were repeated, reordered or older than the command timeout."},
+    {"rejected_future", "Received forces for a sample that had not been taken."},
+    {"invalid_poses", "Invalid poses read from the device."},
+    {"dead_mans_switch_releases", "Times that the dead man's switch was released."},
+    {"faults_latched", "Faults that removed the force until a person resets them."},
+    {"faults_reset", "Latched faults that were reset."},
+    {"resets_rejected", "Resets that were rejected because the cause of the fault was still present."},
+    {"resets_denied", "Resets requested without an operator's key or a person at the device."},
+    {"datagrams_sent", "Datagrams sent."},
+    {"bytes_sent", "Payload of the datagrams sent, in bytes."},
+    {"bytes_received", "Payload of the datagrams received, in bytes."},
+    {"datagrams_received", "Datagrams received that could be decrypted."},
+    {"datagrams_rejected",
+     "Decrypted datagrams that were malformed, of another session, from an unknown peer, or a message that the sender's role does not "
+     "send."},
+    {"sessions_sealed", "Encrypted sessions that a node and the hub agreed on."},
+    {"handshake_retries", "Cookies sent to nodes that had shown their key but not their address."},
+    {"rejected_wrong_key", "Handshakes without this hub's key."},
+    {"rejected_wrong_version", "Datagrams of another protocol version."},
+    {"rejected_forged", "Datagrams for an existing session that failed authentication."},
+    {"rejected_replayed", "Encrypted datagrams that were received before, or too old to check."},
+    {"rejected_unknown_session",
+     "Encrypted datagrams of no known session, such as one from before the hub was restarted, or from another address than the session's."},
+    {"rejected_malformed", "Datagrams of an unknown kind or length."},
+    {"rejected_oversized", "Datagrams that were empty, or longer than any valid one."},
+    {"rejected_no_slot", "Valid handshakes beyond the hub's capacity, or from an address in use by another role."},
+    {"rejected_replayed_handshakes", "Handshakes no later than one received before."},
+    {"rejected_too_many_handshakes", "Valid handshakes above the rate limit."},
+    {"rejected_role", "Datagrams that the sender's key does not allow."},
+    {"joins_rejected", "Nodes that were not admitted, with a reply that says why."},
+    {"peers_timed_out", "Nodes that left because nothing was received from them for too long."},
+    {"unknown_peers",
+     "Datagrams received before their sender had a session. Each node that joins sends some: the handshakes are among them."},
+    {"dropped_by_kernel", "Datagrams that the kernel dropped: filtered during a flood, or because the buffer was full."},
+    {"floods", "Floods of datagrams from unknown peers that began."},
+    {"datagram_budget_exhausted", "Times that no further datagram was read in a cycle because its limit was reached."},
+    {"bad_settings", "Requests for a servo rate that is out of range."},
+    {"markers", "Markers recorded."},
+    {"markers_rejected", "Markers that were received but not recorded."},
+    {"moves_rejected", "Requests to move an object that were above the rate limit of their sender."},
+    {"shape_parts_rejected", "Parts of shapes of deforming objects that were above the rate limit."},
+    {"vision_sent", "Probe states sent to vision nodes."},
+    {"vision_unchanged", "Probe states not sent because nothing had changed."},
+    {"views_forwarded", "View changes forwarded to haptics nodes."},
+    {"drawn", "Frames acknowledged as drawn."},
+    {"local_forces", "Forces that the hub computed itself."},
+    {"patch_parts", "Parts of the scene received."},
+    {"patches_built", "Patches built from parts of the scene."},
+    {"patches_taken_over", "Patches that took over the force."},
+    {"beyond_patch", "Times that the hand left the known part of the scene."},
+    {"beyond_patch_steps", "Steps that the hand was outside the known part of the scene."},
+    {"moves_late", "Moves of objects that reached io_node after their beginning, while the force came from patches."},
+    {"echo_sent", "Datagrams sent to measure the bare echo."},
+    {"echo_replied", "Replies to these datagrams that came in time."},
+    {"echo_late", "Replies to these datagrams that came after their cycle."},
+});
+
+}  // namespace
+
+std::span<const CounterDescription> counter_descriptions() { return kDescriptions; }
+
+std::string_view describe_counter(std::string_view name) {
+  const auto* const found = std::find_if(kDescriptions.begin(), kDescriptions.end(), [&](const auto& one) { return one.name == name; });
+  return found == kDescriptions.end() ? std::string_view{} : found->text;
+}
+
+}  // namespace hapton
