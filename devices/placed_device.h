@@ -24,6 +24,7 @@ class PlacedDevice final : public Device {
   DeviceCondition condition() const noexcept override { return device_->condition(); }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
   bool press_hand_buttons(std::uint32_t buttons) noexcept override { return device_->press_hand_buttons(buttons); }
+  bool turn_hand(const Vec3& turn_rad) noexcept override { return device_->turn_hand(turn_rad); }
   bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
  private:

@@ -9,6 +9,7 @@
 namespace hapton {
 namespace {
 
+constexpr double kHandTurnRadPerS = 2.0;  // about each axis: a third of a turn a second, as a hand turns a nut
 constexpr double kGimbalStepRad = 2.0 * std::numbers::pi / model_a::kGimbalCounts;
 
 Vec3 start_of(const DeviceLimits& limits) { return {0.0, 0.0, 0.9 * limits.workspace_max_m.z()}; }
@@ -42,6 +43,11 @@ bool SimulatedPhantom::press_hand_buttons(std::uint32_t buttons) noexcept {
   return true;
 }
 
+bool SimulatedPhantom::turn_hand(const Vec3& turn_rad) noexcept {
+  if (turn_rad.allFinite()) turn_goal_rad_ = turn_rad;
+  return true;
+}
+
 bool SimulatedPhantom::aim_hand(std::span<const Vec3> p_WA) noexcept {
   script_.aim(p_WA);
   return true;
@@ -50,17 +56,21 @@ bool SimulatedPhantom::aim_hand(std::span<const Vec3> p_WA) noexcept {
 void SimulatedPhantom::begin_hand_step() noexcept {
   const HandIntention next = script_.step(exact_position_m(), force_n_);
   hand_m_per_s_ = (next.p_WH - hand_m_) * (1e9 / static_cast<double>(HandScript::kStepNs));
-  gimbal_rad_ = next.gimbal_rad;
+  constexpr double kMostTurn = kHandTurnRadPerS * 1e-9 * static_cast<double>(HandScript::kStepNs);
+  turn_rad_ += (turn_goal_rad_ - turn_rad_).cwiseMax(-kMostTurn).cwiseMin(kMostTurn);
+  gimbal_rad_ = next.gimbal_rad + turn_rad_;
   q_WH_ = next.q_WT;
   buttons_ = next.buttons;
 }
 
 // Gimbals on their grid; an orientation of a path as it is.
 Quat SimulatedPhantom::wanted_turn() const noexcept {
-  if (q_WH_) return *q_WH_;
-  const auto gimbal = [&](int axis) { return to_grid(gimbal_rad_[axis], kGimbalStepRad); };
-  return Eigen::AngleAxisd(gimbal(0), Vec3::UnitY()) * Eigen::AngleAxisd(gimbal(1), Vec3::UnitX()) *
-         Eigen::AngleAxisd(gimbal(2), Vec3::UnitZ());
+  const auto turn_by_gimbals = [](const Vec3& rad) {
+    return Quat(Eigen::AngleAxisd(rad.x(), Vec3::UnitY()) * Eigen::AngleAxisd(rad.y(), Vec3::UnitX()) *
+                Eigen::AngleAxisd(rad.z(), Vec3::UnitZ()));
+  };
+  if (q_WH_) return turn_rad_.isZero(0.0) ? *q_WH_ : *q_WH_ * turn_by_gimbals(turn_rad_);
+  return turn_by_gimbals(gimbal_rad_.unaryExpr([](double rad) { return to_grid(rad, kGimbalStepRad); }));
 }
 
 void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {

@@ -52,6 +52,7 @@ class SimulatedPhantom final : public Device {
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
   bool press_hand_buttons(std::uint32_t buttons) noexcept override;
+  bool turn_hand(const Vec3& turn_rad) noexcept override;
   bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
   // What no program sees on a real device: for tests and plots.
@@ -76,6 +77,8 @@ class SimulatedPhantom final : public Device {
   Vec3 gimbal_rad_ = Vec3::Zero();
   std::uint32_t buttons_ = 0;          // that the path holds down
   std::uint32_t pressed_buttons_ = 0;  // that who leads the hand holds down
+  Vec3 turn_goal_rad_ = Vec3::Zero();  // that who leads the hand wants
+  Vec3 turn_rad_ = Vec3::Zero();       // now, on the way there
   std::optional<Quat> q_WH_;           // on a path that has orientations, in place of the gimbals
   bool has_torque_;
   StylusTurn turn_;  // where it has torque

@@ -202,6 +202,7 @@ void DeviceLoop::grant_requests() noexcept {
   if (std::exchange(hands_granted_, requests.hands) != requests.hands) {
     device_.set_hand_target(requests.p_WH ? std::optional<Vec3>(*requests.p_WH - clutch_.offset_m()) : std::nullopt);
     device_.press_hand_buttons(requests.p_WH ? requests.buttons : 0);
+    device_.turn_hand(requests.p_WH ? requests.turn_rad : Vec3(Vec3::Zero()));
   }
   if (std::exchange(aims_granted_, requests.aims) != requests.aims) {
     std::array<Vec3, Device::kMostAims> aims = requests.p_WA;
@@ -342,9 +343,10 @@ std::uint64_t DeviceLoop::post(const WrenchCommand& wanted) noexcept {
   return number;
 }
 
-void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons) noexcept {
+void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons, const Vec3& turn_rad) noexcept {
   requests_.p_WH = p_WH;
   requests_.buttons = buttons;
+  requests_.turn_rad = turn_rad;
   ++requests_.hands;
   requests_box_.publish(requests_);
 }

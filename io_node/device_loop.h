@@ -165,7 +165,7 @@ class DeviceLoop {
   // Posts a force. Returns its number, see DeviceSide::command: normally governed and written when this returns.
   std::uint64_t post(const WrenchCommand& wanted) noexcept;
   // These take effect with the next cycle.
-  void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0) noexcept;
+  void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0, const Vec3& turn_rad = Vec3::Zero()) noexcept;
   void aim_hand(std::span<const Vec3> p_WA) noexcept;  // the first Device::kMostAims
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
@@ -197,6 +197,7 @@ class DeviceLoop {
     double rate_hz = 0.0;  // 0: as it is
     std::optional<Vec3> p_WH;
     std::uint32_t buttons = 0;
+    Vec3 turn_rad = Vec3::Zero();
     std::uint32_t hands = 0;
     std::array<Vec3, Device::kMostAims> p_WA;
     std::size_t aim_count = 0;

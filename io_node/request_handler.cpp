@@ -91,7 +91,7 @@ void RequestHandler::note_denied(ServoEvent::Kind why, const Peer& sender) noexc
 void RequestHandler::accept(const HandTarget& target, std::size_t peer) noexcept {
   if (!target.active && hand_controller_ != peer) return;
   hand_controller_ = target.active ? peer : kNobody;
-  loop_.set_hand_target(target.active ? std::optional(target.p_WH) : std::nullopt, target.buttons);
+  loop_.set_hand_target(target.active ? std::optional(target.p_WH) : std::nullopt, target.buttons, target.turn_rad);
 }
 
 void RequestHandler::on_peer_gone(std::size_t peer) noexcept {

@@ -222,7 +222,10 @@ void reserve(wire::ViewTransform& m) { reserve_field(*m.mutable_x_ws()); }
 void reserve(wire::FrameAck&) {}
 void reserve(wire::Hello&) {}
 void reserve(wire::Welcome&) {}
-void reserve(wire::HandTarget& m) { reserve_field(*m.mutable_p_wh_m()); }
+void reserve(wire::HandTarget& m) {
+  reserve_field(*m.mutable_p_wh_m());
+  reserve_field(*m.mutable_turn_rad());
+}
 void reserve(wire::Settings& m) { m.mutable_method()->reserve(kMaxDatagramBytes); }
 void reserve(wire::HapticsSetup& m) {
   reserve_field(*m.mutable_x_ws());

@@ -145,6 +145,7 @@ void write(const HandTarget& from, wire::HandTarget& to) {
   to.set_active(from.active);
   write_vector(*to.mutable_p_wh_m(), from.p_WH);
   to.set_buttons(from.buttons);
+  write_vector(*to.mutable_turn_rad(), from.turn_rad);
 }
 
 void write(const ObjectPose& from, wire::ObjectPose& to) {
@@ -305,6 +306,8 @@ bool read(const wire::FrameAck& from, FrameAck& to) {
 bool read(const wire::HandTarget& from, HandTarget& to) {
   to.active = from.active();
   to.buttons = from.buttons();
+  to.turn_rad.setZero();
+  if (!from.turn_rad().empty() && !read_vector(from.turn_rad(), to.turn_rad)) return false;
   return read_vector(from.p_wh_m(), to.p_WH);
 }
 

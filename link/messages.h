@@ -152,7 +152,8 @@ struct FrameAck {
 struct HandTarget {
   bool active = false;  // false: the hand returns to its script
   Vec3 p_WH = Vec3::Zero();
-  std::uint32_t buttons = 0;  // of the stylus, held down while active
+  std::uint32_t buttons = 0;     // of the stylus, held down while active
+  Vec3 turn_rad = Vec3::Zero();  // of the stylus: yaw, pitch, roll (Device::turn_hand)
 };
 
 constexpr double kMinServoRateHz = 250.0;

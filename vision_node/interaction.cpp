@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
+constexpr double kTurnRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;  // of the stylus: a hand's width of mouse is a quarter of a turn
+constexpr double kRollRadiansPerNotch = 10.0 * std::numbers::pi / 180.0;
 constexpr double kZoomPerNotch = 1.1;
 constexpr double kHeadStepM = 0.01;
 // Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm of a picture of 300: a newton or two
@@ -70,7 +72,11 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       drag(event, view);
       break;
     case Kind::wheel:
-      turn_wheel(event.wheel, view);
+      if (event.control && hand_.active) {
+        turn_hand({0.0, 0.0, kRollRadiansPerNotch * event.wheel});
+      } else {
+        turn_wheel(event.wheel, view);
+      }
       break;
   }
   if (event.kind != Kind::key && event.kind != Kind::close) {
@@ -181,6 +187,7 @@ void Interaction::release_hand() {
   if (!hand_.active) return;
   hand_.active = false;
   hand_.buttons = 0;
+  hand_.turn_rad.setZero();
   hand_changed_ = true;
   farewells_ = kFarewells;
 }
@@ -201,8 +208,17 @@ void Interaction::drag(const WindowEvent& event, const View& view) {
     // The scene follows the mouse: the viewer moves the other way.
     camera_.orbit(-kOrbitRadiansPerPixel * moved.x(), -kOrbitRadiansPerPixel * moved.y());
   } else if (hand_.active && (latched_ || held_ == WindowEvent::Button::left)) {
-    lead(view, moved);
+    if (event.control) {
+      turn_hand(kTurnRadiansPerPixel * Vec3(moved.x(), -moved.y(), 0.0));
+    } else {
+      lead(view, moved);
+    }
   }
+}
+
+void Interaction::turn_hand(const Vec3& by_rad) {
+  hand_.turn_rad += by_rad;
+  hand_changed_ = true;
 }
 
 void Interaction::set_goal(const Vec3& p_WG) {

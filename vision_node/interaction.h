@@ -25,6 +25,7 @@ struct WindowEvent {
   int y_px = 0;
   int wheel = 0;  // +1 away from the person, -1 towards
   bool shift = false;
+  bool control = false;
 };
 
 // The user's requests, collected from events.
@@ -55,9 +56,10 @@ struct UserRequests {
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
 // motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
-// lifts the hand off; 1 to 4 press these buttons of the stylus, and release them again, and p the first. A right drag orbits the scene;
-// with shift, or with the middle button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head
-// before the screen by a centimetre, home brings it back. RT: no.
+// lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis; 1 to 4 press these buttons of the
+// stylus, and release them again, and p the first. A right drag orbits the scene; with shift, or with the middle button, it pans; the wheel
+// without a hand zooms. The arrows, page up and page down move the viewer's head before the screen by a centimetre, home brings it back.
+// RT: no.
 class Interaction {
  public:
   struct View {
@@ -94,6 +96,8 @@ class Interaction {
   void press_hand_button(int number);
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
+  // Yaw, pitch, roll.
+  void turn_hand(const Vec3& by_rad);
   // The hand to the surface under the pointer; otherwise by these pixels in the screen's plane.
   void lead(const View& view, const Vec2& moved_px);
   void set_goal(const Vec3& p_WG);

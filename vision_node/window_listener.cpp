@@ -57,6 +57,7 @@ void WindowListener::receive(unsigned long event) {
   received.x_px = at[0];
   received.y_px = at[1];
   received.shift = interactor_->GetShiftKey() != 0;
+  received.control = interactor_->GetControlKey() != 0;
   switch (event) {
     case vtkCommand::KeyPressEvent:
       received.kind = Kind::key;

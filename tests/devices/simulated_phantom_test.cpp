@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <set>
 
+#include "core/math/rotation_vector.h"
 #include "devices/model_a.h"
 #include "tests/support/time_units.h"
 
@@ -151,6 +153,37 @@ TEST(SimulatedPhantom, AWallStaysStableAtEveryRate) {
     EXPECT_GT(seen.contacts, 2) << dt;
     EXPECT_LT(seen.contacts, 200) << dt;
     EXPECT_LT(seen.deepest_m, 0.009) << dt;
+  }
+}
+
+// By whole turns too, never faster than an arm, and back.
+TEST(SimulatedPhantom, TheLedHandTurnsTheStylus) {
+  for (const bool has_torque : {false, true}) {
+    SimulatedPhantom device({.stylus = {}, .has_torque = has_torque});
+    std::int64_t now = 0;
+    const auto turned_in = [&](double seconds) {
+      double most = 0.0;
+      double sum = 0.0;
+      Quat last = device.read(now).q_WT;
+      for (const std::int64_t end = now + static_cast<std::int64_t>(1e9 * seconds); now < end;) {
+        const Quat next = device.read(now += 1'000'000).q_WT;
+        const double turn = turn_between(last, next).y();
+        most = std::max(most, turn_between(last, next).norm());
+        sum += turn;
+        last = next;
+      }
+      EXPECT_LT(most, has_torque ? 0.01 : 0.02) << "of a step; gimbals have steps of 0.012 rad";
+      return sum;
+    };
+    ASSERT_TRUE(device.set_hand_target(device.read(now).p_WD));
+    turned_in(0.5);
+    ASSERT_TRUE(device.turn_hand({4.0 * std::numbers::pi, 0.0, 0.0}));
+    EXPECT_NEAR(turned_in(1.0), 2.0, 0.3);
+    EXPECT_NEAR(turned_in(7.0), 4.0 * std::numbers::pi - 2.0, 0.3);
+    device.turn_hand(Vec3::Zero());
+    EXPECT_NEAR(turned_in(8.0), -4.0 * std::numbers::pi, 0.3);
+    device.turn_hand(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+    EXPECT_NEAR(turned_in(0.5), 0.0, 0.1);
   }
 }
 

@@ -88,7 +88,7 @@ class RandomDatagrams {
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag(), flag()};
       case 8:
-        return HandTarget{flag(), vector(), bits32()};
+        return HandTarget{flag(), vector(), bits32(), vector()};
       case 9:
         return Settings{flag() ? 0.0 : number(kMinServoRateHz, kMaxServoRateHz), {'s', 'w', 'e', 'e', 'p'}, flag(), flag(), bits32()};
       case 10:

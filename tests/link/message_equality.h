@@ -165,6 +165,7 @@ inline void expect_equal(const HandTarget& a, const HandTarget& b) {
   EXPECT_EQ(a.active, b.active);
   EXPECT_EQ(a.p_WH, b.p_WH);
   EXPECT_EQ(a.buttons, b.buttons);
+  EXPECT_EQ(a.turn_rad, b.turn_rad);
 }
 inline void expect_equal(const ObjectPose& a, const ObjectPose& b) {
   EXPECT_EQ(a.serial, b.serial);

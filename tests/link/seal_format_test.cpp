@@ -40,7 +40,7 @@ void lengthen(ProbeState& m) {
   m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
 }
 void lengthen(FrameAck& m) { m = {kMost64, kLeastTime, kRate, kMost32, kMost32, true, true}; }
-void lengthen(HandTarget& m) { m = {true, kVector, kMost32}; }
+void lengthen(HandTarget& m) { m = {true, kVector, kMost32, kVector}; }
 void lengthen(Settings& m) {
   m.servo_rate_hz = kMaxServoRateHz;
   m.method.fill('x');

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "tests/support/time_units.h"
 #include "tests/vision_node/made_surface.h"
 
@@ -63,6 +65,32 @@ TEST_F(InteractionTest, AKeyHoldsTheStylusButtonWhileTheHandIsLed) {
   const auto released = hands_.take_hand(4'000'000'000);
   EXPECT_FALSE(released->active);
   EXPECT_EQ(released->buttons, 0U);
+}
+
+TEST_F(InteractionTest, WithControlTheMouseTurnsTheStylusInPlace) {
+  WindowEvent event = mouse(Kind::wheel, 320, 360);
+  event.control = true;
+  event.wheel = 1;
+  give(event);
+  EXPECT_FALSE(hands_.take_hand(1'000'000'000)) << "nobody leads the hand";
+  give(mouse(Kind::press, 320, 360, Button::left));
+  const Vec3 led = hands_.take_hand(2'000'000'000)->p_WH;
+  event = mouse(Kind::move, 410, 360, Button::left);
+  event.control = true;
+  give(event);
+  const HandTarget yawed = *hands_.take_hand(3'000'000'000);
+  EXPECT_EQ(yawed.p_WH, led);
+  EXPECT_NEAR(yawed.turn_rad.x(), std::numbers::pi / 4, 1e-12);
+  EXPECT_EQ(yawed.turn_rad.tail<2>(), Eigen::Vector2d::Zero());
+  event = mouse(Kind::wheel, 410, 360);
+  event.control = true;
+  event.wheel = -1;
+  give(event);
+  const HandTarget rolled = *hands_.take_hand(4'000'000'000);
+  EXPECT_EQ(rolled.p_WH, led) << "no deeper";
+  EXPECT_LT(rolled.turn_rad.z(), 0.0);
+  give(mouse(Kind::release, 410, 360, Button::left));
+  EXPECT_EQ(hands_.take_hand(5'000'000'000)->turn_rad, Vec3::Zero());
 }
 
 TEST_F(InteractionTest, KeysHoldEachOfTheFirstFourButtons) {
