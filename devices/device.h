@@ -94,7 +94,8 @@ class Device {
   virtual bool press_hand_buttons(std::uint32_t /*buttons*/) noexcept { return false; }
 
   // How the simulated hand turns the stylus while it is led, beyond the tilt of its script: yaw about y, then pitch about x, then roll
-  // about the stylus, rad; it gets there at an arm's rate. False: as above. RT: yes.
+  // about the stylus, rad, along the axes of the device's own base. It gets there at an arm's rate, and back to zero without the whole
+  // turns. False: as above. RT: yes.
   virtual bool turn_hand(const Vec3& /*turn_rad*/) noexcept { return false; }
 
   // Points of the scene's surface (W) that the simulated hand goes to, one after the other; the first kMostAims count. None: it looks for

@@ -44,7 +44,9 @@ bool SimulatedPhantom::press_hand_buttons(std::uint32_t buttons) noexcept {
 }
 
 bool SimulatedPhantom::turn_hand(const Vec3& turn_rad) noexcept {
-  if (turn_rad.allFinite()) turn_goal_rad_ = turn_rad;
+  if (!turn_rad.allFinite()) return true;
+  turn_goal_rad_ = turn_rad;
+  if (turn_rad.isZero(0.0)) turn_rad_ = turn_rad_.unaryExpr([](double rad) { return std::remainder(rad, 2.0 * std::numbers::pi); });
   return true;
 }
 

@@ -22,9 +22,8 @@ std::string describe_times(const std::string& what, const LatencyHistogram& time
 std::string describe_late_tool(const HeldTool::Lateness& lateness) {
   if (lateness.faded == 0) return {};
   return fmt::format(
-      "the pose of the tool was more than {:.0f} ms late in {:.1f} % of samples, {:.0f} ms at most: the force faded meanwhile. A coarser "
-      "mesh, "
-      "fewer other programs or more cores (--tool-threads) help",
+      "the pose of the tool was more than {:.0f} ms late in {:.2g} % of samples, {:.0f} ms at most: the force faded meanwhile. "
+      "A coarser mesh, fewer other programs or more cores (--tool-threads) help",
       1e3 * HeldTool::kFreshS, 100.0 * static_cast<double>(lateness.faded) / static_cast<double>(lateness.samples),
       1e3 * lateness.longest_s);
 }

@@ -30,10 +30,11 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   for (const std::string& note : notes) log_info("tool: {}", note);
   if (!*tool) return std::unique_ptr<HeldTool>();
   if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
-  if (options.method.name != MethodSettings().name) {
+  if (options.is_method_given && options.method.name != MethodSettings().name) {
     return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);
   }
-  if (options.method.probe_radius_m > 0.0) return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
+  if (options.is_radius_given && options.method.probe_radius_m > 0.0)
+    return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
   auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},

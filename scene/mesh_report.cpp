@@ -91,13 +91,13 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
     const auto read = read_material(*material, report.file.haptics.maps, report.path);
     if (!read) report.file.notes.push_back(fmt::format("cannot be touched before this is corrected: {}", read.error().what));
   }
-  report.is_closed_for_touch = compute_mesh_topology(touched).is_closed();
+  report.for_touch = compute_mesh_topology(touched);
   return report;
 }
 
 namespace {
 
-// A surface without a boundary is not closed either where these are; sealing leaves them as they are.
+// A surface without a boundary is not closed either where these are.
 std::string describe_flaws(const MeshTopology& t) {
   std::string text;
   if (t.nonmanifold_edges > 0) text += fmt::format("; {} non-manifold edges", t.nonmanifold_edges);
@@ -150,9 +150,9 @@ std::string to_text(const MeshReport& report) {
     line("", "{:>9} triangles  {}", part.triangle_count, part.name.empty() ? "(no name)" : printable(full_name(part), kLongestShownName));
   for (const HapticMaterial* material : haptic_materials_of(report.file)) line("haptic material", "{}", describe(*material));
   line("for touch", "{}", report.sealed.boundary_edges == 0 ? "nothing to seal" : report.sealed.describe());
-  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{}{})", report.is_closed_for_touch ? "yes" : "no",
+  line("closed for touch", "{} ({} boundary edges: {} open, {} of cracks{}{})", report.is_closed_for_touch() ? "yes" : "no",
        report.left.open + report.left.cracks, report.left.open, report.left.cracks, describe_widest(report.left),
-       report.is_closed_for_touch ? "" : describe_flaws(t));
+       report.is_closed_for_touch() ? "" : describe_flaws(report.for_touch));
   line("method smooth would", "{}", report.flaws.repair.describe());
   for (const std::string& note : report.file.notes) line("note", "{}", note);
   return text;
@@ -213,7 +213,7 @@ std::string to_json(const MeshReport& report) {
                        {"widest_crack_left_m", report.left.widest_crack},
                        {"unsealed_edges", report.sealed.unsealed_edges},
                        {"widest_unsealed_m", report.sealed.widest_unsealed},
-                       {"closed", report.is_closed_for_touch}}},
+                       {"closed", report.is_closed_for_touch()}}},
                      {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
                      {"components", t.components},
                      {"closed_bodies", report.flaws.bodies.count},

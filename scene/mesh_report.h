@@ -41,10 +41,12 @@ std::string describe_inside_out(const ClosedBodies& bodies);
 struct MeshReport {
   std::string path;
   MeshFile file;
-  MeshFlaws flaws;     // of the welded mesh of the file
-  SealReport sealed;   // changes by sealing, before it is touched
-  BoundaryEdges left;  // boundary edges that remain after sealing
-  bool is_closed_for_touch = false;
+  MeshFlaws flaws;         // of the welded mesh of the file
+  SealReport sealed;       // changes by sealing, before it is touched
+  BoundaryEdges left;      // boundary edges that remain after sealing
+  MeshTopology for_touch;  // of the sealed mesh
+
+  bool is_closed_for_touch() const { return for_touch.is_closed(); }
 };
 
 // Error: whatever load_mesh_file rejects. RT: set-up only.

@@ -13,7 +13,7 @@ namespace {
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
 constexpr double kTurnRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;  // of the stylus: a hand's width of mouse is a quarter of a turn
-constexpr double kRollRadiansPerNotch = 10.0 * std::numbers::pi / 180.0;
+constexpr double kWheelTurnRadians = 10.0 * std::numbers::pi / 180.0;
 constexpr double kZoomPerNotch = 1.1;
 constexpr double kHeadStepM = 0.01;
 // Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm of a picture of 300: a newton or two
@@ -73,7 +73,8 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       break;
     case Kind::wheel:
       if (event.control && hand_.active) {
-        turn_hand({0.0, 0.0, kRollRadiansPerNotch * event.wheel});
+        const double turn_rad = kWheelTurnRadians * event.wheel;
+        turn_hand(event.shift ? Vec3(turn_rad, 0.0, 0.0) : Vec3(0.0, 0.0, turn_rad));
       } else {
         turn_wheel(event.wheel, view);
       }

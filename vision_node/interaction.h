@@ -56,10 +56,10 @@ struct UserRequests {
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
 // motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
-// lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis; 1 to 4 press these buttons of the
-// stylus, and release them again, and p the first. A right drag orbits the scene; with shift, or with the middle button, it pans; the wheel
-// without a hand zooms. The arrows, page up and page down move the viewer's head before the screen by a centimetre, home brings it back.
-// RT: no.
+// lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis, or with shift yaws it; 1 to 4
+// press these buttons of the stylus, and release them again, and p the first. A right drag orbits the scene; with shift, or with the middle
+// button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head before the screen by a
+// centimetre, home brings it back. RT: no.
 class Interaction {
  public:
   struct View {

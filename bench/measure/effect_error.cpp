@@ -23,7 +23,7 @@ constexpr double kSettleS = 0.2;
 // Of the samples. The first one is a step after the touch began, as in EffectStep.
 double time_of(std::size_t sample, double rate_hz) { return static_cast<double>(sample + 1) / rate_hz; }
 
-// A sum of two waves on each axis: 1.6 mm below to 0.9 mm above the plane, up to 0.12 m/s along it. It begins above it.
+// A sum of two waves on each axis: 1.6 mm below to 0.9 mm above the plane, up to 0.15 m/s along it. It begins above it.
 class SmoothMotion {
  public:
   explicit SmoothMotion(std::uint64_t seed) {
@@ -84,7 +84,7 @@ const TriangleMesh& effect_plane() {
 }
 
 Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effects, const EffectErrorSettings& settings) {
-  if (effects.surface.texture.is_on()) return std::nullopt;
+  if (effects.surface.texture.is_on() || static_cast<double>(settings.steps) <= kSettleS * settings.rate_hz) return std::nullopt;
   const SmoothMotion motion(settings.seed);
   const auto felt = felt_forces(effects, motion, settings);
   if (!felt) return tl::unexpected(felt.error());

@@ -24,7 +24,8 @@ struct EffectErrorSettings {
 
 // The felt force of method proxy with effects on the plane z = 0, along a smooth motion in and out of contact whose phases the seed draws.
 // Compared with the formulas, which are written anew here, in 64 parts of each step and with the exact velocity. none: `effects` has no
-// formula (a recorded texture, whose noise has a spectrum). The first 0.2 s do not count. Error: see make_method. RT: set-up only.
+// formula (a recorded texture, whose noise has a spectrum). The first 0.2 s do not count; none if there is nothing else. Error: see
+// make_method. RT: set-up only.
 Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effects, const EffectErrorSettings& settings);
 
 // The sheet on which it is measured: make_effect_cases(this) has images for it.

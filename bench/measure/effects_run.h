@@ -25,7 +25,7 @@ struct EffectsRow {
   TimeSpread contact;
   double mean_ns = 0.0;                   // of all steps, without reading the clock in between; other programs' time is in it
   double added_ns = 0.0;                  // by the effect, to the median contact step
-  std::optional<EffectError> error = {};  // none: a recorded texture, which has no formula
+  std::optional<EffectError> error = {};  // none: see measure_effect_error
 };
 
 struct EffectsReport {

@@ -48,6 +48,8 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   tool_->to_local(input.X_SO, parts_);
   ++samples_since_new_;
   const bool are_new = found_.take();
+  if (seconds(time_ns - felt_ns_) > kLongestGapS) has_rested_ = true;
+  has_rested_ = has_rested_ && !are_new;
   const bool are_late = are_new && samples_since_new_ > kPrompt;
   if (are_new) samples_since_new_ = 0;
   Found& found = found_.value();
@@ -69,9 +71,11 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
     return output;
   }
   const ToolProxyStep step = output.proxy;
-  ++lateness_.samples;
-  lateness_.faded += age_s_ > kFreshS ? 1 : 0;
-  lateness_.longest_s = std::max(lateness_.longest_s, age_s_);
+  if (!has_rested_) {
+    ++lateness_.samples;
+    lateness_.faded += age_s_ > kFreshS ? 1 : 0;
+    lateness_.longest_s = std::max(lateness_.longest_s, age_s_);
+  }
   Placement goal = device;
   Placement at = device;
   found.contacts.follow(parts_);
@@ -86,6 +90,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
     at = held.at;
   }
   output = tool_->felt_at(input, device, at);
+  const Vec3 felt_p_WP = output.X_WP.translation();
   if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn(found, at)).X_WP;
   find_pushes(found.contacts, held, output, input.X_WS.linear());
   publish(device, goal, time_ns);
@@ -96,13 +101,19 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
   if (drag_.is_on()) add_drag(found.contacts, held, share, input.X_WS.linear(), output);
+  const Vec3 shift_m = felt_p_WP - output.X_WP.translation();
+  for (ToolPush& push : pushes_) push.torque_nm += shift_m.cross(push.force_n);
   return output;
 }
 
 Placement HeldTool::drawn(const Found& found, const Placement& at) const noexcept {
-  const RigidMotion motion = motion_between(found.contacts.proxy, at);
+  // Parts that move push the tool ahead, however far.
+  const Placement from = parts_.empty() ? found.contacts.proxy : found.contacts.constrain(found.contacts.proxy);
+  const RigidMotion motion = motion_between(from, at);
   const double length = motion.length(tool_->proxy().radius());
-  return length > found.reach ? motion.at(found.reach / length) : at;
+  if (length <= found.reach) return at;
+  const double late = std::min(1.0, (age_s_ - kLateS) / kLateS);
+  return motion.at(1.0 + late * (found.reach / length - 1.0));
 }
 
 void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt,

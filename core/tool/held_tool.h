@@ -27,8 +27,8 @@ class HeldTool {
   // Age of the contacts at which the force begins to fade, and at which it is zero.
   static constexpr double kFreshS = 0.05;
   static constexpr double kStaleS = 0.15;
-  // Age from which on the picture shows the tool no farther from where it was known to be free than contacts were searched for: the hand
-  // may be deep inside what the slow task has not found yet.
+  // From twice this age on the picture shows the tool no farther from where it was known to be free than contacts were searched for: the
+  // hand may be deep inside what the slow task has not found yet. In between it goes there.
   static constexpr double kLateS = 0.005;
   // If new contacts come more than kPrompt samples after the previous ones and change the force by more than the device's motion explains,
   // the force fades to the new one over this time.
@@ -53,7 +53,8 @@ class HeldTool {
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
 
-  // Fast: samples with contacts so far, those whose contacts were so old that the force faded, and the largest age.
+  // Fast: samples with contacts so far, those whose contacts were so old that the force faded, and the largest age. After a gap in the
+  // samples they count from the next contacts on.
   struct Lateness {
     std::uint64_t samples = 0;
     std::uint64_t faded = 0;
@@ -106,6 +107,7 @@ class HeldTool {
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
   Lateness lateness_;
+  bool has_rested_ = true;  // no contacts have come since a gap in the samples
   bool is_known_ = false;
   Sample last_;  // followed
   std::optional<Placement> start_;

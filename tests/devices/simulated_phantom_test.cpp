@@ -181,7 +181,11 @@ TEST(SimulatedPhantom, TheLedHandTurnsTheStylus) {
     EXPECT_NEAR(turned_in(1.0), 2.0, 0.3);
     EXPECT_NEAR(turned_in(7.0), 4.0 * std::numbers::pi - 2.0, 0.3);
     device.turn_hand(Vec3::Zero());
-    EXPECT_NEAR(turned_in(8.0), -4.0 * std::numbers::pi, 0.3);
+    EXPECT_NEAR(turned_in(2.0), 0.0, 0.3) << "whole turns are not turned back";
+    device.turn_hand({1.0, 0.0, 0.0});
+    turned_in(2.0);
+    device.turn_hand(Vec3::Zero());
+    EXPECT_NEAR(turned_in(2.0), -1.0, 0.3);
     device.turn_hand(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
     EXPECT_NEAR(turned_in(0.5), 0.0, 0.1);
   }

@@ -83,9 +83,26 @@ TEST(HeldToolOfAScene, IsRejectedBesideWhatItDoesNotGoWith) {
   EXPECT_THAT(with_watch.error().what, HasSubstr("--watch-scene"));
   HapticsOptions ball;
   ball.method.probe_radius_m = 0.001;
+  ball.is_radius_given = true;
   const auto with_probe = make_held_tool(ball, scene_with_tool());
   ASSERT_FALSE(with_probe);
   EXPECT_THAT(with_probe.error().what, HasSubstr("--probe-radius"));
+  HapticsOptions smooth;
+  smooth.method.name = "smooth";
+  smooth.is_method_given = true;
+  const auto with_method = make_held_tool(smooth, scene_with_tool());
+  ASSERT_FALSE(with_method);
+  EXPECT_THAT(with_method.error().what, HasSubstr("method smooth needs one"));
+}
+
+// A scene may have probes for those who hold no tool.
+TEST(ToolTask, IgnoresWhatTheScenesProbeSays) {
+  HapticsOptions of_the_probe;
+  of_the_probe.method.name = "smooth";
+  of_the_probe.method.probe_radius_m = 0.003;
+  const auto tool = make_held_tool(of_the_probe, scene_with_tool());
+  ASSERT_TRUE(tool) << tool.error().what;
+  EXPECT_TRUE(*tool);
 }
 
 TEST(ToolTask, FollowsTheHandUntilItIsStopped) {

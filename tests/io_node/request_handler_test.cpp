@@ -204,19 +204,23 @@ TEST_F(Servos, TheMouseLeadsTheHandUntilItReleasesOrLeaves) {
   make();
   join(kVision, NodeRole::vision);
   run(2);
-  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  const HandTarget led{true, Vec3(0.01, 0, 0), 0, Vec3(9.0, -0.5, 0.25)};
+  say(kVision, led);
   run(2);
   ASSERT_TRUE(device.hand);
   EXPECT_EQ(*device.hand, Vec3(0.01, 0, 0));
+  EXPECT_EQ(device.turn_rad, led.turn_rad);
   say(kVision, HandTarget{});
   run(2);
   EXPECT_FALSE(device.hand);
-  say(kVision, HandTarget{true, Vec3(0.01, 0, 0)});
+  EXPECT_EQ(device.turn_rad, Vec3::Zero());
+  say(kVision, led);
   run(2);
   ASSERT_TRUE(device.hand);
   say(kVision, Bye{});
   run(2);
   EXPECT_FALSE(device.hand);
+  EXPECT_EQ(device.turn_rad, Vec3::Zero());
 }
 
 TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {

@@ -52,6 +52,11 @@ class BenchDevice final : public Device {
     buttons = pressed;
     return true;
   }
+  bool turn_hand(const Vec3& turn) noexcept override {
+    turn_rad = turn;
+    return true;
+  }
+  Vec3 turn_rad = Vec3::Zero();
   std::uint32_t buttons = 0;  // of the hand, pressed by who leads it
   std::uint32_t down = 5;     // of the stylus
   Vec3 place = Vec3(0.01, 0.02, 0.03);

@@ -94,7 +94,7 @@ TEST_F(TouchMeshes, TheReportSaysWhatWillBeSealed) {
   EXPECT_THAT(to_text(*report), HasSubstr("sealed cracks up to"));
   EXPECT_THAT(to_json(*report), HasSubstr("\"boundary_edges_left\": 0"));
   EXPECT_THAT(to_text(*report), HasSubstr("yes (0 boundary edges: 0 open, 0 of cracks)"));
-  EXPECT_TRUE(report->is_closed_for_touch);
+  EXPECT_TRUE(report->is_closed_for_touch());
   folder_.write("sheet.obj", sample::obj(make_torn(make_plane_grid(0.1, 4), 5e-6)));
   const auto sheet = make_mesh_report(folder_.path() / "sheet.obj", std::nullopt);
   EXPECT_THAT(to_text(*sheet), HasSubstr("no (16 boundary edges: 16 open, 0 of cracks)"));
@@ -125,7 +125,7 @@ TEST_P(SealedFiles, LoseTheirCracks) {
   EXPECT_EQ(report->sealed.boundary_edges, GetParam().boundary_edges);
   EXPECT_LE(report->sealed.boundary_edges_left, GetParam().most_left);
   EXPECT_EQ(report->left.open + report->left.cracks, report->sealed.boundary_edges_left);
-  EXPECT_EQ(report->is_closed_for_touch, GetParam().is_closed);
+  EXPECT_EQ(report->is_closed_for_touch(), GetParam().is_closed);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfTheProject, SealedFiles,

@@ -89,6 +89,9 @@ TEST_F(InteractionTest, WithControlTheMouseTurnsTheStylusInPlace) {
   const HandTarget rolled = *hands_.take_hand(4'000'000'000);
   EXPECT_EQ(rolled.p_WH, led) << "no deeper";
   EXPECT_LT(rolled.turn_rad.z(), 0.0);
+  event.shift = true;
+  give(event);
+  EXPECT_LT(hands_.take_hand(4'500'000'000)->turn_rad.x(), yawed.turn_rad.x()) << "with shift about y";
   give(mouse(Kind::release, 410, 360, Button::left));
   EXPECT_EQ(hands_.take_hand(5'000'000'000)->turn_rad, Vec3::Zero());
 }

@@ -31,7 +31,8 @@ Result<void> measure_all_effects(EffectsOptions& options) {
 
 void add_bench_effects_command(CommandLine bench, int& exit_code) {
   auto options = std::make_shared<EffectsOptions>();
-  const CommandLine command = bench.add_subcommand("effects", "What each effect of docs/effects.md adds to a step, and how far its force is from its formula");
+  const CommandLine command =
+      bench.add_subcommand("effects", "What each effect of docs/effects.md adds to a step, and how far its force is from its formula");
   command.add_flag("--quick", options->quick, "Short runs");
   command.add_option("--steps", options->settings.steps, "Steps of the slide").between(100, 10'000'000).shows_default();
   command.add_option("--seed", options->settings.seed, "Seed of the slide").shows_default();

@@ -54,7 +54,8 @@ void add_temperature(const nlohmann::json& notes, Findings& findings) {
 void add_realtime(const nlohmann::json& notes, Findings& findings) {
   const std::string realtime = text_of(notes, "realtime");
   if (realtime.empty()) return;
-  if (realtime.find(": denied (") == realtime.npos) {
+  const bool is_denied = realtime.find(": denied (") != realtime.npos || realtime.find(" NO (") != realtime.npos;  // or of an older hub
+  if (!is_denied) {
     findings.push_back(good("rights of the hub", "all requested rights were granted"));
   } else {
     findings.push_back(warning("rights of the hub", realtime, "grant them (hapton doctor --only rights), then start io_node again"));

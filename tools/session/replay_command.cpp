@@ -250,8 +250,8 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command.add_option("--tool", options->tool,
                      "Mesh of a rigid tool instead of a point or a ball: force and torque (default: the scene's [tool], if it has one)");
   command.add_option("--tool-unit", options->tool_unit, "Unit of the tool's mesh (default: as --unit)");
-  command.add_option("--tool-grip", options->tool_grip, "Where the stylus holds it: origin (of its mesh) or centre (of its box)")
-      .shows_default();
+  command.add_option("--tool-grip", options->tool_grip,
+                     "Where the stylus holds it: origin (of its mesh, the default) or centre (of its box)");
   command
       .add_option("--rotational-stiffness", options->rotational_stiffness_nm_per_rad,
                   "With --tool: rotational stiffness, Nm/rad; 0: from --stiffness and the tool's size")

@@ -209,13 +209,22 @@ TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
   EXPECT_EQ(held.lateness().faded, 0U);
   for (int n = 0; n < 100; ++n) {
     const ToolOutput felt = step(0.002 - 1e-4 * n);
-    if (n <= 5) continue;
+    if (n <= 20) continue;  // twice kLateS, and 2 mm away
     EXPECT_GT(felt.X_WP.translation().z(), 0.02) << n;
   }
   EXPECT_GT(held.lateness().faded, 45U);
   EXPECT_NEAR(held.lateness().longest_s, 0.1, 0.002);
   held.follow();
   EXPECT_NEAR(step(-0.0079).X_WP.translation().z(), 0.02, 1e-4) << "on the plate";
+  const auto before = held.lateness();
+  now += 10'000'000'000;
+  step(-0.0079);
+  step(-0.0079);
+  EXPECT_EQ(held.lateness().samples, before.samples) << "nobody was late: there were no samples";
+  held.follow();
+  step(-0.0079);
+  EXPECT_EQ(held.lateness().samples, before.samples + 1);
+  EXPECT_EQ(held.lateness().faded, before.faded);
 }
 
 TEST(HeldTool, ARestartPutsTheToolWhereTheDeviceIs) {

@@ -12,5 +12,5 @@ int main() {
   std::printf("%s", hapton::to_text(*report).c_str());
   double longest_m = 0.0;
   for (const auto& vertex : report->file.mesh.vertices) longest_m = std::max(longest_m, vertex.norm());
-  return std::abs(longest_m - 0.01) < 1e-12 && report->is_closed_for_touch ? 0 : 1;
+  return std::abs(longest_m - 0.01) < 1e-12 && report->is_closed_for_touch() ? 0 : 1;
 }

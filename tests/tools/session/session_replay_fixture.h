@@ -26,7 +26,6 @@ inline std::unique_ptr<TouchStep> make_sphere_touch(const char* method) {
   return std::make_unique<TouchStep>(*make_method({.name = method}, one_sphere()));
 }
 
-// A haptics node at work, whose states and replies are handed to a recording.
 // Shifts and turns there and back in 0.2 s, repeated.
 inline std::shared_ptr<const KeyframeMotion> make_turn_to_and_fro() {
   const Quat there(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
@@ -36,6 +35,7 @@ inline std::shared_ptr<const KeyframeMotion> make_turn_to_and_fro() {
       true);
 }
 
+// A haptics node at work, whose states and replies are handed to a recording.
 struct SessionReplayTest : testing::Test {
   HapticsStep live;
   HapticsSetups setups;
