@@ -83,7 +83,7 @@ std::string describe_inside_out(const ClosedBodies& bodies) {
 Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::optional<Unit> unit) {
   Result<MeshFile> file = load_mesh_file(path, unit);
   if (!file) return tl::unexpected(file.error());
-  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}, .sealed = {}, .left = {}};
+  MeshReport report{.path = path.string(), .file = std::move(*file), .flaws = {}, .sealed = {}, .left = {}, .for_touch = {}};
   report.flaws = find_flaws(report.file.mesh);
   const TriangleMesh touched = seal_cracks(report.file.mesh, report.sealed);
   report.left = report.sealed.has_sealed() ? count_boundary_edges(touched, crack_width(report.flaws.topology)) : report.flaws.borders;
