@@ -86,6 +86,9 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   centre_ = centre;
   within_ = within;
   count_ = 0;
+  others_ = 0;
+  queried_in_fans_ = 0;
+  prepared_.fill(-1);
   Batch batch;
   int waiting = 0;
   int visited = 0;
@@ -93,9 +96,9 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
   geometry.for_each_within(centre, within, [&](std::uint32_t triangle) {
     geometry.prefetch_indices(triangle);
     batch[static_cast<std::size_t>(waiting++)] = triangle;
+    ++(geometry.is_in_large_fan(triangle) ? queried_in_fans_ : visited);
     if (waiting == kBatch) {
       queried += waiting;
-      visited += waiting;
       fits = visited <= kMostVisited && add(batch, waiting, most);
       waiting = 0;
     }
@@ -132,10 +135,10 @@ bool NearTriangles::add(const Batch& batch, int count, int most) noexcept {
     for (int lane = 0; lane < lanes; ++lane) {
       if (bounds.distance[lane] > within_ - kRounding) continue;
       if (count_ == most) return false;
+      if (!geometry_->is_in_large_fan(batch[static_cast<std::size_t>(first + lane)]) && ++others_ > kMostOthers) return false;
       distance_[count_] = bounds.distance[lane];
       for (int k = 0; k < 3; ++k) normal_[k][count_] = bounds.normal[k][lane];
       triangle_[count_] = batch[static_cast<std::size_t>(first + lane)];
-      is_prepared_[count_] = false;
       ++count_;
     }
   }

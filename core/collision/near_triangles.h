@@ -22,12 +22,13 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 1024;     // a sphere at a vertex reaches all triangles of its fan
-  static constexpr int kMostVisited = 1280;  // triangles whose boxes are near, for the few that are near themselves
+  static constexpr int kCapacity = 6144;     // a sphere at a vertex reaches all triangles of its fan
+  static constexpr int kMostOthers = 1024;   // triangles that are in no large fan (SurfaceAdjacency)
+  static constexpr int kMostVisited = 1280;  // of these, those whose boxes are near, for the few that are near themselves
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
-  // `most`, at most kCapacity, or if more than kMostVisited have a box that is as near. `queried`: is raised by the number of triangles
-  // whose distance was computed.
+  // `most`, at most kCapacity, or, not counting those in large fans, more than kMostOthers, or if more than kMostVisited have a box that is
+  // as near. `queried`: is raised by the number of triangles whose distance was computed.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {
     count_ = 0;
@@ -36,19 +37,24 @@ class NearTriangles {
 
   // Whether every triangle within `distance` of p was collected.
   bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
+  // Of the triangles that the last gather() queried, those in large fans: they are neighbours in memory.
+  int queried_in_fans() const { return queried_in_fans_; }
+  // The distance from p within which every triangle was collected. Negative: p is outside.
+  double room_at(const Vec3& p) const { return within_ - (p - centre_).norm(); }
   // Whether p is in the inner half of the ball. Farther out, the bounds of triangles on the other side of the centre are weak.
   bool is_central(const Vec3& p) const { return (p - centre_).norm() <= 0.5 * within_; }
   int count() const { return count_; }
   std::uint32_t triangle(int slot) const { return triangle_[slot]; }
 
-  // Prepared at the first call.
+  // Prepared at the first call. Valid until the next call for another slot.
   const ContactTriangle& shape(int slot) noexcept {
-    if (!is_prepared_[slot]) {
+    const auto place = static_cast<std::size_t>(slot % kPrepared);
+    if (prepared_[place] != slot) {
       const ObjectGeometry::Corners corners = geometry_->corners(triangle_[slot]);
-      std::construct_at(&shapes_[slot], corners.a, corners.b, corners.c);
-      is_prepared_[slot] = true;
+      std::construct_at(&shapes_[place], corners.a, corners.b, corners.c);
+      prepared_[place] = slot;
     }
-    return shapes_[slot];
+    return shapes_[place];
   }
 
   // A lower bound of the triangle's distance from p.
@@ -92,6 +98,7 @@ class NearTriangles {
 
  private:
   static constexpr int kBatch = 64;
+  static constexpr int kPrepared = 1024;
   using Batch = std::array<std::uint32_t, kBatch>;
   // Of four triangles, by coordinate.
   struct Corners {
@@ -109,13 +116,15 @@ class NearTriangles {
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;
   int count_ = 0;
-  int found_ = 0;  // by the last gather(), also if they were too many
+  int queried_in_fans_ = 0;
+  int others_ = 0;  // of these, those in no large fan
+  int found_ = 0;   // by the last gather(), also if they were too many
   // Unused lanes of the last four hold an infinite distance.
   alignas(32) std::array<double, kCapacity> distance_;
   alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;
   std::array<std::uint32_t, kCapacity> triangle_;
-  std::array<bool, kCapacity> is_prepared_;
-  std::array<ContactTriangle, kCapacity> shapes_;
+  std::array<int, kPrepared> prepared_;  // slots; -1: none
+  std::array<ContactTriangle, kPrepared> shapes_;
 };
 
 }  // namespace hapton

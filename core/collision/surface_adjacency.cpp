@@ -4,8 +4,11 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "core/collision/beyond_plane.h"
+#include "core/collision/near_sectors.h"
 #include "core/collision/triangle_pair.h"
 #include "core/geometry/point_triangle.h"
 #include "core/math/exact_cross.h"
@@ -145,6 +148,24 @@ bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const T
   return are_sectors_apart(edges(s, in_s[0]), edges(t, in_t[0]));
 }
 
+namespace {
+
+// Pairs the half edges that share their upper vertex with at most one other.
+template <class Pair>
+void pair_sorted(std::span<const std::uint32_t> high, std::span<const std::uint32_t> codes, std::size_t count, Pair&& pair) {
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0U);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return high[a] < high[b]; });
+  for (std::size_t i = 0, end = 0; i < count; i = end) {
+    while (end < count && high[order[end]] == high[order[i]]) ++end;
+    if (end - i > 2) continue;
+    pair(codes[order[i]], codes[order[end - 1]]);
+    if (end - i == 2) pair(codes[order[end - 1]], codes[order[i]]);
+  }
+}
+
+}  // namespace
+
 SurfaceAdjacency::SurfaceAdjacency(std::size_t vertex_count, std::span<const Triangle> triangles) : sides_(triangles.size()) {
   pair_edges(vertex_count, triangles);
 }
@@ -164,6 +185,11 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
       place(code) = std::exchange(last[std::min(from, to)], code);
     }
   }
+  // A half edge alone is its own partner.
+  const auto pair = [&](std::uint32_t code, std::uint32_t other) {
+    const bool flips = code == other || ((code ^ other) & 1U) == 0;
+    place(code) = (other & ~1U) | (flips ? 1U : 0U);
+  };
   std::vector<std::uint32_t> high;  // of each half edge of a list, padded to a multiple of eight
   std::vector<std::uint32_t> codes;
   for (std::size_t v = 0; v < vertex_count; ++v) {
@@ -178,6 +204,10 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
       codes[count] = code;
       code = std::exchange(place(code), kNone);
     }
+    if (count > kLargeFan) {
+      pair_sorted(high, codes, count, pair);
+      continue;
+    }
     for (std::size_t i = 0; i < count; ++i) {
       const Uint32x8 own = Uint32x8(high[i]);
       int others = -1;
@@ -190,9 +220,7 @@ void SurfaceAdjacency::pair_edges(std::size_t vertex_count, std::span<const Tria
         if (i - j < 8) mask &= ~(1U << (i - j));
         other = mask != 0 ? j + static_cast<std::size_t>(std::countr_zero(mask)) : other;
       }
-      if (others > 1) continue;
-      const bool flips = others == 0 || ((codes[i] ^ codes[other]) & 1U) == 0;
-      place(codes[i]) = (codes[other] & ~1U) | (flips ? 1U : 0U);
+      if (others <= 1) pair(codes[i], codes[other]);
     }
   }
 }
@@ -224,8 +252,7 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
 // kLeastAngle about it, and all together go round once. So there is only one fan, and the sectors of its triangles do not overlap. Each
 // triangle adds its part, in any order; full turns are counted where they cross a half-plane that contains the axis. An edge gives both its
 // triangles the same numbers. Other fans are marked `broken`.
-std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices,
-                                                                    std::span<const Triangle> triangles) const {
+SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
   struct Round {
     Eigen::Vector3f axis = Eigen::Vector3f::Zero();  // any axis will do if it is the same for all
     std::uint16_t valence = 0;
@@ -272,17 +299,19 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_even_fans(std::span<co
       if (side(edge[k]) < 0.0 && side(-edge[before]) >= 0.0) ++round.turns;
     }
   }
-  std::vector<Fan> fans(vertices.size(), Fan::broken);
-  for (std::size_t v = 0; v < vertices.size(); ++v) {
+  Fans fans{std::vector<Fan>(vertices.size(), Fan::broken), {}};
+  for (std::uint32_t v = 0; v < vertices.size(); ++v) {
     const Round& round = rounds[v];
-    if (round.is_even && round.turns == 1 && round.valence <= kMostValence) fans[v] = Fan::even;
+    if (round.is_even && round.turns == 1 && round.valence <= kMostValence) fans.of_vertex[v] = Fan::even;
+    if (round.valence > kLargeFan) fans.large.push_back(v);
   }
   return fans;
 }
 
-std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
-  std::vector<Fan> fans = find_even_fans(vertices, triangles);
-  if (std::find(fans.begin(), fans.end(), Fan::broken) == fans.end()) return fans;
+SurfaceAdjacency::Fans SurfaceAdjacency::find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
+  Fans found = find_even_fans(vertices, triangles);
+  std::vector<Fan>& fans = found.of_vertex;
+  if (std::find(fans.begin(), fans.end(), Fan::broken) == fans.end()) return found;
   std::vector<std::uint32_t> valence(vertices.size(), 0);
   for (const Triangle& t : triangles) {
     if (repeats_vertex(t)) continue;
@@ -296,19 +325,104 @@ std::vector<SurfaceAdjacency::Fan> SurfaceAdjacency::find_fans(std::span<const V
       count = 0;  // each vertex once
     }
   }
-  return fans;
+  return found;
 }
 
-void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree,
-                                     double margin) {
-  const std::vector<Fan> fans = find_fans(vertices, triangles);
+// Marks the triangles of large fans. Those of each that is not even are compared, and need no further test with each other. Returns the
+// number of tests.
+std::size_t SurfaceAdjacency::compare_in_large_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles, double margin,
+                                                    Fans& fans) {
+  has_large_fans_ = !fans.large.empty();
+  if (!has_large_fans_) return 0;
+  std::vector<std::uint32_t> place(vertices.size(), kNone);
+  for (std::uint32_t i = 0; i < fans.large.size(); ++i) place[fans.large[i]] = i;
+  std::vector<std::vector<std::uint32_t>> around(fans.large.size());
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (const std::uint32_t v : triangles[t]) {
+      if (place[v] == kNone) continue;
+      around[place[v]].push_back(t);
+    }
+  }
+  for (const std::uint32_t v : fans.large) note_large_fan(v, around[place[v]], triangles);
+  std::size_t tests = 0;
+  for (const std::uint32_t v : fans.large) {
+    if (fans.of_vertex[v] == Fan::even) note_convex_fan(around[place[v]], vertices, triangles);
+    if (fans.of_vertex[v] == Fan::even) continue;
+    tests += compare_at(v, around[place[v]], vertices, triangles, margin);
+    fans.of_vertex[v] = Fan::compared;
+  }
+  return tests;
+}
+
+void SurfaceAdjacency::note_large_fan(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Triangle> triangles) {
+  for (const std::uint32_t t : around) {
+    const Triangle& corner = triangles[t];
+    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
+    sides_[t].fan = static_cast<std::uint16_t>(sides_[t].fan != 0 ? sides_[t].fan | kSeveral : kLarge | k);
+  }
+}
+
+// A closed fan that goes round once is convex if it is at each of its edges.
+void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
+                                       std::span<const Triangle> triangles) {
+  constexpr double kRounding = 0x1p-49;
+  bool is_front = true;
+  bool is_back = true;
+  for (const std::uint32_t t : around) {
+    const int k = sides_[t].fan & kFanCorner;
+    const Adjacent next = adjacent(t, k);
+    const auto [a, b, c] = corners_of(vertices, triangles[t]);
+    const Vec3 normal = accurate_cross(b - a, c - a);
+    const double height = normal.dot(vertices[triangles[next.triangle][(next.edge + 2) % 3]] - a);
+    is_front = is_front && (sides_[t].fan & kSeveral) == 0 && height <= kRounding * normal.norm();
+    is_back = is_back && (sides_[t].fan & kSeveral) == 0 && height >= -kRounding * normal.norm();
+  }
+  const int convex = (is_front ? kConvexFront : 0) | (is_back ? kConvexBack : 0);
+  for (const std::uint32_t t : around) sides_[t].fan = static_cast<std::uint16_t>(sides_[t].fan | convex);
+}
+
+// Triangles whose sectors at the vertex are certainly apart are walkable beside each other, except where one repeats a vertex.
+std::size_t SurfaceAdjacency::compare_at(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
+                                         std::span<const Triangle> triangles, double margin) {
+  const auto is_any = [&](auto&& is) { return std::any_of(around.begin(), around.end(), is); };
+  if (!is_any([&](std::uint32_t t) { return is_walkable(t); })) return 0;
+  if (is_any([&](std::uint32_t t) { return repeats_vertex(triangles[t]); })) {
+    for (const std::uint32_t t : around) mark_unwalkable(t);
+    return 0;
+  }
+  std::vector<NearSectors::Edges> sectors;
+  sectors.reserve(around.size());
+  for (const std::uint32_t t : around) {
+    const Triangle& corner = triangles[t];
+    const int k = corner[0] == vertex ? 0 : corner[1] == vertex ? 1 : 2;
+    sectors.push_back({vertices[corner[(k + 1) % 3]] - vertices[vertex], vertices[corner[(k + 2) % 3]] - vertices[vertex]});
+  }
+  std::size_t tests = 0;
+  NearSectors(sectors, kLeastAngle).visit_pairs([&](std::uint32_t i, std::uint32_t j) {
+    const std::uint32_t s = around[i];
+    const std::uint32_t t = around[j];
+    ++tests;
+    if ((sides_[s].is_walkable | sides_[t].is_walkable) == 0 || is_pair_walkable(vertices, triangles[s], triangles[t], margin)) return;
+    mark_unwalkable(s);
+    mark_unwalkable(t);
+  });
+  return tests;
+}
+
+std::size_t SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree,
+                                            double margin) {
+  Fans found = find_fans(vertices, triangles);
+  const std::vector<Fan>& fans = found.of_vertex;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
     bool ok = !repeats_vertex(corner);
     for (int k = 0; k < 3 && ok; ++k) ok = adjacent(t, k).exists && fans[corner[k]] != Fan::broken;
-    sides_[t].is_walkable = ok && is_high(corners_of(vertices, corner)) ? 1 : 0;
+    sides_[t].is_walkable = static_cast<std::uint16_t>(ok && is_high(corners_of(vertices, corner)));
   }
+  std::size_t tests = compare_in_large_fans(vertices, triangles, margin, found);
+  const auto has_settled = [&](std::uint32_t v) { return fans[v] == Fan::even || fans[v] == Fan::compared; };
   // Triangles with a common vertex that has an even fan need no test: that fan contains both.
+  BeyondPlane beyond(vertices, triangles);
   std::array<std::uint32_t, WideBvh::kWidth> item;
   struct Corners8 {
     Uint32x8 first, second, third;
@@ -317,6 +431,7 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
       margin,
       [&](const std::array<std::uint32_t, WideBvh::kWidth>& items, unsigned lanes) {
         item = items;
+        beyond.start(items, lanes);
         alignas(32) std::array<std::array<std::uint32_t, WideBvh::kWidth>, 3> corner;
         for (int c = 0; c < WideBvh::kWidth; ++c) {
           const Triangle& of = triangles[(lanes >> c & 1U) != 0 ? items[c] : 0];
@@ -328,20 +443,23 @@ void SurfaceAdjacency::find_walkable(std::span<const Vec3> vertices, std::span<c
       [&](std::uint32_t t, unsigned near) {
         Uint32x8 settled = Uint32x8(0U);
         for (const std::uint32_t v : triangles[t]) {
-          const Uint32x8 vertex = Uint32x8(fans[v] == Fan::even ? v : kNone);
+          const Uint32x8 vertex = Uint32x8(has_settled(v) ? v : kNone);
           settled = settled | (of_items.first == vertex);
           settled = settled | (of_items.second == vertex);
           settled = settled | (of_items.third == vertex);
         }
         near &= ~sign_bits(settled);
+        if (near != 0) near &= ~beyond.find(t, margin);
         for (; near != 0; near &= near - 1) {
           const std::uint32_t u = item[std::countr_zero(near)];
+          ++tests;
           if ((sides_[t].is_walkable | sides_[u].is_walkable) == 0 || is_pair_walkable(vertices, triangles[t], triangles[u], margin))
             continue;
           sides_[t].is_walkable = 0;
           sides_[u].is_walkable = 0;
         }
       });
+  return tests;
 }
 
 }  // namespace hapton

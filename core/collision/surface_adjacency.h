@@ -26,6 +26,7 @@ namespace hapton {
 class SurfaceAdjacency {
  public:
   static constexpr int kMostValence = 4096;  // triangles at a vertex; with more it is not walkable, which bounds the work there
+  static constexpr int kLargeFan = 64;       // triangles at a vertex: with more, not each of them is compared with each
   static constexpr double kLeastAngle =
       0x1p-20;  // rad, seen from a shared vertex: below it, rounding could decide which triangle is hit first
   static constexpr double kLeastHeight = 0x1p-36;  // of a triangle: far above the distance within which a point snaps to a vertex
@@ -47,34 +48,61 @@ class SurfaceAdjacency {
     return {code >> 3, static_cast<int>(code >> 1 & 3U), (code & 1U) != 0, code != kNone};
   }
   bool is_walkable(std::uint32_t t) const { return sides_[t].is_walkable != 0; }
+  bool has_large_fans() const { return has_large_fans_; }
+  // Whether the triangle has a vertex at which more than kLargeFan triangles meet.
+  bool is_in_large_fan(std::uint32_t t) const { return has_large_fans_ && sides_[t].fan != 0; }
+  // The corner of the triangle in which a large fan meets that is closed and convex as seen from the front or the back: none of its faces
+  // is above the plane of another, within rounding. -1: the triangle is in none, or in several large fans.
+  int convex_fan_corner(std::uint32_t t, bool back) const {
+    if (!has_large_fans_ || (sides_[t].fan & (back ? kConvexBack : kConvexFront)) == 0) return -1;
+    return sides_[t].fan & kFanCorner;
+  }
   void mark_unwalkable(std::uint32_t t) { sides_[t].is_walkable = 0; }
   void prefetch(std::uint32_t t) const { __builtin_prefetch(&sides_[t]); }
   std::size_t walkable_count() const;
   std::size_t bytes() const { return sides_.capacity() * sizeof(Sides); }
 
-  // Determines the walkable triangles. `tree` is over the triangles' boxes, item t is triangle t.
-  void find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree, double margin);
+  // Determines the walkable triangles. `tree` is over the triangles' boxes, item t is triangle t. Returns the number of pairs that were
+  // tested: hardly more at a vertex of many triangles.
+  std::size_t find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree, double margin);
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
+  static constexpr std::uint16_t kFanCorner = 3;  // mask of the corner in which it meets
+  static constexpr std::uint16_t kLarge = 4;
+  static constexpr std::uint16_t kConvexFront = 8;
+  static constexpr std::uint16_t kConvexBack = 16;
+  static constexpr std::uint16_t kSeveral = 32;  // in more than one
 
   void pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles);
   // What the triangles at a vertex form.
   enum class Fan : std::uint8_t {
-    broken,  // not one fan, or too many triangles
-    whole,   // one fan
-    even     // one closed fan whose triangles do not overlap as seen from above: no two of them are near each other except at a common edge
+    broken,    // not one fan, or too many triangles
+    whole,     // one fan
+    compared,  // of either kind: its triangles have been compared with each other
+    even  // one closed fan whose triangles do not overlap as seen from above: no two of them are near each other except at a common edge
   };
-  std::vector<Fan> find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
-  std::vector<Fan> find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
+  struct Fans {
+    std::vector<Fan> of_vertex;
+    std::vector<std::uint32_t> large;  // vertices of more than kLargeFan triangles
+  };
+  Fans find_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
+  Fans find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const;
+  std::size_t compare_in_large_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles, double margin, Fans& fans);
+  void note_large_fan(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Triangle> triangles);
+  void note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+  std::size_t compare_at(std::uint32_t vertex, std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
+                         std::span<const Triangle> triangles, double margin);
   bool is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const;
 
   // Of one triangle, together in a cache line.
   struct alignas(16) Sides {
     std::array<std::uint32_t, 3> adjacent{kNone, kNone, kNone};  // (adjacent triangle << 3) | (its edge << 1) | flips
-    std::uint32_t is_walkable = 0;
+    std::uint16_t is_walkable = 0;
+    std::uint16_t fan = 0;  // of the large fan that the triangle is in: kFanCorner and more
   };
   LargeVector<Sides> sides_;
+  bool has_large_fans_ = false;
 };
 
 // Whether two triangles of a mesh leave each other walkable: apart, or apart except for the vertices they share. RT: yes.

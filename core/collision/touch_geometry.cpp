@@ -287,6 +287,12 @@ bool TouchGeometry::build_wanted() {
   return true;
 }
 
+bool TouchGeometry::has_large_fans() const {
+  bool any = false;
+  for (std::size_t i = 0, n = built_count(); i < n; ++i) any = any || object_geometry(finished_[i]).adjacency().has_large_fans();
+  return any;
+}
+
 std::size_t TouchGeometry::triangle_count() const {
   std::size_t count = 0;
   for (std::size_t i = 0, n = built_count(); i < n; ++i) count += object_geometry(finished_[i]).triangle_count();

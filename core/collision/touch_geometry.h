@@ -87,6 +87,12 @@ class TouchGeometry {
     const SurfaceAdjacency::Adjacent across = object(id).adjacency().adjacent(id & triangle_mask_, k);
     return {(id & ~triangle_mask_) | across.triangle, across.edge, across.flips, across.exists};
   }
+  bool is_in_large_fan(std::uint32_t id) const { return object(id).adjacency().is_in_large_fan(id & triangle_mask_); }
+  // See SurfaceAdjacency. -1 where the surface deforms: that is known of its shape at rest only.
+  int convex_fan_corner(std::uint32_t id, bool back) const {
+    return policy_ == BuildPolicy::to_deform ? -1 : object(id).adjacency().convex_fan_corner(id & triangle_mask_, back);
+  }
+  bool has_large_fans() const;  // of the objects built
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
   // Where a segment crosses a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between

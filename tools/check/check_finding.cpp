@@ -10,6 +10,8 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "opening";
     case SceneFault::crack:
       return "crack";
+    case SceneFault::large_fan:
+      return "large-fan";
     case SceneFault::flipped:
       return "flipped";
     case SceneFault::inside_out:

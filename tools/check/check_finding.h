@@ -15,6 +15,7 @@ enum class SceneFault : std::uint8_t {
   thin_wall,      // thinner than the ball of the probe
   opening,        // a hole that the probe fits through
   crack,          // a gap that was not sealed
+  large_fan,      // more triangles at a vertex than a step can follow
   flipped,        // triangles whose fronts are on the wrong side
   inside_out,     // a closed body with its fronts inside
   coarse_voxels,  // of what can be carved, for its walls or for the tool

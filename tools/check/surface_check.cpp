@@ -72,6 +72,24 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
        "close it in the mesh, unless the inside is to be touched"});
 }
 
+// Where a thousand triangles meet, a step of a point takes 0.1 ms, and a sphere crosses so many edges of a cone in a step that a part of
+// its motion is carried into the next ones.
+void check_fans(const SceneObject& object, CheckFindings& findings) {
+  constexpr std::uint32_t kMost = 1000;
+  std::vector<std::uint32_t> valence(object.mesh->vertices.size(), 0);
+  for (const Triangle& triangle : object.mesh->triangles) {
+    for (const std::uint32_t vertex : triangle) ++valence[vertex];
+  }
+  const auto most = std::max_element(valence.begin(), valence.end());
+  if (most == valence.end() || *most <= kMost) return;
+  const auto places = static_cast<std::size_t>(std::count_if(valence.begin(), valence.end(), [](std::uint32_t n) { return n > kMost; }));
+  findings.push_back(
+      {SceneFault::large_fan, object.name, object.mesh->vertices[static_cast<std::size_t>(most - valence.begin())],
+       fmt::format("{} triangles meet in one vertex ({} of more than {}): steps there take longer, and a fast probe lags behind", *most,
+                   plural(places, "vertex", "vertices"), kMost),
+       "export it with a coarser chord tolerance, or let the middle of discs and cones be meshed evenly"});
+}
+
 void check_sides(const SceneObject& object, const MeshFlaws& flaws, CheckFindings& findings) {
   const std::vector<Vec3> edges = find_inconsistent_edges(*object.mesh);
   const std::string_view effect = object.material.two_sided ? "shading and methods that use the sides go wrong there"
@@ -96,6 +114,7 @@ CheckFindings check_surface(const SceneObject& object, double probe_radius_m) {
   const MeshFlaws flaws = find_flaws(*object.mesh);
   check_walls(object, probe_radius_m, findings);
   check_openings(object, flaws, probe_radius_m, findings);
+  check_fans(object, findings);
   check_sides(object, flaws, findings);
   return findings;
 }

@@ -81,8 +81,8 @@ CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
   return {Kind::plane, origin(), normal, offset};
 }
 
-bool OffsetContact::is_shared_with(const ContactTriangle& other) const noexcept {
-  const auto has = [&](const Vec3& p) { return other.corner(0) == p || other.corner(1) == p || other.corner(2) == p; };
+bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
+  const auto has = [&](const Vec3& p) { return a == p || b == p || c == p; };
   switch (part) {
     case Part::vertex:
       return has(origin());

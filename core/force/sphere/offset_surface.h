@@ -48,7 +48,10 @@ struct OffsetContact {
   CentrePath::Guide guide(double offset) const noexcept;
 
   // Whether another triangle has the same face, edge or corner. Compares coordinates, so duplicated vertices count.
-  bool is_shared_with(const ContactTriangle& other) const noexcept;
+  bool is_shared_with(const ContactTriangle& other) const noexcept {
+    return is_shared_with(other.corner(0), other.corner(1), other.corner(2));
+  }
+  bool is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept;  // the corners of the other
   // Whether both are on the same edge or corner, of whichever triangle.
   bool is_same_part(const OffsetContact& other) const noexcept;
 };

@@ -40,11 +40,12 @@ double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept 
 double SphereFollower::distance_to_boundary(const Vec3& direction, double most) noexcept {
   constexpr double kBeyond = 1.25;
   constexpr double kLeastDistance = 0x1p-10;                                                             // of the offset
-  if (contacts_[0].is_curved()) note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);  // for find_exits
+  if (contacts_[0].is_curved()) note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);  // for visit_exits
   const CentrePath path = CentrePath::straight(centre_, centre_ + most * direction);
   CentrePath::Prefix prefix = path.prefix(1.0);
   Event exit;
-  if (!find_first_exit(path, 0, prefix, exit) || exit.contact < 0) return kInfinity;
+  find_first_exit(path, 0, prefix, exit);
+  if (exit.contact < 0) return kInfinity;
   OffsetContact last = contacts_[0];
   if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return kInfinity;
   return kBeyond * exit.time * most + kLeastDistance * clearance_.offset;

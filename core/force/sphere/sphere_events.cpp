@@ -20,6 +20,20 @@ bool lies_beyond(const ContactTriangle& face, int edge, const ContactTriangle& o
   return false;
 }
 
+// Calls visit(direction, edge) for the edges of a triangle that end at a vertex: unit, from there.
+template <class Visit>
+void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, Visit&& visit) {
+  const std::array<const Vec3*, 3> corner = {&corners.a, &corners.b, &corners.c};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& first = *corner[static_cast<std::size_t>(k)];
+    const Vec3& last = *corner[static_cast<std::size_t>((k + 1) % 3)];
+    if (first != vertex && last != vertex) continue;
+    const Vec3 edge = last - first;
+    const double length = std::sqrt(edge.squaredNorm());
+    if (length > 0.0) visit(Vec3(edge * ((first == vertex ? 1.0 : -1.0) / length)), k);
+  }
+}
+
 }  // namespace
 
 // The first event on the path, up to the time in `event`. False: it cannot be computed.
@@ -38,7 +52,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     LevelFaces& crossed = crossed_[static_cast<std::size_t>(i)];
     crossed.until = 0.0;
     Event exit = event;
-    if (!find_first_exit(path, i, prefix, exit)) return false;
+    find_first_exit(path, i, prefix, exit);
     if (exit.contact != i) continue;
     if (contacts_[i].part == Part::face) {
       crossed.first = crossed.last = contacts_[i];
@@ -76,20 +90,18 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   return true;
 }
 
-// The first time at which a contact leaves its part, up to that of the event. False: it has too many exits.
-bool SphereFollower::find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept {
-  const int count = find_exits(contacts_[contact]);
-  for (int k = 0; k < count; ++k) {
-    const double time = path.time_to_cross(exits_[k].origin, exits_[k].direction, kOnBoundary, prefix);
-    if (time > event.time || (time == event.time && event.contact >= 0)) continue;
-    const bool is_face_here = time <= 0.0 && exits_[k].slot >= 0 && exits_[k].part == Part::face;
-    if (is_face_here && is_past_needle(near_.shape(exits_[k].slot), exits_[k].index)) continue;
+// The first time at which a contact leaves its part, up to that of the event.
+void SphereFollower::find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept {
+  visit_exits(contacts_[contact], [&](const Exit& exit) {
+    const double time = path.time_to_cross(exit.origin, exit.direction, kOnBoundary, prefix);
+    if (time > event.time || (time == event.time && event.contact >= 0)) return;
+    const bool is_face_here = time <= 0.0 && exit.slot >= 0 && exit.part == Part::face;
+    if (is_face_here && is_past_needle(near_.shape(exit.slot), exit.index)) return;
     event.time = time;
     event.contact = contact;
-    event.exit = exits_[k];
+    event.exit = exit;
     prefix = path.prefix(time);
-  }
-  return count >= 0;
+  });
 }
 
 // Over an edge where the next face lies in the same plane nothing changes but the triangle. Follows the path over such faces, from the exit
@@ -153,7 +165,8 @@ void SphereFollower::move_to_last_level_face(const CentrePath& path, const Event
       Event exit;
       exit.time = event.time;
       CentrePath::Prefix prefix = path.prefix(event.time);
-      if (!find_first_exit(path, i, prefix, exit) || exit.contact != i) continue;
+      find_first_exit(path, i, prefix, exit);
+      if (exit.contact != i) continue;
       crossed.last = contacts_[i];
       cross_level_faces(path, event.time, crossed.last, exit);
     }
@@ -164,13 +177,15 @@ void SphereFollower::move_to_last_level_face(const CentrePath& path, const Event
 // Whether a triangle cannot stop the centre, whatever its distance. Triangles below the plane of a face are never nearer than the face, for
 // a centre that moves over it.
 bool SphereFollower::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept {
-  const ContactTriangle& shape = near_.shape(slot);
+  const std::uint32_t triangle = near_.triangle(slot);
+  const ObjectGeometry::Corners corners = geometry_.corners(triangle);
   if (is_on_plane) {
     const Vec3& up = contacts_[0].normal;
     const double level = up.dot(from) - clearance_.offset + 0.25 * clearance_.slop;
-    if (std::max({up.dot(shape.corner(0)), up.dot(shape.corner(1)), up.dot(shape.corner(2))}) <= level) return true;
+    if (std::max({up.dot(corners.a), up.dot(corners.b), up.dot(corners.c)}) <= level) return true;
   }
-  return holds_part_of(shape, near_.triangle(slot)) || !can_touch(near_.triangle(slot), shape, from);
+  if (holds_part_of(corners, triangle)) return true;
+  return !materials_[geometry_.mesh_of(triangle)].two_sided && !can_touch(triangle, near_.shape(slot), from);
 }
 
 // Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
@@ -231,44 +246,39 @@ void SphereFollower::note_candidates(const Vec3& from, const Vec3& to, double ne
   near_.visit_near(from, to, near, [&](int slot) { candidates_[static_cast<std::size_t>(candidate_count_++)] = slot; });
 }
 
-// The boundaries of the part that a contact is on. Returns their number; -1: too many. Pre: for an edge or a vertex, note_candidates().
-int SphereFollower::find_exits(const OffsetContact& contact) noexcept {
-  int count = 0;
-  bool fits = true;
-  const auto add = [&](const Vec3& origin, const Vec3& direction, int slot, int index, Part part) {
-    if (count == kMostExits)
-      fits = false;
-    else
-      exits_[count++] = {origin, direction, slot, index, part};
-  };
+// Calls visit(exit) for the boundaries of the part that a contact is on. Pre: for an edge or a vertex, note_candidates().
+template <class Visit>
+void SphereFollower::visit_exits(const OffsetContact& contact, Visit&& visit) noexcept {
   const ContactTriangle& own = contact.shape;
   if (contact.part == Part::face) {
-    for (int k = 0; k < 3; ++k) add(own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Part::edge);
-    return count;
+    for (int k = 0; k < 3; ++k) visit(Exit{own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Part::edge});
+    return;
   }
-  if (contact.part != Part::vertex) {
+  if (contact.part == Part::edge) {
     const Vec3 axis = contact.axis();
-    add(own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex);
-    add(own.corner(contact.index), -axis, -1, contact.index, Part::vertex);
+    visit(Exit{own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex});
+    visit(Exit{own.corner(contact.index), -axis, -1, contact.index, Part::vertex});
   }
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
+    const ObjectGeometry::Corners corners = geometry_.corners(near_.triangle(slot));
+    if (!contact.is_shared_with(corners.a, corners.b, corners.c)) continue;
+    if (contact.part == Part::vertex) {
+      visit_edges_at(contact.origin(), corners, [&](const Vec3& outwards, int k) {
+        visit(Exit{contact.origin(), outwards, slot, k, Part::edge});
+      });
+      continue;
+    }
     const ContactTriangle& shape = near_.shape(slot);
-    if (!contact.is_shared_with(shape)) continue;
+    const Vec3& other = own.corner((contact.index + 1) % 3);
     for (int k = 0; k < 3; ++k) {
-      if (!(shape.length(k) > 0.0)) continue;
-      const bool begins = shape.corner(k) == contact.origin();
-      const bool ends = shape.corner((k + 1) % 3) == contact.origin();
-      if (contact.part == Part::vertex) {
-        if (begins || ends) add(contact.origin(), shape.edge(k) * ((begins ? 1.0 : -1.0) / shape.length(k)), slot, k, Part::edge);
-        continue;
-      }
-      const Vec3& other = own.corner((contact.index + 1) % 3);
-      if (!(begins && shape.corner((k + 1) % 3) == other) && !(ends && shape.corner(k) == other)) continue;
-      if (!shape.normal().isZero(0.0)) add(shape.corner(k), shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face);
+      const Vec3& first = shape.corner(k);
+      const Vec3& last = shape.corner((k + 1) % 3);
+      if (!(shape.length(k) > 0.0) || shape.normal().isZero(0.0)) continue;
+      if (!(first == contact.origin() && last == other) && !(last == contact.origin() && first == other)) continue;
+      visit(Exit{first, shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face});
     }
   }
-  return fits ? count : -1;
 }
 
 // Whether the centre, in contact with that edge of a triangle, is far over its plane but not over the triangle. This is so at a needle that

@@ -24,15 +24,18 @@ SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, doubl
 
 // settled: arrived. again: a triangle was hit on the way. failed, too, where there are many near it: a sweep can be interrupted.
 SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
+  constexpr int kFanInUnit = 4;  // triangles that are neighbours in memory
   const Clearance clearance{clearance_.offset, clearance_.slop, clearance_.tolerance};
   const Vec3 from = centre_;
   const Vec3 motion = to - from;
   std::uint32_t first = 0;
   double time = kNever;
   int tests = 0;
+  int in_fan = 0;
   geometry_.visit_along(from, to, clearance_.offset + clearance_.tolerance, [&](std::uint32_t id, double before) {
-    if (++tests > kMostInFlight) return -1.0;
-    ++work_;
+    const bool is_in_fan = geometry_.is_in_large_fan(id);
+    if (!is_in_fan && ++tests > kMostInFlight) return -1.0;
+    work_ += is_in_fan ? ++in_fan % kFanInUnit == 0 : 1;
     const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
     if (!(t < time) || t > 1.0) return before;
     const ObjectGeometry::Corners corners = geometry_.corners(id);

@@ -204,7 +204,9 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
              : friction_.drags ? drag(from, to, time)
                                : stay_with_friction(from, to, time);
     } else {
-      next = is_descending_ ? descend(on_path(from, to, time), to - from) : slide(from, to, time);
+      next = cross_fan(from, to, time) && !is_descending_ && time >= 1.0 ? Next::settled
+             : is_descending_                                            ? descend(on_path(from, to, time), to - from)
+                                                                         : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::again && has_lingered()) time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, lingering_ / 4) / (to - from).norm());

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/collision/near_triangles.h"
 #include "core/force/sphere/centre_path.h"
@@ -53,6 +54,7 @@ class SphereFollower {
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
       : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
     note_friction();
+    if (geometry.has_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
   }
   // The friction of the materials has changed: a centre in contact settles again at the beginning of the next motion.
   void note_friction() noexcept {
@@ -71,6 +73,7 @@ class SphereFollower {
   // The set of triangles has changed: gather them again.
   void forget_near() {
     near_.clear();
+    fan_room_.room = -1.0;
     crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   // Resets everything except the counters: later steps do not depend on earlier ones.
@@ -120,7 +123,6 @@ class SphereFollower {
   static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
-  static constexpr int kMostExits = 128;
   static constexpr int kMostInFlight = 512;  // triangles that a flight tests
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
@@ -142,6 +144,27 @@ class SphereFollower {
   struct LevelFaces {
     OffsetContact first, last;
     double until = 0.0;
+  };
+  // Where a path over a face of a fan leaves it, and through which edge; -1: it does not.
+  struct FanExit {
+    double time = 2.0;
+    int edge = -1;
+  };
+  // Nothing but the fan around a tip comes nearer to the sphere than it is allowed to while its centre is that near to a place.
+  struct FanRoom {
+    Vec3 tip = Vec3::Zero();
+    Vec3 at = Vec3::Zero();
+    double room = -1.0;
+    std::uint32_t mesh = 0;
+    std::uint32_t vertex = 0;  // of the tip, in the mesh
+    bool back = false;         // the side that the sphere is on
+    int planes = 0;            // of a hollow fan: those near, in fan_planes_
+  };
+  // Where a sphere in a hollow fan is for a device: in contact with those planes.
+  struct HollowPlace {
+    Vec3 centre = Vec3::Zero();
+    int count = 0;
+    std::array<OffsetContact, 3> contacts;
   };
   // A piece of the path with the device moving.
   struct Leg {
@@ -295,16 +318,29 @@ class SphereFollower {
   bool gather(const Vec3& towards) noexcept;
   bool are_slivers(double radius) const noexcept;
   bool find_event(const CentrePath& path, Event& event) noexcept;
-  bool find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
+  void find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
   bool cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept;
   bool find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept;
   bool is_level_at(const OffsetContact& face, const Vec3& c) const noexcept;
   static bool is_over(const ContactTriangle& shape, const Vec3& c) noexcept;
   void move_to_last_level_face(const CentrePath& path, const Event& event) noexcept;
+  int fan_corner(const OffsetContact& face) const noexcept;
+  bool is_hollow_fan(const OffsetContact& face) const noexcept;
+  bool is_alone_with_fan(const OffsetContact& face, const Vec3& towards) noexcept;
+  double share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept;
+  bool cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool cross_convex_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
+  FanExit find_fan_exit(const OffsetContact& face, const CentrePath& path) const noexcept;
+  bool cross_fan_edge(int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept;
+  bool cross_hollow_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
+  void move_in_hollow_fan(const HollowPlace& place, const Vec3& device, double then, bool descends, double& time) noexcept;
+  bool find_in_hollow_fan(const Vec3& device, HollowPlace& place) noexcept;
+  int find_lowest_plane(const Vec3& c, double& height) noexcept;
   bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
   void note_tangents(const CentrePath& path) noexcept;
   bool is_below_tangents(const ContactTriangle& shape) const noexcept;
-  int find_exits(const OffsetContact& contact) noexcept;
+  template <class Visit>
+  void visit_exits(const OffsetContact& contact, Visit&& visit) noexcept;
   bool is_past_needle(const ContactTriangle& shape, int edge) const noexcept;
   bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
   void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
@@ -351,7 +387,7 @@ class SphereFollower {
   bool note_move(const Vec3& from) noexcept;  // whether the centre has moved
   void note_gain(const Vec3& device, bool has_moved) noexcept;
   unsigned guiding_corners(const ContactTriangle& shape) const noexcept;
-  bool holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept;
+  bool holds_part_of(const ObjectGeometry::Corners& corners, std::uint32_t triangle) const noexcept;
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
   bool is_clear_here(double short_by) noexcept;
@@ -384,10 +420,15 @@ class SphereFollower {
   double gather_radius_ = 0.0;                                            // of the next gather()
   std::array<int, NearTriangles::kCapacity> candidates_;                  // slots in near_ that a path may hit
   std::array<LevelFaces, 3> crossed_;                                     // by active contact, of the path of the last event
+  FanRoom fan_room_;
+  struct FanPlane {
+    Vec3 normal;  // towards the sphere
+    std::uint32_t triangle;
+  };
+  std::vector<FanPlane> fan_planes_;  // of the capacity of near_ if the geometry has large fans; else empty
   std::array<TangentSpan, 3> tangents_;
   int tangent_count_ = 0;
   int candidate_count_ = 0;
-  std::array<Exit, kMostExits> exits_;
   mutable int work_ = 0;  // units, in this call
   int most_work_ = 0;
   int idle_ = 0;                 // events without progress

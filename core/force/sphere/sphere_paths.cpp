@@ -411,7 +411,8 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
     ++gathered_;
     const bool fits = near_.gather(geometry_, centre_ + ahead, clearance_.offset + gather_radius_ + 4.0 * clearance_.slop, queried,
                                    is_guess ? kMostFew : NearTriangles::kCapacity);
-    work_ += queried + queried / 4;  // in a large mesh each waits for memory
+    const int in_fans = near_.queried_in_fans();
+    work_ += queried + queried / 4 - in_fans + in_fans / 4;  // in a large mesh each of the others waits for memory
     if (!fits) {
       has_room = is_guess || gather_radius_ > least;
       const bool are_narrow = are_slivers(gather_radius_);
@@ -440,9 +441,9 @@ bool SphereFollower::gather(const Vec3& towards) noexcept {
   return false;
 }
 
-bool SphereFollower::holds_part_of(const ContactTriangle& shape, std::uint32_t triangle) const noexcept {
+bool SphereFollower::holds_part_of(const ObjectGeometry::Corners& corners, std::uint32_t triangle) const noexcept {
   for (int i = 0; i < active_count_; ++i) {
-    if (contacts_[i].triangle == triangle || contacts_[i].is_shared_with(shape)) return true;
+    if (contacts_[i].triangle == triangle || contacts_[i].is_shared_with(corners.a, corners.b, corners.c)) return true;
   }
   return false;
 }

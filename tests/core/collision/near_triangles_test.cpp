@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "core/geometry/mesh_shapes.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
 
@@ -165,7 +166,7 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   EXPECT_FALSE(near->gather(geometry, Vec3::Zero(), 4.0, queried));
   EXPECT_EQ(near->count(), 0);
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
-  EXPECT_GT(queried, NearTriangles::kCapacity);
+  EXPECT_GT(queried, NearTriangles::kMostOthers);
   bool any = false;
   near->visit_near(Vec3::Zero(), Vec3::Zero(), 4.0, [&](int) { any = true; });
   EXPECT_FALSE(any);
@@ -174,6 +175,34 @@ TEST(NearTriangles, MoreThanFitLeaveItEmpty) {
   EXPECT_FALSE(near->covers(Vec3(0.02, 0.0, 0.0), 0.04));
   near->clear();
   EXPECT_FALSE(near->covers(Vec3::Zero(), 0.0));
+}
+
+// All triangles of a fan fit, but no more of others than elsewhere. More shapes than are kept prepared are those of the geometry in any
+// order.
+TEST(NearTriangles, AFanOfThousandsFits) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0.0, 0.0, 0.0}};
+  for (std::uint32_t i = 0; i < 5000; ++i) {
+    mesh.vertices.emplace_back(0.5 * std::cos(0.001 * i), 0.5 * std::sin(0.001 * i), 0.05 * std::sin(0.01 * i));
+    if (i > 0) mesh.triangles.push_back({0, i, i + 1});
+  }
+  const auto near = std::make_unique<NearTriangles>();
+  int queried = 0;
+  {
+    const TouchGeometry geometry({&mesh});
+    ASSERT_TRUE(near->gather(geometry, Vec3(0.0, 0.0, 0.1), 0.15, queried));
+    EXPECT_EQ(near->count(), static_cast<int>(mesh.triangles.size()));
+    std::mt19937_64 random(2403);
+    for (int i = 0; i < 20000; ++i) {
+      const int slot = static_cast<int>(random() % mesh.triangles.size());
+      const ContactTriangle& shape = near->shape(slot);
+      for (int k = 0; k < 3; ++k) ASSERT_EQ(shape.corner(k), geometry.corner(near->triangle(slot), k)) << "seed 2403";
+    }
+  }
+  const TriangleMesh sheet = scaled_and_moved(made::sheet(0.5, 0.0, 40), 1.0, Vec3(0.0, 0.0, 0.2));
+  const TriangleMesh both = joined(mesh, sheet);
+  const TouchGeometry geometry({&both});
+  EXPECT_FALSE(near->gather(geometry, Vec3(0.0, 0.0, 0.1), 2.0, queried)) << sheet.triangles.size() << " others";
 }
 
 // How much smaller a ball would have to be to hold fewer. Of even triangles, half of the radius above the plane holds half; at the tip of a

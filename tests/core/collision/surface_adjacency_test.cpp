@@ -18,7 +18,7 @@ constexpr double kMargin = 1e-9;
 
 std::array<Vec3, 3> corners(const TriangleMesh& mesh, std::size_t t) { return {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}; }
 
-SurfaceAdjacency adjacency_of(const TriangleMesh& mesh) {
+SurfaceAdjacency adjacency_of(const TriangleMesh& mesh, std::size_t* tests = nullptr) {
   std::vector<Box> boxes;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     Box box;
@@ -26,7 +26,8 @@ SurfaceAdjacency adjacency_of(const TriangleMesh& mesh) {
     boxes.push_back(box);
   }
   SurfaceAdjacency adjacency(mesh.vertices.size(), mesh.triangles);
-  adjacency.find_walkable(mesh.vertices, mesh.triangles, WideBvh(boxes), kMargin);
+  const std::size_t tested = adjacency.find_walkable(mesh.vertices, mesh.triangles, WideBvh(boxes), kMargin);
+  if (tests != nullptr) *tests = tested;
   return adjacency;
 }
 
@@ -248,6 +249,35 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
 }
 
 // Random triangles over few vertices: edges of many triangles, folded pairs, copies, pairs of every kind.
+// Pleats, whose triangles overlap as seen from above, so that no fan is even.
+TEST(SurfaceAdjacency, FewPairsAreTestedWhereThousandsOfTrianglesMeet) {
+  for (const double lift : {0.02, 0.3, 3.0}) {
+    std::size_t tests = 0;
+    const TriangleMesh mesh = fan(4000, 1, lift, 0);
+    EXPECT_EQ(adjacency_of(mesh, &tests).walkable_count(), mesh.triangles.size());
+    EXPECT_LT(tests, 8 * mesh.triangles.size()) << "lift " << lift;
+  }
+}
+
+// Fans of which some triangles are folded onto others, are turned away by little, or repeat a vertex; and two fans at one vertex.
+TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
+  std::mt19937_64 random(240);
+  std::uniform_real_distribution<double> share(0.0, 1.0);
+  for (int round = 0; round < 24; ++round) {
+    TriangleMesh mesh = fan(90 + 7 * round, 1 + round % 2, round % 3 == 0 ? 0.4 : 0.01, round % 5 == 4 ? 3 : 0);
+    const double noise = std::pow(10.0, -round % 8);
+    for (std::size_t v = 1; v < mesh.vertices.size(); ++v) {
+      Vec3& p = mesh.vertices[v];
+      if (round % 4 == 1) p *= 0.2 + share(random);
+      if (round % 4 == 2 && share(random) < 0.1) p = mesh.vertices[1 + random() % (v > 1 ? v - 1 : 1)] * (1.0 + noise * share(random));
+      if (round % 4 == 3) p += noise * Vec3(share(random), share(random), share(random));
+    }
+    if (round % 6 == 5) mesh.triangles.push_back({0, 0, 5});
+    if (round % 7 == 6) mesh = joined(mesh, scaled_and_moved(make_icosphere(0.1, 1), 1.0, Vec3(0.3, 0.0, 0.0)));
+    expect_as_brute_force(mesh, "large fan, seed 240");
+  }
+}
+
 TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInASoup) {
   std::mt19937_64 random(77);
   std::uniform_real_distribution<double> place(-0.5, 0.5);

@@ -50,6 +50,17 @@ TEST(SurfaceCheck, AWallThatIsMuchTooThinIsTouchedWithAPoint) {
   EXPECT_EQ(check_surface(plate(0.00019), 0.001).at(0).fix, "thicken it, or touch it with a point (--probe-radius 0)");
 }
 
+TEST(SurfaceCheck, AVertexOfTooManyTrianglesIsNamedOnce) {
+  EXPECT_TRUE(check_surface(object_with(make_cylinder(0.04, 0.02, 1000, 1)), 0.0).empty());
+  const TriangleMesh wheel = make_cylinder(0.04, 0.02, 1001, 1);
+  const CheckFindings found = check_surface(object_with(wheel), 0.0);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::large_fan);
+  EXPECT_THAT(found[0].what, HasSubstr("1001 triangles meet in one vertex (2 vertices of more than 1000)"));
+  ASSERT_TRUE(found[0].place_m);
+  EXPECT_LT(found[0].place_m->head<2>().norm(), 1e-9) << "in the middle of an end";
+}
+
 TEST(SurfaceCheck, OpeningsAreCountedAndTheWidestIsNamed) {
   TriangleMesh open = make_icosphere(0.04, 3);
   const auto remove = [&](const Vec3& at, double radius) {

@@ -90,6 +90,21 @@ TEST_P(OverAFlatFan, FrictionIsThatOfThePlane) {
 
 INSTANTIATE_TEST_SUITE_P(Segments, OverAFlatFan, testing::Values(128U, 360U, 720U, 900U));
 
+// With more triangles than are gathered elsewhere, a part of the motion is carried in the step in which the ball comes down.
+class OverAVeryFlatFan : public OverAFlatFan {};
+
+TEST_P(OverAVeryFlatFan, TheForceIsThatOfThePlaneAfterTheFirstStep) {
+  int wrong = 0;
+  slide({.stiffness_n_per_m = kFanStiffness}, [&](const Vec3& force_n, const Vec3& device) {
+    const Vec3 force(0.0, 0.0, kFanStiffness * (kBallRadius - device.z()));
+    wrong += (force_n - force).norm() > 1e-6 ? 1 : 0;
+  });
+  EXPECT_LE(wrong, 6) << "one of each line";
+  EXPECT_LE(carried_, 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Segments, OverAVeryFlatFan, testing::Values(2000U, 5000U));
+
 // It leaves the disc over its rim as over any other edge, and is then held by the wall.
 TEST(OverLevelFaces, TheRimOfAFanIsAnEdge) {
   const auto method = make_method({.name = "proxy", .probe_radius_m = kBallRadius},

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// Finds, among the sectors of the triangles at a vertex, the pairs that may come near each other as seen from there. A sweep along one axis
+// over the boxes of their arcs on the unit sphere (sweep and prune) leaves few pairs; of those, most lie on one side of the other's plane.
+// RT: set-up only.
+class NearSectors {
+ public:
+  using Edges = std::array<Vec3, 2>;  // from the vertex, of any length
+
+  // `angle`: rad, far below one.
+  NearSectors(std::span<const Edges> sectors, double angle) : least_sine_(2.0 * angle) {
+    items_.reserve(sectors.size());
+    for (std::uint32_t i = 0; i < sectors.size(); ++i) items_.push_back(make_item(sectors[i], angle, i));
+    const int axis = choose_axis();
+    std::sort(items_.begin(), items_.end(), [axis](const Item& a, const Item& b) { return a.low[axis] < b.low[axis]; });
+    axis_ = axis;
+  }
+
+  // Calls visit(i, j) once for each pair whose angle may be `angle` or less, and for some others. All other pairs are certainly farther.
+  template <class Visit>
+  void visit_pairs(Visit&& visit) const {
+    for (std::size_t i = 0; i < items_.size(); ++i) {
+      const Item& a = items_[i];
+      for (std::size_t j = i + 1; j < items_.size() && items_[j].low[axis_] <= a.high[axis_]; ++j) {
+        const Item& b = items_[j];
+        if (overlap(a, b) && !is_beside(a, b) && !is_beside(b, a)) visit(a.sector, b.sector);
+      }
+    }
+  }
+
+ private:
+  struct Item {
+    Vec3 low, high;      // of the arc, with room
+    Edges edge;          // unit; zero: an edge without length
+    Vec3 normal;         // not of unit length
+    double least = 0.0;  // the product with a unit vector from which on that is certainly far from the plane
+    std::uint32_t sector = 0;
+  };
+
+  static bool overlap(const Item& a, const Item& b) {
+    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+  }
+
+  // Both edges of b, and with them all of its sector, are on one side of the plane of a.
+  static bool is_beside(const Item& a, const Item& b) {
+    const double first = a.normal.dot(b.edge[0]);
+    const double last = a.normal.dot(b.edge[1]);
+    return std::min(first, last) > a.least || std::max(first, last) < -a.least;
+  }
+
+  Item make_item(const Edges& sector, double angle, std::uint32_t i) const {
+    constexpr double kRounding = 0x1p-48;  // of a unit vector and a cross product of two, and more
+    Item item;
+    item.sector = i;
+    for (std::size_t k = 0; k < 2; ++k) item.edge[k] = sector[k].stableNormalized();
+    item.normal = item.edge[0].cross(item.edge[1]);
+    item.least = least_sine_ * item.normal.norm() + kRounding;
+    const bool has_length = !item.edge[0].isZero(0.0) && !item.edge[1].isZero(0.0);
+    // The arc is nowhere farther from its chord than in its middle.
+    const double bulge = has_length ? 1.0 - 0.5 * (item.edge[0] + item.edge[1]).norm() : 2.0;
+    const Vec3 room = Vec3::Constant(bulge + angle + kRounding);
+    item.low = item.edge[0].cwiseMin(item.edge[1]) - room;
+    item.high = item.edge[0].cwiseMax(item.edge[1]) + room;
+    return item;
+  }
+
+  // Along which the arcs overlap least.
+  int choose_axis() const {
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
+    Vec3 high = -low;
+    Vec3 lengths = Vec3::Zero();
+    for (const Item& item : items_) {
+      low = low.cwiseMin(item.low);
+      high = high.cwiseMax(item.high);
+      lengths += item.high - item.low;
+    }
+    int axis = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (lengths[k] * (high[axis] - low[axis]) < lengths[axis] * (high[k] - low[k])) axis = k;
+    }
+    return axis;
+  }
+
+  double least_sine_;
+  int axis_ = 0;
+  std::vector<Item> items_;
+};
+
+}  // namespace hapton

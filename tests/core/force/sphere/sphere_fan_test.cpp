@@ -1,0 +1,126 @@
+// A sphere where thousands of triangles meet in one vertex: at the tip of a cone, on both sides.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+
+#include "core/force/proxy/proxy_method.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kConeBall = 0.0005;  // of the ball
+constexpr double kConeRim = 0.05;     // radius of the cone
+constexpr double kConeStiffness = 1000.0;
+constexpr double kConeDeep = 0.001;  // of the device below the position of a ball in contact
+
+// From a tip at that height down to a rim at zero, or up from it; closed by a second cone below.
+TriangleMesh cone_of(std::uint32_t segments, double height) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0.0, 0.0, height}, {0.0, 0.0, -0.04}};
+  for (std::uint32_t i = 0; i < segments; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / segments;
+    mesh.vertices.emplace_back(kConeRim * std::cos(angle), kConeRim * std::sin(angle), 0.0);
+  }
+  for (std::uint32_t i = 0; i < segments; ++i) {
+    const std::uint32_t a = 2 + i;
+    const std::uint32_t b = 2 + (i + 1) % segments;
+    mesh.triangles.insert(mesh.triangles.end(), {{0, a, b}, {1, b, a}});
+  }
+  return mesh;
+}
+
+// The force on a ball at a smooth cone whose tip points up, for a device inside. None: the tip holds the ball.
+std::optional<Vec3> force_of_cone(double height, const Vec3& device) {
+  const double slope = std::hypot(kConeRim, height);
+  const Vec3 out = Vec3(device.x(), device.y(), 0.0).normalized();
+  const Vec3 normal = (height * out + kConeRim * Vec3::UnitZ()) / slope;
+  const Vec3 down = (kConeRim * out - height * Vec3::UnitZ()) / slope;
+  const Vec3 off = device - Vec3(0.0, 0.0, height);
+  if (off.dot(down) <= 0.0) return std::nullopt;
+  return Vec3(kConeStiffness * std::max(0.0, kConeBall - normal.dot(off)) * normal);
+}
+
+class OverACone : public testing::TestWithParam<std::uint32_t> {
+ protected:
+  OverACone() { RecordProperty("seed", std::to_string(kSeed)); }
+
+  std::unique_ptr<ForceMethod> method_over(double height) const {
+    return make_method({.name = "proxy", .probe_radius_m = kConeBall},
+                       {.objects = {{made::shared(cone_of(GetParam(), height)), {.stiffness_n_per_m = kConeStiffness}}}})
+        .value();
+  }
+
+  // Lines past the tip, 0.12 mm a step. visit(method, device): each step, and the number of the line.
+  template <class Visit>
+  void slide(double height, ForceMethod& method, Visit&& visit) {
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    for (int line = 0; line < 6; ++line) {
+      const double angle = std::numbers::pi * unit(random_);
+      const Vec3 along(std::cos(angle), std::sin(angle), 0.0);
+      const Vec3 beside = 3e-4 * unit(random_) * Vec3(-along.y(), along.x(), 0.0);
+      const auto place = [&](int i) {
+        const Vec3 p = (1.2e-4 * i - 0.005) * along + beside;
+        return Vec3(p.x(), p.y(), height * (1.0 - p.norm() / kConeRim) + kConeBall * std::hypot(kConeRim, height) / kConeRim - kConeDeep);
+      };
+      method.reset(place(0) + Vec3(0.0, 0.0, 0.003));
+      for (int i = 0; i < 84; ++i) visit(place(i));
+    }
+  }
+
+  static constexpr unsigned kSeed = 202611272;
+  std::mt19937_64 random_{kSeed};
+};
+
+// The faces turn the force by at most half of their angle.
+TEST_P(OverACone, TheForceIsThatOfTheCone) {
+  constexpr double kHeight = 0.02;
+  const auto method = method_over(kHeight);
+  int carried = 0;
+  int wrong = 0;
+  int steps = 0;
+  slide(kHeight, *method, [&](const Vec3& device) {
+    const MethodOutput out = method->step({.p_SD = device, .dt_s = 1e-3});
+    carried += method->carried_from().has_value() ? 1 : 0;
+    const auto force = force_of_cone(kHeight, device);
+    if (!force) return;
+    ++steps;
+    const double most = (2.0 * std::numbers::pi / GetParam() + 1e-4) * force->norm() + 1e-3;
+    wrong += (out.force_n - *force).norm() > most ? 1 : 0;
+  });
+  EXPECT_GT(steps, 450);
+  EXPECT_LE(wrong, 6) << "of " << steps << " steps: where the ball comes down";
+  EXPECT_LE(carried, 6);
+}
+
+// Where the tip points down, the ball is behind in some steps. As soon as the device rests, it arrives, and stays.
+TEST_P(OverACone, TheBallArrivesWhereTheDeviceRests) {
+  constexpr int kMostSteps = 100;
+  for (const double height : {0.02, -0.02, -0.002}) {
+    const auto method = method_over(height);
+    int n = 0;
+    int longest = 0;
+    slide(height, *method, [&](const Vec3& device) {
+      method->step({.p_SD = device, .dt_s = 1e-3});
+      if (++n % 7 != 0) return;
+      int waited = 0;
+      for (; method->carried_from() && waited < kMostSteps; ++waited) method->step({.p_SD = device, .dt_s = 1e-3});
+      longest = std::max(longest, waited);
+      const Vec3 force = method->step({.p_SD = device, .dt_s = 1e-3}).force_n;
+      const MethodOutput again = method->step({.p_SD = device, .dt_s = 1e-3});
+      EXPECT_LE((again.force_n - force).norm(), 1e-6);
+      EXPECT_LE((again.p_SP - device).norm(), kConeDeep + 1e-4) << "stuck";
+    });
+    EXPECT_LT(longest, kMostSteps) << "height " << height;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Segments, OverACone, testing::Values(360U, 1000U, 3000U));
+
+}  // namespace
+}  // namespace hapton
