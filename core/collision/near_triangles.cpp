@@ -99,7 +99,7 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
     ++(geometry.is_in_large_fan(triangle) ? queried_in_fans_ : visited);
     if (waiting == kBatch) {
       queried += waiting;
-      fits = visited <= kMostVisited && add(batch, waiting, most);
+      fits = visited <= kMostVisited && queried_in_fans_ <= kMostVisitedInFans && add(batch, waiting, most);
       waiting = 0;
     }
     return fits;

@@ -22,13 +22,15 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 6144;     // a sphere at a vertex reaches all triangles of its fan
-  static constexpr int kMostOthers = 1024;   // triangles that are in no large fan (SurfaceAdjacency)
-  static constexpr int kMostVisited = 1280;  // of these, those whose boxes are near, for the few that are near themselves
+  static constexpr int kCapacity = 6144;                    // a sphere at a vertex reaches all triangles of its fan
+  static constexpr int kMostOthers = 1024;                  // triangles that are in no large fan (SurfaceAdjacency)
+  static constexpr int kMostVisited = 1280;                 // of these, those whose boxes are near, for the few that are near themselves
+  static constexpr int kMostVisitedInFans = 2 * kCapacity;  // slivers that lie across have large boxes
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
-  // `most`, at most kCapacity, or, not counting those in large fans, more than kMostOthers, or if more than kMostVisited have a box that is
-  // as near. `queried`: is raised by the number of triangles whose distance was computed.
+  // `most`, at most kCapacity, or, not counting those in large fans, more than kMostOthers, or if more than kMostVisited, or
+  // kMostVisitedInFans of large fans, have a box that is as near. `queried`: is raised by the number of triangles whose distance was
+  // computed.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {
     count_ = 0;
@@ -116,9 +118,9 @@ class NearTriangles {
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;
   int count_ = 0;
-  int queried_in_fans_ = 0;
   int others_ = 0;  // of these, those in no large fan
-  int found_ = 0;   // by the last gather(), also if they were too many
+  int queried_in_fans_ = 0;
+  int found_ = 0;  // by the last gather(), also if they were too many
   // Unused lanes of the last four hold an infinite distance.
   alignas(32) std::array<double, kCapacity> distance_;
   alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;

@@ -366,6 +366,8 @@ void SurfaceAdjacency::note_large_fan(std::uint32_t vertex, std::span<const std:
 void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
                                        std::span<const Triangle> triangles) {
   constexpr double kRounding = 0x1p-49;
+  // The corner of one in several fans is that of another.
+  if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return (sides_[t].fan & kSeveral) != 0; })) return;
   bool is_front = true;
   bool is_back = true;
   for (const std::uint32_t t : around) {
@@ -374,8 +376,8 @@ void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, st
     const auto [a, b, c] = corners_of(vertices, triangles[t]);
     const Vec3 normal = accurate_cross(b - a, c - a);
     const double height = normal.dot(vertices[triangles[next.triangle][(next.edge + 2) % 3]] - a);
-    is_front = is_front && (sides_[t].fan & kSeveral) == 0 && height <= kRounding * normal.norm();
-    is_back = is_back && (sides_[t].fan & kSeveral) == 0 && height >= -kRounding * normal.norm();
+    is_front = is_front && height <= kRounding * normal.norm();
+    is_back = is_back && height >= -kRounding * normal.norm();
   }
   const int convex = (is_front ? kConvexFront : 0) | (is_back ? kConvexBack : 0);
   for (const std::uint32_t t : around) sides_[t].fan = static_cast<std::uint16_t>(sides_[t].fan | convex);

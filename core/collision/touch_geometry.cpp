@@ -287,8 +287,8 @@ bool TouchGeometry::build_wanted() {
   return true;
 }
 
-bool TouchGeometry::has_large_fans() const {
-  bool any = false;
+bool TouchGeometry::may_have_large_fans() const {
+  bool any = built_count() < object_count();
   for (std::size_t i = 0, n = built_count(); i < n; ++i) any = any || object_geometry(finished_[i]).adjacency().has_large_fans();
   return any;
 }

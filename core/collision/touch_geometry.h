@@ -92,7 +92,7 @@ class TouchGeometry {
   int convex_fan_corner(std::uint32_t id, bool back) const {
     return policy_ == BuildPolicy::to_deform ? -1 : object(id).adjacency().convex_fan_corner(id & triangle_mask_, back);
   }
-  bool has_large_fans() const;  // of the objects built
+  bool may_have_large_fans() const;  // of the objects built, or of one that is not built yet
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
   // Where a segment crosses a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between

@@ -54,7 +54,7 @@ class SphereFollower {
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
       : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
     note_friction();
-    if (geometry.has_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
+    if (geometry.may_have_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
   }
   // The friction of the materials has changed: a centre in contact settles again at the beginning of the next motion.
   void note_friction() noexcept {

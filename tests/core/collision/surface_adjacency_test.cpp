@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -248,7 +249,6 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSays) {
   expect_as_brute_force(repeated, "triangles of two corners");
 }
 
-// Random triangles over few vertices: edges of many triangles, folded pairs, copies, pairs of every kind.
 // Pleats, whose triangles overlap as seen from above, so that no fan is even.
 TEST(SurfaceAdjacency, FewPairsAreTestedWhereThousandsOfTrianglesMeet) {
   for (const double lift : {0.02, 0.3, 3.0}) {
@@ -278,6 +278,36 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
   }
 }
 
+// Two discs that share an edge between their middles, and a fin on an edge opposite the second one's: that fan is even, and one of its
+// edges has no neighbour.
+TEST(SurfaceAdjacency, LargeFansMayShareTrianglesAndStandBesideAnEdgeOfThree) {
+  for (const bool has_fin : {false, true}) {
+    TriangleMesh mesh;
+    constexpr std::uint32_t kRing = 80;
+    mesh.vertices = {{0.5, 0.0, 0.0}, {0.0, 0.0, 0.0}};  // both middles; each is on the other's ring
+    for (std::uint32_t i = 1; i < kRing; ++i) {
+      const double angle = 2.0 * std::numbers::pi * i / kRing;
+      mesh.vertices.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.0);
+    }
+    const auto ring = [](std::uint32_t i) { return i % kRing == 0 ? 0U : 1U + i % kRing; };
+    for (std::uint32_t i = 0; i < kRing; ++i) mesh.triangles.push_back({1, ring(i), ring(i + 1)});
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::uint32_t i = 0; i < kRing; ++i) {
+      const double angle = std::numbers::pi * (-0.45 + 0.9 * i / (kRing - 1));
+      mesh.vertices.emplace_back(0.5 + 0.3 * std::cos(angle), 0.3 * std::sin(angle), 0.0);
+    }
+    for (std::uint32_t i = 0; i + 1 < kRing; ++i) mesh.triangles.push_back({0, first + i, first + i + 1});
+    mesh.triangles.push_back({0, first + kRing - 1, ring(1)});
+    mesh.triangles.push_back({0, ring(kRing - 1), first});
+    if (has_fin) {
+      mesh.vertices.emplace_back(0.5, 0.05, 0.3);
+      mesh.triangles.push_back({0, ring(1), static_cast<std::uint32_t>(mesh.vertices.size()) - 1});
+    }
+    expect_as_brute_force(mesh, has_fin ? "two discs and a fin" : "two discs");
+  }
+}
+
+// Random triangles over few vertices: edges of many triangles, folded pairs, copies, pairs of every kind.
 TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInASoup) {
   std::mt19937_64 random(77);
   std::uniform_real_distribution<double> place(-0.5, 0.5);
