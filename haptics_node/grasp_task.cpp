@@ -154,7 +154,7 @@ void GraspTask::put_down(const GraspOrder& order) {
   }
   if (tuner_.accepted()) log_warning("the scene has the materials of its file again: what hapton set has changed is lost");
   tuner_.follow(scene_, made->revision);
-  if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
+  if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m), made->revision);
   log_info("{} is put down", printable(object.name));
   describer_.describe(scene_, made->revision);
 }

@@ -1,0 +1,233 @@
+// A scene with an object that can be picked up, felt from patches across a slow and a bad network. Times are simulated; only the threads
+// that send and build patches, make the tool and build the scene take their own.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "tests/faults/simulated_system.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kBlock = 1;
+constexpr double kTopM = 0.05;  // of the block, under the pressing device
+constexpr double kStiffness = 1000.0;
+constexpr double kGridN = 1e-4;  // what the grid moves vertices by, as force
+const Vec3 kPressed(0.01, 0.02, kTopM - 0.002);
+const Vec3 kCarried(0.03, 0.0, 0.005);
+
+Scene block_over_plate() {
+  const auto object = [](const char* name, const Vec3& low, const Vec3& high) {
+    SceneObject box;
+    box.name = name;
+    box.mesh = made::shared(made::box(low, high));
+    box.material.stiffness_n_per_m = kStiffness;
+    return box;
+  };
+  Scene scene;
+  scene.objects = {object("plate", Vec3(-0.06, -0.06, -0.05), Vec3(0.06, 0.06, 0.0)),
+                   object("block", Vec3(0.0, 0.01, 0.001), Vec3(0.02, 0.03, kTopM))};
+  scene.objects[kBlock].is_movable = true;
+  return scene;
+}
+
+// A hand that presses on the block from patches, then picks it up. After that no force may come from a place where it is not.
+struct MovableTouch : testing::Test {
+  std::optional<SimulatedSystem> system;
+  Vec3 moved = Vec3::Zero();  // the block, from where the scene has it
+  std::size_t checked = 0;    // of system->touched
+
+  void press(std::uint64_t seed, const LinkFaults& faults, TouchChoice choice = TouchChoice::patch) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    system.emplace(seed, choice);
+    system->scene = block_over_plate();
+    system->start_haptics();
+    system->run_for_ns(500 * kMs);
+    if (choice == TouchChoice::patch) {
+      ASSERT_TRUE(system->wait_for_patches());
+    }
+    system->set_faults(faults, faults);
+    system->run_for_ns(500 * kMs);
+    system->device.led = kPressed;
+    ASSERT_TRUE(system->wait_for_patches());
+    system->run_for_ns(300 * kMs);
+    ASSERT_TRUE(expect_block());
+  }
+  const Grasp& grasp() const { return system->haptics->grasp(); }
+
+  // What the hub has computed since the last call is the force of the block where it is now, and of nothing else.
+  bool expect_block() {
+    for (; checked < system->touched.size(); ++checked) {
+      const auto& [sample, force] = system->touched[checked];
+      const Vec3 p = sample.p_WD - moved;
+      const bool is_over = p.x() > 0.0005 && p.x() < 0.0195 && p.y() > 0.0105 && p.y() < 0.0295;
+      const bool is_beside = p.x() < -0.0005 || p.x() > 0.0205 || p.y() < 0.0095 || p.y() > 0.0305;
+      if (!is_over && !is_beside) continue;
+      const double deep_m = is_over ? std::max(0.0, kTopM - p.z()) : 0.0;
+      EXPECT_NEAR(force.force_n.z(), kStiffness * deep_m, kGridN) << checked << ": " << sample.p_WD.transpose();
+      EXPECT_EQ(force.contact, deep_m > 0.0);
+      if (testing::Test::HasFailure()) return false;
+    }
+    return true;
+  }
+  void pick_up() {
+    system->device.buttons = 1;
+    ASSERT_TRUE(system->wait_until([&] { return grasp().tool() != nullptr; }));
+    ASSERT_TRUE(expect_block()) << "where it was until it is picked up";
+  }
+  // No force comes from patches as long as it is held.
+  void carry(const Vec3& to) {
+    system->device.led = to;
+    system->run_for_ns(static_cast<std::int64_t>(2e10 * (to - kPressed).norm()) + 500 * kMs);
+    EXPECT_EQ(system->touched.size(), checked);
+  }
+  void put_down() {
+    system->device.buttons = 0;
+    ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
+    EXPECT_EQ(system->touched.size(), checked) << "before it can be touched where it was put down";
+    moved = grasp().poses()[kBlock].p_m;
+    ASSERT_TRUE(system->wait_for_patches());
+    ASSERT_TRUE(expect_block());
+  }
+  void lead(const Vec3& to) {
+    system->device.led = to;
+    for (int n = 0; n < 30; ++n) {
+      system->run_for_ns(100 * kMs);
+      ASSERT_TRUE(expect_block());
+    }
+  }
+  // Into where the block was, and then onto it where it is.
+  void feel_both_places() {
+    lead(kPressed + moved + Vec3(0, 0, 0.02));
+    lead(kPressed + Vec3(-0.005, 0, 0.03));
+    ASSERT_TRUE(system->wait_for_patches());
+    lead(kPressed + Vec3(-0.005, 0, -0.01));
+    EXPECT_FALSE(system->touched.back().force.contact);
+    EXPECT_NEAR((system->touched.back().sample.p_WD - *system->device.led).norm(), 0.0, 1e-9);
+    lead(kPressed + Vec3(-0.005, 0, 0.03));
+    lead(kPressed + moved + Vec3(0, 0, 0.02));
+    lead(kPressed + moved);
+    ASSERT_TRUE(system->wait_for_patches());
+    ASSERT_TRUE(expect_block());
+    EXPECT_TRUE(system->touched.back().force.contact);
+    EXPECT_EQ(system->touched.back().force.object, kBlock);
+  }
+};
+
+constexpr LinkFaults kFar{.delay_ns = 30 * kMs};
+
+TEST_F(MovableTouch, AnObjectIsFeltFromPatchesWhereItLies) {
+  ASSERT_NO_FATAL_FAILURE(press(161, kFar));
+  ASSERT_NO_FATAL_FAILURE(pick_up());
+  carry(kPressed + kCarried);
+  ASSERT_NO_FATAL_FAILURE(put_down());
+  EXPECT_LT((moved - kCarried).norm(), 1e-9);
+  EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kGridN) << "the hand is on it, as when it was picked up";
+  ASSERT_NO_FATAL_FAILURE(feel_both_places());
+  // Again, from there.
+  ASSERT_NO_FATAL_FAILURE(pick_up());
+  carry(kPressed);
+  ASSERT_NO_FATAL_FAILURE(put_down());
+  EXPECT_LT(moved.norm(), 1e-9);
+  lead(kPressed);
+  EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kGridN);
+}
+
+// Datagrams of the old place come late, twice, after those of the new one, or never.
+TEST_F(MovableTouch, NothingOfTheOldPlaceIsFeltHoweverBadTheNetworkIs) {
+  for (std::uint64_t seed = 1610; seed < 1616; ++seed) {
+    SCOPED_TRACE(seed);
+    const bool is_slow = seed % 2 == 0;
+    moved = Vec3::Zero();
+    checked = 0;
+    ASSERT_NO_FATAL_FAILURE(
+        press(seed, {.delay_ns = (is_slow ? 120 : 12) * kMs, .jitter_ns = (is_slow ? 200 : 30) * kMs, .loss = 0.25, .duplicate = 0.3}));
+    ASSERT_NO_FATAL_FAILURE(pick_up());
+    carry(kPressed + kCarried);
+    ASSERT_NO_FATAL_FAILURE(put_down());
+    ASSERT_NO_FATAL_FAILURE(feel_both_places());
+  }
+}
+
+// A button that is pressed for a moment only moves nothing, and the hand keeps its contact.
+TEST_F(MovableTouch, AShortPressMovesNothing) {
+  ASSERT_NO_FATAL_FAILURE(press(162, kFar));
+  for (const int ms : {1, 20, 70, 110}) {
+    system->device.buttons = 1;
+    system->run_for_ns(ms * kMs);
+    system->device.buttons = 0;
+    system->run_for_ns(300 * kMs);
+    ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
+    ASSERT_TRUE(system->wait_for_patches());
+    moved = grasp().poses()[kBlock].p_m;
+    ASSERT_LT(moved.norm(), 1e-9);
+    lead(kPressed);
+    EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kGridN) << ms;
+  }
+}
+
+// The hub is started again while the object is held, and while it is about to be picked up: it gets to know of the new place only.
+TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
+  for (const int after_ms : {0, 20, 50, 80, 300}) {
+    SCOPED_TRACE(after_ms);
+    moved = Vec3::Zero();
+    checked = 0;
+    ASSERT_NO_FATAL_FAILURE(press(163, kFar));
+    system->device.buttons = 1;
+    system->run_for_ns(after_ms * kMs);
+    system->start_hub();
+    ASSERT_NO_FATAL_FAILURE(pick_up());
+    carry(kPressed + kCarried);
+    ASSERT_NO_FATAL_FAILURE(put_down());
+    ASSERT_NO_FATAL_FAILURE(feel_both_places());
+  }
+}
+
+// A vision node takes a pick-up back: what the hub feels is dropped before the object is moved.
+TEST_F(MovableTouch, AnObjectThatIsRequestedToBeElsewhereIsFeltThere) {
+  ASSERT_NO_FATAL_FAILURE(press(164, kFar));
+  lead(kPressed + Vec3(0, 0, 0.02));
+  const auto vision = system->make_vision(1);
+  system->run_for_ns(200 * kMs);
+  const std::uint32_t serial = grasp().poses()[kBlock].serial;
+  ASSERT_TRUE(system->wait_until([&] {
+    if (grasp().poses()[kBlock].serial == serial) vision->send(ObjectPose{.serial = serial, .object = kBlock, .p_m = kCarried});
+    return grasp().poses()[kBlock].serial != serial;
+  }));
+  ASSERT_TRUE(expect_block());
+  const std::size_t before = checked;
+  ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
+  EXPECT_EQ(system->touched.size(), before);
+  moved = kCarried;
+  ASSERT_TRUE(system->wait_for_patches());
+  ASSERT_NO_FATAL_FAILURE(feel_both_places());
+}
+
+// With a round trip at which remote force is used: from patches to what is held, and back to patches of the new place, by fades of 0.1 s.
+TEST_F(MovableTouch, TheForceHasNoJump) {
+  ASSERT_NO_FATAL_FAILURE(press(165, {.delay_ns = 6 * kMs}, TouchChoice::automatic));
+  const std::size_t first = system->device.written.size();
+  ASSERT_NO_FATAL_FAILURE(pick_up());
+  carry(kPressed + kCarried);
+  EXPECT_NEAR(system->force_n().norm(), 0.0, 1e-3) << "held in the air";
+  ASSERT_NO_FATAL_FAILURE(put_down());
+  lead(kPressed + moved);
+  EXPECT_NEAR(system->force_n().z(), 2.0, 1e-3);
+  double worst_n = 0.0;
+  for (std::size_t n = first + 1; n < system->device.written.size(); ++n) {
+    const auto& [force_n, time_ns] = system->device.written[n];
+    const double passed_s = std::max(1e-3, 1e-9 * static_cast<double>(time_ns - system->device.written[n - 1].time_ns));
+    worst_n = std::max(worst_n, (force_n - system->device.written[n - 1].force_n).norm() / passed_s);
+  }
+  // 2 N over 0.1 s, of two fades at once at most; and a surface that a hand at 50 mm/s presses changes by 50 N/s.
+  EXPECT_LT(worst_n, 2.0 * 20.0 + 50.0);
+}
+
+}  // namespace
+}  // namespace hapton
