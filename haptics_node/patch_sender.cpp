@@ -83,8 +83,11 @@ void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns, std::ui
   wanted_until_ns_ = status.is_wanted ? now_ns + kWantedNs : 0;
   hub_ = session;
   hub_wants_ = status.is_wanted;
+  is_numbered_ = status.request != 0;
+  // No part has been sent since the turn of that epoch began, if it is the present one.
   const std::uint64_t empty = empty_.load(std::memory_order_acquire);
-  if (status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) confirmed_turn_ = static_cast<std::uint32_t>(empty >> 32);
+  const bool is_of_turn = static_cast<std::uint32_t>(empty >> 32) == turn_.load(std::memory_order_relaxed);
+  if (is_of_turn && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
   round_trip_s_ = status.round_trip_s;
   statuses_.publish({status, now_ns});
 }
@@ -147,7 +150,8 @@ void PatchSender::run() {
     if (is_busy) {
       follow_method(turn);
       if (hands_.take()) follow_hand(hands_.value());
-      if (fill(now_ns, turn) || has_status) counts_.publish(source_->counts());
+      // To make parts takes time.
+      if (fill(clock.now_ns(), turn) || has_status) counts_.publish(source_->counts());
     }
     std::this_thread::sleep_for(is_busy ? kLookEvery : kIdleLookEvery);
   }
@@ -278,7 +282,7 @@ bool PatchSender::fill(std::int64_t now_ns, std::uint32_t turn) {
   while (end - begin_.load(std::memory_order_acquire) < kRing) {
     auto part = source_->take(now_ns);
     if (!part) break;
-    ring_[end % kRing] = {*part, turn};
+    ring_[end % kRing] = {*part, turn, was_offered_};
     end_.store(++end, std::memory_order_release);
   }
   return end != first;

@@ -53,13 +53,15 @@ class PatchSender {
   // reply before method_serial had the probe (ForceCommand). What was not sent before a change is never sent.
   void set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept;
   // No hub computes forces from parts since set_withdrawn(true): the one of this session has confirmed the epoch without any, or said that
-  // it wants none, or has requested nothing yet.
+  // it wants none, or was sent none.
   bool is_withdrawn(std::uint64_t session) const noexcept {
-    const std::uint32_t turn = turn_.load(std::memory_order_relaxed);
-    return turn % 2 == 1 && (!is_requested(session) || confirmed_turn_ == turn);
+    return turn_.load(std::memory_order_relaxed) % 2 == 1 && !(is_requested(session) && has_sent_parts_);
   }
   // The hub of this session may have parts, or get some.
   bool is_requested(std::uint64_t session) const noexcept { return hub_ == session && hub_wants_; }
+  // The hub says which request it takes parts for (PatchStatus::request). One of before that field takes parts however late they come.
+  // Before the first status: yes.
+  bool has_numbered_requests() const noexcept { return is_numbered_; }
   // The hub gets parts when it asks. False: it keeps to the force of this node. Threads: any.
   bool is_offered() const noexcept { return is_served_.load(std::memory_order_acquire) && obstacle().empty(); }
   // Why not, whatever the method: a clause; empty: the method decides. Threads: any.
@@ -76,7 +78,11 @@ class PatchSender {
 
   // The next part to send, null: none now. It stays until pop.
   const Message* front() noexcept;
-  void pop() noexcept { begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
+  void pop() noexcept {
+    const std::size_t begin = begin_.load(std::memory_order_relaxed);
+    has_sent_parts_ = has_sent_parts_ || ring_[begin % kRing].is_offered;
+    begin_.store(begin + 1, std::memory_order_release);
+  }
 
   PatchSource::Counts counts() noexcept {
     counts_.take();
@@ -91,7 +97,8 @@ class PatchSender {
   };
   struct Part {
     Message message;
-    std::uint32_t turn = 0;  // in which it was made
+    std::uint32_t turn = 0;   // in which it was made
+    bool is_offered = false;  // of an epoch that has parts
   };
   struct Hand {
     Vec3 p_WD = Vec3::Zero();
@@ -138,7 +145,8 @@ class PatchSender {
   std::atomic<std::uint64_t> empty_ = 0;          // the newest epoch without parts, and above 2^32 the turn in which it was made
   std::uint64_t hub_ = 0;                         // the caller's: session of the newest status
   bool hub_wants_ = false;                        // ... as that said
-  std::uint32_t confirmed_turn_ = 0;              // ... of the epoch without parts that the hub has
+  bool is_numbered_ = true;                       // ... as that said
+  bool has_sent_parts_ = false;                   // ... since a hub confirmed that it has none
   std::array<Part, kRing> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};

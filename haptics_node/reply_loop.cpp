@@ -408,7 +408,10 @@ void ReplyLoop::report_inside() noexcept {
 
 std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
   if (patches_ == nullptr) return "";
-  if (patches_->is_offered()) return "";
+  if (patches_->is_offered()) {
+    const bool is_safe = step_.grasp() == nullptr || patches_->has_numbered_requests();
+    return is_safe ? "" : "objects of the scene are movable, and io_node is of an older version";
+  }
   if (is_holding()) return "the stylus holds a rigid tool";
   if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
   if (effects_ != nullptr) return "effects from shared libraries are in use";

@@ -11,12 +11,14 @@ constexpr std::size_t kMostObjectPoses = 16;  // of objects, sent again with a s
 }  // namespace
 
 // Before each step. A hub that computes forces has the objects where they lie: one leaves its place only when the hub has dropped its
-// parts, and the hub gets them again when those that it would get are of the scene in use.
+// parts, and the hub gets them again when those that it would get are of the scene in use. A hub that would take parts of the old place
+// however late they come gets none.
 void ReplyLoop::withdraw_parts() noexcept {
   Grasp* grasp = step_.grasp();
   const bool is_leaving = grasp->is_leaving(!patches_->is_requested(hub_.session()));
   const bool is_placed = patches_->revision() == scene_revision_;
-  patches_->set_withdrawn(is_leaving || !is_placed, static_cast<std::uint32_t>(step_.counts().methods_taken));
+  const bool is_safe = patches_->has_numbered_requests();
+  patches_->set_withdrawn(is_leaving || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().methods_taken));
   grasp->set_free(patches_->is_withdrawn(hub_.session()));
 }
 

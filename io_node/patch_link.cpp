@@ -34,6 +34,8 @@ bool PatchLink::note_begin(const PatchBegin& begin) noexcept {
   if (begin_epoch_ != 0 && static_cast<std::int32_t>(begin.epoch - begin_epoch_) <= 0) return true;
   begin_epoch_ = begin.epoch;
   least_method_ = begin.method_serial;
+  // Before the builder has it, whose patches the device side takes at once.
+  if (needs_start() && std::exchange(orders_.may_begin, false)) local_.publish(orders_);
   return true;
 }
 
