@@ -288,6 +288,39 @@ TEST_F(MovableTouch, AnObjectThatIsPickedUpAgainAtOnceIsFeltWhereItLiesInTheEnd)
   }
 }
 
+// The hub wants no parts any more, and later again: those of before it has dropped, and what it gets is of the new place.
+TEST_F(MovableTouch, AnObjectThatMovesWhileTheForceIsRemoteIsFeltWhereItIs) {
+  const LinkFaults slow{.delay_ns = 12 * kMs, .jitter_ns = 10 * kMs, .duplicate = 0.3};
+  for (const bool is_held : {true, false}) {
+    SCOPED_TRACE(is_held);
+    moved = Vec3::Zero();
+    checked = 0;
+    ASSERT_NO_FATAL_FAILURE(press(169, slow, TouchChoice::automatic));
+    if (is_held) {
+      ASSERT_NO_FATAL_FAILURE(pick_up());
+    }
+    system->set_faults({}, {});
+    ASSERT_TRUE(system->wait_until([&] { return !system->wants_patches(); }));
+    ASSERT_TRUE(expect_block());
+    if (!is_held) {
+      ASSERT_NO_FATAL_FAILURE(pick_up());
+    }
+    carry(kPressed + kCarried);
+    if (!is_held) {
+      system->set_faults(slow, slow);
+      ASSERT_TRUE(system->wait_until([&] { return system->wants_patches(); }));
+    }
+    system->run_for_ns(300 * kMs);
+    system->device.buttons = 0;
+    ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
+    EXPECT_EQ(system->touched.size(), checked);
+    moved = grasp().poses()[kBlock].p_m;
+    system->set_faults(slow, slow);
+    ASSERT_TRUE(system->wait_for_patches());
+    ASSERT_NO_FATAL_FAILURE(feel_both_places());
+  }
+}
+
 // The haptics node cannot know what the hub has: nothing leaves its place until it does, and then it does.
 TEST_F(MovableTouch, APickUpWhileTheLinkIsDownWaitsForIt) {
   const LinkFaults down{.loss = 1.0};

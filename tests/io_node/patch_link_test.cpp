@@ -412,6 +412,36 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   const std::uint64_t before = stats().local_forces;
   run(300);
   EXPECT_GE(stats().local_forces, before + 299);
+  // A newer one is known to the device side at once, before the builder can make anything of it.
+  const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
+  EXPECT_TRUE(local.step(sample));
+  link->accept(PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-6, .request = request(), .method_serial = 6});
+  EXPECT_FALSE(local.step(sample));
+}
+
+// While the device side computes the force the haptics node gets 20 samples a second, but a button picks up what is touched then.
+TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
+  device.place = Vec3(0.001, 0.002, 0.002);
+  floor_z_m = 0.0;
+  device.down = 0;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  ASSERT_TRUE(builder_has_caught_up());
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  ASSERT_GT(stats().local_forces, 200U);
+  for (const std::uint32_t down : {1U, 0U, 2U}) {
+    run(7);
+    states.clear();
+    device.down = down;
+    run(3);
+    ASSERT_GE(states.size(), 1U);
+    EXPECT_EQ(states.front().buttons, down);
+    states.clear();
+    run(1000);
+    EXPECT_NEAR(static_cast<double>(states.size()), 20.0, 2.0);
+  }
 }
 
 TEST_F(PatchRequests, ABeginningUsesNoHeap) {
