@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/process/system.h"
@@ -299,20 +300,29 @@ TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
     return false;
   };
   const auto touches = [&] { return state.contact && state.force_n.z() > 0.2; };
+  int at_rest = 0;
+  Vec3 before = Vec3::Zero();
+  const auto rests = [&] {
+    at_rest = (std::exchange(before, state.p_WD) - state.p_WD).norm() < 2e-5 ? at_rest + 1 : 0;
+    return at_rest > 100;
+  };
   ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
   const Vec3 on_it(0.01, 0.02, kTopM - 0.0025);
   const Vec3 aside(0.02, 0.0, 0.0);
   onlooker.hold_hand(on_it);
   ASSERT_TRUE(sees(touches)) << system["haptics_node"].err();
   ASSERT_TRUE(feels_patches(system));
+  ASSERT_TRUE(sees(rests));
   onlooker.hold_hand(on_it, 1);
   ASSERT_TRUE(sees([&] { return onlooker.object_pose().is_held; })) << system["haptics_node"].err();
   onlooker.hold_hand(on_it + aside, 1);
-  ASSERT_TRUE(sees([&] { return (state.p_WD - on_it - aside).norm() < 0.001; })) << state.p_WD.transpose();
+  ASSERT_TRUE(sees([&] { return rests() && (state.p_WD - on_it - aside).norm() < 0.001; })) << state.p_WD.transpose();
   onlooker.hold_hand(on_it + aside);
   ASSERT_TRUE(sees([&] { return !onlooker.object_pose().is_held && onlooker.object_pose().p_m.x() > 0.015; }));
-  ASSERT_TRUE(sees(touches)) << "where it was put down";
+  ASSERT_TRUE(sees([&] { return state.contact; })) << "where it was put down: " << state.p_WD.transpose();
   EXPECT_TRUE(feels_patches(system));
+  onlooker.hold_hand(on_it + aside - Vec3(0, 0, 0.002));
+  ASSERT_TRUE(sees(touches)) << state.p_WD.transpose();
   // Beside it, where it was.
   const Vec3 beside(-0.045, 0.02, kTopM - 0.01);
   onlooker.hold_hand(beside);
