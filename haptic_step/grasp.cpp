@@ -45,7 +45,9 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
   const std::optional<ObjectPose> request = std::exchange(requested_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
-      if (request && may_move(*request)) {
+      if (request && may_move(*request) && !is_free_) {
+        requested_ = request;
+      } else if (request && may_move(*request)) {
         note_stylus(state, X_WS, touched >= 0 ? visual_offset_m : Vec3(Vec3::Zero()));
         move(*request);
         return Change::put_down;
@@ -61,7 +63,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
         phase_ = Phase::idle;
         return Change::none;
       }
-      if (!has_reply) return Change::none;
+      if (!has_tool() || !is_free_) return Change::none;
       tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
       set_pose(order_.X_SD.inverse(Eigen::Isometry) * order_.moved, true);
@@ -85,6 +87,11 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       return Change::returned;
   }
   return Change::none;
+}
+
+bool Grasp::is_leaving(bool is_early) const noexcept {
+  if (phase_ == Phase::idle) return requested_ && may_move(*requested_);
+  return phase_ != Phase::asked || is_early || has_tool();
 }
 
 bool Grasp::may_move(const ObjectPose& pose) const noexcept {

@@ -60,6 +60,13 @@ class Grasp {
   // down, the serial is not the object's newest, or the object is not movable: then it ignores the request, and the sender repeats it.
   void request(const ObjectPose& pose) noexcept { requested_ = pose; }
 
+  // Whether an object may leave its place at the next update(): nobody else computes forces with it there. Otherwise what is to be picked
+  // up, and what is requested, wait. In the beginning they may.
+  void set_free(bool is_free) noexcept { is_free_ = is_free; }
+  // An object is to leave its place, or is not felt yet where it was put down. is_early: also while it is not certain that it can be picked
+  // up.
+  bool is_leaving(bool is_early) const noexcept;
+
   enum class Change : std::uint8_t {
     none,
     picked_up,
@@ -102,6 +109,7 @@ class Grasp {
  private:
   enum class Phase : std::uint8_t { idle, asked, held, waiting };
 
+  bool has_tool() const noexcept { return link_.replies.value().serial == order_.serial && link_.replies.value().tool != nullptr; }
   bool may_move(const ObjectPose& pose) const noexcept;
   void move(const ObjectPose& pose) noexcept;
   void note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept;
@@ -113,6 +121,7 @@ class Grasp {
   std::vector<bool> movable_;
   std::uint32_t buttons_;
   Phase phase_ = Phase::idle;
+  bool is_free_ = true;
   bool was_down_ = true;  // a button held down since before the start picks up nothing
   GraspOrder order_;
   HeldTool* tool_ = nullptr;

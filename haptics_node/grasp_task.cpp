@@ -156,7 +156,7 @@ void GraspTask::put_down(const GraspOrder& order) {
     TouchScene felt = scene_as_tuned();
     felt.built = made->touch.built;
     felt.mapped = made->touch.mapped;
-    options_.on_scene(couple_scene(felt, options_.coupling_n_per_m));
+    options_.on_scene(couple_scene(felt, options_.coupling_n_per_m), made->revision);
   }
   log_info("{} is put down", printable(object.name));
   describer_.describe(scene_, made->revision);

@@ -168,12 +168,7 @@ int run(const HapticsOptions& options) {
                       effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
                       {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
-  // What moves would not move in the parts that the hub keeps.
-  if (grasp) {
-    loop.set_patch_obstacle("objects of the scene are movable");
-  } else {
-    loop.set_patch_sender(&patches);
-  }
+  loop.set_patch_sender(&patches);
   if (!effects.empty()) loop.set_effects(&effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   const auto gains_of = [&](const TouchScene& touched) {
@@ -212,12 +207,24 @@ int run(const HapticsOptions& options) {
     loop.set_carve_undo(&carve_undo.emplace(before, made));
   }
   std::optional<GraspTask> grasp_task;
-  const auto on_scene = [&](const TouchScene& now) {
-    const std::scoped_lock lock(felt_mutex);
+  const auto note_felt = [&](const TouchScene& now) {
     felt = now;
     adviser.set_gains(gains_of(felt));
     inside.set_scene(felt);
-    if (!grasp) patches.set_scene(felt, hash_scene(felt));  // there are none of a scene with movable objects
+  };
+  const auto on_scene = [&](const TouchScene& now) {
+    const std::scoped_lock lock(felt_mutex);
+    note_felt(now);
+    patches.set_scene(felt, hash_scene(felt));
+  };
+  // Parts need meshes and materials only, and their hash takes too long here.
+  const auto on_placed = [&](const TouchScene& now, std::uint32_t revision) {
+    const std::scoped_lock lock(felt_mutex);
+    note_felt(now);
+    TouchScene meshes = felt;
+    meshes.built.reset();
+    meshes.mapped.clear();
+    patches.set_scene(std::move(meshes), 0, revision);
   };
   SceneWatcher watcher(
       {.path = scene_path, .loading = options.loading, .coupling_n_per_m = options.method.coupling_n_per_m, .on_scene = on_scene},
@@ -228,7 +235,7 @@ int run(const HapticsOptions& options) {
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
                                           .threads = options.tool_threads,
                                           .shading_crease_rad = options.shading_crease_rad(),
-                                          .on_scene = on_scene},
+                                          .on_scene = on_placed},
                        *loaded, *put_down, grasp_link, tuner, builder, clock);
     grasp_task->start();
   }

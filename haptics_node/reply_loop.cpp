@@ -128,7 +128,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     }
   } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
     if (!overtaken) wants_patches_ = status->is_wanted;
-    if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns());
+    if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns(), hub_.session());
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
     if (!overtaken) step_.turn_scene(*view);
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
@@ -193,6 +193,7 @@ void ReplyLoop::reply() noexcept {
     scene_.preparing_s = 0.0F;
     send_setup_soon();
   }
+  if (patches_ != nullptr && step_.grasp() != nullptr) withdraw_parts();
   const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.reply();
   const std::int64_t end_ns = clock_.now_ns();
@@ -325,23 +326,6 @@ void ReplyLoop::send_setup() noexcept {
   if (carves_ != nullptr) hub_.send(carves_->announce());
 }
 
-// The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.
-void ReplyLoop::send_poses() noexcept {
-  if (step_.grasp() == nullptr) return;
-  const std::span<const ObjectPose> poses = step_.grasp()->poses();
-  for (const ObjectPose& pose : poses) {
-    if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
-  }
-  std::size_t sent = 0;
-  for (std::size_t looked = 0; looked < poses.size() && sent < kMostPosesAgain; ++looked) {
-    const ObjectPose& pose = poses[next_pose_];
-    next_pose_ = (next_pose_ + 1) % poses.size();
-    if (pose.serial == 0) continue;
-    hub_.send(pose);
-    ++sent;
-  }
-}
-
 // After the reply, and one at a time: however many requests come, the force never waits for them. The move is announced before the first
 // reply that has it.
 void ReplyLoop::move_objects() {
@@ -395,26 +379,6 @@ void ReplyLoop::send_moves() noexcept {
   }
 }
 
-// What the stylus holds counts as another method, and what has moved is sent at once.
-void ReplyLoop::report_grasp() noexcept {
-  Grasp* grasp = step_.grasp();
-  if (grasp == nullptr) return;
-  if (const PlacedScene* placed = grasp->take_placed()) placed_ = placed;
-  if (placed_ != nullptr && placed_->revision == scene_revision_) {
-    describe_scene(placed_->hash, placed_->facts);
-    placed_ = nullptr;
-    send_setup_soon();
-  }
-  if (grasp->pose_serial() == pose_serial_) return;
-  pose_serial_ = grasp->pose_serial();
-  if (step_.holds_tool()) {
-    setup_.method = grasp->method();
-  } else if (!grasp->is_busy()) {
-    show_method(method_);
-  }
-  send_setup_soon();
-}
-
 void ReplyLoop::report_scene() {
   if (scene_shown_ == 0 || scene_.given_hash == 0 || scene_shown_ == scene_reported_) return;
   const bool was_other = scene_reported_ != 0 && scene_reported_ != scene_.given_hash;
@@ -445,8 +409,11 @@ void ReplyLoop::report_inside() noexcept {
 }
 
 std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
-  if (patches_ == nullptr) return patch_obstacle_;
-  if (patches_->is_offered()) return "";
+  if (patches_ == nullptr) return "";
+  if (patches_->is_offered()) {
+    const bool is_safe = step_.grasp() == nullptr || patches_->has_numbered_requests();
+    return is_safe ? "" : "objects of the scene are movable, and io_node is of an older version";
+  }
   if (is_holding()) return "the stylus holds a rigid tool";
   if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
   if (effects_ != nullptr) return "effects from shared libraries are in use";

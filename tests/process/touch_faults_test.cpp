@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/process/system.h"
@@ -274,12 +275,65 @@ INSTANTIATE_TEST_SUITE_P(
     All, TouchUnserved,
     ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: this node computes the forces"},
                       Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is not proxy: this node computes"},
-                      Unserved{"Movable", kPlainScene + "movable = true\n", {}, "but objects of the scene are movable: this node computes"},
                       Unserved{"Effects",
                                kPlainScene + "material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 1.0\n",
                                {},
                                "but the scene has effects: this node computes"}),
     [](const auto& unserved) { return unserved.param.name; });
+
+// Over a slow and lossy network a hand takes the cube 20 mm aside. From patches, it is felt where it lies, before and after.
+TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
+  System system({"--touch", "patch", "--device", "simulated"});
+  std::ofstream(system.folder() / "cube.toml") << kPlainScene << "movable = true\n" << kPlainScene << "position_m = [0, 0, -0.2]\n";
+  std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.065\n600,0.01,0.02,0.065\n";
+  system.add_arguments("io_node", {"--trajectory", (system.folder() / "taps.csv").string()});
+  system.start("io_node");
+  system.start_relay({"--delay-ms", "20", "--loss", "0.1", "--jitter-ms", "10", "--duplicate", "0.1"});
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  const auto sees = [&](const auto& holds) {
+    const std::int64_t end_ns = onlooker.now_ns() + std::int64_t(1e9 * kPatience.count());
+    while (onlooker.now_ns() < end_ns && onlooker.see(state)) {
+      if (holds()) return true;
+    }
+    return false;
+  };
+  const auto touches = [&] { return state.contact && state.force_n.z() > 0.2; };
+  int at_rest = 0;
+  Vec3 before = Vec3::Zero();
+  const auto rests = [&] {
+    at_rest = (std::exchange(before, state.p_WD) - state.p_WD).norm() < 2e-5 ? at_rest + 1 : 0;
+    return at_rest > 100;
+  };
+  ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
+  const Vec3 on_it(0.01, 0.02, kTopM - 0.0025);
+  const Vec3 aside(0.02, 0.0, 0.0);
+  onlooker.hold_hand(on_it);
+  ASSERT_TRUE(sees(touches)) << system["haptics_node"].err();
+  ASSERT_TRUE(feels_patches(system));
+  ASSERT_TRUE(sees(rests));
+  onlooker.hold_hand(on_it, 1);
+  ASSERT_TRUE(sees([&] { return onlooker.object_pose().is_held; })) << system["haptics_node"].err();
+  onlooker.hold_hand(on_it + aside, 1);
+  ASSERT_TRUE(sees([&] { return rests() && (state.p_WD - on_it - aside).norm() < 0.001; })) << state.p_WD.transpose();
+  onlooker.hold_hand(on_it + aside);
+  ASSERT_TRUE(sees([&] { return !onlooker.object_pose().is_held && onlooker.object_pose().p_m.x() > 0.015; }));
+  ASSERT_TRUE(sees([&] { return state.contact; })) << "where it was put down: " << state.p_WD.transpose();
+  EXPECT_TRUE(feels_patches(system));
+  onlooker.hold_hand(on_it + aside - Vec3(0, 0, 0.002));
+  ASSERT_TRUE(sees(touches)) << state.p_WD.transpose();
+  // Beside it, where it was.
+  const Vec3 beside(-0.045, 0.02, kTopM - 0.01);
+  onlooker.hold_hand(beside);
+  EXPECT_TRUE(sees([&] { return (state.p_WD - beside).norm() < 0.001 && !state.contact && state.force_n.isZero(0.0); }))
+      << state.p_WD.transpose() << ": " << state.force_n.transpose();
+  EXPECT_TRUE(feels_patches(system));
+  const Json report = system.request_report();
+  expect_sane(report);
+  EXPECT_EQ(report.at("notes").at("safety_fault"), "none");
+  system.end_all();
+}
 
 }  // namespace
 }  // namespace hapton::process
