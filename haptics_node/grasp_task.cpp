@@ -91,6 +91,10 @@ bool GraspTask::map_next() {
 
 // Before it sends an order, the step releases the tool.
 void GraspTask::carry_out(const GraspOrder& order) {
+  if (order.kind == GraspOrder::Kind::let_go && tool_ != nullptr) {
+    log_info("{} stays where it is: the button was released, or the hand had moved on, before it could be picked up",
+             printable(scene_.objects[static_cast<std::size_t>(order.object)].name));
+  }
   tool_.reset();
   if (order.kind == GraspOrder::Kind::pick_up) pick_up(order);
   if (order.kind == GraspOrder::Kind::put_down) put_down(order);

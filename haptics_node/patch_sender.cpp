@@ -84,10 +84,10 @@ void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns, std::ui
   hub_ = session;
   hub_wants_ = status.is_wanted;
   is_numbered_ = status.request != 0;
-  // No part has been sent since the turn of that epoch began, if it is the present one.
+  // No part has been sent since that epoch was made, if parts are withdrawn as they were then.
   const std::uint64_t empty = empty_.load(std::memory_order_acquire);
-  const bool is_of_turn = static_cast<std::uint32_t>(empty >> 32) == turn_.load(std::memory_order_relaxed);
-  if (is_of_turn && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
+  const bool is_present = static_cast<std::uint32_t>(empty >> 32) == withdrawals_.load(std::memory_order_relaxed);
+  if (is_present && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
   round_trip_s_ = status.round_trip_s;
   statuses_.publish({status, now_ns});
 }
@@ -106,23 +106,23 @@ void PatchSender::note_move(const ObjectMove& move, std::int64_t now_ns) noexcep
 }
 
 void PatchSender::set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept {
-  const std::uint32_t turn = turn_.load(std::memory_order_relaxed);
-  if (is_withdrawn == (turn % 2 == 1)) return;
+  const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_relaxed);
+  if (is_withdrawn == (withdrawals % 2 == 1)) return;
   if (!is_withdrawn) method_serial_.store(method_serial, std::memory_order_relaxed);
-  turn_.store(turn + 1, std::memory_order_release);
+  withdrawals_.store(withdrawals + 1, std::memory_order_release);
 }
 
 const Message* PatchSender::front() noexcept {
-  const std::uint32_t turn = turn_.load(std::memory_order_relaxed);
+  const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_relaxed);
   std::size_t begin = begin_.load(std::memory_order_relaxed);
   const std::size_t end = end_.load(std::memory_order_acquire);
-  while (begin != end && ring_[begin % kRing].turn != turn) ++begin;
+  while (begin != end && ring_[begin % kRing].withdrawals != withdrawals) ++begin;
   begin_.store(begin, std::memory_order_release);
   return begin == end ? nullptr : &ring_[begin % kRing].message;
 }
 
 std::int64_t PatchSender::find_lead_ns(std::int64_t now_ns) const noexcept {
-  if (!is_wanted(now_ns) || !is_offered()) return 0;
+  if (!is_wanted(now_ns) || !is_offered() || is_withdrawn(hub_)) return 0;
   const double round_trip_s = std::min(static_cast<double>(round_trip_s_.load(std::memory_order_relaxed)), kMostLeadTripS);
   return kLeadNs + static_cast<std::int64_t>(1e9 * kLeadTrips * round_trip_s);
 }
@@ -142,24 +142,24 @@ void PatchSender::run() {
     }
     // After the status: what is withdrawn when the hub requests parts stays so. Before the scene: what is offered again is the one that was
     // set before.
-    const std::uint32_t turn = turn_.load(std::memory_order_acquire);
+    const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_acquire);
     follow_scene();
     follow_materials();
     follow_moves();
-    const bool is_busy = now_ns < wanted_until_ns || must_withdraw(turn);
+    const bool is_busy = now_ns < wanted_until_ns || must_withdraw(withdrawals);
     if (is_busy) {
-      follow_method(turn);
+      follow_method(withdrawals);
       if (hands_.take()) follow_hand(hands_.value());
       // To make parts takes time.
-      if (fill(clock.now_ns(), turn) || has_status) counts_.publish(source_->counts());
+      if (fill(clock.now_ns(), withdrawals) || has_status) counts_.publish(source_->counts());
     }
     std::this_thread::sleep_for(is_busy ? kLookEvery : kIdleLookEvery);
   }
 }
 
 // The hub may have parts although it has not been heard of for long.
-bool PatchSender::must_withdraw(std::uint32_t turn) const noexcept {
-  return turn % 2 == 1 && wants_ && source_ && (source_turn_ != turn || source_->counts().held == 0);
+bool PatchSender::must_withdraw(std::uint32_t withdrawals) const noexcept {
+  return withdrawals % 2 == 1 && wants_ && source_ && (source_withdrawals_ != withdrawals || source_->counts().held == 0);
 }
 
 // What was said of the materials of the scene before means nothing for these.
@@ -249,15 +249,15 @@ bool PatchSender::make_parts() {
 }
 
 // With a method that parts of the scene do not serve, and while they are withdrawn, the hub gets an epoch without any.
-void PatchSender::follow_method(std::uint32_t turn) {
-  const bool offers = turn % 2 == 0 && is_offered() && (tiles_ || make_parts());
-  if (source_ && offers == was_offered_ && source_turn_ == turn && source_request_ == request_) return;
+void PatchSender::follow_method(std::uint32_t withdrawals) {
+  const bool offers = withdrawals % 2 == 0 && is_offered() && (tiles_ || make_parts());
+  if (source_ && offers == was_offered_ && source_withdrawals_ == withdrawals && source_request_ == request_) return;
   was_offered_ = offers;
-  source_turn_ = turn;
+  source_withdrawals_ = withdrawals;
   source_request_ = request_;
   source_ = std::make_unique<PatchSource>(offers ? *tiles_ : make_no_tiles(), probe_radius_m_, scene_hash_, ++epoch_, options_);
   source_->reply_to(request_, method_serial_.load(std::memory_order_relaxed));
-  if (turn % 2 == 1) empty_.store((std::uint64_t{turn} << 32) | epoch_, std::memory_order_release);
+  if (withdrawals % 2 == 1) empty_.store((std::uint64_t{withdrawals} << 32) | epoch_, std::memory_order_release);
   source_->set_materials(materials_of(scene_));
   for (const ObjectMove& move : moves_.value().table.moves()) source_->note_move(move, -1);
 }
@@ -276,13 +276,13 @@ void PatchSender::follow_hand(const Hand& hand) {
   }
 }
 
-bool PatchSender::fill(std::int64_t now_ns, std::uint32_t turn) {
+bool PatchSender::fill(std::int64_t now_ns, std::uint32_t withdrawals) {
   const std::size_t first = end_.load(std::memory_order_relaxed);
   std::size_t end = first;
   while (end - begin_.load(std::memory_order_acquire) < kRing) {
     auto part = source_->take(now_ns);
     if (!part) break;
-    ring_[end % kRing] = {*part, turn, was_offered_};
+    ring_[end % kRing] = {*part, withdrawals, was_offered_};
     end_.store(++end, std::memory_order_release);
   }
   return end != first;

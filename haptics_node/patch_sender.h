@@ -44,7 +44,8 @@ class PatchSender {
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS, std::int64_t scene_time_ns = 0) noexcept;
   // A move that has just been sent: it is sent again until the hub confirms it.
   void note_move(const ObjectMove& move, std::int64_t now_ns) noexcept;
-  // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force.
+  // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force,
+  // also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
   // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects and keep their shape, so a scene with
   // effects, or with objects that deform or are carved, is never offered.
@@ -52,15 +53,15 @@ class PatchSender {
   // True: the hub is to have no parts until this is called with false; then it gets those of the scene anew, and no patch begins where a
   // reply before method_serial had the probe (ForceCommand). What was not sent before a change is never sent.
   void set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept;
-  // No hub computes forces from parts since set_withdrawn(true): the one of this session has confirmed the epoch without any, or said that
-  // it wants none, or was sent none.
+  // Since set_withdrawn(true) no hub computes forces from parts: the one of this session, in which the client is, has confirmed the epoch
+  // without any, or said that it wants none, or was sent none. False while parts are offered.
   bool is_withdrawn(std::uint64_t session) const noexcept {
-    return turn_.load(std::memory_order_relaxed) % 2 == 1 && !(is_requested(session) && has_sent_parts_);
+    return withdrawals_.load(std::memory_order_relaxed) % 2 == 1 && !(is_requested(session) && has_sent_parts_);
   }
   // The hub of this session may have parts, or get some.
   bool is_requested(std::uint64_t session) const noexcept { return hub_ == session && hub_wants_; }
-  // The hub says which request it takes parts for (PatchStatus::request). One of before that field takes parts however late they come.
-  // Before the first status: yes.
+  // The hub says which request it takes parts for (PatchStatus::request). An older hub takes parts however late they come. Before the first
+  // status: yes.
   bool has_numbered_requests() const noexcept { return is_numbered_; }
   // The hub gets parts when it asks. False: it keeps to the force of this node. Threads: any.
   bool is_offered() const noexcept { return is_served_.load(std::memory_order_acquire) && obstacle().empty(); }
@@ -97,8 +98,8 @@ class PatchSender {
   };
   struct Part {
     Message message;
-    std::uint32_t turn = 0;   // in which it was made
-    bool is_offered = false;  // of an epoch that has parts
+    std::uint32_t withdrawals = 0;  // when it was made
+    bool is_offered = false;        // of an epoch that has parts
   };
   struct Hand {
     Vec3 p_WD = Vec3::Zero();
@@ -117,11 +118,11 @@ class PatchSender {
   void begin_moves();
   Pose pose_of(std::size_t body, double time_s) const noexcept;
   void follow_scene();
-  void follow_method(std::uint32_t turn);
+  void follow_method(std::uint32_t withdrawals);
   void follow_materials();
   bool make_parts();
-  bool must_withdraw(std::uint32_t turn) const noexcept;
-  bool fill(std::int64_t now_ns, std::uint32_t turn);
+  bool must_withdraw(std::uint32_t withdrawals) const noexcept;
+  bool fill(std::int64_t now_ns, std::uint32_t withdrawals);
 
   TouchScene scene_;
   std::atomic<const char*> scene_obstacle_;  // as obstacle()
@@ -140,9 +141,9 @@ class PatchSender {
   std::optional<std::pair<TouchScene, std::uint64_t>> next_scene_;  // not followed yet, with its hash
   std::vector<Material> materials_;                                 // new ones, not followed yet; empty: none
   std::atomic<std::uint32_t> revision_ = 0;
-  std::atomic<std::uint32_t> turn_ = 0;           // counts the changes of set_withdrawn: odd while parts are withdrawn
-  std::atomic<std::uint32_t> method_serial_ = 0;  // of set_withdrawn; set before the turn
-  std::atomic<std::uint64_t> empty_ = 0;          // the newest epoch without parts, and above 2^32 the turn in which it was made
+  std::atomic<std::uint32_t> withdrawals_ = 0;    // counts the changes of set_withdrawn: odd while parts are withdrawn
+  std::atomic<std::uint32_t> method_serial_ = 0;  // of set_withdrawn; set before these
+  std::atomic<std::uint64_t> empty_ = 0;          // the newest epoch without parts, and above 2^32 the withdrawals when it was made
   std::uint64_t hub_ = 0;                         // the caller's: session of the newest status
   bool hub_wants_ = false;                        // ... as that said
   bool is_numbered_ = true;                       // ... as that said
@@ -158,7 +159,7 @@ class PatchSender {
   bool wants_ = false;         // the hub, as its newest status says
   std::uint32_t request_ = 0;  // of that
   std::uint32_t source_request_ = 0;
-  std::uint32_t source_turn_ = 0;
+  std::uint32_t source_withdrawals_ = 0;
   std::uint32_t epoch_ = 0;
   std::vector<HandMotion> motions_;         // by body
   std::vector<CommandedMotion> commanded_;  // by body

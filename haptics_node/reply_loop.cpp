@@ -19,7 +19,7 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
-constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
+constexpr std::size_t kMostMovesAgain = 16;  // of objects, sent again with a setup
 // Between two requests of programs that are carried out: each is sent to every vision node.
 constexpr std::int64_t kMoveEveryNs = 4 * kNanosecondsPerMillisecond;
 // A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
@@ -75,6 +75,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
     drain(began_ns);
     if (step_.has_state()) is_ready() ? reply() : wait_for_builder();
   }
+  withdraw_parts();
   if (patches_ != nullptr) send_patches();
   if (undo_ != nullptr) undo_carves();
   if (carves_ != nullptr) send_carves();
@@ -135,7 +136,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     scene_shown_ = scene->given_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
     // Parts of the scene that are on their way make the round trip irrelevant.
-    if (!overtaken && adviser_ != nullptr && !sends_parts(hub_.receive_time_ns())) adviser_->note(*facts);
+    const bool is_remote = !sends_parts(hub_.receive_time_ns()) || has_withdrawn();
+    if (!overtaken && adviser_ != nullptr && is_remote) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
     if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
   } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
@@ -193,7 +195,7 @@ void ReplyLoop::reply() noexcept {
     scene_.preparing_s = 0.0F;
     send_setup_soon();
   }
-  if (patches_ != nullptr && step_.grasp() != nullptr) withdraw_parts();
+  withdraw_parts();
   const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.reply();
   const std::int64_t end_ns = clock_.now_ns();
@@ -373,7 +375,7 @@ void ReplyLoop::report_move(const ObjectMover::Done& done) {
 void ReplyLoop::send_moves() noexcept {
   if (mover_ == nullptr || mover_->moves().empty()) return;
   const std::span<const ObjectMove> moves = mover_->moves();
-  for (std::size_t sent = 0; sent < std::min(kMostPosesAgain, moves.size()); ++sent) {
+  for (std::size_t sent = 0; sent < std::min(kMostMovesAgain, moves.size()); ++sent) {
     hub_.send(moves[next_move_]);
     next_move_ = (next_move_ + 1) % moves.size();
   }

@@ -85,6 +85,7 @@ class ReplyLoop {
   bool sends_parts(std::int64_t now_ns) const noexcept {
     return patches_ != nullptr && patches_->is_offered() && patches_->is_wanted(now_ns);
   }
+  bool has_withdrawn() const noexcept { return patches_ != nullptr && patches_->is_withdrawn(hub_.session()); }
   void show_method(const HapticsSetup::Text& method) noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;

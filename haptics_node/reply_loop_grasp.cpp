@@ -1,4 +1,6 @@
-#include <utility>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "haptics_node/reply_loop.h"
 
@@ -6,15 +8,16 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostObjectPoses = 16;  // of objects, sent again with a setup
+constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
 
 }  // namespace
 
-// Before each step. A hub that computes forces has the objects where they lie: one leaves its place only when the hub has dropped its
-// parts, and the hub gets them again when those that it would get are of the scene in use. A hub that would take parts of the old place
-// however late they come gets none.
+// Before each step, and before anything is sent: while the hub computes the force, steps are rare. The hub has the objects where they lie:
+// one leaves its place only when the hub has dropped its parts, and the hub gets them again when those that it would get are of the scene
+// in use. An older hub, which would take parts of the old place however late they come, gets none.
 void ReplyLoop::withdraw_parts() noexcept {
   Grasp* grasp = step_.grasp();
+  if (patches_ == nullptr || grasp == nullptr) return;
   const bool is_leaving = grasp->is_leaving(!patches_->is_requested(hub_.session()));
   const bool is_placed = patches_->revision() == scene_revision_;
   const bool is_safe = patches_->has_numbered_requests();
@@ -30,7 +33,7 @@ void ReplyLoop::send_poses() noexcept {
     if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
   }
   std::size_t sent = 0;
-  for (std::size_t looked = 0; looked < poses.size() && sent < kMostObjectPoses; ++looked) {
+  for (std::size_t looked = 0; looked < poses.size() && sent < kMostPosesAgain; ++looked) {
     const ObjectPose& pose = poses[next_pose_];
     next_pose_ = (next_pose_ + 1) % poses.size();
     if (pose.serial == 0) continue;

@@ -122,7 +122,7 @@ bool PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   const ProbeHistory::Pose& newest = forces.history().newest();
   const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
   if (!p_WP) return false;
-  note_start(forces.history().last_reply().method_serial);
+  ++orders_.start;  // as the haptics node before had it: this one's count of methods is another
   orders_.start_ns = newest.time_ns;
   orders_.start_scene_ns = scene_time_at(forces.history().last_reply(), newest.time_ns);
   orders_.p_WP = *p_WP;
@@ -156,7 +156,7 @@ void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revis
 }
 
 void PatchLink::send_status(double round_trip_s, std::int64_t now_ns) noexcept {
-  PatchStatus status = builder_.status();
+  PatchStatus status = must_clear_ ? PatchStatus() : builder_.status();
   status.is_wanted = state_ != State::remote;
   status.newest_move = moves_.newest();
   status.moves_received = moves_.received();

@@ -59,7 +59,7 @@ class PressingDevice final : public Device {
     if (begin_ns_ == 0) begin_ns_ = now_ns;
     if (led) {
       const Vec3 left = *led - place_;
-      place_ += left.norm() <= kLedM ? left : Vec3(left.normalized() * kLedM);
+      place_ += left.norm() <= led_m ? left : Vec3(left.normalized() * led_m);
       return {now_ns, place_, Quat::Identity(), buttons};
     }
     const double share = std::min(1.0, 1e-8 * static_cast<double>(now_ns - begin_ns_));
@@ -72,11 +72,11 @@ class PressingDevice final : public Device {
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   std::vector<Written> written;
-  std::optional<Vec3> led;  // it goes there instead, kLedM a sample
+  std::optional<Vec3> led;  // it goes there instead ...
+  double led_m = 5e-5;      // ... so far in each sample
   std::uint32_t buttons = 0;
 
  private:
-  static constexpr double kLedM = 5e-5;
   DeviceLimits limits_ = model_a::limits();
   Vec3 place_ = Vec3::Zero();
   std::int64_t begin_ns_ = 0;

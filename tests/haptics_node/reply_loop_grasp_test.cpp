@@ -12,6 +12,7 @@
 #include "core/tool/held_tool.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
+#include "haptics_node/stiffness_adviser.h"
 #include "patch/patch_store.h"
 #include "tests/haptics_node/reply_loop_stage.h"
 #include "tests/support/log_of.h"
@@ -181,11 +182,20 @@ class WithdrawnPartsTest : public GraspLoopTest {
   ~WithdrawnPartsTest() override { loop_.set_patch_sender(nullptr); }
 
   void turn(std::uint32_t buttons) {
+    send_status();
+    exchange({0.0, 0.0, 0.0095}, buttons);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  void send_status() {
     PatchStatus status = store_.status();
     status.is_wanted = true;
     status.request = request_;
     send(status);
-    exchange({0.0, 0.0, 0.0095}, buttons);
+  }
+  // While the hub computes the force, samples are rare.
+  void turn_without_sample() {
+    loop_.turn(clock_.now_ns() + kMs);
+    receive_at_hub();
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   bool turn_until(std::uint32_t buttons, const auto& holds) {
@@ -229,7 +239,7 @@ TEST_F(WithdrawnPartsTest, AnObjectIsPickedUpOnceTheHubHasConfirmedThatItHasNoPa
 }
 
 // It takes parts of the old place for those of the new one if they come late.
-TEST_F(WithdrawnPartsTest, AHubOfBeforeThereWereRequestsGetsNoParts) {
+TEST_F(WithdrawnPartsTest, AnOlderHubGetsNoParts) {
   request_ = 0;
   touch();
   const std::string log = log_of([&] {
@@ -244,6 +254,59 @@ TEST_F(WithdrawnPartsTest, AHubOfBeforeThereWereRequestsGetsNoParts) {
   turn(1);
   turn(1);
   EXPECT_TRUE(step_.holds_tool()) << "without waiting";
+}
+
+TEST_F(WithdrawnPartsTest, AnOlderHubGetsNoPartsBeforeTheFirstSampleEither) {
+  request_ = 0;
+  for (int n = 0; n < 300; ++n) {
+    send_status();
+    turn_without_sample();
+    ASSERT_FALSE(store_.has_begun() && !is_empty()) << n;
+  }
+  EXPECT_TRUE(store_.has_begun());
+}
+
+TEST_F(WithdrawnPartsTest, PartsAreWithdrawnWithoutWaitingForASample) {
+  touch();
+  ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
+  turn(1);
+  ASSERT_TRUE(link_.orders.take());
+  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  for (int n = 0; n < 2000 && !is_empty(); ++n) turn_without_sample();
+  ASSERT_TRUE(is_empty());
+  EXPECT_FALSE(step_.holds_tool());
+  send_status();
+  exchange({0.0, 0.0, 0.0095}, 1);
+  EXPECT_TRUE(step_.holds_tool());
+}
+
+// As with remote force, which it is: the loop has the round trip in it, and a move need not be known to the hub before it begins.
+TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
+  const auto advice = [&](std::uint32_t buttons) {
+    return log_of([&] {
+      StiffnessAdviser adviser({.stiffness_n_per_m = 1e6});
+      loop_.set_stiffness_adviser(&adviser);
+      for (int n = 0; n < 5; ++n) {
+        send(LoopFacts{.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F});
+        turn(buttons);
+      }
+      const std::uint64_t before = adviser.looks();
+      for (int n = 0; n < 6000 && adviser.looks() < before + 2; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      loop_.set_stiffness_adviser(nullptr);
+    });
+  };
+  touch();
+  ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
+  EXPECT_EQ(advice(0).find("stiffness"), std::string::npos);
+  EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0);
+  turn(1);
+  ASSERT_TRUE(link_.orders.take());
+  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  loop_.turn(clock_.now_ns() + kMs);
+  EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0) << "the hub has not confirmed yet that it has none";
+  ASSERT_TRUE(turn_until(1, [&] { return step_.holds_tool(); }));
+  EXPECT_EQ(patches_.find_lead_ns(clock_.now_ns()), 0);
+  EXPECT_NE(advice(1).find("stiffness"), std::string::npos);
 }
 
 }  // namespace

@@ -444,6 +444,38 @@ TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   }
 }
 
+// The first patch starts where the haptics node before had the probe, if the new one has put nothing down. Otherwise that place says
+// nothing, however many methods the one before had counted.
+TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
+  device.place = Vec3(0.001, 0.002, -0.002);
+  floor_z_m = 0.0;
+  force_reply.contact = true;
+  force_reply.method_serial = 9;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  run(300);
+  say(kHaptics, Bye{});
+  sequences.erase(kHaptics);
+  run(300);
+  reply_delay_ns = -1;
+  join(kHaptics, NodeRole::haptics);
+  run(20);
+  ASSERT_TRUE(builder_has_caught_up());
+  EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  EXPECT_EQ(stats().local_forces, 0U);
+  reply_delay_ns = 100 * kUs;
+  force_reply.method_serial = 4;
+  run(300);
+  EXPECT_EQ(stats().local_forces, 0U);
+  force_reply.method_serial = 5;
+  run(300);
+  EXPECT_GT(stats().local_forces, 250U);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+}
+
 TEST_F(PatchRequests, ABeginningUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   start(TouchChoice::patch);
