@@ -1,5 +1,6 @@
 // As movable_touch_test.cpp: a hand that does not rest, and whatever else may happen while an object is picked up and put down.
 #include <chrono>
+#include <cstdlib>
 #include <random>
 #include <string>
 #include <thread>
@@ -12,11 +13,13 @@ namespace {
 // A vision node takes a pick-up back while the hand presses on something else: it goes on doing so.
 TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
   const Vec3 on_plate(-0.03, -0.03, -0.002);
-  for (const int delay_ms : {6, 30}) {
+  for (const int delay_ms : {6, 30, -30}) {
     SCOPED_TRACE(delay_ms);
+    // The reply to the first sample after the hub has dropped its parts is late: until then the hub has confirmed that.
+    builds_on_approach = delay_ms < 0;
     moved = Vec3::Zero();
     checked = 0;
-    ASSERT_NO_FATAL_FAILURE(press(170, {.delay_ns = delay_ms * kMs}));
+    ASSERT_NO_FATAL_FAILURE(press(170, {.delay_ns = std::abs(delay_ms) * kMs}));
     system->device.led = kPressed + Vec3(0, 0, 0.03);
     system->run_for_ns(800 * kMs);
     system->device.led = on_plate + Vec3(0, 0, 0.03);

@@ -43,11 +43,13 @@ struct MovableTouch : testing::Test {
   std::optional<SimulatedSystem> system;
   Vec3 moved = Vec3::Zero();  // the block, from where the scene has it
   std::size_t checked = 0;    // of system->touched
+  bool builds_on_approach = false;
 
   void press(std::uint64_t seed, const LinkFaults& faults, TouchChoice choice = TouchChoice::patch) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     system.emplace(seed, choice);
     system->scene = block_over_plate();
+    system->builds_on_approach = builds_on_approach;
     system->start_haptics();
     system->run_for_ns(500 * kMs);
     if (choice == TouchChoice::patch) {

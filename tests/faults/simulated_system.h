@@ -85,9 +85,10 @@ class PressingDevice final : public Device {
 // One haptics node: its clock, its sealed connection to the hub and its loop.
 class SimulatedHaptics {
  public:
-  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin.
+  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin. builds_on_approach: each first reply waits for the
+  // builder, in the time of that.
   SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
-                   const SealedClient::Options& sealing = {}, const Scene& scene = {})
+                   const SealedClient::Options& sealing = {}, const Scene& scene = {}, bool builds_on_approach = false)
       : clock(time),
         mover(scene, 77),
         network_(network),
@@ -98,7 +99,7 @@ class SimulatedHaptics {
         touched_(scene.objects.empty() ? box() : scene.touch_scene()),
         step_(std::make_unique<TouchStep>(*make_method(settings(), touched_), touched_), 1e-5),
         builder_(settings(), touched_),
-        loop_(client_, clock, step_, builder_, {.method = {"name=proxy"}}),
+        loop_(client_, clock, step_, builder_, {.method = {"name=proxy"}}, builds_on_approach),
         patches_(touched_, 0.0, 1, true) {
     loop_.set_patch_sender(&patches_);
     if (!scene.objects.empty()) loop_.set_object_mover(&mover);
@@ -249,7 +250,7 @@ class SimulatedSystem {
   void start_haptics(const SealedClient::Options& sealing = {}) {
     Address at{{}, next_port_++};
     at.ip = hub_address_.ip;
-    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing, scene);
+    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing, scene, builds_on_approach);
   }
   std::unique_ptr<SimulatedVision> make_vision(int words_a_turn) {
     Address at{{}, next_port_++};
@@ -326,7 +327,8 @@ class SimulatedSystem {
   PressingDevice device;
   std::unique_ptr<Servo> servo;
   std::unique_ptr<SimulatedHaptics> haptics;
-  Scene scene;  // of haptics nodes that are started from now on; no objects: a box
+  Scene scene;                      // of haptics nodes that are started from now on; no objects: a box
+  bool builds_on_approach = false;  // likewise
   std::vector<Touched> touched;
 
  private:

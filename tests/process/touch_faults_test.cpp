@@ -78,7 +78,7 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
       ASSERT_TRUE(onlooker->see(state));
       is_felt = state.contact && state.force_n.z() > 0.2;
     }
-    EXPECT_TRUE(is_felt) << state.force_n.transpose();
+    EXPECT_TRUE(is_felt) << "the hand is at " << state.p_WD.transpose() << "\n" << system["io_node"].err() << system["haptics_node"].err();
     EXPECT_GT(expect_bounded(*onlooker, 0.5, Until::force).force, 0);
   }
   void expect_felt_again() {
@@ -167,6 +167,7 @@ TEST_P(TouchedWay, ASecondHapticsNodeTakesOver) {
   system["haptics_node"].kill();
   ASSERT_TRUE(System::wait_until([&] { return second->err().find("joined the hub") != std::string::npos; }));
   expect_felt_again();
+  EXPECT_FALSE(HasFailure()) << second->err();
   second->send_signal(SIGTERM);
   EXPECT_TRUE(second->wait(kPatience));
 }
