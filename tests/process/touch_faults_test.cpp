@@ -59,6 +59,18 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
     ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
   }
   void start(const std::string& name) { system.start(name); }
+  // As waits_for, with the hand held: the hub leads it for a second without a word from the onlooker. Then it rises, and a haptics node
+  // that joins as it is led down again meets it inside, where nobody knows of a contact.
+  bool waits_with_hand(const std::function<bool(const Json&)>& holds) {
+    return waits_for(system, [&](const Json& report) { return sees_newest() && holds(report); });
+  }
+  bool sees_newest() {
+    const std::int64_t now_ns = onlooker->now_ns();
+    while (onlooker->see(state)) {
+      if (onlooker->sent_ns() >= now_ns) return true;
+    }
+    return false;
+  }
 
   // The force ends, and does not come back by itself. From patches it ends a second after the last that was heard of haptics; before, a
   // machine that stands still may take it away for a moment.
@@ -84,7 +96,9 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   void expect_felt_again() {
     expect_felt();
     if (has_patches()) {
-      EXPECT_TRUE(feels_patches(system)) << "patches do not take over again";
+      const std::int64_t before = count(system.request_report(), "local_forces");
+      EXPECT_TRUE(waits_with_hand([&](const Json& report) { return count(report, "local_forces") > before + 100; }))
+          << "patches do not take over again";
     }
     expect_felt();
     const Json report = system.request_report();
@@ -162,10 +176,10 @@ TEST_P(TouchedWay, TheNetworkCutLeavesNoForceAndBringsItBack) {
 TEST_P(TouchedWay, ASecondHapticsNodeTakesOver) {
   ASSERT_NO_FATAL_FAILURE(press());
   const auto second = system.start_another("haptics_node");
-  ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "joins_rejected") > 0; }));
+  ASSERT_TRUE(waits_with_hand([](const Json& report) { return count(report, "joins_rejected") > 0; }));
   expect_felt();
   system["haptics_node"].kill();
-  ASSERT_TRUE(System::wait_until([&] { return second->err().find("joined the hub") != std::string::npos; }));
+  ASSERT_TRUE(System::wait_until([&] { return sees_newest() && second->err().find("joined the hub") != std::string::npos; }));
   expect_felt_again();
   EXPECT_FALSE(HasFailure()) << second->err();
   second->send_signal(SIGTERM);
