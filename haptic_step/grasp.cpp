@@ -39,13 +39,15 @@ void Grasp::place(int object, const Pose& X_SO) {
 }
 
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
-  const bool is_down = (state.buttons & buttons_) != 0;
-  const bool is_pressed = !std::exchange(was_down_, is_down) && is_down;
-  const bool has_reply = link_.replies.take() && link_.replies.value().serial == order_.serial;
+  const bool is_held_down = is_down(state);
+  const bool is_pressed = !std::exchange(was_down_, is_held_down) && is_held_down;
+  const bool is_answered = has_reply();
   const std::optional<ObjectPose> request = std::exchange(requested_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
-      if (request && may_move(*request)) {
+      if (request && may_move(*request) && !is_free_) {
+        requested_ = request;
+      } else if (request && may_move(*request)) {
         note_stylus(state, X_WS, touched >= 0 ? visual_offset_m : Vec3(Vec3::Zero()));
         move(*request);
         return Change::put_down;
@@ -56,18 +58,18 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       }
       return Change::none;
     case Phase::asked:
-      if (!is_down || (has_reply && link_.replies.value().tool == nullptr)) {
+      if (!is_held_down || has_gone(state, X_WS) || (is_answered && !has_tool())) {
         send(GraspOrder::Kind::let_go);
         phase_ = Phase::idle;
         return Change::none;
       }
-      if (!has_reply) return Change::none;
+      if (!has_tool() || !is_free_) return Change::none;
       tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
       set_pose(order_.X_SD.inverse(Eigen::Isometry) * order_.moved, true);
       return Change::picked_up;
     case Phase::held:
-      if (is_down) return Change::none;
+      if (is_held_down) return Change::none;
       tool_ = nullptr;
       order_.moved = rigid(X_SP_ * order_.X_SD.inverse(Eigen::Isometry) * order_.moved);
       moved_[static_cast<std::size_t>(order_.object)] = order_.moved;
@@ -76,7 +78,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       phase_ = Phase::waiting;
       return Change::put_down;
     case Phase::waiting:
-      if (!has_reply) return Change::none;
+      if (!is_answered) return Change::none;
       // The scene could not be built.
       moved_[static_cast<std::size_t>(order_.object)] = before_;
       set_pose(before_, false);
@@ -85,6 +87,22 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       return Change::returned;
   }
   return Change::none;
+}
+
+bool Grasp::is_leaving(bool is_early) noexcept {
+  if (phase_ == Phase::idle) return requested_ && may_move(*requested_);
+  return phase_ != Phase::asked || is_early || has_tool();
+}
+
+// To the last order.
+bool Grasp::has_reply() noexcept {
+  (void)link_.replies.take();
+  return link_.replies.value().serial == order_.serial;
+}
+
+// The object would come after it, through whatever is in between.
+bool Grasp::has_gone(const DeviceState& state, const Pose& X_WS) const noexcept {
+  return (X_WS.inverse(Eigen::Isometry) * state.p_WD - order_.X_SD.translation()).norm() > kResumeReachM;
 }
 
 bool Grasp::may_move(const ObjectPose& pose) const noexcept {

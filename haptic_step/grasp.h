@@ -46,8 +46,8 @@ struct GraspLink {
 
 // The step's side of picking up movable objects. If a button of the stylus is pressed while a movable object is touched, that object
 // becomes the tool that the stylus holds, and collides with all others. When the button is released, the object stays where it is, and can
-// be touched there as soon as the slow task has built the scene again.
-// RT: yes. Threads: the step's.
+// be touched there as soon as the slow task has built the scene again. A hand that has gone more than kResumeReachM from where it pressed
+// the button before the object could be picked up leaves it where it is. RT: yes. Threads: the step's.
 class Grasp {
  public:
   // movable: by object. buttons: one of these picks up.
@@ -60,6 +60,13 @@ class Grasp {
   // down, the serial is not the object's newest, or the object is not movable: then it ignores the request, and the sender repeats it.
   void request(const ObjectPose& pose) noexcept { requested_ = pose; }
 
+  // Whether an object may leave its place at the next update(): nobody else computes forces with it there. Otherwise what is to be picked
+  // up, and what is requested, wait. In the beginning they may.
+  void set_free(bool is_free) noexcept { is_free_ = is_free; }
+  // An object is to leave its place, or is not felt yet where it was put down, as far as the slow task has replied. is_early: also while it
+  // is not certain that it can be picked up.
+  bool is_leaving(bool is_early) noexcept;
+
   enum class Change : std::uint8_t {
     none,
     picked_up,
@@ -68,6 +75,9 @@ class Grasp {
   };
   // Before the force of a sample. touched: the object in contact at the sample before, -1: none. visual_offset_m: of that sample, frame W.
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
+  // In place of update() where no sample was before: what is touched is not known yet. Everything waits for the next sample, also a button
+  // that is pressed in this one.
+  void wait_a_sample(const DeviceState& state) noexcept { was_down_ = was_down_ && is_down(state); }
 
   // What the stylus holds; null: nothing.
   HeldTool* tool() const noexcept { return tool_; }
@@ -102,6 +112,10 @@ class Grasp {
  private:
   enum class Phase : std::uint8_t { idle, asked, held, waiting };
 
+  bool is_down(const DeviceState& state) const noexcept { return (state.buttons & buttons_) != 0; }
+  bool has_reply() noexcept;
+  bool has_tool() noexcept { return has_reply() && link_.replies.value().tool != nullptr; }
+  bool has_gone(const DeviceState& state, const Pose& X_WS) const noexcept;
   bool may_move(const ObjectPose& pose) const noexcept;
   void move(const ObjectPose& pose) noexcept;
   void note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept;
@@ -113,6 +127,7 @@ class Grasp {
   std::vector<bool> movable_;
   std::uint32_t buttons_;
   Phase phase_ = Phase::idle;
+  bool is_free_ = true;
   bool was_down_ = true;  // a button held down since before the start picks up nothing
   GraspOrder order_;
   HeldTool* tool_ = nullptr;

@@ -114,7 +114,9 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
 
 // Picks up, or puts down, what is touched.
 void HapticsStep::update_grasp() noexcept {
-  const int touched = running_ && tool_ == nullptr && output_.contact ? output_.object : -1;
+  // The probe begins anew, maybe in contact: what was put down now would not be where it had contact.
+  if (!running_ && tool_ == nullptr) return grasp_->wait_a_sample(state_);
+  const int touched = tool_ == nullptr && output_.contact ? output_.object : -1;
   const Grasp::Change change = grasp_->update(state_, X_WS_, touched, output_.visual_offset_m);
   if (change == Grasp::Change::none) return;
   tool_ = grasp_->tool();
@@ -282,9 +284,13 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   std::swap(touch_, touch);
   touch_->follow_commands(*touch);
   touch_->follow_carves(*touch);
+  const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_start(X_WS_) : std::nullopt;
+  if (put_down && !running_) {
+    p_WP_ = put_down->p_W;
+    outward_W_ = put_down->outward;
+  }
   if (running_) {
     TouchInput start = input_;
-    const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_start(X_WS_) : std::nullopt;
     if (put_down && (put_down->p_W - input_.p_WD).norm() <= kResumeReachM) {
       start.p_WD = put_down->p_W + offset_m_ * put_down->outward;
     } else if (output_.contact) {

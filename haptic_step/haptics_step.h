@@ -161,7 +161,7 @@ class HapticsStep {
   TouchOutput output_;             // of the last reply, by the method alone
   ForceFade fade_;                 // from the method before
   ForceFade torque_fade_;          // Nm
-  std::optional<Vec3> p_WP_;       // where the probe rested when the session ended
+  std::optional<Vec3> p_WP_;       // where the probe rested when the session ended, or an object was put down
   Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
   std::int64_t last_time_ns_ = 0;
   std::int64_t scene_time_ns_ = 0;

@@ -91,6 +91,10 @@ bool GraspTask::map_next() {
 
 // Before it sends an order, the step releases the tool.
 void GraspTask::carry_out(const GraspOrder& order) {
+  if (order.kind == GraspOrder::Kind::let_go && tool_ != nullptr) {
+    log_info("{} stays where it is: the button was released, or the hand had moved on, before it could be picked up",
+             printable(scene_.objects[static_cast<std::size_t>(order.object)].name));
+  }
   tool_.reset();
   if (order.kind == GraspOrder::Kind::pick_up) pick_up(order);
   if (order.kind == GraspOrder::Kind::put_down) put_down(order);
@@ -156,7 +160,7 @@ void GraspTask::put_down(const GraspOrder& order) {
     TouchScene felt = scene_as_tuned();
     felt.built = made->touch.built;
     felt.mapped = made->touch.mapped;
-    options_.on_scene(couple_scene(felt, options_.coupling_n_per_m));
+    options_.on_scene(couple_scene(felt, options_.coupling_n_per_m), made->revision);
   }
   log_info("{} is put down", printable(object.name));
   describer_.describe(scene_, made->revision);

@@ -31,8 +31,8 @@ class GraspTask {
     double rotational_stiffness_nm_per_rad = 0.0;   // 0: derived from the object's size
     int threads = 1;                                // that share the search for contacts
     std::optional<double> shading_crease_rad = {};  // of the method, as ProxyMethod has it
-    // Called after the scene is in use again: with what is felt now, coupled.
-    std::function<void(const TouchScene&)> on_scene = {};
+    // Called after the scene is in use again: with what is felt now, coupled, and NewScene::revision.
+    std::function<void(const TouchScene&, std::uint32_t)> on_scene = {};
   };
 
   // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <mutex>
 #include <optional>
 
 #include "core/base/button_bit.h"
@@ -12,6 +11,7 @@
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/object_mover.h"
 #include "haptic_step/scene_facts.h"
+#include "haptics_node/felt_scene.h"
 #include "haptics_node/grasp_task.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
@@ -162,34 +162,24 @@ int run(const HapticsOptions& options) {
       if (make_tool_obstacles(scene->touch_scene()).leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
     }
   }
-  std::mutex felt_mutex;
-  TouchScene felt = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
-  PatchSender patches(felt, options.method.probe_radius_m, setup.scene_hash,
+  const TouchScene felt_first = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
+  PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
                       effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
                       {.bits_per_s = 1e6 * options.patch_mbit_per_s});
   ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
-  // What moves would not move in the parts that the hub keeps.
-  if (grasp) {
-    loop.set_patch_obstacle("objects of the scene are movable");
-  } else {
-    loop.set_patch_sender(&patches);
-  }
+  loop.set_patch_sender(&patches);
   if (!effects.empty()) loop.set_effects(&effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   const auto gains_of = [&](const TouchScene& touched) {
     if (*tool != nullptr) return find_tool_gains(touched);
     return grasp ? find_largest_gains(touched).largest_of(find_tool_gains(touched)) : find_largest_gains(touched);
   };
-  StiffnessAdviser adviser(gains_of(felt));
+  StiffnessAdviser adviser(gains_of(felt_first));
   loop.set_stiffness_adviser(&adviser);
-  InsideWatch inside(felt);
+  InsideWatch inside(felt_first);
   loop.set_inside_watch(&inside);
-  MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) {
-    const std::scoped_lock lock(felt_mutex);
-    for (std::size_t o = 0; o < std::min(materials.size(), felt.objects.size()); ++o) felt.objects[o].material = materials[o];
-    adviser.set_gains(gains_of(felt));
-    patches.set_materials(materials);
-  });
+  FeltScene felt(felt_first, gains_of, adviser, inside, patches);
+  MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); });
   loop.set_material_tuner(&tuner);
   const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
   ObjectMover mover(*scene, source);
@@ -211,19 +201,15 @@ int run(const HapticsOptions& options) {
     loop.set_carve_sender(&*carves);
     loop.set_carve_undo(&carve_undo.emplace(before, made));
   }
-  std::optional<GraspTask> grasp_task;
-  const auto on_scene = [&](const TouchScene& now) {
-    const std::scoped_lock lock(felt_mutex);
-    felt = now;
-    adviser.set_gains(gains_of(felt));
-    inside.set_scene(felt);
-    if (!grasp) patches.set_scene(felt, hash_scene(felt));  // there are none of a scene with movable objects
-  };
-  SceneWatcher watcher(
-      {.path = scene_path, .loading = options.loading, .coupling_n_per_m = options.method.coupling_n_per_m, .on_scene = on_scene},
-      options.watch_scene ? *scene : Scene(), tuner, builder);
+  SceneWatcher watcher({.path = scene_path,
+                        .loading = options.loading,
+                        .coupling_n_per_m = options.method.coupling_n_per_m,
+                        .on_scene = [&](const TouchScene& now) { felt.follow(now); }},
+                       options.watch_scene ? *scene : Scene(), tuner, builder);
   if (options.watch_scene) watcher.start();
+  std::optional<GraspTask> grasp_task;
   if (grasp) {
+    const auto on_scene = [&](const TouchScene& now, std::uint32_t revision) { felt.place(now, revision); };
     grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
                                           .threads = options.tool_threads,

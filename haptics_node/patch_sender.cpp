@@ -79,8 +79,15 @@ PatchSender::~PatchSender() {
   thread_.join();
 }
 
-void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns) noexcept {
+void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns, std::uint64_t session) noexcept {
   wanted_until_ns_ = status.is_wanted ? now_ns + kWantedNs : 0;
+  hub_ = session;
+  hub_wants_ = status.is_wanted;
+  is_numbered_ = status.request != 0;
+  // No part has been sent since that epoch was made, if parts are withdrawn as they were then.
+  const std::uint64_t empty = empty_.load(std::memory_order_acquire);
+  const bool is_present = static_cast<std::uint32_t>(empty >> 32) == withdrawals_.load(std::memory_order_relaxed);
+  if (is_present && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
   round_trip_s_ = status.round_trip_s;
   statuses_.publish({status, now_ns});
 }
@@ -98,8 +105,24 @@ void PatchSender::note_move(const ObjectMove& move, std::int64_t now_ns) noexcep
   moves_.publish(sent_);
 }
 
+void PatchSender::set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept {
+  const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_relaxed);
+  if (is_withdrawn == (withdrawals % 2 == 1)) return;
+  if (!is_withdrawn) method_serial_.store(method_serial, std::memory_order_relaxed);
+  withdrawals_.store(withdrawals + 1, std::memory_order_release);
+}
+
+const Message* PatchSender::front() noexcept {
+  const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_relaxed);
+  std::size_t begin = begin_.load(std::memory_order_relaxed);
+  const std::size_t end = end_.load(std::memory_order_acquire);
+  while (begin != end && ring_[begin % kRing].withdrawals != withdrawals) ++begin;
+  begin_.store(begin, std::memory_order_release);
+  return begin == end ? nullptr : &ring_[begin % kRing].message;
+}
+
 std::int64_t PatchSender::find_lead_ns(std::int64_t now_ns) const noexcept {
-  if (!is_wanted(now_ns) || !is_offered()) return 0;
+  if (!is_wanted(now_ns) || !is_offered() || is_withdrawn(hub_)) return 0;
   const double round_trip_s = std::min(static_cast<double>(round_trip_s_.load(std::memory_order_relaxed)), kMostLeadTripS);
   return kLeadNs + static_cast<std::int64_t>(1e9 * kLeadTrips * round_trip_s);
 }
@@ -113,26 +136,39 @@ void PatchSender::run() {
     if (has_status) {
       const auto& [status, time_ns] = statuses_.value();
       wanted_until_ns = status.is_wanted ? time_ns + kWantedNs : 0;
+      wants_ = status.is_wanted;
+      request_ = status.request;
       if (source_) source_->accept(status);
     }
+    // After the status: what is withdrawn when the hub requests parts stays so. Before the scene: what is offered again is the one that was
+    // set before.
+    const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_acquire);
     follow_scene();
     follow_materials();
     follow_moves();
-    if (now_ns < wanted_until_ns) {
-      follow_method();
+    const bool is_busy = now_ns < wanted_until_ns || must_withdraw(withdrawals);
+    if (is_busy) {
+      follow_method(withdrawals);
       if (hands_.take()) follow_hand(hands_.value());
-      if (fill(now_ns) || has_status) counts_.publish(source_->counts());
+      // To make parts takes time.
+      if (fill(clock.now_ns(), withdrawals) || has_status) counts_.publish(source_->counts());
     }
-    std::this_thread::sleep_for(now_ns < wanted_until_ns ? kLookEvery : kIdleLookEvery);
+    std::this_thread::sleep_for(is_busy ? kLookEvery : kIdleLookEvery);
   }
 }
 
+// The hub may have parts although it has not been heard of for long.
+bool PatchSender::must_withdraw(std::uint32_t withdrawals) const noexcept {
+  return withdrawals % 2 == 1 && wants_ && source_ && (source_withdrawals_ != withdrawals || source_->counts().held == 0);
+}
+
 // What was said of the materials of the scene before means nothing for these.
-void PatchSender::set_scene(TouchScene scene, std::uint64_t scene_hash) {
+void PatchSender::set_scene(TouchScene scene, std::uint64_t scene_hash, std::uint32_t revision) {
   const std::scoped_lock lock(scene_mutex_);
   scene_obstacle_.store(find_scene_obstacle(scene), std::memory_order_release);
   next_scene_.emplace(std::move(scene), scene_hash);
   materials_.clear();
+  revision_.store(revision, std::memory_order_release);
 }
 
 void PatchSender::set_materials(const std::vector<Material>& materials) {
@@ -212,12 +248,16 @@ bool PatchSender::make_parts() {
   return true;
 }
 
-// With a method that parts of the scene do not serve the hub gets an epoch without any.
-void PatchSender::follow_method() {
-  const bool offers = is_offered() && (tiles_ || make_parts());
-  if (source_ && offers == was_offered_) return;
+// With a method that parts of the scene do not serve, and while they are withdrawn, the hub gets an epoch without any.
+void PatchSender::follow_method(std::uint32_t withdrawals) {
+  const bool offers = withdrawals % 2 == 0 && is_offered() && (tiles_ || make_parts());
+  if (source_ && offers == was_offered_ && source_withdrawals_ == withdrawals && source_request_ == request_) return;
   was_offered_ = offers;
+  source_withdrawals_ = withdrawals;
+  source_request_ = request_;
   source_ = std::make_unique<PatchSource>(offers ? *tiles_ : make_no_tiles(), probe_radius_m_, scene_hash_, ++epoch_, options_);
+  source_->reply_to(request_, method_serial_.load(std::memory_order_relaxed));
+  if (withdrawals % 2 == 1) empty_.store((std::uint64_t{withdrawals} << 32) | epoch_, std::memory_order_release);
   source_->set_materials(materials_of(scene_));
   for (const ObjectMove& move : moves_.value().table.moves()) source_->note_move(move, -1);
 }
@@ -236,13 +276,13 @@ void PatchSender::follow_hand(const Hand& hand) {
   }
 }
 
-bool PatchSender::fill(std::int64_t now_ns) {
+bool PatchSender::fill(std::int64_t now_ns, std::uint32_t withdrawals) {
   const std::size_t first = end_.load(std::memory_order_relaxed);
   std::size_t end = first;
   while (end - begin_.load(std::memory_order_acquire) < kRing) {
     auto part = source_->take(now_ns);
     if (!part) break;
-    ring_[end % kRing] = *part;
+    ring_[end % kRing] = {*part, withdrawals, was_offered_};
     end_.store(++end, std::memory_order_release);
   }
   return end != first;

@@ -19,7 +19,7 @@ constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
-constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
+constexpr std::size_t kMostMovesAgain = 16;  // of objects, sent again with a setup
 // Between two requests of programs that are carried out: each is sent to every vision node.
 constexpr std::int64_t kMoveEveryNs = 4 * kNanosecondsPerMillisecond;
 // A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
@@ -75,6 +75,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
     drain(began_ns);
     if (step_.has_state()) is_ready() ? reply() : wait_for_builder();
   }
+  withdraw_parts();
   if (patches_ != nullptr) send_patches();
   if (undo_ != nullptr) undo_carves();
   if (carves_ != nullptr) send_carves();
@@ -128,14 +129,15 @@ void ReplyLoop::handle(const Message& message) noexcept {
     }
   } else if (const auto* status = std::get_if<PatchStatus>(&message)) {
     if (!overtaken) wants_patches_ = status->is_wanted;
-    if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns());
+    if (!overtaken && patches_ != nullptr) patches_->accept(*status, hub_.receive_time_ns(), hub_.session());
   } else if (const auto* view = std::get_if<ViewTransform>(&message)) {
     if (!overtaken) step_.turn_scene(*view);
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
     scene_shown_ = scene->given_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
     // Parts of the scene that are on their way make the round trip irrelevant.
-    if (!overtaken && adviser_ != nullptr && !sends_parts(hub_.receive_time_ns())) adviser_->note(*facts);
+    const bool is_remote = !sends_parts(hub_.receive_time_ns()) || has_withdrawn();
+    if (!overtaken && adviser_ != nullptr && is_remote) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
     if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
   } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
@@ -193,6 +195,7 @@ void ReplyLoop::reply() noexcept {
     scene_.preparing_s = 0.0F;
     send_setup_soon();
   }
+  withdraw_parts();
   const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.reply();
   const std::int64_t end_ns = clock_.now_ns();
@@ -325,23 +328,6 @@ void ReplyLoop::send_setup() noexcept {
   if (carves_ != nullptr) hub_.send(carves_->announce());
 }
 
-// The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.
-void ReplyLoop::send_poses() noexcept {
-  if (step_.grasp() == nullptr) return;
-  const std::span<const ObjectPose> poses = step_.grasp()->poses();
-  for (const ObjectPose& pose : poses) {
-    if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
-  }
-  std::size_t sent = 0;
-  for (std::size_t looked = 0; looked < poses.size() && sent < kMostPosesAgain; ++looked) {
-    const ObjectPose& pose = poses[next_pose_];
-    next_pose_ = (next_pose_ + 1) % poses.size();
-    if (pose.serial == 0) continue;
-    hub_.send(pose);
-    ++sent;
-  }
-}
-
 // After the reply, and one at a time: however many requests come, the force never waits for them. The move is announced before the first
 // reply that has it.
 void ReplyLoop::move_objects() {
@@ -389,30 +375,10 @@ void ReplyLoop::report_move(const ObjectMover::Done& done) {
 void ReplyLoop::send_moves() noexcept {
   if (mover_ == nullptr || mover_->moves().empty()) return;
   const std::span<const ObjectMove> moves = mover_->moves();
-  for (std::size_t sent = 0; sent < std::min(kMostPosesAgain, moves.size()); ++sent) {
+  for (std::size_t sent = 0; sent < std::min(kMostMovesAgain, moves.size()); ++sent) {
     hub_.send(moves[next_move_]);
     next_move_ = (next_move_ + 1) % moves.size();
   }
-}
-
-// What the stylus holds counts as another method, and what has moved is sent at once.
-void ReplyLoop::report_grasp() noexcept {
-  Grasp* grasp = step_.grasp();
-  if (grasp == nullptr) return;
-  if (const PlacedScene* placed = grasp->take_placed()) placed_ = placed;
-  if (placed_ != nullptr && placed_->revision == scene_revision_) {
-    describe_scene(placed_->hash, placed_->facts);
-    placed_ = nullptr;
-    send_setup_soon();
-  }
-  if (grasp->pose_serial() == pose_serial_) return;
-  pose_serial_ = grasp->pose_serial();
-  if (step_.holds_tool()) {
-    setup_.method = grasp->method();
-  } else if (!grasp->is_busy()) {
-    show_method(method_);
-  }
-  send_setup_soon();
 }
 
 void ReplyLoop::report_scene() {
@@ -445,8 +411,11 @@ void ReplyLoop::report_inside() noexcept {
 }
 
 std::string_view ReplyLoop::find_patch_obstacle() const noexcept {
-  if (patches_ == nullptr) return patch_obstacle_;
-  if (patches_->is_offered()) return "";
+  if (patches_ == nullptr) return "";
+  if (patches_->is_offered()) {
+    const bool is_safe = step_.grasp() == nullptr || patches_->has_numbered_requests();
+    return is_safe ? "" : "objects of the scene are movable, and io_node is of an older version";
+  }
   if (is_holding()) return "the stylus holds a rigid tool";
   if (const std::string_view why = patches_->obstacle(); !why.empty()) return why;
   if (effects_ != nullptr) return "effects from shared libraries are in use";

@@ -34,8 +34,6 @@ class ReplyLoop {
 
   // Before run: what offers the hub the scene in parts. Pre: outlives this.
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
-  // Before run: why there is no such sender, a clause, for a hub that asks for parts.
-  void set_patch_obstacle(std::string_view why) noexcept { patch_obstacle_ = why; }
   // Before run: who works out changes of materials. Pre: outlives this.
   void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
   // Before run: who carries out what programs request of the objects. Without one, such requests are left out. Pre: outlives this.
@@ -87,6 +85,7 @@ class ReplyLoop {
   bool sends_parts(std::int64_t now_ns) const noexcept {
     return patches_ != nullptr && patches_->is_offered() && patches_->is_wanted(now_ns);
   }
+  bool has_withdrawn() const noexcept { return patches_ != nullptr && patches_->is_withdrawn(hub_.session()); }
   void show_method(const HapticsSetup::Text& method) noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;
@@ -98,6 +97,7 @@ class ReplyLoop {
   void report_inside() noexcept;
   void report_patches();
   std::string_view find_patch_obstacle() const noexcept;
+  void withdraw_parts() noexcept;
   void report_grasp() noexcept;
   bool is_holding() const noexcept;
   void send_poses() noexcept;
@@ -127,7 +127,6 @@ class ReplyLoop {
   HapticsSetup::Text effects_text_ = {};  // of these
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
-  std::string_view patch_obstacle_;           // without a sender
   std::string_view patch_obstacle_reported_;  // to a hub that asks; empty: none
   bool wants_patches_ = false;                // the hub
   PluginEffects* effects_ = nullptr;

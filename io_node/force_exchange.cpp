@@ -12,7 +12,8 @@ bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
 
 // Not while the haptics node is to go on where the device side is: it needs to catch up.
 bool ForceExchange::is_thinned(const DeviceCycle& cycle) const noexcept {
-  return cycle.local && !history_.is_haptics_new() && cycle.sample.time_ns - sent_ns_ < static_cast<std::int64_t>(1e9 / kThinnedHz);
+  return cycle.local && !history_.is_haptics_new() && cycle.sample.buttons == sent_buttons_ &&
+         cycle.sample.time_ns - sent_ns_ < static_cast<std::int64_t>(1e9 / kThinnedHz);
 }
 
 void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept {
@@ -21,6 +22,7 @@ void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept
   sends_ = is_newest && !is_thinned(cycle);
   if (sends_) {
     sent_ns_ = time_ns;
+    sent_buttons_ = cycle.sample.buttons;
     const bool is_warm = time_ns - peers_.peer(HubPeers::kHapticsSlot).joined_ns >= ResponseTracker::kWarmUpNs;
     responses_.take(cycle.number, time_ns, is_haptics_alive(time_ns) && is_warm);
   } else {

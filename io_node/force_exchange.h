@@ -28,7 +28,7 @@ class ForceExchange {
   // A cycle of the device side. is_newest false: a newer one is there already, so this sample is never sent.
   void add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept;
   // The newest sample, to the haptics node. While the force is computed on the device side the haptics node needs it only to see where
-  // the hand goes, kThinnedHz times a second.
+  // the hand goes, kThinnedHz times a second, and at once when a button is pressed or released.
   void send(const DeviceCycle& cycle) noexcept;
   // The force for the newest sample may still arrive.
   bool is_awaited() const noexcept { return !responses_.has_newest_reply() && peers_.has_haptics(); }
@@ -95,6 +95,7 @@ class ForceExchange {
   bool is_resume_requested_ = false;  // since that began
   bool sends_ = true;                 // the newest sample
   std::int64_t sent_ns_ = 0;          // the newest that was sent
+  std::uint32_t sent_buttons_ = 0;    // ... with it
 
   double find_median_s(std::size_t most) const noexcept;
 

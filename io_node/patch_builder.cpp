@@ -37,13 +37,19 @@ bool PatchBuilder::write(const Message* part) noexcept {
   return true;
 }
 
+bool PatchBuilder::clear() noexcept {
+  const bool is_written = write(nullptr);
+  clears_ += is_written ? 1 : 0;
+  return is_written;
+}
+
 void PatchBuilder::run() {
   while (!stop_.load()) {
     local_.free_retired();
     const bool has_parts = drain();
     const bool has_hand = build_where_due();
     if (has_parts) {
-      statuses_.publish(store_.status());
+      statuses_.publish({store_.status(), cleared_});
       told_.store = store_.counts();
       counts_.publish(told_);
     }

@@ -36,10 +36,10 @@ class PatchBuilder {
   // A part that came. One that finds no room is dropped, and comes again as it is never confirmed.
   void push(const Message& part) noexcept { (void)write(&part); }
   // Another haptics node: what came is of no use any more. False: no room, call again.
-  bool clear() noexcept { return write(nullptr); }
-  // What has come so far. True: more than at the last call.
+  bool clear() noexcept;
+  // What has come since the last clear(). True: more than at the last call.
   bool take_status() noexcept { return statuses_.take(); }
-  const PatchStatus& status() const noexcept { return statuses_.value(); }
+  PatchStatus status() const noexcept { return statuses_.value().cleared == clears_ ? statuses_.value().status : PatchStatus(); }
   const PatchBuilderCounts& counts() noexcept {
     counts_.take();
     return counts_.value();
@@ -50,6 +50,11 @@ class PatchBuilder {
   struct Slot {
     bool is_clear = false;
     Message part;
+  };
+
+  struct Status {
+    PatchStatus status;
+    std::uint32_t cleared = 0;  // after so many of clear()
   };
 
   bool write(const Message* part) noexcept;
@@ -65,7 +70,8 @@ class PatchBuilder {
   std::array<Slot, kRing> ring_;
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};
-  Mailbox<PatchStatus> statuses_;
+  std::uint32_t clears_ = 0;
+  Mailbox<Status> statuses_;
   Mailbox<PatchBuilderCounts> counts_;
 
   // The builder's thread.

@@ -17,10 +17,37 @@ std::int64_t scene_time_at(const ForceCommand& last, std::int64_t sample_ns) noe
 
 }  // namespace
 
+// Another one for each session and whenever parts were dropped, and never 0.
+std::uint32_t PatchLink::request() const noexcept { return (static_cast<std::uint32_t>(peers_.session()) + 2 * orders_.clears) | 1U; }
+
 void PatchLink::accept(const Message& part) noexcept {
+  if (const auto* begin = std::get_if<PatchBegin>(&part); begin != nullptr && !note_begin(*begin)) return;
   // Of the node before, or not asked for.
   if (must_clear_ || state_ == State::remote) return;
   builder_.push(part);
+}
+
+// False: it is of no use.
+bool PatchLink::note_begin(const PatchBegin& begin) noexcept {
+  is_reply_due_ = is_reply_due_ || state_ == State::remote;
+  if (must_clear_ || state_ == State::remote || (begin.request != 0 && begin.request != request())) return false;
+  if (begin_epoch_ != 0 && static_cast<std::int32_t>(begin.epoch - begin_epoch_) <= 0) return true;
+  begin_epoch_ = begin.epoch;
+  least_method_ = begin.method_serial;
+  // Before the builder has it, whose patches the device side takes at once.
+  if (needs_start() && std::exchange(orders_.may_begin, false)) local_.publish(orders_);
+  return true;
+}
+
+// Serials count up around the 32-bit circle.
+bool PatchLink::is_new_enough(std::uint32_t method_serial) const noexcept {
+  return static_cast<std::int32_t>(method_serial - least_method_) >= 0;
+}
+
+void PatchLink::note_start(std::uint32_t method_serial) noexcept {
+  ++orders_.start;
+  start_method_ = method_serial;
+  has_start_ = true;
 }
 
 void PatchLink::accept(const ObjectMove& move) noexcept {
@@ -30,11 +57,14 @@ void PatchLink::accept(const ObjectMove& move) noexcept {
 }
 
 // What came so far is not used any more.
-void PatchLink::drop_parts() noexcept { orders_.clears += std::exchange(must_clear_, true) ? 0 : 1; }
+void PatchLink::drop_parts() noexcept {
+  orders_.clears += std::exchange(must_clear_, true) ? 0 : 1;
+  begin_epoch_ = least_method_ = 0;
+}
 
 void PatchLink::on_haptics_joined() noexcept {
   drop_parts();
-  orders_.may_begin = false;
+  may_begin_ = has_start_ = false;
   moves_.clear();
   local_.publish(moves_);
 }
@@ -42,10 +72,14 @@ void PatchLink::on_haptics_joined() noexcept {
 void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept {
   if (must_clear_) must_clear_ = !builder_.clear();
   choose(forces, now_ns);
-  if (state_ == State::remote) return;
+  if (state_ == State::remote) {
+    if (is_reply_due_ && now_ns - status_ns_ >= kSoonNs) send_status(round_trip_s_, now_ns);
+    return;
+  }
   follow_source(forces);
-  orders_.may_begin = orders_.may_begin || forces.has_resumed();
+  may_begin_ = may_begin_ || forces.has_resumed();
   if (!was_local_) note_probe(forces, view ? view->revision : 0, now_ns);
+  orders_.may_begin = may_begin_ && !needs_start();
   orders_.X_WS = view ? find_rigid_pose(view->X_WS).value_or(Pose::Identity()) : Pose::Identity();
   orders_.anchor_ns = forces.history().last_reply().echo_sample_time_ns;
   orders_.anchor_scene_ns = forces.history().last_reply().scene_time_ns;
@@ -68,7 +102,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
     orders_.is_wanted = true;
     was_local_ = false;
     status_ns_ = told_ns_ = 0;
-    orders_.may_begin = start_at_rest(forces);
+    may_begin_ = start_at_rest(forces);
   }
   if (state_ == State::patch && !is_wanted) {
     state_ = State::leaving;
@@ -88,7 +122,7 @@ bool PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   const ProbeHistory::Pose& newest = forces.history().newest();
   const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
   if (!p_WP) return false;
-  ++orders_.start;
+  ++orders_.start;  // as the haptics node before had it: this one's count of methods is another
   orders_.start_ns = newest.time_ns;
   orders_.start_scene_ns = scene_time_at(forces.history().last_reply(), newest.time_ns);
   orders_.p_WP = *p_WP;
@@ -107,12 +141,14 @@ void PatchLink::follow_source(const ForceExchange& forces) noexcept {
 void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revision, std::int64_t now_ns) noexcept {
   if (!forces.has_resumed()) return;
   const ForceCommand& last = forces.history().last_reply();
-  if (now_ns - told_ns_ < kProbeNs || last.view_revision != view_revision || last.echo_sample_time_ns <= orders_.start_ns) return;
+  const bool is_awaited = needs_start() && is_new_enough(last.method_serial);
+  if ((now_ns - told_ns_ < kProbeNs && !is_awaited) || last.view_revision != view_revision || last.echo_sample_time_ns <= orders_.start_ns)
+    return;
   const std::optional<Vec3> p_WP = forces.history().find_probe();
   if (!p_WP) return;
   told_ns_ = now_ns;
   const double depth = last.visual_offset_m.norm();
-  ++orders_.start;
+  note_start(last.method_serial);
   orders_.start_ns = last.echo_sample_time_ns;
   orders_.start_scene_ns = last.scene_time_ns;
   orders_.p_WP = *p_WP;
@@ -120,13 +156,14 @@ void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revis
 }
 
 void PatchLink::send_status(double round_trip_s, std::int64_t now_ns) noexcept {
-  PatchStatus status = builder_.status();
+  PatchStatus status = must_clear_ ? PatchStatus() : builder_.status();
   status.is_wanted = state_ != State::remote;
   status.newest_move = moves_.newest();
   status.moves_received = moves_.received();
+  status.request = request();
   status.round_trip_s = static_cast<float>(std::max(round_trip_s, 0.0));
   status_ns_ = now_ns;
-  has_news_ = false;
+  has_news_ = is_reply_due_ = false;
   peers_.send_to_role(NodeRole::haptics, status);
 }
 

@@ -21,7 +21,12 @@ namespace hapton {
 // again where the haptics node has the probe: the first patch takes over from there. Parts that came before they were wanted again are not
 // used: the haptics node may have another scene by then. The force without any datagram of haptics ends
 // kAloneNs after the last one. Of a scene that moves, the device side also gets the moves of objects as they are announced, and with each
-// status the haptics node gets to know which have come. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// status the haptics node gets to know which have come.
+//
+// An epoch replies to one request: after the parts were dropped, one that was made before is not used any more, however late it comes
+// (PatchStatus::request). Where an object was put down, the first patch waits for the probe as a haptics node has it that knows of that
+// (PatchBegin::method_serial). A haptics node that sends a beginning where parts are not wanted gets to know that. Units: ns of the hub's
+// clock. RT: yes. Threads: the servo's.
 class PatchLink {
  public:
   static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
@@ -50,6 +55,11 @@ class PatchLink {
  private:
   enum class State : std::uint8_t { remote, patch, leaving };
 
+  std::uint32_t request() const noexcept;
+  bool note_begin(const PatchBegin& begin) noexcept;
+  bool is_new_enough(std::uint32_t method_serial) const noexcept;
+  bool needs_start() const noexcept { return least_method_ != 0 && !(has_start_ && is_new_enough(start_method_)); }
+  void note_start(std::uint32_t method_serial) noexcept;
   void drop_parts() noexcept;
   void choose(ForceExchange& forces, std::int64_t now_ns) noexcept;
   void follow_source(const ForceExchange& forces) noexcept;
@@ -65,8 +75,14 @@ class PatchLink {
   PatchOrders orders_;
   MoveTable moves_;
   bool must_clear_ = false;
-  bool was_local_ = false;    // the force of the cycle before came from a patch
-  std::int64_t told_ns_ = 0;  // when the device side got the probe's position
+  bool may_begin_ = true;           // as PatchOrders has it, where only the haptics node's contact matters
+  std::uint32_t begin_epoch_ = 0;   // of the newest PatchBegin; 0: none since parts were dropped
+  std::uint32_t least_method_ = 0;  // ... its method_serial; 0: any reply will do
+  std::uint32_t start_method_ = 0;  // of the reply that the last start is from
+  bool has_start_ = false;          // ... from this haptics node
+  bool is_reply_due_ = false;       // parts came that are not wanted
+  bool was_local_ = false;          // the force of the cycle before came from a patch
+  std::int64_t told_ns_ = 0;        // when the device side got the probe's position
   bool has_news_ = false;
   std::int64_t status_ns_ = 0;     // the last one
   std::int64_t next_look_ns_ = 0;  // at the round trip

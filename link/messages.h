@@ -273,7 +273,9 @@ struct PatchBegin {
   double step_m = 0.0;
   double probe_radius_m = 0.0;
   std::uint64_t scene_hash = 0;
-  std::uint32_t body_count = 1;  // bodies, each announced by PatchBody; 1: nothing moves, and no PatchBody comes
+  std::uint32_t body_count = 1;     // bodies, each announced by PatchBody; 1: nothing moves, and no PatchBody comes
+  std::uint32_t request = 0;        // PatchStatus::request that it replies to: the epoch is of no use to a later one. 0: any
+  std::uint32_t method_serial = 0;  // a patch begins where a reply with this one or a later one has the probe. 0: any
 };
 
 // haptics -> hub: objects that move together, or what stands still (body 0). Positions of its parts are those of the scene at rest; where
@@ -360,6 +362,7 @@ struct PatchStatus {
   float round_trip_s = 0.0F;                             // as the hub measures it
   std::uint32_t newest_move = 0;                         // serial of ObjectMove; 0: none
   std::uint64_t moves_received = 0;                      // bit i: newest_move - i
+  std::uint32_t request = 0;                             // another one whenever the hub has dropped all parts
 };
 
 // hub -> haptics, once a second, while the force comes from there: the loop that the scene's stiffness has to suit.

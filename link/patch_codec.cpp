@@ -81,6 +81,8 @@ void write(const PatchBegin& from, wire::PatchBegin& to) {
   to.set_probe_radius_m(from.probe_radius_m);
   to.set_scene_hash(from.scene_hash);
   to.set_body_count(from.body_count);
+  to.set_request(from.request);
+  to.set_method_serial(from.method_serial);
 }
 
 void write(const PatchCell& from, wire::PatchCell& to) {
@@ -115,6 +117,7 @@ void write(const PatchStatus& from, wire::PatchStatus& to) {
   to.set_round_trip_s(from.round_trip_s);
   to.set_newest_move(from.newest_move);
   to.set_moves_received(from.moves_received);
+  to.set_request(from.request);
 }
 
 void write(const PatchBody& from, wire::PatchBody& to) {
@@ -157,6 +160,8 @@ bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.probe_radius_m = from.probe_radius_m();
   to.scene_hash = from.scene_hash();
   to.body_count = std::max(from.body_count(), 1U);
+  to.request = from.request();
+  to.method_serial = from.method_serial();
   if (to.body_count > PatchBody::kMostBodies) return false;
   return read_vector(from.origin_m(), to.origin_m) && std::isnormal(to.step_m) && is_amount(to.step_m) && is_amount(to.probe_radius_m);
 }
@@ -228,6 +233,7 @@ bool read(const wire::PatchStatus& from, PatchStatus& to) {
   to.round_trip_s = from.round_trip_s();
   to.newest_move = from.newest_move();
   to.moves_received = from.moves_received();
+  to.request = from.request();
   if (from.received().size() != to.received.size()) return false;
   std::copy(from.received().begin(), from.received().end(), to.received.begin());
   return is_amount(static_cast<double>(to.round_trip_s));

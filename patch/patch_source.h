@@ -44,6 +44,12 @@ class PatchSource {
   // epoch: another one for each scene and start, never 0.
   PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t scene_hash, std::uint32_t epoch, const Options& options);
 
+  // Before the first take(): PatchStatus::request that this epoch replies to, and PatchBegin::method_serial.
+  void reply_to(std::uint32_t request, std::uint32_t method_serial) noexcept {
+    begin_.request = request;
+    begin_.method_serial = method_serial;
+  }
+
   void accept(const PatchStatus& status) noexcept;
   // The hand, in the frame of a body.
   void aim(const HandMotion& hand, std::size_t body = 0) noexcept {

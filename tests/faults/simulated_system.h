@@ -2,15 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "devices/model_a.h"
 #include "haptic_step/object_mover.h"
+#include "haptics_node/grasp_task.h"
 #include "haptics_node/new_scene.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
@@ -54,27 +57,38 @@ class PressingDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override {
     if (begin_ns_ == 0) begin_ns_ = now_ns;
+    if (led) {
+      const Vec3 left = *led - place_;
+      place_ += left.norm() <= led_m ? left : Vec3(left.normalized() * led_m);
+      return {now_ns, place_, Quat::Identity(), buttons};
+    }
     const double share = std::min(1.0, 1e-8 * static_cast<double>(now_ns - begin_ns_));
     const double x_m = 0.01 + 0.001 * std::sin(1e-9 * static_cast<double>(now_ns - begin_ns_));
-    return {now_ns, Vec3(x_m, 0.02, 0.06 - 0.012 * share), Quat::Identity(), 0};
+    place_ = Vec3(x_m, 0.02, 0.06 - 0.012 * share);
+    return {now_ns, place_, Quat::Identity(), buttons};
   }
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { written.push_back({wrench.force_n, now_ns}); }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   std::vector<Written> written;
+  std::optional<Vec3> led;  // it goes there instead ...
+  double led_m = 5e-5;      // ... so far in each sample
+  std::uint32_t buttons = 0;
 
  private:
   DeviceLimits limits_ = model_a::limits();
+  Vec3 place_ = Vec3::Zero();
   std::int64_t begin_ns_ = 0;
 };
 
 // One haptics node: its clock, its sealed connection to the hub and its loop.
 class SimulatedHaptics {
  public:
-  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin.
+  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin. builds_on_approach: each first reply waits for the
+  // builder, in the time of that.
   SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
-                   const SealedClient::Options& sealing = {}, const Scene& scene = {})
+                   const SealedClient::Options& sealing = {}, const Scene& scene = {}, bool builds_on_approach = false)
       : clock(time),
         mover(scene, 77),
         network_(network),
@@ -85,10 +99,17 @@ class SimulatedHaptics {
         touched_(scene.objects.empty() ? box() : scene.touch_scene()),
         step_(std::make_unique<TouchStep>(*make_method(settings(), touched_), touched_), 1e-5),
         builder_(settings(), touched_),
-        loop_(client_, clock, step_, builder_),
+        loop_(client_, clock, step_, builder_, {.method = {"name=proxy"}}, builds_on_approach),
         patches_(touched_, 0.0, 1, true) {
     loop_.set_patch_sender(&patches_);
     if (!scene.objects.empty()) loop_.set_object_mover(&mover);
+    const auto movable = list_movable(scene);
+    if (std::find(movable.begin(), movable.end(), true) == movable.end()) return;
+    step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U));
+    tuner_.emplace(scene, 0.0);
+    const auto on_scene = [this](const TouchScene& now, std::uint32_t revision) { patches_.set_scene(now, 0, revision); };
+    grasp_task_.emplace(GraspTask::Options{.on_scene = on_scene}, scene, std::vector<PutDown>(), grasp_link_, *tuner_, builder_, own_time_);
+    grasp_task_->start();
   }
   ~SimulatedHaptics() { network_.kill(at_); }
   SimulatedHaptics(const SimulatedHaptics&) = delete;
@@ -99,6 +120,8 @@ class SimulatedHaptics {
   const Address& address() const { return at_; }
   std::int64_t scene_time_ns() const { return step_.scene_time_ns(); }
   const TouchStep& touch() const { return step_.touch(); }
+  // Pre: the scene has movable objects.
+  const Grasp& grasp() const { return *grasp_; }
   // As its watcher does when the scene's file was saved again.
   void set_scene(const Scene& scene) {
     touched_ = scene.touch_scene();
@@ -136,6 +159,11 @@ class SimulatedHaptics {
   ReplyLoop loop_;
   PatchSender patches_;
   std::uint32_t revision_ = 0;
+  SteadyClock own_time_;
+  GraspLink grasp_link_;
+  std::optional<Grasp> grasp_;
+  std::optional<MaterialTuner> tuner_;
+  std::optional<GraspTask> grasp_task_;
 };
 
 // A vision node that acknowledges every state at once, and repeats it a number of times.
@@ -222,7 +250,7 @@ class SimulatedSystem {
   void start_haptics(const SealedClient::Options& sealing = {}) {
     Address at{{}, next_port_++};
     at.ip = hub_address_.ip;
-    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing, scene);
+    haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing, scene, builds_on_approach);
   }
   std::unique_ptr<SimulatedVision> make_vision(int words_a_turn) {
     Address at{{}, next_port_++};
@@ -242,16 +270,21 @@ class SimulatedSystem {
     vision->send(view);
     run_for_ns(100 * kMs);
   }
-  // Until the force comes from patches; the threads that make them take their own time, more of it on a busy machine. False: it does not.
-  bool wait_for_patches() {
+  // Until something holds that depends on threads which take their own time, more of it on a busy machine. False: it does not.
+  template <class Condition>
+  bool wait_until(Condition&& holds) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     while (std::chrono::steady_clock::now() < deadline) {
-      const std::uint64_t before = stats().local_forces;
       run_for_ns(5 * kMs);
-      if (stats().local_forces > before + 3) return true;
+      if (holds()) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
     return false;
+  }
+  // Until the force comes from patches. False: it does not.
+  bool wait_for_patches() {
+    std::uint64_t before = stats().local_forces;
+    return wait_until([&] { return stats().local_forces > std::exchange(before, stats().local_forces) + 3; });
   }
 
   void run_for_ns(std::int64_t duration_ns) {
@@ -294,7 +327,8 @@ class SimulatedSystem {
   PressingDevice device;
   std::unique_ptr<Servo> servo;
   std::unique_ptr<SimulatedHaptics> haptics;
-  Scene scene;  // of haptics nodes that are started from now on; no objects: a box
+  Scene scene;                      // of haptics nodes that are started from now on; no objects: a box
+  bool builds_on_approach = false;  // likewise
   std::vector<Touched> touched;
 
  private:

@@ -46,8 +46,8 @@ struct GraspTaskTest : testing::Test {
                       built_of.push_back(touched.built);
                       return make_built_in(settings, touched);
                     });
-    task.emplace(GraspTask::Options{.on_scene = [this](const TouchScene& now) { felt_scenes.push_back(now); }}, scene, put_down, link,
-                 *tuner, *builder, clock);
+    task.emplace(GraspTask::Options{.on_scene = [this](const TouchScene& now, std::uint32_t) { felt_scenes.push_back(now); }}, scene,
+                 put_down, link, *tuner, *builder, clock);
   }
 
   static SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool is_movable = false) {

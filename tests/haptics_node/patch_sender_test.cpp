@@ -27,6 +27,7 @@ struct SenderStage {
   void want() {
     PatchStatus status = store.status();
     status.is_wanted = true;
+    status.request = request;
     status.newest_move = confirmed.newest();
     status.moves_received = confirmed.received();
     sender.accept(status, clock.now_ns());
@@ -44,6 +45,16 @@ struct SenderStage {
       std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
   }
+  // What is sent is lost, and so is all that the hub says.
+  bool lose_until(const auto& holds) {
+    for (int n = 0; n < 6000 && !holds(); ++n) {
+      for (; sender.front() != nullptr && !holds(); sender.pop()) {
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return holds();
+  }
+  std::size_t triangles() const { return store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles; }
   bool receive_until(const auto& holds) {
     for (int n = 0; n < 600 && !holds(); ++n) receive_for(std::chrono::milliseconds(50));
     return holds();
@@ -55,9 +66,16 @@ struct SenderStage {
   PatchStore store;
   std::vector<ObjectMove> moves;
   MoveTable confirmed;
+  std::uint32_t request = 9;
   std::uint64_t sample = 0;
   int received = 0;
 };
+
+std::uint32_t epoch_of(const Message& part) {
+  if (const auto* begin = std::get_if<PatchBegin>(&part)) return begin->epoch;
+  if (const auto* cell = std::get_if<PatchCell>(&part)) return cell->epoch;
+  return std::get<PatchTile>(part).epoch;
+}
 
 TEST(PatchSender, SendsNothingBeforeTheHubWantsIt) {
   SenderStage stage;
@@ -287,6 +305,100 @@ TEST(PatchSender, OffersWhatPartsServe) {
   EXPECT_FALSE(PatchSender::can_offer(std::string_view("\0name=proxy", 11)));
 }
 
+TEST(PatchSender, PartsAreWithdrawnOnceTheHubHasConfirmedIt) {
+  SenderStage stage;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  EXPECT_EQ(stage.store.begin().method_serial, 0U);
+  stage.want();
+  EXPECT_FALSE(stage.sender.is_withdrawn(0));
+  stage.sender.set_withdrawn(true, 0);
+  stage.want();
+  EXPECT_FALSE(stage.sender.is_withdrawn(0)) << "the hub has parts";
+  EXPECT_TRUE(stage.sender.is_withdrawn(1)) << "another hub has none";
+  const std::uint32_t epoch = stage.store.status().epoch;
+  EXPECT_TRUE(stage.lose_until([&] { return stage.sender.front() != nullptr && epoch_of(*stage.sender.front()) == epoch + 1; }));
+  EXPECT_FALSE(stage.sender.is_withdrawn(0)) << "it is not confirmed";
+  ASSERT_TRUE(stage.receive_until([&] { return stage.sender.is_withdrawn(0); }));
+  EXPECT_EQ(stage.store.status().epoch, epoch + 1);
+  stage.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(stage.store.status().epoch, epoch + 1);
+  EXPECT_EQ(stage.triangles(), 0U);
+  stage.sender.set_withdrawn(false, 31);
+  EXPECT_FALSE(stage.sender.is_withdrawn(0));
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
+  EXPECT_EQ(stage.store.begin().method_serial, 31U);
+  EXPECT_EQ(stage.triangles(), 800U);
+  // What the hub confirmed before says nothing of what it has now.
+  stage.sender.set_withdrawn(true, 31);
+  stage.want();
+  EXPECT_FALSE(stage.sender.is_withdrawn(0));
+  ASSERT_TRUE(stage.receive_until([&] { return stage.sender.is_withdrawn(0); }));
+  EXPECT_EQ(stage.triangles(), 0U);
+}
+
+TEST(PatchSender, WhatWasMadeBeforeAWithdrawalIsNeverSent) {
+  SenderStage stage;
+  for (int n = 0; n < 6000 && stage.sender.front() == nullptr; ++n) {
+    stage.want();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  ASSERT_NE(stage.sender.front(), nullptr);
+  const std::uint32_t epoch = epoch_of(*stage.sender.front());
+  stage.sender.set_withdrawn(true, 0);
+  EXPECT_TRUE(stage.sender.front() == nullptr || epoch_of(*stage.sender.front()) > epoch);
+  EXPECT_TRUE(stage.sender.is_withdrawn(0)) << "the hub was sent none";
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
+  EXPECT_EQ(stage.store.status().epoch, epoch + 1);
+  stage.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(stage.triangles(), 0U);
+  EXPECT_TRUE(stage.sender.is_withdrawn(0));
+}
+
+TEST(PatchSender, AHubThatWantsNoPartsNeedNotConfirmThatItHasNone) {
+  SenderStage stage;
+  stage.sender.set_withdrawn(true, 0);
+  EXPECT_TRUE(stage.sender.is_withdrawn(0)) << "nothing was sent";
+  stage.sender.set_withdrawn(false, 0);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  stage.sender.accept({.epoch = stage.store.status().epoch, .request = 9}, stage.clock.now_ns());
+  stage.sender.set_withdrawn(true, 0);
+  EXPECT_TRUE(stage.sender.is_withdrawn(0));
+  // It wants them again: what it then gets is without any.
+  stage.request = 11;
+  stage.store.clear();
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
+  EXPECT_EQ(stage.store.begin().request, 11U);
+  stage.receive_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(stage.triangles(), 0U);
+}
+
+// It has dropped what it had, and takes nothing that was sent before.
+TEST(PatchSender, EachRequestGetsAnEpochOfItsOwn) {
+  SenderStage stage;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  EXPECT_EQ(stage.store.begin().request, 9U);
+  const std::uint32_t epoch = stage.store.status().epoch;
+  stage.request = 11;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1 && stage.is_whole(); }));
+  EXPECT_EQ(stage.store.begin().request, 11U);
+}
+
+// It may compute forces from its parts nevertheless.
+TEST(PatchSender, PartsAreWithdrawnFromAHubThatHasNotBeenHeardOfForLong) {
+  SenderStage stage;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
+  const std::uint32_t epoch = stage.store.status().epoch;
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  ASSERT_FALSE(stage.sender.is_wanted(stage.clock.now_ns()));
+  stage.sender.set_withdrawn(true, 0);
+  const auto is_new = [&] { return stage.sender.front() != nullptr && epoch_of(*stage.sender.front()) == epoch + 1; };
+  ASSERT_TRUE(stage.lose_until(is_new));
+  stage.sender.pop();
+  ASSERT_TRUE(stage.lose_until(is_new)) << "again, as it may be lost";
+  EXPECT_FALSE(stage.sender.is_withdrawn(0));
+  EXPECT_TRUE(stage.receive_until([&] { return stage.sender.is_withdrawn(0); }));
+}
+
 TEST(PatchSender, TheReplyLoopsCallsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   SenderStage stage;
@@ -297,6 +409,7 @@ TEST(PatchSender, TheReplyLoopsCallsUseNoHeap) {
     stage.sender.accept(status, n);
     stage.sender.note_hand({}, kAtW);
     if (stage.sender.front() != nullptr) stage.sender.pop();
+    stage.sender.set_withdrawn(n % 3 == 0 && !stage.sender.is_withdrawn(0), static_cast<std::uint32_t>(n));
   }
   EXPECT_EQ(guard.count(), 0U);
 }

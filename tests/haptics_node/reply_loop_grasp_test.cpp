@@ -1,15 +1,21 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
 #include "core/base/button_bit.h"
 #include "core/tool/held_tool.h"
+#include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
+#include "haptics_node/stiffness_adviser.h"
+#include "patch/patch_store.h"
 #include "tests/haptics_node/reply_loop_stage.h"
+#include "tests/support/log_of.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -25,7 +31,8 @@ TouchScene two_boxes_of_loop() {
 // The test is the slow task of grasping.
 class GraspLoopTest : public ReplyLoopStage {
  protected:
-  GraspLoopTest() {
+  explicit GraspLoopTest(std::int64_t start_ns = 0) {
+    clock_.advance_ns(start_ns);
     step_.set_grasp(&grasp_);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
       loop_.turn(clock_.now_ns() + kMs);
@@ -42,6 +49,7 @@ class GraspLoopTest : public ReplyLoopStage {
     }
     if (const auto* scene = std::get_if<SceneFacts>(&message)) scene_ = *scene;
     if (const auto* materials = std::get_if<MaterialState>(&message)) materials_ = *materials;
+    (void)store_.accept(message);
   }
   void exchange(const Vec3& p_WD, std::uint32_t buttons) {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = p_WD, .buttons = buttons});
@@ -68,6 +76,7 @@ class GraspLoopTest : public ReplyLoopStage {
   ObjectPose pose_;
   SceneFacts scene_;
   MaterialState materials_;
+  PatchStore store_;
   std::int32_t object_ = -1;
   double force_n_ = 0.0;
   std::uint64_t sample_ = 0;
@@ -164,6 +173,140 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   ASSERT_EQ(materials_.object_count, 1U) << "for recordings and tools";
   EXPECT_EQ(materials_.objects[0].change.stiffness_n_per_m, 1500.0);
   stiffen(2, 800.0);  // the tuner knows of no other scene, and needs not
+}
+
+// The hub computes forces, with parts from a thread that lives in real time: that of the test is ahead of it.
+class WithdrawnPartsTest : public GraspLoopTest {
+ protected:
+  WithdrawnPartsTest() : GraspLoopTest(1'000'000'000'000'000) { loop_.set_patch_sender(&patches_); }
+  ~WithdrawnPartsTest() override { loop_.set_patch_sender(nullptr); }
+
+  void turn(std::uint32_t buttons) {
+    send_status();
+    exchange({0.0, 0.0, 0.0095}, buttons);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  void send_status() {
+    PatchStatus status = store_.status();
+    status.is_wanted = true;
+    status.request = request_;
+    send(status);
+  }
+  // While the hub computes the force, samples are rare.
+  void turn_without_sample() {
+    loop_.turn(clock_.now_ns() + kMs);
+    receive_at_hub();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  bool turn_until(std::uint32_t buttons, const auto& holds) {
+    for (int n = 0; n < 3000 && !holds(); ++n) turn(buttons);
+    return holds();
+  }
+  bool is_whole() const { return store_.has_begun() && std::isinf(store_.known_radius(Vec3::Zero())); }
+  bool is_empty() const { return store_.has_begun() && store_.make_piece(Vec3::Zero(), 1.0, 1000).triangles == 0; }
+  void touch() {
+    for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
+    ASSERT_EQ(object_, 1);
+  }
+
+  PatchSender patches_{two_boxes_of_loop(), 0.0, 42, true, {.bits_per_s = 1e8, .least_reach_m = 1.0}};
+  HeldTool tool_{
+      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})};
+  std::uint32_t request_ = 5;
+};
+
+TEST_F(WithdrawnPartsTest, AnObjectIsPickedUpOnceTheHubHasConfirmedThatItHasNoParts) {
+  touch();
+  ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
+  turn(1);
+  ASSERT_TRUE(link_.orders.take());
+  for (int n = 0; n < 50; ++n) turn(1);
+  EXPECT_FALSE(is_empty()) << "it may turn out that it cannot be picked up";
+  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  // The hub gets the epoch without parts, and what it says of that is lost.
+  for (int n = 0; n < 2000 && !is_empty(); ++n) {
+    exchange({0.0, 0.0, 0.0095}, 1);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  ASSERT_TRUE(is_empty());
+  for (int n = 0; n < 50; ++n) exchange({0.0, 0.0, 0.0095}, 1);
+  EXPECT_FALSE(step_.holds_tool());
+  EXPECT_FALSE(pose_.is_held);
+  EXPECT_EQ(object_, 1) << "and is felt where it lies";
+  ASSERT_TRUE(turn_until(1, [&] { return step_.holds_tool(); }));
+  for (int n = 0; n < 50; ++n) turn(1);
+  EXPECT_TRUE(is_empty());
+}
+
+// It takes parts of the old place for those of the new one if they come late.
+TEST_F(WithdrawnPartsTest, AnOlderHubGetsNoParts) {
+  request_ = 0;
+  touch();
+  const std::string log = log_of([&] {
+    ASSERT_TRUE(turn_until(0, [&] { return is_empty(); }));
+    for (int n = 0; n < 100; ++n) turn(0);
+  });
+  EXPECT_NE(log.find("objects of the scene are movable, and io_node is of an older version"), std::string::npos) << log;
+  EXPECT_TRUE(is_empty());
+  turn(1);
+  ASSERT_TRUE(link_.orders.take());
+  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  turn(1);
+  turn(1);
+  EXPECT_TRUE(step_.holds_tool()) << "without waiting";
+}
+
+TEST_F(WithdrawnPartsTest, AnOlderHubGetsNoPartsBeforeTheFirstSampleEither) {
+  request_ = 0;
+  for (int n = 0; n < 300; ++n) {
+    send_status();
+    turn_without_sample();
+    ASSERT_FALSE(store_.has_begun() && !is_empty()) << n;
+  }
+  EXPECT_TRUE(store_.has_begun());
+}
+
+TEST_F(WithdrawnPartsTest, PartsAreWithdrawnWithoutWaitingForASample) {
+  touch();
+  ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
+  turn(1);
+  ASSERT_TRUE(link_.orders.take());
+  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  for (int n = 0; n < 2000 && !is_empty(); ++n) turn_without_sample();
+  ASSERT_TRUE(is_empty());
+  EXPECT_FALSE(step_.holds_tool());
+  send_status();
+  exchange({0.0, 0.0, 0.0095}, 1);
+  EXPECT_TRUE(step_.holds_tool());
+}
+
+// As with remote force, which it is: the loop has the round trip in it, and a move need not be known to the hub before it begins.
+TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
+  const auto advice = [&](std::uint32_t buttons) {
+    return log_of([&] {
+      StiffnessAdviser adviser({.stiffness_n_per_m = 1e6});
+      loop_.set_stiffness_adviser(&adviser);
+      for (int n = 0; n < 5; ++n) {
+        send(LoopFacts{.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F});
+        turn(buttons);
+      }
+      const std::uint64_t before = adviser.looks();
+      for (int n = 0; n < 6000 && adviser.looks() < before + 2; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      loop_.set_stiffness_adviser(nullptr);
+    });
+  };
+  touch();
+  ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
+  EXPECT_EQ(advice(0).find("stiffness"), std::string::npos);
+  EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0);
+  turn(1);
+  ASSERT_TRUE(link_.orders.take());
+  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  loop_.turn(clock_.now_ns() + kMs);
+  EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0) << "the hub has not confirmed yet that it has none";
+  ASSERT_TRUE(turn_until(1, [&] { return step_.holds_tool(); }));
+  EXPECT_EQ(patches_.find_lead_ns(clock_.now_ns()), 0);
+  EXPECT_NE(advice(1).find("stiffness"), std::string::npos);
 }
 
 }  // namespace

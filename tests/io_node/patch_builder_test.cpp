@@ -95,10 +95,16 @@ TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
   stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clears = 1});
   stage.time_ns += kMs;
   EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
-  ASSERT_TRUE(stage.builder.clear());
   EXPECT_TRUE(stage.step_until([&](const auto&) {
     (void)stage.builder.take_status();
-    return stage.builder.status().epoch == 0U;
+    return stage.builder.status().epoch == kEpoch;
+  }));
+  ASSERT_TRUE(stage.builder.clear());
+  EXPECT_EQ(stage.builder.status().epoch, 0U) << "at once: the next haptics node may have an epoch of that number";
+  EXPECT_TRUE(stage.step_until([&](const auto&) {
+    const bool is_new = stage.builder.take_status();
+    EXPECT_EQ(stage.builder.status().epoch, 0U);
+    return is_new;
   }));
   // Another haptics node, whose epochs start again.
   stage.send_all(1);

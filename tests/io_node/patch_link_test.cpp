@@ -7,6 +7,7 @@
 
 #include "core/force/force_method.h"
 #include "tests/io_node/servo_fixture.h"
+#include "tests/support/allocation_guard.h"
 #include "tests/support/made_scene.h"
 #include "tests/support/patience.h"
 
@@ -331,6 +332,163 @@ TEST_F(PatchLinks, PartsThatWereNotRequestedAreDropped) {
   run(100);
   EXPECT_EQ(link->builder_counts().store.parts, 0U);
   EXPECT_EQ(link->builder_counts().store.rejected, 0U);
+}
+
+// What the builder has taken of it, once it has caught up.
+struct PatchRequests : PatchLinks {
+  std::uint32_t request() const { return patch_statuses.back().second.request; }
+  std::uint64_t parts_after(const PatchBegin& begin) {
+    say(kHaptics, begin);
+    run(10);
+    EXPECT_TRUE(builder_has_caught_up());
+    return builder.counts().store.parts;
+  }
+};
+
+// Whatever was sent before the hub has dropped its parts comes too late.
+TEST_F(PatchRequests, AnEpochForAnEarlierRequestIsNotUsed) {
+  start(TouchChoice::patch);
+  ASSERT_FALSE(patch_statuses.empty());
+  const std::uint32_t before = request();
+  EXPECT_NE(before, 0U);
+  PatchBegin begin{.epoch = 1, .serial = 1, .step_m = 1e-6, .request = before};
+  EXPECT_EQ(parts_after(begin), 1U);
+  say(kHaptics, Bye{});
+  sequences.erase(kHaptics);
+  run(100);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  EXPECT_NE(request(), before);
+  ASSERT_TRUE(builder_has_caught_up());
+  begin.epoch = 7;
+  EXPECT_EQ(parts_after(begin), 1U);
+  begin.request = request();
+  EXPECT_EQ(parts_after(begin), 2U);
+  begin.epoch = 8;
+  begin.request = 0;
+  EXPECT_EQ(parts_after(begin), 3U) << "of a haptics node that knows of no requests";
+}
+
+// Otherwise a haptics node whose parts are withdrawn would wait for ever if the word that they are not wanted was lost.
+TEST_F(PatchRequests, WhoSendsPartsThatAreNotWantedGetsToKnow) {
+  start(TouchChoice::remote);
+  run(300);
+  ASSERT_TRUE(patch_statuses.empty());
+  for (int n = 0; n < 20; ++n) {
+    say(kHaptics, PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6});
+    run(5);
+  }
+  ASSERT_GE(patch_statuses.size(), 1U);
+  EXPECT_LE(patch_statuses.size(), 3U) << "not for each";
+  EXPECT_FALSE(patch_statuses.back().second.is_wanted);
+  EXPECT_EQ(patch_statuses.back().second.epoch, 0U);
+  run(100);
+  patch_statuses.clear();
+  run(500);
+  EXPECT_TRUE(patch_statuses.empty());
+}
+
+// An object was put down where the hand is. Where the haptics node had the probe before, the hand may be inside of it now.
+TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
+  device.place = Vec3(0.001, 0.002, -0.002);
+  floor_z_m = 0.0;
+  force_reply.contact = true;
+  force_reply.method_serial = 4;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  run(300);
+  // Bodies are never announced: the builder makes nothing.
+  EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(500);
+  EXPECT_EQ(stats().local_forces, 0U);
+  force_reply.method_serial = 5;
+  run(300);
+  EXPECT_GT(stats().local_forces, 250U) << "without the pause between two places of the probe";
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+  // An older epoch that comes late changes nothing.
+  say(kHaptics, PatchBegin{.epoch = 0xFFFFFFF0, .serial = 1, .step_m = 1e-6, .request = request(), .method_serial = 9});
+  const std::uint64_t before = stats().local_forces;
+  run(300);
+  EXPECT_GE(stats().local_forces, before + 299);
+  // A newer one is known to the device side at once, before the builder can make anything of it.
+  const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
+  EXPECT_TRUE(local.step(sample));
+  link->accept(PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-6, .request = request(), .method_serial = 6});
+  EXPECT_FALSE(local.step(sample));
+}
+
+// While the device side computes the force the haptics node gets 20 samples a second, but a button picks up what is touched then.
+TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
+  device.place = Vec3(0.001, 0.002, 0.002);
+  floor_z_m = 0.0;
+  device.down = 0;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  ASSERT_TRUE(builder_has_caught_up());
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  ASSERT_GT(stats().local_forces, 200U);
+  for (const std::uint32_t down : {1U, 0U, 2U}) {
+    run(7);
+    states.clear();
+    device.down = down;
+    run(3);
+    ASSERT_GE(states.size(), 1U);
+    EXPECT_EQ(states.front().buttons, down);
+    states.clear();
+    run(1000);
+    EXPECT_NEAR(static_cast<double>(states.size()), 20.0, 2.0);
+  }
+}
+
+// The first patch starts where the haptics node before had the probe, if the new one has put nothing down. Otherwise that place says
+// nothing, however many methods the one before had counted.
+TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
+  device.place = Vec3(0.001, 0.002, -0.002);
+  floor_z_m = 0.0;
+  force_reply.contact = true;
+  force_reply.method_serial = 9;
+  start(TouchChoice::patch);
+  servo->device_loop().set_local_touch(&local);
+  run(300);
+  say(kHaptics, Bye{});
+  sequences.erase(kHaptics);
+  run(300);
+  reply_delay_ns = -1;
+  join(kHaptics, NodeRole::haptics);
+  run(20);
+  ASSERT_TRUE(builder_has_caught_up());
+  EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  EXPECT_EQ(stats().local_forces, 0U);
+  reply_delay_ns = 100 * kUs;
+  force_reply.method_serial = 4;
+  run(300);
+  EXPECT_EQ(stats().local_forces, 0U);
+  force_reply.method_serial = 5;
+  run(300);
+  EXPECT_GT(stats().local_forces, 250U);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+}
+
+TEST_F(PatchRequests, ABeginningUsesNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  start(TouchChoice::patch);
+  ASSERT_TRUE(builder_has_caught_up());
+  Message message = PatchBegin{.serial = 1, .step_m = 1e-6};
+  auto& begin = std::get<PatchBegin>(message);
+  const AllocationGuard guard;
+  for (std::uint32_t n = 1; n <= 100; ++n) {
+    begin.epoch = begin.method_serial = n;
+    begin.request = n % 2 == 0 ? request() : request() + 2;
+    link->accept(message);
+  }
+  EXPECT_EQ(guard.count(), 0U);
 }
 
 }  // namespace

@@ -102,7 +102,7 @@ class RandomDatagrams {
       case 14:
         return ViewRejected{bits32()};
       case 15:
-        return PatchBegin{bits32(), bits32(), vector(), number(1e-9, 1), number(0, 1), bits(), 1 + draw_body_number()};
+        return PatchBegin{bits32(), bits32(), vector(), number(1e-9, 1), number(0, 1), bits(), 1 + draw_body_number(), bits32(), bits32()};
       case 16:
         return draw_cell();
       case 17:
@@ -298,7 +298,7 @@ class RandomDatagrams {
   }
 
   PatchStatus draw_status() {
-    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits()};
+    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits(), bits32()};
     for (std::uint8_t& byte : status.received) byte = static_cast<std::uint8_t>(bits());
     return status;
   }

@@ -158,6 +158,7 @@ class Onlooker {
     Datagram datagram;
     while (clock_.now_ns() < end_ns) {
       if (!client_.receive(datagram, clock_.now_ns() + 20 * kNanosecondsPerMillisecond)) continue;
+      if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) object_pose_ = *pose;
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
         state = *probe;
         sent_ns_ = datagram.header.send_time_ns;
@@ -182,8 +183,10 @@ class Onlooker {
   }
 
   // From then on: where the hand of a simulated device is.
-  void hold_hand(const Vec3& p_WH) { hand_ = {.active = true, .p_WH = p_WH}; }
+  void hold_hand(const Vec3& p_WH, std::uint32_t buttons = 0) { hand_ = {.active = true, .p_WH = p_WH, .buttons = buttons}; }
   void send(const Message& message) { client_.send(message); }
+  // The newest one that came, of any object.
+  const ObjectPose& object_pose() const { return object_pose_; }
 
   std::int64_t now_ns() const { return clock_.now_ns(); }
   std::int64_t sent_ns() const { return sent_ns_; }  // when the hub sent the last one seen
@@ -196,6 +199,7 @@ class Onlooker {
   HubClient client_{sealed_, clock_, NodeRole::vision, hub_};
   std::int64_t sent_ns_ = 0;
   HandTarget hand_;
+  ObjectPose object_pose_;
 };
 
 }  // namespace hapton::process

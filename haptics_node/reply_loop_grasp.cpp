@@ -1,0 +1,65 @@
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "haptics_node/reply_loop.h"
+
+// What the stylus picks up, in the loop of the haptics node.
+namespace hapton {
+namespace {
+
+constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
+
+}  // namespace
+
+// Before each step, and before anything is sent: while the hub computes the force, steps are rare. The hub has the objects where they lie:
+// one leaves its place only when the hub has dropped its parts, and the hub gets them again when those that it would get are of the scene
+// in use. An older hub, which would take parts of the old place however late they come, gets none.
+void ReplyLoop::withdraw_parts() noexcept {
+  Grasp* grasp = step_.grasp();
+  if (patches_ == nullptr || grasp == nullptr) return;
+  const bool is_leaving = grasp->is_leaving(!patches_->is_requested(hub_.session()));
+  const bool is_placed = patches_->revision() == scene_revision_;
+  const bool is_safe = patches_->has_numbered_requests();
+  patches_->set_withdrawn(is_leaving || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().methods_taken));
+  grasp->set_free(patches_->is_withdrawn(hub_.session()));
+}
+
+// The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.
+void ReplyLoop::send_poses() noexcept {
+  if (step_.grasp() == nullptr) return;
+  const std::span<const ObjectPose> poses = step_.grasp()->poses();
+  for (const ObjectPose& pose : poses) {
+    if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
+  }
+  std::size_t sent = 0;
+  for (std::size_t looked = 0; looked < poses.size() && sent < kMostPosesAgain; ++looked) {
+    const ObjectPose& pose = poses[next_pose_];
+    next_pose_ = (next_pose_ + 1) % poses.size();
+    if (pose.serial == 0) continue;
+    hub_.send(pose);
+    ++sent;
+  }
+}
+
+// What the stylus holds counts as another method, and what has moved is sent at once.
+void ReplyLoop::report_grasp() noexcept {
+  Grasp* grasp = step_.grasp();
+  if (grasp == nullptr) return;
+  if (const PlacedScene* placed = grasp->take_placed()) placed_ = placed;
+  if (placed_ != nullptr && placed_->revision == scene_revision_) {
+    describe_scene(placed_->hash, placed_->facts);
+    placed_ = nullptr;
+    send_setup_soon();
+  }
+  if (grasp->pose_serial() == pose_serial_) return;
+  pose_serial_ = grasp->pose_serial();
+  if (step_.holds_tool()) {
+    setup_.method = grasp->method();
+  } else if (!grasp->is_busy()) {
+    show_method(method_);
+  }
+  send_setup_soon();
+}
+
+}  // namespace hapton

@@ -1,0 +1,162 @@
+// As movable_touch_test.cpp: a hand that does not rest, and whatever else may happen while an object is picked up and put down.
+#include <chrono>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <thread>
+
+#include "tests/faults/movable_touch_stage.h"
+
+namespace hapton {
+namespace {
+
+// A vision node takes a pick-up back while the hand presses on something else: it goes on doing so.
+TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
+  const Vec3 on_plate(-0.03, -0.03, -0.002);
+  for (const int delay_ms : {6, 30, -30}) {
+    SCOPED_TRACE(delay_ms);
+    // The reply to the first sample after the hub has dropped its parts is late: until then the hub has confirmed that.
+    builds_on_approach = delay_ms < 0;
+    moved = Vec3::Zero();
+    checked = 0;
+    ASSERT_NO_FATAL_FAILURE(press(170, {.delay_ns = std::abs(delay_ms) * kMs}));
+    system->device.led = kPressed + Vec3(0, 0, 0.03);
+    system->run_for_ns(800 * kMs);
+    system->device.led = on_plate + Vec3(0, 0, 0.03);
+    system->run_for_ns(2000 * kMs);
+    system->device.led = on_plate;
+    system->run_for_ns(1500 * kMs);
+    ASSERT_TRUE(system->wait_for_patches());
+    ASSERT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
+    const auto vision = system->make_vision(1);
+    system->run_for_ns(200 * kMs);
+    const std::uint32_t serial = grasp().poses()[kBlock].serial;
+    vision->send(ObjectPose{.serial = serial, .object = kBlock, .p_m = kCarried});
+    ASSERT_TRUE(system->wait_until([&] { return grasp().poses()[kBlock].serial != serial && !grasp().is_busy(); }));
+    checked = system->touched.size();
+    ASSERT_TRUE(system->wait_for_patches());
+    system->run_for_ns(300 * kMs);
+    EXPECT_TRUE(system->touched.back().force.contact);
+    EXPECT_EQ(system->touched.back().force.object, 0);
+    EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
+    EXPECT_NEAR(system->force_n().z(), 2.0, 1e-3);
+  }
+}
+
+// The hand goes on into the object that it has released. It is held from where it touched the object, if it stays within a resume's reach
+// of that; otherwise it begins inside, without a force, whoever computes it.
+TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
+  for (const TouchChoice choice : {TouchChoice::remote, TouchChoice::patch}) {
+    for (const double deep_m : {0.004, 0.9 * kResumeReachM, 1.2 * kResumeReachM}) {
+      SCOPED_TRACE(std::to_string(deep_m) + (choice == TouchChoice::remote ? " m, remote" : " m, from patches"));
+      moved = Vec3::Zero();
+      checked = 0;
+      ASSERT_NO_FATAL_FAILURE(press(171, choice == TouchChoice::remote ? LinkFaults{} : kFar, choice));
+      ASSERT_NO_FATAL_FAILURE(pick_up());
+      carry(kPressed + Vec3(0, 0, 0.03));
+      // The pose of the object comes from a thread of its own.
+      int turns = 0;
+      (void)system->wait_until([&] { return ++turns > 50; });
+      // At 1 m/s down, then to that depth in the object; the button is released on the way.
+      system->device.led_m = 1e-3;
+      system->device.led = kPressed + Vec3(0, 0, -0.02);
+      system->run_for_ns(5 * kMs);
+      system->device.buttons = 0;
+      while (grasp().tool() != nullptr) system->run_for_ns(kMs);
+      moved = grasp().poses()[kBlock].p_m;
+      const double below_m = deep_m - 0.002;
+      system->device.led = kPressed + moved - Vec3(0, 0, below_m);
+      system->run_for_ns(200 * kMs);
+      const bool is_held = deep_m < kResumeReachM;
+      // The scene may be there before the hand is, on a machine that stands still meanwhile: then that is not known.
+      if (!is_held && !grasp().is_busy()) continue;
+      ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
+      if (choice == TouchChoice::patch) {
+        ASSERT_TRUE(system->wait_for_patches());
+      }
+      system->run_for_ns(300 * kMs);
+      const double wanted_n = kBlockStiffness * deep_m;
+      if (wanted_n < 5.0 || !is_held) {
+        EXPECT_NEAR(system->force_n().z(), is_held ? wanted_n : 0.0, 1e-3);
+      }
+      EXPECT_EQ(system->force_n().z() > 1.0, is_held);
+      if (choice == TouchChoice::patch) {
+        EXPECT_EQ(system->touched.back().force.contact, is_held);
+      }
+    }
+  }
+}
+
+// Whatever happens while an object is picked up and put down, again and again: no force from where it is not, and in the end all is felt.
+TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
+  const std::uint64_t first = 17300;
+  for (std::uint64_t seed = first; seed < first + 2; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const auto draw = [&](int most) { return static_cast<int>(random() % static_cast<std::uint64_t>(most)); };
+    moved = Vec3::Zero();
+    checked = 0;
+    const LinkFaults bad{.delay_ns = (5 + draw(60)) * kMs, .jitter_ns = draw(40) * kMs, .loss = 0.01 * draw(30), .duplicate = 0.3};
+    ASSERT_NO_FATAL_FAILURE(press(seed, bad));
+    // By the sample: what is held, or not built yet where it was put down, is felt from no patch.
+    const auto watch = [&](int ms) {
+      for (; ms > 0 && !testing::Test::HasFailure(); ms -= 2) {
+        system->run_for_ns(2 * kMs);
+        if (system->haptics == nullptr) continue;
+        if (grasp().tool() != nullptr || grasp().is_waiting()) {
+          EXPECT_EQ(system->touched.size(), checked) << "it is not there";
+        }
+        moved = grasp().poses()[kBlock].is_held ? moved : grasp().poses()[kBlock].p_m;
+        (void)expect_block();
+        std::this_thread::sleep_for(std::chrono::microseconds(500));
+      }
+    };
+    for (int n = 0; n < 25 && !testing::Test::HasFailure(); ++n) {
+      switch (draw(8)) {
+        case 0:
+          system->set_faults({.loss = 1.0}, {.loss = draw(2) == 0 ? 1.0 : 0.3});
+          watch(draw(250));
+          system->set_faults(bad, bad);
+          break;
+        case 1:
+          system->start_hub();
+          break;
+        case 2:
+          // A haptics node that is started again has the scene as its file says.
+          watch(1500 * draw(2));
+          system->device.buttons = 0;
+          system->device.led = kPressed + Vec3(0, 0, 0.03);
+          watch(1500);
+          system->kill_haptics();
+          system->run_for_ns(draw(300) * kMs);
+          checked = system->touched.size();
+          moved = Vec3::Zero();
+          system->start_haptics();
+          system->device.led = kPressed;
+          watch(1500);
+          break;
+        case 3:
+          system->device.led = kPressed + moved + Vec3(0.001 * (draw(9) - 4), 0.001 * (draw(9) - 4), 0.0);
+          break;
+        default:
+          system->device.buttons ^= 1U;
+      }
+      watch(draw(draw(2) == 0 ? 400 : 60));
+    }
+    system->set_faults(kFar, kFar);
+    system->device.buttons = 0;
+    system->run_for_ns(500 * kMs);
+    ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
+    moved = grasp().poses()[kBlock].p_m;
+    system->device.led = kPressed + moved + Vec3(0, 0, 0.03);
+    ASSERT_TRUE(system->wait_for_patches());
+    for (int n = 0; n < 15; ++n) watch(100);
+    lead(kPressed + moved);
+    ASSERT_TRUE(system->wait_for_patches());
+    EXPECT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
+    EXPECT_EQ(system->touched.back().force.object, kBlock);
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,201 @@
+// Nothing leaves its place while somebody else computes forces with it there (Grasp::set_free).
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/haptics_node/grasp_stage.h"
+
+namespace hapton {
+namespace {
+
+struct GraspWithdrawalTest : GraspTaskTest {
+  GraspWithdrawalTest() {
+    reply(at, 0);
+    EXPECT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
+  }
+  // The hub has computed the force until now, and had the probe there.
+  void resume_at(const Vec3& p_WP, std::uint32_t buttons) {
+    ++sample;
+    step->offer({.sample = sample,
+                 .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000,
+                 .p_WD = at,
+                 .buttons = buttons,
+                 .is_resumed = true,
+                 .p_WP = p_WP});
+    last = step->reply();
+    task->run_once();
+    take_method();
+  }
+  void press_on_plate() {
+    go({0.0, 0.0, 0.05}, 0);
+    go({-0.08, 0.0, 0.05}, 0);
+    EXPECT_EQ(go({-0.08, 0.0, -kPress}, 0).object, 0);
+  }
+};
+
+TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
+  EXPECT_FALSE(grasp->is_leaving(true));
+  grasp->set_free(false);
+  reply(at, 1);
+  EXPECT_TRUE(grasp->is_leaving(true)) << "it has been requested";
+  rest(1, 200);
+  EXPECT_TRUE(grasp->is_leaving(false)) << "its tool is made";
+  EXPECT_FALSE(step->holds_tool());
+  EXPECT_FALSE(grasp->poses()[kCube].is_held);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  EXPECT_EQ(last.object, kCube);
+  grasp->set_free(true);
+  reply(at, 1);
+  EXPECT_TRUE(step->holds_tool());
+  EXPECT_TRUE(grasp->poses()[kCube].is_held);
+  EXPECT_TRUE(grasp->is_leaving(false));
+  rest(1, 200);
+  EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02);
+  waits = true;
+  rest(0, 100);
+  EXPECT_TRUE(grasp->is_leaving(false)) << "it is not felt yet where it was put down";
+  waits = false;
+  wait_for_method(1);
+  EXPECT_FALSE(grasp->is_leaving(true));
+}
+
+TEST_F(GraspWithdrawalTest, WhoReleasesTheButtonMeanwhileMovesNothing) {
+  const std::uint32_t serial = grasp->poses()[kCube].serial;
+  grasp->set_free(false);
+  rest(1, 200);
+  rest(0, 5);
+  EXPECT_FALSE(grasp->is_leaving(true));
+  grasp->set_free(true);
+  rest(0, 100);
+  EXPECT_FALSE(step->holds_tool());
+  EXPECT_EQ(grasp->poses()[kCube].serial, serial);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+  // And the next time it is picked up.
+  rest(1, 200);
+  EXPECT_TRUE(step->holds_tool());
+}
+
+TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
+  go({0.0, 0.0, 0.05}, 0);
+  const ObjectPose pose = {.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)};
+  grasp->set_free(false);
+  EXPECT_FALSE(grasp->is_leaving(true));
+  grasp->request(pose);
+  EXPECT_TRUE(grasp->is_leaving(false));
+  rest(0, 100);
+  EXPECT_EQ(grasp->poses()[kCube].p_m, Vec3(Vec3::Zero()));
+  EXPECT_TRUE(grasp->is_leaving(false)) << "without being repeated";
+  EXPECT_FALSE(grasp->is_busy());
+  grasp->set_free(true);
+  rest(0, 1);
+  EXPECT_EQ(grasp->poses()[kCube].p_m, pose.p_m);
+  wait_for_method(1);
+  EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  grasp->set_free(false);
+  grasp->request(pose);
+  EXPECT_FALSE(grasp->is_leaving(true)) << "that pose is not the newest any more";
+}
+
+// Once the hub has no parts any more, it asks to go on from its probe. What waited for that must not leave before that probe is known.
+TEST_F(GraspWithdrawalTest, WhatLeavesAsTheProbeBeginsAnewTakesNoContactAway) {
+  press_on_plate();
+  grasp->set_free(false);
+  grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)});
+  reply(at, 0);
+  grasp->set_free(true);
+  resume_at({-0.08, 0.0, 0.0}, 0);
+  EXPECT_TRUE(last.contact);
+  rest(0, 1);
+  EXPECT_NEAR(grasp->poses()[kCube].p_m.x(), 0.03, 0.0);
+  wait_for_method(1);
+  rest(0, 200);
+  EXPECT_EQ(last.object, 0) << "the hand stays on the plate";
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
+TEST_F(GraspWithdrawalTest, AButtonPressedAsTheProbeBeginsAnewCounts) {
+  resume_at({0.0, 0.0, 0.021}, 1);
+  rest(1, 200);
+  EXPECT_TRUE(step->holds_tool());
+  rest(0, 5);
+  wait_for_method(1);
+  // But not one that was down before.
+  step->restart();
+  resume_at({0.0, 0.0, 0.021}, 0);
+  rest(1, 5);
+  rest(0, 5);
+  EXPECT_FALSE(step->holds_tool());
+  rest(1, 200);
+  EXPECT_TRUE(step->holds_tool()) << "released and pressed again";
+}
+
+// Another session of the hub begins, and the first sample of it has no reply yet, when the scene with the object is there.
+TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContact) {
+  rest(1, 200);
+  ASSERT_TRUE(step->holds_tool());
+  waits = true;
+  rest(0, 10);
+  step->resume();
+  waits = false;
+  for (int n = 0; n < 30'000 && methods == 0; ++n) {
+    task->run_once();
+    take_method();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(methods, 1);
+  rest(0, 200);
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
+// It would come after the hand, through whatever is in between.
+TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
+  const Vec3 first = at;
+  for (const bool is_free : {false, true}) {
+    SCOPED_TRACE(is_free);
+    const std::uint32_t serial = grasp->poses()[kCube].serial;
+    grasp->set_free(is_free);
+    for (const double gone_m : {0.9 * kResumeReachM, 1.1 * kResumeReachM}) {
+      SCOPED_TRACE(gone_m);
+      const Vec3 pressed = first + grasp->poses()[kCube].p_m;
+      // Pressed before the tool is made, whether somebody has parts or not.
+      const auto sample_at = [&](const Vec3& p, std::uint32_t buttons) {
+        step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .buttons = buttons});
+        last = step->reply();
+      };
+      sample_at(pressed, 1);
+      for (int n = 1; n <= 400; ++n) sample_at(pressed + Vec3(0.0, 0.0, gone_m * n / 400), 1);
+      at = pressed + Vec3(0.0, 0.0, gone_m);
+      grasp->set_free(true);
+      for (int n = 0; n < 200; ++n) reply(at, 1);
+      EXPECT_EQ(step->holds_tool(), gone_m < kResumeReachM);
+      if (gone_m < kResumeReachM) {
+        const int before = methods;
+        rest(0, 5);
+        wait_for_method(before + 1);
+        go(first + grasp->poses()[kCube].p_m, 0);
+        ASSERT_EQ(last.object, kCube);
+      } else {
+        EXPECT_FALSE(grasp->is_busy());
+        EXPECT_FALSE(grasp->is_leaving(true)) << "the parts may be sent again";
+        rest(0, 5);
+        go(pressed, 0);
+      }
+    }
+    EXPECT_GT(grasp->poses()[kCube].serial, serial);
+  }
+}
+
+// Nobody needs to wait for the next sample for that: while the hub computes the force there are few.
+TEST_F(GraspWithdrawalTest, AToolThatIsMadeIsKnownBetweenSamples) {
+  grasp->set_free(false);
+  step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
+  step->reply();
+  EXPECT_FALSE(grasp->is_leaving(false));
+  for (int n = 0; n < 5; ++n) task->run_once();
+  EXPECT_TRUE(grasp->is_leaving(false));
+}
+
+}  // namespace
+}  // namespace hapton
