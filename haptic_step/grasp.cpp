@@ -90,8 +90,17 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
 }
 
 bool Grasp::is_leaving(bool is_early) noexcept {
+  was_early_ = phase_ == Phase::asked && (was_early_ || is_early);
   if (phase_ == Phase::idle) return requested_ && may_move(*requested_);
-  return phase_ != Phase::asked || is_early || has_tool();
+  return phase_ != Phase::asked || was_early_ || has_tool();
+}
+
+// A button that was released here may be pressed again in the next sample, of which update() would not know: it lets go.
+void Grasp::wait_a_sample(const DeviceState& state) noexcept {
+  was_down_ = was_down_ && is_down(state);
+  if (phase_ != Phase::asked || is_down(state)) return;
+  send(GraspOrder::Kind::let_go);
+  phase_ = Phase::idle;
 }
 
 // To the last order.
@@ -133,6 +142,7 @@ void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const 
   order_.object = object;
   order_.moved = before_ = moved_[static_cast<std::size_t>(object)];
   note_stylus(state, X_WS, visual_offset_m);
+  was_early_ = false;
   send(GraspOrder::Kind::pick_up);
   phase_ = Phase::asked;
 }

@@ -77,7 +77,7 @@ class Grasp {
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
   // In place of update() where no sample was before: what is touched is not known yet. Everything waits for the next sample, also a button
   // that is pressed in this one.
-  void wait_a_sample(const DeviceState& state) noexcept { was_down_ = was_down_ && is_down(state); }
+  void wait_a_sample(const DeviceState& state) noexcept;
 
   // What the stylus holds; null: nothing.
   HeldTool* tool() const noexcept { return tool_; }
@@ -128,7 +128,8 @@ class Grasp {
   std::uint32_t buttons_;
   Phase phase_ = Phase::idle;
   bool is_free_ = true;
-  bool was_down_ = true;  // a button held down since before the start picks up nothing
+  bool was_early_ = false;  // is_leaving() was since the button was pressed
+  bool was_down_ = true;    // a button held down since before the start picks up nothing
   GraspOrder order_;
   HeldTool* tool_ = nullptr;
   Vec3 p_DP_ = Vec3::Zero();      // the probe on the object when it was picked up, frame of the stylus

@@ -305,6 +305,8 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     if (touch_->has_sculpture()) settling.buttons = 0;
     const TouchOutput settled = touch_->step(settling);
     touch_->follow_hand(*touch);
+    // A session may end, or another object leave, before the next sample: the contact is to go on from here.
+    if (put_down && tool_ == nullptr) output_ = settled;
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
     if (was_held || output_.contact || fade_.is_felt() || settled.contact) fade_.begin();

@@ -31,7 +31,8 @@ class GraspTask {
     double rotational_stiffness_nm_per_rad = 0.0;   // 0: derived from the object's size
     int threads = 1;                                // that share the search for contacts
     std::optional<double> shading_crease_rad = {};  // of the method, as ProxyMethod has it
-    // Called after the scene is in use again: with what is felt now, coupled, and NewScene::revision.
+    // Called once the scene is built; the step may have it before or after that. With the scene, coupled, and NewScene::revision, by which
+    // that is known.
     std::function<void(const TouchScene&, std::uint32_t)> on_scene = {};
   };
 
@@ -72,6 +73,7 @@ class GraspTask {
   std::unique_ptr<HeldTool> tool_;  // the step holds it until it orders something else
   std::uint32_t revision_ = 0;
   SceneDescriber describer_;
+  std::uint32_t last_order_ = 0;  // serial
   LatencyHistogram pose_times_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

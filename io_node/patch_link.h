@@ -20,12 +20,12 @@ namespace hapton {
 // The remote force goes on until a patch reaches the hand, and where patches start again. Meanwhile the device side is notified again and
 // again where the haptics node has the probe: the first patch takes over from there. Parts that came before they were wanted again are not
 // used: the haptics node may have another scene by then. The force without any datagram of haptics ends
-// kAloneNs after the last one. Of a scene that moves, the device side also gets the moves of objects as they are announced, and with each
-// status the haptics node gets to know which have come.
+// kAloneNs after the last one. Of a scene that moves, the device side also gets the moves of objects as they are announced, and each
+// status tells the haptics node which have come.
 //
 // An epoch replies to one request: after the parts were dropped, one that was made before is not used any more, however late it comes
 // (PatchStatus::request). Where an object was put down, the first patch waits for the probe as a haptics node has it that knows of that
-// (PatchBegin::method_serial). A haptics node that sends a beginning where parts are not wanted gets to know that. Units: ns of the hub's
+// (PatchBegin::method_serial). A haptics node that sends a beginning where parts are not wanted is told so. Units: ns of the hub's
 // clock. RT: yes. Threads: the servo's.
 class PatchLink {
  public:

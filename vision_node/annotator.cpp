@@ -22,7 +22,7 @@ namespace {
 
 // A datagram may be lost; a scene that is being built again takes longer than that.
 constexpr std::int64_t kRequestEveryNs = 100'000'000;
-constexpr std::int64_t kRequestTimeoutNs = 2'000'000'000;
+constexpr std::int64_t kRequestTimeoutNs = 10'000'000'000;  // two round trips of the slowest network, with loss, until it is moved
 // Of carves: material is put back in a fraction of a second, after a million carves in some ten.
 constexpr std::int64_t kUndoTimeoutNs = 20'000'000'000;
 

@@ -53,7 +53,7 @@ struct MovableTouch : testing::Test {
     system->scene = block_over_plate();
     system->builds_on_approach = builds_on_approach;
     system->start_haptics();
-    // While the hand is above: who begins inside has no contact.
+    // While the hand is above: one that begins inside has no contact.
     for (int n = 0; builds_on_approach && n < 80 && system->stats().forces == 0; ++n) {
       system->run_for_ns(kMs);
       std::this_thread::sleep_for(std::chrono::milliseconds(10));

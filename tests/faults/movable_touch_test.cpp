@@ -55,7 +55,7 @@ TEST_F(MovableTouch, AShortPressMovesNothing) {
   }
 }
 
-// The hub is started again while the object is held, and while it is about to be picked up: it gets to know of the new place only.
+// The hub is started again while the object is held, and while it is about to be picked up: it is told of the new place only.
 TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
   for (const int after_ms : {0, 20, 50, 80, 300}) {
     SCOPED_TRACE(after_ms);

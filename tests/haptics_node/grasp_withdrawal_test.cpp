@@ -60,7 +60,7 @@ TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
   EXPECT_FALSE(grasp->is_leaving(true));
 }
 
-TEST_F(GraspWithdrawalTest, WhoReleasesTheButtonMeanwhileMovesNothing) {
+TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
   const std::uint32_t serial = grasp->poses()[kCube].serial;
   grasp->set_free(false);
   rest(1, 200);
@@ -144,6 +144,23 @@ TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContac
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   ASSERT_EQ(methods, 1);
+  rest(0, 200);
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
+// The other order: the scene is there, and the session ends before a sample of it has come.
+TEST_F(GraspWithdrawalTest, ASessionThatEndsRightAfterAPutDownKeepsTheContact) {
+  rest(1, 200);
+  ASSERT_TRUE(step->holds_tool());
+  rest(0, 1);
+  for (int n = 0; n < 30'000 && methods == 0; ++n) {
+    task->run_once();
+    take_method();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(methods, 1);
+  step->resume();
   rest(0, 200);
   EXPECT_EQ(last.object, kCube);
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);

@@ -370,7 +370,7 @@ TEST_F(PatchRequests, AnEpochForAnEarlierRequestIsNotUsed) {
 }
 
 // Otherwise a haptics node whose parts are withdrawn would wait for ever if the word that they are not wanted was lost.
-TEST_F(PatchRequests, WhoSendsPartsThatAreNotWantedGetsToKnow) {
+TEST_F(PatchRequests, ASenderOfUnwantedPartsIsNotified) {
   start(TouchChoice::remote);
   run(300);
   ASSERT_TRUE(patch_statuses.empty());
