@@ -166,86 +166,56 @@ InfoJson to_list(const std::vector<Spec>& specs) {
 InfoJson object_to_json(const SceneReport& report, std::size_t i) {
   const SceneObject& object = report.scene.objects[i];
   const MeshTopology& t = report.flaws[i].topology;
-  const Vec3 size = t.highest - t.lowest;
-  const Vec3 middle = 0.5 * (t.lowest + t.highest);
-  fmt::format_to(std::back_inserter(text),
-                 "{:<20} {:>8} triangles, {:.4g} x {:.4g} x {:.4g} m around ({:.4g}, {:.4g}, {:.4g}), {:.6g} N/m, friction {:.3g} / "
-                 "{:.3g}{}\n{:<20} {}\n",
-                 printable(object.name, kLongestShownName), t.triangles, size.x(), size.y(), size.z(), middle.x(), middle.y(), middle.z(),
-                 object.material.stiffness_n_per_m, object.material.friction_static, object.material.friction_dynamic,
-                 describe_mover(object), "", to_text(report.flaws[i]));
-  if (const auto effects = names_of(object.effects); !effects.empty()) {
-    fmt::format_to(std::back_inserter(text), "{:<20} effects: {}\n", "", fmt::join(effects, ", "));
-  }
-  if (object.motion != nullptr) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_motion(*object.motion));
-  if (object.deformation != nullptr) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_deformation(*object.deformation));
-  if (object.sculpt) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", describe_sculpt(*object.sculpt));
-  if (object.sealed.is_worth_a_note()) fmt::format_to(std::back_inserter(text), "{:<20} {}\n", "", object.sealed.describe());
+  return {{"name", object.name},
+          {"triangles", t.triangles},
+          {"vertices", t.vertices},
+          {"closed", t.is_closed()},
+          {"sealed",
+           {{"welded_vertices", object.sealed.welded_vertices},
+            {"split_triangles", object.sealed.split_triangles},
+            {"zipped_edges", object.sealed.zipped_edges},
+            {"widest_gap_m", object.sealed.widest_gap},
+            {"tolerance_m", object.sealed.tolerance},
+            {"boundary_edges", object.sealed.boundary_edges},
+            {"boundary_edges_left", object.sealed.boundary_edges_left},
+            {"unsealed_edges", object.sealed.unsealed_edges},
+            {"widest_unsealed_m", object.sealed.widest_unsealed}}},
+          {"open_border_edges", report.flaws[i].borders.open},
+          {"crack_edges", report.flaws[i].borders.cracks},
+          {"widest_crack_m", report.flaws[i].borders.widest_crack},
+          {"crack_edges_all_counted", !report.flaws[i].borders.has_given_up},
+          {"closed_bodies", report.flaws[i].bodies.count},
+          {"bodies_inside_out", report.flaws[i].bodies.inside_out},
+          {"nonmanifold_edges", t.nonmanifold_edges},
+          {"inconsistent_edges", t.inconsistent_edges},
+          {"nonmanifold_vertices", t.nonmanifold_vertices},
+          {"degenerate_triangles", t.degenerate_triangles},
+          {"needle_triangles", t.needle_triangles},
+          {"duplicate_triangles", t.duplicate_triangles},
+          {"double_faces", report.flaws[i].repair.double_faces},
+          {"authored_normals", report.flaws[i].normals.given},
+          {"authored_normals_used", report.flaws[i].normals.used},
+          {"lowest_m", to_array(t.lowest)},
+          {"highest_m", to_array(t.highest)},
+          {"stiffness_n_per_m", object.material.stiffness_n_per_m},
+          {"damping_ns_per_m", object.material.damping_ns_per_m},
+          {"friction_static", object.material.friction_static},
+          {"friction_dynamic", object.material.friction_dynamic},
+          {"two_sided", object.material.two_sided},
+          {"movable", object.is_movable},
+          {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
+          {"deformed_by", object.program_shape != nullptr ? InfoJson("program") : InfoJson()},
+          {"reach_m", object.program_shape != nullptr ? InfoJson(object.program_shape->reach_m) : InfoJson()},
+          {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
+          {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
+          {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
+          {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
+          {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
+          {"voxel_m", object.sculpt ? InfoJson(object.sculpt->voxel_m) : InfoJson()},
+          {"tool_radius_m", object.sculpt ? InfoJson(object.sculpt->tool_radius_m) : InfoJson()},
+          {"carve_button", object.sculpt ? InfoJson(1 + std::countr_zero(object.sculpt->button)) : InfoJson()},
+          {"effects", names_of(object.effects)}};
 }
-for (const SceneEffect& effect : report.scene.effects) {
-  fmt::format_to(std::back_inserter(text), "effect {}: {}, at most {:.3g} N{}\n", effect.name, name_of(passivity_of(effect)),
-                 bound_of(effect.effect), effect.on.button == 0 ? "" : fmt::format(", by button {}", button_number(effect)));
-}
-text += describe_setting(report);
-for (const std::string& note : report.scene.notes) text += "note: " + note + "\n";
-return text;
-}  // namespace
-
-std::string to_json(const SceneReport& report) {
-  InfoJson objects = InfoJson::array();
-  for (std::size_t i = 0; i < report.flaws.size(); ++i) {
-    const SceneObject& object = report.scene.objects[i];
-    const MeshTopology& t = report.flaws[i].topology;
-    return {{"name", object.name},
-            {"triangles", t.triangles},
-            {"vertices", t.vertices},
-            {"closed", t.is_closed()},
-            {"sealed",
-             {{"welded_vertices", object.sealed.welded_vertices},
-              {"split_triangles", object.sealed.split_triangles},
-              {"zipped_edges", object.sealed.zipped_edges},
-              {"widest_gap_m", object.sealed.widest_gap},
-              {"tolerance_m", object.sealed.tolerance},
-              {"boundary_edges", object.sealed.boundary_edges},
-              {"boundary_edges_left", object.sealed.boundary_edges_left},
-              {"unsealed_edges", object.sealed.unsealed_edges},
-              {"widest_unsealed_m", object.sealed.widest_unsealed}}},
-            {"open_border_edges", report.flaws[i].borders.open},
-            {"crack_edges", report.flaws[i].borders.cracks},
-            {"widest_crack_m", report.flaws[i].borders.widest_crack},
-            {"crack_edges_all_counted", !report.flaws[i].borders.has_given_up},
-            {"closed_bodies", report.flaws[i].bodies.count},
-            {"bodies_inside_out", report.flaws[i].bodies.inside_out},
-            {"nonmanifold_edges", t.nonmanifold_edges},
-            {"inconsistent_edges", t.inconsistent_edges},
-            {"nonmanifold_vertices", t.nonmanifold_vertices},
-            {"degenerate_triangles", t.degenerate_triangles},
-            {"needle_triangles", t.needle_triangles},
-            {"duplicate_triangles", t.duplicate_triangles},
-            {"double_faces", report.flaws[i].repair.double_faces},
-            {"authored_normals", report.flaws[i].normals.given},
-            {"authored_normals_used", report.flaws[i].normals.used},
-            {"lowest_m", to_array(t.lowest)},
-            {"highest_m", to_array(t.highest)},
-            {"stiffness_n_per_m", object.material.stiffness_n_per_m},
-            {"damping_ns_per_m", object.material.damping_ns_per_m},
-            {"friction_static", object.material.friction_static},
-            {"friction_dynamic", object.material.friction_dynamic},
-            {"two_sided", object.material.two_sided},
-            {"movable", object.is_movable},
-            {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
-            {"deformed_by", object.program_shape != nullptr ? InfoJson("program") : InfoJson()},
-            {"reach_m", object.program_shape != nullptr ? InfoJson(object.program_shape->reach_m) : InfoJson()},
-            {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
-            {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
-            {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
-            {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
-            {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
-            {"voxel_m", object.sculpt ? InfoJson(object.sculpt->voxel_m) : InfoJson()},
-            {"tool_radius_m", object.sculpt ? InfoJson(object.sculpt->tool_radius_m) : InfoJson()},
-            {"carve_button", object.sculpt ? InfoJson(1 + std::countr_zero(object.sculpt->button)) : InfoJson()},
-            {"effects", names_of(object.effects)}};
-  }
 
 }  // namespace
 
