@@ -42,7 +42,7 @@ struct MethodOutput {
 };
 
 // What carved bodies add to force and position of the proxy of a step. Frame: S.
-struct BodyForce {
+struct BodyPush {
   Vec3 force_n = Vec3::Zero();
   Vec3 extension_m = Vec3::Zero();
 };
@@ -80,7 +80,7 @@ class ForceMethod {
   virtual std::span<const Material> drag_left_out() const noexcept { return {}; }
 
   // Of the last step, if MethodOutput::object is another object: effects of its surface do not act on this part. RT: yes.
-  virtual BodyForce body_force() const noexcept { return {}; }
+  virtual BodyPush body_push() const noexcept { return {}; }
 
   // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
   // it its own, if they are the same at rest; otherwise it does nothing.

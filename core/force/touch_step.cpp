@@ -127,7 +127,7 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
   if (!knows_drag_) take_drag();
   note_scene(input);
   MethodOutput own = result;
-  const BodyForce body = method_->body_force();
+  const BodyPush body = method_->body_push();
   const bool has_body = !body.force_n.isZero(0.0) || !body.extension_m.isZero(0.0);
   if (has_body) [[unlikely]] {
     own.force_n -= body.force_n;

@@ -77,7 +77,7 @@ void SculptMethod::feel(std::size_t body, const MethodInput& input, MethodOutput
 
 MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
   sculpture_->begin_step();
-  body_force_ = {};
+  body_push_ = {};
   MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
   if (!input.p_SD.allFinite() || !std::isfinite(input.dt_s)) return output;
   if (!std::exchange(has_begun_, true)) {
@@ -93,7 +93,7 @@ MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
   const MethodOutput of_others = output;
   for (std::size_t body = 0; body < bodies_.size(); ++body) feel(body, input, output, most_n);
   if (of_others.object >= 0 && output.object == of_others.object)
-    body_force_ = {.force_n = output.force_n - of_others.force_n, .extension_m = output.p_SP - of_others.p_SP};
+    body_push_ = {.force_n = output.force_n - of_others.force_n, .extension_m = output.p_SP - of_others.p_SP};
   held_at_ = output.contact ? std::optional(output.p_SP) : std::nullopt;
   return output;
 }

@@ -31,7 +31,7 @@ class SculptMethod final : public ForceMethod {
   void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
   std::span<const Material> drag_left_out() const noexcept override { return left_out_; }
-  BodyForce body_force() const noexcept override { return body_force_; }
+  BodyPush body_push() const noexcept override { return body_push_; }
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;
   bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept override;
@@ -58,7 +58,7 @@ class SculptMethod final : public ForceMethod {
   std::vector<Body> bodies_;               // in the order of Sculpture::bodies()
   std::uint32_t carve_buttons_ = 0;        // those of all bodies
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();
-  BodyForce body_force_;
+  BodyPush body_push_;
   std::optional<Vec3> held_at_;  // as held_at() returns it
   bool has_begun_ = false;       // it has had a step, or a reset
 };
