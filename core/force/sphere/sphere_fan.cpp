@@ -39,9 +39,9 @@ bool SphereFollower::is_alone_with_fan(const OffsetContact& face, const Vec3& to
   if (is_known && (centre_ - fan_room_.at).norm() + least <= fan_room_.room) return true;
   const double near = clearance_.offset + 2.0 * clearance_.slop;
   const bool is_hollow = is_hollow_fan(face);
-  const double wanted = is_hollow ? clearance_.offset + 2.0 * towards.norm() : 2.0 * least;
-  if (near_.room_at(centre_) < near + wanted) {
-    if (is_hollow) gather_radius_ = std::max(gather_radius_, wanted);  // hardly more triangles of the fan, for many steps
+  const double enough = clearance_.offset + 2.0 * towards.norm();
+  if (near_.room_at(centre_) < near + (is_hollow ? enough : 2.0 * least)) {
+    gather_radius_ = std::max(gather_radius_, enough);  // hardly more triangles of the fan, for many steps
     if (!gather(is_hollow ? Vec3::Zero() : towards)) return false;
   }
   double room = near_.room_at(centre_) - near;
@@ -87,7 +87,7 @@ bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) n
 // small the angle is, and goes on over the next face with the device held. Stops, at the latest, where the sphere leaves the fan or its
 // room, or is released; events go on from there. False: that is here.
 bool SphereFollower::cross_convex_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
-  constexpr int kFacesInUnit = 2;
+  constexpr int kFacesInUnit = 4;
   if (contact_count_ != 1) return false;
   OffsetContact face = contacts_[0];
   const auto at_minimum = [&](const OffsetContact& over, const Vec3& device) {
@@ -98,7 +98,7 @@ bool SphereFollower::cross_convex_fan(const Vec3& from, const Vec3& to, double& 
   Vec3 c = centre_;
   bool settles = is_descending_;  // with the device held
   for (int n = 0; work_ <= most_work_; ++n) {
-    work_ += n % kFacesInUnit;
+    work_ += n % kFacesInUnit == 0 ? 1 : 0;
     const double height = face.normal.dot(on_path(from, to, time) - face.shape.corner(0));
     const double height_then = face.normal.dot(to - face.shape.corner(0));
     if (!(height < clearance_.offset)) break;

@@ -140,7 +140,7 @@ bool SphereFollower::goes_on(const Wall& wall, std::span<const Wall> walls, std:
   };
   bool any = false;
   for (const int slot : slots) {
-    const ContactTriangle shape = near_.shape(slot);  // others are asked for below
+    const ContactTriangle shape = near_.shape(slot);  // a copy: others are prepared in the loop
     if (!is_in_plane(shape) || !can_touch(near_.triangle(slot), shape, centre_)) continue;
     any = true;
     for (int k = 0; k < 3; ++k) {
