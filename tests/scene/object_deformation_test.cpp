@@ -136,7 +136,7 @@ TEST_F(ObjectDeformation, IsReported) {
   ASSERT_TRUE(load("", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]")));
   const auto report = make_scene_report(folder.path() / "a.toml");
   ASSERT_TRUE(report);
-  EXPECT_THAT(to_text(*report), HasSubstr("deforms by 1 morph for 1 s: 4 vertices move"));
+  EXPECT_THAT(to_text(*report), HasSubstr("deforms by 1 morph, 1 s: 4 vertices move"));
   EXPECT_THAT(to_json(*report), HasSubstr("\"morphs\": 1"));
 }
 
