@@ -1,4 +1,4 @@
-// A sphere that crosses the faces of a convex fan: thousands of triangles that meet in one vertex, as at the tip of a cone.
+// A sphere that crosses the faces of a convex or hollow fan: thousands of triangles that meet in one vertex, as at the tip of a cone.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -30,6 +30,7 @@ bool SphereFollower::is_hollow_fan(const OffsetContact& face) const noexcept {
 bool SphereFollower::is_alone_with_fan(const OffsetContact& face, const Vec3& towards) noexcept {
   constexpr double kLeastRoom = 0x1p-8;  // offsets
   constexpr int kPlanesInUnit = 4;
+  constexpr int kSlotsInUnit = 16;
   const double least = kLeastRoom * clearance_.offset;
   const int face_corner = fan_corner(face);
   const Vec3 tip = face.shape.corner(face_corner);
@@ -60,9 +61,21 @@ bool SphereFollower::is_alone_with_fan(const OffsetContact& face, const Vec3& to
       fan_planes_[static_cast<std::size_t>(planes++)] = {face.back ? Vec3(-normal) : normal, triangle};
     }
   });
-  work_ += planes / kPlanesInUnit;
+  work_ += planes / kPlanesInUnit + near_.count() / kSlotsInUnit;
   fan_room_ = {tip, centre_, room, mesh, vertex, face.back, planes};
   return room >= 2.0 * least;
+}
+
+// All contacts are with faces of the same fan, on one side. Pre: the first one is in a fan.
+bool SphereFollower::touches_one_fan() const noexcept {
+  const auto vertex_of = [&](const OffsetContact& face) {
+    return geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(fan_corner(face))];
+  };
+  const OffsetContact& first = contacts_[0];
+  return std::all_of(contacts_.begin(), contacts_.begin() + contact_count_, [&](const OffsetContact& other) {
+    return other.part == Part::face && fan_corner(other) >= 0 && other.back == first.back &&
+           geometry_.mesh_of(other.triangle) == geometry_.mesh_of(first.triangle) && vertex_of(other) == vertex_of(first);
+  });
 }
 
 // The share of a straight motion that certainly stays in the room.
@@ -75,8 +88,12 @@ double SphereFollower::share_in_fan_room(const Vec3& c, const Vec3& motion) cons
 // Follows the device over the faces of a convex or hollow fan. False: that is none, and nothing has changed.
 bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
   if (is_point_ || fan_planes_.empty() || contact_count_ == 0 || contacts_[0].part != Part::face) return false;
-  if (fan_corner(contacts_[0]) < 0 || !is_alone_with_fan(contacts_[0], to - from)) return false;
-  if (!is_hollow_fan(contacts_[0])) return cross_convex_fan(from, to, time);
+  if (fan_corner(contacts_[0]) < 0) return false;
+  const bool is_hollow = is_hollow_fan(contacts_[0]);
+  // Before what has to look at all triangles around: a wall beside the fan is in contact, too.
+  if (is_hollow ? !touches_one_fan() : contact_count_ != 1) return false;
+  if (!is_alone_with_fan(contacts_[0], to - from)) return false;
+  if (!is_hollow) return cross_convex_fan(from, to, time);
   if (cross_hollow_fan(from, to, time)) return true;
   if (fan_room_.at == centre_) return false;
   fan_room_.room = -1.0;  // there may be more room around here
@@ -88,7 +105,6 @@ bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) n
 // room, or is released; events go on from there. False: that is here.
 bool SphereFollower::cross_convex_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
   constexpr int kFacesInUnit = 4;
-  if (contact_count_ != 1) return false;
   OffsetContact face = contacts_[0];
   const auto at_minimum = [&](const OffsetContact& over, const Vec3& device) {
     return Vec3(device + (clearance_.offset - over.normal.dot(device - over.shape.corner(0))) * over.normal);
@@ -180,16 +196,12 @@ bool SphereFollower::cross_fan_edge(int edge, const Vec3& device, OffsetContact&
 // than the device: where the room ends first, a part of the motion is certainly in it, or, with the device held, the point nearest to a
 // place on the way to the device.
 bool SphereFollower::cross_hollow_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
-  for (int i = 0; i < contact_count_; ++i) {
-    const OffsetContact& other = contacts_[static_cast<std::size_t>(i)];
-    const int corner = other.part == Part::face ? fan_corner(other) : -1;
-    if (corner < 0 || other.back != fan_room_.back || geometry_.mesh_of(other.triangle) != fan_room_.mesh) return false;
-    if (geometry_.corners(other.triangle).vertices[static_cast<std::size_t>(corner)] != fan_room_.vertex) return false;
-  }
   const Vec3 device = on_path(from, to, time);
   const Vec3 rest = to - device;
   HollowPlace place;
-  if (find_in_hollow_fan(to, place)) {
+  // The device may be free on its way, so that only all of it tells where the sphere gets.
+  const bool has_room = is_descending_ || share_in_fan_room(centre_, rest) >= 1.0;
+  if (has_room && find_in_hollow_fan(to, place)) {
     move_in_hollow_fan(place, to, 1.0, false, time);
   } else if (is_descending_) {
     const double share = share_in_fan_room(centre_, device - centre_);

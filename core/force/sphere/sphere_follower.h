@@ -326,6 +326,7 @@ class SphereFollower {
   void move_to_last_level_face(const CentrePath& path, const Event& event) noexcept;
   int fan_corner(const OffsetContact& face) const noexcept;
   bool is_hollow_fan(const OffsetContact& face) const noexcept;
+  bool touches_one_fan() const noexcept;
   bool is_alone_with_fan(const OffsetContact& face, const Vec3& towards) noexcept;
   double share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept;
   bool cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "core/force/proxy/proxy_method.h"
+#include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -122,7 +123,65 @@ TEST_P(OverACone, TheBallArrivesWhereTheDeviceRests) {
   }
 }
 
+// The live node builds an object when the probe comes near: the same steps then.
+TEST_P(OverACone, BuiltOnApproachItIsTheSame) {
+  for (const double height : {0.02, -0.02}) {
+    const TouchScene scene = {.objects = {{made::shared(cone_of(GetParam(), height)), {.stiffness_n_per_m = kConeStiffness}}}};
+    const auto at_once = make_method({.name = "proxy", .probe_radius_m = kConeBall}, scene).value();
+    const auto near = make_method({.name = "proxy", .probe_radius_m = kConeBall, .build_on_approach = true}, scene).value();
+    const Vec3 above(0.0, 0.0, std::max(height, 0.0) + 0.002);
+    for (const auto& method : {at_once.get(), near.get()}) {
+      method->reset({.p_SD = above});
+      method->step({.p_SD = above, .dt_s = 1e-3});
+    }
+    near->prepare();
+    int contacts = 0;
+    slide(height, *at_once, [&](const Vec3& device) {
+      const MethodInput input = {.p_SD = device, .dt_s = 1e-3};
+      const MethodOutput expected = at_once->step(input);
+      const MethodOutput out = near->step(input);
+      ASSERT_EQ(out.force_n, expected.force_n) << "height " << height;
+      contacts += out.contact ? 1 : 0;
+    });
+    EXPECT_GT(contacts, 100);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Segments, OverACone, testing::Values(360U, 1000U, 3000U));
+
+// A pin beside the tip, and a wall across the hollow: the ball is held by both, and never passes the other one.
+TEST(BesideAFan, TheForceIsThatOfTheReference) {
+  for (const double height : {0.02, -0.02}) {
+    SCOPED_TRACE(height);
+    const double tip = height;
+    TriangleMesh other = height > 0.0 ? make_box({3e-4, 3e-4, 4e-3}) : make_box({2e-4, 0.02, 0.012});
+    const Vec3 at = height > 0.0 ? Vec3(1.1e-3, 2e-4, tip) : Vec3(1.5e-3, 0.0, tip + 0.004);
+    const TriangleMesh mesh = joined(cone_of(100, height), scaled_and_moved(other, 1.0, at));
+    const TouchScene scene = {.objects = {{made::shared(mesh), {.stiffness_n_per_m = kConeStiffness}}}};
+    const auto method = make_method({.name = "proxy", .probe_radius_m = kConeBall}, scene).value();
+    const auto reference = make_method({.name = "reference", .probe_radius_m = kConeBall}, scene).value();
+    double worst = 0.0;
+    int contacts = 0;
+    for (int n = 0; n <= 600; ++n) {
+      // Across the tip towards the other body, into it, along it and back.
+      const double turn = 2.0 * std::numbers::pi * n / 600;
+      const Vec3 device(2.2e-3 * std::sin(turn) - 4e-4, 9e-4 * std::sin(2.0 * turn),
+                        height > 0.0 ? tip + 2e-4 - 3e-4 * std::abs(std::sin(turn)) : tip + 1.2e-3 - 4e-4 * std::sin(3.0 * turn));
+      const MethodInput input = {.p_SD = n == 0 ? Vec3(0.0, 0.0, tip + 4e-3) : device, .dt_s = 1e-3};
+      if (n == 0) {
+        method->reset(input);
+        reference->reset(input);
+      }
+      Vec3 force = method->step(input).force_n;
+      for (int waited = 0; waited < 50 && method->carried_from(); ++waited) force = method->step(input).force_n;
+      const MethodOutput expected = reference->step(input);
+      worst = std::max(worst, (force - expected.force_n).norm());
+      contacts += expected.contact ? 1 : 0;
+    }
+    EXPECT_GT(contacts, 300);
+    EXPECT_LT(worst, 1e-3);
+  }
+}
 
 }  // namespace
 }  // namespace hapton
