@@ -308,6 +308,8 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
     if (was_held || output_.contact || fade_.is_felt() || settled.contact) fade_.begin();
+    // A session that begins before the next sample goes on from there.
+    if (put_down) output_ = settled;
   }
   return touch;
 }

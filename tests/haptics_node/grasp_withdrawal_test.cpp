@@ -149,6 +149,23 @@ TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContac
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
+// The hub is started again before a sample has a reply in that scene.
+TEST_F(GraspWithdrawalTest, ASessionThatBeginsAfterAPutDownKeepsTheContact) {
+  rest(1, 200);
+  ASSERT_TRUE(step->holds_tool());
+  rest(0, 1);
+  for (int n = 0; n < 30'000 && methods == 0; ++n) {
+    task->run_once();
+    take_method();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(methods, 1);
+  step->resume();
+  rest(0, 200);
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
 // It would come after the hand, through whatever is in between.
 TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
   const Vec3 first = at;
