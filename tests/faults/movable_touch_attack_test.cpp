@@ -132,6 +132,7 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
           checked = system->touched.size();
           moved = Vec3::Zero();
           system->start_haptics();
+          ASSERT_TRUE(system->wait_for_patches()) << "it meets the hand above";
           system->device.led = kPressed;
           watch(1500);
           break;
