@@ -12,6 +12,14 @@ namespace {
 
 constexpr double kFirstStepS = 1e-3;
 
+// Where a probe at p_WP has contact, on the side that it was on, and the hand is still near.
+std::optional<Vec3> find_start(const std::optional<Vec3>& p_WP, const Vec3& outward_W, const Vec3& p_WD, double offset_m) noexcept {
+  if (!p_WP || has_left_contact(*p_WP, outward_W, p_WD)) return std::nullopt;
+  const Vec3 outward = *p_WP - p_WD;
+  if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return std::nullopt;
+  return *p_WP + offset_m * outward.normalized();
+}
+
 }  // namespace
 
 HapticsStep::HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m) : touch_(std::move(touch)), offset_m_(offset_m) {}
@@ -28,7 +36,13 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     ++counts_.skipped;
   }
   // The hub computed the force itself for a while and wants this node to go on from there.
-  if (state.is_resumed && !state_.is_resumed && running_) restart();
+  if (state.is_resumed && !state_.is_resumed && running_) {
+    // What the hub knows may be from before an object was put down.
+    const bool is_felt = tool_ == nullptr && output_.contact;
+    restart();
+    if (is_felt) p_WP_ = input_.p_WD + output_.visual_offset_m;
+    outward_W_ = output_.visual_offset_m;
+  }
   state_ = state;
   has_state_ = true;
 }
@@ -104,8 +118,16 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   } else {
     remember_reply();
   }
-  running_ = true;
   output_ = touch_->step(input_);
+  // Where the hub would have the probe go on there is no contact, but where this node had it.
+  const bool begins = !std::exchange(running_, true) && state_.is_resumed && !output_.contact;
+  const std::optional<Vec3> own = find_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
+  if (begins && own) {
+    TouchInput start = input_;
+    start.p_WD = *own;
+    touch_->reset(start);
+    output_ = touch_->step(input_);
+  }
   reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
   reply.contact = output_.contact || fade_.is_felt();
   reply.visual_offset_m = output_.visual_offset_m;
@@ -305,11 +327,11 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     if (touch_->has_sculpture()) settling.buttons = 0;
     const TouchOutput settled = touch_->step(settling);
     touch_->follow_hand(*touch);
-    // A session may end, or another object leave, before the next sample: the contact is to go on from here.
-    if (put_down && tool_ == nullptr) output_ = settled;
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
     if (was_held || output_.contact || fade_.is_felt() || settled.contact) fade_.begin();
+    // A session that begins before the next sample goes on from there, and another object that leaves takes nothing away.
+    if (put_down && tool_ == nullptr) output_ = settled;
   }
   return touch;
 }

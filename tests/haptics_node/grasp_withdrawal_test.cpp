@@ -149,8 +149,8 @@ TEST_F(GraspWithdrawalTest, APutDownBeforeTheFirstSampleOfASessionKeepsTheContac
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
-// The other order: the scene is there, and the session ends before a sample of it has come.
-TEST_F(GraspWithdrawalTest, ASessionThatEndsRightAfterAPutDownKeepsTheContact) {
+// The hub is started again before a sample has a reply in that scene.
+TEST_F(GraspWithdrawalTest, ASessionThatBeginsAfterAPutDownKeepsTheContact) {
   rest(1, 200);
   ASSERT_TRUE(step->holds_tool());
   rest(0, 1);
@@ -161,6 +161,21 @@ TEST_F(GraspWithdrawalTest, ASessionThatEndsRightAfterAPutDownKeepsTheContact) {
   }
   ASSERT_EQ(methods, 1);
   step->resume();
+  rest(0, 200);
+  EXPECT_EQ(last.object, kCube);
+  EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
+}
+
+// It may know of no reply since the object was put down: the place is that of a hand without a probe.
+TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway) {
+  rest(1, 200);
+  ASSERT_TRUE(step->holds_tool());
+  const Vec3 before = at;
+  rest(0, 1);
+  wait_for_method(1);
+  rest(0, 200);
+  ASSERT_EQ(last.object, kCube);
+  resume_at(before - Vec3(0.0, 0.0, 1e-5), 0);
   rest(0, 200);
   EXPECT_EQ(last.object, kCube);
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
