@@ -328,8 +328,8 @@ py::dict run_force_function(const py::function& force, double seconds, const std
   return report;
 }
 
-void bind_client_objects(py::class_<LiveClient>& client) {
-  client
+void bind_client_objects(py::class_<LiveClient>& bound) {
+  bound
       .def("move_object", &move_object, py::arg("object"), py::arg("position_m") = py::none(), py::kw_only(),
            py::arg("rotation") = py::none(), py::arg("rotation_deg") = py::none(), py::arg("over_s") = py::none(),
            "Moves an object that has moved_by = \"program\" in the scene file, in over_s seconds, and returns the time that it takes: "
@@ -376,8 +376,8 @@ void bind_client_objects(py::class_<LiveClient>& client) {
 }
 
 void bind_client(py::module_& module) {
-  py::class_<LiveClient> client(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.");
-  client
+  py::class_<LiveClient> bound(module, "Client", "Sees a running session: where the hand is, what it feels, which buttons are down.");
+  bound
       .def(py::init([](const std::string& hub, const std::string& key_file) {
              return open_or_raise([&] { return LiveClient::open(hub, key_file); });
            }),
@@ -406,8 +406,8 @@ void bind_client(py::module_& module) {
           "Marks the recording (io_node --record) at the newest sample and returns that sample's number. text: 1 to 160 bytes of UTF-8 in "
           "one line.\n"
           "Raises where nothing is recorded, or above 50 markers a second.");
-  bind_client_objects(client);
-  client
+  bind_client_objects(bound);
+  bound
       .def("set", &change_settings, py::kw_only(), py::arg("method") = py::none(), py::arg("object") = py::none(),
            py::arg("stiffness_n_per_m") = py::none(), py::arg("damping_ns_per_m") = py::none(), py::arg("friction_static") = py::none(),
            py::arg("friction_dynamic") = py::none(), py::arg("rate_hz") = py::none(), py::arg("key_file") = "",
