@@ -6,13 +6,14 @@ namespace hapton {
 // event on walkable triangles. In the slow steps of all meshes a unit takes 0.05 to 0.2 us (decision 154).
 //
 // A step has kMost units, whatever the motion, and ends the event that it has begun: some 0.06 ms. On all meshes of the project some steps
-// in a million take more than 0.1 ms (docs/benchmarks.md). What is left of the motion is carried into the next step (ForceMethod::carried_from).
+// in a million take more than 0.1 ms (docs/benchmarks.md). What is left of the motion is carried into the next step
+// (ForceMethod::carried_from).
 //
 // An event costs a few units for each triangle near it, of which there are at most NearTriangles::kCapacity; where more are, sweeps go on,
 // which end anywhere.
 struct StepWork {
   static constexpr int kMost = 500;
-  static constexpr int kMostWithLastEvent = 8192;  // of what is counted; no mesh that was tested needs more, which is no proof
+  static constexpr int kMostWithLastEvent = 16'384;  // of what is counted; no mesh that was tested needs more, which is no proof
 };
 
 }  // namespace hapton

@@ -12,8 +12,11 @@ std::string ProxyMethod::describe() const {
       geometry_.built_count(), geometry_.object_count(), geometry_.triangle_count(), static_cast<double>(geometry_.bytes()) * 1e-6,
       (clearance_.offset - kContactOffset) * geometry_.unit_m(), kContactOffset * geometry_.unit_m());
   if (counters_.steps > 0) return what + describe_steps();
-  return what +
-         fmt::format("proxy: work limit {} units (about 0.1 us each) a step; longer motions continue in the next step\n", StepWork::kMost);
+  return what + fmt::format(
+                    "proxy: work limit {} units (about 0.1 us each) a step, {} where thousands of triangles meet; longer motions continue "
+                    "in the next "
+                    "step\n",
+                    StepWork::kMost, StepWork::kMostWithLastEvent);
 }
 
 std::string ProxyMethod::describe_steps() const {
