@@ -176,13 +176,13 @@ bool SphereFollower::cross_fan_edge(int edge, const Vec3& device, OffsetContact&
   const OffsetContact beyond = OffsetContact::on_face(across.id, shape, face.back ? Vec3(-shape.normal()) : shape.normal());
   const int corner_there = geometry_.convex_fan_corner(beyond.triangle, beyond.back);
   if (corner_there < 0 || shape.corner(corner_there) != face.shape.corner(corner)) return false;
-  const Vec3 foot = c - clearance_.offset * face.normal;
+  const Vec3 closest = c - clearance_.offset * face.normal;
   const Vec3 inwards = shape.normal().cross(shape.edge(across.edge));
-  if (!(inwards.dot(device - foot) > 0.0)) return false;
+  if (!(inwards.dot(device - closest) > 0.0)) return false;
   for (int k = 0; k < 3; ++k) {
-    if (k != across.edge && !(shape.inside(k, foot) > 0.0)) return false;
+    if (k != across.edge && !(shape.inside(k, closest) > 0.0)) return false;
   }
-  Vec3 there = foot + clearance_.offset * beyond.normal;
+  Vec3 there = closest + clearance_.offset * beyond.normal;
   there += (clearance_.offset - beyond.proximity(there).distance) * beyond.normal;
   const double rolled = (there - c).norm();
   if ((there - fan_room_.at).norm() + rolled > fan_room_.room) return false;
@@ -266,9 +266,9 @@ bool SphereFollower::find_in_hollow_fan(const Vec3& device, HollowPlace& place) 
     const FanPlane& plane = fan_planes_[static_cast<std::size_t>(of[static_cast<std::size_t>(held.active[static_cast<std::size_t>(i)])])];
     const ObjectGeometry::Corners corners = geometry_.corners(plane.triangle);
     const ContactTriangle shape(corners.a, corners.b, corners.c);
-    const Vec3 foot = place.centre - clearance_.offset * plane.normal;
+    const Vec3 closest = place.centre - clearance_.offset * plane.normal;
     for (int k = 0; k < 3; ++k) {
-      if (!(shape.inside(k, foot) > 0.0)) return false;
+      if (!(shape.inside(k, closest) > 0.0)) return false;
     }
     place.contacts[static_cast<std::size_t>(i)] = OffsetContact::on_face(plane.triangle, shape, plane.normal);
   }
