@@ -11,6 +11,8 @@ namespace hapton {
 namespace {
 
 constexpr double kFirstStepS = 1e-3;
+// Several samples while the hub computes the force, of which it sends 20 a second and some are lost.
+constexpr std::int64_t kOwnPlaceNs = 200'000'000;
 
 // Where a probe at p_WP has contact, on the side that it was on, and the hand is still near.
 std::optional<Vec3> find_start(const std::optional<Vec3>& p_WP, const Vec3& outward_W, const Vec3& p_WD, double offset_m) noexcept {
@@ -37,8 +39,9 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
   }
   // The hub computed the force itself for a while and wants this node to go on from there.
   if (state.is_resumed && !state_.is_resumed && running_) {
-    // What the hub knows may be from before an object was put down.
-    const bool is_felt = tool_ == nullptr && output_.contact;
+    // What the hub knows may be from before an object was put down. After longer the hand may have gone round what it touched.
+    const bool is_recent = ns_between(last_time_ns_, state.sample_time_ns) <= kOwnPlaceNs;
+    const bool is_felt = tool_ == nullptr && output_.contact && is_recent;
     restart();
     if (is_felt) p_WP_ = input_.p_WD + output_.visual_offset_m;
     outward_W_ = output_.visual_offset_m;
@@ -111,9 +114,10 @@ void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
 }
 
 void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
+  bool is_free_start = false;
   if (!running_) {
     const TouchInput start = make_start();
-    free_starts_ += start.p_WD == input_.p_WD ? 1 : 0;
+    is_free_start = start.p_WD == input_.p_WD;
     touch_->reset(start);
   } else {
     remember_reply();
@@ -122,6 +126,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   // Where the hub would have the probe go on there is no contact, but where this node had it.
   const bool begins = !std::exchange(running_, true) && state_.is_resumed && !output_.contact;
   const std::optional<Vec3> own = find_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
+  free_starts_ += is_free_start && !(begins && own) ? 1 : 0;
   if (begins && own) {
     TouchInput start = input_;
     start.p_WD = *own;

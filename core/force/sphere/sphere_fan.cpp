@@ -200,7 +200,8 @@ bool SphereFollower::cross_hollow_fan(const Vec3& from, const Vec3& to, double& 
   const Vec3 rest = to - device;
   HollowPlace place;
   // The device may be free on its way, so that only all of it tells where the sphere gets.
-  const bool has_room = is_descending_ || share_in_fan_room(centre_, rest) >= 1.0;
+  const bool has_room = share_in_fan_room(centre_, rest) >= 1.0 &&
+                        (!is_descending_ || rest.isZero(0.0) || share_in_fan_room(centre_, device - centre_) >= 1.0);
   if (has_room && find_in_hollow_fan(to, place)) {
     move_in_hollow_fan(place, to, 1.0, false, time);
   } else if (is_descending_) {

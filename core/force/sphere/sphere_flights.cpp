@@ -34,7 +34,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   int in_fan = 0;
   geometry_.visit_along(from, to, clearance_.offset + clearance_.tolerance, [&](std::uint32_t id, double before) {
     const bool is_in_fan = geometry_.is_in_large_fan(id);
-    if (is_in_fan ? ++in_fan > NearTriangles::kCapacity : ++tests > kMostInFlight) return -1.0;
+    if (is_in_fan ? ++in_fan > NearTriangles::kMostVisitedInFans : ++tests > kMostInFlight) return -1.0;
     work_ += is_in_fan ? in_fan % kFanInUnit == 0 : 1;
     const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
     if (!(t < time) || t > 1.0) return before;
@@ -45,7 +45,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
     time = t;
     return std::min(before, t);
   });
-  has_given_up_flight_ = tests > kMostInFlight || in_fan > NearTriangles::kCapacity;
+  has_given_up_flight_ = tests > kMostInFlight || in_fan > NearTriangles::kMostVisitedInFans;
   if (has_given_up_flight_) return Next::failed;
   if (time > 1.0) {
     centre_ = to;
