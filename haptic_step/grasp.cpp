@@ -95,7 +95,7 @@ bool Grasp::is_leaving(bool is_early) noexcept {
   return phase_ != Phase::asked || was_early_ || has_tool();
 }
 
-// A button that was released here may be pressed again in the next sample, of which update() would not know: it lets go.
+// A button that was released here may be pressed again in the next sample, of which update() would not know: the order is taken back.
 void Grasp::wait_a_sample(const DeviceState& state) noexcept {
   was_down_ = was_down_ && is_down(state);
   if (phase_ != Phase::asked || is_down(state)) return;

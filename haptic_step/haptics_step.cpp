@@ -14,12 +14,17 @@ constexpr double kFirstStepS = 1e-3;
 // Several samples while the hub computes the force, of which it sends 20 a second and some are lost.
 constexpr std::int64_t kOwnPlaceNs = 200'000'000;
 
-// Where a probe at p_WP has contact, on the side that it was on, and the hand is still near.
-std::optional<Vec3> find_start(const std::optional<Vec3>& p_WP, const Vec3& outward_W, const Vec3& p_WD, double offset_m) noexcept {
-  if (!p_WP || has_left_contact(*p_WP, outward_W, p_WD)) return std::nullopt;
-  const Vec3 outward = *p_WP - p_WD;
+// Where a probe at p_WP goes on, if the hand is still near.
+std::optional<Vec3> find_start(const Vec3& p_WP, const Vec3& p_WD, double offset_m) noexcept {
+  const Vec3 outward = p_WP - p_WD;
   if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return std::nullopt;
-  return *p_WP + offset_m * outward.normalized();
+  return p_WP + offset_m * outward.normalized();
+}
+
+// The same with the place that this node remembers, if the hand is on the side that it was on.
+std::optional<Vec3> find_own_start(const std::optional<Vec3>& p_WP, const Vec3& outward_W, const Vec3& p_WD, double offset_m) noexcept {
+  if (!p_WP || has_left_contact(*p_WP, outward_W, p_WD)) return std::nullopt;
+  return find_start(*p_WP, p_WD, offset_m);
 }
 
 }  // namespace
@@ -125,7 +130,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   output_ = touch_->step(input_);
   // Where the hub would have the probe go on there is no contact, but where this node had it.
   const bool begins = !std::exchange(running_, true) && state_.is_resumed && !output_.contact;
-  const std::optional<Vec3> own = find_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
+  const std::optional<Vec3> own = find_own_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
   free_starts_ += is_free_start && !(begins && own) ? 1 : 0;
   if (begins && own) {
     TouchInput start = input_;
@@ -254,13 +259,11 @@ void HapticsStep::add_effects(ForceCommand& reply, bool begins) noexcept {
 
 // Where a new method starts: at the device, or off the surface, on the side that the old one was in contact with.
 TouchInput HapticsStep::make_start() noexcept {
-  const std::optional<Vec3> p_WP = state_.is_resumed ? std::optional(state_.p_WP) : std::exchange(p_WP_, std::nullopt);
+  const std::optional<Vec3> at = state_.is_resumed ? find_start(state_.p_WP, input_.p_WD, offset_m_)
+                                                   : find_own_start(std::exchange(p_WP_, std::nullopt), outward_W_, input_.p_WD, offset_m_);
   TouchInput start = input_;
-  if (!p_WP) return start;
-  const Vec3 outward = *p_WP - input_.p_WD;
-  if (!(outward.norm() > 0.0 && outward.norm() <= kResumeReachM)) return start;
-  if (!state_.is_resumed && has_left_contact(*p_WP, outward_W_, input_.p_WD)) return start;
-  start.p_WD = *p_WP + offset_m_ * outward.normalized();
+  if (!at) return start;
+  start.p_WD = *at;
   // What this node remembers of an earlier session is in no recording of this one.
   if (!state_.is_resumed) replied_before_ = kUnknownBefore;
   return start;

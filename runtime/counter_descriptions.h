@@ -14,7 +14,7 @@ struct CounterDescription {
 // Every counter of io_node's report. RT: yes.
 std::span<const CounterDescription> counter_descriptions();
 
-// Empty for a name that is none of them.
+// Empty for any other name.
 std::string_view describe_counter(std::string_view name);
 
 }  // namespace hapton

@@ -67,7 +67,7 @@ TEST_F(MovableTouch, AHubThatIsStartedAgainFeelsItWhereItIs) {
     system->start_hub();
     system->run_for_ns(500 * kMs);
     ASSERT_TRUE(expect_block());
-    // A button that was pressed while there was no hub picks nothing up: it is pressed again.
+    // Where the hub of the press was gone before the object could be picked up, the button is pressed again.
     if (!grasp().is_busy()) {
       system->device.buttons = 0;
       system->run_for_ns(100 * kMs);

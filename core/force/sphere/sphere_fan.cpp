@@ -85,7 +85,8 @@ double SphereFollower::share_in_fan_room(const Vec3& c, const Vec3& motion) cons
   return left < length ? std::max(0.0, left / length) : 1.0;
 }
 
-// Follows the device over the faces of a convex or hollow fan. False: that is none, and nothing has changed.
+// Follows the device over the faces of a convex or hollow fan. False: the sphere is on no fan, or gets no farther like that; its centre is
+// valid for the device at `time`, and events go on from there.
 bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
   if (is_point_ || fan_planes_.empty() || contact_count_ == 0 || contacts_[0].part != Part::face) return false;
   if (fan_corner(contacts_[0]) < 0) return false;
