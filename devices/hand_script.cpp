@@ -24,7 +24,7 @@ constexpr double kLeadSpeed = 0.6;
 }  // namespace
 
 HandScript::HandScript(const Options& options) : options_(options), random_(options.seed), hand_m_(options.start_m) {
-  for (const TrajectoryRow& row : options_.path) has_turns_ = has_turns_ || row.q_WT.coeffs() != Quat::Identity().coeffs();
+  for (const TrajectoryRow& row : options_.path) has_turns_ = has_turns_ || row.has_turn || row.q_WT.coeffs() != Quat::Identity().coeffs();
   enter(first_phase());
 }
 

@@ -68,6 +68,7 @@ ForceCommand HapticsStep::reply() noexcept {
   ForceCommand reply;
   const bool begins = !running_;
   reply.carve_serial = touch_->count_carves();
+  if (tool_ != nullptr || grasp_ != nullptr) reply.haptons = 0;
   if (grasp_ != nullptr) update_grasp();
   if (tool_ != nullptr) {
     feel_tool(reply);
@@ -229,6 +230,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   const bool is_felt = felt.contact || !effects_n.isZero(0.0);
   reply.force_n = fade_.step(felt.force_n + effects_n, is_felt, input_.dt_s);
   reply.torque_nm = felt.torque_nm;
+  if (felt.contact) reply.haptons = static_cast<std::uint32_t>(felt.proxy.haptons);
   reply.contact = is_felt || fade_.is_felt();
   if (grasp_ != nullptr) {
     grasp_->note_pose(felt.X_WP, X_WS_);

@@ -45,6 +45,8 @@ void ProbeHistory::show(bool has_timed_out, ProbeState& probe) const noexcept {
   probe.object = is_live ? last_.object : -1;
   probe.scene_time_ns = last_.scene_time_ns;  // without replies nothing moves
   probe.visual_turn = is_live ? last_.visual_turn : Vec3(Vec3::Zero());
+  probe.haptons = last_.haptons;
+  if (probe.haptons && !is_live) probe.haptons = 0;
   probe.push = last_.push;
   if (probe.push && !is_live) probe.push.emplace();
 }

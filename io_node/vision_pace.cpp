@@ -14,7 +14,7 @@ bool looks_same(const ProbeState& a, const ProbeState& b) noexcept {
          a.contact == b.contact && a.buttons == b.buttons && a.servo_rate_hz == b.servo_rate_hz &&
          a.round_trip_p50_us == b.round_trip_p50_us && a.round_trip_p99_us == b.round_trip_p99_us && a.view_revision == b.view_revision &&
          a.status == b.status && a.energy_percent == b.energy_percent && a.object == b.object && a.torque_nm == b.torque_nm &&
-         a.visual_turn == b.visual_turn && a.scene_time_ns == b.scene_time_ns;
+         a.visual_turn == b.visual_turn && a.scene_time_ns == b.scene_time_ns && a.haptons == b.haptons;
 }
 
 }  // namespace

@@ -210,6 +210,17 @@ void lay_out_push(Wire& wire, Push& push) {
   lay_out_vector(wire, 19, push->torque_nm);
 }
 
+template <class Wire, class Haptons>
+void lay_out_haptons(Wire& wire, Haptons& haptons) {
+  constexpr std::uint32_t kField = 21;
+  if constexpr (Wire::kReads) {
+    haptons.reset();
+    if (!wire.is_next(kField, WireType::fixed32)) return;
+    haptons.emplace();
+  }
+  if (haptons) wire.number(kField, *haptons);
+}
+
 template <class Wire, class Message>
 void lay_out_force_command(Wire& wire, Message& m) {
   wire.number(1, m.echo_sample);
@@ -231,6 +242,7 @@ void lay_out_force_command(Wire& wire, Message& m) {
   wire.number(17, m.carve_serial);
   lay_out_push(wire, m.push);
   wire.number(20, m.shape_serial);
+  lay_out_haptons(wire, m.haptons);
 }
 
 template <class Wire, class Message>

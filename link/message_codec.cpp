@@ -81,6 +81,17 @@ bool read_push(const Wire& from, std::optional<ObjectPush>& push) {
   return read_vector(from.push_force_n(), push->force_n) && read_vector(from.push_torque_nm(), push->torque_nm);
 }
 
+template <class Wire>
+void write_haptons(const std::optional<std::uint32_t>& haptons, Wire& to) {
+  to.clear_haptons();
+  if (haptons) to.set_haptons(*haptons);
+}
+
+template <class Wire>
+std::optional<std::uint32_t> read_haptons(const Wire& from) {
+  return from.has_haptons() ? std::optional<std::uint32_t>(from.haptons()) : std::nullopt;
+}
+
 void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_echo_sample(from.echo_sample);
   to.set_echo_sample_time_ns(from.echo_sample_time_ns);
@@ -101,6 +112,7 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_carve_serial(from.carve_serial);
   to.set_shape_serial(from.shape_serial);
   write_push(from.push, to);
+  write_haptons(from.haptons, to);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -129,6 +141,7 @@ void write(const ProbeState& from, wire::ProbeState& to) {
   write_vector(*to.mutable_visual_turn(), from.visual_turn);
   to.set_scene_time_ns(from.scene_time_ns);
   write_push(from.push, to);
+  write_haptons(from.haptons, to);
 }
 
 void write(const FrameAck& from, wire::FrameAck& to) {
@@ -263,6 +276,7 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.move_serial = from.move_serial();
   to.carve_serial = from.carve_serial();
   to.shape_serial = from.shape_serial();
+  to.haptons = read_haptons(from);
   return is_wire_time(to.echo_sample_time_ns) && is_wire_time(to.scene_time_ns) && read_vector(from.force_n(), to.force_n) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_optional_vector(from.torque_nm(), to.torque_nm) &&
          read_optional_vector(from.visual_turn(), to.visual_turn) && read_push(from, to.push);
@@ -280,6 +294,7 @@ bool read(const wire::ProbeState& from, ProbeState& to) {
   to.energy_percent = from.energy_percent();
   to.force_limit_n = from.force_limit_n();
   to.object = read_object(from.touched());
+  to.haptons = read_haptons(from);
   to.scene_time_ns = from.scene_time_ns();
   // An unknown status of a newer hub is no reason to reject the state.
   to.status =

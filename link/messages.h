@@ -80,6 +80,9 @@ struct ForceCommand {
   std::uint32_t shape_serial = 0;  // of the newest shape of an object that it was computed with, as ShapeStart counts
   // On `object`. None: the stylus holds no rigid tool, or programs move nothing; so its presence does not tell of contact.
   std::optional<ObjectPush> push = {};
+  // Haptons: pairs of triangles of a rigid tool and the scene that are in contact (memo, section 5). None: the stylus can hold no tool; so
+  // its presence does not tell of contact.
+  std::optional<std::uint32_t> haptons = {};
 };
 
 // ForceCommand::replied_before of a first reply that resumes contact of an earlier session.
@@ -128,12 +131,13 @@ struct ProbeState {
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
   std::uint32_t energy_percent = 0;
-  std::int32_t object = -1;             // touched in that sample, as in ForceCommand
-  Vec3 torque_nm = Vec3::Zero();        // the newest, of a rigid tool
-  Vec3 visual_turn = Vec3::Zero();      // of that sample, as in ForceCommand
-  float force_limit_n = 0.0F;           // the largest force that the device may get; 0: unknown
-  std::int64_t scene_time_ns = 0;       // of the newest sample with a reply, as in ForceCommand
-  std::optional<ObjectPush> push = {};  // of that sample, as in ForceCommand
+  std::int32_t object = -1;                   // touched in that sample, as in ForceCommand
+  Vec3 torque_nm = Vec3::Zero();              // the newest, of a rigid tool
+  Vec3 visual_turn = Vec3::Zero();            // of that sample, as in ForceCommand
+  float force_limit_n = 0.0F;                 // the largest force that the device may get; 0: unknown
+  std::int64_t scene_time_ns = 0;             // of the newest sample with a reply, as in ForceCommand
+  std::optional<ObjectPush> push = {};        // of that sample, as in ForceCommand
+  std::optional<std::uint32_t> haptons = {};  // likewise
 };
 
 // vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests

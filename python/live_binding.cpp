@@ -49,6 +49,7 @@ py::object describe_probe(LiveClient& client) {
   state["force_n"] = make_point(probe->force_n);
   state["torque_nm"] = make_point(probe->torque_nm);
   state["contact"] = probe->contact;
+  state["haptons"] = probe->haptons ? py::cast(*probe->haptons) : py::none();
   state["object"] = probe->object;
   state["object_name"] = make_text(client.find_name(probe->object));
   state["buttons"] = probe->buttons;
@@ -384,7 +385,8 @@ void bind_client(py::module_& module) {
            py::arg("hub") = "127.0.0.1", py::arg("key_file") = "",
            "hub: HOST or HOST:PORT of io_node. key_file: of the role vision; empty: this user's key.")
       .def("state", &describe_probe,
-           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, object, "
+           "The newest sample as a dict: sample, t_s, position_m, orientation (w, x, y, z), proxy_m, force_n, torque_nm, contact, haptons "
+           "(of a rigid tool; else None), object, "
            "object_name\n"
            "(of those that programs may move; else empty), buttons, status, view_revision, scene_time_s, servo_rate_hz, round_trip_p50_us, "
            "round_trip_p99_us. None before the first. A few hundred a "

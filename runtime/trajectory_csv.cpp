@@ -138,6 +138,7 @@ class Parser {
   Result<void> add_row(const std::array<double, 8>& field, std::uint32_t buttons) {
     TrajectoryRow row;
     row.buttons = buttons;
+    row.has_turn = columns_ == 8;
     row.t_s = field[0];
     row.p_WD = Vec3(field[1], field[2], field[3]);
     row.q_WT = Quat(field[4], field[5], field[6], field[7]);

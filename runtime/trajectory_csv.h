@@ -16,6 +16,7 @@ struct TrajectoryRow {
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;  // held down from this row to the next, one bit each, lowest first
+  bool has_turn = false;      // the file gives q_WT, be it the identity
 };
 
 // Reads the project's trajectory format: a header line `t_s,x_m,y_m,z_m` or `t_s,x_m,y_m,z_m,qw,qx,qy,qz`, either with `,buttons` and

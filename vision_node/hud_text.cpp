@@ -62,8 +62,10 @@ std::string force_text(const HudFacts& facts) {
                                                       : "touching " + facts.touched;
   const bool has_torque = s.torque_nm.allFinite() && !s.torque_nm.isZero(0.0);
   const std::string torque = has_torque ? fmt::format("  torque {:5.3f} Nm", s.torque_nm.norm()) : std::string();
-  return fmt::format("force {:4.2f} N{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, contact, hand_text(facts),
-                     energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
+  const std::uint32_t pairs = s.haptons.value_or(0);
+  const std::string haptons = pairs > 0 ? fmt::format("  {} hapton{}", pairs, pairs == 1 ? "" : "s") : std::string();
+  return fmt::format("force {:4.2f} N{}{}   {}{}{}{}{}", s.force_n.allFinite() ? s.force_n.norm() : 0.0, torque, haptons, contact,
+                     hand_text(facts), energy_text(s.energy_percent), s.status == ProbeStatus::ok ? "" : "   ", describe(s.status));
 }
 
 // Millimetres down to the smallest scene: people compare it with the size that they know.

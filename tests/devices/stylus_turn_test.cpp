@@ -43,6 +43,20 @@ TEST(StylusTurn, ASimulatedHandFollowsTheOrientationsOfItsPath) {
   }
 }
 
+TEST(StylusTurn, APathMayHoldTheStylusUpright) {
+  for (const bool has_turn : {false, true}) {
+    const Vec3 p(0.0, 0.0, 0.9 * model_a::limits().workspace_max_m.z());
+    const TrajectoryRow row{.p_WD = p, .has_turn = has_turn};
+    SimulatedPhantom device({.path = {row}, .has_torque = true});
+    double most = 0.0;
+    for (std::int64_t now = 0; now <= 3000 * kMs; now += kMs) {
+      const double turned = turn_between(Quat::Identity(), device.read(now).q_WT).norm();
+      if (now > 1000 * kMs) most = std::max(most, turned);
+    }
+    EXPECT_EQ(most < 1e-3, has_turn) << most << ": without orientations the hand sways";
+  }
+}
+
 TEST(StylusTurn, TheMotorsTurnTheStylusUnlessTheyAreCut) {
   SimulatedPhantom device({.path = turning_path(), .has_torque = true});
   EXPECT_GT(device.limits().max_torque_nm, 0.0);

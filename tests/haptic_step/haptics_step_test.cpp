@@ -346,6 +346,7 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_GE(step.counts().max_torque_nm, command.torque_nm.norm());
   EXPECT_GE(step.counts().most_haptons, 1);
   EXPECT_GE(step.counts().haptons, 1U);
+  EXPECT_GE(command.haptons, 1U);
 }
 
 // Damping of a tool's contacts: live, by the times of the samples, and not from one session to the next.

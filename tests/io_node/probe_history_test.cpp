@@ -18,6 +18,7 @@ ForceCommand reply_to(std::uint64_t number, bool contact) {
   command.contact = contact;
   command.visual_offset_m = Vec3(0, 0, 0.002);
   command.object = 4;
+  command.haptons = 3;
   return command;
 }
 
@@ -37,6 +38,7 @@ TEST_F(Memory, ShowsPoseAndOffsetOfOneSample) {
   EXPECT_TRUE(shown.contact);
   EXPECT_EQ(shown.visual_offset_m.z(), 0.002);
   EXPECT_EQ(shown.object, 4);
+  EXPECT_EQ(shown.haptons, 3U);
 }
 
 TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
@@ -47,6 +49,7 @@ TEST_F(Memory, WithoutRepliesShowsTheNewestSampleAsItIsAndNeverGoesBack) {
   EXPECT_FALSE(shown.contact);
   EXPECT_EQ(shown.visual_offset_m, Vec3(Vec3::Zero()));
   EXPECT_EQ(shown.object, -1);
+  EXPECT_EQ(shown.haptons, std::nullopt) << "nobody has replied";
   memory.note_reply(reply_to(1, true));
   memory.show(false, shown);
   EXPECT_EQ(shown.sample, 2U);
@@ -64,6 +67,7 @@ TEST_F(Memory, ShowsTheSceneTimeOfTheLastReply) {
   memory.show(true, shown);
   EXPECT_EQ(shown.sample, 2U);
   EXPECT_EQ(shown.scene_time_ns, 70'000'000);
+  EXPECT_EQ(shown.haptons, 0U) << "of a tool that may be held";
 }
 
 TEST_F(Memory, AReplyToAForgottenSampleHasNoPose) {

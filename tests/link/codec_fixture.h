@@ -41,6 +41,7 @@ class RandomDatagrams {
 
  private:
   bool flag() { return (random_() & 1U) != 0; }
+  std::optional<std::uint32_t> haptons() { return flag() ? std::optional(bits32()) : std::nullopt; }
   std::optional<ObjectPush> push() { return flag() ? std::optional(ObjectPush{vector(), vector()}) : std::nullopt; }
   Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
   Quat rotation() { return Quat(number(-1, 1), number(-1, 1), number(-1, 1), number(0.1, 1)).normalized(); }
@@ -61,7 +62,7 @@ class RandomDatagrams {
         return draw_state(time);
       case 4:
         return ForceCommand{bits(),   time,     vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits(),
-                            bits32(), object(), vector(), vector(), time,   bits32(), bits32(), bits32(), push()};
+                            bits32(), object(), vector(), vector(), time,   bits32(), bits32(), bits32(), push(),   haptons()};
       case 5:
         return draw_view();
       case 6:
@@ -84,7 +85,8 @@ class RandomDatagrams {
                           vector(),
                           rate(),
                           time,
-                          push()};
+                          push(),
+                          haptons()};
       case 7:
         return FrameAck{bits(), time, rate(), bits32(), bits32(), flag(), flag()};
       case 8:

@@ -29,10 +29,11 @@ std::size_t length_of_text(const Message& message) {
   return text != nullptr ? std::string_view(text->data()).size() : 0;
 }
 
-// Two vectors, each with two bytes of tag and one of length, in sessions with a tool only.
-std::size_t length_of_push(const Message& message) {
+// Two vectors, each with two bytes of tag and one of length, and a number with two bytes of tag, in sessions with a tool only.
+std::size_t length_of_tool(const Message& message) {
   const auto* probe = std::get_if<ProbeState>(&message);
-  return probe != nullptr && probe->push ? 2 * (2 + 1 + 24) : 0;
+  if (probe == nullptr) return 0;
+  return (probe->push ? 2U * (2 + 1 + 24) : 0U) + (probe->haptons ? 2U + 4U : 0U);
 }
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
@@ -42,7 +43,7 @@ TEST_F(CodecTest, KeepsWithinTheByteBudget) {
     const bool is_materials = kind == 21;  // the changed ones of many objects, once a second
     const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     const Datagram drawn = random_.draw(kind);
-    EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message) + length_of_push(drawn.message)) << "kind " << kind;
+    EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message) + length_of_tool(drawn.message)) << "kind " << kind;
   }
 }
 
@@ -58,7 +59,9 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
        ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}},
       // With a tool that can push something, whether it does or not.
       {ForceCommand{.push = ObjectPush()}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}}},
-      {ProbeState{.push = ObjectPush()}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}}}};
+      {ProbeState{.push = ObjectPush()}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}}},
+      {ForceCommand{.haptons = 0}, ForceCommand{.contact = true, .haptons = ~0U}},
+      {ProbeState{.haptons = 0}, ProbeState{.contact = true, .haptons = ~0U}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
     for (const Message& message : messages) {

@@ -30,6 +30,7 @@ TEST(TrajectoryCsv, ReadsPositions) {
   EXPECT_EQ((*rows)[1].t_s, 0.5);
   EXPECT_EQ((*rows)[1].p_WD, Vec3(1e-3, -2.5, 0.25));
   EXPECT_EQ((*rows)[1].q_WT.coeffs(), Quat::Identity().coeffs());
+  EXPECT_FALSE((*rows)[1].has_turn);
 }
 
 TEST(TrajectoryCsv, ReadsWhatIsFarOutButWithinReach) {
@@ -43,6 +44,7 @@ TEST(TrajectoryCsv, ReadsAndNormalisesQuaternions) {
   ASSERT_TRUE(rows) << rows.error().what;
   EXPECT_NEAR((*rows)[0].q_WT.norm(), 1.0, 1e-15);
   EXPECT_NEAR((*rows)[0].q_WT.w(), 0.6, 1e-3);
+  EXPECT_TRUE((*rows)[0].has_turn);
 }
 
 struct Bad {

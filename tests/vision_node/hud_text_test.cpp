@@ -65,6 +65,18 @@ TEST(Hud, ShowsTheTorqueOfATool) {
   EXPECT_NE(compose_hud(facts).find("torque 0.050 Nm"), std::string::npos) << compose_hud(facts);
 }
 
+TEST(Hud, CountsThePairsOfTrianglesInContact) {
+  HudFacts facts;
+  facts.connected = true;
+  EXPECT_EQ(compose_hud(facts).find("hapton"), std::string::npos) << "a probe";
+  facts.state.haptons = 0;
+  EXPECT_EQ(compose_hud(facts).find("hapton"), std::string::npos) << "free";
+  facts.state.haptons = 1;
+  EXPECT_NE(compose_hud(facts).find(" 1 hapton "), std::string::npos) << compose_hud(facts);
+  facts.state.haptons = 12;
+  EXPECT_NE(compose_hud(facts).find(" 12 haptons "), std::string::npos) << compose_hud(facts);
+}
+
 TEST(Hud, NamesWhatIsTouched) {
   HudFacts facts;
   facts.connected = true;

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "core/math/rotation_vector.h"
 #include "core/tool/penetration_check.h"
 #include "devices/simulated_phantom.h"
 #include "haptic_step/haptics_step.h"
+#include "runtime/trajectory_csv.h"
 #include "safety/safety_governor.h"
 #include "scene/scene_file.h"
 
@@ -18,33 +20,29 @@ namespace {
 constexpr std::int64_t kCycleNs = 1'000'000;
 
 struct Assembled {
-  double end_z_m = 1.0;  // of the peg as it is drawn
+  std::vector<Vec3> drawn;  // the tool's grip point, a place for each cycle
   double most_n = 0.0;
   double most_nm = 0.0;
   int penetrations = 0;
   int blocked = 0;
 };
 
-// Beside the hole by 0.6 mm, tilted by two degrees, then in. every: cycles between two steps of the pose.
-Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
-  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/pegs.toml");
-  EXPECT_TRUE(scene && scene->tool);
+// The hand takes the tool of a scene along a path. every: cycles between two steps of the pose.
+Assembled follow_path(const std::string& scene_name, const std::vector<TrajectoryRow>& path, bool has_torque, int every) {
+  Assembled done;
+  const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/" + scene_name + ".toml");
+  EXPECT_TRUE(scene && scene->tool) << scene_name;
+  if (!scene || !scene->tool) return done;
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const SceneObject& object : scene->objects) meshes.push_back(object.mesh);
   HeldTool tool(std::move(*ToolStep::make(*scene->tool->mesh, meshes, {.stiffness_n_per_m = 800.0})));
   HapticsStep step(std::make_unique<TouchStep>(std::move(*make_method({}, scene->touch_scene())), scene->touch_scene()), 1e-5);
   step.hold(&tool);
-  const Quat tilted = turn_by({0.035, 0.0, 0.0});
-  const Quat other = turn_by({0.0, -0.026, 0.0});
-  SimulatedPhantom device({.path = {{0.0, {hole_x_m + 0.0006, 0.0003, 0.05}, tilted},
-                                    {1.0, {hole_x_m + 0.0006, 0.0003, 0.026}, tilted},
-                                    {2.0, {hole_x_m + 0.0003, -0.0004, -0.008}, other},
-                                    {3.0, {hole_x_m + 0.0003, -0.0004, -0.008}, other}},
-                           .has_torque = has_torque});
+  SimulatedPhantom device({.path = path, .has_torque = has_torque});
   SafetyGovernor governor(device.limits());
   PenetrationCheck check(tool.tool().tool(), tool.tool().scene());
-  Assembled done;
-  for (std::uint64_t sample = 1; sample <= 4500; ++sample) {
+  const auto cycles = static_cast<std::uint64_t>(1000.0 * (path.back().t_s + 1.5));
+  for (std::uint64_t sample = 1; sample <= cycles; ++sample) {
     const std::int64_t now_ns = static_cast<std::int64_t>(sample) * kCycleNs;
     const DeviceSample read = device.read(now_ns);
     governor.observe(read, device.status());
@@ -57,16 +55,28 @@ Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
     done.most_nm = std::max(done.most_nm, written.torque_nm.norm());
     done.blocked += step.is_tool_blocked() ? 1 : 0;
     if (sample % 50 == 0) done.penetrations += check.penetrates(tool.tool().proxy().placement()) ? 1 : 0;
-    done.end_z_m = read.p_WD.z() + command.visual_offset_m.z();
+    done.drawn.push_back(read.p_WD + command.visual_offset_m);
   }
   EXPECT_EQ(governor.fault(), SafetyFault::none);
   return done;
 }
 
+// Beside the hole by 0.6 mm, tilted by two degrees, then in.
+Assembled put_peg_into(double hole_x_m, bool has_torque, int every) {
+  const Quat tilted = turn_by({0.035, 0.0, 0.0});
+  const Quat other = turn_by({0.0, -0.026, 0.0});
+  return follow_path("pegs",
+                     {{0.0, {hole_x_m + 0.0006, 0.0003, 0.05}, tilted},
+                      {1.0, {hole_x_m + 0.0006, 0.0003, 0.026}, tilted},
+                      {2.0, {hole_x_m + 0.0003, -0.0004, -0.008}, other},
+                      {3.0, {hole_x_m + 0.0003, -0.0004, -0.008}, other}},
+                     has_torque, every);
+}
+
 TEST(Assembly, ThePegGoesIntoEachOfItsHoles) {
   for (const double hole_x_m : {-0.026, 0.0, 0.026}) {
     const Assembled done = put_peg_into(hole_x_m, true, 1);
-    EXPECT_LT(done.end_z_m, -0.006) << "it went in";
+    EXPECT_LT(done.drawn.back().z(), -0.006) << "it went in";
     EXPECT_EQ(done.penetrations, 0);
     EXPECT_EQ(done.blocked, 0);
     EXPECT_GT(done.most_n, 0.1) << "the walls were felt";
@@ -76,12 +86,38 @@ TEST(Assembly, ThePegGoesIntoEachOfItsHoles) {
 
 TEST(Assembly, ASlowPoseAndADeviceWithoutTorqueAreGoodEnough) {
   const Assembled slow = put_peg_into(0.026, true, 10);
-  EXPECT_LT(slow.end_z_m, -0.006);
+  EXPECT_LT(slow.drawn.back().z(), -0.006);
   EXPECT_EQ(slow.penetrations, 0);
   const Assembled plain = put_peg_into(0.026, false, 1);
-  EXPECT_LT(plain.end_z_m, -0.006) << "the hand of a device without torque holds its tilt: the peg turns, the stylus does not";
+  EXPECT_LT(plain.drawn.back().z(), -0.006) << "the hand of a device without torque holds its tilt: the peg turns, the stylus does not";
   EXPECT_EQ(plain.most_nm, 0.0);
   EXPECT_EQ(plain.penetrations, 0);
+}
+
+// The paths that come with the scenes, for a first try without a device.
+struct ReadyPath {
+  std::string name;
+  double at_s = 0.0;  // then ...
+  int axis = 2;
+  double low_m = 0.0, high_m = 0.0;  // ... the tool is there
+};
+
+TEST(Assembly, TheReadyPathsPutTheToolInItsPlace) {
+  for (const ReadyPath& ready : {ReadyPath{"pegs", 4.5, 2, -0.0085, -0.0075}, ReadyPath{"assembly", 4.0, 2, -0.0117, -0.0113},
+                                 ReadyPath{"wing_nut", 21.5, 1, 0.0138, 0.0141}}) {
+    SCOPED_TRACE(ready.name);
+    const auto path = read_trajectory_csv(HAPTON_SOURCE_DIR "/scenes/paths/" + ready.name + ".csv");
+    ASSERT_TRUE(path) << path.error().what;
+    const Assembled done = follow_path(ready.name, *path, true, 2);
+    const auto at = static_cast<std::size_t>(1000.0 * ready.at_s);
+    ASSERT_GT(done.drawn.size(), at);
+    EXPECT_GT(done.drawn[at][ready.axis], ready.low_m);
+    EXPECT_LT(done.drawn[at][ready.axis], ready.high_m);
+    EXPECT_EQ(done.penetrations, 0);
+    EXPECT_EQ(done.blocked, 0);
+    EXPECT_GT(done.most_n, 0.1) << "it was felt";
+    EXPECT_GT(done.most_nm, 1e-3);
+  }
 }
 
 TEST(Assembly, ThePartOfTheNistAssemblyIsAToolToo) {
