@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -118,6 +119,22 @@ TEST(Assembly, TheReadyPathsPutTheToolInItsPlace) {
     EXPECT_GT(done.most_n, 0.1) << "it was felt";
     EXPECT_GT(done.most_nm, 1e-3);
   }
+}
+
+// The peg of the workbench is picked up by real programs: deploy/run --scene scenes/workbench.toml --trajectory.
+TEST(Assembly, EachReadyPathIsOfAScene) {
+  int paths = 0;
+  for (const auto& file : std::filesystem::directory_iterator(HAPTON_SOURCE_DIR "/scenes/paths")) {
+    ++paths;
+    const auto path = read_trajectory_csv(file.path().string());
+    ASSERT_TRUE(path) << path.error().what;
+    EXPECT_TRUE(path->front().has_turn);
+    const auto scene = load_scene(HAPTON_SOURCE_DIR "/scenes/" + file.path().stem().string() + ".toml");
+    ASSERT_TRUE(scene) << scene.error().what;
+    const bool presses = std::any_of(path->begin(), path->end(), [](const TrajectoryRow& row) { return row.buttons != 0; });
+    EXPECT_EQ(presses, !scene->tool) << file.path();
+  }
+  EXPECT_EQ(paths, 4);
 }
 
 TEST(Assembly, ThePartOfTheNistAssemblyIsAToolToo) {
