@@ -16,12 +16,6 @@ bool ToolObstacles::has_damping() const {
 
 namespace {
 
-bool leaves_out_of(const TouchObject& object) {
-  SurfaceEffects rest = object.effects;
-  rest.viscosity = {};
-  return rest.any() || !object.material.two_sided;
-}
-
 // The number of the part that an object belongs to; adds it where it is new.
 int find_part(const TouchObject& object, int number, std::vector<ToolPart>& parts) {
   if (object.command_pivot) {
@@ -38,6 +32,12 @@ int find_part(const TouchObject& object, int number, std::vector<ToolPart>& part
 
 }  // namespace
 
+bool has_effects_no_tool_feels(const TouchObject& object) {
+  SurfaceEffects rest = object.effects;
+  rest.viscosity = {};
+  return rest.any() || !object.material.two_sided;
+}
+
 ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::size_t> held) {
   ToolObstacles obstacles;
   obstacles.stiffness_n_per_m = find_stiffest_surface(scene);
@@ -49,7 +49,7 @@ ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::si
     obstacles.part_of.push_back(find_part(object, static_cast<int>(o), obstacles.parts));
     obstacles.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
     obstacles.damping.push_back({object.material.damping_ns_per_m, object.effects.viscosity.damping_ns_per_m});
-    obstacles.leaves_out = obstacles.leaves_out || leaves_out_of(object);
+    obstacles.leaves_out = obstacles.leaves_out || has_effects_no_tool_feels(object);
   }
   return obstacles;
 }

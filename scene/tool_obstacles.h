@@ -36,6 +36,9 @@ struct ToolObstacles {
   bool has_damping() const;
 };
 
+// Images, effects of its surface other than viscosity, or one side only.
+bool has_effects_no_tool_feels(const TouchObject& object);
+
 // The meshes are shared, where they are at rest. held: the number of the object that is the tool itself; its mesh and material are not
 // among the obstacles. RT: set-up only. Pre: held is a number of an object; no object deforms.
 ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::size_t> held = std::nullopt);

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include "core/tool/held_tool.h"
 #include "core/tool/voxel_tool.h"
 #include "runtime/worker_threads.h"
 
@@ -17,6 +18,32 @@ class ProxyTool final : public SixdofMethod {
 
  private:
   std::unique_ptr<ToolStep> tool_;
+};
+
+class ForceTask final : public SixdofMethod {
+ public:
+  ForceTask(std::unique_ptr<ToolStep> tool, int every) : held_(std::move(tool)), every_(every) {}
+  void reset(const Pose& X_SD) override {
+    held_.restart();
+    held_.forget_motion();
+    (void)step(X_SD);
+    held_.follow();
+  }
+  ToolOutput step(const Pose& X_SD) override {
+    ++samples_;
+    return held_.step({X_SD}, samples_ * kSampleNs);
+  }
+  void follow() override {
+    if (samples_ % every_ == 0) held_.follow();
+  }
+  Placement placement(const ToolStep&) const override { return held_.tool().proxy().placement(); }
+
+ private:
+  static constexpr std::int64_t kSampleNs = 1'000'000;
+
+  HeldTool held_;
+  std::int64_t samples_ = 0;
+  std::int64_t every_;
 };
 
 class VoxelMethod final : public SixdofMethod {
@@ -46,6 +73,19 @@ SixdofMethodKind proxy_tool(int threads) {
             auto tool = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling, {}, make_worker_team(threads));
             if (!tool) return tl::unexpected(tool.error());
             return std::make_unique<ProxyTool>(std::move(*tool));
+          }};
+}
+
+SixdofMethodKind force_task(int every) {
+  return {.name = every > 1 ? fmt::format("force, {} ms", every) : "force",
+          .what = fmt::format(
+              "the force of each sample from the contacts of the last pose, as haptics_node computes it, with a pose every {} ms; "
+              "only the force is timed",
+              every),
+          .make = [every](const SixdofScenario& scenario) -> Result<std::unique_ptr<SixdofMethod>> {
+            auto tool = ToolStep::make(*scenario.tool, {scenario.scene}, scenario.coupling);
+            if (!tool) return tl::unexpected(tool.error());
+            return std::make_unique<ForceTask>(std::move(*tool), every);
           }};
 }
 

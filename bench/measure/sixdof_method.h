@@ -16,6 +16,8 @@ class SixdofMethod {
   virtual void reset(const Pose& X_SD) = 0;
   // One step of 1 ms: force, torque, X_WP.
   virtual ToolOutput step(const Pose& X_SD) = 0;
+  // What another thread does between two steps: not timed.
+  virtual void follow() {}
   // Where the tool is held, in the local units of `exact`.
   virtual Placement placement(const ToolStep& exact) const = 0;
 };
@@ -30,6 +32,9 @@ struct SixdofMethodKind {
 
 // ToolStep. Its placements are those of its proxy, to the bit. threads: that share the search for contacts.
 SixdofMethodKind proxy_tool(int threads = 1);
+// HeldTool: the force of each sample from the contacts that the slow task found last, which follows every `every` samples. Its placements
+// are those of the slow task.
+SixdofMethodKind force_task(int every);
 // VoxelTool with voxels of that size.
 SixdofMethodKind voxel_tool(double voxel_m);
 

@@ -95,6 +95,7 @@ Result<SixdofRow> measure_scenario(const SixdofScenario& scenario, const SixdofM
       watch, budget, steps,
       [&](std::size_t i) {
         if (i == 0) method.reset(scenario.device[0]);
+        if (i > 0) method.follow();
       },
       [&](std::size_t i) { felt[i] = method.step(scenario.device[i]); }, [&](std::size_t i) { placements[i] = method.placement(**exact); });
 
@@ -132,13 +133,17 @@ Result<SixdofReport> measure_sixdof(const SixdofSettings& settings, const Stopwa
     return {};
   };
   for (const SixdofScenario& scenario : scenarios) {
-    if (auto done = measure(scenario, proxy_tool()); !done) return tl::unexpected(done.error());
+    for (const SixdofMethodKind& own : {proxy_tool(), force_task(1), force_task(5)}) {
+      if (auto done = measure(scenario, own); !done) return tl::unexpected(done.error());
+    }
     for (const SixdofMethodKind& kind : settings.compared) {
       if (scenario.scene->triangles.size() > kind.most_triangles) continue;
       if (auto done = measure(scenario, kind); !done) return tl::unexpected(done.error());
     }
   }
   if (auto done = measure(make_peg_scenario(settings.peg_steps, settings.seed), proxy_tool()); !done) return tl::unexpected(done.error());
+  for (const SixdofMethodKind& own : {proxy_tool(), force_task(1), force_task(5)})
+    report.methods.push_back(fmt::format("{}: {}", own.name, own.what));
   for (const SixdofMethodKind& kind : settings.compared) report.methods.push_back(fmt::format("{}: {}", kind.name, kind.what));
   end_conditions(report.conditions, start, watch);
   return report;

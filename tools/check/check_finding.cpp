@@ -20,6 +20,10 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "coarse-voxels";
     case SceneFault::no_inertia:
       return "no-inertia";
+    case SceneFault::shape_alone:
+      return "shape-alone";
+    case SceneFault::overlaps:
+      return "overlaps";
     case SceneFault::stiffer_than_device:
       return "stiffer-than-device";
     case SceneFault::stiffer_than_loop:

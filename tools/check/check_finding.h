@@ -20,6 +20,8 @@ enum class SceneFault : std::uint8_t {
   inside_out,     // a closed body with its fronts inside
   coarse_voxels,  // of what can be carved, for its walls or for the tool
   no_inertia,     // a body to push whose surface is not closed
+  shape_alone,    // effects that a rigid tool does not feel
+  overlaps,       // a movable object that overlaps or touches another one where it lies
   stiffer_than_device,
   stiffer_than_loop,
   more_damped_than_loop,

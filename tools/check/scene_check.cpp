@@ -11,6 +11,7 @@
 #include "tools/check/reach_check.h"
 #include "tools/check/sculpt_check.h"
 #include "tools/check/surface_check.h"
+#include "tools/check/tool_check.h"
 
 namespace hapton {
 namespace {
@@ -79,7 +80,8 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
       .path = path, .findings = {}, .accepted = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldGains held = find_held_gains(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool)
-    check.notes.push_back(fmt::format("not checked: the tool '{}'; all findings but those on damping are for a probe", scene.tool->name));
+    check.notes.push_back(
+        fmt::format("not checked: where the tool '{}' gets; other findings but those on damping are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
     check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
   }
@@ -106,6 +108,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_frequency(effect, settings.rate_hz), check.findings);
     for (const DevicePreset* device : reaching) append(check_reach(effect, *device), check.findings);
   }
+  append(check_tool(scene), check.findings);
   for (const DevicePreset* device : reaching) append(check_size(scene, *device), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});

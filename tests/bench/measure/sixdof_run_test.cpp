@@ -23,6 +23,27 @@ TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates)
   }
 }
 
+TEST(SixdofRun, TheForceTaskIsAsNearToTheoryWithAPoseEachSample) {
+  const Stopwatch watch = Stopwatch::calibrate();
+  for (const SixdofScenario& scenario : make_analytic_scenarios(400)) {
+    const auto row = measure_scenario(scenario, force_task(1), watch, kOnce);
+    ASSERT_TRUE(row) << row.error().what;
+    EXPECT_EQ(row->method, "force");
+    EXPECT_GT(row->contact_steps, 100U) << row->name;
+    EXPECT_LT(row->force_error_percent, 1.0) << row->name;
+    EXPECT_LT(row->force_angle_deg, 1.0) << row->name;
+    EXPECT_EQ(row->penetrations, 0U) << row->name;
+  }
+}
+
+TEST(SixdofRun, TheForceTaskErrsWhereThePoseIsRare) {
+  const SixdofScenario scenario = make_analytic_scenarios(400).front();
+  const auto row = measure_scenario(scenario, force_task(200), Stopwatch::calibrate(), kOnce);
+  ASSERT_TRUE(row);
+  EXPECT_EQ(row->method, "force, 200 ms");
+  EXPECT_GT(row->force_error_percent, 10.0) << "contacts come late, and age";
+}
+
 // Voxels keep apart by tenths of a millimetre, and so err by percents.
 TEST(SixdofRun, VoxelsAreFartherFromTheory) {
   const SixdofScenario scenario = make_analytic_scenarios(1200).front();

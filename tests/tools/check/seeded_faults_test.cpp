@@ -120,6 +120,7 @@ std::vector<SeededFault> seeded_faults() {
        {"opening"}},
       {"VoxelsThatLoseAWall", good_block(), "sculpt = true\nvoxel_mm = 40\ntool_radius_mm = 200\n", "", {}, "coarse-voxels"},
       {"AToolOfFewVoxels", good_ball(), "sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 2.5\n", "", {}, "coarse-voxels"},
+      {"OneSidedToPickUp", good_ball(), "movable = true\n", one_sided, {}, "shape-alone"},
       {"StifferThanTheDevice", good_ball(), "", "stiffness_n_per_m = 5000.0\n", {}, "stiffer-than-device", {}, 0.0, {"stiffer-than-loop"}},
       {"StifferThanAWeakerDevice",
        good_ball(),
@@ -427,10 +428,10 @@ TEST(CheckCommand, APlainMeshIsFittedAsTheNodesFitIt) {
   EXPECT_THAT(fitted.out, testing::Not(HasSubstr("outside the workspace")));
 }
 
-TEST(SceneChecks, SaysThatAToolIsNotChecked) {
+TEST(SceneChecks, SaysWhatIsNotCheckedOfATool) {
   const CommandRun seen = check({HAPTON_SOURCE_DIR "/scenes/pegs.toml"});
   EXPECT_EQ(seen.code, 0) << seen.out << seen.err;
-  EXPECT_THAT(seen.out, HasSubstr("not checked: the tool 'peg'"));
+  EXPECT_THAT(seen.out, HasSubstr("not checked: where the tool 'peg' gets"));
 }
 
 }  // namespace
