@@ -138,6 +138,8 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
     start.p_WD = *own;
     touch_->reset(start);
     output_ = touch_->step(input_);
+    // As in make_start().
+    replied_before_ = kUnknownBefore;
   }
   reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
   reply.contact = output_.contact || fade_.is_felt();

@@ -87,6 +87,22 @@ TEST(HapticsStep, KeepsContactInANewSessionUnlessReset) {
   }
 }
 
+// A hub that was started again has an older place than this node.
+TEST(HapticsStep, KeepsContactWhereTheHubKnowsNone) {
+  HapticsStep step(make_touch(), kOffset);
+  States states;
+  reply_to(step, states.at({0.01, 0.01, 0.001}));
+  ASSERT_TRUE(reply_to(step, states.at({0.01, 0.01, -0.002})).contact);
+  step.resume();
+  DeviceState state = states.at({0.01, 0.011, -0.003});
+  state.is_resumed = true;
+  state.p_WP = Vec3(0.01, 0.011, -0.0029);
+  const ForceCommand first = reply_to(step, state);
+  EXPECT_TRUE(first.contact);
+  EXPECT_NEAR(first.force_n.z(), 3.0, 1e-2);
+  EXPECT_EQ(first.replied_before, kUnknownBefore) << "a recording of the new session alone cannot know it";
+}
+
 // Contact there would hold the hand back from the other side of the sheet.
 TEST(HapticsStep, ANewSessionFindsAHandFreeThatHasLeftTheSurface) {
   for (const double z_m : {0.0001, 0.001, 0.01}) {
