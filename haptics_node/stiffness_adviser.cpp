@@ -7,9 +7,9 @@
 #include <string_view>
 #include <utility>
 
-#include "loop/device_model.h"
-#include "loop/hand_model.h"
-#include "loop/recommendation.h"
+#include "closed_loop/device_model.h"
+#include "closed_loop/hand_model.h"
+#include "closed_loop/recommendation.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "scene/scene_key.h"

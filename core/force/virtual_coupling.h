@@ -6,9 +6,9 @@ namespace hapton {
 
 // A virtual coupling between device and probe: a spring in series with each surface's own, so that no material, however stiff, makes the
 // loop stiffer than the coupling. Effects (core/effects) are not coupled: layers, snaps and progressive stiffness stay as stiff as they
-// are. With a coupling that is passive for the device (loop/passivity.h) every scene is: the probe has no mass, so the two springs are one
-// (J. E. Colgate, M. C. Stanley, J. M. Brown, "Issues in the haptic display of tool use", IROS 1995; R. J. Adams, B. Hannaford, "Stable
-// haptic interaction with virtual environments", IEEE Trans. Robotics and Automation 15, 1999). Units: SI. RT: couple_material yes;
+// are. With a coupling that is passive for the device (closed_loop/passivity.h) every scene is: the probe has no mass, so the two springs
+// are one (J. E. Colgate, M. C. Stanley, J. M. Brown, "Issues in the haptic display of tool use", IROS 1995; R. J. Adams, B. Hannaford,
+// "Stable haptic interaction with virtual environments", IEEE Trans. Robotics and Automation 15, 1999). Units: SI. RT: couple_material yes;
 // couple_scene set-up only.
 
 // Stiffness K Kc / (K + Kc). Damping B (Kc / (K + Kc))^2: the spring-damper's share at speeds at which B v is small against the springs.

@@ -7,10 +7,10 @@
 #include <chrono>
 #include <thread>
 
+#include "closed_loop/device_model.h"
+#include "closed_loop/hand_model.h"
+#include "closed_loop/recommendation.h"
 #include "core/geometry/mesh_shapes.h"
-#include "loop/device_model.h"
-#include "loop/hand_model.h"
-#include "loop/recommendation.h"
 #include "runtime/log.h"
 #include "tests/support/made_scene.h"
 

@@ -14,9 +14,10 @@
 namespace hapton::structure {
 namespace {
 
-const std::vector<std::string> kFolders = {"core",         "runtime",     "link",  "hid",    "scene",  "bench",       "watchdog",
-                                           "devices",      "safety",      "loop",  "patch",  "remote", "haptic_step", "io_node",
-                                           "haptics_node", "vision_node", "tools", "python", "plugin", "vrpn",        "session"};
+const std::vector<std::string> kFolders = {"core",        "runtime", "link",         "hid",         "scene", "bench",
+                                           "watchdog",    "devices", "safety",       "closed_loop", "patch", "remote_touch",
+                                           "haptic_step", "io_node", "haptics_node", "vision_node", "tools", "python",
+                                           "plugin",      "vrpn",    "session"};
 
 // Which folders, or single headers, a folder's files may include. Its own are always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -41,17 +42,17 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"plugin", {"core", "runtime"}},
     {"devices", {"core/base", "core/math", "runtime", "link", "hid", "watchdog", "plugin"}},
     {"safety", {"core/base/button_bit.h", "core/math", "devices/device.h", "link/key_role.h"}},
-    {"loop", {"core", "safety", "devices/device.h", "devices/model_a.h", "link/fault_injector.h"}},
+    {"closed_loop", {"core", "safety", "devices/device.h", "devices/model_a.h", "link/fault_injector.h"}},
     {"patch", {"core", "link", "runtime"}},
-    {"remote", {"core", "link", "loop", "patch", "safety", "devices/device.h"}},
+    {"remote_touch", {"core", "link", "closed_loop", "patch", "safety", "devices/device.h"}},
     {"haptic_step", {"core", "link", "runtime", "scene", "plugin"}},
     {"io_node", {"core", "runtime", "link", "hid", "vrpn", "watchdog", "devices", "safety", "patch"}},
-    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "loop", "haptic_step", "plugin"}},
+    {"haptics_node", {"core", "runtime", "link", "scene", "patch", "closed_loop", "haptic_step", "plugin"}},
     {"vision_node", {"core", "runtime", "link", "session", "hid", "vrpn", "scene"}},
     {"python", {"core", "runtime", "link", "session", "scene"}},
     {"tools",
-     {"core", "runtime", "link", "session", "hid", "vrpn", "scene", "bench", "haptic_step", "devices", "safety", "loop", "patch", "remote",
-      "plugin"}},
+     {"core", "runtime", "link", "session", "hid", "vrpn", "scene", "bench", "haptic_step", "devices", "safety", "closed_loop", "patch",
+      "remote_touch", "plugin"}},
 };
 
 bool is_under(const std::string& path, const std::string& folder) { return path.rfind(folder + "/", 0) == 0; }
@@ -251,7 +252,7 @@ TEST(Layers, OnlyTheHeadsetSeesOpenXrAndItSeesNoVtk) {
 
 // One exception: memory is asked for in large pages when a mesh is prepared.
 TEST(Core, TouchesNothingOfTheMachine) {
-  EXPECT_THAT(find_wrong({"core", "loop", "remote"},
+  EXPECT_THAT(find_wrong({"core", "closed_loop", "remote_touch"},
                          [](const SourceFile& file, const Include& include) {
                            return is_impure(include.path) && !(file.path == "core/base/large_vector.cpp" && include.path == "sys/mman.h");
                          }),
@@ -260,8 +261,9 @@ TEST(Core, TouchesNothingOfTheMachine) {
 
 TEST(Core, PrintsNothing) {
   static const std::regex kPrints(R"(\b(fmt::print|std::cout|std::cerr|std::clog|printf|puts)\b)");
-  EXPECT_THAT(find_files({"core", "loop", "remote"}, [](const SourceFile& file) { return std::regex_search(file.code, kPrints); }),
-              IsEmpty());
+  EXPECT_THAT(
+      find_files({"core", "closed_loop", "remote_touch"}, [](const SourceFile& file) { return std::regex_search(file.code, kPrints); }),
+      IsEmpty());
 }
 
 TEST(Sources, HaveAtMost500Lines) {

@@ -6,8 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "closed_loop/stability.h"
 #include "core/geometry/mesh_measures.h"
-#include "loop/stability.h"
 
 namespace hapton {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "remote/remote_run.h"
+#include "remote_touch/remote_run.h"
 #include "tools/bench/bench_meshes.h"
 
 namespace hapton {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <variant>
 
-#include "remote/packet_size.h"
-#include "remote/whole_scene.h"
+#include "remote_touch/packet_size.h"
+#include "remote_touch/whole_scene.h"
 #include "safety/vector_limit.h"
 #include "session/session_entries.h"
 

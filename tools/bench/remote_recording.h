@@ -8,8 +8,8 @@
 
 #include "core/base/result.h"
 #include "core/force/force_method.h"
-#include "remote/force_comparison.h"
-#include "remote/remote_run.h"
+#include "remote_touch/force_comparison.h"
+#include "remote_touch/remote_run.h"
 
 namespace hapton {
 

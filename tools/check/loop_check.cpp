@@ -8,8 +8,8 @@
 #include <string>
 #include <variant>
 
-#include "loop/recommendation.h"
-#include "loop/stability.h"
+#include "closed_loop/recommendation.h"
+#include "closed_loop/stability.h"
 #include "scene/scene_key.h"
 #include "tools/check/rounded_down.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "loop/device_model.h"
+#include "closed_loop/device_model.h"
 #include "scene/scene_file.h"
 #include "tools/check/check_finding.h"
 

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "loop/device_model.h"
+#include "closed_loop/device_model.h"
 #include "tools/check/loop_check.h"
 #include "tools/check/reach_check.h"
 #include "tools/check/sculpt_check.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "closed_loop/zwidth.h"
 #include "core/base/result.h"
-#include "loop/zwidth.h"
 #include "tools/command_line.h"
 
 namespace hapton {

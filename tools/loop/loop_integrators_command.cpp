@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "loop/integrators.h"
+#include "closed_loop/integrators.h"
 #include "runtime/clock.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <vector>
 
-#include "loop/passivity_stage.h"
-#include "loop/prescribed_motion.h"
-#include "loop/press.h"
-#include "loop/touch_wall.h"
+#include "closed_loop/passivity_stage.h"
+#include "closed_loop/prescribed_motion.h"
+#include "closed_loop/press.h"
+#include "closed_loop/touch_wall.h"
 #include "runtime/atomic_file.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "loop/recommendation.h"
+#include "closed_loop/recommendation.h"
 #include "tools/commands.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/loop/loop_flags.h"

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "loop/velocity_estimator.h"
+#include "closed_loop/velocity_estimator.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"
 

@@ -10,8 +10,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "loop/press.h"
-#include "loop/random_stability.h"
+#include "closed_loop/press.h"
+#include "closed_loop/random_stability.h"
 #include "tools/milliseconds.h"
 
 namespace hapton {

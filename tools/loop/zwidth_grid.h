@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "closed_loop/zwidth.h"
 #include "core/base/result.h"
-#include "loop/zwidth.h"
 #include "tools/loop/loop_flags.h"
 
 namespace hapton {
@@ -41,12 +41,12 @@ struct ZWidthRow {
   double jitter_ms = 0.0;  // of each way
   double loss = 0.0;       // of each way
   std::uint64_t seed = 1;
-  double mean_delay_s = 0.0;  // of the force on the motors: the delay; with jitter or loss measured (loop/random_stability.h)
+  double mean_delay_s = 0.0;  // of the force on the motors: the delay; with jitter or loss measured (closed_loop/random_stability.h)
   ZWidth found;
-  std::optional<double> rest_n_per_m;  // loop/press.h
+  std::optional<double> rest_n_per_m;  // closed_loop/press.h
 
-  // With jitter or loss the limits of stability are simulated (loop/random_stability.h), passivity is that of the mean delay, and there is
-  // no limit of virtual mass: not a number.
+  // With jitter or loss the limits of stability are simulated (closed_loop/random_stability.h), passivity is that of the mean delay, and
+  // there is no limit of virtual mass: not a number.
   bool is_simulated() const noexcept { return jitter_ms > 0.0 || loss > 0.0; }
 };
 

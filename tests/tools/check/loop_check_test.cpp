@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "loop/recommendation.h"
-#include "loop/stability.h"
+#include "closed_loop/recommendation.h"
+#include "closed_loop/stability.h"
 
 namespace hapton {
 namespace {

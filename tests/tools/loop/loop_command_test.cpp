@@ -19,7 +19,7 @@ CommandRun run(std::vector<std::string> words) {
   return run_hapton(std::move(words));
 }
 
-// The cells of tests/loop/stability_test.cpp, as a person asks for them.
+// The cells of tests/closed_loop/stability_test.cpp, as a person asks for them.
 TEST(LoopCommand, ZWidthOfALoopOfOnesOwn) {
   const CommandRun seen =
       run({"zwidth", "--mass-kg", "0.225", "--damping-ns-per-m", "5", "--hand-stiffness-n-per-m", "500", "--delay", "100", "--json"});

@@ -1,0 +1,167 @@
+#include "closed_loop/axis_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/math/dense_matrix.h"
+
+namespace hapton {
+namespace {
+
+constexpr int kMostEventsPerCell = 16;
+// Cells for each period, or time constant times 2 pi, of the fastest motion.
+constexpr double kCellsPerPeriod = 100.0;
+
+}  // namespace
+
+AxisMotion::AxisMotion(const DeviceModel& device, const HandModel& hand)
+    : device_(device), hand_(hand), plant_(make_axis_plant(device, hand)), states_(plant_.states()) {
+  net_force_.setZero(states_ + AxisPlant::kInputs);
+  net_force_ << plant_.a.row(1).transpose(), plant_.b.row(1).transpose();
+  // Over the inverse mass: the friction input is a force.
+  net_force_ /= plant_.b(1, AxisPlant::friction);
+  if (device.friction_n > 0.0) {
+    const double fastest = std::max(1e-3, compute_eigenvalues(plant_.a).cwiseAbs().maxCoeff());
+    const double cell_ns = 1e9 * 2.0 * std::numbers::pi / (kCellsPerPeriod * fastest);
+    cell_bits_ = std::clamp(static_cast<int>(std::log2(cell_ns)), 4, 20);
+  }
+  sliding_ = make_steps(false);
+  pinned_ = make_steps(true);
+}
+
+AxisMotion::WholeMatrix AxisMotion::motor_power() const {
+  WholeMatrix power = WholeMatrix::Zero(states_ + AxisPlant::kInputs, states_ + AxisPlant::kInputs);
+  const int force = plant_.has_amplifier ? states_ - 1 : states_ + AxisPlant::command;
+  power(1, force) = power(force, 1) = 0.5;
+  return power;
+}
+
+AxisMotion::WholeMatrix AxisMotion::heat() const {
+  WholeMatrix heat = WholeMatrix::Zero(states_ + AxisPlant::kInputs, states_ + AxisPlant::kInputs);
+  heat(1, 1) = device_.damping_ns_per_m;
+  for (int i = 0; i + 1 < plant_.masses(); ++i) {
+    const double damping = device_.modes[static_cast<std::size_t>(i)].damping_ns_per_m;
+    const int here = 2 * i + 1;
+    const int there = here + 2;
+    heat(here, here) += damping;
+    heat(there, there) += damping;
+    heat(here, there) -= damping;
+    heat(there, here) -= damping;
+  }
+  return heat;
+}
+
+AxisMotion::Steps AxisMotion::make_steps(bool pinned) const {
+  const int n = states_ + AxisPlant::kInputs;
+  Eigen::MatrixXd rate = Eigen::MatrixXd::Zero(n, n);
+  rate.topLeftCorner(states_, states_) = plant_.a;
+  rate.topRightCorner(states_, AxisPlant::kInputs) = plant_.b;
+  rate(states_ + AxisPlant::hand, states_ + AxisPlant::hand_speed) = 1.0;
+  if (pinned) rate.topRows(2).setZero();
+  Steps steps;
+  for (int bit = 0; bit < kMostBits; ++bit) {
+    steps[bit].transition = compute_exponential(rate * std::ldexp(1e-9, bit));
+    // Free of the exponential's rounding: what is pinned does not move.
+    if (pinned) steps[bit].transition.topRows(2) = WholeMatrix::Identity(n, n).topRows(2);
+  }
+  // Over 1 ns the state does not change in a way that matters to an energy; over twice the time it is the integral of both halves.
+  steps[0].motor_j = 1e-9 * motor_power();
+  steps[0].lost_j = 1e-9 * heat();
+  for (int bit = 1; bit < kMostBits; ++bit) {
+    const Step& half = steps[bit - 1];
+    steps[bit].motor_j = half.motor_j + half.transition.transpose() * half.motor_j * half.transition;
+    steps[bit].lost_j = half.lost_j + half.transition.transpose() * half.lost_j * half.transition;
+  }
+  return steps;
+}
+
+AxisMotion::State AxisMotion::rest_at(double position_m) const {
+  State state;
+  state.x.setZero(states_);
+  for (int i = 0; i < plant_.masses(); ++i) state.x[2 * i] = position_m;
+  return state;
+}
+
+// Goes on until left_ns is used up (false) or event(whole) has become true within the last 1 ns (true).
+template <class Event>
+bool AxisMotion::run(const Steps& steps, State& state, Whole& whole, std::int64_t& left_ns, Event event) const noexcept {
+  const auto accept = [&](int bit, const Whole& next) {
+    const double motor_j = whole.dot(steps[bit].motor_j * whole);
+    const double lost_j = whole.dot(steps[bit].lost_j * whole);
+    state.motor_j += motor_j;
+    state.lost_j += lost_j;
+    whole = next;
+    left_ns -= std::int64_t{1} << bit;
+  };
+  bool is_bracketed = false;
+  for (int bit = cell_bits_; bit >= 0; --bit) {
+    if ((std::int64_t{1} << bit) > left_ns) continue;
+    const Whole next = steps[bit].transition * whole;
+    if (event(next)) {
+      is_bracketed = true;
+      if (bit == 0) accept(0, next);
+      continue;
+    }
+    accept(bit, next);
+    if (is_bracketed && bit == 0) accept(0, steps[0].transition * whole);
+  }
+  return is_bracketed;
+}
+
+// `whole` has the push in its friction input; friction comes on top where the mass slides.
+void AxisMotion::cross_cell(State& state, Whole& whole, std::int64_t left_ns) const noexcept {
+  const int friction_at = states_ + AxisPlant::friction;
+  const double push_n = whole[friction_at];
+  const double most_n = device_.friction_n;
+  for (int events = 0; left_ns > 0; ++events) {
+    const double net_n = net_force_n(whole);
+    const bool at_rest = whole[1] == 0.0;
+    const bool may_break = events < kMostEventsPerCell;
+    if ((at_rest && std::fabs(net_n) <= most_n) || !may_break) {
+      whole[1] = 0.0;
+      run(pinned_, state, whole, left_ns, [&](const Whole& next) { return may_break && std::fabs(net_force_n(next)) > most_n; });
+      continue;
+    }
+    const double direction = std::copysign(1.0, at_rest ? net_n : whole[1]);
+    const double before_m = whole[0];
+    whole[friction_at] = push_n - direction * most_n;
+    const bool has_stopped = run(sliding_, state, whole, left_ns, [&](const Whole& next) { return direction * next[1] < 0.0; });
+    whole[friction_at] = push_n;
+    state.lost_j += most_n * std::fabs(whole[0] - before_m);
+    if (has_stopped) whole[1] = 0.0;
+  }
+}
+
+void AxisMotion::advance(State& state, const Input& input, std::int64_t duration_ns) const noexcept {
+  Whole whole(states_ + AxisPlant::kInputs);
+  whole << state.x, input.hand_m, input.hand_m_per_s, input.command_n, input.push_n;
+  const std::int64_t cell_ns = std::int64_t{1} << cell_bits_;
+  while (duration_ns > 0) {
+    std::int64_t now_ns = std::min(duration_ns, cell_ns);
+    duration_ns -= now_ns;
+    if (device_.friction_n > 0.0) {
+      cross_cell(state, whole, now_ns);
+    } else {
+      run(sliding_, state, whole, now_ns, [](const Whole&) { return false; });
+    }
+  }
+  state.x = whole.head(states_);
+}
+
+double AxisMotion::stored_j(const State& state, double hand_m) const noexcept {
+  const int masses = plant_.masses();
+  double twice_j = 0.0;
+  for (int i = 0; i < masses; ++i) {
+    double mass_kg = i == 0 ? device_.motor_mass_kg() : device_.modes[static_cast<std::size_t>(i - 1)].mass_kg;
+    if (i == masses - 1) mass_kg += hand_.mass_kg;
+    twice_j += mass_kg * state.x[2 * i + 1] * state.x[2 * i + 1];
+    if (i + 1 == masses) continue;
+    const double bend_m = state.x[2 * i] - state.x[2 * i + 2];
+    twice_j += device_.modes[static_cast<std::size_t>(i)].stiffness_n_per_m * bend_m * bend_m;
+  }
+  const double pull_m = state.x[2 * masses - 2] - hand_m;
+  return 0.5 * (twice_j + hand_.stiffness_n_per_m * pull_m * pull_m);
+}
+
+}  // namespace hapton

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "closed_loop/axis_plant.h"
+
+namespace hapton {
+
+// The motion of one axis of device and hand (axis_plant.h) with Coulomb friction at the motors, exact: between two events (the motor mass
+// comes to rest, breaks away) the system is linear, and its step over 2^k ns is a matrix exponential computed once. An event is bracketed
+// to 1 ns by descending through these powers of two. Energies are quadratic in the state, so their integrals are exact as well. The method
+// is that of devices/stylus_dynamics.h, for any number of joints, with an amplifier and with energies. Units SI, ns. RT: no heap in
+// advance; making one is set-up only.
+class AxisMotion {
+ public:
+  static constexpr int kMostStates = AxisPlant::kMostStates;
+  using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
+
+  struct State {
+    StateVector x;         // as in AxisPlant
+    double motor_j = 0.0;  // work of the motor on the device since the start
+    double lost_j = 0.0;   // energy dissipated in the device since the start: viscous damping, joints, friction
+
+    double position_m() const noexcept { return x[0]; }
+    double velocity_m_per_s() const noexcept { return x[1]; }
+  };
+
+  // Inputs that are constant over an interval, except for the motion of the hand.
+  struct Input {
+    double command_n = 0.0;
+    double hand_m = 0.0;        // intended position of the hand at the start of the interval, ...
+    double hand_m_per_s = 0.0;  // ... and its velocity
+    double push_n = 0.0;        // external force on the motor mass
+  };
+
+  AxisMotion(const DeviceModel& device, const HandModel& hand);
+
+  // The state in which all masses rest at this position.
+  State rest_at(double position_m) const;
+  // Pre: duration_ns >= 0.
+  void advance(State& state, const Input& input, std::int64_t duration_ns) const noexcept;
+  // Kinetic and elastic energy if the intended position of the hand is hand_m.
+  double stored_j(const State& state, double hand_m) const noexcept;
+
+  const AxisPlant& plant() const noexcept { return plant_; }
+
+ private:
+  static constexpr int kMostBits = 31;
+  static constexpr int kMostWhole = kMostStates + AxisPlant::kInputs;
+  using Whole = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWhole, 1>;  // states and inputs
+  using WholeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostWhole, kMostWhole>;
+
+  // Over 2^k ns: the step, and the integrals of motor power and of heat as quadratic forms.
+  struct Step {
+    WholeMatrix transition;
+    WholeMatrix motor_j;
+    WholeMatrix lost_j;
+  };
+  using Steps = std::array<Step, kMostBits>;
+
+  Steps make_steps(bool pinned) const;
+  WholeMatrix motor_power() const;
+  WholeMatrix heat() const;
+  double net_force_n(const Whole& whole) const noexcept { return net_force_.dot(whole); }
+  template <class Event>
+  bool run(const Steps& steps, State& state, Whole& whole, std::int64_t& left_ns, Event event) const noexcept;
+  void cross_cell(State& state, Whole& whole, std::int64_t left_ns) const noexcept;
+
+  DeviceModel device_;
+  HandModel hand_;
+  AxisPlant plant_;
+  int states_;
+  int cell_bits_ = kMostBits - 1;  // events are looked for on a grid this fine
+  Whole net_force_;                // on the motor mass, but for friction
+  Steps sliding_;
+  Steps pinned_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "closed_loop/force_law.h"
+#include "link/fault_injector.h"
+#include "safety/command_filter.h"
+#include "safety/safety_governor.h"
+
+namespace hapton {
+
+// An additional stage between the accepted force and the motors, such as a passivity controller. RT: yes.
+class ForceStage {
+ public:
+  virtual ~ForceStage() = default;
+  // The device was read.
+  virtual void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept = 0;
+  // The force to write now in place of `force_n`.
+  virtual Vec3 shape(const Vec3& force_n, std::int64_t now_ns) noexcept = 0;
+  // The force that was written, after saturation.
+  virtual void note_written(const Vec3& /*force_n*/) noexcept {}
+};
+
+// From the device's position to the force on its motors: encoder, link to the force law and back, command filter or governor, saturation.
+// The command filter and the governor are the ones that io_node runs. Samples and forces travel as datagrams do: late, lost, overtaken; the
+// newest wins on both sides. Time is simulated, so no call waits. Units SI, ns; frame W. RT: no.
+class ForceChain {
+ public:
+  // newest: the newest command is held indefinitely, as linear theory assumes. filter: for 20 ms. governor: that of io_node, all stages.
+  enum class Gate : std::uint8_t { newest, filter, governor };
+
+  struct Options {
+    double encoder_step_m = 0.0;
+    double max_force_n = 0.0;  // 0: unlimited
+    LinkFaults there = {};     // device to force law
+    LinkFaults back = {};
+    std::uint64_t seed = 1;
+    Gate gate = Gate::newest;
+    DeviceLimits limits = {};  // of the governor
+    ForceStage* stage = nullptr;
+  };
+
+  struct Counters {
+    std::uint64_t samples = 0;
+    std::uint64_t lost = 0;
+    std::uint64_t overtaken = 0;
+    std::uint64_t replies = 0;
+  };
+
+  // Pre: the law and the stage outlive the chain.
+  ForceChain(ForceLaw& law, const Options& options);
+
+  // The device is read at now_ns. Pre: now_ns does not go back, here and below; what was due before is taken.
+  void sample(const Vec3& p_WD, std::int64_t now_ns);
+  // Takes what is due at now_ns.
+  void receive(std::int64_t now_ns);
+  // When the next packet is due; empty if none is in transit.
+  std::optional<std::int64_t> next_ns() const noexcept;
+
+  // On the motors now.
+  const Vec3& force_n() const noexcept { return force_n_; }
+  // As it was read last.
+  const Vec3& read_m() const noexcept { return read_m_; }
+  const Counters& counters() const noexcept { return counters_; }
+  const SafetyGovernor* governor() const noexcept { return governor_ ? &*governor_ : nullptr; }
+
+ private:
+  struct Packet {
+    std::int64_t due_ns = 0;
+    std::int64_t sample_ns = 0;
+    Vec3 value = Vec3::Zero();  // position there, force back
+    bool is_reply = false;
+  };
+
+  static bool is_later(const Packet& a, const Packet& b) noexcept;
+  void send(const Packet& packet, FaultInjector& link, std::int64_t now_ns);
+  void reply(const Packet& packet, std::int64_t now_ns);
+  void accept(const Packet& packet, std::int64_t now_ns);
+  void write(const Vec3& wanted_n, std::int64_t now_ns);
+  void run_gate(const std::optional<WrenchCommand>& command, std::int64_t now_ns);
+
+  ForceLaw& law_;
+  Options options_;
+  FaultInjector there_;
+  FaultInjector back_;
+  CommandFilter filter_;
+  std::optional<SafetyGovernor> governor_;
+  std::vector<Packet> packets_;  // on their way: a heap, the next one first
+  Vec3 force_n_ = Vec3::Zero();
+  Vec3 newest_n_ = Vec3::Zero();  // accepted last
+  Vec3 read_m_ = Vec3::Zero();
+  std::int64_t seen_ns_ = -1;     // newest sample that the law saw
+  std::int64_t replied_ns_ = -1;  // newest sample whose force came back
+  Counters counters_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,140 @@
+#include "closed_loop/passivity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "core/math/dense_matrix.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kLowestTurn = 1e-3;
+constexpr int kPerTurn = 24;  // frequencies looked at for each turn of the delay, and at least kLeastPoints
+constexpr int kLeastPoints = 400;
+constexpr int kAliases = 2000;  // summed one by one on either side, with an amplifier
+
+// The weights of the aliases of one frequency: what a hand's admittances are summed with.
+struct AliasDisk {
+  Complex centre;
+  double radius = 0.0;
+};
+
+class Sweep {
+ public:
+  explicit Sweep(const PassivityCase& loop) : loop_(loop) {
+    whole_periods_ = std::floor(loop.delay_s / loop.period_s + 1e-9);
+    rest_s_ = std::max(0.0, loop.delay_s - whole_periods_ * loop.period_s);
+  }
+
+  double find_least() const {
+    if (!(loop_.damping_ns_per_m > 0.0)) return 0.0;
+    // The slowest motions, which wall damping still damps.
+    const double slow = (loop_.damping_ns_per_m + loop_.wall_damping_ns_per_m) / (0.5 * loop_.period_s + loop_.delay_s + loop_.amplifier_s);
+    const double periods = (loop_.delay_s + loop_.amplifier_s) / loop_.period_s + 1.0;
+    const double first = kLowestTurn / periods;
+    const double last = std::max(2.0 * first, find_last(slow));
+    const int points = kLeastPoints + static_cast<int>(kPerTurn * periods * last / (2.0 * std::numbers::pi));
+    double least = slow;
+    int at_least = 0;
+    const double step = (last - first) / points;
+    for (int i = 0; i <= points; ++i) {
+      const double limit = limit_at(first + i * step);
+      if (limit < least) least = limit, at_least = i;
+    }
+    return at_least == 0 ? least : refine(first + (at_least - 1) * step, std::min(first + (at_least + 1) * step, last), least);
+  }
+
+ private:
+  // The angle above which no limit is below `slow`: |q| (|centre| + radius) < 1 holds for every K < (b - B) 2 sin(angle / 2) / T.
+  double find_last(double slow) const {
+    const double most = 2.0 * (loop_.damping_ns_per_m - loop_.wall_damping_ns_per_m) / loop_.period_s;
+    return most > slow ? 2.0 * std::asin(slow / most) : std::numbers::pi;
+  }
+
+  // Golden section around the least that was seen.
+  double refine(double low, double high, double least) const {
+    const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
+    for (int i = 0; i < 60; ++i) {
+      const double left = high - golden * (high - low);
+      const double right = low + golden * (high - low);
+      const double at_left = limit_at(left);
+      const double at_right = limit_at(right);
+      least = std::min({least, at_left, at_right});
+      (at_left < at_right ? high : low) = at_left < at_right ? right : left;
+    }
+    return least;
+  }
+
+  // The first K > 0 at which |1 - q centre| = |q| radius with q = q0 + K q1; 0 when it is beyond already without stiffness.
+  double limit_at(double angle) const {
+    const double half = std::sin(0.5 * angle);
+    const Complex difference(2.0 * half * half, std::sin(angle));  // 1 - 1/z
+    const AliasDisk disk = aliases(angle, difference);
+    const Complex turn = std::polar(1.0, -std::remainder(angle * whole_periods_, 2.0 * std::numbers::pi));
+    const Complex q1 = difference * turn / (2.0 * loop_.damping_ns_per_m * loop_.period_s);
+    const Complex q0 = loop_.wall_damping_ns_per_m / loop_.period_s * difference * q1;
+    const Complex away = 1.0 - q0 * disk.centre;
+    const double c = std::norm(away) - std::norm(q0) * disk.radius * disk.radius;
+    if (!(c > 0.0)) return 0.0;
+    const double a = std::norm(q1) * (std::norm(disk.centre) - disk.radius * disk.radius);
+    const double b = -2.0 * std::real(std::conj(away) * q1 * disk.centre) - 2.0 * std::real(std::conj(q0) * q1) * disk.radius * disk.radius;
+    return first_root(a, b, c);
+  }
+
+  // Of a K^2 + b K + c with c > 0 and a <= 0 but for rounding.
+  static double first_root(double a, double b, double c) {
+    const double inner = b * b - 4.0 * a * c;
+    if (inner < 0.0) return std::numeric_limits<double>::infinity();
+    // c / larger-magnitude form: no cancellation where a is nearly zero.
+    const double root = std::sqrt(inner);
+    const double first = -b + root > 0.0 ? 2.0 * c / (-b + root) : std::numeric_limits<double>::infinity();
+    const double second = -b - root > 0.0 ? 2.0 * c / (-b - root) : std::numeric_limits<double>::infinity();
+    return std::min(first, second);
+  }
+
+  AliasDisk aliases(double angle, const Complex& difference) const {
+    const double t = loop_.period_s;
+    if (loop_.amplifier_s > 0.0) return sum_aliases(angle);
+    const Complex over = (1.0 - difference) / difference;  // z^-1 / (1 - z^-1)
+    const double half = std::sin(0.5 * angle);
+    return {-t * (t * over / difference - rest_s_ * over), 0.25 * t * t / (half * half)};
+  }
+
+  // One by one, and the rest as an integral: it falls with the cube.
+  AliasDisk sum_aliases(double angle) const {
+    AliasDisk disk;
+    const double t = loop_.period_s;
+    for (int n = -kAliases; n <= kAliases; ++n) {
+      const double w = (angle + 2.0 * std::numbers::pi * n) / t;
+      const Complex weight = std::polar(1.0, -w * rest_s_) / (w * w * Complex(1.0, w * loop_.amplifier_s));
+      disk.centre += weight;
+      disk.radius += std::abs(weight);
+    }
+    const double end = 2.0 * std::numbers::pi * (kAliases + 0.5) / t;
+    disk.radius += t / (2.0 * std::numbers::pi) / (end * end * loop_.amplifier_s);
+    return disk;
+  }
+
+  PassivityCase loop_;
+  double whole_periods_ = 0.0;
+  double rest_s_ = 0.0;
+};
+
+}  // namespace
+
+PassiveStiffness find_passive_stiffness(const PassivityCase& loop) {
+  PassiveStiffness passive;
+  passive.viscous_n_per_m = Sweep(loop).find_least();
+  passive.quantised_n_per_m =
+      loop.encoder_step_m > 0.0 ? 2.0 * loop.friction_n / loop.encoder_step_m : std::numeric_limits<double>::infinity();
+  return passive;
+}
+
+double linear_rule_n_per_m(double damping_ns_per_m, double period_s, double delay_s) noexcept {
+  return damping_ns_per_m / (0.5 * period_s + delay_s);
+}
+
+}  // namespace hapton

@@ -1,0 +1,183 @@
+#include "closed_loop/prescribed_motion.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/math/dense_matrix.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
+// From event to event: samples, forces that arrive, and the motion's own. on_piece(from_ns, to_ns, force_n) for each piece of constant
+// force.
+template <class Position, class Next, class OnPiece>
+void follow(ForceChain& chain, std::int64_t period_ns, std::int64_t end_ns, Position position_m, Next next_ns, OnPiece on_piece) {
+  for (std::int64_t now_ns = 0, tick_ns = 0; now_ns < end_ns;) {
+    if (now_ns == tick_ns) {
+      chain.sample({position_m(now_ns), 0.0, 0.0}, now_ns);
+      tick_ns += period_ns;
+    }
+    const std::int64_t until_ns = std::min({end_ns, tick_ns, chain.next_ns().value_or(kNever), next_ns(now_ns)});
+    on_piece(now_ns, until_ns, chain.force_n().x());
+    now_ns = until_ns;
+    chain.receive(now_ns);
+  }
+}
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+// The unit eigenvector of the larger eigenvalue. Pre: hermitian.
+Eigen::Vector2cd find_strongest(const Eigen::Matrix2cd& a) {
+  const double half_gap = 0.5 * (a(0, 0).real() - a(1, 1).real());
+  const double radius = std::hypot(half_gap, std::abs(a(0, 1)));
+  // Of the two rows of a - eigenvalue, the one that does not cancel.
+  const Eigen::Vector2cd v = half_gap >= 0.0 ? Eigen::Vector2cd(half_gap + radius, a(1, 0)) : Eigen::Vector2cd(a(0, 1), radius - half_gap);
+  return v.norm() > 0.0 ? Eigen::Vector2cd(v.normalized()) : Eigen::Vector2cd(0.0, 1.0);
+}
+
+HandPath::Point at(std::int64_t time_ns, double x_m) { return {.time_ns = time_ns, .p_WH = {x_m, 0.0, 0.0}}; }
+
+// Motions that a hand may try on one device, rate and delay.
+class OnsetSearch {
+ public:
+  OnsetSearch(const DeviceModel& device, std::int64_t period_ns, std::int64_t delay_ns)
+      : device_(device), period_ns_(period_ns), delay_ns_(delay_ns) {}
+
+  EnergyOnset run() {
+    press_and_release();
+    swing_between_samples();
+    if (device_.encoder_step_m > 0.0) oscillate_at_an_encoder_edge();
+    return onset_;
+  }
+
+ private:
+  // A motion so slow that accelerations at its ends are negligible, and so long that friction is.
+  void press_and_release() {
+    constexpr std::int64_t kDelaysLong = 100;
+    const std::int64_t press_ns = kDelaysLong * (period_ns_ + delay_ns_);
+    const double damping = std::max(device_.damping_ns_per_m, 1e-9);
+    const double speed = std::max(0.05, 1e4 * device_.friction_n / damping);
+    const double depth_m = speed * seconds(press_ns);
+    try_motion(HandPath({at(0, 0.0), at(press_ns, -depth_m), at(2 * press_ns, 0.0)}), "press and release");
+  }
+
+  // The worst motion at one frequency and its aliases: two speeds in each period, before and after the force changes. The speeds are the
+  // eigenvector of the largest work per heat; their phases advance by the frequency from period to period.
+  void swing_between_samples() {
+    constexpr int kFrequencies = 24;
+    constexpr std::int64_t kMostPeriods = 20;  // of delay; with more the slow motions of a press decide
+    const std::int64_t whole = delay_ns_ / period_ns_;
+    const std::int64_t rest_ns = delay_ns_ % period_ns_;
+    if (whole > kMostPeriods || rest_ns == 0) return;
+    const double lowest = 0.1 / static_cast<double>(whole + 1);
+    for (int i = 0; i < kFrequencies; ++i) {
+      const double angle = lowest * std::pow(0.98 * std::numbers::pi / lowest, i / (kFrequencies - 1.0));
+      try_motion(swing(angle, whole, rest_ns),
+                 fmt::format("swing between samples, {:.4g} Hz", angle / (2.0 * std::numbers::pi * seconds(period_ns_))));
+    }
+  }
+
+  HandPath swing(double angle, std::int64_t whole, std::int64_t rest_ns) const {
+    constexpr double kCycles = 60.0;
+    constexpr double kSpeed = 1.0;
+    // Parts of a period with their shares of it; speed y / share of unit heat.
+    const Eigen::Vector2d share(std::sqrt(seconds(rest_ns)), std::sqrt(seconds(period_ns_ - rest_ns)));
+    const Complex turn = std::polar(1.0, angle);
+    // Position read: moved^T y; force on each part: that of an older sample.
+    const Eigen::Vector2cd moved = share.cast<Complex>() / (turn - 1.0);
+    const Eigen::Vector2cd force(-share[0] * std::pow(turn, -static_cast<double>(whole + 1)),
+                                 -share[1] * std::pow(turn, -static_cast<double>(whole)));
+    const Eigen::Matrix2cd work = 0.5 * (force * moved.transpose() + moved.conjugate() * force.adjoint());
+    const Eigen::Vector2cd speed = kSpeed * find_strongest(work).cwiseQuotient(share.cast<Complex>());
+    std::vector<HandPath::Point> points;
+    double x_m = 0.0;
+    const auto periods = static_cast<std::int64_t>(kCycles * 2.0 * std::numbers::pi / angle);
+    for (std::int64_t k = 0; k < periods; ++k) {
+      const Complex now = std::polar(1.0, std::remainder(angle * static_cast<double>(k), 2.0 * std::numbers::pi));
+      points.push_back(at(k * period_ns_, x_m));
+      x_m += seconds(rest_ns) * std::real(speed[0] * now);
+      points.push_back(at(k * period_ns_ + rest_ns, x_m));
+      x_m += seconds(period_ns_ - rest_ns) * std::real(speed[1] * now);
+    }
+    return HandPath(std::move(points));
+  }
+
+  // Across an encoder edge by a small part of a step, back and forth: the read position changes by a whole step each time.
+  void oscillate_at_an_encoder_edge() {
+    constexpr int kCycles = 50;
+    for (std::int64_t half_ns = period_ns_; half_ns <= 4 * (period_ns_ + delay_ns_); half_ns += period_ns_) {
+      for (const std::int64_t begin_ns : {std::int64_t{0}, period_ns_ / 2}) {
+        const double edge_m = -1.5 * device_.encoder_step_m;
+        const double swing_m = 1e-5 * device_.encoder_step_m;
+        std::vector<HandPath::Point> points;
+        for (int i = 0; i <= 2 * kCycles; ++i) points.push_back(at(begin_ns + i * half_ns, edge_m + (i % 2 == 0 ? swing_m : -swing_m)));
+        try_motion(HandPath(std::move(points)), fmt::format("oscillation at an encoder edge, {:g} Hz", 0.5 / seconds(half_ns)));
+      }
+    }
+  }
+
+  void try_motion(const HandPath& path, const std::string& name) {
+    WallLaw unit_wall({.stiffness_n_per_m = 1.0, .two_sided = true});
+    ForceChain::Options link{.encoder_step_m = device_.encoder_step_m};
+    link.there.delay_ns = delay_ns_;
+    ForceChain chain(unit_wall, link);
+    const EnergyOfMotion energy = measure_energy(chain, device_, path, period_ns_, period_ns_ + delay_ns_);
+    if (!(energy.motor_j > 0.0)) return;
+    const double stiffness = energy.lost_j / energy.motor_j;
+    if (stiffness < onset_.stiffness_n_per_m) onset_ = {stiffness, name};
+  }
+
+  const DeviceModel& device_;
+  std::int64_t period_ns_;
+  std::int64_t delay_ns_;
+  EnergyOnset onset_{std::numeric_limits<double>::infinity(), "none"};
+};
+
+}  // namespace
+
+EnergyOfMotion measure_energy(ForceChain& chain, const DeviceModel& device, const HandPath& path, std::int64_t period_ns,
+                              std::int64_t after_ns) {
+  EnergyOfMotion energy;
+  const auto position_m = [&](std::int64_t now_ns) { return path.position_m(now_ns).x(); };
+  follow(
+      chain, period_ns, path.end_ns() + after_ns, position_m, [&](std::int64_t now_ns) { return path.next_ns(now_ns); },
+      [&](std::int64_t from_ns, std::int64_t to_ns, double force_n) {
+        const double speed = path.velocity_m_per_s(from_ns).x();
+        const double moved_m = speed * seconds(to_ns - from_ns);
+        energy.motor_j += force_n * moved_m;
+        energy.lost_j += device.damping_ns_per_m * speed * moved_m + device.friction_n * std::fabs(moved_m);
+      });
+  return energy;
+}
+
+EnergyOnset find_energy_onset(const DeviceModel& device, std::int64_t period_ns, std::int64_t delay_ns) {
+  return OnsetSearch(device, period_ns, delay_ns).run();
+}
+
+std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t period_ns, double frequency_hz, double bias_m,
+                                                double amplitude_m, int cycles) {
+  const double omega = 2.0 * std::numbers::pi * frequency_hz;
+  const auto begin_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz));
+  const auto end_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * (1 + cycles)));
+  Complex force;
+  const auto turned = [&](std::int64_t ns) { return std::polar(1.0, -omega * seconds(ns)); };
+  follow(
+      chain, period_ns, end_ns, [&](std::int64_t ns) { return bias_m + amplitude_m * std::sin(omega * seconds(ns)); },
+      [](std::int64_t) { return kNever; },
+      [&](std::int64_t from_ns, std::int64_t to_ns, double force_n) {
+        from_ns = std::max(from_ns, begin_ns);
+        // The integral of the constant force times e^(-j omega t).
+        if (to_ns > from_ns) force += force_n * (turned(from_ns) - turned(to_ns)) / Complex(0.0, omega);
+      });
+  // amplitude * sin(omega t) has the coefficient amplitude / 2j.
+  const Complex position = Complex(0.0, -0.5) * amplitude_m * seconds(end_ns - begin_ns);
+  return -force / position;
+}
+
+}  // namespace hapton

@@ -1,0 +1,199 @@
+#include "closed_loop/stability.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "closed_loop/largest_value.h"
+#include "core/effects/smooth_velocity.h"
+#include "core/math/dense_matrix.h"
+#include "core/math/find_zero.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+// Between two angles that are looked at, 1/L turns by no more and grows by no more (natural logarithm). Small enough that its imaginary
+// part changes sign no more than once.
+constexpr double kMostTurn = 0.1;
+constexpr double kMostGrowth = 0.2;
+// What lies this far above the best is not looked at closely.
+constexpr double kFarAbove = 1.5;
+// Angle to begin at, in shares of the loop's delay: nothing swings so slowly.
+constexpr double kFirstTurn = 1e-6;
+
+// (1 - 1/z) / T: velocity of a position by finite difference.
+Complex difference(double angle, double period_s) {
+  const double half = std::sin(0.5 * angle);
+  return Complex(2.0 * half * half, std::sin(angle)) / period_s;
+}
+
+// Velocity of a position by SmoothVelocity.
+Complex smooth_difference(double angle, double period_s) {
+  constexpr int kDifferences = static_cast<int>(SmoothVelocity::kSamples);
+  const Complex back = std::polar(1.0, -angle);
+  Complex mean;
+  for (int i = kDifferences - 1; i >= 0; --i) mean = mean * back + Complex(kDifferences - i);
+  mean /= 0.5 * kDifferences * (kDifferences + 1);
+  return mean * difference(angle, period_s);
+}
+
+// Force of a virtual mass of 1 kg over the position, less the sign: MassEffect with the velocity of SmoothVelocity.
+Complex acceleration(double angle, double period_s, double filter_s) {
+  const double share = -std::expm1(-period_s / filter_s);
+  return share / (1.0 - (1.0 - share) * std::polar(1.0, -angle)) * smooth_difference(angle, period_s) * difference(angle, period_s);
+}
+
+// 1 + (fixed + s * direction) L = 0 for s. One of the two is stiffness, the other damping; or s is a viscosity or a virtual mass,
+// and nothing is fixed.
+class Boundary {
+ public:
+  enum class Along { stiffness, damping, viscosity, mass };
+
+  Boundary(const SampledPlant& plant, Along along, double fixed, double filter_s = 0.0)
+      : plant_(plant), along_(along), fixed_(fixed), filter_s_(filter_s) {}
+
+  struct Point {
+    double angle = 0.0;
+    Complex inverse;  // 1/L without the turn of whole periods
+    Complex direction;
+    Complex s;
+    double least = 0.0;  // |s| is no less, whatever whole periods turn
+  };
+
+  Point at(double angle) const {
+    Point point{.angle = angle, .inverse = 1.0 / plant_.response(angle), .direction = 1.0, .s = {}};
+    const Complex turn = std::polar(1.0, std::remainder(angle * plant_.whole_periods(), 2.0 * std::numbers::pi));
+    const Complex velocity = difference(angle, plant_.period_s());
+    if (along_ == Along::damping) point.direction = velocity;
+    if (along_ == Along::viscosity) point.direction = smooth_difference(angle, plant_.period_s());
+    if (along_ == Along::mass) point.direction = acceleration(angle, plant_.period_s(), filter_s_);
+    const Complex fixed = along_ == Along::stiffness ? fixed_ * velocity : Complex(fixed_);
+    point.s = -(point.inverse * turn + fixed) / point.direction;
+    point.least = std::fabs(std::abs(point.inverse) - std::abs(fixed)) / std::abs(point.direction);
+    return point;
+  }
+
+  StabilityLimit find_first() const {
+    StabilityLimit best{kNone, 0.0};
+    const double periods = plant_.whole_periods() + 1.5;
+    Point here = at(kFirstTurn / periods);
+    double step = here.angle;
+    while (here.angle < std::numbers::pi) {
+      const Point next = at(std::min(here.angle + step, std::numbers::pi));
+      const double share = share_of_most(here, next, best.value);
+      if (share > 1.0 && step > 1e-12 * here.angle) {
+        step *= 0.5;
+        continue;
+      }
+      note_crossing(here, next, best);
+      if (share < 0.5) step *= 1.5;
+      here = next;
+    }
+    note_end(here, best);
+    return best;
+  }
+
+ private:
+  // Of what two neighbouring points may differ by.
+  double share_of_most(const Point& here, const Point& next, double best) const {
+    Complex ratio = next.inverse / here.inverse;
+    // A filter turns by itself; a difference by half of the angle.
+    if (along_ == Along::mass || along_ == Along::viscosity) ratio /= next.direction / here.direction;
+    const double own_turn = std::fabs(std::arg(ratio));
+    const double growth = std::fabs(std::log(std::abs(ratio)));
+    const bool is_far = std::min(here.least, next.least) > kFarAbove * best;
+    const double turn = is_far ? own_turn : own_turn + (next.angle - here.angle) * plant_.whole_periods();
+    return std::max(turn / kMostTurn, growth / kMostGrowth);
+  }
+
+  void note_crossing(const Point& here, const Point& next, StabilityLimit& best) const {
+    if (std::min(here.least, next.least) > kFarAbove * best.value) return;
+    if ((here.s.imag() > 0.0) == (next.s.imag() > 0.0)) return;
+    const double sign = here.s.imag() > 0.0 ? 1.0 : -1.0;
+    const double angle = find_zero(here.angle, sign * here.s.imag(), next.angle, sign * next.s.imag(), 0.0,
+                                   [&](double trial) { return sign * at(trial).s.imag(); });
+    note(at(angle), best);
+  }
+
+  // At half the sampling rate everything is real.
+  void note_end(const Point& end, StabilityLimit& best) const { note(end, best); }
+
+  void note(const Point& point, StabilityLimit& best) const {
+    const double value = point.s.real();
+    if (value <= 0.0 || value >= best.value) return;
+    best = {value, point.angle / (2.0 * std::numbers::pi * plant_.period_s())};
+  }
+
+  const SampledPlant& plant_;
+  Along along_;
+  double fixed_;
+  double filter_s_;
+};
+
+Eigen::MatrixXd make_loop_matrix(const SampledPlant& plant, const WallGains& wall) {
+  const Eigen::Index n = plant.transition().rows();
+  const Eigen::Index held = plant.whole_periods() + 1;
+  const double difference_gain = wall.damping_ns_per_m / plant.period_s();
+  // States: the plant's, the commands of the last `held` samples, the last position.
+  const Eigen::Index last = n + held;
+  Eigen::MatrixXd loop = Eigen::MatrixXd::Zero(last + 1, last + 1);
+  loop.topLeftCorner(n, n) = plant.transition();
+  const auto add_command = [&](Eigen::Index row, Eigen::Index rows, const Eigen::VectorXd& gain, Eigen::Index age) {
+    if (age > 0) {
+      loop.block(row, n + age - 1, rows, 1) += gain;
+      return;
+    }
+    loop.block(row, 0, rows, 1) -= (wall.stiffness_n_per_m + difference_gain) * gain;
+    loop.block(row, last, rows, 1) += difference_gain * gain;
+  };
+  add_command(0, n, plant.newer(), plant.whole_periods());
+  add_command(0, n, plant.older(), plant.whole_periods() + 1);
+  add_command(n, 1, Eigen::VectorXd::Ones(1), 0);
+  for (Eigen::Index i = 1; i < held; ++i) loop(n + i, n + i - 1) = 1.0;
+  loop(last, 0) = 1.0;
+  return loop;
+}
+
+}  // namespace
+
+StabilityLimit find_stable_stiffness(const SampledPlant& plant, double damping_ns_per_m) {
+  if (!plant.is_stable_alone()) return {};
+  if (damping_ns_per_m > 0.0 && damping_ns_per_m >= Boundary(plant, Boundary::Along::damping, 0.0).find_first().value) return {};
+  return Boundary(plant, Boundary::Along::stiffness, damping_ns_per_m).find_first();
+}
+
+StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n_per_m) {
+  if (!plant.is_stable_alone()) return {};
+  if (stiffness_n_per_m > 0.0 && stiffness_n_per_m >= Boundary(plant, Boundary::Along::stiffness, 0.0).find_first().value) return {};
+  return Boundary(plant, Boundary::Along::damping, stiffness_n_per_m).find_first();
+}
+
+StabilityLimit find_stable_viscosity(const SampledPlant& plant) {
+  if (!plant.is_stable_alone()) return {};
+  return Boundary(plant, Boundary::Along::viscosity, 0.0).find_first();
+}
+
+StabilityLimit find_stable_mass(const SampledPlant& plant, double filter_s) {
+  if (!plant.is_stable_alone()) return {};
+  return Boundary(plant, Boundary::Along::mass, 0.0, filter_s).find_first();
+}
+
+double compute_spectral_radius(const SampledPlant& plant, const WallGains& wall) {
+  return compute_eigenvalues(make_loop_matrix(plant, wall)).cwiseAbs().maxCoeff();
+}
+
+double find_stable_stiffness_by_eigenvalues(const SampledPlant& plant, double damping_ns_per_m, double start_n_per_m, double growth) {
+  const auto is_stable = [&](double stiffness) { return compute_spectral_radius(plant, {stiffness, damping_ns_per_m}) < 1.0; };
+  double low = 0.0;
+  double high = start_n_per_m;
+  for (; is_stable(high); high *= growth) {
+    low = high;
+    if (!std::isfinite(high)) return high;
+  }
+  constexpr double kFine = 1e-9;
+  return bisect(low, high, kFine, is_stable);
+}
+
+}  // namespace hapton

@@ -1,0 +1,85 @@
+#include "remote_touch/force_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "remote_touch/effective_offset.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kStepCostShare = 0.05;  // of the reference's RMS, for a millisecond of change in lateness
+
+double angle_deg(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi; }
+
+void compare_directions(const std::vector<ForceRow>& rows, ForceComparison& found) {
+  double squares = 0.0;
+  std::size_t counted = 0;
+  for (const ForceRow& row : rows) {
+    if (row.force_n.norm() <= kLeastN || row.zero_delay_n.norm() <= kLeastN) continue;
+    const double angle = angle_deg(row.force_n, row.zero_delay_n);
+    squares += angle * angle;
+    ++counted;
+    found.direction_max_deg = std::max(found.direction_max_deg, angle);
+  }
+  if (counted > 0) found.direction_rms_deg = std::sqrt(squares / static_cast<double>(counted));
+}
+
+void count_falls(const std::vector<ForceRow>& rows, double period_s, ForceComparison& found) {
+  bool was_falling = false;
+  for (const ForceRow& row : rows) {
+    const bool is_falling = row.penetration_m > kFallM && !(row.force_n.dot(row.zero_delay_n) > 0.0);
+    found.falls += is_falling && !was_falling ? 1 : 0;
+    found.fall_s += is_falling ? period_s : 0.0;
+    was_falling = is_falling;
+  }
+}
+
+// A force is held until the next row.
+template <class Force>
+double most_given_j(const std::vector<ForceRow>& rows, Force force_of) {
+  double given_j = 0.0;
+  double most_j = 0.0;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    given_j += force_of(rows[i - 1]).dot(rows[i].p_WD - rows[i - 1].p_WD);
+    most_j = std::max(most_j, given_j);
+  }
+  return most_j;
+}
+
+}  // namespace
+
+ForceComparison compare_forces(const std::vector<ForceRow>& rows, double period_s, double most_late_s) {
+  ForceComparison found;
+  double error = 0.0;
+  double whole = 0.0;
+  std::size_t contact = 0;
+  std::vector<Vec3> forces;
+  std::vector<Vec3> zero_delay;
+  for (const ForceRow& row : rows) {
+    const double error_n = (row.force_n - row.zero_delay_n).norm();
+    error += error_n * error_n;
+    whole += row.zero_delay_n.squaredNorm();
+    contact += row.zero_delay_n.isZero(0.0) ? 0 : 1;
+    found.error_max_n = std::max(found.error_max_n, error_n);
+    forces.push_back(row.force_n);
+    zero_delay.push_back(row.zero_delay_n);
+  }
+  if (contact == 0) return found;
+  found.error_rms = std::sqrt(error / whole);
+  found.contact_s = period_s * static_cast<double>(contact);
+  const double rms_n = std::sqrt(whole / static_cast<double>(contact));
+  const auto most_late = static_cast<std::size_t>(std::lround(most_late_s / period_s));
+  const double step_cost = kStepCostShare * rms_n * period_s / 1e-3;
+  const EffectiveOffset offset = find_effective_offset(forces, zero_delay, period_s, most_late, step_cost, kLeastN);
+  found.time_offset_s = offset.time_s;
+  found.value_offset = offset.value / rms_n;
+  compare_directions(rows, found);
+  count_falls(rows, period_s, found);
+  found.generated_j = most_given_j(rows, [](const ForceRow& row) { return row.force_n; });
+  found.zero_delay_generated_j = most_given_j(rows, [](const ForceRow& row) { return row.zero_delay_n; });
+  return found;
+}
+
+}  // namespace hapton

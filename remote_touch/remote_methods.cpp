@@ -1,0 +1,80 @@
+#include "remote_touch/remote_methods.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "remote_touch/remote_force.h"
+#include "remote_touch/remote_patch.h"
+#include "remote_touch/remote_plane.h"
+#include "remote_touch/whole_scene.h"
+
+namespace hapton {
+namespace {
+
+using Way = RemoteMethod::Way;
+
+constexpr std::array<RemoteMethod, 9> kMethods = {{
+    {.name = "local", .title = "whole scene beside the device: zero delay", .way = Way::whole},
+    {.name = "remote",
+     .title = "remote force as io_node uses it: released 20 ms after its sample",
+     .way = Way::force,
+     .has_governor = true},
+    {.name = "remote-held", .title = "remote force, the newest one held indefinitely", .way = Way::force},
+    {.name = "remote-passive", .title = "remote force held, and the passivity controller", .way = Way::force, .is_passive = true},
+    {.name = "plane", .title = "one plane, a new one with each reply", .way = Way::plane},
+    {.name = "deadband", .title = "deadband coding, the last force held", .way = Way::deadband},
+    {.name = "deadband-linear", .title = "deadband coding, linear prediction", .way = Way::deadband, .prediction = Prediction::linear},
+    {.name = "patch", .title = "parts of the scene beside the device", .way = Way::patch},
+    {.name = "patch-passive",
+     .title = "parts of the scene, governor and passivity controller",
+     .way = Way::patch,
+     .has_governor = true,
+     .is_passive = true},
+}};
+
+}  // namespace
+
+std::span<const RemoteMethod> remote_methods() noexcept { return kMethods; }
+
+const RemoteMethod* find_remote_method(std::string_view name) noexcept {
+  const auto found = std::find_if(kMethods.begin(), kMethods.end(), [&](const RemoteMethod& method) { return method.name == name; });
+  return found == kMethods.end() ? nullptr : &*found;
+}
+
+std::string remote_method_names() {
+  std::string names;
+  for (const RemoteMethod& method : kMethods) names += (names.empty() ? "" : ", ") + std::string(method.name);
+  return names;
+}
+
+Result<RemoteScene> make_remote_scene(std::shared_ptr<const TriangleMesh> mesh, const Material& material) {
+  TouchScene scene;
+  scene.objects.push_back({mesh, material});
+  auto far = make_method({}, scene);
+  if (!far) return tl::unexpected(far.error());
+  auto near = make_method({}, scene);
+  if (!near) return tl::unexpected(near.error());
+  return RemoteScene{std::move(mesh), material.stiffness_n_per_m, std::move(*far), std::move(*near), make_tiles(scene)};
+}
+
+std::unique_ptr<RemoteTouch> make_remote_touch(const RemoteMethod& method, const RemoteScene& scene, const RemoteNetwork& network,
+                                               const RemoteSettings& settings) {
+  switch (method.way) {
+    case Way::whole:
+      return std::make_unique<WholeScene>(scene.far);
+    case Way::force:
+      return std::make_unique<RemoteForce>(scene.far, network);
+    case Way::plane:
+      return std::make_unique<RemotePlane>(scene.far, network);
+    case Way::deadband:
+      return std::make_unique<RemoteDeadband>(scene.far, network,
+                                              RemoteDeadband::Options{.fraction = settings.deadband, .prediction = method.prediction});
+    case Way::patch:
+      return std::make_unique<RemotePatch>(scene.far, scene.tiles, network,
+                                           RemotePatch::Options{.source = {.bits_per_s = settings.patch_bits_per_s}});
+  }
+  return nullptr;
+}
+
+}  // namespace hapton

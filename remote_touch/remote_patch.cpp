@@ -1,0 +1,114 @@
+#include "remote_touch/remote_patch.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "remote_touch/packet_size.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean, as the haptics node has it
+constexpr double kFirstStepS = 1e-3;
+
+// As if every tile had come: the largest there is.
+std::size_t largest_status_bytes() {
+  PatchStatus full;
+  full.received.fill(0xff);
+  full.epoch = full.newest_serial = 1000;
+  full.is_wanted = true;
+  full.round_trip_s = 1.0F;
+  return packet_bytes_of(full);
+}
+
+}  // namespace
+
+RemotePatch::RemotePatch(std::shared_ptr<ForceMethod> method, const TiledScene& tiles, const RemoteNetwork& network, const Options& options)
+    : link_(std::move(method), network, kSampleNs),
+      up_(network.up, network.seed + 1),
+      down_(network.down, back_seed(network.seed + 1)),
+      status_bytes_(largest_status_bytes()),
+      source_(tiles, 0.0, 7, 1, options.source) {}
+
+RemoteStep RemotePatch::step(const Vec3& p_WD, std::int64_t now_ns) {
+  now_ns_ = now_ns;
+  if (const auto reply = link_.exchange({now_ns, p_WD})) round_trip_s_ = 1e-9 * static_cast<double>(now_ns - reply->sample.time_ns);
+  if (link_.received()) follow_hand(*link_.received());
+  send_status(now_ns);
+  run_haptics(now_ns);
+  take_parts(now_ns);
+  make_patches(p_WD, now_ns);
+  const double dt_s = before_ns_ > 0 ? 1e-9 * static_cast<double>(now_ns - before_ns_) : kFirstStepS;
+  before_ns_ = now_ns;
+  const auto touched = touch_.step({.p_WD = p_WD, .dt_s = dt_s});
+  const bool was_local = std::exchange(was_local_, touched.has_value());
+  if (!touched) {
+    fade_.forget();
+    return {Vec3::Zero(), now_ns};
+  }
+  if (touched->is_handed_over || !was_local) fade_.begin();
+  fade_.begin_from(touched->difference_n);
+  return {fade_.step(touched->force_n, touched->contact, dt_s), now_ns};
+}
+
+bool RemotePatch::is_ready() const {
+  const double quiet_s = 0.5 + 1.5 * std::max(round_trip_s_, 0.0);
+  return part_sent_ns_ >= 0 && round_trip_s_ >= 0.0 && now_ns_ - part_sent_ns_ > static_cast<std::int64_t>(1e9 * quiet_s);
+}
+
+RemoteTraffic RemotePatch::traffic() const {
+  return link_.traffic() + RemoteTraffic{.up = up_.traffic(), .down = down_.traffic(), .scene = down_.traffic()};
+}
+
+void RemotePatch::send_status(std::int64_t now_ns) {
+  if (status_ns_ > 0 && now_ns - status_ns_ < (has_news_ ? kSoonNs : kStatusNs)) return;
+  status_ns_ = now_ns;
+  has_news_ = false;
+  PatchStatus status = store_.status();
+  status.is_wanted = true;
+  status.round_trip_s = static_cast<float>(std::max(round_trip_s_, 0.0));
+  up_.send(status, status_bytes_, now_ns);
+}
+
+void RemotePatch::follow_hand(const SampleOnTheWay& sample) {
+  const double dt_s = hand_ns_ ? 1e-9 * static_cast<double>(sample.time_ns - *hand_ns_) : 0.0;
+  hand_ns_ = sample.time_ns;
+  const Vec3 moved = sample.p_WD - std::exchange(hand_.p_SD, sample.p_WD);
+  if (dt_s > 0.0 && dt_s < 1.0) hand_.v_SD += std::min(dt_s / kVelocityS, 1.0) * (moved / dt_s - hand_.v_SD);
+  source_.aim(hand_);
+}
+
+void RemotePatch::run_haptics(std::int64_t now_ns) {
+  while (const auto status = up_.receive(now_ns)) {
+    source_.accept(*status);
+    is_asked_ = true;
+  }
+  if (!is_asked_ || !hand_ns_ || now_ns - looked_ns_ < kSendNs) return;
+  looked_ns_ = now_ns;
+  while (const auto part = source_.take(now_ns)) {
+    part_sent_ns_ = now_ns;
+    down_.send(*part, packet_bytes_of(*part), now_ns);
+  }
+}
+
+void RemotePatch::take_parts(std::int64_t now_ns) {
+  while (const auto part = down_.receive(now_ns)) {
+    if (const auto* tile = std::get_if<PatchTile>(&*part)) store_.accept(*tile);
+    if (const auto* cell = std::get_if<PatchCell>(&*part)) store_.accept(*cell);
+    if (const auto* begin = std::get_if<PatchBegin>(&*part)) store_.accept(*begin);
+    has_news_ = true;
+  }
+}
+
+// As the hub's builder: one at a time.
+void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
+  (void)touch_.take_retired();
+  maker_.note_hand(touch_.hand_at(p_WD, now_ns));
+  if (made_ == nullptr) {
+    made_ = maker_.make_if_due(store_, 0);
+    made_ns_ = now_ns + std::max(kLeastMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));
+  }
+  if (made_ != nullptr && now_ns >= made_ns_) (void)touch_.offer(std::move(made_));
+}
+
+}  // namespace hapton

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/force/force_fade.h"
+#include "patch/patch_maker.h"
+#include "patch/patch_source.h"
+#include "patch/patch_store.h"
+#include "patch/patch_touch.h"
+#include "remote_touch/sample_link.h"
+
+namespace hapton {
+
+// Patches of the scene beside the device: the parts of patch/, at the rates at which the nodes run them. The haptics node gets 20 samples a
+// second and replies to each; the hub acknowledges what has come every 100 ms, or 50 where something has; another patch takes kTriangleNs a
+// triangle to make.
+class RemotePatch final : public RemoteTouch {
+ public:
+  static constexpr std::int64_t kSampleNs = 50'000'000;
+  static constexpr std::int64_t kStatusNs = 100'000'000;
+  static constexpr std::int64_t kSoonNs = 50'000'000;
+  static constexpr std::int64_t kSendNs = 4'000'000;  // the haptics node looks for what to send
+  static constexpr std::int64_t kTriangleNs = 1000;
+  static constexpr std::int64_t kLeastMakeNs = 5'000'000;
+
+  struct Options {
+    PatchSource::Options source = {};
+  };
+
+  // method: of the whole scene, for replies.
+  RemotePatch(std::shared_ptr<ForceMethod> method, const TiledScene& tiles, const RemoteNetwork& network, const Options& options);
+
+  RemoteStep step(const Vec3& p_WD, std::int64_t now_ns) override;
+  // No part was sent for longer than it takes to learn that one was lost.
+  bool is_ready() const override;
+  RemoteTraffic traffic() const override;
+
+  const PatchTouch::Counts& counts() const noexcept { return touch_.counts(); }
+  const PatchSource& source() const noexcept { return source_; }
+  const PatchStore& store() const noexcept { return store_; }
+
+ private:
+  void send_status(std::int64_t now_ns);
+  void run_haptics(std::int64_t now_ns);
+  void follow_hand(const SampleOnTheWay& sample);
+  void take_parts(std::int64_t now_ns);
+  void make_patches(const Vec3& p_WD, std::int64_t now_ns);
+
+  SampleLink link_;
+  NetworkPath<PatchStatus> up_;
+  NetworkPath<Message> down_;
+  std::size_t status_bytes_;
+
+  // The haptics node.
+  PatchSource source_;
+  HandMotion hand_;
+  std::optional<std::int64_t> hand_ns_;
+  bool is_asked_ = false;
+  std::int64_t looked_ns_ = 0;
+  std::int64_t part_sent_ns_ = -1;
+
+  // The hub.
+  PatchStore store_;
+  PatchMaker maker_;
+  PatchTouch touch_;
+  ForceFade fade_;
+  std::unique_ptr<Patch> made_;
+  std::int64_t made_ns_ = 0;
+  std::int64_t status_ns_ = 0;
+  std::int64_t now_ns_ = 0;
+  std::int64_t before_ns_ = 0;
+  double round_trip_s_ = -1.0;
+  bool has_news_ = false;
+  bool was_local_ = false;
+};
+
+}  // namespace hapton

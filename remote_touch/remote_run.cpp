@@ -1,0 +1,199 @@
+#include "remote_touch/remote_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "closed_loop/largest_value.h"
+#include "closed_loop/loop_simulation.h"
+#include "closed_loop/passivity_stage.h"
+#include "closed_loop/press.h"
+#include "closed_loop/touch_wall.h"
+#include "remote_touch/machine_stalls.h"
+#include "remote_touch/remote_law.h"
+#include "remote_touch/whole_scene.h"
+#include "safety/vector_limit.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kPeriodNs = 1'000'000;
+constexpr double kPeriodS = 1e-3;
+constexpr double kLeastWaitS = 0.5;
+constexpr double kMostWaitS = 120.0;
+constexpr double kGreetingsHz = 10.0;
+constexpr double kGreetingBytes = 110.0;  // IP packet of a Hello or a Welcome, about
+constexpr double kLateShare = 1.5;        // of the round trip: the most that a force is taken to be late by
+constexpr double kLeastLateS = 0.03;
+
+// A method's law, the passivity controller where it has no governor, and the chain from position to motors.
+class Rig {
+ public:
+  // is_ideal: without encoder steps.
+  Rig(const RemoteScene& scene, const RemoteDevice& device, const RemoteCase& which, bool is_ideal)
+      : law_(*which.method, make_remote_touch(*which.method, scene, which.network, which.settings),
+             {.limits = device.limits, .mechanics = mechanics_of(device.model)}, kPeriodNs),
+        stage_({.device = mechanics_of(device.model),
+                .most_damping_ns_per_m = 250.0 * device.model.mass_kg,
+                .max_force_n = device.model.max_force_n}),
+        chain_(law_, {.encoder_step_m = is_ideal ? 0.0 : device.model.encoder_step_m,
+                      .max_force_n = device.model.max_force_n,
+                      .stage = which.method->is_passive && !which.method->has_governor ? &stage_ : nullptr}) {}
+
+  RemoteLaw& law() { return law_; }
+  ForceChain& chain() { return chain_; }
+
+ private:
+  static PassivityController::Mechanics mechanics_of(const DeviceModel& model) {
+    return {.mass_kg = model.mass_kg, .position_step_m = model.encoder_step_m};
+  }
+
+  RemoteLaw law_;
+  PassivityStage stage_;
+  ForceChain chain_;
+};
+
+RemoteRates rates_of(const RemoteTraffic& traffic, double seconds) {
+  const auto per_s = [&](std::uint64_t count) { return static_cast<double>(count) / seconds; };
+  return {.packets_up = per_s(traffic.up.packets) + kGreetingsHz,
+          .packets_down = per_s(traffic.down.packets) + kGreetingsHz,
+          .bytes_up = per_s(traffic.up.bytes) + kGreetingsHz * kGreetingBytes,
+          .bytes_down = per_s(traffic.down.bytes) + kGreetingsHz * kGreetingBytes};
+}
+
+Result<double> wait_for_scene(RemoteLaw& law, const RemoteMethod& method, const Vec3& p_WD, double round_trip_s) {
+  const auto ready_s = law.wait(p_WD, kLeastWaitS + 2.0 * round_trip_s, kMostWaitS);
+  if (!ready_s) return fail("{}: the scene around the hand had not arrived after {:g} s", method.name, kMostWaitS);
+  return *ready_s;
+}
+
+double spread_of(std::span<const Vec3> places) {
+  double most_m = 0.0;
+  for (const Vec3& a : places) most_m = std::max(most_m, (a - places.front()).norm());
+  // From the place that is farthest from the first.
+  const auto far = std::max_element(places.begin(), places.end(), [&](const Vec3& a, const Vec3& b) {
+    return (a - places.front()).squaredNorm() < (b - places.front()).squaredNorm();
+  });
+  for (const Vec3& a : places) most_m = std::max(most_m, (a - *far).norm());
+  return most_m;
+}
+
+double path_error_of(const std::vector<Vec3>& p_WD, const std::vector<Vec3>& zero_delay, const SlidePath& path) {
+  double sum = 0.0;
+  const std::size_t end = std::min({p_WD.size(), zero_delay.size(), path.leaving});
+  if (end <= path.sliding) return 0.0;
+  for (std::size_t i = path.sliding; i < end; ++i) sum += (p_WD[i] - zero_delay[i]).squaredNorm();
+  return std::sqrt(sum / static_cast<double>(end - path.sliding));
+}
+
+}  // namespace
+
+Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
+                                       const RemoteCase& which) {
+  Rig rig(scene, device, which, true);
+  const Vec3 start = path.rows.front().device_m();
+  const auto ready_s = wait_for_scene(rig.law(), *which.method, start, which.round_trip_s);
+  if (!ready_s) return tl::unexpected(ready_s.error());
+  WholeScene whole(scene.near);
+  (void)whole.step(start, 0);
+  PrescribedTouch touch;
+  touch.ready_s = *ready_s;
+  MachineStalls stalls(which.stall_s, kPeriodS, which.network.seed);
+  std::optional<RemoteTraffic> before;
+  std::optional<RemoteTraffic> after;
+  for (std::size_t i = 0; i < path.rows.size(); ++i) {
+    const std::size_t missed = std::min(stalls.missed_before(i), path.rows.size() - 1 - i);
+    i += missed;
+    touch.missed += missed;
+    rig.law().skip(missed);
+    const auto now_ns = static_cast<std::int64_t>(i + 1) * kPeriodNs;
+    const Vec3 p_WD = path.rows[i].device_m();
+    if (i >= path.sliding && !before) before = rig.law().touch().traffic();
+    if (i >= path.leaving && !after) after = rig.law().touch().traffic();
+    rig.chain().sample(p_WD, now_ns);
+    (void)whole.step(p_WD, now_ns);
+    const Vec3 zero_delay_n = shortened(whole.last().force_n, device.model.max_force_n);
+    touch.rows.push_back({p_WD, rig.chain().force_n(), zero_delay_n, whole.last().visual_offset_m.norm()});
+  }
+  if (before && after) touch.rates = rates_of(*after - *before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
+  touch.scene_kb = 1e-3 * static_cast<double>(rig.law().touch().traffic().scene.bytes);
+  touch.force = compare_forces(touch.rows, kPeriodS, std::max(kLateShare * which.round_trip_s, kLeastLateS));
+  return touch;
+}
+
+Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
+                                        const RemoteCase& which, const std::vector<Vec3>* zero_delay) {
+  if (!(device.hand.stiffness_n_per_m > 0.0)) return fail("a hand without a spring cannot follow a path");
+  Rig rig(scene, device, which, false);
+  const Vec3 start = path.rows.front().device_m();
+  if (const auto ready_s = wait_for_scene(rig.law(), *which.method, start, which.round_trip_s); !ready_s)
+    return tl::unexpected(ready_s.error());
+  LoopSimulation simulation(rig.chain(), {.device = device.model,
+                                          .hand = device.hand,
+                                          .axes = 3,
+                                          .period_ns = kPeriodNs,
+                                          .path = path.make_hand_path(device.hand.stiffness_n_per_m, scene.stiffness_n_per_m, kPeriodS),
+                                          .start_m = start});
+  std::vector<LoopRow> rows;
+  ClosedLoopTouch touch;
+  touch.is_bounded = simulation.run_until(static_cast<std::int64_t>(path.rows.size()) * kPeriodNs, &rows);
+  for (const LoopRow& row : rows) {
+    touch.generated_j = std::max(touch.generated_j, row.motor_j - row.lost_j);
+    touch.most_force_n = std::max(touch.most_force_n, row.force_n.norm());
+    touch.p_WD.push_back(row.p_WD);
+  }
+  const std::size_t middle = (path.resting + path.leaving) / 2;
+  if (touch.p_WD.size() >= path.leaving) {
+    touch.limit_cycle_m = 0.5 * spread_of(std::span(touch.p_WD).subspan(middle, path.leaving - middle));
+  }
+  if (zero_delay != nullptr) touch.path_error_m = path_error_of(touch.p_WD, *zero_delay, path);
+  return touch;
+}
+
+namespace {
+
+constexpr double kLeastHeldN = 0.5;  // of the newton with which the hand presses
+
+double mean_force_n(std::span<const LoopRow> rows) {
+  double sum = 0.0;
+  for (const LoopRow& row : rows) sum += row.force_n.x();
+  return sum / static_cast<double>(rows.size());
+}
+
+// As find_rest_stiffness of closed_loop/press.h, for any method; and the wall is there: it holds half of the press or more.
+Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, double stiffness_n_per_m) {
+  const auto scene = make_remote_scene(make_wall_mesh(), {.stiffness_n_per_m = stiffness_n_per_m, .two_sided = false});
+  if (!scene) return tl::unexpected(scene.error());
+  Rig rig(*scene, device, which, false);
+  const PressPath path = make_press_path(device.hand, {.wall_n_per_m = stiffness_n_per_m});
+  if (const auto ready_s = wait_for_scene(rig.law(), *which.method, path.start_m, which.round_trip_s); !ready_s)
+    return tl::unexpected(ready_s.error());
+  LoopSimulation simulation(
+      rig.chain(), {.device = device.model, .hand = device.hand, .period_ns = kPeriodNs, .path = path.path, .start_m = path.start_m});
+  std::vector<LoopRow> rows;
+  if (!simulation.run_until(path.release_ns, &rows)) return false;
+  const PressMeasures measures = measure_press(rows, path, kPeriodNs, device.model.encoder_step_m, true);
+  constexpr double kStill = 0.01;
+  const bool is_still = measures.limit_cycle_m <= std::max(2.0 * device.model.encoder_step_m, kStill * std::fabs(measures.depth_m));
+  return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kLeastHeldN;
+}
+
+}  // namespace
+
+Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m) {
+  const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 10.0, .most = most_n_per_m};
+  constexpr double kFine = 0.02;
+  std::optional<Error> error;
+  const auto rests = [&](double stiffness_n_per_m) {
+    const auto found = comes_to_rest(device, which, stiffness_n_per_m);
+    if (!found) error = found.error();
+    return found.value_or(false);
+  };
+  const double largest = find_largest_value(range, kFine, rests);
+  if (error) return tl::unexpected(*error);
+  return largest;
+}
+
+}  // namespace hapton

@@ -1,0 +1,205 @@
+#include "closed_loop/force_chain.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+namespace hapton {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+
+// Replies to a position with a force of that many newtons, and notes what it was told.
+struct EchoLaw final : ForceLaw {
+  Vec3 step(const Vec3& p_WD, double dt_s) noexcept override {
+    seen.push_back(p_WD.x());
+    passed_s.push_back(dt_s);
+    return p_WD;
+  }
+  void reset(const Vec3& p_WD) noexcept override { resets.push_back(p_WD.x()); }
+  std::vector<double> seen;
+  std::vector<double> passed_s;
+  std::vector<double> resets;
+};
+
+// Adds a newton along y, and notes what it was told.
+struct AddingStage final : ForceStage {
+  void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept override {
+    read.push_back(p_WD.x());
+    last_ns = now_ns;
+  }
+  Vec3 shape(const Vec3& force_n, std::int64_t) noexcept override { return force_n + Vec3(0, 1, 0); }
+  void note_written(const Vec3& force_n) noexcept override { written.push_back(force_n); }
+  std::vector<double> read;
+  std::vector<Vec3> written;
+  std::int64_t last_ns = 0;
+};
+
+Vec3 along_x(double x) { return {x, 0.0, 0.0}; }
+
+TEST(ForceChain, WithoutALinkTheForceIsThatOfTheSample) {
+  EchoLaw law;
+  ForceChain chain(law, {});
+  chain.sample(along_x(3.0), kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(3.0));
+  EXPECT_EQ(chain.read_m(), along_x(3.0));
+  chain.sample(along_x(4.0), 3 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(4.0));
+  EXPECT_EQ(law.resets, std::vector{3.0}) << "once, where the device is first";
+  ASSERT_EQ(law.passed_s.size(), 2U);
+  EXPECT_EQ(law.passed_s[0], 0.0);
+  EXPECT_NEAR(law.passed_s[1], 0.002, 1e-15);
+  EXPECT_EQ(chain.counters().samples, 2U);
+  EXPECT_EQ(chain.counters().replies, 2U);
+  EXPECT_EQ(chain.counters().lost, 0U);
+  EXPECT_EQ(chain.counters().overtaken, 0U);
+  EXPECT_EQ(chain.governor(), nullptr);
+}
+
+TEST(ForceChain, TheEncoderReadsWholeSteps) {
+  EchoLaw law;
+  ForceChain chain(law, {.encoder_step_m = 0.5});
+  const std::pair<double, double> cases[] = {{0.2, 0.0}, {0.3, 0.5}, {0.7, 0.5}, {-0.3, -0.5}, {-1.1, -1.0}};
+  std::int64_t now_ns = 0;
+  for (const auto& [at, read] : cases) {
+    chain.sample(along_x(at), now_ns += kMillisecond);
+    EXPECT_EQ(chain.read_m().x(), read) << at;
+    EXPECT_EQ(law.seen.back(), read) << at;
+  }
+}
+
+TEST(ForceChain, TheForceComesAfterBothWays) {
+  EchoLaw law;
+  ForceChain chain(law, {.there = {.delay_ns = 2 * kMillisecond}, .back = {.delay_ns = 3 * kMillisecond}});
+  EXPECT_EQ(chain.next_ns(), std::nullopt);
+  chain.sample(along_x(1.0), 10 * kMillisecond);
+  EXPECT_EQ(chain.next_ns(), 12 * kMillisecond);
+  chain.receive(12 * kMillisecond - 1);
+  EXPECT_TRUE(law.seen.empty());
+  chain.receive(12 * kMillisecond);
+  EXPECT_EQ(law.seen.size(), 1U);
+  EXPECT_EQ(chain.next_ns(), 15 * kMillisecond);
+  chain.receive(15 * kMillisecond - 1);
+  EXPECT_EQ(chain.force_n(), along_x(0.0));
+  chain.receive(15 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(1.0));
+  EXPECT_EQ(chain.next_ns(), std::nullopt);
+  chain.sample(along_x(2.0), 16 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(1.0)) << "the newest holds until another has come";
+}
+
+TEST(ForceChain, WhatIsLostIsCountedAndGivesNothing) {
+  EchoLaw law;
+  ForceChain deaf(law, {.there = {.loss = 1.0}});
+  deaf.sample(along_x(1.0), kMillisecond);
+  EXPECT_TRUE(law.seen.empty());
+  EXPECT_EQ(deaf.counters().lost, 1U);
+  ForceChain mute(law, {.back = {.loss = 1.0}});
+  mute.sample(along_x(1.0), kMillisecond);
+  EXPECT_EQ(law.seen.size(), 1U);
+  EXPECT_EQ(mute.counters().lost, 1U);
+  EXPECT_EQ(mute.counters().replies, 0U);
+  EXPECT_EQ(mute.force_n(), along_x(0.0));
+}
+
+TEST(ForceChain, ACopyIsTakenOnce) {
+  EchoLaw law;
+  ForceChain chain(law, {.there = {.duplicate = 1.0}, .back = {.duplicate = 1.0}});
+  chain.sample(along_x(1.0), kMillisecond);
+  chain.receive(100 * kMillisecond);
+  EXPECT_EQ(law.seen.size(), 1U);
+  EXPECT_EQ(chain.counters().replies, 2U);
+  EXPECT_EQ(chain.counters().overtaken, 2U) << "one at either end";
+}
+
+// Jitter of many samples: the law sees no older one after a newer one, and forces come in the order of their samples.
+TEST(ForceChain, TheNewestWinsAtBothEnds) {
+  EchoLaw law;
+  ForceChain chain(law, {.there = {.jitter_ns = 20 * kMillisecond}, .back = {.jitter_ns = 20 * kMillisecond}, .seed = 3});
+  double last = 0.0;
+  for (int n = 1; n <= 300; ++n) {
+    chain.sample(along_x(n), n * kMillisecond);
+    EXPECT_GE(chain.force_n().x(), last);
+    last = chain.force_n().x();
+  }
+  chain.receive(std::numeric_limits<std::int64_t>::max());
+  EXPECT_GT(last, 200.0);
+  EXPECT_TRUE(std::is_sorted(law.seen.begin(), law.seen.end()));
+  EXPECT_LT(law.seen.size(), 300U);
+  EXPECT_GT(chain.counters().overtaken, 300U - law.seen.size());
+  double passed_s = 0.0;
+  for (const double each : law.passed_s) passed_s += each;
+  EXPECT_NEAR(passed_s, 1e-3 * (law.seen.back() - law.seen.front()), 1e-9);
+}
+
+TEST(ForceChain, TheMotorsGiveNoMoreThanTheyCan) {
+  EchoLaw law;
+  ForceChain chain(law, {.max_force_n = 2.0});
+  chain.sample({3.0, 4.0, 0.0}, kMillisecond);
+  EXPECT_NEAR((chain.force_n() - Vec3(1.2, 1.6, 0.0)).norm(), 0.0, 1e-11);
+  chain.sample({0.3, 0.4, 0.0}, 2 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), Vec3(0.3, 0.4, 0.0));
+}
+
+TEST(ForceChain, AStageSeesEachSampleAndWhatIsWrittenOfItsForce) {
+  EchoLaw law;
+  AddingStage stage;
+  ForceChain chain(law, {.encoder_step_m = 1.0, .max_force_n = 1.0, .back = {.delay_ns = 2 * kMillisecond}, .stage = &stage});
+  chain.sample(along_x(0.9), kMillisecond);
+  EXPECT_EQ(stage.read, std::vector{1.0});
+  EXPECT_EQ(stage.last_ns, kMillisecond);
+  ASSERT_EQ(stage.written.size(), 1U) << "though no force has come";
+  EXPECT_EQ(stage.written[0], Vec3(0, 1, 0));
+  chain.sample(along_x(0.9), 3 * kMillisecond);
+  EXPECT_NEAR((chain.force_n() - Vec3(std::sqrt(0.5), std::sqrt(0.5), 0.0)).norm(), 0.0, 1e-11) << "shortened after the stage";
+  EXPECT_EQ(stage.written.back(), chain.force_n());
+  // The newest force stays, and is shaped again.
+  const std::size_t written = stage.written.size();
+  chain.sample(along_x(0.0), 4 * kMillisecond);
+  EXPECT_EQ(stage.written.size(), written + 1);
+  EXPECT_NEAR(chain.force_n().x(), std::sqrt(0.5), 1e-11);
+}
+
+TEST(ForceChain, TheFilterHoldsAForceForTwentyMillisecondsOfItsSample) {
+  EchoLaw law;
+  ForceChain chain(law, {.there = {.delay_ns = 5 * kMillisecond}, .gate = ForceChain::Gate::filter});
+  chain.sample(along_x(1.0), 10 * kMillisecond);
+  chain.receive(15 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(1.0));
+  EchoLaw silent;
+  ForceChain cut(silent, {.gate = ForceChain::Gate::filter, .stage = nullptr});
+  cut.sample(along_x(1.0), 10 * kMillisecond);
+  EXPECT_EQ(cut.force_n(), along_x(1.0));
+  chain.sample(along_x(2.0), 29 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(1.0));
+  chain.sample(along_x(2.0), 31 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(0.0)) << "21 ms after its sample, and the next is on its way";
+  chain.receive(34 * kMillisecond);
+  EXPECT_EQ(chain.force_n(), along_x(2.0));
+}
+
+TEST(ForceChain, TheGovernorIsTheOneOfTheNode) {
+  EchoLaw law;
+  const DeviceLimits limits{.max_force_n = 3.0,
+                            .max_slew_n_per_s = 100.0,
+                            .max_stiffness_n_per_m = 1e6,
+                            .workspace_min_m = Vec3::Constant(-10.0),
+                            .workspace_max_m = Vec3::Constant(10.0),
+                            .max_speed_m_per_s = 3.0};
+  ForceChain chain(law, {.gate = ForceChain::Gate::governor, .limits = limits});
+  ASSERT_NE(chain.governor(), nullptr);
+  double last = 0.0;
+  double most = 0.0;
+  for (int n = 1; n < 2000; ++n) {
+    chain.sample(along_x(5.0), n * kMillisecond);
+    EXPECT_LE(chain.force_n().x() - last, 100.0 * 1e-3 + 1e-9) << n;
+    last = chain.force_n().x();
+    most = std::max(most, last);
+  }
+  EXPECT_GT(most, 0.5);
+  EXPECT_LE(most, 3.0);
+}
+
+}  // namespace
+}  // namespace hapton

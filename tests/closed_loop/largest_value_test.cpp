@@ -1,0 +1,41 @@
+#include "closed_loop/largest_value.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+// Finds `edge`, from values that hold up to it, and counts how many it tried.
+double find_edge(double edge, const ValueRange& range, double fine, int* tried = nullptr) {
+  return find_largest_value(range, fine, [&](double value) {
+    if (tried != nullptr) ++*tried;
+    return value <= edge;
+  });
+}
+
+TEST(LargestValue, FindsTheEdgeFromBelowToTheRelativeWidth) {
+  for (const double fine : {0.1, 1e-3, 1e-9}) {
+    for (const double edge : {0.02, 9.99, 10.0, 10.01, 13.0, 777.0, 1e6}) {
+      const double found = find_edge(edge, {.first = 10.0, .least = 0.01}, fine);
+      EXPECT_LE(found, edge);
+      EXPECT_GE(found, (1.0 - fine) * edge) << edge;
+    }
+  }
+}
+
+TEST(LargestValue, EndsAtTheRangesLimits) {
+  EXPECT_EQ(find_edge(1e9, {.first = 10.0, .least = 0.01, .most = 500.0}, 1e-3), 500.0);
+  EXPECT_EQ(find_edge(1.0, {.first = 10.0, .least = 10.0}, 1e-3), 0.0);
+  int tried = 0;
+  EXPECT_EQ(find_edge(0.0, {.first = 10.0, .least = 0.01}, 1e-3, &tried), 0.0);
+  EXPECT_LT(tried, 15);
+}
+
+TEST(LargestValue, BisectsBetweenKnownEnds) {
+  const double low = bisect(2.0, 5.0, 1e-6, [](double value) { return value < 3.25; });
+  EXPECT_LT(low, 3.25);
+  EXPECT_GT(low, 3.25 * (1.0 - 1e-6));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,103 @@
+#include "closed_loop/random_stability.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "closed_loop/stability.h"
+
+namespace hapton {
+namespace {
+
+double exact(const RandomLoop& loop) {
+  const double delay_s = 1e-9 * static_cast<double>(loop.there.delay_ns + loop.back.delay_ns);
+  return find_stable_stiffness(SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-9 * static_cast<double>(loop.period_ns), delay_s),
+                               0.0)
+      .value;
+}
+
+RandomLoop stylus_loop() {
+  return {.device = {.mass_kg = 0.075, .damping_ns_per_m = 0.1}, .hand = *find_hand_preset("stylus"), .there = {.delay_ns = 5'000'000}};
+}
+
+TEST(RandomStability, WithoutChanceIsTheExactLimit) {
+  const RandomLoop loop = stylus_loop();
+  EXPECT_NEAR(find_stable_stiffness_by_simulation(loop, 100.0), exact(loop), 0.005 * exact(loop));
+}
+
+TEST(RandomStability, JitterAndLossLowerTheLimit) {
+  RandomLoop loop = stylus_loop();
+  const double still = exact(loop);
+  loop.there.jitter_ns = 10'000'000;
+  const double jittered = find_stable_stiffness_by_simulation(loop, still);
+  EXPECT_LT(jittered, 0.95 * still);
+  // The newest sample wins, so that less than the mean of the jitter comes on top.
+  RandomLoop later = stylus_loop();
+  later.there.delay_ns += 10'000'000;
+  EXPECT_GT(jittered, exact(later));
+  loop.there.jitter_ns = 0;
+  loop.there.loss = 0.5;
+  EXPECT_LT(find_stable_stiffness_by_simulation(loop, still), 0.99 * still);
+}
+
+TEST(RandomStability, GrowthHasTheSignOfTheLimit) {
+  RandomLoop loop = stylus_loop();
+  loop.there.loss = 0.3;
+  const double limit = find_stable_stiffness_by_simulation(loop, 100.0);
+  EXPECT_LT(measure_growth_per_s(loop, 0.9 * limit), 0.0);
+  EXPECT_GT(measure_growth_per_s(loop, 1.1 * limit), 0.0);
+}
+
+TEST(RandomStability, OfDampingWithoutChanceIsTheExactLimit) {
+  for (const char* hand : {"off", "stylus", "firm"}) {
+    RandomLoop loop = stylus_loop();
+    loop.hand = *find_hand_preset(hand);
+    const double exact_ns_per_m = find_stable_damping(SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-3, 5e-3), 0.0).value;
+    EXPECT_NEAR(find_stable_damping_by_simulation(loop, 3.0 * exact_ns_per_m), exact_ns_per_m, 0.01 * exact_ns_per_m) << hand;
+    EXPECT_NEAR(find_stable_damping_by_simulation(loop, 0.3 * exact_ns_per_m), exact_ns_per_m, 0.01 * exact_ns_per_m) << hand;
+    loop.there.loss = 0.5;
+    EXPECT_LT(find_stable_damping_by_simulation(loop, exact_ns_per_m), 0.99 * exact_ns_per_m) << hand;
+  }
+}
+
+TEST(MeanDelay, WithoutChanceIsTheDelay) {
+  for (const std::int64_t delay_ns : {0, 300'000, 5'000'000, 500'000'000}) {
+    EXPECT_NEAR(measure_mean_delay_s({.there = {.delay_ns = delay_ns / 3}, .back = {.delay_ns = delay_ns - delay_ns / 3}}),
+                1e-9 * static_cast<double>(delay_ns), 1e-9);
+  }
+}
+
+// A share s of the samples has a force that comes back, each by itself: (1 - s) / s samples in a row have none on average.
+TEST(MeanDelay, OfLossIsThatOfAGeometricSeries) {
+  for (const double loss : {0.1, 0.3, 0.6}) {
+    const double share = (1.0 - loss) * (1.0 - loss);
+    const RandomLoop loop{.there = {.delay_ns = 2'000'000, .loss = loss}, .back = {.loss = loss}, .seed = 3, .seconds = 200.0};
+    EXPECT_NEAR(measure_mean_delay_s(loop), 2e-3 + 1e-3 * (1.0 - share) / share, 0.05 * 1e-3 * (1.0 - share) / share) << loss;
+  }
+}
+
+// Jitter of J one way, many samples within it: a sample of age a has come with the chance a / J. None that is younger than y has with the
+// product of 1 - a / J over the ages below y, which begin anywhere in a period.
+double mean_delay_of_jitter(double jitter_s, double period_s) {
+  constexpr int kBegins = 100;
+  double sum_s = 0.0;
+  for (int i = 0; i < kBegins; ++i) {
+    const double youngest_s = period_s * (i + 0.5) / kBegins;
+    sum_s += youngest_s;
+    double none = 1.0;
+    for (double age_s = youngest_s; age_s < jitter_s; age_s += period_s) sum_s += period_s * (none *= 1.0 - age_s / jitter_s);
+  }
+  return sum_s / kBegins - 0.5 * period_s;
+}
+
+TEST(MeanDelay, OfJitterIsThatOfTheNewestSample) {
+  for (const std::int64_t jitter_ns : {500'000, 3'000'000, 100'000'000}) {
+    const RandomLoop loop{.there = {.jitter_ns = jitter_ns}, .seed = 5, .seconds = 200.0};
+    const double expected_s = mean_delay_of_jitter(1e-9 * static_cast<double>(jitter_ns), 1e-3);
+    EXPECT_NEAR(measure_mean_delay_s(loop), expected_s, 0.02 * expected_s) << jitter_ns;
+    EXPECT_LE(expected_s, 0.5e-9 * static_cast<double>(jitter_ns) * (1.0 + 1e-9)) << "the newest wins";
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,169 @@
+#include "closed_loop/velocity_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <set>
+
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+using Kind = VelocityFilter::Kind;
+constexpr double kPeriod = 1e-3;
+constexpr double kStepM = 3e-5;
+
+// At a steady speed, read exactly, all of them are right.
+TEST(VelocityEstimators, AreExactAtASteadySpeedThatIsReadExactly) {
+  std::set<std::string> names;
+  for (const VelocityFilter& filter : velocity_filters()) {
+    EXPECT_TRUE(names.insert(filter.name()).second);
+    const auto estimator = make_velocity_estimator(filter, 0.0);
+    estimator->reset(0.02);
+    double velocity = 0.0;
+    for (int k = 1; k <= 5000; ++k) velocity = estimator->step(0.02 - 0.037 * kPeriod * k, kPeriod);
+    EXPECT_NEAR(velocity, -0.037, 1e-9) << filter.name();
+  }
+}
+
+// In closed form: half a period of the difference, and what a first-order low-pass adds to it.
+TEST(VelocityEstimators, LagAsTheoryHasIt) {
+  EXPECT_NEAR(measure_velocity({}, kPeriod, 0.0).lag_s, 0.5 * kPeriod, 1e-9);
+  for (const double cutoff_hz : {20.0, 100.0}) {
+    const double share = -std::expm1(-2.0 * std::numbers::pi * cutoff_hz * kPeriod);
+    const double expected = (0.5 + (1.0 - share) / share) * kPeriod;
+    EXPECT_NEAR(measure_velocity({Kind::first_order, cutoff_hz}, kPeriod, 0.0).lag_s, expected, 1e-6) << cutoff_hz;
+  }
+  // Of the weights 8, 7 .. 1: 7/3 samples, on top of the difference's half.
+  EXPECT_NEAR(measure_velocity({Kind::mean}, kPeriod, 0.0).lag_s, (0.5 + 7.0 / 3.0) * kPeriod, 1e-9);
+}
+
+// A step of D seen every so often: the difference is off by at most a step a period, and RMS by D/T sqrt(f (1 - f)) where a share f of the
+// periods has a step more than the others.
+TEST(VelocityEstimators, TheDifferencesNoiseIsThatOfItsEncoder) {
+  const double noise = measure_velocity({}, kPeriod, kStepM).noise_m_per_s;
+  EXPECT_LE(noise, 0.5 * kStepM / kPeriod * 1.01);
+  EXPECT_GE(noise, 0.4 * kStepM / kPeriod);
+}
+
+TEST(VelocityEstimators, AllButTheDifferenceTradeNoiseForLag) {
+  const VelocityQuality difference = measure_velocity({}, kPeriod, kStepM);
+  for (const VelocityFilter& filter : velocity_filters()) {
+    if (filter.kind == Kind::difference) continue;
+    const VelocityQuality quality = measure_velocity(filter, kPeriod, kStepM);
+    EXPECT_LT(quality.noise_m_per_s, difference.noise_m_per_s) << filter.name();
+    EXPECT_GT(quality.lag_s, 0.0) << filter.name();
+  }
+  // Along each kind's parameter: less noise, more lag.
+  for (const auto& [fast, slow] : {std::pair(VelocityFilter{Kind::first_order, 100.0}, VelocityFilter{Kind::first_order, 20.0}),
+                                   std::pair(VelocityFilter{Kind::adaptive, 8.0}, VelocityFilter{Kind::adaptive, 32.0}),
+                                   std::pair(VelocityFilter{Kind::kalman, 30.0}, VelocityFilter{Kind::kalman, 3.0})}) {
+    const VelocityQuality a = measure_velocity(fast, kPeriod, kStepM);
+    const VelocityQuality b = measure_velocity(slow, kPeriod, kStepM);
+    EXPECT_GT(a.noise_m_per_s, b.noise_m_per_s) << slow.name();
+    EXPECT_LE(a.lag_s, b.lag_s) << slow.name();
+  }
+}
+
+// By brute force: of all windows the longest whose line passes every position within a step.
+TEST(VelocityEstimators, TheAdaptiveWindowIsTheLongestThatHolds) {
+  constexpr unsigned kSeed = 20261122;
+  RecordProperty("seed", std::to_string(kSeed));
+  std::mt19937_64 random(kSeed);
+  std::uniform_int_distribution<int> steps(-2, 2);
+  const auto estimator = make_velocity_estimator({Kind::adaptive, 16.0}, kStepM);
+  std::vector<double> read = {0.0};
+  estimator->reset(0.0);
+  for (int k = 1; k < 2000; ++k) {
+    read.push_back(read.back() + (k % 300 < 150 ? steps(random) : 1) * kStepM);
+    const double found = estimator->step(read.back(), kPeriod);
+    double expected = 0.0;
+    for (int n = 1; n <= std::min(16, k); ++n) {
+      const double slope = (read[k] - read[k - n]) / n;
+      bool holds = true;
+      for (int i = 1; i < n; ++i) holds = holds && std::fabs(read[k] - slope * i - read[k - i]) <= kStepM * (1.0 + 1e-6);
+      if (!holds) break;
+      expected = slope / kPeriod;
+    }
+    ASSERT_NEAR(found, expected, 1e-6 * kStepM / kPeriod) << "sample " << k;
+  }
+}
+
+// The optimum of theory: by brute force over the gain of a steady filter, none has a smaller error on the motion it is made for.
+TEST(VelocityEstimators, TheKalmanFilterIsTheBestOfItsKind) {
+  constexpr unsigned kSeed = 20261122;
+  RecordProperty("seed", std::to_string(kSeed));
+  constexpr double kAcceleration = 10.0;
+  std::mt19937_64 random(kSeed);
+  std::normal_distribution<double> push(0.0, kAcceleration);
+  std::uniform_real_distribution<double> reading(-0.5 * kStepM, 0.5 * kStepM);
+  std::vector<double> read;
+  std::vector<double> speed;
+  double x = 0.0;
+  double v = 0.0;
+  for (int k = 0; k < 20'000; ++k) {
+    const double a = push(random);
+    x += v * kPeriod + 0.5 * a * kPeriod * kPeriod;
+    v += a * kPeriod;
+    read.push_back(x + reading(random));
+    speed.push_back(v);
+  }
+  const auto error_of = [&](const auto& step) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < read.size(); ++k) {
+      const double off = step(read[k]) - speed[k];
+      if (k > 1000) sum += off * off;
+    }
+    return sum;
+  };
+  const auto kalman = make_velocity_estimator({Kind::kalman, kAcceleration}, kStepM);
+  kalman->reset(0.0);
+  const double best = error_of([&](double position) { return kalman->step(position, kPeriod); });
+  for (double gain_x = 0.02; gain_x < 0.9; gain_x += 0.02) {
+    // Of a mass pushed by white noise the two gains belong together (Kalata 1984).
+    const double root = std::sqrt(1.0 - gain_x);
+    const double gain_v = (2.0 * (2.0 - gain_x) - 4.0 * root) / kPeriod;
+    double at = 0.0;
+    double velocity = 0.0;
+    const double other = error_of([&](double position) {
+      at += velocity * kPeriod;
+      const double off = position - at;
+      at += gain_x * off;
+      velocity += gain_v * off;
+      return velocity;
+    });
+    EXPECT_LE(best, 1.02 * other) << gain_x;
+  }
+}
+
+TEST(VelocityEstimators, UseNoHeapInAStep) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  for (const VelocityFilter& filter : velocity_filters()) {
+    const auto estimator = make_velocity_estimator(filter, kStepM);
+    estimator->reset(0.0);
+    const AllocationGuard guard;
+    for (int k = 1; k < 500; ++k) estimator->step(1e-5 * k, kPeriod);
+    EXPECT_EQ(guard.count(), 0U) << filter.name();
+  }
+}
+
+TEST(VelocityEstimators, TheChoiceIsTheLeastLagThatIsQuietEnough) {
+  const std::vector<VelocityRow> rows = compare_velocity(kPeriod, kStepM);
+  ASSERT_EQ(rows.size(), velocity_filters().size());
+  for (const double most_noise : {1.0, 0.010, 0.003, 0.001}) {
+    const VelocityRow* chosen = choose_velocity(rows, most_noise);
+    ASSERT_NE(chosen, nullptr);
+    EXPECT_LE(chosen->quality.noise_m_per_s, most_noise);
+    for (const VelocityRow& row : rows) {
+      EXPECT_TRUE(row.quality.noise_m_per_s > most_noise || row.quality.lag_s >= chosen->quality.lag_s) << row.filter.name();
+    }
+  }
+  EXPECT_EQ(choose_velocity(rows, 1.0)->filter.kind, Kind::difference);
+  EXPECT_EQ(choose_velocity(rows, 1e-9), nullptr);
+}
+
+}  // namespace
+}  // namespace hapton

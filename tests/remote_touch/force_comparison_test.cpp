@@ -1,0 +1,134 @@
+#include "remote_touch/force_comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+constexpr double kRowS = 1e-3;
+constexpr double kWallNPerM = 1000.0;
+constexpr double kDepthM = 1e-3;
+
+// Down along z to kDepthM below a floor, a rest, and up again.
+std::vector<ForceRow> press(std::size_t late_rows, const Vec3& added = Vec3::Zero()) {
+  std::vector<double> depths;
+  for (int i = -20; i <= 100; ++i) depths.push_back(kDepthM * i / 100.0);
+  depths.insert(depths.end(), 200, kDepthM);
+  for (int i = 100; i >= -20; --i) depths.push_back(kDepthM * i / 100.0);
+  depths.insert(depths.end(), late_rows + 10, -0.2 * kDepthM);
+  const auto force_at = [&](std::ptrdiff_t i) {
+    return Vec3(0.0, 0.0, i < 0 ? 0.0 : kWallNPerM * std::max(depths[static_cast<std::size_t>(i)], 0.0));
+  };
+  std::vector<ForceRow> rows;
+  for (std::size_t i = 0; i < depths.size(); ++i) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    const Vec3 zero_delay = force_at(at);
+    const bool touches = !zero_delay.isZero(0.0);
+    rows.push_back({Vec3(0.0, 0.0, -depths[i]), force_at(at - static_cast<std::ptrdiff_t>(late_rows)) + (touches ? added : Vec3::Zero()),
+                    zero_delay, std::max(depths[i], 0.0)});
+  }
+  return rows;
+}
+
+TEST(ForceComparison, OfTheSameForceIsZero) {
+  const ForceComparison found = compare_forces(press(0), kRowS, 0.05);
+  EXPECT_EQ(found.error_rms, 0.0);
+  EXPECT_EQ(found.error_max_n, 0.0);
+  EXPECT_EQ(found.direction_max_deg, 0.0);
+  EXPECT_EQ(found.time_offset_s, 0.0);
+  EXPECT_EQ(found.value_offset, 0.0);
+  EXPECT_EQ(found.falls, 0U);
+  EXPECT_EQ(found.generated_j, found.zero_delay_generated_j);
+  EXPECT_NEAR(found.contact_s, 0.4, 2e-3);
+}
+
+// A tenth too strong: the errors are a tenth, of the root of the mean square over the contact.
+TEST(ForceComparison, AForceThatIsTooStrongByAShareHasThatError) {
+  auto rows = press(0);
+  double squares = 0.0;
+  std::size_t contact = 0;
+  double felt = 0.0;
+  std::size_t counted = 0;
+  for (ForceRow& row : rows) {
+    const double force_n = row.zero_delay_n.norm();
+    squares += force_n * force_n;
+    contact += force_n > 0.0 ? 1 : 0;
+    row.force_n *= 1.1;
+    if (1.1 * force_n <= kLeastN) continue;
+    felt += 0.1 * force_n;
+    ++counted;
+  }
+  const double rms_n = std::sqrt(squares / static_cast<double>(contact));
+  const ForceComparison found = compare_forces(rows, kRowS, 0.0);
+  EXPECT_NEAR(found.error_rms, 0.1, 1e-12);
+  EXPECT_NEAR(found.error_max_n, 0.1, 1e-12);
+  EXPECT_NEAR(found.value_offset, felt / static_cast<double>(counted) / rms_n, 1e-9);
+  EXPECT_EQ(found.time_offset_s, 0.0);
+  EXPECT_NEAR(found.contact_s, kRowS * static_cast<double>(contact), 1e-12);
+  EXPECT_NEAR(found.direction_max_deg, 0.0, 1e-9);
+  EXPECT_EQ(found.falls, 0U);
+}
+
+// 45 degrees for a part of the contact where both are above the least.
+TEST(ForceComparison, AnglesAreInDegrees) {
+  auto rows = press(0);
+  std::size_t counted = 0;
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].zero_delay_n.norm() <= kLeastN) continue;
+    ++counted;
+    if (i % 4 != 0) continue;
+    ++turned;
+    rows[i].force_n += rows[i].zero_delay_n.norm() * Vec3::UnitY();
+  }
+  const ForceComparison found = compare_forces(rows, kRowS, 0.0);
+  EXPECT_NEAR(found.direction_max_deg, 45.0, 1e-9);
+  EXPECT_NEAR(found.direction_rms_deg, 45.0 * std::sqrt(static_cast<double>(turned) / static_cast<double>(counted)), 1e-6);
+}
+
+TEST(ForceComparison, AForceAcrossIsAnErrorOfDirection) {
+  const ForceComparison found = compare_forces(press(0, Vec3(1.0, 0.0, 0.0)), kRowS, 0.05);
+  EXPECT_NEAR(found.error_max_n, 1.0, 1e-12);
+  EXPECT_GE(found.direction_max_deg, 80.0) << "where the press is light";
+  EXPECT_GT(found.direction_rms_deg, 45.0);
+  EXPECT_EQ(found.falls, 0U);
+}
+
+// Late by t, a spring gives k v t d more on the way out than it takes on the way in, beyond what it holds.
+TEST(ForceComparison, ALateForceGivesEnergyAndFallsAtFirst) {
+  constexpr std::size_t kLate = 60;
+  const ForceComparison found = compare_forces(press(kLate), kRowS, 0.1);
+  EXPECT_GT(found.time_offset_s, 0.5 * kRowS * kLate);
+  EXPECT_EQ(found.falls, 1U);
+  EXPECT_NEAR(found.fall_s, kRowS * (kLate - 100.0 * kFallM / kDepthM), 2e-3) << "from kFallM deep until the first force";
+  double taken = 0.0;
+  double given = 0.0;
+  const auto rows = press(kLate);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double work = rows[i - 1].force_n.dot(rows[i].p_WD - rows[i - 1].p_WD);
+    (work < 0.0 ? taken : given) += work;
+  }
+  EXPECT_NEAR(found.generated_j, std::max(given + taken, 0.0), 1e-9);
+  EXPECT_GT(found.generated_j, 0.3 * kWallNPerM * kDepthM * kDepthM);
+  EXPECT_LT(found.zero_delay_generated_j, 0.05 * kWallNPerM * kDepthM * kDepthM);
+}
+
+TEST(ForceComparison, AForceOnTheWrongSideIsAFallThrough) {
+  auto rows = press(0);
+  for (std::size_t i = 200; i < 210; ++i) rows[i].force_n *= -1.0;
+  for (std::size_t i = 230; i < 235; ++i) rows[i].force_n.setZero();
+  const ForceComparison found = compare_forces(rows, kRowS, 0.05);
+  EXPECT_EQ(found.falls, 2U);
+  EXPECT_NEAR(found.fall_s, 0.015, 1e-9);
+}
+
+TEST(ForceComparison, WithoutContactThereIsNothingToCompare) {
+  const ForceComparison found = compare_forces({ForceRow{}, ForceRow{}}, kRowS, 0.05);
+  EXPECT_EQ(found.error_rms, 0.0);
+  EXPECT_EQ(found.contact_s, 0.0);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,30 @@
+#include "remote_touch/packet_size.h"
+
+#include <gtest/gtest.h>
+
+#include "link/endpoint.h"
+#include "link/seal_format.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::size_t kIpAndUdp = 28;
+
+TEST(PacketSize, IsThatOfASealedDatagramInAnIpPacket) {
+  EXPECT_GT(packet_bytes_of_state(), kIpAndUdp + seal::kOverheadBytes + 7 * sizeof(double)) << "position and orientation";
+  EXPECT_GT(packet_bytes_of_force(), kIpAndUdp + seal::kOverheadBytes + 12 * sizeof(double)) << "force, torque, offset and turn";
+  EXPECT_LT(packet_bytes_of_state(), 260U);
+  EXPECT_LT(packet_bytes_of_force(), 310U);
+}
+
+TEST(PacketSize, ATileFitsADatagram) {
+  PatchTile tile;
+  tile.vertex_count = PatchTile::kMostVertices;
+  tile.triangle_count = PatchTile::kMostTriangles;
+  tile.vertices.fill(0xff);
+  EXPECT_GT(packet_bytes_of(tile), PatchTile::kMostVertices * PatchTile::kVertexBytes);
+  EXPECT_LE(packet_bytes_of(tile), kMaxDatagramBytes + kIpAndUdp);
+}
+
+}  // namespace
+}  // namespace hapton

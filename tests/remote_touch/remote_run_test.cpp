@@ -1,0 +1,191 @@
+// Ways to touch across a slow network on a real mesh: 1,000 N/m, a hand that slides at 100 mm/s.
+#include "remote_touch/remote_run.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "closed_loop/stability.h"
+#include "remote_touch/packet_size.h"
+#include "tests/remote_touch/real_mesh.h"
+
+namespace hapton {
+namespace {
+
+RemoteDevice device_of(const char* name) {
+  const DevicePreset& preset = *find_device_preset(name);
+  return {preset.model, preset.limits, *find_hand_preset("stylus")};
+}
+
+RemoteCase case_of(const char* method, double round_trip_s, double loss, std::uint64_t seed = 1) {
+  return {find_remote_method(method), RemoteNetwork::of(round_trip_s, loss, 0.0, seed), round_trip_s, {}};
+}
+
+class RealMesh : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    auto made = make_remote_scene(real_mesh(GetParam()), {.stiffness_n_per_m = 1000.0});
+    ASSERT_TRUE(made) << made.error().what;
+    scene_ = std::move(*made);
+  }
+  SlidePath path(double speed_m_per_s, double round_trip_s) {
+    auto made =
+        make_slide_path(*scene_.mesh, *scene_.near, {.seed = 1, .speed_m_per_s = speed_m_per_s, .after_s = 0.5 + 1.5 * round_trip_s});
+    EXPECT_TRUE(made) << made.error().what;
+    return made.value_or(SlidePath{});
+  }
+  RemoteScene scene_;
+  RemoteDevice device_ = device_of("premium-1.5");
+};
+
+// The acceptance of the comparison: no fall-through, no generated energy, 1 % at most, 50 packets a second at most.
+TEST_P(RealMesh, PatchesAreTouchWithoutDelayAtAnyRoundTrip) {
+  for (const double round_trip_s : {0.0, 0.1, 1.0}) {
+    SCOPED_TRACE(testing::Message() << round_trip_s << " s");
+    const auto touch = run_prescribed(scene_, path(0.1, round_trip_s), device_, case_of("patch", round_trip_s, 0.1));
+    ASSERT_TRUE(touch) << touch.error().what;
+    EXPECT_GT(touch->force.contact_s, 4.0);
+    EXPECT_EQ(touch->force.falls, 0U);
+    EXPECT_LT(touch->force.error_rms, 0.01);
+    EXPECT_NEAR(touch->force.time_offset_s, 0.0, 1e-4);
+    EXPECT_LE(touch->force.generated_j, touch->force.zero_delay_generated_j + 1e-7);
+    EXPECT_LE(touch->rates.packets_up, 50.0);
+    EXPECT_LE(touch->rates.packets_down, 50.0);
+  }
+}
+
+// The device's machine stands still five times a second, for 150 ms on average: the hand has jumped then, by up to 75 mm. What is felt
+// after that is what the whole scene gives for the same samples.
+TEST_P(RealMesh, PatchesAreTheWholeSceneWhereTheMachineStalls) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    RemoteCase which = case_of("patch", 0.1, 0.1, seed);
+    which.stall_s = 0.15;
+    const SlidePath slide = path(0.1, 0.1);
+    const auto touch = run_prescribed(scene_, slide, device_, which);
+    ASSERT_TRUE(touch) << touch.error().what;
+    EXPECT_GT(touch->missed, 1000U);
+    EXPECT_EQ(touch->missed + touch->rows.size(), slide.rows.size()) << "each period of the path is one or the other";
+    EXPECT_EQ(touch->force.falls, 0U);
+    EXPECT_LT(touch->force.error_rms, 1e-4);
+  }
+}
+
+// Governor and passivity controller are on, as `io_node --touch patch --passive-mass` has them.
+TEST_P(RealMesh, PatchesGiveNoEnergyInClosedLoop) {
+  for (const double round_trip_s : {0.0, 1.0}) {
+    SCOPED_TRACE(testing::Message() << round_trip_s << " s");
+    const auto loop = run_closed_loop(scene_, path(0.1, round_trip_s), device_, case_of("patch-passive", round_trip_s, 0.1), nullptr);
+    ASSERT_TRUE(loop) << loop.error().what;
+    EXPECT_TRUE(loop->is_bounded);
+    EXPECT_LT(loop->generated_j, 1e-6);
+    EXPECT_LT(loop->limit_cycle_m, 3.0 * device_.model.encoder_step_m) << "it comes to rest";
+    EXPECT_GT(loop->most_force_n, 0.5);
+  }
+}
+
+TEST_P(RealMesh, RemoteForceThatIsHeldGivesEnergyAndDoesNotRest) {
+  const auto loop = run_closed_loop(scene_, path(0.1, 0.1), device_, case_of("remote-held", 0.1, 0.1), nullptr);
+  ASSERT_TRUE(loop) << loop.error().what;
+  EXPECT_GT(loop->generated_j, 0.01);
+  EXPECT_TRUE(!loop->is_bounded || loop->limit_cycle_m > 1e-3);
+  const auto passive = run_closed_loop(scene_, path(0.1, 0.1), device_, case_of("remote-passive", 0.1, 0.1), nullptr);
+  ASSERT_TRUE(passive);
+  EXPECT_LT(passive->generated_j, 1e-6) << "the controller takes it back, but not the delay";
+}
+
+INSTANTIATE_TEST_SUITE_P(Meshes, RealMesh, testing::Values("nefertiti_70k.ply", "fish_22k.obj"));
+
+// Linear theory for a force that is late by the round trip, against presses of the same device: without friction, joints and encoder
+// steps, which it leaves out.
+TEST(RestStiffness, OfRemoteForceIsWhereTheoryHasItAndOfPatchesThatOfNoDelay) {
+  RemoteDevice device = device_of("premium-1.5");
+  device.model.friction_n = device.model.encoder_step_m = device.model.max_force_n = 0.0;
+  device.model.mode_count = 0;
+  const AxisPlant plant = make_axis_plant(device.model, device.hand);
+  double undelayed = 0.0;
+  for (const double round_trip_s : {0.0, 0.01, 0.1}) {
+    SCOPED_TRACE(testing::Message() << round_trip_s << " s");
+    const double stable = find_stable_stiffness(SampledPlant(plant, 1e-3, round_trip_s), 0.0).value;
+    const auto held = find_rest_stiffness_of(device, case_of("remote-held", round_trip_s, 0.0), 2e4);
+    ASSERT_TRUE(held) << held.error().what;
+    EXPECT_LE(*held, 1.02 * stable);
+    EXPECT_GT(*held, 0.25 * stable) << "near the limit a press needs longer than a second to come to rest";
+    if (round_trip_s == 0.0) undelayed = *held;
+    EXPECT_EQ(stable > 1000.0, round_trip_s < 0.01) << "1,000 N/m is beyond it from 10 ms on";
+    const auto patch = find_rest_stiffness_of(device, case_of("patch", round_trip_s, 0.1), 2e4);
+    ASSERT_TRUE(patch) << patch.error().what;
+    EXPECT_NEAR(*patch, undelayed, 0.05 * undelayed);
+  }
+}
+
+TEST(RemoteRun, WhatNeverComesIsAnError) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {});
+  ASSERT_TRUE(path);
+  const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0));
+  ASSERT_FALSE(touch);
+  EXPECT_NE(touch.error().what.find("patch: the scene around the hand had not arrived"), std::string::npos) << touch.error().what;
+}
+
+// A datagram each way in each period, and the nodes' greetings, ten a second.
+TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  ASSERT_TRUE(path);
+  const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("remote-held", 0.0, 0.0));
+  ASSERT_TRUE(touch) << touch.error().what;
+  EXPECT_NEAR(touch->rates.packets_up, 1010.0, 1e-6);
+  EXPECT_NEAR(touch->rates.packets_down, 1010.0, 1e-6);
+  EXPECT_NEAR(touch->rates.bytes_up, 1000.0 * static_cast<double>(packet_bytes_of_state()) + 10.0 * 110.0, 1e-3);
+  EXPECT_NEAR(touch->rates.bytes_down, 1000.0 * static_cast<double>(packet_bytes_of_force()) + 10.0 * 110.0, 1e-3);
+  EXPECT_EQ(touch->scene_kb, 0.0);
+  EXPECT_EQ(touch->missed, 0U);
+  EXPECT_EQ(touch->rows.size(), path->rows.size());
+  const auto patch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 0.0));
+  ASSERT_TRUE(patch);
+  EXPECT_GT(patch->scene_kb, 10.0);
+  EXPECT_LT(patch->scene_kb, 10'000.0);
+  EXPECT_GT(patch->ready_s, 0.5);
+}
+
+// From where the device was without delay: nowhere, or a millimetre aside in each period.
+TEST(RemoteRun, ThePathErrorIsADistance) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {.stiffness_n_per_m = 300.0});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  ASSERT_TRUE(path);
+  const auto run = [&](const std::vector<Vec3>* zero_delay) {
+    const auto touch = run_closed_loop(*scene, *path, device_of("premium-1.5"), case_of("local", 0.0, 0.0), zero_delay);
+    EXPECT_TRUE(touch);
+    return touch.value_or(ClosedLoopTouch{});
+  };
+  std::vector<Vec3> places = run(nullptr).p_WD;
+  ASSERT_GT(places.size(), path->leaving);
+  EXPECT_EQ(run(nullptr).path_error_m, 0.0);
+  EXPECT_EQ(run(&places).path_error_m, 0.0) << "the same run";
+  for (Vec3& p_W : places) p_W += Vec3(0.0, 0.0006, 0.0008);
+  EXPECT_NEAR(run(&places).path_error_m, 0.001, 1e-12);
+  places.resize(path->sliding);
+  EXPECT_EQ(run(&places).path_error_m, 0.0) << "nothing to compare";
+}
+
+TEST(RemoteRun, TheSameSeedGivesTheSameRun) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {.slide_s = 0.5});
+  ASSERT_TRUE(path);
+  for (const RemoteMethod& method : remote_methods()) {
+    const auto run = [&](std::uint64_t seed) {
+      const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of(method.name.data(), 0.02, 0.2, seed));
+      EXPECT_TRUE(touch);
+      return touch ? touch->force.error_rms : -1.0;
+    };
+    EXPECT_EQ(run(1), run(1)) << method.name;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,76 @@
+#include "remote_touch/slide_path.h"
+
+#include <gtest/gtest.h>
+
+#include "remote_touch/remote_methods.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSampleS = 1e-3;
+
+RemoteScene scene_of_sphere() { return *make_remote_scene(made::shared(made::sphere(0.05, 40)), {}); }
+
+TEST(SlidePath, ComesSlidesRestsAndLeaves) {
+  const RemoteScene scene = scene_of_sphere();
+  const SlidePlan plan{.seed = 3, .speed_m_per_s = 0.1, .slide_s = 1.0};
+  const auto path = make_slide_path(*scene.mesh, *scene.near, plan);
+  ASSERT_TRUE(path) << path.error().what;
+  EXPECT_EQ(path->resting - path->sliding, 1000U);
+  EXPECT_EQ(path->leaving - path->resting, 800U);
+  EXPECT_LT(path->rows.front().depth_m, 0.0) << "above the surface";
+  EXPECT_LT(path->rows.back().depth_m, -plan.depth_m);
+  double length_m = 0.0;
+  for (std::size_t i = path->sliding; i < path->resting; ++i) {
+    EXPECT_NEAR(path->rows[i].p_SQ.norm(), 0.05, 3e-4) << "on the surface, but for the height of a facet";
+    EXPECT_GT(path->rows[i].outward_S.dot(path->rows[i].p_SQ.normalized()), 0.98);
+    EXPECT_NEAR(path->rows[i].outward_S.norm(), 1.0, 1e-12);
+    EXPECT_EQ(path->rows[i].depth_m, plan.depth_m);
+    length_m += (path->rows[i].p_SQ - path->rows[i - 1].p_SQ).norm();
+  }
+  EXPECT_NEAR(length_m, plan.speed_m_per_s * plan.slide_s, 1e-3);
+  for (std::size_t i = 1; i < path->rows.size(); ++i)
+    EXPECT_LT((path->rows[i].device_m() - path->rows[i - 1].device_m()).norm(), 5e-4) << "no jump, row " << i;
+}
+
+TEST(SlidePath, TheSameSeedGivesTheSamePath) {
+  const RemoteScene scene = scene_of_sphere();
+  const auto place = [&](std::uint64_t seed) { return make_slide_path(*scene.mesh, *scene.near, {.seed = seed})->rows[2000].device_m(); };
+  EXPECT_EQ(place(5), place(5));
+  EXPECT_NE(place(5), place(6));
+}
+
+TEST(SlidePath, AHandAimsSoThatTheDeviceIsAsDeepAsItShould) {
+  const RemoteScene scene = scene_of_sphere();
+  const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 1, .depth_m = 1e-3});
+  ASSERT_TRUE(path);
+  const HandPath hand = path->make_hand_path(500.0, 1000.0, kSampleS);
+  const SlideRow& row = path->rows[path->sliding];
+  // 1 mm deep the surface gives 1 N, for which the hand's spring is drawn by 2 mm.
+  EXPECT_NEAR((hand.position_m(static_cast<std::int64_t>(path->sliding) * 1'000'000) - (row.p_SQ - 3e-3 * row.outward_S)).norm(), 0.0,
+              1e-9);
+  EXPECT_NEAR((hand.position_m(0) - path->rows.front().device_m()).norm(), 0.0, 1e-12) << "in free space, where the device is";
+}
+
+TEST(SlidePath, AMeshWithoutAnAreaIsAnError) {
+  const RemoteScene scene = scene_of_sphere();
+  EXPECT_FALSE(make_slide_path(TriangleMesh{}, *scene.near, {}));
+}
+
+// Back the same way, in the same places.
+TEST(SlidePath, TurnsBackAfterAStroke) {
+  const RemoteScene scene = scene_of_sphere();
+  const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 2, .speed_m_per_s = 0.3, .slide_s = 1.2, .stroke_m = 0.06});
+  ASSERT_TRUE(path) << path.error().what;
+  constexpr std::size_t kStroke = 200;  // rows
+  const std::size_t start = path->sliding - 1;
+  for (std::size_t i = 0; i <= kStroke; ++i) {
+    EXPECT_EQ(path->rows[start + i].p_SQ, path->rows[start + 2 * kStroke - i].p_SQ) << i;
+    EXPECT_EQ(path->rows[start + i].p_SQ, path->rows[start + 2 * kStroke + i].p_SQ) << i;
+  }
+  EXPECT_GT((path->rows[start].p_SQ - path->rows[start + kStroke].p_SQ).norm(), 0.03);
+}
+
+}  // namespace
+}  // namespace hapton
