@@ -155,7 +155,7 @@ void HapticsStep::update_grasp() noexcept {
   const Grasp::Change change = grasp_->update(state_, X_WS_, touched, output_.visual_offset_m);
   if (change == Grasp::Change::none) return;
   tool_ = grasp_->tool();
-  is_tool_blocked_ = false;
+  is_tool_blocked_ = is_tool_held_ = false;
   fade_.begin();
   torque_fade_.begin();
   // To a recording it is another method.
@@ -216,6 +216,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   } else {
     touch_->forget_effects(input_);
     tool_->forget_motion();
+    free_starts_ += grasp_ == nullptr && !tool_->is_known() ? 1 : 0;
   }
   running_ = true;
   ToolInput input;
@@ -226,6 +227,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   input.X_SO = X_SO_;
   const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
   is_tool_blocked_ = felt.proxy.is_blocked;
+  is_tool_held_ = felt.contact;
   if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);
   if (felt.contact) counts_.most_haptons = std::max(counts_.most_haptons, felt.proxy.haptons);
   const Vec3 effects_n = touch_->step_in_space(input_);
@@ -298,6 +300,12 @@ void HapticsStep::remember_reply() noexcept {
     return;
   }
   replied_before_ = (passed == 64 ? 0 : replied_before_ << passed) | (std::uint64_t{1} << (passed - 1));
+}
+
+Vec3 HapticsStep::p_STouching() const noexcept {
+  const bool is_made_of_a_mesh = tool_ != nullptr && grasp_ == nullptr;
+  const Vec3 p_W = is_made_of_a_mesh ? Vec3(input_.p_WD + input_.q_WT * tool_->tool().vertex_m()) : input_.p_WD;
+  return input_.X_WS.inverse(Eigen::Isometry) * p_W;
 }
 
 bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {

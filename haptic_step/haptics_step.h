@@ -62,11 +62,11 @@ class HapticsStep {
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
   bool is_running() const noexcept { return running_; }
-  // How often the probe started at the device point, because there was no earlier contact to continue.
+  // How often the probe, or a rigid tool, started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
-  // The device point of the last reply, and whether the method had contact there. Frame S.
-  Vec3 p_SD() const noexcept { return input_.X_WS.inverse(Eigen::Isometry) * input_.p_WD; }
-  bool has_contact() const noexcept { return output_.contact; }
+  // Of the last reply: a point of what touches, frame S: the device point, or a vertex of the rigid tool; and whether it had contact.
+  Vec3 p_STouching() const noexcept;
+  bool has_contact() const noexcept { return output_.contact || is_tool_held_; }
 
   // Tells the method where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
   // is_running().
@@ -153,6 +153,7 @@ class HapticsStep {
   Grasp* grasp_ = nullptr;
   PluginEffects* effects_ = nullptr;  // null: none
   bool is_tool_blocked_ = false;
+  bool is_tool_held_ = false;  // by a surface, in the last reply
   double offset_m_;
   Pose X_WS_ = Pose::Identity();
   ViewTransform view_;

@@ -210,9 +210,9 @@ void ReplyLoop::reply() noexcept {
 
 void ReplyLoop::note_hand() noexcept {
   if (std::exchange(free_starts_, step_.free_starts()) != step_.free_starts()) {
-    inside_->note_start(step_.p_SD());
+    inside_->note_start(step_.p_STouching());
   } else if (inside_->is_watching()) {
-    inside_->note_hand(step_.p_SD(), step_.has_contact());
+    inside_->note_hand(step_.p_STouching(), step_.has_contact());
   }
 }
 

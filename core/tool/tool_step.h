@@ -99,6 +99,8 @@ class ToolStep {
   const TouchGeometry& scene() const { return scene_; }  // what stands still
   const TouchGeometry& moving(std::size_t part) const { return *moving_[part]; }
   const ObjectGeometry& tool() const { return tool_; }
+  // A vertex of the tool, metres from the grip point, along the stylus' axes. Pre: made of a mesh.
+  Vec3 vertex_m() const { return scene_.unit_m() * tool_.vertices().front(); }
   bool has_friction() const { return has_friction_; }
   const ContactDrag& drag() const { return drag_; }
   double unit_force_n() const { return coupling_.stiffness_n_per_m * scene_.unit_m(); }  // of a multiplier

@@ -363,6 +363,11 @@ TEST(HapticsStep, AHeldToolIsFeltInPlaceOfTheProbe) {
   EXPECT_GE(step.counts().most_haptons, 1);
   EXPECT_GE(step.counts().haptons, 1U);
   EXPECT_GE(command.haptons, 1U);
+  EXPECT_TRUE(step.has_contact());
+  EXPECT_EQ(step.free_starts(), 1U);
+  // A corner of the box, where the hand would have it.
+  const Vec3 p_DV = turn_by({0.1, 0.0, 0.0}).conjugate() * (step.p_STouching() - Vec3(0.01, 0.01, 0.008));
+  EXPECT_LT((p_DV.cwiseAbs() - Vec3::Constant(0.01)).norm(), 1e-6) << p_DV.transpose();
 }
 
 // Damping of a tool's contacts: live, by the times of the samples, and not from one session to the next.
