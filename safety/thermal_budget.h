@@ -15,9 +15,9 @@ namespace hapton {
 // only.
 class ThermalBudget {
  public:
-  static constexpr double kFadeFrom = 0.8;
-  static constexpr double kLongestHeldS = 1.0;
-  static constexpr double kSpent = 1.02;  // above what the fade allows: force was applied while this was not called
+  static constexpr double kFadeFrom = 0.8;      // a choice: larger holds the maximum longer, and fades faster
+  static constexpr double kLongestHeldS = 1.0;  // any device has released its force by then: kCommandTimeoutNs is 20 ms
+  static constexpr double kSpent = 1.02;        // above what the fade allows: force was applied while this was not called
 
   explicit ThermalBudget(const DeviceLimits& device);
 

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kLeastShapes = 4;
+constexpr std::size_t kLeastShapes = 4;                   // of a mesh too large for more: at rest, at keys and half-way
 constexpr std::size_t kMostCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
 
 // Times at which the shape is checked, about `count`: those of the keys, or of every second, third ... key, and half-way between them.

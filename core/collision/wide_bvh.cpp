@@ -47,7 +47,7 @@ struct Range {
   std::uint32_t size() const { return end - begin; }
 };
 
-constexpr int kBins = 16;
+constexpr int kBins = 16;           // as Wald 2007
 constexpr std::uint32_t kFew = 64;  // items that fill one level of nodes
 static_assert(kFew == WideBvh::kWidth * WideBvh::kWidth);
 

@@ -24,6 +24,7 @@ namespace hapton {
 class WideBvh {
  public:
   static constexpr int kWidth = 8;
+  // Splits are free down to level 26; below, runs are halved, and 13 levels of eight children hold 2^32 items.
   static constexpr int kMaxDepth = 40;
   static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;
   static constexpr double kFarthest = 0x1p100;  // pre: every item's box lies within this of zero

@@ -24,6 +24,7 @@ namespace hapton {
 // motion is then what the energy m u^2 / 2 falls by, less what the damper takes. Stable ranges, with delay: docs/loop.md.
 struct MassEffect {
   static constexpr Passivity kPassivity = Passivity::dissipative;
+  // The damper is mass / filter_s: 10 Ns/m for the default mass. A shorter filter amplifies the noise of positions.
   static constexpr double kLeastFilterS = 0.005;
 
   // What it remembers of the motion.

@@ -14,10 +14,11 @@ namespace hapton {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// Choices, which recorded benchmarks depend on: a change makes other trajectories.
 constexpr double kApproach_s = 0.2;
 constexpr double kSlideSegment_s = 4.0;
 constexpr double kTap_s = 0.04;
-constexpr int kMostTries = 64;
+constexpr int kMostTries = 64;  // draws of a place whose normal is free
 
 // Whether the segment meets any triangle but `own`; tests every triangle. Rounding only changes the choice of a position.
 bool is_obstructed(const TriangleMesh& mesh, const Vec3& from, const Vec3& to, std::uint32_t own) {

@@ -19,21 +19,22 @@
 namespace hapton {
 namespace {
 
+// Shares are of the extent. Those of a fault are the definition of it (meaning_of), choices that only have to stay the same.
 constexpr double kFallThroughShare = 0.0025;
 constexpr double kUnsureShare = 2e-7;  // nearer to the surface PointInMesh may name either side
 constexpr double kInsideShare = 1e-6;  // larger than a probe's contact offset and the rounding of an offset of a million extents
 constexpr double kStuckShare = 0.10;
 constexpr double kStuckGain = 0.01;
 constexpr double kUnconvergedGain = 0.001;
-constexpr double kTieShare = 1e-6;
-constexpr double kOutsideShare = 1e-7;
-constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
-constexpr double kClearShare = 0.05;   // of the contact offset that a proxy may keep: above rounding, so the side is certain
+constexpr double kTieShare = 1e-6;      // a device nearer to the surface has two valid proxies
+constexpr double kOutsideShare = 1e-7;  // farther off than a contact offset (kRelative)
+constexpr double kBesideShare = 1e-6;   // farther than the reference lifts itself over a step
+constexpr double kClearShare = 0.05;    // of the contact offset that a proxy may keep: above rounding, so the side is certain
 constexpr double kCloseUpShares[] = {0x1p-10, 0x1p-18};
 constexpr double kCrackShare =
     1e-5;  // at the entrance of a crack narrower than one of the two contact offsets, only the other proxy gets in
-constexpr double kProofOffsets = 4.0;  // radius, in contact offsets, of the proof that a position is a minimum
-constexpr double kThroughStep = 0.01;
+constexpr double kProofOffsets = 4.0;     // radius, in contact offsets, of the proof that a position is a minimum
+constexpr double kThroughStep = 0.01;     // a longer step may have led round a boundary
 constexpr double kRelative = 4e-9;        // a method may use this share of the extent as contact offset and leave it out of the force
 constexpr int kMostCarried = 1024;        // steps that a motion may take
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
