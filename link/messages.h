@@ -227,8 +227,7 @@ struct MaterialState {
 // haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: identifies a node's scene, so
 // that two nodes notice if their scenes differ. From haptics also points of its surface, to which a simulated hand can go. Frame S, m.
 struct SceneFacts {
-  // A hand that knows nothing finds a scene by a few of them. A choice.
-  static constexpr std::size_t kMostPoints = 16;
+  static constexpr std::size_t kMostPoints = 16;  // a choice: a hand finds a scene by a few of them
   using Point = std::array<float, 3>;
 
   std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
