@@ -250,6 +250,34 @@ struct StressRun::Impl {
          gain);
   }
 
+  // Force, contact and proxy have to agree.
+  template <class Note>
+  void check_consistency(const MethodOutput& output, const Vec3& device, const Note& note) const {
+    const double stiffness = settings.material.stiffness_n_per_m;
+    const Vec3 extension = output.p_SP - device;
+    const double length = extension.norm();
+    const bool undamped = settings.material.damping_ns_per_m == 0.0;
+    if (output.contact != (output.force_n.norm() > 0.0)) note(StressFault::broken, 0.0);
+    if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop() + kRelative * length + layer))
+      note(StressFault::broken, (output.force_n / stiffness - extension).norm());
+    if (!output.contact && length > slop()) note(StressFault::broken, length);
+  }
+
+  // Neither device without a force nor proxy may be inside. first: the output before a carried motion was finished. Pre: solid.
+  template <class Note>
+  void check_sides(const MethodOutput& first, const MethodOutput& output, const Vec3& device, const Note& note) const {
+    if (!(first.contact && output.contact) && is_wrong(device)) {
+      const double depth = solid->compute_distance(device);
+      if (depth > kFallThroughShare * extent) note(StressFault::fall_through, depth);
+    }
+    const bool is_pulled = (output.p_SP - device).norm() > 0.0;
+    const Vec3 outward = is_pulled ? Vec3(output.force_n.normalized()) : Vec3(Vec3::Zero());
+    if (output.contact && is_wrong(output.p_SP + kInsideShare * extent * outward) && is_wrong(output.p_SP)) {
+      const double depth = solid->compute_distance(output.p_SP);
+      if (depth > 2.0 * kInsideShare * extent) note(StressFault::inside, depth);
+    }
+  }
+
   // Out of work, a method carries the rest of a motion into the next step. The same sample again leads to where it can be judged.
   MethodOutput finish(const MethodOutput& first, const Vec3& device, StressCount& count) {
     MethodOutput output = first;
@@ -371,24 +399,11 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       output_before = output;
       continue;
     }
-    const Vec3 extension = output.p_SP - device;
-    const double length = extension.norm();
+    const double length = (output.p_SP - device).norm();
     const double slop = in.slop();
-    const bool undamped = in.settings.material.damping_ns_per_m == 0.0;
-    if (output.contact != (output.force_n.norm() > 0.0)) note(StressFault::broken, 0.0);
-    if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop + kRelative * length + in.layer))
-      note(StressFault::broken, (output.force_n / stiffness - extension).norm());
-    if (!output.contact && length > slop) note(StressFault::broken, length);
+    in.check_consistency(output, device, note);
     if (in.solid) {
-      if (!(first.contact && output.contact) && in.is_wrong(device)) {
-        const double depth = in.solid->compute_distance(device);
-        if (depth > kFallThroughShare * extent) note(StressFault::fall_through, depth);
-      }
-      const Vec3 outward = length > 0.0 ? Vec3(output.force_n.normalized()) : Vec3(Vec3::Zero());
-      if (output.contact && in.is_wrong(output.p_SP + kInsideShare * extent * outward) && in.is_wrong(output.p_SP)) {
-        const double depth = in.solid->compute_distance(output.p_SP);
-        if (depth > 2.0 * kInsideShare * extent) note(StressFault::inside, depth);
-      }
+      in.check_sides(first, output, device, note);
     } else if (!output.contact && !output_before.contact && in.probe_radius == 0.0 && in.goes_through(output_before.p_SP, output.p_SP) &&
                !in.leads_round(output_before.p_SP, output.p_SP)) {
       // A position on the surface up to rounding has no side: only motions between positions off it are checked.
