@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostEventsPerCell = 16;
+constexpr int kMostEventsPerCell = 16;  // as StylusDynamics: then the mass rests until the next cell
 // Cells for each period, or time constant times 2 pi, of the fastest motion.
 constexpr double kCellsPerPeriod = 100.0;
 

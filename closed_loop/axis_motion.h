@@ -47,7 +47,7 @@ class AxisMotion {
   const AxisPlant& plant() const noexcept { return plant_; }
 
  private:
-  static constexpr int kMostBits = 31;
+  static constexpr int kMostBits = 31;  // steps of up to 2^30 ns, a second
   static constexpr int kMostWhole = kMostStates + AxisPlant::kInputs;
   using Whole = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWhole, 1>;  // states and inputs
   using WholeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostWhole, kMostWhole>;

@@ -16,7 +16,7 @@ StructuralMode joint(double mass_beyond_kg, double stiffness_n_per_m, double rin
 
 constexpr std::string_view kNoSource = "assumed: no source";
 constexpr std::string_view kNoWorkspace = "none known: a cube of 0.2 m is assumed";
-constexpr double kAssumedHalfM = 0.1;
+constexpr double kAssumedHalfM = 0.1;  // kNoWorkspace
 
 // half_m: of the cube that the workspace fits into.
 DeviceLimits limits_of(double max_force_n, double stiffness_n_per_m, double half_m) {

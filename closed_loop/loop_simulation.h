@@ -40,7 +40,7 @@ class LoopSimulation {
   // there.
   bool run_until(std::int64_t end_ns, std::vector<LoopRow>* rows = nullptr);
 
-  static constexpr double kOutOfReachM = 1e3;
+  static constexpr double kOutOfReachM = 1e3;  // no device gets there: the loop is unstable
 
   Vec3 position_m() const noexcept;
   Vec3 velocity_m_per_s() const noexcept;

@@ -59,7 +59,7 @@ class OnsetSearch {
  private:
   // A motion so slow that accelerations at its ends are negligible, and so long that friction is.
   void press_and_release() {
-    constexpr std::int64_t kDelaysLong = 100;
+    constexpr std::int64_t kDelaysLong = 100;  // the delay is a hundredth of the press
     const std::int64_t press_ns = kDelaysLong * (period_ns_ + delay_ns_);
     const double damping = std::max(device_.damping_ns_per_m, 1e-9);
     const double speed = std::max(0.05, 1e4 * device_.friction_n / damping);
@@ -70,7 +70,7 @@ class OnsetSearch {
   // The worst motion at one frequency and its aliases: two speeds in each period, before and after the force changes. The speeds are the
   // eigenvector of the largest work per heat; their phases advance by the frequency from period to period.
   void swing_between_samples() {
-    constexpr int kFrequencies = 24;
+    constexpr int kFrequencies = 24;           // from a tenth of a turn of the delay to nearly Nyquist
     constexpr std::int64_t kMostPeriods = 20;  // of delay; with more the slow motions of a press decide
     const std::int64_t whole = delay_ns_ / period_ns_;
     const std::int64_t rest_ns = delay_ns_ % period_ns_;
@@ -84,7 +84,7 @@ class OnsetSearch {
   }
 
   HandPath swing(double angle, std::int64_t whole, std::int64_t rest_ns) const {
-    constexpr double kCycles = 60.0;
+    constexpr double kCycles = 60.0;  // until the beginning no longer shows; the system is linear, so any speed does
     constexpr double kSpeed = 1.0;
     // Parts of a period with their shares of it; speed y / share of unit heat.
     const Eigen::Vector2d share(std::sqrt(seconds(rest_ns)), std::sqrt(seconds(period_ns_ - rest_ns)));

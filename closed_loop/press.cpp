@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kClearanceM = 0.005;
+constexpr double kClearanceM = 0.005;  // before the surface, where a press begins
 constexpr double kSettled = 0.05;      // of the depth
 constexpr double kLowestBuzzHz = 5.0;  // below it a hand follows
 
@@ -131,7 +131,7 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, press.period_ns, press.device.encoder_step_m, true);
-  constexpr double kStill = 0.01;
+  constexpr double kStill = 0.01;  // of the depth; or two steps of the encoder
   return measures.has_contact &&
          measures.limit_cycle_m <= std::max(2.0 * press.device.encoder_step_m, kStill * std::fabs(measures.depth_m));
 }
@@ -140,7 +140,7 @@ bool comes_to_rest(const PressCase& press, double stiffness_n_per_m) {
 
 double find_rest_stiffness(const PressCase& press, double most_n_per_m) {
   const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 0.01, .most = most_n_per_m};
-  constexpr double kFine = 0.01;
+  constexpr double kFine = 0.01;  // relative width at which the search ends
   return find_largest_value(range, kFine, [&](double stiffness_n_per_m) { return comes_to_rest(press, stiffness_n_per_m); });
 }
 

@@ -10,12 +10,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kStartM = 1e-3;
+constexpr double kStartM = 1e-3;  // any: the loop is linear
 constexpr double kTiny = 1e-200;  // m; what has died out so far is not followed farther
 constexpr double kWithoutEnd = std::numeric_limits<double>::infinity();
 
-constexpr double kStride = 1.25;
-constexpr double kFine = 2e-3;
+constexpr double kStride = 1.25;  // of the search upwards and downwards
+constexpr double kFine = 2e-3;    // relative width at which it ends
 
 // Over a while: the largest distance from where the hand wants to be, ...
 double largest_position(const std::vector<LoopRow>& rows) {
@@ -54,6 +54,7 @@ double growth_per_s(const RandomLoop& loop, const WallLaw::Wall& gains, const Ha
 // Upwards from `start`, or downwards where that is unstable already. 0: unstable however small.
 template <class IsStable>
 double find_limit(double start, IsStable is_stable) {
+  // Of the start: below it counts as unstable, above the other as stable.
   constexpr double kLeastShare = 1e-6;
   constexpr double kMostShare = 1e9;
   double low = start;

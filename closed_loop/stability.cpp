@@ -192,7 +192,7 @@ double find_stable_stiffness_by_eigenvalues(const SampledPlant& plant, double da
     low = high;
     if (!std::isfinite(high)) return high;
   }
-  constexpr double kFine = 1e-9;
+  constexpr double kFine = 1e-9;  // relative width at which the search ends
   return bisect(low, high, kFine, is_stable);
 }
 

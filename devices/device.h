@@ -100,6 +100,7 @@ class Device {
 
   // Points of the scene's surface (W) that the simulated hand goes to, one after the other; the first kMostAims count. None: it looks for
   // itself. False: as above. RT: yes.
+  // As many as the hub is told of a scene (SceneFacts::kMostPoints).
   static constexpr std::size_t kMostAims = 16;
   virtual bool aim_hand(std::span<const Vec3> /*p_WA*/) noexcept { return false; }
 };

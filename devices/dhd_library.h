@@ -22,6 +22,7 @@ constexpr std::size_t kStatusPower = 0, kStatusConnected = 1, kStatusStarted = 2
 constexpr std::size_t kStatusError = 9, kStatusTimeguard = 11, kStatusForceOffCause = 14;
 using Status = std::array<int, 32>;
 
+// Novint Falcon: a type number of the library's header.
 constexpr int kFalcon = 60;
 
 // Time without a force after which the watchdog of the firmware turns the motors off, in units of 125 us.

@@ -19,10 +19,10 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
-constexpr int kTicksPerStatusCheck = 100;
+constexpr int kTicksPerStatusCheck = 100;  // 10 times a second: a person sees nothing faster, and each check is a USB transfer
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
-constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;
-constexpr int kMostFailuresInARow = 10;  // failed calls; this many lost USB packets mean an unplugged cable
+constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // between two lines about the same state
+constexpr int kMostFailuresInARow = 10;                           // failed calls; this many lost USB packets mean an unplugged cable
 // Our choice, see docs/vendor-devices.md.
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;

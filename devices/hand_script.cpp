@@ -12,14 +12,15 @@ constexpr double kFeelS = 0.02;   // time constant of the filter on the felt for
 constexpr double kTouchN = 0.15;  // a felt force above this is a contact
 constexpr double kLostN = 0.03;   // below this for kLostS: contact lost
 constexpr double kLostS = 0.25;
-constexpr double kTravelSpeed = 0.25;  // m/s
+// m/s. Speeds and lengths of a calm hand, all choices: the script has to find and touch any scene, not to imitate a person.
+constexpr double kTravelSpeed = 0.25;
 constexpr double kApproachSpeed = 0.10;
 constexpr double kStrikeSpeed = 0.25;
 constexpr double kLiftM = 0.006;        // between taps
 constexpr double kStrikeDepthM = 0.02;  // a strike that met nothing so deep under the last contact has missed
 constexpr double kGripGain = 0.02;      // m/s of intention per N of missing force; slow against the hand's own 6 Hz
 constexpr double kMaxPullM = 0.015;     // the intention never runs farther from the device than this in contact
-constexpr double kLeadSpeed = 0.6;
+constexpr double kLeadSpeed = 0.6;      // of a hand that the mouse leads: a jump of the pointer is no jump of the hand
 
 }  // namespace
 

@@ -34,7 +34,7 @@ struct HandIntention {
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
-  static constexpr std::size_t kMostAims = 16;
+  static constexpr std::size_t kMostAims = 16;   // as Device::kMostAims
   static constexpr double kMostPathSpeed = 1.5;  // m/s; an arm in earnest
 
   struct Options {

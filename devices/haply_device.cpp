@@ -19,8 +19,9 @@ namespace hapton {
 namespace {
 
 constexpr const char* kService = "localhost";
-constexpr std::uint16_t kPort = 10001;
+constexpr std::uint16_t kPort = 10001;  // the service's own
 constexpr std::int64_t kCommandPeriodNs = kNanosecondsPerMillisecond;
+// Connecting may wait for a service that starts; replies come once a millisecond, so half a second without one is a failure.
 constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kReplyPatienceNs = kNanosecondsPerSecond / 2;
 constexpr std::int64_t kRetryEveryNs = kNanosecondsPerSecond;

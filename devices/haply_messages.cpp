@@ -45,6 +45,7 @@ std::optional<Quat> quaternion(const Json& in) {
   const auto w = number(&in, "w");
   if (!v || !w) return std::nullopt;
   const Quat q(*w, v->x(), v->y(), v->z());
+  // Of the length. Numbers that were rounded to two digits pass; anything else is no rotation.
   constexpr double kTolerance = 0.1;
   return std::abs(q.norm() - 1.0) < kTolerance ? std::optional(q.normalized()) : std::nullopt;
 }
@@ -147,6 +148,7 @@ void Placement::update(const Placement& newer) {
 }
 
 bool Placement::is_scaled() const {
+  // Of a factor: single precision has seven digits.
   constexpr double kTolerance = 1e-6;
   return scale && (scale->array() - 1.0).abs().maxCoeff() > kTolerance;
 }

@@ -63,6 +63,7 @@ std::string_view remedy_for_error(Enum code) {
 }
 
 void forget_errors(const Library& hd) noexcept {
+  // A bound, in case the queue never gets empty.
   constexpr int kMost = 64;
   for (int n = 0; n < kMost && hd.get_error().code != kSuccess; ++n) {
   }

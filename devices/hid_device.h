@@ -21,6 +21,7 @@ namespace hapton {
 // RT and Threads: as Device says.
 class HidDevice final : public Device, private HidListener {
  public:
+  // A write may take a millisecond (USB), so this leaves half of the time; firmware watchdogs take 5 ms and more (docs/hid.md).
   static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
   // The time within which a device must send its first report after it was opened.
   static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;

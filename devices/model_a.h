@@ -12,7 +12,7 @@ namespace model_a {
 constexpr double kInchM = 0.0254;
 constexpr double kPositionStepM = kInchM / 800.0;
 constexpr int kGimbalCounts = 512;
-constexpr double kMaxForceN = 1.9 * 4.4482216152605;
+constexpr double kMaxForceN = 1.9 * 4.4482216152605;  // 1.9 lbf
 
 // What the memo does not say is the later Premium 1.5's, the same machine: 1.4 N are its data sheet's "continuous exertable force". How
 // long the peak may last is in no data sheet; 10 s make a time constant of six minutes, between a winding's and a motor's.

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kMPerMm = 1e-3;
 constexpr double kMNmPerNm = 1e3;
-constexpr auto kLookEvery = std::chrono::milliseconds(20);
+constexpr auto kLookEvery = std::chrono::milliseconds(20);  // at errors and the calibration, for the log
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // the others are interrupted meanwhile
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of the same state; more often is not worth a line

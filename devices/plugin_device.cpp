@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostForceN = 1000.0;  // as io_node's own flags
-constexpr double kMostNumber = 1e9;     // of whatever has no limit of its own
-constexpr double kQuaternionTolerance = 1e-3;
+constexpr double kMostForceN = 1000.0;         // as io_node's own flags
+constexpr double kMostNumber = 1e9;            // of whatever has no limit of its own
+constexpr double kQuaternionTolerance = 1e-3;  // of the squared length: single precision, or numbers with four digits
 
 DeviceStatus to_status(std::int32_t said) noexcept {
   switch (said) {

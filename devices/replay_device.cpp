@@ -9,6 +9,7 @@
 namespace hapton {
 namespace {
 
+// Faster than any recording, so the governor never brakes; finite, as limits have to be.
 constexpr double kNoLimitMPerS = 1e6;
 
 }  // namespace

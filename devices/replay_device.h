@@ -22,6 +22,7 @@ class ReplayDevice final : public Device {
     bool loop = false;
   };
 
+  // Twice WorkspaceStop::kMarginM: no part of the recording is where the governor fades forces.
   static constexpr double kMarginM = 0.02;
   static constexpr double kSeamM = 0.001;  // a larger step from the last row to the first is a jump
 

@@ -20,6 +20,7 @@ namespace hapton {
 // RT: all but making one: bounded, about 2 us for each simulated millisecond.
 class SimulatedPhantom final : public Device {
  public:
+  // Far longer than a cycle; it bounds the work of one read to 0.2 ms.
   static constexpr std::int64_t kLongestPauseNs = 100'000'000;
 
   struct Options {

@@ -15,6 +15,7 @@ namespace hapton {
 // RT and Threads: as Device says.
 class SpaceMouseDevice final : public Device {
  public:
+  // Choices: through the half workspace in a second; a quarter of a turn in a second.
   static constexpr double kFullSpeedMPerS = 0.15;
   static constexpr double kFullTurnRadPerS = 1.5;
   // With walls of 1000 N/m the point goes 3 mm in at full speed.

@@ -11,13 +11,14 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kShortReport = 8;
+constexpr std::size_t kShortReport = 8;  // bytes, as wooden_haptics.h lists them
 constexpr std::size_t kLongReport = 14;
-// After a loss of power the counts are near zero; an arm that was there before has not moved in the meantime.
+// Counts. After a loss of power they are near zero; an arm that was there before has not moved in the meantime. Choices: 0.75 and 3
+// degrees of an arm with 2000 counts a turn of the motor and a ratio of 12.
 constexpr int kNearZero = 50;
 constexpr int kMovedCounts = 200;
-constexpr int kStillCounts = 1;
-constexpr double kMostMilliamperes = 32767.0;
+constexpr int kStillCounts = 1;                // an encoder at the border of two counts flickers
+constexpr double kMostMilliamperes = 32767.0;  // of an int16
 
 // B to W: the base's x points to the person, its z up.
 Vec3 to_world(const Vec3& in_base) noexcept { return {in_base.y(), in_base.z(), in_base.x()}; }

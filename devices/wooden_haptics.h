@@ -21,7 +21,9 @@ namespace hapton {
 // rest pose. W: x is the base's y (right), y its z (up), z its x (from the column to the person).
 class WoodenHapticsBackend final : public HidBackend {
  public:
+  // A choice; the person is told to hold the arm for as long.
   static constexpr std::int64_t kRestNs = 2 * kNanosecondsPerSecond;
+  // A choice: slow enough that the arm does not jump.
   static constexpr double kGravityRampS = 0.5;
 
   explicit WoodenHapticsBackend(const WoodenSettings& settings) : settings_(settings), kinematics_(settings.arm) {}

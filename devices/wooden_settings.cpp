@@ -9,7 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kReachM = 0.1;
+constexpr double kReachM = 0.1;  // the 2016 edition's own
+// Limits of a file, beyond any arm on a desk: what is outside is a wrong unit.
 constexpr double kMostLengthM = 2.0;
 constexpr double kLeastDiameterM = 1e-3;
 constexpr double kMostForceN = 100.0;

@@ -24,7 +24,8 @@ static void* create(const hapton_request* request) {
     char* end = NULL;
     if (k < 5) *values[k] = strtod(request->parameters[p].value, &end);
     if (k == 5 || *end != '\0' || end == request->parameters[p].value) {
-      snprintf(request->why, request->why_size, "'%s' is not one of x_m, y_m, z_m, range_m, force_n with a number", request->parameters[p].key);
+      snprintf(request->why, request->why_size, "'%s' is not one of x_m, y_m, z_m, range_m, force_n with a number",
+               request->parameters[p].key);
       return NULL;
     }
   }

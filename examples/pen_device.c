@@ -1,4 +1,5 @@
-/* Shows: a device as a plug-in of io_node. Here a pen of 100 g on a spring that swings up and down; yours talks to hardware in read and write.
+/* Shows: a device as a plug-in of io_node. Here a pen of 100 g on a spring that swings up and down; yours talks to hardware in read
+ * and write.
  *   gcc -O2 -shared -fPIC -I PREFIX/include/hapton pen_device.c -o pen_device.so -lm
  *   io_node --device plugin:./pen_device.so:swing_m=0.03 */
 #include <math.h>

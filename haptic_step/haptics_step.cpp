@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstStepS = 1e-3;
+constexpr double kFirstStepS = 1e-3;  // there is no sample before: a cycle at 1 kHz is assumed
 // Several samples while the hub computes the force, of which it sends 20 a second and some are lost.
 constexpr std::int64_t kOwnPlaceNs = 200'000'000;
 

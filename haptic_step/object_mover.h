@@ -25,7 +25,8 @@ namespace hapton {
 // caller sets the pace. RT: request and work yes. Threads: the step's.
 class ObjectMover {
  public:
-  static constexpr std::size_t kMostWaiting = 16;
+  static constexpr std::size_t kMostWaiting = 16;  // objects; one is carried out every 4 ms (decision 155)
+  // Moves that begin later than now: the other half of those kept is for the past.
   static constexpr std::int64_t kMostAhead = CommandedMotion::kMoves / 2;
   static constexpr std::size_t kRemembered = 128;  // for longer than a sender waits until it repeats
 

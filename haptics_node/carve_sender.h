@@ -21,6 +21,7 @@ class CarveSender {
  public:
   static constexpr std::size_t kMost = Sculpture::kMostCarves;  // 44 MB
   static constexpr std::int64_t kEveryNs = 5 * kNanosecondsPerMillisecond;
+  // So most losses need no request (decision 161): new ones are sent with so many before them, the last ones twice more.
   static constexpr std::uint32_t kOverlap = 8;
   static constexpr std::int64_t kAgainNs = 50 * kNanosecondsPerMillisecond;
   static constexpr int kTimesAgain = 2;

@@ -96,7 +96,7 @@ class ObjectShaper {
   Message begin_motion(Object& object, HapticsStep& step) noexcept;
   void run();
 
-  static constexpr std::size_t kMostReplies = 16;
+  static constexpr std::size_t kMostReplies = 16;  // that wait to be sent; a program repeats what gets none
 
   std::vector<std::unique_ptr<Object>> objects_;
   std::vector<std::string> names_;                     // of all objects of the scene

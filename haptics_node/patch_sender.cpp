@@ -17,14 +17,15 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kWantedNs = kNanosecondsPerSecond;  // after the last status that says so
+// Polls: a call that wakes it would be a system call in the loop that replies.
 constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
 constexpr auto kLookEvery = std::chrono::milliseconds(4);
 // The scene time of this node is that of the hub's newest sample here: up to 50 ms old, as the hub sends 20 a second, and half a round
 // trip. A move takes another half; the rest is for jitter, and where the round trip is short for sending it again.
 constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
 constexpr double kLeadTrips = 1.25;
-constexpr double kMostLeadTripS = 2.0;
-constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean
+constexpr double kMostLeadTripS = 2.0;  // a longer round trip counts as this
+constexpr double kVelocityS = 0.1;      // over which the hand's velocity is a mean
 constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
 const char* find_scene_obstacle(const TouchScene& scene) {

@@ -91,7 +91,7 @@ class PatchSender {
   }
 
  private:
-  static constexpr std::size_t kRing = 16;
+  static constexpr std::size_t kRing = 16;  // parts that wait for the loop that replies, which sends four after each state
   struct Status {
     PatchStatus status;
     std::int64_t time_ns = 0;

@@ -6,6 +6,7 @@ namespace hapton {
 namespace {
 
 constexpr int kMostShapeMessages = 4;  // between two states, as parts of the scene
+// As a setup (kSetupAgainNs): a datagram may be lost.
 constexpr std::int64_t kStartAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kStartRepeats = 3;
 constexpr std::int64_t kShapeLogEveryNs = kNanosecondsPerSecond;

@@ -7,7 +7,7 @@
 namespace hapton::hapton_hid {
 namespace {
 
-constexpr double kPositionStepM = 1e-7;
+constexpr double kPositionStepM = 1e-7;  // this and the next: units of docs/hid.md
 constexpr double kQuaternionSteps = 32767.0;
 constexpr double kMicro = 1e-6;
 constexpr double kMilli = 1e-3;

@@ -10,8 +10,8 @@
 namespace hapton {
 namespace {
 
-constexpr int kWaitMs = 20;  // so soon it notices that it shall end
-constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;
+constexpr int kWaitMs = 20;                                              // so soon it notices that it shall end
+constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;  // as kWaitMs, within kSearchPeriodNs
 constexpr int kMostDrained = 256;  // four full queues: a device that sends faster than it is read must not keep the listener waiting
 
 }  // namespace

@@ -34,6 +34,7 @@ class HidListener {
 // Threads: open, close and the destructor one; transport() and report_write_failure() any.
 class HidPort {
  public:
+  // A person who plugs a device in does not notice that.
   static constexpr std::int64_t kSearchPeriodNs = 250 * kNanosecondsPerMillisecond;
 
   // Pre: the listener outlives the port. name: for the log. realtime: settings of the reading thread; none: an ordinary thread.

@@ -22,7 +22,7 @@ namespace {
 std::mutex hidapi_turn;
 
 constexpr std::int64_t kAccessPatienceNs = kNanosecondsPerSecond;
-constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;  // while udev grants access to a device that was plugged in
 
 HidLayout read_layout(const std::string& path) {
   const std::string node = path.substr(path.find_last_of('/') + 1);

@@ -10,6 +10,7 @@
 namespace hapton {
 namespace {
 
+// Between two looks at what the hardware says of itself, for people.
 constexpr std::int64_t kLookNs = 250 * kNanosecondsPerMillisecond;
 
 }  // namespace

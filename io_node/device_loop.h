@@ -100,6 +100,7 @@ struct DeviceLoopStats {
 // same.
 class DeviceLoop {
  public:
+  // At 1 kHz as many as a delay without a stall (kStallNs) has.
   static constexpr std::int64_t kMostCaughtUp = 10;
   // A cycle later than this means that the machine was stalled: no work, device or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;

@@ -14,6 +14,7 @@ namespace hapton {
 namespace {
 
 constexpr double kFarthestM = 10.0;  // no two devices of one person are farther apart
+// As io_node's flags: beyond any device that a hand may hold.
 constexpr double kMostForceN = 1e3;
 constexpr double kMostSlewNPerS = 1e6;
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;

@@ -76,6 +76,7 @@ class EventRing {
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
+  // Read every 20 ms (io_session.cpp); a joining or failing node makes a few events.
   static constexpr std::size_t kCapacity = 64;
   std::array<ServoEvent, kCapacity> events_ = {};
   alignas(64) std::atomic<std::size_t> begin_{0};

@@ -21,9 +21,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;
+constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;     // between two checks of scheduling, and that the device loop lives
 constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
-constexpr auto kLookEvery = std::chrono::milliseconds(20);
+constexpr auto kLookEvery = std::chrono::milliseconds(20);  // at events, reports and the end: no person waits for longer than that
 
 // Somebody else's code is named where its device is at fault: " (device plugin:./pen.so)".
 std::string name_plugin(const IoOptions& options) {

@@ -12,6 +12,7 @@
 namespace hapton {
 namespace {
 
+// The file has one word, the name of a fault.
 constexpr std::size_t kMostBytes = 64;
 
 // The text as part of a file name: it cannot lead to another folder.

@@ -6,6 +6,7 @@
 namespace hapton {
 namespace {
 
+// There is no sample before: a cycle at 1 kHz is assumed.
 constexpr double kFirstStepS = 1e-3;
 constexpr double kLongestStepS = 0.02;  // after a gap
 constexpr std::uint32_t kNoGeneration = 0xFFFFFFFF;

@@ -16,6 +16,7 @@ namespace hapton {
 // kBurst at once; beyond that its markers are counted and not recorded. RT: yes. Threads: the servo's.
 class MarkerLog {
  public:
+  // A choice: people look at markers one by one. A flood adds at most 50 a second of each node to a recording.
   static constexpr std::int64_t kPerSecond = 50;
   static constexpr std::int64_t kBurst = 100;
   static constexpr std::size_t kRemembered = 16;  // requests of a node, so that a repetition is known

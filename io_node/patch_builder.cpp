@@ -10,6 +10,7 @@
 namespace hapton {
 namespace {
 
+// Polls, since to wake it would be a system call in the servo. While parts come a patch is due every few milliseconds.
 constexpr auto kLookEvery = std::chrono::milliseconds(2);
 constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
 

@@ -29,6 +29,7 @@ namespace hapton {
 // clock. RT: yes. Threads: the servo's.
 class PatchLink {
  public:
+  // A choice: a network may be silent for so long without an end of touch, and a force from a scene that nobody owns lasts no longer.
   static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kProbeNs = 200 * kNanosecondsPerMillisecond;  // several times as long as following the places since takes

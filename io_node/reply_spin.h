@@ -12,6 +12,7 @@ namespace hapton {
 // needs 10 to 30 us to wake up. Units: ns. RT: yes. Threads: the servo's; set_limit and spun_ns any.
 class ReplySpin {
  public:
+  // Of a period. The rest is for whatever else needs this CPU; SchedulingMonitor limits it further.
   static constexpr double kMostShare = 0.5;
 
   // longest_ns: for one sample; 0: never spins.

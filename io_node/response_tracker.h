@@ -15,9 +15,10 @@ namespace hapton {
 // in its first kWarmUpNs. RT: yes. Threads: one.
 class ResponseTracker {
  public:
+  // Ten times the age at which a force is rejected: so late a response is of no use, but still tells lost from slow.
   static constexpr std::int64_t kReplyTimeoutNs = 200'000'000;
-  static constexpr std::int64_t kWarmUpNs = 50'000'000;
-  static constexpr std::uint64_t kCapacity = 16384;  // 1.6 s at 10 kHz, longer than a silent node keeps its slot
+  static constexpr std::int64_t kWarmUpNs = 50'000'000;  // a choice
+  static constexpr std::uint64_t kCapacity = 16384;      // 1.6 s at 10 kHz, longer than a silent node keeps its slot
 
   enum class Verdict : std::uint8_t {
     in_time,    // responds to the newest sample

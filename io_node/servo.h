@@ -47,6 +47,7 @@ namespace hapton {
 // snapshot, take_report_request and events (one other), and for device_loop, see there.
 class Servo final : private PeerEventHandler {
  public:
+  // At 10 kHz ten cycles together; nothing that people or nodes see is more frequent.
   static constexpr double kRestedHz = 1000.0;
 
   struct Options {

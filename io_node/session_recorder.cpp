@@ -18,8 +18,8 @@
 namespace hapton {
 namespace {
 
-constexpr auto kCollectEvery = std::chrono::milliseconds(10);
-constexpr std::size_t kWriteBytes = std::size_t{1} << 16;
+constexpr auto kCollectEvery = std::chrono::milliseconds(10);  // the rings hold 0.5 s and more
+constexpr std::size_t kWriteBytes = std::size_t{1} << 16;      // written at once: 16 pages
 
 // Header of each record in the ring, before its datagram, cycle or marker; a fault has only the header.
 struct Note {

@@ -28,6 +28,7 @@ class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;
   static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // of what follows a fault, in its flight record
+  // Limits of what a fault that repeats, or many sessions, put on the disk: choices.
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
   static constexpr int kMostFlights = 16;
   static constexpr std::size_t kMostKept = 64;

@@ -19,6 +19,7 @@ namespace hapton {
 class ShapeCollector {
  public:
   static constexpr std::int64_t kPartTimeoutNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way
+  // As KnownShapes::kRequestEveryNs.
   static constexpr std::int64_t kRequestEveryNs = 200 * kNanosecondsPerMillisecond;
 
   // Pre: both outlive this; tap may be null.

@@ -13,6 +13,7 @@ enum class TouchChoice : std::uint8_t { remote, patch, automatic };
 // but not to be unstable at the stiffness of ordinary materials. Units: s, ns. RT: yes. Threads: one.
 class TouchChooser {
  public:
+  // Choices. Above 20 ms a force is rejected (kCommandTimeoutNs), so both leave room for jitter.
   static constexpr double kSlowS = 8e-3;
   static constexpr double kFastS = 4e-3;
   static constexpr std::int64_t kSettledNs = 3'000'000'000;

@@ -15,6 +15,7 @@ namespace hapton {
 // (docs/vision.md). A node that passes states on (FrameAck::every_sample) gets those in which nothing has changed too. RT: yes.
 class VisionPace {
  public:
+  // The picture of a hand that rests is late by no more if a state was lost.
   static constexpr std::int64_t kRepeatNs = 100 * kNanosecondsPerMillisecond;
   // After a state that gave the same frame: one frame of a 60 Hz display.
   static constexpr std::int64_t kUnseenNs = 16 * kNanosecondsPerMillisecond;

@@ -7,6 +7,7 @@
 namespace hapton {
 namespace {
 
+// Limits of a script: beyond any network that somebody wants to try.
 constexpr std::int64_t kLongestNs = 60'000'000'000;
 constexpr double kLongestBurst = 1e6;
 

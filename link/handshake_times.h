@@ -16,6 +16,7 @@ namespace hapton {
 // longest ago is replaced. RT: yes. Threads: one.
 class HandshakeTimes {
  public:
+  // Twice as many as the nodes of a hub (HubPeers::kCapacity).
   static constexpr std::size_t kHosts = 32;
 
   // True, and noted, when it is later than all before. Pre: role is a node's.

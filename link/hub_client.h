@@ -34,6 +34,7 @@ struct ClientCounts {
 // construction and destruction set-up only. Threads: one.
 class HubClient {
  public:
+  // A tenth of HubPeers::kPeerTimeoutNs: nine may be lost in succession. Five without a reply: the hub is gone.
   static constexpr std::int64_t kHelloPeriodNs = 100 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kHubTimeoutNs = 500 * kNanosecondsPerMillisecond;
 

@@ -69,6 +69,7 @@ class HubPeers {
  public:
   static constexpr std::size_t kCapacity = 16;  // slot 0 is the haptics node's
   static constexpr std::size_t kHapticsSlot = 0;
+  // More than two command timeouts; a node that is started again is back in contact within 200 ms (decision 20).
   static constexpr std::int64_t kHapticsTimeoutNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kPeerTimeoutNs = 1000 * kNanosecondsPerMillisecond;
 

@@ -15,6 +15,7 @@ namespace hapton {
 // early is passed on at once and once more later, which changes nothing in a CarveList. RT: yes. Threads: one.
 class KnownCarves {
  public:
+  // A choice: ten requests a second cost nothing, and a picture lacks what was lost no longer.
   static constexpr std::int64_t kRequestEveryNs = 100 * kNanosecondsPerMillisecond;
 
   struct News {

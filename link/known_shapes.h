@@ -42,6 +42,7 @@ class KnownShapes {
   std::optional<ShapeStatus> take_request(std::int64_t now_ns);
 
  private:
+  // The newest of an object; a choice.
   static constexpr std::size_t kMostStarts = 4;
   static constexpr std::size_t kMostShapes = 8;
   static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way

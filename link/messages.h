@@ -231,7 +231,7 @@ struct MaterialState {
 // haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: identifies a node's scene, so
 // that two nodes notice if their scenes differ. From haptics also points of its surface, to which a simulated hand can go. Frame S, m.
 struct SceneFacts {
-  static constexpr std::size_t kMostPoints = 16;
+  static constexpr std::size_t kMostPoints = 16;  // a choice: a hand finds a scene by a few of them
   using Point = std::array<float, 3>;
 
   std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
@@ -266,8 +266,8 @@ struct ReportPart {
 // of a part stays valid within its epoch; a new epoch begins without parts. A serial counts the parts sent within an epoch, repeats
 // included, from 1.
 
-constexpr int kPatchGridBits = 24;
-constexpr int kPatchDeepestLevel = 14;
+constexpr int kPatchGridBits = 24;      // three bytes for a coordinate
+constexpr int kPatchDeepestLevel = 14;  // cubes of 2^10 steps
 
 // haptics -> hub: what the parts of this epoch have in common.
 struct PatchBegin {
@@ -324,7 +324,7 @@ struct PatchMaterial {
 
 // haptics -> hub: all tiles that have a triangle in one cube of the octree over the grid: at level n it is 2^-n of the whole wide.
 struct PatchCell {
-  static constexpr std::size_t kMostTiles = 128;
+  static constexpr std::size_t kMostTiles = 128;  // a scene with more in one place is not sent in parts (decision 197)
   std::uint32_t epoch = 0;
   std::uint32_t serial = 0;
   std::uint32_t level = 0;
@@ -338,7 +338,7 @@ struct PatchCell {
 
 // haptics -> hub: a cluster of triangles of one object.
 struct PatchTile {
-  static constexpr std::size_t kMostVertices = 88;
+  static constexpr std::size_t kMostVertices = 88;  // with kMostTriangles 984 bytes: a part is one datagram
   static constexpr std::size_t kMostTriangles = 64;
   static constexpr std::size_t kVertexBytes = 9;  // x, y, z, 3 bytes each, lowest first
   std::uint32_t epoch = 0;
@@ -358,7 +358,7 @@ struct PatchTile {
 
 // hub -> haptics, while it wants parts: which it has received.
 struct PatchStatus {
-  static constexpr std::size_t kSerials = 512;
+  static constexpr std::size_t kSerials = 512;  // 64 bytes: parts of a tenth of a second at 5 MB/s
   bool is_wanted = false;
   std::uint32_t epoch = 0;                               // of the newest part received; 0: none
   std::uint32_t newest_serial = 0;                       // received in that epoch
@@ -409,7 +409,7 @@ struct MarkerReply {
 // tool or vision -> hub -> haptics: moves an object that programs may move (docs/scene-files.md). Pose as position_m and rotation of the
 // scene file; what is not given stays as it is when the move begins.
 struct MoveRequest {
-  static constexpr double kMostSeconds = 86'400.0;
+  static constexpr double kMostSeconds = 86'400.0;  // a day
 
   std::uint32_t request = 0;       // identifies the reply, never 0; the same again: a repetition
   HapticsSetup::Text object = {};  // name; empty: the object of that number

@@ -30,10 +30,10 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr auto kPatience = std::chrono::seconds(2);  // for a client to send its request and to read
-constexpr std::size_t kMostClients = 16;
-constexpr auto kAcceptPause = std::chrono::milliseconds(100);
-constexpr std::size_t kMostRequestBytes = 8192;
+constexpr auto kPatience = std::chrono::seconds(2);            // for a client to send its request and to read
+constexpr std::size_t kMostClients = 16;                       // one or two ask; for one more the oldest is closed
+constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // where the process has no descriptor left
+constexpr std::size_t kMostRequestBytes = 8192;                // a scraper sends some hundred
 
 // A browser that was directed here by another name (DNS rebinding) sends that name as Host. A client without Host is no browser.
 bool is_host_ours(std::string_view host) {

@@ -28,11 +28,11 @@ namespace hapton {
 // destruction set-up only. Threads: one.
 class SealedClient final : public Endpoint {
  public:
-  static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kMostTripNs = 2 * kNanosecondsPerSecond;  // most that the round trip adds to the timeout
+  static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;  // two of the hub's replies are missing (Pre)
+  static constexpr std::int64_t kMostTripNs = 2 * kNanosecondsPerSecond;            // most that the round trip adds to the timeout
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;
+  static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;  // as WireGuard
   // Far from the limits of AES-256-GCM, and limits how much one key can open: half an hour at 10 kHz.
   static constexpr std::uint64_t kRekeyAfter = std::uint64_t{1} << 24;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;

@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kRefillBytes = 1 << 20;
+constexpr std::size_t kRefillBytes = 1 << 20;  // 1 MiB at a time
 
 }  // namespace
 

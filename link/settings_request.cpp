@@ -10,11 +10,11 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;
+constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;   // choices, this and kTunePatienceNs: what a person waits for
 constexpr std::int64_t kSetupPatienceNs = 3 * kNanosecondsPerSecond;   // a haptics node sends its setup once a second
 constexpr std::int64_t kBuildPatienceNs = 60 * kNanosecondsPerSecond;  // millions of triangles take some seconds
 constexpr std::int64_t kTunePatienceNs = 5 * kNanosecondsPerSecond;
-constexpr std::int64_t kRepeatSettingNs = kNanosecondsPerSecond / 2;
+constexpr std::int64_t kRepeatSettingNs = kNanosecondsPerSecond / 2;  // a datagram may be lost
 
 std::uint32_t make_request_number() { return static_cast<std::uint32_t>(make_random_id()) | 1U; }
 

@@ -21,6 +21,7 @@ namespace hapton {
 // RT: no. Threads: one for send and take, which owns the connection; any for the others.
 class ShapeOutbox {
  public:
+  // Each in kEveryNs: as many as the hub passes on of one sender (RequestHandler::kShapePartsPerSecond).
   static constexpr std::size_t kPartsAtOnce = 4;
   static constexpr std::int64_t kEveryNs = kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRepeatNs = 300 * kNanosecondsPerMillisecond;  // a shape that is waited for

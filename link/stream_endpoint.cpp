@@ -21,8 +21,8 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
-constexpr std::int64_t kAcceptPauseNs = 100'000'000;
-constexpr int kMostAcceptsAtOnce = 8;
+constexpr std::int64_t kAcceptPauseNs = 100'000'000;  // where the process has no descriptor left
+constexpr int kMostAcceptsAtOnce = 8;                 // so that neither new connections nor datagrams keep the others waiting
 constexpr int kMostDatagramsAtOnce = 64;
 constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of the waiting data: older data is of no use
 constexpr int kTriesForAPort = 32;            // free for TCP and UDP alike

@@ -53,7 +53,7 @@ class MoveTable {
   std::uint64_t received() const noexcept { return received_; }
 
  private:
-  static constexpr std::size_t kRecent = 16;
+  static constexpr std::size_t kRecent = 16;  // moves that a new body is told of
 
   void note(std::uint32_t serial) noexcept {
     if (serial > newest_) {

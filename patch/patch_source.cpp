@@ -10,17 +10,17 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPlanEveryNs = 20'000'000;
+constexpr std::int64_t kPlanEveryNs = 20'000'000;       // the hand moves 2 cm at 1 m/s meanwhile
 constexpr std::int64_t kLeastPatienceNs = 150'000'000;  // the hub's status comes ten times a second
 constexpr std::uint32_t kReordered = 64;                // a part this many serials before the newest received one counts as lost
 // Where the round trip is longer than this a part that got lost would be missed for long: it is sent again before it can be confirmed.
 constexpr double kLongRoundTripS = 0.3;
-constexpr double kBurstBytes = 5000.0;
+constexpr double kBurstBytes = 5000.0;  // four datagrams at once, however long nothing was sent
 // Envelope, seal, UDP and IP round a part's own numbers.
 constexpr double kOverheadBytes = 150.0;
 // A move that the hub has not confirmed by then, and a round trip later, is sent again: it confirms within 50 ms.
 constexpr std::int64_t kMovePatienceNs = 70'000'000;
-constexpr int kMostMoveRepeats = 8;
+constexpr int kMostMoveRepeats = 8;  // then it counts as received
 
 bool is_same(const Material& a, const Material& b) {
   return a.stiffness_n_per_m == b.stiffness_n_per_m && a.damping_ns_per_m == b.damping_ns_per_m && a.friction_static == b.friction_static &&

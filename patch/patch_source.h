@@ -67,7 +67,7 @@ class PatchSource {
   const TiledScene& scene() const noexcept { return scene_; }
 
  private:
-  static constexpr std::size_t kSerials = 4096;
+  static constexpr std::size_t kSerials = 4096;  // remembered: eight times PatchStatus::kSerials
   static constexpr std::size_t kPlanned = 64;
 
   enum class State : std::uint8_t { missing, sent, held };

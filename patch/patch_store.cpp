@@ -15,8 +15,9 @@ constexpr double kSmaller = 0.8;           // factor on the radius of a piece th
 constexpr std::size_t kMoreThanThere = 2;  // a piece may have this many times the triangles of the tiles at its centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+// Above what scenes may be off by (1e-9, scene/object_motion.cpp), so that what a haptics node has accepted is accepted here.
 constexpr double kSpeedRounding = 1e-6;
-constexpr double kUnitRounding = 1e-9;
+constexpr double kUnitRounding = 1e-9;  // of the length of a quaternion of doubles
 
 bool is_same_body(const PatchBody& a, const PatchBody& b) {
   return a.motion == b.motion && a.all_keys == b.all_keys && a.loops == b.loops && a.lowest == b.lowest && a.highest == b.highest &&

@@ -92,7 +92,7 @@ bool PatchTouch::reaches(const Patch& patch, const Vec3& p_SD) const noexcept {
 // Where the scene lies below the rounding of a place, the proxy could not be told from it. A patch of a scene that is over says nothing of
 // the next one.
 bool PatchTouch::is_place(const Vec3& p_SD) const noexcept {
-  constexpr double kRounding = 0x1p-52;
+  constexpr double kRounding = 0x1p-52;  // of a coordinate
   const bool is_any = patch_ == nullptr || patch_->generation != generation_;
   return p_SD.allFinite() && (is_any || p_SD.cwiseAbs().maxCoeff() * kRounding <= patch_->lift_m);
 }

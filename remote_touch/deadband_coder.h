@@ -43,7 +43,7 @@ class PredictedSignal {
 // values: on a faceted mesh their prediction sends more updates than none at all, and a lost update distorts it. RT: yes. Threads: one.
 class DeadbandCoder {
  public:
-  static constexpr std::size_t kSlopeRows = 10;
+  static constexpr std::size_t kSlopeRows = 10;  // 10 ms at 1 kHz
 
   // fraction: Weber's; 0 sends each value. least: a smaller value counts as this one.
   DeadbandCoder(double fraction, double least, Prediction prediction) noexcept

@@ -8,8 +8,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kVelocityS = 0.1;  // over which the hand's velocity is a mean, as the haptics node has it
-constexpr double kFirstStepS = 1e-3;
+constexpr double kVelocityS = 0.1;    // over which the hand's velocity is a mean, as the haptics node has it
+constexpr double kFirstStepS = 1e-3;  // there is no sample before
 
 // As if every tile had come: the largest there is.
 std::size_t largest_status_bytes() {

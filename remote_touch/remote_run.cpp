@@ -21,12 +21,12 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr double kPeriodS = 1e-3;
-constexpr double kLeastWaitS = 0.5;
+constexpr double kLeastWaitS = 0.5;  // for the scene to arrive, before the hand begins
 constexpr double kMostWaitS = 120.0;
-constexpr double kGreetingsHz = 10.0;
+constexpr double kGreetingsHz = 10.0;     // HubClient::kHelloPeriodNs
 constexpr double kGreetingBytes = 110.0;  // IP packet of a Hello or a Welcome, about
 constexpr double kLateShare = 1.5;        // of the round trip: the most that a force is taken to be late by
-constexpr double kLeastLateS = 0.03;
+constexpr double kLeastLateS = 0.03;      // for short round trips
 
 // A method's law, the passivity controller where it has no governor, and the chain from position to motors.
 class Rig {
@@ -175,7 +175,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, kPeriodNs, device.model.encoder_step_m, true);
-  constexpr double kStill = 0.01;
+  constexpr double kStill = 0.01;  // of the depth, as loop/press.cpp
   const bool is_still = measures.limit_cycle_m <= std::max(2.0 * device.model.encoder_step_m, kStill * std::fabs(measures.depth_m));
   return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kLeastHeldN;
 }
@@ -184,7 +184,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
 
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m) {
   const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 10.0, .most = most_n_per_m};
-  constexpr double kFine = 0.02;
+  constexpr double kFine = 0.02;  // relative width at which the search ends
   std::optional<Error> error;
   const auto rests = [&](double stiffness_n_per_m) {
     const auto found = comes_to_rest(device, which, stiffness_n_per_m);

@@ -11,14 +11,14 @@
 namespace hapton {
 namespace {
 
-constexpr double kClearanceM = 0.005;
+constexpr double kClearanceM = 0.005;    // above the surface, where the path begins
 constexpr double kLeaveM = 0.010;        // as far as it leaves
 constexpr double kApproachSpeed = 0.05;  // m/s
-constexpr double kSmoothM = 0.002;
+constexpr double kSmoothM = 0.002;       // along the path: length constant with which its normal follows that of the surface
 constexpr double kMostCurvature = 15.0;  // 1/m
-constexpr double kProbeDepthM = 1e-4;
-constexpr double kMostDepths = 2.0;  // the zero-delay proxy is no farther from the device than this many depths
-constexpr int kMostDraws = 1000;
+constexpr double kProbeDepthM = 1e-4;    // under the surface, where a place is tried
+constexpr double kMostDepths = 2.0;      // the zero-delay proxy is no farther from the device than this many depths
+constexpr int kMostDraws = 1000;         // of a place with room above it
 
 // From far above to kClearanceM nothing is touched, and just below the surface that surface is.
 bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {

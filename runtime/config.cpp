@@ -19,7 +19,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // far beyond any configuration
 constexpr int kBadCommandLine = 2;
 
 bool names_option(std::string_view argument, const CLI::Option& option) {

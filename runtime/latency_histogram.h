@@ -11,9 +11,9 @@ namespace hapton {
 // How LatencyHistogram lays out its buckets: an exponent, then 64 linear sub-buckets; values below 128 ns have a bucket each.
 namespace histogram_layout {
 
-constexpr int kSubBucketBits = 6;
+constexpr int kSubBucketBits = 6;  // a bucket is at most 1/64 of its value wide
 constexpr std::uint64_t kSubBuckets = std::uint64_t{1} << kSubBucketBits;
-constexpr std::int64_t kMaxRecordableNs = 100'000'000'000;
+constexpr std::int64_t kMaxRecordableNs = 100'000'000'000;  // 100 s
 
 constexpr std::size_t bucket_of(std::uint64_t value_ns) noexcept {
   // Shift the value until 64 .. 127 is left.

@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-constexpr unsigned long kTimerSlackNs = 1;
+constexpr unsigned long kTimerSlackNs = 1;  // the least: 0 is the default of 50 us
 
 std::string describe(int error) { return std::strerror(error); }
 

@@ -11,7 +11,7 @@ namespace hapton {
 class SpinTrial {
  public:
   static constexpr std::uint32_t kWaits = 6;
-  static constexpr std::uint32_t kFirstPause = 512;
+  static constexpr std::uint32_t kFirstPause = 512;  // half a second at 1 kHz: a trial that fails costs a hundredth of the waits
   static constexpr std::uint32_t kLongestPause = 1 << 20;
 
   // Asked once for each wait.

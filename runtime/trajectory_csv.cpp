@@ -19,9 +19,9 @@ constexpr std::string_view kSampleColumn = ",sample";
 constexpr std::string_view kButtonsColumn = ",buttons";
 constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
 constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
-constexpr double kQuaternionTolerance = 0.01;
-constexpr double kFarthestM = 1e6;  // io_node's safety governor rejects poses farther out, too
-constexpr double kLongestS = 1e9;
+constexpr double kQuaternionTolerance = 0.01;  // of the length: text with two digits
+constexpr double kFarthestM = 1e6;             // io_node's safety governor rejects poses farther out, too
+constexpr double kLongestS = 1e9;              // 31 years
 constexpr int kTimeColumn = 0;
 constexpr int kFirstRotationColumn = 4;
 

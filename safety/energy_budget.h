@@ -21,11 +21,18 @@ namespace hapton {
 // damping cannot dissipate, the lower force limit prevents. Units J, N, m, s, frame W. RT: yes.
 class EnergyBudget {
  public:
+  // Lengths and a speed, times max_force: so a weak and a strong device feel the same (decision 50).
+  // A hand that pressed, slid and tapped at 1000 N/m, with replies up to 5 ms late, never spent anything. Less damps worse walls earlier;
+  // more lets them buzz.
   static constexpr double kFreeM = 0.010;
+  // 0.25 J for a PHANToM Model A: a tenth of what it could give in one stroke through its workspace.
   static constexpr double kMostM = 0.030;
+  // What sampling and delay add at any wall. A source may give this power for ever: 17 mW for a Model A.
   static constexpr double kForgivenMPerS = 0.002;
+  // In one sample, as in the source, it would be felt as a blow; 5 ms are a choice.
   static constexpr double kTakeBackS = 0.005;
-  static constexpr double kSaturationM = 0.036;  // the sum saturates here, so that the limit recovers within minutes
+  // The sum saturates here. With kForgivenMPerS the limit rises again 3 s after a source has ended, and is whole after 13 s.
+  static constexpr double kSaturationM = 0.036;
 
   // The wrench was on the motors for passed_s.
   void held(const Wrench& wrench, double passed_s) noexcept {

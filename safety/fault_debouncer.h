@@ -7,6 +7,7 @@ namespace hapton {
 // Leaky counter: tolerates an occasional error and reports a repeated one. It trips at kMost errors and loses one every kForgetNs. RT: yes.
 class FaultDebouncer {
  public:
+  // A choice: errors that come ten times a second or less never trip it, one in each cycle trips it within five cycles.
   static constexpr int kMost = 5;
   static constexpr std::int64_t kForgetNs = 100'000'000;
 

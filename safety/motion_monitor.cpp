@@ -6,8 +6,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarthestM = 1e6;
-constexpr double kUnit = 1e-3;
+constexpr double kFarthestM = 1e6;  // beyond any device, and its square is finite
+constexpr double kUnit = 1e-3;      // of the length of a quaternion from 1, as on the link (kUnitTolerance)
 
 // NaN fails every comparison.
 bool is_pose(const DeviceSample& sample) {

@@ -13,9 +13,12 @@ namespace hapton {
 // Units m, s, rad; frame W. RT: yes.
 class MotionMonitor {
  public:
+  // As far as a hand at 3 m/s moves in 1.7 ms, so time stamps may be off by that. A smaller loss of counts shifts all walls unnoticed.
   static constexpr double kJumpM = 0.005;
+  // Choices: 16 counts of the gimbals of a Model A (1/512 turn); eight turns a second.
   static constexpr double kJumpRad = 0.2;
   static constexpr double kFastestTurnRadPerS = 50.0;
+  // At 3 m/s a hand crosses most of a Model A's workspace in this time.
   static constexpr std::int64_t kGapNs = 100'000'000;
   // Time constant of the velocity filter: one encoder count in one cycle (1/800 in at 10 kHz) would otherwise read as 0.3 m/s.
   static constexpr double kSmoothS = 0.004;

@@ -18,7 +18,8 @@ constexpr std::int64_t kLatestNs = std::int64_t{1} << 62;
 // by: all of the force at 1 m/s.
 constexpr double kDampingS = 0.002;
 
-// Hotter is a fault; it can be reset below.
+// Motors that report as much are a fault (DeviceCondition::motor_temperature). It can be reset when their temperature and the load of the
+// thermal budget are below kCoolAgain: at the limit itself it would soon latch again.
 constexpr double kTooHot = 1.0;
 constexpr double kCoolAgain = 0.9;
 

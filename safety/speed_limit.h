@@ -10,6 +10,7 @@ namespace hapton {
 // max_speed there is no force along the motion; a device above it is out of control (is_broken). RT: yes.
 class SpeedLimit {
  public:
+  // A choice: max_speed is about twice what an arm does in earnest (model_a.h), so ordinary motion stays below it.
   static constexpr double kSoftShare = 0.6;
 
   static bool is_broken(const DeviceLimits& limits, double speed_m_per_s) noexcept { return speed_m_per_s >= limits.max_speed_m_per_s; }

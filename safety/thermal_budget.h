@@ -9,15 +9,15 @@ namespace hapton {
 //   T heat' = force² - heat,   load = heat / continuous²,   load 1: the steady state at continuous_force_n
 //
 // T follows from how long a cold device may apply max_force_n: 1 = (max / continuous)² (1 - exp(-peak_s / T)). From load kFadeFrom
-// on the square of the force limit decreases linearly from max² to continuous² at load 1: so load stays below 1 and the force never jumps.
-// Of a gap in time no more than kLongestHeldS counts: by then every device has released its force, or sleeps with the machine. A device
-// that can apply max_force_n continuously, or does not state for how long, has no budget. RT: held and allowed_n yes; making one is set-up
-// only.
+// on the square of the force limit decreases linearly from max² to continuous² at load 1: so load stays below 1 and the force never
+// jumps. Of a gap in time no more than kLongestHeldS counts: by then every device has released its force, or sleeps with the machine. A
+// device that can apply max_force_n continuously, or does not state for how long, has no budget. RT: held and allowed_n yes; making one is
+// set-up only.
 class ThermalBudget {
  public:
-  static constexpr double kFadeFrom = 0.8;
-  static constexpr double kLongestHeldS = 1.0;
-  static constexpr double kSpent = 1.02;  // above what the fade allows: force was applied while this was not called
+  static constexpr double kFadeFrom = 0.8;      // a choice: larger holds the maximum longer, and fades faster
+  static constexpr double kLongestHeldS = 1.0;  // any device has released its force by then: kCommandTimeoutNs is 20 ms
+  static constexpr double kSpent = 1.02;        // above what the fade allows: force was applied while this was not called
 
   explicit ThermalBudget(const DeviceLimits& device);
 

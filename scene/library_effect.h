@@ -18,6 +18,8 @@ struct LibraryEffect {
 
   // Whether both load the same library with the same parameters, independent of their lines in the file.
   bool same_as(const LibraryEffect& other) const { return library == other.library && parameters == other.parameters; }
+  // With a library that begins at this folder, and with a slash, so that the loader looks nowhere else.
+  LibraryEffect located_in(const std::filesystem::path& folder) const;
   // For users: says that reading the scene does not run it.
   std::string describe() const;
 };

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/material_reader.h"
+#include "scene/mesh_counts_json.h"
 #include "scene/text_cursor.h"
 
 namespace hapton {
@@ -158,71 +159,78 @@ std::string to_text(const MeshReport& report) {
   return text;
 }
 
-std::string to_json(const MeshReport& report) {
-  using Json = nlohmann::ordered_json;
-  const MeshTopology& t = report.flaws.topology;
-  Json parts = Json::array();
-  for (const MeshPart& part : report.file.parts) {
+namespace {
+
+using MeshJson = nlohmann::ordered_json;
+
+// By sealing, before the mesh is touched.
+MeshJson sealed_to_json(const MeshReport& report) {
+  MeshJson json;
+  append_sealing(json, report.sealed);
+  json["boundary_edges_left"] = report.sealed.boundary_edges_left;
+  json["open_border_edges_left"] = report.left.open;
+  json["crack_edges_left"] = report.left.cracks;
+  json["widest_crack_left_m"] = report.left.widest_crack;
+  json["unsealed_edges"] = report.sealed.unsealed_edges;
+  json["widest_unsealed_m"] = report.sealed.widest_unsealed;
+  json["closed"] = report.is_closed_for_touch();
+  return json;
+}
+
+MeshJson repair_to_json(const RepairReport& repair) {
+  return {{"welded_vertices", repair.welded_vertices},
+          {"dropped_empty", repair.dropped_empty},
+          {"dropped_duplicates", repair.dropped_duplicates},
+          {"turned", repair.turned},
+          {"unorientable_pieces", repair.unorientable_pieces}};
+}
+
+MeshJson parts_to_json(const MeshFile& file) {
+  MeshJson parts = MeshJson::array();
+  for (const MeshPart& part : file.parts) {
     parts.push_back({{"name", part.name}, {"triangles", part.triangle_count}});
     if (!part.object.empty()) parts.back()["object"] = part.object;
   }
-  Json haptic_materials = Json::array();
+  return parts;
+}
+
+}  // namespace
+
+std::string to_json(const MeshReport& report) {
+  const MeshTopology& t = report.flaws.topology;
+  MeshJson haptic_materials = MeshJson::array();
   for (const HapticMaterial* material : haptic_materials_of(report.file)) haptic_materials.push_back(describe(*material));
-  const auto corner = [](const Vec3& p) { return Json::array({p.x(), p.y(), p.z()}); };
-  const Json json = {{"schema", "hapton.mesh_info/3"},
-                     {"file", report.path},
-                     {"format", report.file.format},
-                     {"unit", name_of(report.file.unit)},
-                     {"triangles", t.triangles},
-                     {"vertices", t.vertices},
-                     {"file_vertices", report.file.file_vertices},
-                     {"lowest_m", corner(t.lowest)},
-                     {"highest_m", corner(t.highest)},
-                     {"signed_volume_m3", t.signed_volume},
-                     {"shortest_edge_m", t.shortest_edge},
-                     {"median_edge_m", t.median_edge},
-                     {"longest_edge_m", t.longest_edge},
-                     {"closed", t.is_closed()},
-                     {"boundary_edges", t.boundary_edges},
-                     {"open_border_edges", report.flaws.borders.open},
-                     {"crack_edges", report.flaws.borders.cracks},
-                     {"widest_crack_m", report.flaws.borders.widest_crack},
-                     {"crack_edges_all_counted", !report.flaws.borders.has_given_up},
-                     {"nonmanifold_edges", t.nonmanifold_edges},
-                     {"inconsistent_edges", t.inconsistent_edges},
-                     {"nonmanifold_vertices", t.nonmanifold_vertices},
-                     {"degenerate_triangles", t.degenerate_triangles},
-                     {"needle_triangles", t.needle_triangles},
-                     {"duplicate_triangles", t.duplicate_triangles},
-                     {"double_faces", report.flaws.repair.double_faces},
-                     {"repair",
-                      {{"welded_vertices", report.flaws.repair.welded_vertices},
-                       {"dropped_empty", report.flaws.repair.dropped_empty},
-                       {"dropped_duplicates", report.flaws.repair.dropped_duplicates},
-                       {"turned", report.flaws.repair.turned},
-                       {"unorientable_pieces", report.flaws.repair.unorientable_pieces}}},
-                     {"sealed",
-                      {{"welded_vertices", report.sealed.welded_vertices},
-                       {"split_triangles", report.sealed.split_triangles},
-                       {"zipped_edges", report.sealed.zipped_edges},
-                       {"widest_gap_m", report.sealed.widest_gap},
-                       {"tolerance_m", report.sealed.tolerance},
-                       {"boundary_edges_left", report.sealed.boundary_edges_left},
-                       {"open_border_edges_left", report.left.open},
-                       {"crack_edges_left", report.left.cracks},
-                       {"widest_crack_left_m", report.left.widest_crack},
-                       {"unsealed_edges", report.sealed.unsealed_edges},
-                       {"widest_unsealed_m", report.sealed.widest_unsealed},
-                       {"closed", report.is_closed_for_touch()}}},
-                     {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
-                     {"components", t.components},
-                     {"closed_bodies", report.flaws.bodies.count},
-                     {"bodies_inside_out", report.flaws.bodies.inside_out},
-                     {"parts", parts},
-                     {"haptic_materials", haptic_materials},
-                     {"notes", report.file.notes}};
+  const auto corner = [](const Vec3& p) { return MeshJson::array({p.x(), p.y(), p.z()}); };
+  MeshJson json = {{"schema", "hapton.mesh_info/3"},
+                   {"file", report.path},
+                   {"format", report.file.format},
+                   {"unit", name_of(report.file.unit)},
+                   {"triangles", t.triangles},
+                   {"vertices", t.vertices},
+                   {"file_vertices", report.file.file_vertices},
+                   {"lowest_m", corner(t.lowest)},
+                   {"highest_m", corner(t.highest)},
+                   {"signed_volume_m3", t.signed_volume},
+                   {"shortest_edge_m", t.shortest_edge},
+                   {"median_edge_m", t.median_edge},
+                   {"longest_edge_m", t.longest_edge},
+                   {"closed", t.is_closed()},
+                   {"boundary_edges", t.boundary_edges}};
+  append_boundary(json, report.flaws.borders);
+  append_flaws(json, report.flaws);
+  json.update(MeshJson{
+      {"repair", repair_to_json(report.flaws.repair)},
+      {"sealed", sealed_to_json(report)},
+      {"authored_normals", {{"corners", report.flaws.normals.given}, {"used_by_shading", report.flaws.normals.used}}},
+      {"components", t.components},
+      {"closed_bodies", report.flaws.bodies.count},
+      {"bodies_inside_out", report.flaws.bodies.inside_out},
+      {"parts", parts_to_json(report.file)},
+      {"haptic_materials", haptic_materials},
+      {"notes", report.file.notes},
+  });
   // Names come from the file and need not be UTF-8.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(2, ' ', false, MeshJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

@@ -324,6 +324,54 @@ Result<std::shared_ptr<const KeyframeMotion>> make_felt_motion(const ObjectSpec&
   return make_motion(object, name_of(object), fit, mesh, notes);
 }
 
+// With all that it is besides its mesh. Takes the mesh, and adds what decides on touch to the scene's hash.
+Result<SceneObject> make_object(FeltObject& felt, PosedMesh& posed, const SceneFit& fitted, MapMaker& map_maker, TextureCache& textures,
+                                Scene& scene) {
+  auto& [object, material] = felt;
+  if (material.maps.any()) {
+    auto maps = map_maker.make(material.maps, posed.map, name_of(object), scene.notes);
+    if (!maps) return tl::unexpected(maps.error());
+    material.effects.maps = std::move(*maps);
+  }
+  auto texture = textures.find(material.texture);
+  if (!texture) return tl::unexpected(texture.error());
+  material.effects.texture.models = std::move(*texture);
+  auto motion = make_felt_motion(object, material, fitted, posed.mesh, scene.notes);
+  if (!motion) return tl::unexpected(motion.error());
+  if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));
+  auto deformation = make_deformation(object, name_of(object), fitted, posed.in_file, posed.mesh, motion->get());
+  if (!deformation) return tl::unexpected(deformation.error());
+  if (*deformation != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_deformation(**deformation));
+  std::shared_ptr<const CommandedObject> commanded;
+  if (object.motion.by_program) {
+    commanded = std::make_shared<const CommandedObject>(object, fitted, posed.mesh);
+    scene.given_hash =
+        combine_hashes(scene.given_hash, hash_numbers(std::array{commanded->pivot().x(), commanded->pivot().y(), commanded->pivot().z()}));
+  }
+  auto shaped = make_program_shape(object, name_of(object), fitted, posed.mesh, posed.sealed);
+  if (!shaped) return tl::unexpected(shaped.error());
+  if (*shaped != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_numbers(std::array{(*shaped)->reach_m}));
+  const auto sculpt = make_felt_sculpt(object, material, posed.mesh);
+  if (!sculpt) return tl::unexpected(sculpt.error());
+  if (*sculpt) scene.given_hash = combine_hashes(scene.given_hash, hash_sculpt(**sculpt));
+  return SceneObject{.name = name_of(object),
+                     .mesh = std::make_shared<const TriangleMesh>(std::move(posed.mesh)),
+                     .material = material.material,
+                     .colour = object.colour,
+                     .sealed = posed.sealed,
+                     .look = std::move(posed.look),
+                     .effects = material.effects,
+                     .material_name = object.material,
+                     .is_movable = object.is_movable,
+                     .motion = std::move(*motion),
+                     .deformation = std::move(*deformation),
+                     .commanded = std::move(commanded),
+                     .program_shape = std::move(*shaped),
+                     .sculpt = *sculpt,
+                     .mass_kg = object.motion.mass_kg,
+                     .line = object.mesh_line};
+}
+
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
   scene.view = spec.view;
@@ -354,57 +402,13 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   }
   for (const PosedMesh& posed : meshes) scene.given_hash = combine_hashes(scene.given_hash, posed.given_hash);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    auto& [object, material] = (*felt)[i];
-    if (material.maps.any()) {
-      auto maps = map_maker.make(material.maps, meshes[i].map, name_of(object), scene.notes);
-      if (!maps) return tl::unexpected(maps.error());
-      material.effects.maps = std::move(*maps);
-    }
-    auto texture = textures.find(material.texture);
-    if (!texture) return tl::unexpected(texture.error());
-    material.effects.texture.models = std::move(*texture);
-    auto motion = make_felt_motion(object, material, fitted, meshes[i].mesh, scene.notes);
-    if (!motion) return tl::unexpected(motion.error());
-    if (*motion != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_motion(**motion));
-    auto deformation = make_deformation(object, name_of(object), fitted, meshes[i].in_file, meshes[i].mesh, motion->get());
-    if (!deformation) return tl::unexpected(deformation.error());
-    if (*deformation != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_deformation(**deformation));
-    std::shared_ptr<const CommandedObject> commanded;
-    if (object.motion.by_program) {
-      commanded = std::make_shared<const CommandedObject>(object, fitted, meshes[i].mesh);
-      scene.given_hash = combine_hashes(scene.given_hash,
-                                        hash_numbers(std::array{commanded->pivot().x(), commanded->pivot().y(), commanded->pivot().z()}));
-    }
-    auto shaped = make_program_shape(object, name_of(object), fitted, meshes[i].mesh, meshes[i].sealed);
-    if (!shaped) return tl::unexpected(shaped.error());
-    if (*shaped != nullptr) scene.given_hash = combine_hashes(scene.given_hash, hash_numbers(std::array{(*shaped)->reach_m}));
-    const auto sculpt = make_felt_sculpt(object, material, meshes[i].mesh);
-    if (!sculpt) return tl::unexpected(sculpt.error());
-    if (*sculpt) scene.given_hash = combine_hashes(scene.given_hash, hash_sculpt(**sculpt));
-    scene.objects.push_back({.name = name_of(object),
-                             .mesh = std::make_shared<const TriangleMesh>(std::move(meshes[i].mesh)),
-                             .material = material.material,
-                             .colour = object.colour,
-                             .sealed = meshes[i].sealed,
-                             .look = std::move(meshes[i].look),
-                             .effects = material.effects,
-                             .material_name = object.material,
-                             .is_movable = object.is_movable,
-                             .motion = std::move(*motion),
-                             .deformation = std::move(*deformation),
-                             .commanded = std::move(commanded),
-                             .program_shape = std::move(*shaped),
-                             .sculpt = *sculpt,
-                             .mass_kg = object.motion.mass_kg,
-                             .line = object.mesh_line});
+    auto object = make_object((*felt)[i], meshes[i], fitted, map_maker, textures, scene);
+    if (!object) return tl::unexpected(object.error());
+    scene.objects.push_back(std::move(*object));
   }
   if (const auto added = add_effects(spec, scene); !added) return tl::unexpected(added.error());
   for (const LibraryEffect& named : spec.libraries) {
-    scene.libraries.push_back(named);
-    // With a slash, so that the loader looks nowhere else.
-    std::filesystem::path& library = scene.libraries.back().library;
-    library = (folder / named.library).lexically_normal();
-    if (!library.has_parent_path()) library = "./" / library;
+    scene.libraries.push_back(named.located_in(folder));
     scene.notes.push_back(scene.libraries.back().describe());
   }
   if (spec.tool) {

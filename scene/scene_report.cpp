@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/effects/texture_models.h"
+#include "scene/mesh_counts_json.h"
 #include "scene/scene_layout.h"
 #include "scene/text_cursor.h"
 
@@ -163,58 +164,55 @@ InfoJson to_list(const std::vector<Spec>& specs) {
   return list;
 }
 
+InfoJson sealing_to_json(const SealReport& sealed) {
+  InfoJson json;
+  append_sealing(json, sealed);
+  json["boundary_edges"] = sealed.boundary_edges;
+  json["boundary_edges_left"] = sealed.boundary_edges_left;
+  json["unsealed_edges"] = sealed.unsealed_edges;
+  json["widest_unsealed_m"] = sealed.widest_unsealed;
+  return json;
+}
+
+InfoJson mesh_to_json(const SceneObject& object, const MeshFlaws& flaws) {
+  InfoJson json = {{"name", object.name},
+                   {"triangles", flaws.topology.triangles},
+                   {"vertices", flaws.topology.vertices},
+                   {"closed", flaws.topology.is_closed()},
+                   {"sealed", sealing_to_json(object.sealed)}};
+  append_boundary(json, flaws.borders);
+  json["closed_bodies"] = flaws.bodies.count;
+  json["bodies_inside_out"] = flaws.bodies.inside_out;
+  append_flaws(json, flaws);
+  json["authored_normals"] = flaws.normals.given;
+  json["authored_normals_used"] = flaws.normals.used;
+  json["lowest_m"] = to_array(flaws.topology.lowest);
+  json["highest_m"] = to_array(flaws.topology.highest);
+  return json;
+}
+
 InfoJson object_to_json(const SceneReport& report, std::size_t i) {
   const SceneObject& object = report.scene.objects[i];
-  const MeshTopology& t = report.flaws[i].topology;
-  return {{"name", object.name},
-          {"triangles", t.triangles},
-          {"vertices", t.vertices},
-          {"closed", t.is_closed()},
-          {"sealed",
-           {{"welded_vertices", object.sealed.welded_vertices},
-            {"split_triangles", object.sealed.split_triangles},
-            {"zipped_edges", object.sealed.zipped_edges},
-            {"widest_gap_m", object.sealed.widest_gap},
-            {"tolerance_m", object.sealed.tolerance},
-            {"boundary_edges", object.sealed.boundary_edges},
-            {"boundary_edges_left", object.sealed.boundary_edges_left},
-            {"unsealed_edges", object.sealed.unsealed_edges},
-            {"widest_unsealed_m", object.sealed.widest_unsealed}}},
-          {"open_border_edges", report.flaws[i].borders.open},
-          {"crack_edges", report.flaws[i].borders.cracks},
-          {"widest_crack_m", report.flaws[i].borders.widest_crack},
-          {"crack_edges_all_counted", !report.flaws[i].borders.has_given_up},
-          {"closed_bodies", report.flaws[i].bodies.count},
-          {"bodies_inside_out", report.flaws[i].bodies.inside_out},
-          {"nonmanifold_edges", t.nonmanifold_edges},
-          {"inconsistent_edges", t.inconsistent_edges},
-          {"nonmanifold_vertices", t.nonmanifold_vertices},
-          {"degenerate_triangles", t.degenerate_triangles},
-          {"needle_triangles", t.needle_triangles},
-          {"duplicate_triangles", t.duplicate_triangles},
-          {"double_faces", report.flaws[i].repair.double_faces},
-          {"authored_normals", report.flaws[i].normals.given},
-          {"authored_normals_used", report.flaws[i].normals.used},
-          {"lowest_m", to_array(t.lowest)},
-          {"highest_m", to_array(t.highest)},
-          {"stiffness_n_per_m", object.material.stiffness_n_per_m},
-          {"damping_ns_per_m", object.material.damping_ns_per_m},
-          {"friction_static", object.material.friction_static},
-          {"friction_dynamic", object.material.friction_dynamic},
-          {"two_sided", object.material.two_sided},
-          {"movable", object.is_movable},
-          {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
-          {"deformed_by", object.program_shape != nullptr ? InfoJson("program") : InfoJson()},
-          {"reach_m", object.program_shape != nullptr ? InfoJson(object.program_shape->reach_m) : InfoJson()},
-          {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
-          {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
-          {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
-          {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
-          {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
-          {"voxel_m", object.sculpt ? InfoJson(object.sculpt->voxel_m) : InfoJson()},
-          {"tool_radius_m", object.sculpt ? InfoJson(object.sculpt->tool_radius_m) : InfoJson()},
-          {"carve_button", object.sculpt ? InfoJson(1 + std::countr_zero(object.sculpt->button)) : InfoJson()},
-          {"effects", names_of(object.effects)}};
+  InfoJson json = mesh_to_json(object, report.flaws[i]);
+  json.update(InfoJson{{"stiffness_n_per_m", object.material.stiffness_n_per_m},
+                       {"damping_ns_per_m", object.material.damping_ns_per_m},
+                       {"friction_static", object.material.friction_static},
+                       {"friction_dynamic", object.material.friction_dynamic},
+                       {"two_sided", object.material.two_sided},
+                       {"movable", object.is_movable},
+                       {"moved_by", object.commanded != nullptr ? InfoJson("program") : InfoJson()},
+                       {"deformed_by", object.program_shape != nullptr ? InfoJson("program") : InfoJson()},
+                       {"reach_m", object.program_shape != nullptr ? InfoJson(object.program_shape->reach_m) : InfoJson()},
+                       {"mass_kg", object.mass_kg > 0.0 ? InfoJson(object.mass_kg) : InfoJson()},
+                       {"keyframes", object.motion != nullptr ? object.motion->keyframes().size() : std::size_t{0}},
+                       {"motion_s", object.motion != nullptr ? object.motion->duration_s() : 0.0},
+                       {"morphs", object.deformation != nullptr ? object.deformation->targets().size() : std::size_t{0}},
+                       {"deformation_s", object.deformation != nullptr ? object.deformation->duration_s() : 0.0},
+                       {"voxel_m", object.sculpt ? InfoJson(object.sculpt->voxel_m) : InfoJson()},
+                       {"tool_radius_m", object.sculpt ? InfoJson(object.sculpt->tool_radius_m) : InfoJson()},
+                       {"carve_button", object.sculpt ? InfoJson(1 + std::countr_zero(object.sculpt->button)) : InfoJson()},
+                       {"effects", names_of(object.effects)}});
+  return json;
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPauseNs = 250'000'000;
-constexpr std::int64_t kWindowNs = 500'000'000;
+constexpr std::int64_t kPauseNs = 250'000'000;   // without a frame: nothing moved, which is no low frame rate
+constexpr std::int64_t kWindowNs = 500'000'000;  // of the shown frame rate: two numbers a second can be read
 
 }  // namespace
 

@@ -14,7 +14,7 @@ constexpr double kClearance = 0.02;
 // Between two samples on the path, and between the circles of a search for a way out.
 constexpr double kStep = 0.01;
 constexpr double kCircle = 0.0025;
-constexpr int kDirections = 24;
+constexpr int kDirections = 24;  // of the search, in each circle
 constexpr int kAround = 8;
 // Of the clearance: distance from the visible surface at which a path through the air begins; it may end on the surface.
 constexpr double kInFront = 0.5;

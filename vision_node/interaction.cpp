@@ -10,6 +10,7 @@
 namespace hapton {
 namespace {
 
+// How far a key, a pixel of the mouse or a notch of the wheel turns or moves something: choices.
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
 constexpr double kTurnRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;  // of the stylus: a hand's width of mouse is a quarter of a turn
@@ -22,8 +23,8 @@ constexpr double kPressShare = 0.01;
 constexpr double kWheelShare = 0.005;
 constexpr double kDeepest = 0.1;
 constexpr double kFarthestOff = -0.5;
-constexpr std::int64_t kHandResendNs = 100'000'000;
-constexpr std::int64_t kFarewellNs = 30'000'000;
+constexpr std::int64_t kHandResendNs = 100'000'000;  // of the same target, as a datagram may be lost
+constexpr std::int64_t kFarewellNs = 30'000'000;     // between the messages that end it
 constexpr int kFarewells = 4;
 
 // Keys of what the window does not do itself.

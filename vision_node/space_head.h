@@ -11,7 +11,7 @@ namespace hapton {
 // Frame R (see Head). RT: no.
 class SpaceHead {
  public:
-  static constexpr double kFullMPerS = 0.3;
+  static constexpr double kFullMPerS = 0.3;  // as fast as a head is moved; a choice
 
   explicit SpaceHead(HidOpener opener) : rate_(std::move(opener), &SpaceMouseState::push, kFullMPerS) {}
 

@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kReachShare = 0.025;
-constexpr double kAgreeShare = 1e-4;
+constexpr double kReachShare = 0.025;   // of the extent: radius of the queries
+constexpr double kAgreeShare = 1e-4;    // of the extent: by how much single precision and brute force may differ
 constexpr double kTriangleTests = 4e7;  // budget of brute force for comparison
 constexpr std::size_t kLeastQueries = 16;
 

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kLargePage = std::size_t{1} << 21;  // x86-64 and aarch64 with pages of 4 KiB
-constexpr std::size_t kLeast = 2 * kLargePage;
+constexpr std::size_t kLeast = 2 * kLargePage;            // a smaller block would leave up to half of its pages unused
 
 std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) {
   return std::align_val_t{bytes >= kLeast ? kLargePage : alignment};

@@ -9,6 +9,7 @@ namespace hapton {
 // Threads: run is called by one thread at a time. RT: run is bounded if the function is, but waits for threads: not for a force step.
 class WorkerTeam {
  public:
+  // More threads than the CPUs that share one scene. A choice.
   static constexpr int kMost = 64;
 
   virtual ~WorkerTeam() = default;

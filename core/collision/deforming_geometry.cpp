@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kLeastShapes = 4;
+constexpr std::size_t kLeastShapes = 4;                   // of a mesh too large for more: at rest, at keys and half-way
 constexpr std::size_t kMostCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
 
 // Times at which the shape is checked, about `count`: those of the keys, or of every second, third ... key, and half-way between them.
@@ -108,7 +108,7 @@ void DeformingGeometry::make_arrays() {
 
 // In blocks that fit into the first-level cache, one coordinate after the other, so that vector instructions compute eight at once.
 void DeformingGeometry::move_vertices(const MeshDeformation::Weights& weights) noexcept {
-  constexpr std::size_t kBlock = 3 * 128;
+  constexpr std::size_t kBlock = 3 * 128;  // coordinates: 3 KB, of 32 KB and more
   ObjectGeometry& object = geometry_.deforming_object();
   std::array<double, kBlock> p;
   for (std::size_t begin = 0; begin < rest_.size(); begin += kBlock) {

@@ -40,6 +40,7 @@ Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& defor
 // Threads: one. RT: yes, shape() linear in the vertices that move; construction is set-up only.
 class DeformingGeometry {
  public:
+  // With choose_count() vertices move by less than half an edge in each part, up to a path of 32 edges; then boxes are larger.
   static constexpr std::size_t kMostTrees = 64;
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of all trees
 

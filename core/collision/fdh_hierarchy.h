@@ -162,7 +162,7 @@ class FdhHierarchy {
             enter = max(enter, min(a, b));
             exit = min(exit, max(a, b));
           };
-          constexpr float kTimeRounding = 4e-6F;
+          constexpr float kTimeRounding = 4e-6F;  // 64 times the 2^-24 of a time
           for (int i = 0; i < 3; ++i) clip(i);
           const Float8 used = node.low[0] <= node.high[0];
           if constexpr (kAxes > 3) {

@@ -10,7 +10,7 @@ namespace {
 using Lanes = float __attribute__((vector_size(16)));
 using IntLanes = std::int32_t __attribute__((vector_size(16)));
 
-constexpr int kBins = 16;
+constexpr int kBins = 16;  // as Wald 2007
 // Runs of this size and more are split along their widest axis only: a third of the work, and nearly always the same choice.
 constexpr std::uint32_t kOneAxisFrom = 2048;
 // In the unit of the mesh, and a 1e-15th of the smallest mesh that a tree accepts. Below it the bins' scale (kBins over the extent) would

@@ -48,7 +48,7 @@ constexpr FdhNear kNothingNear = {std::numeric_limits<double>::infinity(), 0, 0}
 // complete. Candidates collect in a buffer and are reduced by selection when it is full, so each costs a constant time on average. RT: yes.
 class FdhNearest {
  public:
-  static constexpr std::size_t kMaxCount = 256;
+  static constexpr std::size_t kMaxCount = 256;  // as LocalSet::kCapacity
 
   // Pre: 1 <= count <= kMaxCount, max_distance >= 0 (infinite: no limit).
   FdhNearest(std::size_t count, double max_distance) : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}

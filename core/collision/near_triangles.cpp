@@ -25,6 +25,7 @@ using Lanes3 = std::array<Double4, 3>;
 
 // 1 / x; for x too small for that, a large number.
 [[gnu::always_inline]] inline Double4 inverse(const Double4& x) {
+  // Its inverse is finite; squares of edges on the grid are 2^-102 and more.
   constexpr double kLeast = 0x1p-900;
   return Double4(1.0) / max(Double4(kLeast), x);
 }

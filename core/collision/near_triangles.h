@@ -99,8 +99,8 @@ class NearTriangles {
   }
 
  private:
-  static constexpr int kBatch = 64;
-  static constexpr int kPrepared = 1024;
+  static constexpr int kBatch = 64;       // triangles whose corners are prefetched together
+  static constexpr int kPrepared = 1024;  // of the triangles in the cache, by slot modulo this
   using Batch = std::array<std::uint32_t, kBatch>;
   // Of four triangles, by coordinate.
   struct Corners {

@@ -17,7 +17,7 @@ Box box_of(std::span<const Vec3> vertices, const Triangle& triangle) {
   return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
 }
 
-constexpr double kGrid = 0x1p-51;
+constexpr double kGrid = 0x1p-51;  // local units: two coordinates subtract exactly (decision 4)
 
 Vec3 on_grid(const Vec3& p) { return (p / kGrid).array().round() * kGrid; }
 
@@ -111,7 +111,7 @@ bool ObjectGeometry::is_walkable() const {
 
 // The margin of the search is above that of the pairs by far more than the trees' single precision, so no pair is missed.
 std::vector<std::uint32_t> ObjectGeometry::find_near(const ObjectGeometry& other, const Box& bounds) const {
-  constexpr double kTreeRounding = 0x1p-18;
+  constexpr double kTreeRounding = 0x1p-18;  // 64 times the 2^-24 of single precision
   std::vector<std::uint32_t> near;
   if (bounds.is_empty()) return near;
   const double size = std::max({1.0, bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff()});

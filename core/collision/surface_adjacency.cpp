@@ -365,7 +365,7 @@ void SurfaceAdjacency::note_large_fan(std::uint32_t vertex, std::span<const std:
 // A closed fan that goes round once is convex if it is at each of its edges.
 void SurfaceAdjacency::note_convex_fan(std::span<const std::uint32_t> around, std::span<const Vec3> vertices,
                                        std::span<const Triangle> triangles) {
-  constexpr double kRounding = 0x1p-49;
+  constexpr double kRounding = 0x1p-49;  // of a height: four times the grid of coordinates
   // The corner of one in several fans is that of another.
   if (std::any_of(around.begin(), around.end(), [&](std::uint32_t t) { return (sides_[t].fan & kSeveral) != 0; })) return;
   bool is_front = true;

@@ -167,7 +167,7 @@ void TouchGeometry::mark_unwalkable_between_objects() {
 }
 
 void TouchGeometry::clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept {
-  constexpr double kRounding = 0x1p-40;
+  constexpr double kRounding = 0x1p-40;  // far above the rounding of a quotient: a longer part of the motion is searched
   for (int k = 0; k < 3; ++k) {
     if (motion[k] == 0.0) continue;
     const double a = (box.low[k] - p[k]) / motion[k];

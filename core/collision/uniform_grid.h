@@ -36,6 +36,7 @@ struct GridOccupancy {
 // yes; make set-up only. Threads: any number of readers.
 class UniformGrid {
  public:
+  // Of one axis. A choice: kMaxCells and kMaxEntries are what bounds the memory.
   static constexpr int kMaxDivision = 1024;
   static constexpr std::size_t kMaxCells = std::size_t{1} << 26;    // 256 MiB of offsets
   static constexpr std::size_t kMaxEntries = std::size_t{1} << 29;  // 2 GiB of listings

@@ -47,9 +47,11 @@ struct Range {
   std::uint32_t size() const { return end - begin; }
 };
 
-constexpr int kBins = 16;
+constexpr int kBins = 16;           // as Wald 2007
 constexpr std::uint32_t kFew = 64;  // items that fill one level of nodes
 static_assert(kFew == WideBvh::kWidth * WideBvh::kWidth);
+// Of larger runs the widest axis is nearly always the best, at a third of the work.
+constexpr std::uint32_t kOneAxisAbove = 512;
 
 }  // namespace
 
@@ -131,28 +133,24 @@ struct WideBvh::Builder {
     }
   };
 
-  std::pair<Range, Range> split(const Range& range, bool balanced) {
-    alignas(16) std::array<float, 4> low;
-    alignas(16) std::array<float, 4> extent;
-    store(low.data(), range.centres.low);
-    store(extent.data(), range.centres.high - range.centres.low);
-    const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
-    const std::uint32_t half = range.size() / 2;
-    // A run that fits into one level of full nodes is cut at whole nodes: fewer nodes, and no worse for items of similar size.
-    if (range.size() <= kFew) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
-    if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
+  using Bins = std::array<Bin, kBins>;
 
-    // One pass bins all three axes.
-    std::array<float, 4> scale_lanes = {};
-    for (int k = 0; k < 3; ++k) scale_lanes[k] = extent[k] > 0.0F ? kBins * 0.999F / extent[k] : 0.0F;
-    const Float4 scale = Float4::load_unaligned(scale_lanes.data());
-    const Float4 base = range.centres.low;
-    const Int4 last = Int4(kBins - 1);
-    const auto bins_of = [&](const Float4& centre) { return max(Int4(0), min(Int4::truncated((centre - base) * scale), last)); };
-    std::array<std::array<Bin, kBins>, 3> bins;
-    const bool one_axis = range.size() > 512;  // large runs: the widest axis is nearly always the best, at a third of the work
-    const int first_axis = one_axis ? widest : 0;
-    const int last_axis = one_axis ? widest : 2;
+  // The bin of a centre on each axis: all axes have kBins over the extent of the centres.
+  struct Binning {
+    Float4 base;
+    Float4 scale;
+
+    Int4 bins_of(const Float4& centre) const { return max(Int4(0), min(Int4::truncated((centre - base) * scale), Int4(kBins - 1))); }
+  };
+
+  static Binning binning_of(const Range& range, const std::array<float, 4>& extent) {
+    std::array<float, 4> scale = {};
+    for (int k = 0; k < 3; ++k) scale[k] = extent[k] > 0.0F ? kBins * 0.999F / extent[k] : 0.0F;
+    return {range.centres.low, Float4::load_unaligned(scale.data())};
+  }
+
+  // In one pass. widest: -1 for all three axes, else this one alone.
+  void fill_bins(const Range& range, const Binning& binning, int widest, std::array<Bins, 3>& bins) const {
     const auto put = [](Bin& bin, const Item& item, const Float4& centre) {
       bin.box.grow(item.box);
       bin.centres.grow({centre, centre});
@@ -161,67 +159,88 @@ struct WideBvh::Builder {
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const Float4 centre = items[i].twice_centre();
       alignas(16) std::array<std::int32_t, 4> b;
-      store(b.data(), bins_of(centre));
-      if (one_axis) {
+      store(b.data(), binning.bins_of(centre));
+      if (widest >= 0) {
         put(bins[i % 3][b[widest]], items[i],
             centre);  // neighbours fall into one bin: three sets of bins, so that successive additions do not wait for each other
       } else {
         for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], centre);
       }
     }
-    if (one_axis) {
-      for (int bin = 0; bin < kBins; ++bin) {
-        for (int k = 0; k < 3; ++k) {
-          if (k != widest) bins[widest][bin].join(bins[k][bin]);
-        }
+    if (widest < 0) return;
+    for (int bin = 0; bin < kBins; ++bin) {
+      for (int k = 0; k < 3; ++k) {
+        if (k != widest) bins[widest][bin].join(bins[k][bin]);
       }
     }
-    float best_cost = std::numeric_limits<float>::infinity();
-    int best_axis = -1;
-    int best_bin = 0;
-    for (int k = first_axis; k <= last_axis; ++k) {
-      if (!(extent[k] > 0.0F)) continue;
-      std::array<float, kBins> right_cost = {};
-      FloatBox box;
-      std::uint32_t count = 0;
-      for (int b = kBins - 1; b > 0; --b) {
-        box.grow(bins[k][b].box);
-        count += bins[k][b].count;
-        right_cost[b] = count > 0 ? box.half_area() * static_cast<float>(count) : 0.0F;
-      }
-      box = {};
-      count = 0;
-      for (int b = 0; b + 1 < kBins; ++b) {
-        box.grow(bins[k][b].box);
-        count += bins[k][b].count;
-        if (count == 0 || count == range.size()) continue;
-        const float cost = box.half_area() * static_cast<float>(count) + right_cost[b + 1];
-        if (cost < best_cost) {
-          best_cost = cost;
-          best_axis = k;
-          best_bin = b;
-        }
-      }
+  }
+
+  // Between this bin and the next one.
+  struct Cut {
+    float cost = std::numeric_limits<float>::infinity();
+    int axis = -1;  // none
+    int bin = 0;
+  };
+
+  static void find_cut(const Bins& bins, int axis, std::uint32_t size, Cut& best) {
+    std::array<float, kBins> right_cost = {};
+    FloatBox box;
+    std::uint32_t count = 0;
+    for (int b = kBins - 1; b > 0; --b) {
+      box.grow(bins[b].box);
+      count += bins[b].count;
+      right_cost[b] = count > 0 ? box.half_area() * static_cast<float>(count) : 0.0F;
     }
-    if (best_axis < 0) return split_off(range, widest, half);
-    // Without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before the
-    // cut.
+    box = {};
+    count = 0;
+    for (int b = 0; b + 1 < kBins; ++b) {
+      box.grow(bins[b].box);
+      count += bins[b].count;
+      if (count == 0 || count == size) continue;
+      const float cost = box.half_area() * static_cast<float>(count) + right_cost[b + 1];
+      if (cost < best.cost) best = {cost, axis, b};
+    }
+  }
+
+  // Without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before the
+  // cut. bins: of the cut's axis.
+  std::pair<Range, Range> part_at(const Cut& cut, const Range& range, const Binning& binning, const Bins& bins) {
     std::uint32_t at = range.begin;
-    const Int4 cut = Int4(best_bin);
+    const Int4 last = Int4(cut.bin);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
-      const Int4 beyond = bins_of(items[i].twice_centre()) > cut;
-      const auto is_before = ~sign_bits(beyond) >> best_axis & 1U;
+      const Int4 beyond = binning.bins_of(items[i].twice_centre()) > last;
+      const auto is_before = ~sign_bits(beyond) >> cut.axis & 1U;
       std::swap(items[i], items[at]);
       at += is_before;
     }
     Range left{range.begin, at, {}, {}};
     Range right{at, range.end, {}, {}};
     for (int b = 0; b < kBins; ++b) {
-      Range& side = b <= best_bin ? left : right;
-      side.box.grow(bins[best_axis][b].box);
-      side.centres.grow(bins[best_axis][b].centres);
+      Range& side = b <= cut.bin ? left : right;
+      side.box.grow(bins[b].box);
+      side.centres.grow(bins[b].centres);
     }
     return {left, right};
+  }
+
+  std::pair<Range, Range> split(const Range& range, bool balanced) {
+    alignas(16) std::array<float, 4> extent;
+    store(extent.data(), range.centres.high - range.centres.low);
+    const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
+    const std::uint32_t half = range.size() / 2;
+    // A run that fits into one level of full nodes is cut at whole nodes: fewer nodes, and no worse for items of similar size.
+    if (range.size() <= kFew) return split_off(range, widest, (half + kWidth - 1) / kWidth * kWidth);
+    if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
+    const bool one_axis = range.size() > kOneAxisAbove;
+    const Binning binning = binning_of(range, extent);
+    std::array<Bins, 3> bins;
+    fill_bins(range, binning, one_axis ? widest : -1, bins);
+    Cut cut;
+    for (int k = one_axis ? widest : 0; k <= (one_axis ? widest : 2); ++k) {
+      if (extent[k] > 0.0F) find_cut(bins[k], k, range.size(), cut);
+    }
+    if (cut.axis < 0) return split_off(range, widest, half);
+    return part_at(cut, range, binning, bins[cut.axis]);
   }
 
   void store_child(Node& node, int c, const FloatBox& box, std::uint32_t child) {

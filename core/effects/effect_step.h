@@ -69,6 +69,7 @@ class EffectStep {
   void note_scene_moved(const Vec3& last_p_SD) noexcept;
 
  private:
+  // A choice: a longer gap between two samples counts as this.
   static constexpr double kLongestS = 1.0;
 
   // State of one object since it was first touched in this contact. A probe between two objects may alternate between them.

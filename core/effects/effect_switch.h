@@ -11,6 +11,7 @@ namespace hapton {
 // Passivity: a dissipative effect stays dissipative. Any other effect becomes active, because it can be switched on where its potential is
 // high. Between a press and the end of the fade it gives at most its bound times the length of the hand's path.
 struct EffectSwitch {
+  // People do not perceive 20 ms as a delay, and a step of 3 N becomes 0.15 N a millisecond (decision 141).
   static constexpr double kRampS = 0.02;
 
   // Between two samples. A button that is down at the first sample was not pressed.

@@ -201,7 +201,7 @@ Texels texels_around(const SurfaceImage& image, int x, int y) noexcept {
 // where each is one number.
 template <class Bound>
 double find_largest(const ImageMap& map, const Bound& bound) {
-  constexpr int kDeepest = 12;
+  constexpr int kDeepest = 12;  // halvings of a texel; then the bound itself is the result
   double best = 0.0;
   std::vector<Part> parts;
   for (int y = 0; y < map.image->height(); ++y) {

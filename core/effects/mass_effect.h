@@ -19,11 +19,12 @@ namespace hapton {
 // behind when the hand leaves. Frame: S. Units: SI. RT: yes.
 // Bound: max_force_n, where the damper slips.
 // Passivity: dissipative below max_force_n, with the velocity of SmoothVelocity: for samples at equal intervals the damper's high-pass
-// leads the velocity by 0 to 90 degrees at any frequency and the mean lags by 0 to 90 (the conjugate Fejér kernel is positive), so that the
-// sum of F . motion is never positive. With the velocity of the last interval alone it is so for any intervals and beyond the bound: F .
-// motion is then what the energy m u^2 / 2 falls by, less what the damper takes. Stable ranges, with delay: docs/loop.md.
+// leads the velocity by 0 to 90 degrees at any frequency and the mean lags by 0 to 90 (the conjugate Fejér kernel is positive), so that
+// the sum of F . motion is never positive. With the velocity of the last interval alone it is so for any intervals and beyond the bound:
+// F . motion is then what the energy m u^2 / 2 falls by, less what the damper takes. Stable ranges, with delay: docs/loop.md.
 struct MassEffect {
   static constexpr Passivity kPassivity = Passivity::dissipative;
+  // The damper is mass / filter_s: 10 Ns/m for the default mass. A shorter filter amplifies the noise of positions.
   static constexpr double kLeastFilterS = 0.005;
 
   // What it remembers of the motion.

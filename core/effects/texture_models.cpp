@@ -13,7 +13,7 @@ namespace {
 // Far beyond any recording.
 constexpr double kMostTextureSpeed = 10.0;   // m/s
 constexpr double kMostTextureForce = 100.0;  // N
-constexpr double kMostTextureNumber = 1e6;
+constexpr double kMostTextureNumber = 1e6;   // any other number of a model
 // Of the range of speeds times that of forces. The weights of the corners divide by the area: in a triangle of less than this, fewer than
 // seven of their digits would be left, and a model has it by mistake.
 constexpr double kLeastTextureArea = 1e-9;

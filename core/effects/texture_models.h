@@ -31,6 +31,7 @@ using TextureTriangle = std::array<std::size_t, 3>;  // models
 // tool-surface interactions, IEEE Transactions on Haptics 7(3).
 class TextureModels {
  public:
+  // Choices; they bound the memory and the time of a search.
   static constexpr std::size_t kMostModels = 256;
   static constexpr std::size_t kMostTriangles = 512;
   static constexpr double kLeastRateHz = 100.0;

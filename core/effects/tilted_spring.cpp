@@ -18,7 +18,7 @@ double TiltedSpring::largest_n_per_m() const noexcept {
 // sqrt(1 - q^2) times its own, the others (of the grid) all of it. K grows with gradient and curvature, so in a range of q the first from
 // its lower and the second from its upper end bound it.
 double largest_on_bumps(const SurfaceBumps& bumps, double spring_n_per_m, double sideways_n_per_m, double pressed_n) noexcept {
-  constexpr int kRanges = 64;
+  constexpr int kRanges = 64;  // more bound it more tightly, and take longer
   const bool is_grid = bumps.pattern == SurfaceBumps::Pattern::grid;
   const double slope = bumps.slope() / (is_grid ? 3.0 : 1.0);  // of one wave
   const double curvature_per_m = slope * 2.0 * std::numbers::pi / bumps.length_m;

@@ -30,6 +30,7 @@ struct TissueLayer {
 class TissueLayers {
  public:
   static constexpr Passivity kPassivity = Passivity::dissipative;
+  // Twice skin, fat, muscle and bone.
   static constexpr std::size_t kMost = 8;
 
   struct State {

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kShareOfEdge = 0.05;
+constexpr double kShareOfEdge = 0.05;     // of an edge: a gap that is wider is no crack beside it
 constexpr std::size_t kMostMeasured = 8;  // points whose nearest edge is looked for
 constexpr std::size_t kFewEdges = 64;     // a small mesh is examined completely
 

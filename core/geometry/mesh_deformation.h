@@ -30,6 +30,7 @@ struct MorphKey {
 // and most_displacement yes, the rest set-up only. Threads: const calls from any number.
 class MeshDeformation {
  public:
+  // A choice: the time of a step is linear in the targets that have a weight.
   static constexpr std::size_t kMostTargets = 16;
   using Weights = std::array<double, kMostTargets>;  // unused ones are 0
 

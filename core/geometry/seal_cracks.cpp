@@ -23,7 +23,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostTries = 16;
+constexpr int kMostTries = 16;                   // in which parts that led too far are left out; kMostJoins and kMostWork bound the time
 constexpr int kMostPasses = 8;                   // surfaces need one or two that change something
 constexpr double kMostOffsetOfPart = 2.0;        // tolerances from a part of a split triangle to the triangle
 constexpr std::size_t kMostWork = 5000;          // per boundary edge: surfaces need less than a fiftieth of that

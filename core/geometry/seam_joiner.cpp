@@ -9,12 +9,12 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostNearVertices = 32;
+constexpr std::size_t kMostNearVertices = 32;  // within the tolerance; with as many a vertex counts as crowded
 constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
 constexpr std::size_t kMostValence = 256;      // largest valence for which a weld is tried from both ends
-constexpr int kMostRounds = 64;
-constexpr double kReservedGap = 4.0;      // tolerances
-constexpr std::size_t kMostMembers = 32;  // welded together whose positions are tried as the common one
+constexpr int kMostRounds = 64;                // of welding and splitting, until nothing changes; the work given to run() bounds the time
+constexpr double kReservedGap = 4.0;           // tolerances
+constexpr std::size_t kMostMembers = 32;       // welded together whose positions are tried as the common one
 // Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
 constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
 constexpr std::size_t kMostJunctions = 64;  // per boundary edge of the original mesh

@@ -14,10 +14,12 @@ namespace hapton {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+// Choices, which recorded benchmarks depend on: a change makes other trajectories.
 constexpr double kApproach_s = 0.2;
 constexpr double kSlideSegment_s = 4.0;
 constexpr double kTap_s = 0.04;
-constexpr int kMostTries = 64;
+constexpr int kMostTries = 64;  // draws of a place whose normal is free
+constexpr int kSectors = 720;   // of a turn
 
 // Whether the segment meets any triangle but `own`; tests every triangle. Rounding only changes the choice of a position.
 bool is_obstructed(const TriangleMesh& mesh, const Vec3& from, const Vec3& to, std::uint32_t own) {
@@ -74,6 +76,55 @@ std::size_t rows_of(double seconds, const TrajectorySettings& settings) {
   return std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(seconds * settings.rate_hz)));
 }
 
+// The outline of a mesh around an axis along z: for each sector the largest distance from the axis of a triangle that reaches heights up to
+// 12 mm above or below `centre`.
+std::vector<double> find_outline(const TriangleMesh& mesh, const Vec3& centre, double mm) {
+  std::vector<double> outline(kSectors, 0.0);
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    double low = 1e300, high = -1e300, far = 0.0;
+    std::array<double, 3> angle{};
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 p = mesh.corner(i, k) - centre;
+      low = std::min(low, p.z());
+      high = std::max(high, p.z());
+      far = std::max(far, p.head<2>().norm());
+      angle[k] = std::atan2(p.y(), p.x());
+    }
+    if (low > 12.0 * mm || high < -12.0 * mm) continue;
+    std::sort(angle.begin(), angle.end());
+    // The triangle's sectors run from one corner's to another's, leaving out the widest gap; if that is below half a turn, the axis pierces
+    // the triangle and it counts everywhere.
+    const std::array<double, 3> gap{angle[1] - angle[0], angle[2] - angle[1], angle[0] + 2.0 * kPi - angle[2]};
+    const int widest = static_cast<int>(std::max_element(gap.begin(), gap.end()) - gap.begin());
+    const double from = gap[widest] <= kPi ? -kPi : angle[(widest + 1) % 3];
+    const double span = gap[widest] <= kPi ? 2.0 * kPi : 2.0 * kPi - gap[widest];
+    const int first = static_cast<int>(std::floor((from + kPi) / (2.0 * kPi) * kSectors)) - 1;
+    const int count = static_cast<int>(std::ceil(span / (2.0 * kPi) * kSectors)) + 2;
+    for (int s = first; s <= first + count && s < first + kSectors; ++s) {
+      double& sector = outline[static_cast<std::size_t>((s % kSectors + kSectors) % kSectors)];
+      sector = std::max(sector, far);
+    }
+  }
+  return outline;
+}
+
+enum class Window : std::uint8_t { largest, mean };
+
+// Over five degrees on either side.
+std::vector<double> filter_outline(const std::vector<double>& outline, Window window) {
+  std::vector<double> result(kSectors);
+  for (int s = 0; s < kSectors; ++s) {
+    double most = 0.0, sum = 0.0;
+    for (int d = -10; d <= 10; ++d) {
+      const double at = outline[static_cast<std::size_t>((s + d + kSectors) % kSectors)];
+      most = std::max(most, at);
+      sum += at;
+    }
+    result[static_cast<std::size_t>(s)] = window == Window::mean ? sum / 21.0 : most;
+  }
+  return result;
+}
+
 }  // namespace
 
 Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings) {
@@ -120,50 +171,11 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
 Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings) {
   const auto mm = millimetre_of(mesh);
   if (!mm) return tl::unexpected(mm.error());
-  constexpr int kSectors = 720;
   const Vec3 centre = compute_bounds(mesh).centre();
-  std::vector<double> profile(kSectors, 0.0);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    double low = 1e300, high = -1e300, far = 0.0;
-    std::array<double, 3> angle{};
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 p = mesh.corner(i, k) - centre;
-      low = std::min(low, p.z());
-      high = std::max(high, p.z());
-      far = std::max(far, p.head<2>().norm());
-      angle[k] = std::atan2(p.y(), p.x());
-    }
-    if (low > 12.0 * *mm || high < -12.0 * *mm) continue;
-    std::sort(angle.begin(), angle.end());
-    // The triangle's sectors run from one corner's to another's, leaving out the widest gap; if that is below half a turn, the axis pierces
-    // the triangle and it counts everywhere.
-    const std::array<double, 3> gap{angle[1] - angle[0], angle[2] - angle[1], angle[0] + 2.0 * kPi - angle[2]};
-    const int widest = static_cast<int>(std::max_element(gap.begin(), gap.end()) - gap.begin());
-    const double from = gap[widest] <= kPi ? -kPi : angle[(widest + 1) % 3];
-    const double span = gap[widest] <= kPi ? 2.0 * kPi : 2.0 * kPi - gap[widest];
-    const int first = static_cast<int>(std::floor((from + kPi) / (2.0 * kPi) * kSectors)) - 1;
-    const int count = static_cast<int>(std::ceil(span / (2.0 * kPi) * kSectors)) + 2;
-    for (int s = first; s <= first + count && s < first + kSectors; ++s) {
-      double& sector = profile[static_cast<std::size_t>((s % kSectors + kSectors) % kSectors)];
-      sector = std::max(sector, far);
-    }
-  }
-  // Widened by five degrees, then smoothed over the same width: smooth, and nowhere below the surface.
-  auto widened = [&](const std::vector<double>& of, bool mean) {
-    std::vector<double> result(kSectors);
-    for (int s = 0; s < kSectors; ++s) {
-      double most = 0.0, sum = 0.0;
-      for (int d = -10; d <= 10; ++d) {
-        const double at = of[static_cast<std::size_t>((s + d + kSectors) % kSectors)];
-        most = std::max(most, at);
-        sum += at;
-      }
-      result[s] = mean ? sum / 21.0 : most;
-    }
-    return result;
-  };
-  // Widened twice, because the smoothing spans ten sectors and interpolation one more.
-  const std::vector<double> ring = widened(widened(widened(profile, false), false), true);
+  // Widened, then smoothed over the same width: smooth, and nowhere below the surface. Widened twice, because the smoothing spans ten
+  // sectors and interpolation one more.
+  std::vector<double> ring = find_outline(mesh, centre, *mm);
+  for (const Window window : {Window::largest, Window::largest, Window::mean}) ring = filter_outline(ring, window);
   std::mt19937_64 random(settings.seed);
   const double phase = std::uniform_real_distribution<double>(0.0, 2.0 * kPi)(random);
   TouchTrajectory made;

@@ -24,6 +24,7 @@ struct CommandedMove {
 // where moves are announced ahead of time, ObjectMover spaces them. Frame: S. RT: yes. Threads: const calls from any number.
 class CommandedMotion {
  public:
+  // ObjectMover announces at most half as many ahead, so the one that counts is always kept.
   static constexpr std::size_t kMoves = 64;
 
   // pivot_S: on the body at rest.

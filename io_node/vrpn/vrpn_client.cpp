@@ -114,6 +114,7 @@ void Client::receive_type(const Message& message) {
 }
 
 void Client::receive_udp(const Message& message) {
+  // An IPv6 address as a number has 45 characters; names are not resolved.
   constexpr std::size_t kLongestAddress = 64;
   const auto* const text = reinterpret_cast<const char*>(message.body.data());
   const std::string_view address(text, std::find(text, text + message.body.size(), '\0') - text);

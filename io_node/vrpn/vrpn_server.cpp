@@ -17,12 +17,12 @@
 namespace hapton::vrpn {
 namespace {
 
-constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;  // interval of checks without clients
-constexpr std::int64_t kCookiePatienceNs = 5 * kNanosecondsPerSecond;
-constexpr std::int32_t kButtons = 32;
-constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;  // of vrpn_ForceDevice Force_Error
-constexpr int kNiceness = 10;
-constexpr double kSlowestHz = 0.1;
+constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;     // interval of checks without clients
+constexpr std::int64_t kCookiePatienceNs = 5 * kNanosecondsPerSecond;  // for the first bytes of a client
+constexpr std::int32_t kButtons = 32;                                  // as many as a sample has bits
+constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;          // of vrpn_ForceDevice Force_Error
+constexpr int kNiceness = 10;                                          // below the servo and the haptics node, which may share its CPU
+constexpr double kSlowestHz = 0.1;                                     // a client that requests less gets this
 
 // VRPN stamps its messages with the time of day.
 Time to_time_of_day(std::int64_t monotonic_ns) {

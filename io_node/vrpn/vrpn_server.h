@@ -16,7 +16,7 @@
 
 namespace hapton::vrpn {
 
-constexpr std::uint16_t kPort = 3883;
+constexpr std::uint16_t kPort = 3883;  // of VRPN, assigned by IANA
 
 // Shows one device to VRPN clients, as NAME@host: Tracker (stylus and proxy), Button, Analog and ForceDevice. It accepts nothing from them:
 // requested forces are rejected. It has a thread of low priority that the servo never waits for, and takes samples from a Feed. RT: no.

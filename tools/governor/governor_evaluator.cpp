@@ -8,6 +8,7 @@
 namespace hapton {
 namespace {
 
+// The bounds that docs/safety.md promises, written again: what is checked must not come from the governor.
 constexpr std::int64_t kPeerTimeoutNs = 20'000'000;
 constexpr std::int64_t kRampInNs = 100'000'000;
 constexpr std::int64_t kGapNs = 100'000'000;

@@ -12,10 +12,11 @@
 namespace hapton {
 namespace {
 
+// Of the run, or at least kWarmUpSeconds, but never more than kMostWarmUpShare of a short one.
 constexpr double kWarmUpShare = 0.1;
 constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
 constexpr double kMostWarmUpShare = 0.5;
-constexpr double kMemoryShare = 0.01;
+constexpr double kMemoryShare = 0.01;  // of the memory, plus kMemoryKib: growth that is no leak
 constexpr double kMemoryKib = 1024.0;
 constexpr double kHalf = 0.5;  // a whole descriptor or thread is more than that
 constexpr double kRateShare = 0.99;

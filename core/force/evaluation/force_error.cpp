@@ -6,6 +6,7 @@
 namespace hapton {
 namespace {
 
+// Of the extent. Choices, the same as those of hapton stress (stress_run.cpp).
 constexpr double kFallThroughShare = 0.0025;
 constexpr double kStuckShare = 0.10;
 // Of the larger force: twenty times the rounding of positions a million extents from the origin, 2^-33 of an extent, which is 5e-8 of

@@ -37,6 +37,7 @@ struct ErrorSpread {
 // kBranchShare: the method is in another local minimum. All its steps count as errors, however long it lasts; it ends only where the
 // surface brings both together, at a reset, or where the caller starts a new window. Episodes and their steps are counted in addition.
 struct ForceError {
+  // A choice. In the same local minimum `proxy` agrees with the reference to 1e-6 (decision 80).
   static constexpr double kBranchShare = 0.01;
 
   std::size_t steps = 0;

@@ -9,6 +9,7 @@
 namespace hapton {
 namespace {
 
+// Choices. Long walks, of 20,000 steps, find what takes longer than an episode.
 constexpr std::size_t kLongestEpisode = 400;
 constexpr int kWalkSteps = 390;
 constexpr int kLongWalkLegs = 20;

@@ -19,21 +19,22 @@
 namespace hapton {
 namespace {
 
+// Shares are of the extent. Those of a fault are the definition of it (meaning_of), choices that only have to stay the same.
 constexpr double kFallThroughShare = 0.0025;
 constexpr double kUnsureShare = 2e-7;  // nearer to the surface PointInMesh may name either side
 constexpr double kInsideShare = 1e-6;  // larger than a probe's contact offset and the rounding of an offset of a million extents
 constexpr double kStuckShare = 0.10;
 constexpr double kStuckGain = 0.01;
 constexpr double kUnconvergedGain = 0.001;
-constexpr double kTieShare = 1e-6;
-constexpr double kOutsideShare = 1e-7;
-constexpr double kBesideShare = 1e-6;  // farther than the reference lifts itself over a step
-constexpr double kClearShare = 0.05;   // of the contact offset that a proxy may keep: above rounding, so the side is certain
+constexpr double kTieShare = 1e-6;      // a device nearer to the surface has two valid proxies
+constexpr double kOutsideShare = 1e-7;  // farther off than a contact offset (kRelative)
+constexpr double kBesideShare = 1e-6;   // farther than the reference lifts itself over a step
+constexpr double kClearShare = 0.05;    // of the contact offset that a proxy may keep: above rounding, so the side is certain
 constexpr double kCloseUpShares[] = {0x1p-10, 0x1p-18};
 constexpr double kCrackShare =
     1e-5;  // at the entrance of a crack narrower than one of the two contact offsets, only the other proxy gets in
-constexpr double kProofOffsets = 4.0;  // radius, in contact offsets, of the proof that a position is a minimum
-constexpr double kThroughStep = 0.01;
+constexpr double kProofOffsets = 4.0;     // radius, in contact offsets, of the proof that a position is a minimum
+constexpr double kThroughStep = 0.01;     // a longer step may have led round a boundary
 constexpr double kRelative = 4e-9;        // a method may use this share of the extent as contact offset and leave it out of the force
 constexpr int kMostCarried = 1024;        // steps that a motion may take
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
@@ -249,6 +250,34 @@ struct StressRun::Impl {
          gain);
   }
 
+  // Force, contact and proxy have to agree.
+  template <class Note>
+  void check_consistency(const MethodOutput& output, const Vec3& device, const Note& note) const {
+    const double stiffness = settings.material.stiffness_n_per_m;
+    const Vec3 extension = output.p_SP - device;
+    const double length = extension.norm();
+    const bool undamped = settings.material.damping_ns_per_m == 0.0;
+    if (output.contact != (output.force_n.norm() > 0.0)) note(StressFault::broken, 0.0);
+    if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop() + kRelative * length + layer))
+      note(StressFault::broken, (output.force_n / stiffness - extension).norm());
+    if (!output.contact && length > slop()) note(StressFault::broken, length);
+  }
+
+  // Neither device without a force nor proxy may be inside. first: the output before a carried motion was finished. Pre: solid.
+  template <class Note>
+  void check_sides(const MethodOutput& first, const MethodOutput& output, const Vec3& device, const Note& note) const {
+    if (!(first.contact && output.contact) && is_wrong(device)) {
+      const double depth = solid->compute_distance(device);
+      if (depth > kFallThroughShare * extent) note(StressFault::fall_through, depth);
+    }
+    const bool is_pulled = (output.p_SP - device).norm() > 0.0;
+    const Vec3 outward = is_pulled ? Vec3(output.force_n.normalized()) : Vec3(Vec3::Zero());
+    if (output.contact && is_wrong(output.p_SP + kInsideShare * extent * outward) && is_wrong(output.p_SP)) {
+      const double depth = solid->compute_distance(output.p_SP);
+      if (depth > 2.0 * kInsideShare * extent) note(StressFault::inside, depth);
+    }
+  }
+
   // Out of work, a method carries the rest of a motion into the next step. The same sample again leads to where it can be judged.
   MethodOutput finish(const MethodOutput& first, const Vec3& device, StressCount& count) {
     MethodOutput output = first;
@@ -370,24 +399,11 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       output_before = output;
       continue;
     }
-    const Vec3 extension = output.p_SP - device;
-    const double length = extension.norm();
+    const double length = (output.p_SP - device).norm();
     const double slop = in.slop();
-    const bool undamped = in.settings.material.damping_ns_per_m == 0.0;
-    if (output.contact != (output.force_n.norm() > 0.0)) note(StressFault::broken, 0.0);
-    if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop + kRelative * length + in.layer))
-      note(StressFault::broken, (output.force_n / stiffness - extension).norm());
-    if (!output.contact && length > slop) note(StressFault::broken, length);
+    in.check_consistency(output, device, note);
     if (in.solid) {
-      if (!(first.contact && output.contact) && in.is_wrong(device)) {
-        const double depth = in.solid->compute_distance(device);
-        if (depth > kFallThroughShare * extent) note(StressFault::fall_through, depth);
-      }
-      const Vec3 outward = length > 0.0 ? Vec3(output.force_n.normalized()) : Vec3(Vec3::Zero());
-      if (output.contact && in.is_wrong(output.p_SP + kInsideShare * extent * outward) && in.is_wrong(output.p_SP)) {
-        const double depth = in.solid->compute_distance(output.p_SP);
-        if (depth > 2.0 * kInsideShare * extent) note(StressFault::inside, depth);
-      }
+      in.check_sides(first, output, device, note);
     } else if (!output.contact && !output_before.contact && in.probe_radius == 0.0 && in.goes_through(output_before.p_SP, output.p_SP) &&
                !in.leads_round(output_before.p_SP, output.p_SP)) {
       // A position on the surface up to rounding has no side: only motions between positions off it are checked.

@@ -47,6 +47,7 @@ FreeFlight::Met FreeFlight::find_first(const Vec3& from, const Vec3& to, bool sl
 // A segment that crosses an edge passes through both its triangles within rounding. Only the one that p sees counts: p must lie on its side
 // of the wedge that the two form.
 bool FreeFlight::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept {
+  // Local units: 2^11 times the grid, above the rounding of a crossing; 2^-10 of the contact offset.
   constexpr double kNearEdge = 0x1p-40;
   const TouchGeometry& geometry = surfaces_.geometry();
   const ContactTriangle shape = surfaces_.shape_of(id);
@@ -88,6 +89,7 @@ bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_
 }
 
 Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
+  // Local units: nearer than eight times the grid the direction is rounding.
   constexpr double kNoDirection = 0x1p-48;
   std::size_t count = 0;
   surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(clearance_.offset), [&](std::uint32_t id) {

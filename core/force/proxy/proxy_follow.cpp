@@ -196,6 +196,7 @@ bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
 // narrow for that, above the faces beside it as well where they are nearer. In the wedge between two faces it lifts farther away from its
 // tip, where the other face is not in the way.
 void ProxyMethod::lift_off_surface() noexcept {
+  // From 512 contact offsets (kBeside) in five tries to 2^21 of them, 2^-9 of the scene.
   constexpr double kFarther = 8.0;
   constexpr int kMostTries = 5;
   const auto is_in_the_way = [&](const Vec3& p, const Vec3& to, std::uint32_t own) {

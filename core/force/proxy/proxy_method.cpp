@@ -33,8 +33,8 @@ BuildPolicy policy_of(const MethodSettings& settings, const TouchScene& scene) {
 
 // Clamps a device farther out than a billion scene sizes to that distance, so that its squares stay finite.
 Vec3 within_limits(const Vec3& local) {
-  constexpr double kFarthest = 0x1p30;
-  constexpr double kHuge = 1e200;  // replaces a coordinate that overflowed in the conversion
+  constexpr double kFarthest = 0x1p30;  // local units
+  constexpr double kHuge = 1e200;       // replaces a coordinate that overflowed in the conversion
   const Vec3 finite = local.cwiseMax(-kHuge).cwiseMin(kHuge);
   const double most = finite.cwiseAbs().maxCoeff();
   return most > kFarthest ? Vec3(finite * (kFarthest / most)) : finite;

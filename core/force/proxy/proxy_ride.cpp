@@ -25,6 +25,7 @@ Vec3 weights_on(const ContactTriangle& shape, const Vec3& p) {
 
 // Of several at an edge or vertex the one that faces p most.
 std::optional<std::uint32_t> ProxyMethod::find_nearest(const Vec3& p, double reach, Separation& at) const noexcept {
+  // Distances to triangles that share the closest point differ by their rounding, 2^-50.
   constexpr double kSame = 1.0 + 0x1p-40;
   std::optional<std::uint32_t> found;
   double best_facing = 0.0;

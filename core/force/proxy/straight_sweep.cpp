@@ -7,15 +7,15 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstPiece = 0x1p-6;  // of a motion
-constexpr double kLeastPiece = 0x1p-14;
-constexpr double kPieceGrowth = 4.0;  // from one piece to the next
-constexpr int kMostInBox = 128;       // triangles in the box of a piece; if there are more, it is cut
-constexpr int kMostCuts = 4;          // of pieces that are searched in boxes
-constexpr int kFewTests = 16;         // after which the next piece is longer
-constexpr int kFewInBall = 48;        // the same in a ball
-constexpr double kShortPiece = 0.25;  // of the clearance, among many triangles
-constexpr int kLeastTests = 64;       // of a call, however little work is left
+constexpr double kFirstPiece = 0x1p-6;   // of a motion
+constexpr double kLeastPiece = 0x1p-14;  // of a motion
+constexpr double kPieceGrowth = 4.0;     // from one piece to the next
+constexpr int kMostInBox = 128;          // triangles in the box of a piece; if there are more, it is cut
+constexpr int kMostCuts = 4;             // of pieces that are searched in boxes
+constexpr int kFewTests = 16;            // after which the next piece is longer
+constexpr int kFewInBall = 48;           // the same in a ball
+constexpr double kShortPiece = 0.25;     // of the clearance, among many triangles
+constexpr int kLeastTests = 64;          // of a call, however little work is left
 
 }  // namespace
 

@@ -63,7 +63,8 @@ class SurfaceFollower {
 
  private:
   using Next = SurfaceNext;
-  // Local units. A point this near to a convex edge is treated as balanced on it. A quarter of it is the contact offset of the sweeps.
+  // Local units. A minimum this near to a convex edge, with the device beyond, is an unstable equilibrium: no hand holds it, and a sphere,
+  // however small, leaves it (decision 90). A quarter of it is the contact offset of the sweeps.
   static constexpr double kBalance = 0x1p-28;
 
   static Outcome outcome_of(Next next) noexcept;

@@ -14,7 +14,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 // A pull within this share of the cone's radius is on the cone: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
 constexpr double kLeast = SurfacePoint::kLeastPull;  // a shorter pull is mostly rounding
-constexpr int kMostHalvings = 96;
+constexpr int kMostHalvings = 96;                    // a bound; Newton's method needs a few
 
 constexpr auto kOnEdge = SurfacePoint::kOnEdge;
 constexpr auto kClear = SurfacePoint::kClear;

@@ -119,6 +119,7 @@ void SweptMotion::note_progress(double distance, double rounding) noexcept {
 // With more contacts than are kept, those that hold the motion stay. A motion that is stopped at once makes progress as long as the
 // contacts that stopped it push it farther from the goal.
 void SweptMotion::fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept {
+  // Above the rounding of a length, which is no progress.
   constexpr double kFarther = 1.0 + 0x1p-40;
   bring_active_first(proxy, held);
   fixed_ = held.active_count;
@@ -170,7 +171,7 @@ bool SweptMotion::is_too_near(const ProxyState& proxy) const noexcept {
 
 // The least distance from all surfaces, up to the probe's own size. Among too many triangles it may be less: `is_certain`.
 double SweptMotion::find_room(const Vec3& p, bool& is_certain) noexcept {
-  constexpr int kMostTests = 256;
+  constexpr int kMostTests = 256;  // half of the work of a step (StepWork::kMost)
   double room = clearance_.offset;
   int tests = 0;
   surfaces_.geometry().visit_nearest(p, room * room, [&](std::uint32_t triangle, double) {

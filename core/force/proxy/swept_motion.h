@@ -28,6 +28,7 @@ namespace hapton {
 // triangles a motion is interrupted, and the next call goes on with it. Keeps references.
 class SweptMotion {
  public:
+  // Most calls need a few; this bounds the time where rounding keeps it moving (decision 121).
   static constexpr int kMostMotions = 256;
 
   // Since construction.

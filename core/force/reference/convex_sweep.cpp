@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostRounds = 400;
+constexpr int kMostRounds = 400;  // a bound on the time: SweepHit::exhausted
 // At an edge or vertex a step is at most this many distances long, so that the direction's error, rounding / distance, moves the point by
 // at most this many roundings.
 constexpr double kLongestStep = 256.0;

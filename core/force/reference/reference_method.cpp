@@ -10,13 +10,13 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarthest = 1e12;  // local units: a device farther out is clamped to this, so that its square stays finite
-constexpr int kMostSubsteps = 1 << 20;
+constexpr double kFarthest = 1e12;         // local units: a device farther out is clamped to this, so that its square stays finite
+constexpr int kMostSubsteps = 1 << 20;     // a choice
 constexpr double kLargestRadius = 1024.0;  // of the box's diagonal; a larger sphere is so far away that digits are lost
 constexpr double kJump = 8.0;           // of the device's motion: a longer motion of the proxy is a jump, as no slide is that fast for long
 constexpr double kLeastPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
-constexpr std::size_t kLevels = 48;
-constexpr int kMostHalvings = 1024;  // in one pass over a step
+constexpr std::size_t kLevels = 48;     // of halving: down to kLeastPart for motions up to 2^9
+constexpr int kMostHalvings = 1024;     // in one pass over a step
 
 float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
 float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }

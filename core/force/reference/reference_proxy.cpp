@@ -11,14 +11,14 @@ namespace hapton {
 namespace {
 
 // In local units: the scene's diagonal lies in (1/2, 1].
-constexpr double kRounding = 0x1p-48;  // bound on the error of a distance between points within the scene
-constexpr double kErosion = 0x1p-47;   // largest loss of one motion from a distance that is already minimal: twice the rounding error
-constexpr double kIdleGain = 0x1p-50;  // a motion that comes nearer to the device by less counts as idle
-constexpr int kIdleMotions = 8;        // a descent ends after this many idle motions in succession
-constexpr int kMostMotions = 16000;    // of one descent; Counters::unconverged counts where these were too few
-constexpr int kMostEscapes = 64;       // of one sub-step
-constexpr double kLocal = 0x1p-7;      // half side of the cube whose faces are listed: a few hundred of a million
-constexpr std::size_t kMostContacts = 256;
+constexpr double kRounding = 0x1p-48;       // bound on the error of a distance between points within the scene
+constexpr double kErosion = 0x1p-47;        // largest loss of one motion from a distance that is already minimal: twice the rounding error
+constexpr double kIdleGain = 0x1p-50;       // a motion that comes nearer to the device by less counts as idle
+constexpr int kIdleMotions = 8;             // a descent ends after this many idle motions in succession
+constexpr int kMostMotions = 16000;         // of one descent; Counters::unconverged counts where these were too few
+constexpr int kMostEscapes = 64;            // of one sub-step
+constexpr double kLocal = 0x1p-7;           // half side of the cube whose faces are listed: a few hundred of a million
+constexpr std::size_t kMostContacts = 256;  // for one more the oldest is dropped
 constexpr double kSteepest = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {

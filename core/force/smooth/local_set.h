@@ -35,6 +35,7 @@ struct LocalSetRequest {
 // subset of triangles). Every triangle of the scene nearer to the path than `radius` is in it.
 // A plain value without heap, so it fits into a mailbox between the slow and the fast task.
 struct LocalSet {
+  // Four times the usual set (MethodSettings::set_size). It is copied between the tasks, and FdhNearest has as many.
   static constexpr std::uint32_t kCapacity = 256;
 
   Vec3 from = Vec3::Zero();  // start of the path

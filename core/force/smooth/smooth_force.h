@@ -56,7 +56,7 @@ struct SmoothForce {
 // Collects VCPs and combines them.
 class SmoothForceSum {
  public:
-  static constexpr std::size_t kCapacity = 256;
+  static constexpr std::size_t kCapacity = 256;  // as LocalSet: on the stack of the fast task
 
   SmoothForceSum(const Vec3& P, double radius) : P_(P), radius_(radius) {}
 

@@ -98,7 +98,7 @@ SetTriangle SmoothScene::triangle_at(std::uint32_t object, std::uint32_t triangl
 // never its completeness.
 double SmoothScene::farthest_wanted(const LocalSetRequest& request, std::uint32_t count, const LocalSet& before) const noexcept {
   using Three = detail::Of3<Lanes4>;
-  constexpr double kRoom = 1.0 + 0x1p-20;
+  constexpr double kRoom = 1.0 + 0x1p-20;  // far above the rounding of a distance
   if (before.version != version_ || before.count < count) return std::numeric_limits<double>::infinity();
   const Three p = detail::lanes_of(request.from);
   const std::uint32_t last = before.count - 1;

@@ -150,9 +150,9 @@ const std::vector<Fault> kFaults = {
      Verdict::warning, "at 93 % of their temperature limit", "let it rest"},
     {"HubWithoutRights",
      [](FakeMachine& m) {
-       reply_as_hub(
-           m,
-           R"j({"device": "simulated", "device_state": "ready", "realtime": "real time: priority SCHED_FIFO 80: denied (Operation not permitted; x)"})j");
+       reply_as_hub(m,
+                    R"j({"device": "simulated", "device_state": "ready",
+                "realtime": "real time: priority SCHED_FIFO 80: denied (Operation not permitted; x)"})j");
      },
      Verdict::warning, "SCHED_FIFO 80: denied (Operation not permitted", "hapton doctor --only rights"},
     {"HubWithAnotherKey", [](FakeMachine& m) { m.replies.hub = [] {

@@ -30,7 +30,8 @@ class FakeMachine {
     replies.display = [] { return DisplayReply{{}, "NVIDIA RTX A4000/PCIe/SSE2", "4.6.0", true, true}; };
     replies.hub = [] {
       return HubReply{{}, R"({"notes": {"device": "openhaptics", "device_model": "Touch", "device_firmware": "192",
-      "device_state": "ready", "device_calibrated": "yes", "motor_temperature": "0.2", "realtime": "real time: priority SCHED_FIFO 80: granted"}})"};
+      "device_state": "ready", "device_calibrated": "yes", "motor_temperature": "0.2",
+      "realtime": "real time: priority SCHED_FIFO 80: granted"}})"};
     };
   }
 
