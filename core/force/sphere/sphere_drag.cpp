@@ -30,21 +30,20 @@ FrictionCoefficients SphereFollower::coefficients(const OffsetContact& contact) 
 
 bool SphereFollower::has_friction_here() const noexcept {
   bool any = false;
-  for (int i = 0; i < contact_count_; ++i) any |= coefficients(contacts_[i]).static_mu > 0.0;
+  for (int i = 0; i < contacts_.count(); ++i) any |= coefficients(contacts_[i]).static_mu > 0.0;
   return any;
 }
 
 OffsetDrag SphereFollower::make_drag() noexcept {
-  for (int i = 0; i < active_count_; ++i) friction_.coefficients[static_cast<std::size_t>(i)] = coefficients(contacts_[i]);
-  const auto count = static_cast<std::size_t>(active_count_);
-  return {std::span<const OffsetContact>(contacts_).first(count),
-          std::span<const FrictionCoefficients>(friction_.coefficients).first(count), clearance_.offset};
+  for (int i = 0; i < contacts_.active_count(); ++i) friction_.coefficients[static_cast<std::size_t>(i)] = coefficients(contacts_[i]);
+  return {contacts_.active(), std::span<const FrictionCoefficients>(friction_.coefficients).first(contacts_.active().size()),
+          contacts_.offset()};
 }
 
 // The pull is inside the cone, and the centre sticks. On the cone the device drags it as soon as the device moves.
 SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept {
   const double cone = pull.friction.dynamic_mu * pull.depth;
-  friction_.drags = friction_.slides && active_count_ < 3 && pull.length >= (1.0 - kOnCone) * cone - kLeast;
+  friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kLeast;
   friction_.slides = friction_.slides && pull.length >= FrictionMotion::kRestick * cone;
   friction_.slips = false;
   is_descending_ = false;
@@ -54,9 +53,9 @@ SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept
 // With the device held: one piece of path along the pull, until the pull is on the cone.
 SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, const Vec3& motion) noexcept {
   Vec3 direction;
-  if (!find_active(device - centre_, motion, direction)) return Next::failed;
-  if (active_count_ == 0) {
-    contact_count_ = 0;
+  if (!contacts_.find_active(centre_, device - centre_, motion, direction)) return Next::failed;
+  if (contacts_.active_count() == 0) {
+    contacts_.clear();
     friction_.slips = false;
     ++idle_;
     return Next::again;
@@ -65,7 +64,7 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return Next::failed;
   const double cone = (friction_.slides ? pull.friction.dynamic_mu : pull.friction.static_mu) * (1.0 + kOnCone) * pull.depth;
-  const bool moves = active_count_ < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kLeast * kLeast);
+  const bool moves = contacts_.active_count() < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kLeast * kLeast);
   if (!moves) return hold(pull);
   const bool has_vanished = friction_.slips && friction_.vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
   friction_ = {.slides = true, .coefficients = friction_.coefficients};
@@ -97,19 +96,19 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
     is_descending_ = false;
   }
   if (!apply_event(event, slip.path)) return Next::failed;
-  if (ends && slip.released >= 0) remove_contact(slip.released);
+  if (ends && slip.released >= 0) contacts_.remove(slip.released);
   return Next::again;
 }
 
 // With the device moving and the pull on the cone: until the end of the motion, or the next event.
 SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, double& time) noexcept {
-  contact_count_ = active_count_;
+  contacts_.keep_active();
   const OffsetDrag drag = make_drag();
   DragLeg leg;
-  const bool is_round = active_count_ == 1 && contacts_[0].is_curved();
-  const DragOutcome outcome = active_count_ == 3 ? DragOutcome::stops
-                              : is_round         ? make_flow_leg(drag, from, to, time, leg)
-                                                 : make_drag_leg(drag, from, to, time, leg);
+  const bool is_round = contacts_.active_count() == 1 && contacts_[0].is_curved();
+  const DragOutcome outcome = contacts_.active_count() == 3 ? DragOutcome::stops
+                              : is_round                    ? make_flow_leg(drag, from, to, time, leg)
+                                                            : make_drag_leg(drag, from, to, time, leg);
   if (outcome != DragOutcome::moves) {
     ++idle_;
     friction_.drags = false;
@@ -136,7 +135,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
         centre_ = at.centre;
         time = std::clamp(at.time, time_before, leg.time);
       } else {
-        is_restored = restore(centre_);
+        is_restored = contacts_.restore(centre_, work_);
       }
       return;
     }
@@ -144,7 +143,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     if (drag.follow(device, on_path(from, to, time), c, work_)) {
       centre_ = c;
     } else {
-      is_restored = restore(centre_);
+      is_restored = contacts_.restore(centre_, work_);
     }
   });
   if (!is_restored) return Next::failed;
@@ -190,10 +189,10 @@ double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, co
 // The pull on a centre that stays, resolved against all its contacts.
 SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const noexcept {
   Reaction now;
-  std::array<ContactPlane, kMostContacts> planes;
-  for (int i = 0; i < contact_count_; ++i) planes[static_cast<std::size_t>(i)] = {contacts_[i].proximity(centre_).normal, 0.0};
+  std::array<ContactPlane, ContactSet::kMost> planes;
+  for (int i = 0; i < contacts_.count(); ++i) planes[static_cast<std::size_t>(i)] = {contacts_[i].proximity(centre_).normal, 0.0};
   const ConstrainedMotion constrained =
-      constrain_motion(pull, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contact_count_)));
+      constrain_motion(pull, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contacts_.count())));
   if (!constrained.solved) return now;
   ContactMaterial material;
   for (int i = 0; i < constrained.active_count; ++i) {
@@ -253,7 +252,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     if (friction_.slides) consider_restick(rise(-1.0, normal, 1.0 + least * least, 0.0));
   };
   if (excess_at(0.0) > 4.0 * kOnCone * start.norm() + 2.0 * kLeast) soonest = 0.0;
-  for (int i = 0; i < contact_count_; ++i) {
+  for (int i = 0; i < contacts_.count(); ++i) {
     ++work_;
     const Vec3 normal = contacts_[i].proximity(centre_).normal;
     const FrictionCoefficients friction = coefficients(contacts_[i]);
@@ -261,7 +260,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     const double height = normal.dot(start);
     const double there = normal.dot(start + motion);
     if (height < 0.0 && there > 0.0) consider(height / (height - there));
-    for (int j = i + 1; j < contact_count_; ++j) {
+    for (int j = i + 1; j < contacts_.count(); ++j) {
       const Vec3 line = accurate_cross(normal, contacts_[j].proximity(centre_).normal);
       if (!(line.norm() > 0x1p-40)) continue;
       const Vec3 along = line.normalized();
@@ -297,7 +296,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     return Next::again;
   }
   Vec3 direction;
-  return find_active(to - centre_, to - from, direction) ? Next::settled : Next::failed;
+  return contacts_.find_active(centre_, to - centre_, to - from, direction) ? Next::settled : Next::failed;
 }
 
 }  // namespace hapton

@@ -48,9 +48,9 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
 // The vertex near the centre, or the point where three faces that hold the centre meet, or the vertex that three contacts have in common:
 // in a narrow corner the centre is far from it.
 bool SphereFollower::find_apex(Vec3& apex) const noexcept {
-  double nearest = kAround * clearance_.offset;
+  double nearest = kAround * clearance().offset;
   bool any = false;
-  for (int i = 0; i < contact_count_; ++i) {
+  for (int i = 0; i < contacts_.count(); ++i) {
     for (int k = 0; k < 3; ++k) {
       const Vec3& corner = contacts_[i].shape.corner(k);
       const double distance = (corner - centre_).norm();
@@ -62,15 +62,15 @@ bool SphereFollower::find_apex(Vec3& apex) const noexcept {
   }
   if (any) return true;
   ContactFrame frame;
-  if (active_count_ != 3 || !find_frame(centre_, frame)) return false;
+  if (contacts_.active_count() != 3 || !contacts_.find_frame(centre_, frame)) return false;
   const auto is_face = [](const OffsetContact& contact) { return contact.part == OffsetContact::Part::face; };
-  if (!std::all_of(contacts_.begin(), contacts_.begin() + active_count_, is_face)) {
-    return find_common_corner(apex) || (find_meeting(contacts(), centre_, 0.5 * kThrough * clearance_.offset, apex) &&
-                                        (apex - centre_).norm() <= kWedge * clearance_.offset);
+  if (!std::all_of(contacts_.active().begin(), contacts_.active().end(), is_face)) {
+    return find_common_corner(apex) || (find_meeting(contacts(), centre_, 0.5 * kThrough * clearance().offset, apex) &&
+                                        (apex - centre_).norm() <= kWedge * clearance().offset);
   }
   apex = centre_;
-  for (int i = 0; i < 3; ++i) apex -= clearance_.offset * frame.dual[i];
-  return (apex - centre_).norm() <= kWedge * clearance_.offset;
+  for (int i = 0; i < 3; ++i) apex -= clearance().offset * frame.dual[i];
+  return (apex - centre_).norm() <= kWedge * clearance().offset;
 }
 
 bool SphereFollower::find_common_corner(Vec3& apex) const noexcept {
@@ -79,8 +79,8 @@ bool SphereFollower::find_common_corner(Vec3& apex) const noexcept {
     const auto has_it = [&](const OffsetContact& contact) {
       return contact.shape.corner(0) == corner || contact.shape.corner(1) == corner || contact.shape.corner(2) == corner;
     };
-    if (!((corner - centre_).norm() <= kWedge * clearance_.offset)) continue;
-    if (!std::all_of(contacts_.begin(), contacts_.begin() + active_count_, has_it)) continue;
+    if (!((corner - centre_).norm() <= kWedge * clearance().offset)) continue;
+    if (!std::all_of(contacts_.active().begin(), contacts_.active().end(), has_it)) continue;
     apex = corner;
     return true;
   }
@@ -95,7 +95,7 @@ bool SphereFollower::find_cone(double moved) noexcept {
   has_cone_ = false;
   Vec3 apex;
   if (!find_apex(apex)) return false;
-  const double near = kThrough * clearance_.offset;
+  const double near = kThrough * clearance().offset;
   const double radius = near + (apex - centre_).norm();
   if (!near_.covers(centre_, radius) && (!gather(Vec3::Zero()) || !near_.covers(centre_, radius))) return false;
   cone_.begin(apex);
@@ -121,7 +121,7 @@ bool SphereFollower::find_cone(double moved) noexcept {
 bool SphereFollower::find_beside(const Vec3& apex, Vec3& beside) noexcept {
   constexpr double kClear = 0x1p-4;  // offsets from a plane
   constexpr int kMostFaces = 48;
-  const double near = kThrough * clearance_.offset;
+  const double near = kThrough * clearance().offset;
   std::array<ContactPlane, kMostFaces> planes;
   int count = 0;
   bool fits = true;
@@ -135,23 +135,23 @@ bool SphereFollower::find_beside(const Vec3& apex, Vec3& beside) noexcept {
     const double height = at.normal.dot(centre_ - apex);
     is_between |= height < 0.0;
     fits = fits && count < kMostFaces;
-    if (fits) planes[static_cast<std::size_t>(count++)] = {at.normal, kClear * clearance_.offset - height};
+    if (fits) planes[static_cast<std::size_t>(count++)] = {at.normal, kClear * clearance().offset - height};
   });
   if (!fits || !is_between) return fits;
   const ConstrainedMotion aside =
       constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
   beside = centre_ + aside.motion;
-  return aside.solved && aside.motion.norm() < clearance_.offset;
+  return aside.solved && aside.motion.norm() < clearance().offset;
 }
 
 // The least distance along an edge of the corner that makes the point come nearer to the device by kLeastBetter.
 double SphereFollower::least_corner_exit(const Vec3& pull) const noexcept {
-  return std::sqrt(8.0 * kLeastBetter * clearance_.offset * pull.norm());
+  return std::sqrt(8.0 * kLeastBetter * clearance().offset * pull.norm());
 }
 
 // The time at which an edge of the corner first leads nearer to the device; 2: none does.
 double SphereFollower::time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept {
-  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone(4.0 * clearance_.offset)) return 2.0;
+  if (!is_point_ || corner_tries_ >= kMostTries || !find_cone(4.0 * clearance().offset)) return 2.0;
   const Vec3 pull = from - cone_.apex();
   const Vec3 pull_then = to - cone_.apex();
   const double least = 1.0625 * std::max(least_corner_exit(pull), least_corner_exit(pull_then));
@@ -190,7 +190,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
       });
     };
     for (const double wide : kWide) {
-      const double radius = wide * clearance_.offset;
+      const double radius = wide * clearance().offset;
       if (pass(radius)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
@@ -199,7 +199,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
     }
     // A slit so narrow has room for the sphere only farther out.
     const double room = 1.25 * kMostOff * distance_off_edge(steepest);
-    if (room > kWide[2] * clearance_.offset && pass(room)) return true;
+    if (room > kWide[2] * clearance().offset && pass(room)) return true;
     steepest = cone_.find_steepest(pull, steepest.slope);
   }
   return false;
@@ -209,7 +209,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
 bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 towards = (device - cone_.apex()).normalized();
   return cone_.contains(towards) && std::any_of(std::begin(kWide), std::end(kWide), [&](double wide) {
-           const double radius = wide * clearance_.offset;
+           const double radius = wide * clearance().offset;
            return try_escape(device, motion, [&] { return pass_corner(cone_.apex() + radius * towards, radius); });
          });
 }
@@ -217,7 +217,7 @@ bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
 // out before all were tried.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
-  if (!is_point_ || contact_count_ == 0 || is_in_wedge()) return false;
+  if (!is_point_ || contacts_.is_empty() || is_in_wedge()) return false;
   escapes_ = 0;
   // The way out begins where the centre is.
   bool has_left = find_cone(0.0) && leave_corner(device, motion);
@@ -234,13 +234,13 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   const auto leads_over = [&](const Vec3& direction) {
     return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
       return try_escape(device, motion,
-                        [&] { return fly_over(32.0 * height * clearance_.offset * direction, height * clearance_.offset); });
+                        [&] { return fly_over(32.0 * height * clearance().offset * direction, height * clearance().offset); });
     });
   };
   Vec3 over;
-  if (is_shallow(device, over) && leads_over(over)) return true;
+  if (minimum().is_shallow(centre_, device, over) && leads_over(over)) return true;
   // Along each face that it touches, over the boundary of a crack as narrow as the sphere.
-  const int touching = contact_count_;
+  const int touching = contacts_.count();
   for (int i = 0; i < touching; ++i) {
     const Vec3& normal = contacts_[i].shape.normal();
     const Vec3 pull = device - centre_;
@@ -255,7 +255,7 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
 double SphereFollower::distance_off_edge(const TangentCone::Steepest& to) const noexcept {
   const TangentCone::Piece& piece = cone_.boundary()[static_cast<std::size_t>(to.piece)];
   const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
-  return kAbove * clearance_.offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
+  return kAbove * clearance().offset / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
 }
 
 // A position that far from the corner, in that direction and off the boundary. None: the boundary is too narrow there.
@@ -282,7 +282,7 @@ bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
     const double distance = shape.separation(apex).distance;
     if (!is_free || distance > within || !can_touch(near_.triangle(slot), shape, centre_)) return;
     const Separation at = shape.separation(target);
-    is_free = distance <= kThrough * clearance_.offset && at.distance >= clearance_.offset &&
+    is_free = distance <= kThrough * clearance().offset && at.distance >= clearance().offset &&
               (at.feature != Feature::face || at.normal.dot(target - apex) > 0.0) &&
               (cone_.is_around_start() || geometry_.pierce(near_.triangle(slot), centre_, target).time > 1.0);
   });
@@ -318,7 +318,7 @@ bool SphereFollower::is_beyond_surface(const Vec3& target, double within) noexce
     const TouchGeometry::Hit hit = geometry_.pierce(id, centre_, target);
     if (hit.time <= 1.0) balance += hit.from_back ? 1 : -1;
   });
-  const double crack = kThrough * clearance_.offset;
+  const double crack = kThrough * clearance().offset;
   return balance != 0 && is_two_sided && gap.norm() <= crack && area.norm() <= crack * within;
 }
 
@@ -337,7 +337,7 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double w
   constexpr double kQuarter = 0.5 * std::numbers::pi;
   const std::span<const TangentCone::Piece> boundary = cone_.boundary();
   const int count = static_cast<int>(boundary.size());
-  const double above = kAbove * clearance_.offset;
+  const double above = kAbove * clearance().offset;
   const auto go = [&](const Vec3& to_apex) { return fly_straight(cone_.apex() + to_apex - centre_, 1.0); };
   // Around the edge at the end of a piece, by less than a quarter turn at a time.
   const auto fly_about_edge = [&](const TangentCone::Piece& piece, bool forward) {
@@ -401,10 +401,8 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   const int work_before = work_;
   const Vec3 centre = centre_;
   const auto contacts = contacts_;
-  const int count = active_count_;
-  const int touching = contact_count_;
   const double distance = (device - centre_).norm();
-  const double nearer = distance - kLeastBetter * clearance_.offset;
+  const double nearer = distance - kLeastBetter * clearance().offset;
   const auto end = [&](bool is_better) {
     idle_ = 0;
     if (is_better) return true;
@@ -412,15 +410,12 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
     failed_escapes_ += has_escapes_left_ ? 0 : 1;
     centre_ = centre;
     contacts_ = contacts;
-    active_count_ = count;
-    contact_count_ = touching;
     is_descending_ = false;
     has_lost_minimum_ = false;
     least_distance_ = std::numeric_limits<double>::infinity();
     return false;
   };
-  active_count_ = 0;
-  contact_count_ = 0;
+  contacts_.clear();
   idle_ = 0;
   if (!go()) return end(false);
   hint_ = centre_ - centre;
@@ -429,8 +424,8 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   for (int i = 0; i < kMostEvents && idle_ <= kMostIdle && work_ <= most_work_ && !((device - centre_).norm() < nearer); ++i) {
     work_ += kWorkOfEvent;
     double until = 1.0;
-    if (contact_count_ != 0 && !is_descending_) break;
-    const Next next = contact_count_ == 0 ? fly_to(device, until) : descend(device, motion);
+    if (!contacts_.is_empty() && !is_descending_) break;
+    const Next next = contacts_.is_empty() ? fly_to(device, until) : descend(device, motion);
     if (next == Next::settled) break;
     if (next != Next::again) return end(false);
   }

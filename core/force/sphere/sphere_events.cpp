@@ -40,15 +40,15 @@ void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, 
 bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   // A path over a face leaves it long before its end; only the other parts have boundaries that depend on the triangles nearby.
   const bool is_curved =
-      std::any_of(contacts_.begin(), contacts_.begin() + active_count_, [](const OffsetContact& c) { return c.is_curved(); });
+      std::any_of(contacts_.active().begin(), contacts_.active().end(), [](const OffsetContact& c) { return c.is_curved(); });
   if (is_curved && !cover(path, event.time)) return false;
-  const double near = clearance_.offset + path.bulge() + clearance_.slop;
+  const double near = clearance().offset + path.bulge() + clearance().slop;
   CentrePath::Prefix prefix = path.prefix(event.time);
   if (is_curved) {
     if (!find_candidates(path, near, prefix)) return false;
     event.time = prefix.until;
   }
-  for (int i = 0; i < active_count_; ++i) {
+  for (int i = 0; i < contacts_.active_count(); ++i) {
     LevelFaces& crossed = crossed_[static_cast<std::size_t>(i)];
     crossed.until = 0.0;
     Event exit = event;
@@ -70,7 +70,8 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     event.time = prefix.until;
     if (event.time < exit_time) event.contact = -1;
   }
-  const bool is_on_plane = (path.is_straight() || active_count_ == 1) && active_count_ > 0 && contacts_[0].part == Part::face;
+  const bool is_on_plane =
+      (path.is_straight() || contacts_.active_count() == 1) && contacts_.active_count() > 0 && contacts_[0].part == Part::face;
   tangent_count_ = -1;
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
@@ -79,7 +80,8 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
     const ContactTriangle& shape = near_.shape(slot);
     if (tangent_count_ < 0) note_tangents(path);
     if (is_below_tangents(shape)) continue;
-    const CentrePath::Block block = path.find_block(shape, clearance_, path.is_straight() ? 0U : guiding_corners(shape), prefix, work_);
+    const CentrePath::Block block =
+        path.find_block(shape, clearance(), path.is_straight() ? 0U : contacts_.guiding_corners(shape), prefix, work_);
     if (!(block.time < event.time)) continue;
     event.time = block.time;
     event.contact = -1;
@@ -149,7 +151,7 @@ bool SphereFollower::find_level_face(const OffsetContact& contact, int edge, con
 
 // Whether the centre at c is in contact with a face within rounding.
 bool SphereFollower::is_level_at(const OffsetContact& face, const Vec3& c) const noexcept {
-  return std::fabs(face.proximity(c).distance - clearance_.offset) <= kCoplanar;
+  return std::fabs(face.proximity(c).distance - clearance().offset) <= kCoplanar;
 }
 
 bool SphereFollower::is_over(const ContactTriangle& shape, const Vec3& c) noexcept {
@@ -158,7 +160,7 @@ bool SphereFollower::is_over(const ContactTriangle& shape, const Vec3& c) noexce
 
 // The contacts that cross level faces on the way are on the last of these before the event.
 void SphereFollower::move_to_last_level_face(const CentrePath& path, const Event& event) noexcept {
-  for (int i = 0; i < active_count_; ++i) {
+  for (int i = 0; i < contacts_.active_count(); ++i) {
     LevelFaces& crossed = crossed_[static_cast<std::size_t>(i)];
     if (!(crossed.until > 0.0)) continue;
     if (event.time < crossed.until) {
@@ -181,10 +183,10 @@ bool SphereFollower::cannot_stop(int slot, const Vec3& from, bool is_on_plane) n
   const ObjectGeometry::Corners corners = geometry_.corners(triangle);
   if (is_on_plane) {
     const Vec3& up = contacts_[0].normal;
-    const double level = up.dot(from) - clearance_.offset + 0.25 * clearance_.slop;
+    const double level = up.dot(from) - clearance().offset + 0.25 * clearance().slop;
     if (std::max({up.dot(corners.a), up.dot(corners.b), up.dot(corners.c)}) <= level) return true;
   }
-  if (holds_part_of(corners, triangle)) return true;
+  if (contacts_.holds_part_of(corners, triangle)) return true;
   return !materials_[geometry_.mesh_of(triangle)].two_sided && !can_touch(triangle, near_.shape(slot), from);
 }
 
@@ -195,7 +197,7 @@ void SphereFollower::note_tangents(const CentrePath& path) noexcept {
   constexpr double kMostPace = 2.5;
   tangent_count_ = 0;
   if (!path.is_guided() && !path.is_straight()) return;
-  for (int i = 0; i < active_count_; ++i) {
+  for (int i = 0; i < contacts_.active_count(); ++i) {
     const OffsetContact& contact = contacts_[i];
     TangentSpan& span = tangents_[static_cast<std::size_t>(tangent_count_)];
     if (contact.part == Part::face) {
@@ -203,7 +205,7 @@ void SphereFollower::note_tangents(const CentrePath& path) noexcept {
       ++tangent_count_;
     } else if (contact.part == Part::edge && path.is_guided()) {
       span = {contact.origin(), {contact.proximity(path.start()).normal, contact.proximity(path.end()).normal}};
-      const Vec3 turn = clearance_.offset * (span.normal[1] - span.normal[0]);
+      const Vec3 turn = clearance().offset * (span.normal[1] - span.normal[0]);
       const double whole = turn.squaredNorm();
       const double first = turn.dot(path.slope(0.0));
       const double last = turn.dot(path.slope(1.0));
@@ -214,7 +216,7 @@ void SphereFollower::note_tangents(const CentrePath& path) noexcept {
 
 // Such a triangle is below the tangent plane in each place of the path, and never nearer than the contact.
 bool SphereFollower::is_below_tangents(const ContactTriangle& shape) const noexcept {
-  const double level = 0.25 * clearance_.slop;
+  const double level = 0.25 * clearance().slop;
   for (int i = 0; i < tangent_count_; ++i) {
     const TangentSpan& span = tangents_[static_cast<std::size_t>(i)];
     double highest = -std::numeric_limits<double>::infinity();
@@ -290,7 +292,7 @@ bool SphereFollower::is_past_needle(const ContactTriangle& shape, int edge) cons
 
 // Whether the centre is nearer to a triangle than any centre in contact.
 bool SphereFollower::overlaps(const ContactTriangle& shape) const noexcept {
-  return shape.separation(centre_).distance < clearance_.offset - std::min(0x1p-28, 0.25 * clearance_.offset);
+  return shape.separation(centre_).distance < clearance().offset - std::min(0x1p-28, 0.25 * clearance().offset);
 }
 
 // Changes the contacts for the event. False: it cannot.
@@ -302,7 +304,7 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
                            ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time))
                            : -1;
     if (rising >= 0)
-      return add_contact(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
+      return contacts_.add(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
     if (const int level = event.exit.part == Part::edge ? find_coplanar(contacts_[event.contact], event.exit) : -1; level >= 0) {
       hint_ = path.slope(event.time);
       OffsetContact& contact = contacts_[event.contact];
@@ -310,32 +312,23 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
       return true;
     }
     move_to_next_part(event.contact, event.exit, path.slope(event.time));
-    if (is_held_twice(event.contact)) {
-      remove_contact(event.contact);
+    if (contacts_.is_held_twice(event.contact)) {
+      contacts_.remove(event.contact);
       return true;
     }
-    if (restore(centre_)) return true;
+    if (contacts_.restore(centre_, work_)) return true;
     if (!is_point_) return false;
     // No position fits it and the others. The others are hit again if they are in the way.
-    std::swap(contacts_[0], contacts_[event.contact]);
-    active_count_ = contact_count_ = 1;
+    contacts_.keep_only(event.contact);
     ++idle_;
-    return restore(centre_);
+    return contacts_.restore(centre_, work_);
   } else if (event.slot >= 0) {
     if (event.time <= 0.0 && overlaps(near_.shape(event.slot))) return false;
     hint_ = path.slope(event.time);
     is_descending_ = true;
-    return add_contact(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
+    return contacts_.add(OffsetContact::nearest(near_.triangle(event.slot), near_.shape(event.slot), centre_));
   }
   return true;
-}
-
-// Whether another contact that is active is on the same edge or corner, of another triangle.
-bool SphereFollower::is_held_twice(int i) const noexcept {
-  for (int k = 0; k < active_count_; ++k) {
-    if (k != i && contacts_[k].is_same_part(contacts_[i])) return true;
-  }
-  return false;
 }
 
 // Across an edge of a face the adjacent face may rise by so little that it was not hit before. Returns a slot; -1: none.
@@ -344,14 +337,14 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
   int rising = -1;
   double least = -kLeastRise * direction.norm();
-  near_.visit_near(centre_, centre_, clearance_.offset + clearance_.slop, [&](int slot) {
+  near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
       return;
     const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
     const double rise = face.normal.dot(direction);
     if (!(rise < least) || !lies_beyond(contact.shape, edge, shape) ||
-        std::fabs(face.proximity(centre_).distance - clearance_.offset) > clearance_.slop)
+        std::fabs(face.proximity(centre_).distance - clearance().offset) > clearance().slop)
       return;
     least = rise;
     rising = slot;
@@ -364,7 +357,7 @@ int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit
   if (contact.part != Part::face) return -1;
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
   int level = -1;
-  near_.visit_near(centre_, centre_, clearance_.offset + clearance_.slop, [&](int slot) {
+  near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
       return;

@@ -31,16 +31,16 @@ bool SphereFollower::is_alone_with_fan(const OffsetContact& face, const Vec3& to
   constexpr double kLeastRoom = 0x1p-8;  // offsets
   constexpr int kPlanesInUnit = 4;
   constexpr int kSlotsInUnit = 16;
-  const double least = kLeastRoom * clearance_.offset;
+  const double least = kLeastRoom * clearance().offset;
   const int face_corner = fan_corner(face);
   const Vec3 tip = face.shape.corner(face_corner);
   const std::uint32_t mesh = geometry_.mesh_of(face.triangle);
   const std::uint32_t vertex = geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(face_corner)];
   const bool is_known = fan_room_.mesh == mesh && fan_room_.vertex == vertex && fan_room_.back == face.back;
   if (is_known && (centre_ - fan_room_.at).norm() + least <= fan_room_.room) return true;
-  const double near = clearance_.offset + 2.0 * clearance_.slop;
+  const double near = clearance().offset + 2.0 * clearance().slop;
   const bool is_hollow = is_hollow_fan(face);
-  const double enough = clearance_.offset + 2.0 * towards.norm();
+  const double enough = clearance().offset + 2.0 * towards.norm();
   if (near_.room_at(centre_) < near + (is_hollow ? enough : 2.0 * least)) {
     gather_radius_ = std::max(gather_radius_, enough);  // hardly more triangles of the fan, for many steps
     if (!gather(is_hollow ? Vec3::Zero() : towards)) return false;
@@ -72,7 +72,7 @@ bool SphereFollower::touches_one_fan() const noexcept {
     return geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(fan_corner(face))];
   };
   const OffsetContact& first = contacts_[0];
-  return std::all_of(contacts_.begin(), contacts_.begin() + contact_count_, [&](const OffsetContact& other) {
+  return std::all_of(contacts_.all().begin(), contacts_.all().end(), [&](const OffsetContact& other) {
     return other.part == Part::face && fan_corner(other) >= 0 && other.back == first.back &&
            geometry_.mesh_of(other.triangle) == geometry_.mesh_of(first.triangle) && vertex_of(other) == vertex_of(first);
   });
@@ -88,11 +88,11 @@ double SphereFollower::share_in_fan_room(const Vec3& c, const Vec3& motion) cons
 // Follows the device over the faces of a convex or hollow fan. False: the sphere is on no fan, or gets no farther like that; its centre is
 // valid for the device at `time`, and events go on from there.
 bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
-  if (is_point_ || fan_planes_.empty() || contact_count_ == 0 || contacts_[0].part != Part::face) return false;
+  if (is_point_ || fan_planes_.empty() || contacts_.is_empty() || contacts_[0].part != Part::face) return false;
   if (fan_corner(contacts_[0]) < 0) return false;
   const bool is_hollow = is_hollow_fan(contacts_[0]);
   // Before what has to look at all triangles around: a wall beside the fan is in contact, too.
-  if (is_hollow ? !touches_one_fan() : contact_count_ != 1) return false;
+  if (is_hollow ? !touches_one_fan() : contacts_.count() != 1) return false;
   if (!is_alone_with_fan(contacts_[0], to - from)) return false;
   if (!is_hollow) return cross_convex_fan(from, to, time);
   if (cross_hollow_fan(from, to, time)) return true;
@@ -108,7 +108,7 @@ bool SphereFollower::cross_convex_fan(const Vec3& from, const Vec3& to, double& 
   constexpr int kFacesInUnit = 4;
   OffsetContact face = contacts_[0];
   const auto at_minimum = [&](const OffsetContact& over, const Vec3& device) {
-    return Vec3(device + (clearance_.offset - over.normal.dot(device - over.shape.corner(0))) * over.normal);
+    return Vec3(device + (clearance().offset - over.normal.dot(device - over.shape.corner(0))) * over.normal);
   };
   const Vec3 start = centre_;
   const double began = time;
@@ -118,9 +118,9 @@ bool SphereFollower::cross_convex_fan(const Vec3& from, const Vec3& to, double& 
     work_ += n % kFacesInUnit == 0 ? 1 : 0;
     const double height = face.normal.dot(on_path(from, to, time) - face.shape.corner(0));
     const double height_then = face.normal.dot(to - face.shape.corner(0));
-    if (!(height < clearance_.offset)) break;
+    if (!(height < clearance().offset)) break;
     double until = 1.0;
-    if (height_then > clearance_.offset) until = time + (1.0 - time) * (clearance_.offset - height) / (height_then - height);
+    if (height_then > clearance().offset) until = time + (1.0 - time) * (clearance().offset - height) / (height_then - height);
     Vec3 target = at_minimum(face, on_path(from, to, settles ? time : until));
     const double share = share_in_fan_room(c, target - c);
     if (share < 1.0) target = c + share * (target - c);
@@ -142,8 +142,7 @@ bool SphereFollower::cross_convex_fan(const Vec3& from, const Vec3& to, double& 
     settles = true;
   }
   centre_ = c;
-  contacts_[0] = face;
-  active_count_ = 1;
+  contacts_.hold_by({&face, 1});
   is_descending_ = settles;
   const bool has_moved = (centre_ - start).norm() > kLeastMotion;
   if (has_moved || (time - began) * (to - from).norm() > least_progress()) {
@@ -177,14 +176,14 @@ bool SphereFollower::cross_fan_edge(int edge, const Vec3& device, OffsetContact&
   const OffsetContact beyond = OffsetContact::on_face(across.id, shape, face.back ? Vec3(-shape.normal()) : shape.normal());
   const int corner_there = geometry_.convex_fan_corner(beyond.triangle, beyond.back);
   if (corner_there < 0 || shape.corner(corner_there) != face.shape.corner(corner)) return false;
-  const Vec3 closest = c - clearance_.offset * face.normal;
+  const Vec3 closest = c - clearance().offset * face.normal;
   const Vec3 inwards = shape.normal().cross(shape.edge(across.edge));
   if (!(inwards.dot(device - closest) > 0.0)) return false;
   for (int k = 0; k < 3; ++k) {
     if (k != across.edge && !(shape.inside(k, closest) > 0.0)) return false;
   }
-  Vec3 there = closest + clearance_.offset * beyond.normal;
-  there += (clearance_.offset - beyond.proximity(there).distance) * beyond.normal;
+  Vec3 there = closest + clearance().offset * beyond.normal;
+  there += (clearance().offset - beyond.proximity(there).distance) * beyond.normal;
   const double rolled = (there - c).norm();
   if ((there - fan_room_.at).norm() + rolled > fan_room_.room) return false;
   face = beyond;
@@ -222,8 +221,7 @@ void SphereFollower::move_in_hollow_fan(const HollowPlace& place, const Vec3& de
   const bool has_moved = then > time || (place.centre - centre_).norm() > kLeastMotion;
   hint_ = place.centre - centre_;
   centre_ = place.centre;
-  std::copy_n(place.contacts.begin(), place.count, contacts_.begin());
-  active_count_ = contact_count_ = place.count;
+  contacts_.hold_by({place.contacts.data(), static_cast<std::size_t>(place.count)});
   is_descending_ = descends;
   has_lost_minimum_ = false;
   time = then;
@@ -241,13 +239,13 @@ bool SphereFollower::find_in_hollow_fan(const Vec3& device, HollowPlace& place) 
   const Vec3 goal = device - centre_;
   held.motion = goal;
   const auto height_of = [&](int plane, const Vec3& c) {
-    return fan_planes_[static_cast<std::size_t>(plane)].normal.dot(c - fan_room_.tip) - clearance_.offset;
+    return fan_planes_[static_cast<std::size_t>(plane)].normal.dot(c - fan_room_.tip) - clearance().offset;
   };
   bool is_found = false;
   for (int round = 0; round < kMostRounds && !is_found; ++round) {
     double height = 0.0;
     const int lowest = find_lowest_plane(centre_ + held.motion, height);
-    is_found = height >= -0.25 * clearance_.slop;
+    is_found = height >= -0.25 * clearance().slop;
     if (is_found) break;
     std::array<int, 4> next{};
     std::size_t kept = 0;
@@ -268,7 +266,7 @@ bool SphereFollower::find_in_hollow_fan(const Vec3& device, HollowPlace& place) 
     const FanPlane& plane = fan_planes_[static_cast<std::size_t>(of[static_cast<std::size_t>(held.active[static_cast<std::size_t>(i)])])];
     const ObjectGeometry::Corners corners = geometry_.corners(plane.triangle);
     const ContactTriangle shape(corners.a, corners.b, corners.c);
-    const Vec3 closest = place.centre - clearance_.offset * plane.normal;
+    const Vec3 closest = place.centre - clearance().offset * plane.normal;
     for (int k = 0; k < 3; ++k) {
       if (!(shape.inside(k, closest) > 0.0)) return false;
     }
@@ -288,7 +286,7 @@ int SphereFollower::find_lowest_plane(const Vec3& c, double& height) noexcept {
     if (at < least) lowest = i;
     least = std::min(least, at);
   }
-  height = least - clearance_.offset;
+  height = least - clearance().offset;
   work_ += 1 + fan_room_.planes / kPlanesInUnit;
   return lowest;
 }

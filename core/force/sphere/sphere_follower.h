@@ -11,9 +11,9 @@
 
 #include "core/collision/near_triangles.h"
 #include "core/force/sphere/centre_path.h"
-#include "core/force/sphere/contact_frame.h"
+#include "core/force/sphere/contact_set.h"
+#include "core/force/sphere/local_minimum.h"
 #include "core/force/sphere/offset_drag.h"
-#include "core/force/sphere/offset_surface.h"
 #include "core/force/sphere/tangent_cone.h"
 #include "core/force/step_work.h"
 #include "core/force/touch_scene.h"
@@ -41,8 +41,6 @@ namespace hapton {
 // event that it has begun.
 class SphereFollower {
  public:
-  static constexpr int kMostContacts = 8;
-
   enum class Outcome : std::uint8_t {
     settled,    // at a local minimum for the device at the end of its motion, or free there
     exhausted,  // out of work with the device at `time`: a valid position on the path, from which the next step continues seamlessly
@@ -52,7 +50,7 @@ class SphereFollower {
   // `offset`: the distance of a centre in contact. `materials`: one for each object. Both outlive this object.
   // `is_point`: the sphere represents a point, so a corner that only the sphere's radius closes does not hold it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
-      : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
+      : geometry_(geometry), materials_(materials), contacts_({offset, kSlop, kTolerance}), is_point_(is_point) {
     note_friction();
     if (geometry.may_have_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
   }
@@ -60,7 +58,7 @@ class SphereFollower {
   void note_friction() noexcept {
     has_friction_ = false;
     for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
-    is_descending_ |= contact_count_ != 0;
+    is_descending_ |= !contacts_.is_empty();
   }
 
   // Whether the centre is the one of the last step. False after others moved the proxy: start() again.
@@ -89,11 +87,11 @@ class SphereFollower {
   // Whether a flight of the last call ended among too many triangles.
   bool has_given_up_flight() const { return has_given_up_flight_; }
 
-  double offset() const { return clearance_.offset; }
+  double offset() const { return contacts_.offset(); }
   const Vec3& centre() const { return centre_; }
-  bool is_free() const { return contact_count_ == 0; }
+  bool is_free() const { return contacts_.is_empty(); }
   // The active contacts. When settled, the sum of multiplier * normal is centre - device.
-  std::span<const OffsetContact> contacts() const { return std::span(contacts_).first(static_cast<std::size_t>(active_count_)); }
+  std::span<const OffsetContact> contacts() const { return contacts_.active(); }
 
   std::uint64_t events() const { return events_; }  // since construction, like all below
   std::uint64_t slips() const { return slips_; }    // pieces of path under friction with the device held
@@ -107,18 +105,12 @@ class SphereFollower {
   // Hysteresis at the boundary of a part: a contact leaves a face this far beyond its edge and enters it this far inside, and likewise for
   // edges and their ends, so that rounding does not alternate between two parts.
   static constexpr double kOnBoundary = 0x1p-44;
-  static constexpr double kLeastMotion = 0x1p-42;     // a shorter displacement counts as none
-  static constexpr double kAtMinimum = 0x1p-40;       // shorter tangential pulls count as a local minimum
-  static constexpr double kNudge = 0x1p-42;           // where constraints balance, the device's motion decides
-  static constexpr double kTurn = 0.125;              // rad, in one piece of path
-  static constexpr double kLeastStability = 0x1p-26;  // second derivative of the distance along a curve; below it the minimum vanishes
-  static constexpr double kAtAxis = 0x1p-39;     // distance from the axis of an edge or a vertex below which a direction is mostly rounding
-  static constexpr double kLeastRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
-  static constexpr double kCoplanar = 0x1p-50;   // distance between planes that counts as rounding
+  static constexpr double kLeastMotion = 0x1p-42;  // a shorter displacement counts as none
+  static constexpr double kLeastRise = 0x1p-45;    // rad: faces at a smaller angle count as one plane for their common edge
+  static constexpr double kCoplanar = 0x1p-50;     // distance between planes that counts as rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
-  static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
   static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
   static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
   static constexpr int kMostIdle = 24;         // events without progress
@@ -248,6 +240,9 @@ class SphereFollower {
     FrictionCoefficients friction;
   };
 
+  const Clearance& clearance() const { return contacts_.clearance(); }
+  LocalMinimum minimum() const { return LocalMinimum(contacts_); }
+
   FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
   bool has_friction_here() const noexcept;
   OffsetDrag make_drag() noexcept;
@@ -271,25 +266,20 @@ class SphereFollower {
     double begin = 0.0, end = 1.0;
   };
   // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
-  double least_progress() const { return is_point_ ? kAtAxis : kLeastMotion; }
+  double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept;
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept;
-  bool touches_all() const noexcept;
   bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
-  bool find_active(const Vec3& pull, const Vec3& motion, Vec3& descent) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next wait(const Vec3& from, const Vec3& to, double& time) const noexcept;
   bool find_escape_direction(const Vec3& motion) noexcept;
-  void activate_opposing(const Vec3& device, const Vec3& motion) noexcept;
-  bool is_on_axis(const Vec3& device) const noexcept;
-  double time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept;
   template <class Place>
   void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -297,23 +287,11 @@ class SphereFollower {
   bool make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
   bool find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept;
   double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
-  double longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
   bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   CentrePath roll(const OffsetContact& contact, const Vec3& device) const noexcept;
   bool descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   bool make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  double find_stability(const Vec3& c, const Vec3& device) const noexcept;
-  double find_stability(const ContactFrame& frame, const Vec3& c, const Vec3& device) const noexcept;
-  Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
-  double find_turn(const Vec3& displacement) const noexcept;
-  bool solve(const Vec3& device, Vec3& c) const noexcept;
-  bool solve_on_curve(const Vec3& device, Vec3& c) const noexcept;
-  void guide(CentrePath& path) const noexcept;
-  bool restore(Vec3& c) const noexcept;
-  bool restore(Vec3& c, ContactFrame& frame, bool& has_normals) const noexcept;
-  bool restore_to_frame(Vec3& c, ContactFrame& frame) const noexcept;
-  bool find_frame(const Vec3& c, ContactFrame& frame) const noexcept;
   bool cover(const CentrePath& path, double& until) noexcept;
   bool gather(const Vec3& towards) noexcept;
   bool are_slivers(double radius) const noexcept;
@@ -348,7 +326,6 @@ class SphereFollower {
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
-  bool is_held_twice(int i) const noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   bool find_apex(Vec3& apex) const noexcept;
   bool find_common_corner(Vec3& apex) const noexcept;
@@ -364,7 +341,6 @@ class SphereFollower {
   bool straighten_in_slit() noexcept;
   bool fills_slit() noexcept;
   bool leave_slit_to_sweeps(bool has_device_moved) noexcept;
-  double find_most_opposite() const noexcept;
   bool goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept;
   bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
@@ -383,21 +359,15 @@ class SphereFollower {
   bool fly_straight(const Vec3& motion, double share) noexcept;
   int find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept;
   bool overlaps(const ContactTriangle& shape) const noexcept;
-  bool add_contact(const OffsetContact& contact) noexcept;
-  void remove_contact(int i) noexcept;
   bool note_move(const Vec3& from) noexcept;  // whether the centre has moved
   void note_gain(const Vec3& device, bool has_moved) noexcept;
-  unsigned guiding_corners(const ContactTriangle& shape) const noexcept;
-  bool holds_part_of(const ObjectGeometry::Corners& corners, std::uint32_t triangle) const noexcept;
   bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
   bool is_clear(double short_by) noexcept;
   bool is_clear_here(double short_by) noexcept;
-  bool is_shallow(const Vec3& device, Vec3& direction) const noexcept;
-  void note_multipliers(const Vec3& device) noexcept;
 
   const TouchGeometry& geometry_;
   std::span<const Material> materials_;
-  Clearance clearance_;
+  ContactSet contacts_;
   bool is_point_;
   bool has_friction_ = false;
   FrictionState friction_;
@@ -411,9 +381,6 @@ class SphereFollower {
   int lingering_ = 0;                // their number, above those that are usual
   bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
-  std::array<OffsetContact, kMostContacts> contacts_;
-  int active_count_ = 0;
-  int contact_count_ = 0;     // number of contacts_: the first active_count_ are active, the others were hit at this point
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   NearTriangles near_;
   Vec3 crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
@@ -463,13 +430,13 @@ void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&
     if (is_hit) {
       const Separation at = near_.shape(event.slot).separation(centre_);
       const double sign = at.normal.dot(side) < 0.0 ? -1.0 : 1.0;
-      gap = sign * at.distance - clearance_.offset;
+      gap = sign * at.distance - clearance().offset;
       rate = sign * at.normal.dot(path.slope(event.time));
     } else {
       gap = kOnBoundary - event.exit.direction.dot(centre_ - event.exit.origin);
       rate = -event.exit.direction.dot(path.slope(event.time));
     }
-    if (std::fabs(gap) <= (is_hit ? 0.125 * clearance_.slop : 0.25 * kOnBoundary) || !(rate < 0.0)) return;
+    if (std::fabs(gap) <= (is_hit ? 0.125 * clearance().slop : 0.25 * kOnBoundary) || !(rate < 0.0)) return;
     const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
     if (time == event.time) return;
     event.time = time;

@@ -18,13 +18,13 @@ constexpr double kFarthest = 64.0 * 32.0 + 32.0 * 32.0;
 // them go on that far or to below another of the planes, and whatever else is there is not between them. That is convex, so its minimum has
 // no barrier.
 bool SphereFollower::is_in_wedge() noexcept {
-  const double far = kFarthest * clearance_.offset;
-  if (contact_count_ < 2 || contact_count_ > 3 || !near_.covers(centre_, far)) return false;
+  const double far = kFarthest * clearance().offset;
+  if (contacts_.count() < 2 || contacts_.count() > 3 || !near_.covers(centre_, far)) return false;
   std::array<Wall, 3> held_by;
-  for (int i = 0; i < contact_count_; ++i) {
+  for (int i = 0; i < contacts_.count(); ++i) {
     if (!find_wall(contacts_[i], held_by[static_cast<std::size_t>(i)])) return false;
   }
-  const std::span<const Wall> walls(held_by.data(), static_cast<std::size_t>(contact_count_));
+  const std::span<const Wall> walls(held_by.data(), static_cast<std::size_t>(contacts_.count()));
   constexpr int kMostNear = 64;
   std::array<int, kMostNear> near;
   int count = 0;
@@ -53,12 +53,12 @@ bool SphereFollower::find_wall(const OffsetContact& contact, Wall& wall) noexcep
 // A face at that edge or vertex which the centre is over, as far from it as from the edge. Returns a slot; -1: none.
 int SphereFollower::find_face_there(const OffsetContact& contact) noexcept {
   int found = -1;
-  near_.visit_near(centre_, centre_, clearance_.offset + clearance_.slop, [&](int slot) {
+  near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     ++work_;
     const ContactTriangle& shape = near_.shape(slot);
     if (found >= 0 || !contact.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
     const Separation at = shape.separation(centre_);
-    if (at.feature == Feature::face && std::fabs(at.distance - clearance_.offset) <= 0.25 * clearance_.slop) found = slot;
+    if (at.feature == Feature::face && std::fabs(at.distance - clearance().offset) <= 0.25 * clearance().slop) found = slot;
   });
   return found;
 }
@@ -68,9 +68,9 @@ int SphereFollower::find_face_there(const OffsetContact& contact) noexcept {
 // that the centre is over. True: such a contact is on the face now.
 bool SphereFollower::straighten_in_slit() noexcept {
   constexpr double kOpposite = 2.0 - 2.0 * 0.99;  // within 8 degrees, where they press with seven times the pull and more
-  if (!(find_most_opposite() < kOpposite) || !near_.covers(centre_, clearance_.offset + clearance_.slop)) return false;
+  if (!(contacts_.find_most_opposite(centre_) < kOpposite) || !near_.covers(centre_, clearance().offset + clearance().slop)) return false;
   bool any = false;
-  for (int i = active_count_ - 1; i >= 0; --i) {
+  for (int i = contacts_.active_count() - 1; i >= 0; --i) {
     OffsetContact& contact = contacts_[i];
     const int slot = contact.part == OffsetContact::Part::face ? -1 : find_face_there(contact);
     if (slot < 0) continue;
@@ -79,7 +79,7 @@ bool SphereFollower::straighten_in_slit() noexcept {
     const auto is_same = [&](const OffsetContact& other) {
       return &other != &contact && other.triangle == contact.triangle && other.part == contact.part;
     };
-    if (std::any_of(contacts_.begin(), contacts_.begin() + contact_count_, is_same)) remove_contact(i);
+    if (std::any_of(contacts_.all().begin(), contacts_.all().end(), is_same)) contacts_.remove(i);
   }
   if (any) ++idle_;
   return any;
@@ -90,7 +90,7 @@ bool SphereFollower::straighten_in_slit() noexcept {
 bool SphereFollower::fills_slit() noexcept {
   constexpr double kOpposite = 2.0 - 2.0 * 0.9;  // within 26 degrees
   constexpr double kParallel = 2.0 / kFarthest;  // rad; the tip of such a wedge is farther off than a way out would lead
-  const double sum = find_most_opposite();
+  const double sum = contacts_.find_most_opposite(centre_);
   return sum < kOpposite && (sum < kParallel * kParallel || !is_in_wedge());
 }
 
@@ -98,21 +98,9 @@ bool SphereFollower::fills_slit() noexcept {
 bool SphereFollower::leave_slit_to_sweeps(bool has_device_moved) noexcept {
   constexpr double kSamePlace = 2.0;  // offsets; as for other escapes, a smaller gain is none
   if (!fills_slit()) return false;
-  if (!has_device_moved && slit_at_ && (centre_ - *slit_at_).norm() <= kSamePlace * clearance_.offset) return false;
+  if (!has_device_moved && slit_at_ && (centre_ - *slit_at_).norm() <= kSamePlace * clearance().offset) return false;
   slit_at_ = centre_;
   return true;
-}
-
-// Of two active contacts, the squared length of the sum of their normals: 2 + 2 cos of the angle between them. The smallest one; 4: none.
-double SphereFollower::find_most_opposite() const noexcept {
-  std::array<Vec3, kMostContacts> normals;
-  double least = 4.0;
-  for (int i = 0; i < active_count_; ++i) {
-    normals[static_cast<std::size_t>(i)] = contacts_[i].proximity(centre_).normal;
-    for (int k = 0; k < i; ++k)
-      least = std::min(least, (normals[static_cast<std::size_t>(i)] + normals[static_cast<std::size_t>(k)]).squaredNorm());
-  }
-  return least;
 }
 
 // Whether the faces in the plane of a wall cover it that far from the centre: where one of them ends, another goes on, or the edge is below
@@ -120,11 +108,11 @@ double SphereFollower::find_most_opposite() const noexcept {
 bool SphereFollower::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept {
   const auto is_in_plane = [&](const ContactTriangle& shape) {
     return !shape.normal().isZero(0.0) && std::max({std::fabs(wall.height(shape.corner(0))), std::fabs(wall.height(shape.corner(1))),
-                                                    std::fabs(wall.height(shape.corner(2)))}) <= 0.25 * clearance_.slop;
+                                                    std::fabs(wall.height(shape.corner(2)))}) <= 0.25 * clearance().slop;
   };
   const auto is_below_another = [&](const Vec3& p, const Vec3& q) {
     return std::any_of(walls.begin(), walls.end(), [&](const Wall& other) {
-      return &other != &wall && std::max(other.height(p), other.height(q)) <= 0.25 * clearance_.slop;
+      return &other != &wall && std::max(other.height(p), other.height(q)) <= 0.25 * clearance().slop;
     });
   };
   // On the other side of the edge.
@@ -161,7 +149,7 @@ bool SphereFollower::goes_on(const Wall& wall, std::span<const Wall> walls, std:
 // Whether a plane through the line where two of the walls meet has the triangle below and the wedge above it. Its heights are means of
 // those over the two, with a weight for which all three corners are below.
 bool SphereFollower::is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept {
-  const double rounding = 0.25 * clearance_.slop;
+  const double rounding = 0.25 * clearance().slop;
   for (std::size_t i = 0; i < walls.size(); ++i) {
     for (std::size_t j = i + 1; j < walls.size(); ++j) {
       double least = 0.0;
