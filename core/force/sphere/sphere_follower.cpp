@@ -306,7 +306,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     return Next::again;
   }
   CentrePath path;
-  if (!make_descent(device, is_unstable, path)) {
+  if (!DescentPath(contacts_, centre_, work_).make(device, hint_, is_unstable, path)) {
     if (!is_unstable) return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
     // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
     if (contacts_.active_count() == 2 && is_point_ && minimum().find_stability(centre_, device) <= 0.0) return drop_weaker(pull);
@@ -353,8 +353,8 @@ SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
 SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, double& time) noexcept {
   contacts_.activate_all();
   if (contacts_.active_count() == 3) return stay(from, to, time);
-  Leg leg;
-  if (!make_leg(from, to, time, leg)) {
+  MinimumLeg leg;
+  if (!MinimumLegs(contacts_, centre_, work_).make(from, to, time, leg)) {
     const Vec3 rate = minimum().find_rate(centre_, on_path(from, to, time), to - from);
     return lose_minimum(rate.allFinite() && !rate.isZero(0.0) ? rate : Vec3(to - from));
   }
@@ -369,7 +369,7 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     centre_ = leg.path.at(share);
     if (leg.is_on_curve) {
       is_restored = contacts_.restore(centre_, work_) && is_near_path(centre_, leg.path, share);
-      if (share < 1.0) time = std::clamp(time_on_curve(from, to), time_before, leg.time);
+      if (share < 1.0) time = std::clamp(MinimumLegs(contacts_, centre_, work_).time_on_curve(from, to), time_before, leg.time);
       return;
     }
     if (leg.path.is_straight() || (minimum().solve(on_path(from, to, time), centre_, work_) && is_near_path(centre_, leg.path, share)))

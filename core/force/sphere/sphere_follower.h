@@ -12,7 +12,9 @@
 #include "core/collision/near_triangles.h"
 #include "core/force/sphere/centre_path.h"
 #include "core/force/sphere/contact_set.h"
+#include "core/force/sphere/descent_path.h"
 #include "core/force/sphere/local_minimum.h"
+#include "core/force/sphere/minimum_legs.h"
 #include "core/force/sphere/offset_drag.h"
 #include "core/force/sphere/tangent_cone.h"
 #include "core/force/step_work.h"
@@ -158,14 +160,6 @@ class SphereFollower {
     int count = 0;
     std::array<OffsetContact, 3> contacts;
   };
-  // A piece of the path with the device moving.
-  struct Leg {
-    CentrePath path;
-    double time = 1.0;         // of the device at its end
-    int released = -1;         // the contact whose multiplier is zero there; -1: none
-    bool is_on_curve = false;  // parametrised by length; time of a point: when the device makes it the minimum
-    bool vanishes = false;     // the minimum vanishes at its end
-  };
   // A plane that holds the centre, which is above it.
   struct Wall {
     Vec3 normal = Vec3::Zero();  // unit
@@ -177,20 +171,6 @@ class SphereFollower {
   struct TangentSpan {
     Vec3 origin = Vec3::Zero();  // on both
     std::array<Vec3, 2> normal;  // unit, towards the centre
-  };
-  // Along the curve where two contacts meet, with the device moving.
-  struct Course {
-    Vec3 from, motion;   // of the device
-    Vec3 direction;      // unit, of the curve at the centre
-    double sense = 1.0;  // of that direction: 1 as the frame's there, -1 opposite
-  };
-  // A place on the curve where two contacts meet.
-  struct CurvePlace {
-    Vec3 centre = Vec3::Zero();
-    ContactFrame frame;
-    Vec3 along = Vec3::Zero();  // unit, in the direction of travel
-    double time = 0.0;          // of the device when this is its minimum
-    double stability = 0.0;     // then
   };
 
   // Coulomb friction: stick, slip, or drag.
@@ -283,15 +263,7 @@ class SphereFollower {
   template <class Place>
   void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
-  bool make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
-  bool find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept;
-  double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
-  bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  CentrePath roll(const OffsetContact& contact, const Vec3& device) const noexcept;
-  bool descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  bool make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
   bool cover(const CentrePath& path, double& until) noexcept;
   bool gather(const Vec3& towards) noexcept;
   bool are_slivers(double radius) const noexcept;

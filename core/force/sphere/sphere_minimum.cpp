@@ -77,4 +77,36 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   return Next::again;
 }
 
+// The minimum along the curve vanishes here; hint: the direction in which the centre came.
+SphereFollower::Next SphereFollower::lose_minimum(const Vec3& hint) noexcept {
+  has_lost_minimum_ = true;
+  is_descending_ = true;
+  hint_ = hint;
+  ++idle_;
+  return Next::again;
+}
+
+// Chooses the direction in which the centre leaves a minimum that has vanished: along hint_, or against it where another contact blocks.
+// False: both are blocked.
+bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
+  if (hint_.isZero(0.0)) hint_ = motion;
+  ContactFrame frame;
+  if (!contacts_.find_frame(centre_, frame)) return true;
+  Vec3 direction = contacts_.active_count() == 2 ? Vec3(frame.along * (frame.along.dot(hint_) < 0.0 ? -1.0 : 1.0))
+                                                 : Vec3(hint_ - frame.normal[0].dot(hint_) * frame.normal[0]);
+  const auto is_open = [&](const Vec3& w) {
+    for (int i = contacts_.active_count(); i < contacts_.count(); ++i) {
+      if (contacts_[i].proximity(centre_).normal.dot(w) < 0.0) return false;
+    }
+    return true;
+  };
+  const bool may_turn = idle_ <= kMostIdle / 4;  // to and fro between two contacts leads nowhere
+  for (const double sign : {1.0, -1.0}) {
+    if (!is_open(sign * direction) || (sign < 0.0 && !may_turn)) continue;
+    hint_ = sign * direction;
+    return true;
+  }
+  return false;
+}
+
 }  // namespace hapton
