@@ -6,7 +6,8 @@ namespace hapton {
 
 // A piece of the steepest descent of a centre that stays on its active contacts, one or two, towards a device that is held: straight over a
 // face, along a helix around an edge or a vertex, along the curve where two contacts meet. It turns by LocalMinimum::kTurn at the most, and
-// never leads away from the device. A view: contacts, centre and `work`, which is raised by the units of work (step_work.h), outlive it.
+// ends nearer to the device; on a single contact each part of it leads nearer. A view: contacts, centre and `work`, which is raised by the
+// units of work (step_work.h), outlive it.
 //
 // Frame and units: TouchGeometry's local ones. RT: yes.
 class DescentPath {

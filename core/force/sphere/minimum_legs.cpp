@@ -63,12 +63,8 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
     span *= 0.5;
   }
   if (!end_at_release(from, to, time, leg, end)) return false;
-  if (is_straight) {
-    leg.path = CentrePath::straight(centre_, end);
-    return true;
-  }
   const double part = leg.time - time;
-  if (!(part > 0.0)) {
+  if (is_straight || !(part > 0.0)) {
     leg.path = CentrePath::straight(centre_, end);
     return true;
   }

@@ -24,7 +24,7 @@ constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
 }  // namespace
 
 FrictionCoefficients SphereFollower::coefficients(const OffsetContact& contact) const noexcept {
-  const Material& material = materials_[geometry_.mesh_of(contact.triangle)];
+  const Material& material = near_.material(contact.triangle);
   return {material.friction_static, std::min(material.friction_dynamic, material.friction_static)};
 }
 
@@ -196,7 +196,7 @@ SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const n
   if (!constrained.solved) return now;
   ContactMaterial material;
   for (int i = 0; i < constrained.active_count; ++i) {
-    material.add(materials_[geometry_.mesh_of(contacts_[constrained.active[i]].triangle)], constrained.multipliers[i]);
+    material.add(near_.material(contacts_[constrained.active[i]].triangle), constrained.multipliers[i]);
   }
   now.is_free = constrained.active_count == 0;
   now.friction = {material.mean().friction_static, std::min(material.mean().friction_static, material.mean().friction_dynamic)};

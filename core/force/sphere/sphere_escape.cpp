@@ -97,13 +97,13 @@ bool SphereFollower::find_cone(double moved) noexcept {
   if (!find_apex(apex)) return false;
   const double near = kThrough * clearance().offset;
   const double radius = near + (apex - centre_).norm();
-  if (!near_.covers(centre_, radius) && (!gather(Vec3::Zero()) || !near_.covers(centre_, radius))) return false;
+  if (!near_.covers(centre_, radius) && (!near_.gather(centre_, Vec3::Zero(), work_) || !near_.covers(centre_, radius))) return false;
   cone_.begin(apex);
   bool fits = true;
   bool is_between = false;
   near_.visit_near(apex, apex, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (!(shape.separation(apex).distance <= near) || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
     fits = fits && cone_.add(shape, near);
     const double above_plane = shape.normal().dot(centre_ - shape.corner(0));
     is_between |= above_plane * shape.normal().dot(centre_ - apex) < 0.0;
@@ -128,7 +128,7 @@ bool SphereFollower::find_beside(const Vec3& apex, Vec3& beside) noexcept {
   bool is_between = false;
   near_.visit_near(apex, apex, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    if (!(shape.separation(apex).distance <= near) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (!(shape.separation(apex).distance <= near) || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
     ++work_;
     const Separation at = shape.separation(centre_);
     if (at.feature != Feature::face) return;
@@ -280,11 +280,11 @@ bool SphereFollower::pass_corner(const Vec3& target, double wide) noexcept {
     ++work_;
     const ContactTriangle& shape = near_.shape(slot);
     const double distance = shape.separation(apex).distance;
-    if (!is_free || distance > within || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (!is_free || distance > within || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
     const Separation at = shape.separation(target);
     is_free = distance <= kThrough * clearance().offset && at.distance >= clearance().offset &&
               (at.feature != Feature::face || at.normal.dot(target - apex) > 0.0) &&
-              (cone_.is_around_start() || geometry_.pierce(near_.triangle(slot), centre_, target).time > 1.0);
+              (cone_.is_around_start() || near_.geometry().pierce(near_.triangle(slot), centre_, target).time > 1.0);
   });
   if (!is_free || is_beyond_surface(target, within)) return false;
   centre_ = target;
@@ -305,9 +305,9 @@ bool SphereFollower::is_beyond_surface(const Vec3& target, double within) noexce
     const ContactTriangle& shape = near_.shape(slot);
     if (shape.separation(apex).distance > within) return;
     const std::uint32_t id = near_.triangle(slot);
-    is_two_sided &= materials_[geometry_.mesh_of(id)].two_sided;
+    is_two_sided &= near_.material(id).two_sided;
     for (int k = 0; k < 3; ++k) {
-      const TouchGeometry::Adjacent beside = geometry_.adjacent(id, k);
+      const TouchGeometry::Adjacent beside = near_.geometry().adjacent(id, k);
       if (beside.exists && !beside.flips) continue;
       const Span part = part_within(shape, k, apex, within);
       const Vec3 from = shape.corner(k) - apex + part.begin * shape.edge(k);
@@ -315,7 +315,7 @@ bool SphereFollower::is_beyond_surface(const Vec3& target, double within) noexce
       gap += along;
       area += 0.5 * from.cross(along);
     }
-    const TouchGeometry::Hit hit = geometry_.pierce(id, centre_, target);
+    const TouchGeometry::Hit hit = near_.geometry().pierce(id, centre_, target);
     if (hit.time <= 1.0) balance += hit.from_back ? 1 : -1;
   });
   const double crack = kThrough * clearance().offset;
@@ -438,11 +438,11 @@ Vec3 SphereFollower::find_lift(double height) noexcept {
   std::array<ContactPlane, kMostNear> planes;
   int count = 0;
   const double near = 2.0 * height;
-  if (!near_.covers(centre_, near) && (!gather(Vec3::Zero()) || !near_.covers(centre_, near))) return Vec3::Zero();
+  if (!near_.covers(centre_, near) && (!near_.gather(centre_, Vec3::Zero(), work_) || !near_.covers(centre_, near))) return Vec3::Zero();
   near_.visit_near(centre_, centre_, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     const Separation at = shape.separation(centre_);
-    if (count == kMostNear || at.distance > near || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (count == kMostNear || at.distance > near || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
     planes[static_cast<std::size_t>(count++)] = {at.normal, height - at.distance};
   });
   work_ += count;

@@ -41,7 +41,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   // A path over a face leaves it long before its end; only the other parts have boundaries that depend on the triangles nearby.
   const bool is_curved =
       std::any_of(contacts_.active().begin(), contacts_.active().end(), [](const OffsetContact& c) { return c.is_curved(); });
-  if (is_curved && !cover(path, event.time)) return false;
+  if (is_curved && !near_.cover(path, event.time, work_)) return false;
   const double near = clearance().offset + path.bulge() + clearance().slop;
   CentrePath::Prefix prefix = path.prefix(event.time);
   if (is_curved) {
@@ -64,7 +64,7 @@ bool SphereFollower::find_event(const CentrePath& path, Event& event) noexcept {
   }
   if (!is_curved) {
     const double exit_time = event.time;
-    if (!cover(path, event.time)) return false;
+    if (!near_.cover(path, event.time, work_)) return false;
     if (event.time < exit_time) prefix = path.prefix(event.time);
     if (!find_candidates(path, near, prefix)) return false;
     event.time = prefix.until;
@@ -139,12 +139,12 @@ bool SphereFollower::cross_level_faces(const CentrePath& path, double until, Off
 // one plane differ by the rounding of their corners, as a share of their heights: 2^-51 over 2^-15 at the most. A force turns by less.
 bool SphereFollower::find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept {
   constexpr double kMostTilt = 0x1p-36;  // rad
-  const TouchGeometry::Adjacent across = geometry_.adjacent(contact.triangle, edge);
+  const TouchGeometry::Adjacent across = near_.geometry().adjacent(contact.triangle, edge);
   if (!across.exists || across.id == contact.triangle) return false;
-  const ObjectGeometry::Corners corners = geometry_.corners(across.id);
+  const ObjectGeometry::Corners corners = near_.geometry().corners(across.id);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
   if (!(shape.normal().cross(contact.normal).squaredNorm() <= kMostTilt * kMostTilt) || !is_over(shape, c)) return false;
-  if (!can_touch(across.id, shape, c)) return false;
+  if (!near_.can_touch(across.id, shape, c)) return false;
   level = OffsetContact::on_face(across.id, shape, contact.normal);
   return is_level_at(level, c);
 }
@@ -180,14 +180,14 @@ void SphereFollower::move_to_last_level_face(const CentrePath& path, const Event
 // a centre that moves over it.
 bool SphereFollower::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept {
   const std::uint32_t triangle = near_.triangle(slot);
-  const ObjectGeometry::Corners corners = geometry_.corners(triangle);
+  const ObjectGeometry::Corners corners = near_.geometry().corners(triangle);
   if (is_on_plane) {
     const Vec3& up = contacts_[0].normal;
     const double level = up.dot(from) - clearance().offset + 0.25 * clearance().slop;
     if (std::max({up.dot(corners.a), up.dot(corners.b), up.dot(corners.c)}) <= level) return true;
   }
   if (contacts_.holds_part_of(corners, triangle)) return true;
-  return !materials_[geometry_.mesh_of(triangle)].two_sided && !can_touch(triangle, near_.shape(slot), from);
+  return !near_.material(triangle).two_sided && !near_.can_touch(triangle, near_.shape(slot), from);
 }
 
 // Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
@@ -236,7 +236,7 @@ bool SphereFollower::find_candidates(const CentrePath& path, double near, Centre
   note_candidates(path.start(), prefix.end, near);
   if (candidate_count_ <= kMany || near_.is_central(path.start())) return true;
   double until = prefix.until;
-  if (!gather(Vec3::Zero()) || !cover(path, until)) return false;
+  if (!near_.gather(centre_, Vec3::Zero(), work_) || !near_.cover(path, until, work_)) return false;
   if (until < prefix.until) prefix = path.prefix(until);
   note_candidates(path.start(), prefix.end, near);
   return true;
@@ -263,7 +263,7 @@ void SphereFollower::visit_exits(const OffsetContact& contact, Visit&& visit) no
   }
   for (int i = 0; i < candidate_count_; ++i) {
     const int slot = candidates_[static_cast<std::size_t>(i)];
-    const ObjectGeometry::Corners corners = geometry_.corners(near_.triangle(slot));
+    const ObjectGeometry::Corners corners = near_.geometry().corners(near_.triangle(slot));
     if (!contact.is_shared_with(corners.a, corners.b, corners.c)) continue;
     if (contact.part == Part::vertex) {
       visit_edges_at(contact.origin(), corners, [&](const Vec3& outwards, int k) {
@@ -339,7 +339,8 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
   double least = -kLeastRise * direction.norm();
   near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
+    if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) ||
+        !near_.can_touch(near_.triangle(slot), shape, centre_))
       return;
     const OffsetContact face = OffsetContact::on_face(near_.triangle(slot), shape, contact.normal);
     const double rise = face.normal.dot(direction);
@@ -359,7 +360,8 @@ int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit
   int level = -1;
   near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
-    if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_))
+    if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) ||
+        !near_.can_touch(near_.triangle(slot), shape, centre_))
       return;
     if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise) || !is_over(shape, centre_)) return;
     if (is_level_at(OffsetContact::on_face(near_.triangle(slot), shape, contact.normal), centre_)) level = slot;

@@ -17,12 +17,12 @@ using Part = OffsetContact::Part;
 
 // The corner of a face's triangle in which a fan meets that is convex or hollow as seen by the sphere; -1: the face is in none.
 int SphereFollower::fan_corner(const OffsetContact& face) const noexcept {
-  const int convex = geometry_.convex_fan_corner(face.triangle, face.back);
-  return convex >= 0 ? convex : geometry_.convex_fan_corner(face.triangle, !face.back);
+  const int convex = near_.geometry().convex_fan_corner(face.triangle, face.back);
+  return convex >= 0 ? convex : near_.geometry().convex_fan_corner(face.triangle, !face.back);
 }
 
 bool SphereFollower::is_hollow_fan(const OffsetContact& face) const noexcept {
-  return geometry_.convex_fan_corner(face.triangle, face.back) < 0;
+  return near_.geometry().convex_fan_corner(face.triangle, face.back) < 0;
 }
 
 // Whether the centre may go some way without coming near anything but the fan that it is on. Holds in a ball around a centre, so it need
@@ -34,29 +34,29 @@ bool SphereFollower::is_alone_with_fan(const OffsetContact& face, const Vec3& to
   const double least = kLeastRoom * clearance().offset;
   const int face_corner = fan_corner(face);
   const Vec3 tip = face.shape.corner(face_corner);
-  const std::uint32_t mesh = geometry_.mesh_of(face.triangle);
-  const std::uint32_t vertex = geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(face_corner)];
+  const std::uint32_t mesh = near_.geometry().mesh_of(face.triangle);
+  const std::uint32_t vertex = near_.geometry().corners(face.triangle).vertices[static_cast<std::size_t>(face_corner)];
   const bool is_known = fan_room_.mesh == mesh && fan_room_.vertex == vertex && fan_room_.back == face.back;
   if (is_known && (centre_ - fan_room_.at).norm() + least <= fan_room_.room) return true;
   const double near = clearance().offset + 2.0 * clearance().slop;
   const bool is_hollow = is_hollow_fan(face);
   const double enough = clearance().offset + 2.0 * towards.norm();
   if (near_.room_at(centre_) < near + (is_hollow ? enough : 2.0 * least)) {
-    gather_radius_ = std::max(gather_radius_, enough);  // hardly more triangles of the fan, for many steps
-    if (!gather(is_hollow ? Vec3::Zero() : towards)) return false;
+    near_.widen(enough);  // hardly more triangles of the fan, for many steps
+    if (!near_.gather(centre_, is_hollow ? Vec3::Zero() : towards, work_)) return false;
   }
   double room = near_.room_at(centre_) - near;
   int planes = 0;
   near_.visit_near(centre_, centre_, near + std::max(room, 0.0), [&](int slot) {
     const std::uint32_t triangle = near_.triangle(slot);
-    const int corner = std::max(geometry_.convex_fan_corner(triangle, false), geometry_.convex_fan_corner(triangle, true));
-    const bool is_in_fan = corner >= 0 && geometry_.mesh_of(triangle) == mesh &&
-                           geometry_.corners(triangle).vertices[static_cast<std::size_t>(corner)] == vertex;
+    const int corner = std::max(near_.geometry().convex_fan_corner(triangle, false), near_.geometry().convex_fan_corner(triangle, true));
+    const bool is_in_fan = corner >= 0 && near_.geometry().mesh_of(triangle) == mesh &&
+                           near_.geometry().corners(triangle).vertices[static_cast<std::size_t>(corner)] == vertex;
     if (!is_in_fan) {
       ++work_;
       room = std::min(room, near_.shape(slot).separation(centre_).distance - near);
     } else if (is_hollow) {
-      const ObjectGeometry::Corners corners = geometry_.corners(triangle);
+      const ObjectGeometry::Corners corners = near_.geometry().corners(triangle);
       const Vec3 normal = accurate_cross(corners.b - corners.a, corners.c - corners.a).normalized();
       fan_planes_[static_cast<std::size_t>(planes++)] = {face.back ? Vec3(-normal) : normal, triangle};
     }
@@ -69,12 +69,12 @@ bool SphereFollower::is_alone_with_fan(const OffsetContact& face, const Vec3& to
 // All contacts are with faces of the same fan, on one side. Pre: the first one is in a fan.
 bool SphereFollower::touches_one_fan() const noexcept {
   const auto vertex_of = [&](const OffsetContact& face) {
-    return geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(fan_corner(face))];
+    return near_.geometry().corners(face.triangle).vertices[static_cast<std::size_t>(fan_corner(face))];
   };
   const OffsetContact& first = contacts_[0];
   return std::all_of(contacts_.all().begin(), contacts_.all().end(), [&](const OffsetContact& other) {
     return other.part == Part::face && fan_corner(other) >= 0 && other.back == first.back &&
-           geometry_.mesh_of(other.triangle) == geometry_.mesh_of(first.triangle) && vertex_of(other) == vertex_of(first);
+           near_.geometry().mesh_of(other.triangle) == near_.geometry().mesh_of(first.triangle) && vertex_of(other) == vertex_of(first);
   });
 }
 
@@ -169,12 +169,12 @@ SphereFollower::FanExit SphereFollower::find_fan_exit(const OffsetContact& face,
 // sphere on the edge, or it passes the tip.
 bool SphereFollower::cross_fan_edge(int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept {
   const int corner = fan_corner(face);
-  const TouchGeometry::Adjacent across = geometry_.adjacent(face.triangle, edge);
+  const TouchGeometry::Adjacent across = near_.geometry().adjacent(face.triangle, edge);
   if (edge == (corner + 1) % 3 || !across.exists || across.flips) return false;
-  const ObjectGeometry::Corners corners = geometry_.corners(across.id);
+  const ObjectGeometry::Corners corners = near_.geometry().corners(across.id);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
   const OffsetContact beyond = OffsetContact::on_face(across.id, shape, face.back ? Vec3(-shape.normal()) : shape.normal());
-  const int corner_there = geometry_.convex_fan_corner(beyond.triangle, beyond.back);
+  const int corner_there = near_.geometry().convex_fan_corner(beyond.triangle, beyond.back);
   if (corner_there < 0 || shape.corner(corner_there) != face.shape.corner(corner)) return false;
   const Vec3 closest = c - clearance().offset * face.normal;
   const Vec3 inwards = shape.normal().cross(shape.edge(across.edge));
@@ -264,7 +264,7 @@ bool SphereFollower::find_in_hollow_fan(const Vec3& device, HollowPlace& place) 
   if ((place.centre - fan_room_.at).norm() > fan_room_.room) return false;
   for (int i = 0; i < held.active_count; ++i) {
     const FanPlane& plane = fan_planes_[static_cast<std::size_t>(of[static_cast<std::size_t>(held.active[static_cast<std::size_t>(i)])])];
-    const ObjectGeometry::Corners corners = geometry_.corners(plane.triangle);
+    const ObjectGeometry::Corners corners = near_.geometry().corners(plane.triangle);
     const ContactTriangle shape(corners.a, corners.b, corners.c);
     const Vec3 closest = place.centre - clearance().offset * plane.normal;
     for (int k = 0; k < 3; ++k) {

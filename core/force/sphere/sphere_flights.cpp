@@ -31,15 +31,14 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   double time = kNever;
   int tests = 0;
   int in_fan = 0;
-  geometry_.visit_along(from, to, clearance().offset + clearance().tolerance, [&](std::uint32_t id, double before) {
-    const bool is_in_fan = geometry_.is_in_large_fan(id);
+  near_.geometry().visit_along(from, to, clearance().offset + clearance().tolerance, [&](std::uint32_t id, double before) {
+    const bool is_in_fan = near_.geometry().is_in_large_fan(id);
     if (is_in_fan ? ++in_fan > NearTriangles::kMostVisitedInFans : ++tests > kMostInFlight) return -1.0;
     work_ += is_in_fan ? in_fan % kFanInUnit == 0 : 1;
-    const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance());
+    const double t = time_to_block(TriangleView{near_.geometry(), id}, from, motion, std::min(before, time), clearance());
     if (!(t < time) || t > 1.0) return before;
-    const ObjectGeometry::Corners corners = geometry_.corners(id);
-    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from))
-      return before;
+    const ObjectGeometry::Corners corners = near_.geometry().corners(id);
+    if (!near_.material(id).two_sided && !near_.can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from)) return before;
     first = id;
     time = t;
     return std::min(before, t);
@@ -56,7 +55,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   ++idle_;
   if (time * motion.norm() > kLeastMotion) idle_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
-  const ObjectGeometry::Corners corners = geometry_.corners(first);
+  const ObjectGeometry::Corners corners = near_.geometry().corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
   if (overlaps(shape)) return Next::failed;
   hint_ = motion;

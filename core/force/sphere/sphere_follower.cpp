@@ -15,27 +15,6 @@ using Part = OffsetContact::Part;
 
 }  // namespace
 
-bool SphereFollower::can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept {
-  return materials_[geometry_.mesh_of(triangle)].two_sided || shape.normal().dot(p - shape.corner(0)) > 0.0;
-}
-
-// Whether no triangle is nearer than allowed. `short_by`: by how much a start that only other code computed may be too near.
-bool SphereFollower::is_clear(double short_by) noexcept {
-  bool clear = true;
-  near_.visit_near(centre_, centre_, clearance().offset - short_by, [&](int slot) {
-    if (!clear) return;
-    ++work_;
-    const ContactTriangle& shape = near_.shape(slot);
-    clear = shape.separation(centre_).distance >= clearance().offset - short_by || !can_touch(near_.triangle(slot), shape, centre_);
-  });
-  return clear;
-}
-
-// After a failure the centre may be outside the ball of the gathered triangles.
-bool SphereFollower::is_clear_here(double short_by) noexcept {
-  return (near_.covers(centre_, clearance().offset) || gather(Vec3::Zero())) && is_clear(short_by);
-}
-
 bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
   work_ = 0;
   is_tracking_ = false;
@@ -46,8 +25,8 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   is_carried_ = false;
   has_lost_minimum_ = false;
   hint_ = Vec3::Zero();
-  if (!near_.covers(centre_, clearance().offset + 2.0 * clearance().tolerance) && !gather(Vec3::Zero())) return false;
-  if (!is_clear(short_by + clearance().slop)) return false;
+  if (!near_.covers(centre_, clearance().offset + 2.0 * clearance().tolerance) && !near_.gather(centre_, Vec3::Zero(), work_)) return false;
+  if (!near_.is_clear(centre_, short_by + clearance().slop, work_)) return false;
   is_tracking_ = true;
   if (is_free) return true;
   // Lifts the centre to the offset from all that it touches.
@@ -60,7 +39,8 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
       const ContactTriangle& shape = near_.shape(slot);
       const Separation at = shape.separation(centre_);
       const double gap = at.distance - clearance().offset;
-      if (gap > clearance().tolerance || contacts_.count() == ContactSet::kMost || !can_touch(near_.triangle(slot), shape, centre_)) return;
+      if (gap > clearance().tolerance || contacts_.count() == ContactSet::kMost || !near_.can_touch(near_.triangle(slot), shape, centre_))
+        return;
       const bool is_known = std::any_of(contacts_.all().begin(), contacts_.all().end(),
                                         [&](const OffsetContact& other) { return other.is_shared_with(shape); });
       if (is_known && gap > -clearance().slop) return;
@@ -73,14 +53,13 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
     if (lift.motion.norm() <= clearance().tolerance) break;
     centre_ += lift.motion;
   }
-  return is_tracking_ = is_clear(clearance().slop);
+  return is_tracking_ = near_.is_clear(centre_, clearance().slop, work_);
 }
 
 void SphereFollower::forget() noexcept {
   stop_tracking();
   forget_near();
-  gathered_count_ = 0;
-  gather_radius_ = 0.0;
+  near_.reset();
   hint_ = Vec3::Zero();
   lingered_at_ = Vec3::Zero();
   slit_at_.reset();
@@ -214,7 +193,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   queried_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
   const bool is_astray = next == Next::failed && !contacts_.touches_all(centre_);
-  if (!contacts_.is_empty() && !has_stuck && (is_astray || !is_clear_here(2.0 * clearance().slop))) {
+  if (!contacts_.is_empty() && !has_stuck && (is_astray || !near_.is_clear_here(centre_, 2.0 * clearance().slop, work_))) {
     centre_ = start;
     contacts_.clear();
     time = began;

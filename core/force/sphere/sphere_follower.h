@@ -9,10 +9,10 @@
 #include <span>
 #include <vector>
 
-#include "core/collision/near_triangles.h"
 #include "core/force/sphere/centre_path.h"
 #include "core/force/sphere/contact_set.h"
 #include "core/force/sphere/descent_path.h"
+#include "core/force/sphere/gathered_triangles.h"
 #include "core/force/sphere/local_minimum.h"
 #include "core/force/sphere/minimum_legs.h"
 #include "core/force/sphere/offset_drag.h"
@@ -52,7 +52,10 @@ class SphereFollower {
   // `offset`: the distance of a centre in contact. `materials`: one for each object. Both outlive this object.
   // `is_point`: the sphere represents a point, so a corner that only the sphere's radius closes does not hold it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
-      : geometry_(geometry), materials_(materials), contacts_({offset, kSlop, kTolerance}), is_point_(is_point) {
+      : materials_(materials),
+        contacts_({offset, kSlop, kTolerance}),
+        near_(geometry, materials, contacts_.clearance(), (is_point ? kLeastOfPoint : kLeastOfSphere) * offset),
+        is_point_(is_point) {
     note_friction();
     if (geometry.may_have_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
   }
@@ -74,7 +77,6 @@ class SphereFollower {
   void forget_near() {
     near_.clear();
     fan_room_.room = -1.0;
-    crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   // Resets everything except the counters: later steps do not depend on earlier ones.
   void forget() noexcept;
@@ -98,12 +100,15 @@ class SphereFollower {
   std::uint64_t events() const { return events_; }  // since construction, like all below
   std::uint64_t slips() const { return slips_; }    // pieces of path under friction with the device held
   std::uint64_t flights() const { return flights_; }
-  std::uint64_t gathered() const { return gathered_; }
+  std::uint64_t gathered() const { return near_.gathered(); }
   std::uint64_t queried() const { return queried_; }
 
  private:
   static constexpr double kSlop = 0x1p-40;
   static constexpr double kTolerance = 0x1p-46;
+  // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
+  static constexpr double kLeastOfPoint = 64.0;
+  static constexpr double kLeastOfSphere = 0x1p-6;
   // Hysteresis at the boundary of a part: a contact leaves a face this far beyond its edge and enters it this far inside, and likewise for
   // edges and their ends, so that rounding does not alternate between two parts.
   static constexpr double kOnBoundary = 0x1p-44;
@@ -264,9 +269,6 @@ class SphereFollower {
   void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
-  bool cover(const CentrePath& path, double& until) noexcept;
-  bool gather(const Vec3& towards) noexcept;
-  bool are_slivers(double radius) const noexcept;
   bool find_event(const CentrePath& path, Event& event) noexcept;
   void find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
   bool cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept;
@@ -333,13 +335,10 @@ class SphereFollower {
   bool overlaps(const ContactTriangle& shape) const noexcept;
   bool note_move(const Vec3& from) noexcept;  // whether the centre has moved
   void note_gain(const Vec3& device, bool has_moved) noexcept;
-  bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
-  bool is_clear(double short_by) noexcept;
-  bool is_clear_here(double short_by) noexcept;
 
-  const TouchGeometry& geometry_;
   std::span<const Material> materials_;
   ContactSet contacts_;
+  GatheredTriangles near_;
   bool is_point_;
   bool has_friction_ = false;
   FrictionState friction_;
@@ -353,13 +352,9 @@ class SphereFollower {
   int lingering_ = 0;                // their number, above those that are usual
   bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
-  Vec3 hint_ = Vec3::Zero();  // the last direction of motion
-  NearTriangles near_;
-  Vec3 crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
-  int gathered_count_ = 0;                                                // triangles the last time
-  double gather_radius_ = 0.0;                                            // of the next gather()
-  std::array<int, NearTriangles::kCapacity> candidates_;                  // slots in near_ that a path may hit
-  std::array<LevelFaces, 3> crossed_;                                     // by active contact, of the path of the last event
+  Vec3 hint_ = Vec3::Zero();                              // the last direction of motion
+  std::array<int, NearTriangles::kCapacity> candidates_;  // slots in near_ that a path may hit
+  std::array<LevelFaces, 3> crossed_;                     // by active contact, of the path of the last event
   FanRoom fan_room_;
   struct FanPlane {
     Vec3 normal;  // towards the sphere
@@ -383,7 +378,7 @@ class SphereFollower {
   int escapes_ = 0;                // tried at this minimum
   int failed_escapes_ = 0;         // tried there by the calls before
   std::uint64_t last_fly_over_ = 0;
-  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, queried_ = 0;
+  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };
 
 // Moves the centre to the event. The path approximates the exact one, so Newton steps lead to the point of contact or the boundary.

@@ -56,7 +56,7 @@ int SphereFollower::find_face_there(const OffsetContact& contact) noexcept {
   near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     ++work_;
     const ContactTriangle& shape = near_.shape(slot);
-    if (found >= 0 || !contact.is_shared_with(shape) || !can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (found >= 0 || !contact.is_shared_with(shape) || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
     const Separation at = shape.separation(centre_);
     if (at.feature == Feature::face && std::fabs(at.distance - clearance().offset) <= 0.25 * clearance().slop) found = slot;
   });
@@ -129,7 +129,7 @@ bool SphereFollower::goes_on(const Wall& wall, std::span<const Wall> walls, std:
   bool any = false;
   for (const int slot : slots) {
     const ContactTriangle shape = near_.shape(slot);  // a copy: others are prepared in the loop
-    if (!is_in_plane(shape) || !can_touch(near_.triangle(slot), shape, centre_)) continue;
+    if (!is_in_plane(shape) || !near_.can_touch(near_.triangle(slot), shape, centre_)) continue;
     any = true;
     for (int k = 0; k < 3; ++k) {
       const Vec3& p = shape.corner(k);
@@ -138,7 +138,7 @@ bool SphereFollower::goes_on(const Wall& wall, std::span<const Wall> walls, std:
       if ((nearest - centre_).norm() > far || is_below_another(p, q)) continue;
       const auto goes_on_there = [&](int other) {
         const ContactTriangle& beside = near_.shape(other);
-        return continues(beside, shape, k) && is_in_plane(beside) && can_touch(near_.triangle(other), beside, centre_);
+        return continues(beside, shape, k) && is_in_plane(beside) && near_.can_touch(near_.triangle(other), beside, centre_);
       };
       if (std::none_of(slots.begin(), slots.end(), goes_on_there)) return false;
     }

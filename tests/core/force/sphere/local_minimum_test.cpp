@@ -15,20 +15,8 @@ class LocalMinimumOf : public testing::Test {
  protected:
   LocalMinimumOf() { RecordProperty("seed", std::to_string(kSeedOfMinima)); }
 
-  // A centre at a minimum that one or two contacts hold, for a device below it.
-  struct Held {
-    ContactSet contacts;
-    Vec3 c;
-    Vec3 device;
-  };
-  Held held(int count) {
-    const Vec3 c = made.vector();
-    Held held{made.set(count, c, 0.0), c, c};
-    for (const OffsetContact& contact : held.contacts.active()) held.device -= (0.06 + 0.04 * made.unit()) * contact.proximity(c).normal;
-    return held;
-  }
   // Positions beside the minimum that are on the contacts, too.
-  Vec3 beside(const Held& held, double step) {
+  Vec3 beside(const HeldCentre& held, double step) {
     Vec3 c = held.c + step * made.vector();
     int work = 0;
     EXPECT_TRUE(held.contacts.restore(c, work));
@@ -39,7 +27,7 @@ class LocalMinimumOf : public testing::Test {
 
 TEST_F(LocalMinimumOf, SolveFindsThePositionThatNoneBesideIsNearerThan) {
   for (int i = 0; i < 400; ++i) {
-    const Held at = held(1 + i % 2);
+    const HeldCentre at = made.held(1 + i % 2);
     const LocalMinimum minimum(at.contacts);
     if (!(minimum.find_stability(at.c, at.device) > 0.2)) continue;
     Vec3 c = beside(at, 1e-3);
@@ -55,7 +43,7 @@ TEST_F(LocalMinimumOf, SolveFindsThePositionThatNoneBesideIsNearerThan) {
 TEST_F(LocalMinimumOf, StabilityOfACurveIsTheSecondDerivative) {
   constexpr double kStep = 1e-4;
   for (int i = 0; i < 200; ++i) {
-    const Held at = held(2);
+    const HeldCentre at = made.held(2);
     ContactFrame frame;
     ASSERT_TRUE(at.contacts.find_frame(at.c, frame));
     const auto value = [&](double step) {
@@ -72,7 +60,7 @@ TEST_F(LocalMinimumOf, StabilityOfACurveIsTheSecondDerivative) {
 TEST_F(LocalMinimumOf, TheRateIsThatOfTheMinimaOfADeviceThatMoves) {
   constexpr double kStep = 1e-5;
   for (int i = 0; i < 400; ++i) {
-    const Held at = held(1 + i % 2);
+    const HeldCentre at = made.held(1 + i % 2);
     const LocalMinimum minimum(at.contacts);
     if (!(minimum.find_stability(at.c, at.device) > 0.2)) continue;
     const Vec3 motion = made.vector();

@@ -6,6 +6,13 @@
 
 namespace hapton {
 
+// A centre at a minimum that contacts hold, for a device below it.
+struct HeldCentre {
+  ContactSet contacts;
+  Vec3 c;
+  Vec3 device;
+};
+
 // Random contacts with parts of triangles of unit size, each of which the centre is near.
 class MadeContacts {
  public:
@@ -50,6 +57,13 @@ class MadeContacts {
     }
     contacts.activate_all();
     return contacts;
+  }
+  // By that many, with multipliers from 0.02 to 0.1.
+  HeldCentre held(int count) {
+    const Vec3 c = vector();
+    HeldCentre held{set(count, c, 0.0), c, c};
+    for (const OffsetContact& contact : held.contacts.active()) held.device -= (0.06 + 0.04 * unit()) * contact.proximity(c).normal;
+    return held;
   }
 
  private:
