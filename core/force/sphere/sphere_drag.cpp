@@ -78,11 +78,11 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   }
   ++slips_;
   Event event;
-  if (!find_event(slip.path, event)) return Next::failed;
+  if (!events_on().find(slip.path, event)) return Next::failed;
   const bool is_whole = event.time >= 1.0;
   const Vec3 before = centre_;
   bool is_restored = true;
-  place_at_event(slip.path, event, [&](double share) {
+  events_on().place(slip.path, event, centre_, [&](double share) {
     OffsetDrag::Descent at{slip.is_exact ? slip.path.at(share) : before};
     is_restored = slip.is_exact || share <= 0.0 || drag.descend(device, slip.direction, share * slip.length, at, work_);
     centre_ = at.centre;
@@ -118,13 +118,13 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   Event event;
-  if (!leg.is_clear && !find_event(leg.path, event)) return Next::failed;
+  if (!leg.is_clear && !events_on().find(leg.path, event)) return Next::failed;
   const Vec3 before = centre_;
   const Vec3 device = on_path(from, to, time);
   const double time_before = time;
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
-  place_at_event(leg.path, event, [&](double share) {
+  events_on().place(leg.path, event, centre_, [&](double share) {
     time = share >= 1.0 ? leg.time : leg.is_exact ? leg.time_at(time_before, share) : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
     if (share >= 1.0 || leg.is_exact) return;

@@ -35,59 +35,6 @@ double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept 
   return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / clearance().offset : 0.0;
 }
 
-// Distance along a straight direction to the boundary of the active part, over level faces to that of the last, with a margin. Infinite if
-// it is farther than `most`.
-double SphereFollower::distance_to_boundary(const Vec3& direction, double most) noexcept {
-  constexpr double kBeyond = 1.25;
-  constexpr double kLeastDistance = 0x1p-10;                                                               // of the offset
-  if (contacts_[0].is_curved()) note_candidates(centre_, centre_, clearance().offset + clearance().slop);  // for visit_exits
-  const CentrePath path = CentrePath::straight(centre_, centre_ + most * direction);
-  CentrePath::Prefix prefix = path.prefix(1.0);
-  Event exit;
-  find_first_exit(path, 0, prefix, exit);
-  if (exit.contact < 0) return kInfinity;
-  OffsetContact last = contacts_[0];
-  if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return kInfinity;
-  return kBeyond * exit.time * most + kLeastDistance * clearance().offset;
-}
-
-// Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from
-// `direction` to `direction_there` and never back. By less than a quarter turn, the path lies in the triangle of its chord and the tangents
-// at its ends, whose chord is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a
-// triangle is convex, so it is never below its tangents, and a tangent is least at a corner of that triangle.
-bool SphereFollower::is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept {
-  if (!(direction.dot(direction_there) > 0.0)) return false;
-  const Vec3 path = end - centre_;
-  const double chord = path.norm();
-  // The most of a linear function on the path, less its value at the start; the same for the end.
-  const auto most_from_start = [&](const Vec3& gradient) { return std::max({0.0, gradient.dot(path), chord * gradient.dot(direction)}); };
-  const auto most_from_end = [&](const Vec3& gradient) {
-    return std::max({0.0, -gradient.dot(path), -chord * gradient.dot(direction_there)});
-  };
-  const ContactTriangle& face = contacts_[0].shape;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 out = face.edge(k).cross(face.normal()) / face.length(k);
-    const double height = out.dot(centre_ - face.corner(k)) + most_from_start(out);
-    const double height_by_end = out.dot(end - face.corner(k)) + most_from_end(out);
-    if (!(std::min(height, height_by_end) <= kOnBoundary)) return false;
-  }
-  const double near = clearance().offset + 0.5 * chord * direction.cross(direction_there).norm() + clearance().slop;
-  if (!near_.covers(centre_, near) || !near_.covers(end, near)) return false;
-  note_candidates(centre_, end, near);
-  for (int i = 0; i < candidate_count_; ++i) {
-    const int slot = candidates_[static_cast<std::size_t>(i)];
-    if (cannot_stop(slot, centre_, true)) continue;
-    ++work_;
-    const Separation here = near_.shape(slot).separation(centre_);
-    const double least = std::min(here.distance, clearance().offset - 0.25 * clearance().slop);
-    if (here.distance - most_from_start(-here.normal) >= least) continue;
-    ++work_;
-    const Separation there = near_.shape(slot).separation(end);
-    if (!(there.distance - most_from_end(-there.normal) >= least)) return false;
-  }
-  return true;
-}
-
 bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
                                Slip& slip) noexcept {
   constexpr int kMostRounds = 8;
@@ -101,7 +48,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   const Vec3 direction = pull.tangential / pull.length;
   const double turn = LocalMinimum::kTurn / std::max(minimum().find_turn(direction), 0x1p-100);
   const double farthest = std::min(turn, 2.0 * pull.length);
-  const double most = contacts_.active_count() == 1 ? std::min(turn, distance_to_boundary(direction, farthest)) : turn;
+  const double most = contacts_.active_count() == 1 ? std::min(turn, events_on().distance_to_boundary(centre_, direction, farthest)) : turn;
   OffsetDrag::Pull there;
   OffsetDrag::Descent end;
   const auto go = [&](double length) {
@@ -197,7 +144,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   const double release_span = span;
   if (!is_flat) span = std::min(span, LocalMinimum::kTurn / std::max(minimum().find_turn(rate), 0x1p-100));
   if (const double speed = rate.norm(); contacts_.active_count() == 1 && speed > 0.0) {
-    span = std::min(span, distance_to_boundary(rate / speed, speed * span) / speed);
+    span = std::min(span, events_on().distance_to_boundary(centre_, rate / speed, speed * span) / speed);
   }
   // Where the device comes out of the surface, the centre is at the device.
   const auto place_at = [&](double then, Vec3& c) {
@@ -236,7 +183,8 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
         leg.is_line = is_flat && contacts_.active_count() == 2 && (middle - centre_).dot(end - middle) >= 0.0;
         if (leg.is_line) break;
         if (is_straight || uneven <= kUnresolved + most_uneven(clearance().offset, (end - centre_).norm())) break;
-        leg.is_clear = is_flat && contacts_.active_count() == 1 && is_clear_over_face(end, rate.normalized(), rate_there.normalized());
+        leg.is_clear = is_flat && contacts_.active_count() == 1 &&
+                       events_on().is_clear_over_face(centre_, end, rate.normalized(), rate_there.normalized());
         if (leg.is_clear) break;
       }
     }
@@ -315,7 +263,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   const Vec3 slope = drag.find_slope(pull, motion);
   const double turn = LocalMinimum::kTurn / std::max(minimum().find_turn(slope), 0x1p-100);
   const double most = contacts_.active_count() == 1 && excess_rate > 0.0
-                          ? std::min(turn, distance_to_boundary(slope / excess_rate, turn * excess_rate) / excess_rate)
+                          ? std::min(turn, events_on().distance_to_boundary(centre_, slope / excess_rate, turn * excess_rate) / excess_rate)
                           : turn;
   // No longer than one integration leads, as far as the last one tells. Along the curve of two contacts nothing is integrated.
   constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;

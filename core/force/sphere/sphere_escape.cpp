@@ -455,7 +455,7 @@ Vec3 SphereFollower::find_lift(double height) noexcept {
 bool SphereFollower::fly_straight(const Vec3& motion, double share) noexcept {
   const CentrePath path = CentrePath::straight(centre_, centre_ + motion);
   Event event;
-  if (!find_event(path, event)) return false;
+  if (!events_on().find(path, event)) return false;
   centre_ = path.at(event.time);
   return event.time >= share;
 }

@@ -159,7 +159,7 @@ SphereFollower::FanExit SphereFollower::find_fan_exit(const OffsetContact& face,
   FanExit exit;
   for (int k = 0; k < 3; ++k) {
     const Vec3 outwards = face.shape.edge(k).cross(face.shape.normal()) / face.shape.length(k);
-    const double time = path.time_to_cross(face.shape.corner(k), outwards, kOnBoundary, 0.0, 1.0);
+    const double time = path.time_to_cross(face.shape.corner(k), outwards, PathEvents::kOnBoundary, 0.0, 1.0);
     if (time < exit.time) exit = {time, k};
   }
   return exit;

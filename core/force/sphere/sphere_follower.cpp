@@ -295,18 +295,16 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     return Next::wait;
   }
   Event event;
-  if (!find_event(path, event)) return Next::failed;
+  if (!events_on().find(path, event)) return Next::failed;
   const Vec3 before = centre_;
   bool is_restored = true;
-  place_at_event(path, event, [&](double share) {
+  events_on().place(path, event, centre_, [&](double share) {
     centre_ = path.at(share);
     is_restored = contacts_.restore(centre_, work_) && is_near_path(centre_, path, share);
   });
   if (!is_restored) {
     centre_ = before;
-    for (int i = 0; i < contacts_.active_count(); ++i) {
-      if (crossed_[static_cast<std::size_t>(i)].until > 0.0) contacts_[i] = crossed_[static_cast<std::size_t>(i)].first;
-    }
+    events_on().undo_level_faces();
     return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
   }
   note_move(before);
@@ -338,12 +336,12 @@ SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, dou
     return lose_minimum(rate.allFinite() && !rate.isZero(0.0) ? rate : Vec3(to - from));
   }
   Event event;
-  if (!find_event(leg.path, event)) return Next::failed;
+  if (!events_on().find(leg.path, event)) return Next::failed;
   const Vec3 before = centre_;
   const double time_before = time;
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
-  place_at_event(leg.path, event, [&](double share) {
+  events_on().place(leg.path, event, centre_, [&](double share) {
     time = share >= 1.0 ? leg.time : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
     if (leg.is_on_curve) {

@@ -16,6 +16,7 @@
 #include "core/force/sphere/local_minimum.h"
 #include "core/force/sphere/minimum_legs.h"
 #include "core/force/sphere/offset_drag.h"
+#include "core/force/sphere/path_events.h"
 #include "core/force/sphere/tangent_cone.h"
 #include "core/force/step_work.h"
 #include "core/force/touch_scene.h"
@@ -109,12 +110,7 @@ class SphereFollower {
   // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
   static constexpr double kLeastOfPoint = 64.0;
   static constexpr double kLeastOfSphere = 0x1p-6;
-  // Hysteresis at the boundary of a part: a contact leaves a face this far beyond its edge and enters it this far inside, and likewise for
-  // edges and their ends, so that rounding does not alternate between two parts.
-  static constexpr double kOnBoundary = 0x1p-44;
   static constexpr double kLeastMotion = 0x1p-42;  // a shorter displacement counts as none
-  static constexpr double kLeastRise = 0x1p-45;    // rad: faces at a smaller angle count as one plane for their common edge
-  static constexpr double kCoplanar = 0x1p-50;     // distance between planes that counts as rounding
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
@@ -125,25 +121,8 @@ class SphereFollower {
   static constexpr int kMostInFlight = 512;  // triangles that a flight tests
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
-  // A boundary of the part that the contact is on, and what lies beyond it.
-  struct Exit {
-    Vec3 origin, direction;
-    int slot = -1;  // in near_; -1: the same triangle
-    int index = 0;
-    OffsetContact::Part part = OffsetContact::Part::face;
-  };
-  struct Event {
-    double time = 1.0;  // of the path
-    int contact = -1;   // the contact that leaves its part, through `exit`; -1: none
-    Exit exit;
-    int slot = -1;  // the triangle that is hit; -1: none
-  };
-  // A contact on a face where a path crosses faces of the same plane: before the path, and the last of them before `until`. 0: it crosses
-  // none.
-  struct LevelFaces {
-    OffsetContact first, last;
-    double until = 0.0;
-  };
+  using Exit = PathEvents::Exit;
+  using Event = PathEvents::Event;
   // Where a path over a face of a fan leaves it, and through which edge; -1: it does not.
   struct FanExit {
     double time = 2.0;
@@ -171,11 +150,6 @@ class SphereFollower {
     Vec3 origin = Vec3::Zero();
 
     double height(const Vec3& p) const { return normal.dot(p - origin); }
-  };
-  // The tangent planes of the parts below a contact that the centre stays on along a path, at its start and its end.
-  struct TangentSpan {
-    Vec3 origin = Vec3::Zero();  // on both
-    std::array<Vec3, 2> normal;  // unit, towards the centre
   };
 
   // Coulomb friction: stick, slip, or drag.
@@ -227,6 +201,7 @@ class SphereFollower {
 
   const Clearance& clearance() const { return contacts_.clearance(); }
   LocalMinimum minimum() const { return LocalMinimum(contacts_); }
+  PathEvents events_on() { return {contacts_, near_, event_space_, work_}; }
 
   FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
   bool has_friction_here() const noexcept;
@@ -242,8 +217,6 @@ class SphereFollower {
   double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
                       double share) noexcept;
   double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
-  double distance_to_boundary(const Vec3& direction, double most) noexcept;
-  bool is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
   Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
 
@@ -265,17 +238,8 @@ class SphereFollower {
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next wait(const Vec3& from, const Vec3& to, double& time) const noexcept;
   bool find_escape_direction(const Vec3& motion) noexcept;
-  template <class Place>
-  void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
-  bool find_event(const CentrePath& path, Event& event) noexcept;
-  void find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
-  bool cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept;
-  bool find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept;
-  bool is_level_at(const OffsetContact& face, const Vec3& c) const noexcept;
-  static bool is_over(const ContactTriangle& shape, const Vec3& c) noexcept;
-  void move_to_last_level_face(const CentrePath& path, const Event& event) noexcept;
   int fan_corner(const OffsetContact& face) const noexcept;
   bool is_hollow_fan(const OffsetContact& face) const noexcept;
   bool touches_one_fan() const noexcept;
@@ -289,14 +253,6 @@ class SphereFollower {
   void move_in_hollow_fan(const HollowPlace& place, const Vec3& device, double then, bool descends, double& time) noexcept;
   bool find_in_hollow_fan(const Vec3& device, HollowPlace& place) noexcept;
   int find_lowest_plane(const Vec3& c, double& height) noexcept;
-  bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
-  void note_tangents(const CentrePath& path) noexcept;
-  bool is_below_tangents(const ContactTriangle& shape) const noexcept;
-  template <class Visit>
-  void visit_exits(const OffsetContact& contact, Visit&& visit) noexcept;
-  bool is_past_needle(const ContactTriangle& shape, int edge) const noexcept;
-  bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
-  void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
@@ -352,19 +308,15 @@ class SphereFollower {
   int lingering_ = 0;                // their number, above those that are usual
   bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
-  Vec3 hint_ = Vec3::Zero();                              // the last direction of motion
-  std::array<int, NearTriangles::kCapacity> candidates_;  // slots in near_ that a path may hit
-  std::array<LevelFaces, 3> crossed_;                     // by active contact, of the path of the last event
+  Vec3 hint_ = Vec3::Zero();  // the last direction of motion
+  PathEvents::Space event_space_;
   FanRoom fan_room_;
   struct FanPlane {
     Vec3 normal;  // towards the sphere
     std::uint32_t triangle;
   };
   std::vector<FanPlane> fan_planes_;  // of the capacity of near_ if the geometry has large fans; else empty
-  std::array<TangentSpan, 3> tangents_;
-  int tangent_count_ = 0;
-  int candidate_count_ = 0;
-  mutable int work_ = 0;  // units, in this call
+  mutable int work_ = 0;              // units, in this call
   int most_work_ = 0;
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
@@ -380,35 +332,5 @@ class SphereFollower {
   std::uint64_t last_fly_over_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };
-
-// Moves the centre to the event. The path approximates the exact one, so Newton steps lead to the point of contact or the boundary.
-template <class Place>
-void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
-  constexpr int kMostRounds = 6;
-  place(event.time);
-  const bool is_hit = event.slot >= 0;
-  if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
-  // Where the cubic approximation stops, the exact path may already have crossed the triangle: the distance is signed by the cubic's side.
-  const Vec3 side = is_hit ? near_.shape(event.slot).separation(path.at(event.time)).normal : Vec3(Vec3::Zero());
-  for (int i = 0; i < kMostRounds; ++i) {
-    ++work_;
-    double gap = 0.0;
-    double rate = 0.0;
-    if (is_hit) {
-      const Separation at = near_.shape(event.slot).separation(centre_);
-      const double sign = at.normal.dot(side) < 0.0 ? -1.0 : 1.0;
-      gap = sign * at.distance - clearance().offset;
-      rate = sign * at.normal.dot(path.slope(event.time));
-    } else {
-      gap = kOnBoundary - event.exit.direction.dot(centre_ - event.exit.origin);
-      rate = -event.exit.direction.dot(path.slope(event.time));
-    }
-    if (std::fabs(gap) <= (is_hit ? 0.125 * clearance().slop : 0.25 * kOnBoundary) || !(rate < 0.0)) return;
-    const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
-    if (time == event.time) return;
-    event.time = time;
-    place(time);
-  }
-}
 
 }  // namespace hapton
