@@ -68,8 +68,8 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   if (!moves) return hold(pull);
   const bool has_vanished = friction_.slips && friction_.vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
   friction_ = {.slides = true, .coefficients = friction_.coefficients};
-  Slip slip;
-  if (!make_slip(drag, pull, device, has_vanished, slip)) return Next::failed;
+  SlipPath slip;
+  if (!drag_legs().make_slip(drag, pull, device, has_vanished, slip)) return Next::failed;
   if (slip.waits || slip.is_on_cone) {
     friction_.drags = true;
     is_descending_ = false;
@@ -105,10 +105,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
   contacts_.keep_active();
   const OffsetDrag drag = make_drag();
   DragLeg leg;
-  const bool is_round = contacts_.active_count() == 1 && contacts_[0].is_curved();
-  const DragOutcome outcome = contacts_.active_count() == 3 ? DragOutcome::stops
-                              : is_round                    ? make_flow_leg(drag, from, to, time, leg)
-                                                            : make_drag_leg(drag, from, to, time, leg);
+  const DragOutcome outcome = drag_legs().make(drag, from, to, time, leg);
   if (outcome != DragOutcome::moves) {
     ++idle_;
     friction_.drags = false;

@@ -217,7 +217,7 @@ bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
 // out before all were tried.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
-  if (!is_point_ || contacts_.is_empty() || is_in_wedge()) return false;
+  if (!is_point_ || contacts_.is_empty() || wedge().holds()) return false;
   escapes_ = 0;
   // The way out begins where the centre is.
   bool has_left = find_cone(0.0) && leave_corner(device, motion);

@@ -12,12 +12,13 @@
 #include "core/force/sphere/centre_path.h"
 #include "core/force/sphere/contact_set.h"
 #include "core/force/sphere/descent_path.h"
+#include "core/force/sphere/drag_legs.h"
 #include "core/force/sphere/gathered_triangles.h"
 #include "core/force/sphere/local_minimum.h"
 #include "core/force/sphere/minimum_legs.h"
-#include "core/force/sphere/offset_drag.h"
 #include "core/force/sphere/path_events.h"
 #include "core/force/sphere/tangent_cone.h"
+#include "core/force/sphere/wedge.h"
 #include "core/force/step_work.h"
 #include "core/force/touch_scene.h"
 
@@ -144,13 +145,6 @@ class SphereFollower {
     int count = 0;
     std::array<OffsetContact, 3> contacts;
   };
-  // A plane that holds the centre, which is above it.
-  struct Wall {
-    Vec3 normal = Vec3::Zero();  // unit
-    Vec3 origin = Vec3::Zero();
-
-    double height(const Vec3& p) const { return normal.dot(p - origin); }
-  };
 
   // Coulomb friction: stick, slip, or drag.
   struct FrictionState {
@@ -160,36 +154,6 @@ class SphereFollower {
     bool vanished = false;  // the equilibrium on the cone has vanished
     double step = 0.0;      // of the last integration of a drag; 0: none yet
     std::array<FrictionCoefficients, 3> coefficients;
-  };
-  struct Slip {
-    CentrePath path;
-    Vec3 direction = Vec3::Zero();
-    double length = 0.0;
-    bool is_exact = false;    // the path is within kExact of the exact one
-    bool stops = false;       // the pull is on the cone at the end of the slip
-    bool is_on_cone = false;  // the pull is on the cone already
-    bool waits = false;       // the equilibrium has not quite vanished yet
-    int released = -1;        // the contact whose multiplier is zero at the end of the slip; -1: none
-  };
-  enum class DragOutcome : std::uint8_t { moves, stops, jumps };
-  struct DragLeg {
-    CentrePath path;
-    double time = 1.0;
-    int released = -1;
-    bool stops = false;
-    bool jumps = false;
-    double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
-    bool is_exact = false;                    // path and time are within kExact of the exact ones
-    bool is_clear = false;                    // nothing changes the contact on the way: no event but its end
-    bool is_line = false;                     // along the line where two planes meet, at the pace that the pull makes
-    std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant
-
-    double time_at(double start, double share) const {
-      const double duration = time - start;
-      const double even = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[0];
-      const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[1];
-      return start + share * (even + share * (3.0 * duration - 2.0 * even - even_there + share * (even + even_there - 2.0 * duration)));
-    }
   };
   struct Reaction {  // the pull on a centre that sticks, against its contacts
     bool is_known = false;
@@ -202,21 +166,18 @@ class SphereFollower {
   const Clearance& clearance() const { return contacts_.clearance(); }
   LocalMinimum minimum() const { return LocalMinimum(contacts_); }
   PathEvents events_on() { return {contacts_, near_, event_space_, work_}; }
+  Wedge wedge() { return {contacts_, near_, centre_, work_}; }
+  DragLegs drag_legs() { return {contacts_, events_on(), centre_, friction_.step, work_}; }
 
   FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
   bool has_friction_here() const noexcept;
   OffsetDrag make_drag() noexcept;
   Next hold(const OffsetDrag::Pull& pull) noexcept;
   Next descend_with_friction(const Vec3& device, const Vec3& motion) noexcept;
-  bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool creeps(double gone) noexcept;
-  DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
   double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
                       double share) noexcept;
-  double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
   Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
 
@@ -264,15 +225,10 @@ class SphereFollower {
   double least_corner_exit(const Vec3& pull) const noexcept;
   double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool roll_off_face() noexcept;
-  bool is_in_wedge() noexcept;
   bool leave_by_flight(const Vec3& device, const Vec3& motion) noexcept;
-  bool find_wall(const OffsetContact& contact, Wall& wall) noexcept;
-  int find_face_there(const OffsetContact& contact) noexcept;
   bool straighten_in_slit() noexcept;
   bool fills_slit() noexcept;
   bool leave_slit_to_sweeps(bool has_device_moved) noexcept;
-  bool goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept;
-  bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_fold(const Vec3& device, const Vec3& motion) noexcept;

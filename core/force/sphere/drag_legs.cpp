@@ -1,9 +1,9 @@
-// The pieces of path that a sphere's centre takes under Coulomb friction: slips with the device held, and drags with it moving.
+#include "core/force/sphere/drag_legs.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "core/force/sphere/sphere_follower.h"
 #include "core/math/find_zero.h"
 #include "core/math/straight_motion.h"
 
@@ -30,13 +30,13 @@ double most_uneven(double offset, double length) { return kUneven * offset + std
 }  // namespace
 
 // Rounding of the components of a pull: that of the centre turns the normal of a curved part.
-double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
+double DragLegs::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
   const bool is_curved = contacts_[0].is_curved() || (contacts_.active_count() > 1 && contacts_[1].is_curved());
-  return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / clearance().offset : 0.0;
+  return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / contacts_.offset() : 0.0;
 }
 
-bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
-                               Slip& slip) noexcept {
+bool DragLegs::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
+                         SlipPath& slip) noexcept {
   constexpr int kMostRounds = 8;
   const double excess = pull.excess();
   const double stability = drag.find_stability(pull);
@@ -46,9 +46,9 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
                     (!has_vanished && stability > LocalMinimum::kLeastStability && excess <= LocalMinimum::kAtMinimum * stability);
   if (slip.is_on_cone) return true;
   const Vec3 direction = pull.tangential / pull.length;
-  const double turn = LocalMinimum::kTurn / std::max(minimum().find_turn(direction), 0x1p-100);
+  const double turn = LocalMinimum::kTurn / std::max(minimum_.find_turn(direction), 0x1p-100);
   const double farthest = std::min(turn, 2.0 * pull.length);
-  const double most = contacts_.active_count() == 1 ? std::min(turn, events_on().distance_to_boundary(centre_, direction, farthest)) : turn;
+  const double most = contacts_.active_count() == 1 ? std::min(turn, events_.distance_to_boundary(centre_, direction, farthest)) : turn;
   OffsetDrag::Pull there;
   OffsetDrag::Descent end;
   const auto go = [&](double length) {
@@ -108,7 +108,7 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     const Vec3 guess = 0.5 * (centre_ + last.centre) + 0.125 * length * (direction - last.slope);
     const double uneven = (end.centre - guess).norm();
     slip.is_exact = uneven <= kExact;
-    if (i == kMostRounds || uneven <= most_uneven(clearance().offset, length)) break;
+    if (i == kMostRounds || uneven <= most_uneven(contacts_.offset(), length)) break;
     length *= 0.5;
     slip.stops = false;
     slip.released = -1;
@@ -117,8 +117,13 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   return true;
 }
 
-SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                          DragLeg& leg) noexcept {
+DragOutcome DragLegs::make(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
+  if (contacts_.active_count() == 3) return DragOutcome::stops;
+  const bool is_round = contacts_.active_count() == 1 && contacts_[0].is_curved();
+  return is_round ? make_flow_leg(drag, from, to, time, leg) : make_drag_leg(drag, from, to, time, leg);
+}
+
+DragOutcome DragLegs::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kTries = 3;
   constexpr double kLeastTime = 0x1p-44;
@@ -142,9 +147,9 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
     if (release < 1.0) span *= release;
   }
   const double release_span = span;
-  if (!is_flat) span = std::min(span, LocalMinimum::kTurn / std::max(minimum().find_turn(rate), 0x1p-100));
+  if (!is_flat) span = std::min(span, LocalMinimum::kTurn / std::max(minimum_.find_turn(rate), 0x1p-100));
   if (const double speed = rate.norm(); contacts_.active_count() == 1 && speed > 0.0) {
-    span = std::min(span, events_on().distance_to_boundary(centre_, rate / speed, speed * span) / speed);
+    span = std::min(span, events_.distance_to_boundary(centre_, rate / speed, speed * span) / speed);
   }
   // Where the device comes out of the surface, the centre is at the device.
   const auto place_at = [&](double then, Vec3& c) {
@@ -173,7 +178,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
       } else {
         is_there = drag.follow(half, then, end, work_);
       }
-      if (is_there && drag.find_pull(end, then, there) && (is_flat || minimum().find_turn(end - centre_) <= 2.0 * LocalMinimum::kTurn)) {
+      if (is_there && drag.find_pull(end, then, there) && (is_flat || minimum_.find_turn(end - centre_) <= 2.0 * LocalMinimum::kTurn)) {
         const Vec3 rate_there = drag.find_rate(there, motion);
         const Vec3 guess = 0.5 * (centre_ + end) + 0.125 * span * (rate - rate_there);
         is_straight = is_flat && contacts_.active_count() == 1 && (0.5 * (centre_ + end) - middle).norm() <= 0x1p-50 &&
@@ -182,9 +187,9 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
         leg.is_exact = contacts_.active_count() == 1 && uneven <= kExact;
         leg.is_line = is_flat && contacts_.active_count() == 2 && (middle - centre_).dot(end - middle) >= 0.0;
         if (leg.is_line) break;
-        if (is_straight || uneven <= kUnresolved + most_uneven(clearance().offset, (end - centre_).norm())) break;
+        if (is_straight || uneven <= kUnresolved + most_uneven(contacts_.offset(), (end - centre_).norm())) break;
         leg.is_clear = is_flat && contacts_.active_count() == 1 &&
-                       events_on().is_clear_over_face(centre_, end, rate.normalized(), rate_there.normalized());
+                       events_.is_clear_over_face(centre_, end, rate.normalized(), rate_there.normalized());
         if (leg.is_clear) break;
       }
     }
@@ -231,8 +236,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
 }
 
 // On curved parts the equilibrium on the cone may vanish: there the centre jumps.
-SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                          DragLeg& leg) noexcept {
+DragOutcome DragLegs::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kFewHalvings = 3;
   constexpr int kMostRounds = 8;
@@ -257,30 +261,29 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   // Almost nothing is left of the pull, and all of it vanishes on this leg.
   constexpr double kSmallPull = 0x1p-9;  // of the offset
   constexpr double kShort = 0x1p-5;      // of the offset
-  if (comes_out && pull.length + pull.depth <= kSmallPull * clearance().offset && (target - time) * speed <= kShort * clearance().offset) {
+  if (comes_out && pull.length + pull.depth <= kSmallPull * contacts_.offset() && (target - time) * speed <= kShort * contacts_.offset()) {
     return make_last_leg(on_path(from, to, target), target, pull.normal, leg);
   }
   const Vec3 slope = drag.find_slope(pull, motion);
-  const double turn = LocalMinimum::kTurn / std::max(minimum().find_turn(slope), 0x1p-100);
+  const double turn = LocalMinimum::kTurn / std::max(minimum_.find_turn(slope), 0x1p-100);
   const double most = contacts_.active_count() == 1 && excess_rate > 0.0
-                          ? std::min(turn, events_on().distance_to_boundary(centre_, slope / excess_rate, turn * excess_rate) / excess_rate)
+                          ? std::min(turn, events_.distance_to_boundary(centre_, slope / excess_rate, turn * excess_rate) / excess_rate)
                           : turn;
   // No longer than one integration leads, as far as the last one tells. Along the curve of two contacts nothing is integrated.
   constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;
-  const double within_reach = contacts_.active_count() == 1 && friction_.step > 0.0 ? std::min(most, kStepsOfLeg * friction_.step) : most;
+  const double within_reach = contacts_.active_count() == 1 && step_ > 0.0 ? std::min(most, kStepsOfLeg * step_) : most;
   double length = std::min(within_reach, (target - time) / stability);
   OffsetDrag::Flow end{centre_, time};
   OffsetDrag::Pull there;
   OffsetDrag::Flow middle;
   double half = 0.0;       // the length to `middle`
   double travelled = 0.0;  // the length to `end`
-  double& step = friction_.step;
-  double shrink = 0.5;  // the next length, as a share of this one
-  double off = 0.0;     // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
+  double shrink = 0.5;     // the next length, as a share of this one
+  double off = 0.0;        // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
   // From the start or from the last position, whichever is nearer.
   const auto go = [&](double l) {
     if (std::fabs(l - travelled) >= l || contacts_.active_count() == 2) {
-      end = {centre_, time, step};
+      end = {centre_, time, step_};
       travelled = 0.0;
     }
     const double advance = l - travelled;
@@ -288,7 +291,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     if (advance == 0.0 || (drag.flow(from, to, advance, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there)))
       return true;
     travelled += end.followed - advance;
-    step = end.step;
+    step_ = end.step;
     shrink = std::clamp(0.75 * travelled / length, kMostShrunk, 0.5);
     end = {centre_, time};
     travelled = 0.0;
@@ -308,7 +311,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     shrink = 0.5;
     is_at_target = false;
     leg.jumps = false;
-    end = {centre_, time, step};
+    end = {centre_, time, step_};
     travelled = 0.0;
     if (i == kFewHalvings) {
       if (!go(std::ldexp(length, kFewHalvings - kMostHalvings))) return DragOutcome::jumps;  // however short
@@ -317,11 +320,11 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     if (!go(0.5 * length)) continue;
     middle = end;
     half = 0.5 * length;
-    if (!go(length) || minimum().find_turn(end.centre - centre_) > 2.0 * LocalMinimum::kTurn) continue;
-    step = end.step;
+    if (!go(length) || minimum_.find_turn(end.centre - centre_) > 2.0 * LocalMinimum::kTurn) continue;
+    step_ = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
     const double uneven = (middle.centre - guess).norm();
-    const double most_off = kUnresolved + off + most_uneven(clearance().offset, (end.centre - centre_).norm());
+    const double most_off = kUnresolved + off + most_uneven(contacts_.offset(), (end.centre - centre_).norm());
     if (uneven > most_off) {  // of fourth order in the length
       shrink = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMostShrunk, 0.5);
       continue;
@@ -336,7 +339,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     }
     if (!go(length)) continue;
     if (stability_there() < 0.0) {
-      if (!seek(stability, stability_there(), of_pull / clearance().offset, stability_there)) continue;
+      if (!seek(stability, stability_there(), of_pull / contacts_.offset(), stability_there)) continue;
       is_at_target = false;
       leg.jumps = true;
     }
@@ -392,8 +395,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
 }
 
 // To the point where the device comes out.
-SphereFollower::DragOutcome SphereFollower::make_last_leg(const Vec3& device, double time, const Vec3& normal,
-                                                          DragLeg& leg) const noexcept {
+DragOutcome DragLegs::make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept {
   Vec3 end = device;
   if (!contacts_.restore(end, work_)) return DragOutcome::jumps;
   const Vec3 chord = end - centre_;
