@@ -60,14 +60,14 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
   }
   const bool is_on_plane =
       (path.is_straight() || contacts_.active_count() == 1) && contacts_.active_count() > 0 && contacts_[0].part == Part::face;
-  std::optional<Tangents> tangents;
+  Tangents tangents;
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[static_cast<std::size_t>(i)];
     if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
     if (cannot_stop(slot, path.start(), is_on_plane)) continue;
     const ContactTriangle& shape = near_.shape(slot);
-    if (!tangents) tangents = find_tangents(path);
-    if (is_below(*tangents, shape)) continue;
+    if (tangents.count < 0) find_tangents(path, tangents);
+    if (is_below(tangents, shape)) continue;
     const CentrePath::Block block =
         path.find_block(shape, contacts_.clearance(), path.is_straight() ? 0U : contacts_.guiding_corners(shape), prefix, work_);
     if (!(block.time < event.time)) continue;
@@ -180,11 +180,11 @@ bool PathEvents::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexc
 
 // Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
 // checked for the cubic, with room for what the curve differs.
-PathEvents::Tangents PathEvents::find_tangents(const CentrePath& path) const noexcept {
+void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const noexcept {
   constexpr double kLeastPace = 0.25;
   constexpr double kMostPace = 2.5;
-  Tangents tangents;
-  if (!path.is_guided() && !path.is_straight()) return tangents;
+  tangents.count = 0;
+  if (!path.is_guided() && !path.is_straight()) return;
   for (int i = 0; i < contacts_.active_count(); ++i) {
     const OffsetContact& contact = contacts_[i];
     TangentSpan& span = tangents.spans[static_cast<std::size_t>(tangents.count)];
@@ -200,7 +200,6 @@ PathEvents::Tangents PathEvents::find_tangents(const CentrePath& path) const noe
       if (std::min(first, last) >= kLeastPace * whole && std::max(first, last) <= kMostPace * whole) ++tangents.count;
     }
   }
-  return tangents;
 }
 
 // Such a triangle is below the tangent plane in each place of the path, and never nearer than the contact.

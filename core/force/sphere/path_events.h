@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include "core/force/sphere/contact_set.h"
 #include "core/force/sphere/gathered_triangles.h"
@@ -80,12 +79,12 @@ class PathEvents {
 
   // The tangent planes of the parts below a contact that the centre stays on along a path, at its start and its end.
   struct TangentSpan {
-    Vec3 origin = Vec3::Zero();  // on both
+    Vec3 origin;                 // on both
     std::array<Vec3, 2> normal;  // unit, towards the centre
   };
   struct Tangents {
     std::array<TangentSpan, 3> spans;
-    int count = 0;
+    int count = -1;  // -1: not found yet
   };
 
   void find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
@@ -93,7 +92,7 @@ class PathEvents {
   bool find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept;
   void move_to_last_level_face(const CentrePath& path, const Event& event) noexcept;
   bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
-  Tangents find_tangents(const CentrePath& path) const noexcept;
+  void find_tangents(const CentrePath& path, Tangents& tangents) const noexcept;
   bool is_below(const Tangents& tangents, const ContactTriangle& shape) const noexcept;
   bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
   void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;

@@ -279,7 +279,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
   }
   const double first = std::min({soonest, restick, 1.0});
   ++idle_;
-  if (first * motion.norm() > kLeastMotion) idle_ = 0;
+  if (first * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
   least_distance_ = kInfinity;
   time = first >= 1.0 ? 1.0 : time + first * (1.0 - time);
   if (soonest <= 1.0 && soonest <= restick) {

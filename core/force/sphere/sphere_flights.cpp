@@ -53,7 +53,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   centre_ = from + time * motion;
   until = time;
   ++idle_;
-  if (time * motion.norm() > kLeastMotion) idle_ = 0;
+  if (time * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = near_.geometry().corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);

@@ -214,8 +214,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
 bool SphereFollower::has_lingered() noexcept {
   constexpr int kMany = 64;
-  if (is_descending_ && (centre_ - lingered_at_).norm() <= kLeastMotion) return ++lingering_ > 0;
-  if ((centre_ - lingered_at_).norm() > kLeastMotion) {
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kLeastMotion) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > LocalMinimum::kLeastMotion) {
     lingered_at_ = centre_;
     lingering_ = -kMany;
   }
@@ -237,7 +237,7 @@ bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) 
 // After a displacement, contacts that were not active are dropped; they are hit again if they are in the way.
 bool SphereFollower::note_move(const Vec3& from) noexcept {
   ++idle_;
-  const bool has_moved = (centre_ - from).norm() > kLeastMotion;
+  const bool has_moved = (centre_ - from).norm() > LocalMinimum::kLeastMotion;
   if (has_moved) contacts_.keep_active();
   return has_moved;
 }
@@ -314,6 +314,24 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
       event.time >= 1.0 && event.contact < 0 && event.slot < 0 && contacts_.count() == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
   return apply_event(event, path) ? Next::again : Next::failed;
+}
+
+// Follows the device over the faces of a large fan. False: there is none, or it gets no farther like that.
+bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
+  if (is_point_) return false;
+  const Vec3 start = centre_;
+  const double began = time;
+  const LargeFan::Crossing crossing = fan_.cross({contacts_, near_, centre_, is_descending_, work_, most_work_}, from, to, time);
+  if (crossing == LargeFan::Crossing::none) return false;
+  hint_ = centre_ - start;
+  if (crossing == LargeFan::Crossing::hollow) {
+    has_lost_minimum_ = false;
+    note_gain(on_path(from, to, time), time > began || hint_.norm() > LocalMinimum::kLeastMotion);
+  } else {
+    note_gain(on_path(from, to, time), time > began);
+    idle_ = 0;
+  }
+  return true;
 }
 
 // Two contacts whose normals are nearly parallel: drops the one that holds less. It is hit again if it is in the way.

@@ -7,13 +7,13 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "core/force/sphere/centre_path.h"
 #include "core/force/sphere/contact_set.h"
 #include "core/force/sphere/descent_path.h"
 #include "core/force/sphere/drag_legs.h"
 #include "core/force/sphere/gathered_triangles.h"
+#include "core/force/sphere/large_fan.h"
 #include "core/force/sphere/local_minimum.h"
 #include "core/force/sphere/minimum_legs.h"
 #include "core/force/sphere/path_events.h"
@@ -57,9 +57,9 @@ class SphereFollower {
       : materials_(materials),
         contacts_({offset, kSlop, kTolerance}),
         near_(geometry, materials, contacts_.clearance(), (is_point ? kLeastOfPoint : kLeastOfSphere) * offset),
-        is_point_(is_point) {
+        is_point_(is_point),
+        fan_(geometry) {
     note_friction();
-    if (geometry.may_have_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
   }
   // The friction of the materials has changed: a centre in contact settles again at the beginning of the next motion.
   void note_friction() noexcept {
@@ -78,7 +78,7 @@ class SphereFollower {
   // The set of triangles has changed: gather them again.
   void forget_near() {
     near_.clear();
-    fan_room_.room = -1.0;
+    fan_.forget();
   }
   // Resets everything except the counters: later steps do not depend on earlier ones.
   void forget() noexcept;
@@ -111,7 +111,6 @@ class SphereFollower {
   // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
   static constexpr double kLeastOfPoint = 64.0;
   static constexpr double kLeastOfSphere = 0x1p-6;
-  static constexpr double kLeastMotion = 0x1p-42;  // a shorter displacement counts as none
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
@@ -124,27 +123,6 @@ class SphereFollower {
   enum class Next : std::uint8_t { again, wait, settled, failed };
   using Exit = PathEvents::Exit;
   using Event = PathEvents::Event;
-  // Where a path over a face of a fan leaves it, and through which edge; -1: it does not.
-  struct FanExit {
-    double time = 2.0;
-    int edge = -1;
-  };
-  // Nothing but the fan around a tip comes nearer to the sphere than it is allowed to while its centre is that near to a place.
-  struct FanRoom {
-    Vec3 tip = Vec3::Zero();
-    Vec3 at = Vec3::Zero();
-    double room = -1.0;
-    std::uint32_t mesh = 0;
-    std::uint32_t vertex = 0;  // of the tip, in the mesh
-    bool back = false;         // the side that the sphere is on
-    int planes = 0;            // of a hollow fan: those near, in fan_planes_
-  };
-  // Where a sphere in a hollow fan is for a device: in contact with those planes.
-  struct HollowPlace {
-    Vec3 centre = Vec3::Zero();
-    int count = 0;
-    std::array<OffsetContact, 3> contacts;
-  };
 
   // Coulomb friction: stick, slip, or drag.
   struct FrictionState {
@@ -185,7 +163,7 @@ class SphereFollower {
     double begin = 0.0, end = 1.0;
   };
   // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
-  double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : kLeastMotion; }
+  double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : LocalMinimum::kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept;
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -201,19 +179,7 @@ class SphereFollower {
   bool find_escape_direction(const Vec3& motion) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
-  int fan_corner(const OffsetContact& face) const noexcept;
-  bool is_hollow_fan(const OffsetContact& face) const noexcept;
-  bool touches_one_fan() const noexcept;
-  bool is_alone_with_fan(const OffsetContact& face, const Vec3& towards) noexcept;
-  double share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept;
   bool cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool cross_convex_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
-  FanExit find_fan_exit(const OffsetContact& face, const CentrePath& path) const noexcept;
-  bool cross_fan_edge(int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept;
-  bool cross_hollow_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
-  void move_in_hollow_fan(const HollowPlace& place, const Vec3& device, double then, bool descends, double& time) noexcept;
-  bool find_in_hollow_fan(const Vec3& device, HollowPlace& place) noexcept;
-  int find_lowest_plane(const Vec3& c, double& height) noexcept;
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
@@ -266,13 +232,8 @@ class SphereFollower {
   Vec3 centre_ = Vec3::Zero();
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   PathEvents::Space event_space_;
-  FanRoom fan_room_;
-  struct FanPlane {
-    Vec3 normal;  // towards the sphere
-    std::uint32_t triangle;
-  };
-  std::vector<FanPlane> fan_planes_;  // of the capacity of near_ if the geometry has large fans; else empty
-  mutable int work_ = 0;              // units, in this call
+  LargeFan fan_;
+  mutable int work_ = 0;  // units, in this call
   int most_work_ = 0;
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
