@@ -66,7 +66,7 @@ void SphereFollower::forget() noexcept {
   lingering_ = 0;
   idle_ = 0;
   has_lost_minimum_ = false;
-  has_cone_ = false;
+  corner_.has_cone = false;
   has_escapes_left_ = false;
   failed_escapes_ = 0;
   motion_ = 1;

@@ -10,6 +10,7 @@
 
 #include "core/force/sphere/centre_path.h"
 #include "core/force/sphere/contact_set.h"
+#include "core/force/sphere/corner_exit.h"
 #include "core/force/sphere/descent_path.h"
 #include "core/force/sphere/drag_legs.h"
 #include "core/force/sphere/gathered_triangles.h"
@@ -17,7 +18,6 @@
 #include "core/force/sphere/local_minimum.h"
 #include "core/force/sphere/minimum_legs.h"
 #include "core/force/sphere/path_events.h"
-#include "core/force/sphere/tangent_cone.h"
 #include "core/force/sphere/wedge.h"
 #include "core/force/step_work.h"
 #include "core/force/touch_scene.h"
@@ -72,7 +72,7 @@ class SphereFollower {
   bool is_tracking() const { return is_tracking_; }
   void stop_tracking() {
     is_tracking_ = false;
-    cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+    corner_.at = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
   // The set of triangles has changed: gather them again.
@@ -116,6 +116,7 @@ class SphereFollower {
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
   static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
   static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
+  static constexpr int kMostCornerTries = 2;   // in a step
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
   static constexpr int kMostInFlight = 512;  // triangles that a flight tests
@@ -144,6 +145,7 @@ class SphereFollower {
   const Clearance& clearance() const { return contacts_.clearance(); }
   LocalMinimum minimum() const { return LocalMinimum(contacts_); }
   PathEvents events_on() { return {contacts_, near_, event_space_, work_}; }
+  CornerExit corner() { return {contacts_, near_, centre_, corner_, work_}; }
   Wedge wedge() { return {contacts_, near_, centre_, work_}; }
   DragLegs drag_legs() { return {contacts_, events_on(), centre_, friction_.step, work_}; }
 
@@ -184,12 +186,6 @@ class SphereFollower {
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
-  bool find_apex(Vec3& apex) const noexcept;
-  bool find_common_corner(Vec3& apex) const noexcept;
-  bool find_cone(double moved) noexcept;
-  bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
-  double least_corner_exit(const Vec3& pull) const noexcept;
-  double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool roll_off_face() noexcept;
   bool leave_by_flight(const Vec3& device, const Vec3& motion) noexcept;
   bool straighten_in_slit() noexcept;
@@ -198,11 +194,7 @@ class SphereFollower {
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_fold(const Vec3& device, const Vec3& motion) noexcept;
-  double distance_off_edge(const TangentCone::Steepest& to) const noexcept;
-  std::optional<Vec3> find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept;
-  bool pass_corner(const Vec3& target, double wide) noexcept;
-  bool is_beyond_surface(const Vec3& target, double within) noexcept;
-  static Span part_within(const ContactTriangle& shape, int k, const Vec3& p, double within);
+  bool move_past_corner(const Vec3& target, double wide) noexcept;
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;
   template <class Go>
@@ -237,9 +229,7 @@ class SphereFollower {
   int most_work_ = 0;
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
-  TangentCone cone_;             // of the corner that the centre was last held in
-  bool has_cone_ = false;
-  Vec3 cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  CornerExit::Memory corner_;
   int corner_tries_ = 0;           // in this motion
   int skips_ = 0;                  // in this motion
   std::uint64_t motion_ = 1;       // its number

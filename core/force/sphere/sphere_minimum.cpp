@@ -56,7 +56,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     released = i;
     soonest = share;
   }
-  const double opens = time_to_corner_exit(from, to, time);
+  const double opens = is_point_ && corner_tries_ < kMostCornerTries ? corner().time_to_exit(from, to, time) : 2.0;
   if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
     time = opens;
     // A failed attempt is not repeated in this step.
