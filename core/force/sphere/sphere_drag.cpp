@@ -24,27 +24,26 @@ constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
 }  // namespace
 
 FrictionCoefficients SphereFollower::coefficients(const OffsetContact& contact) const noexcept {
-  const Material& material = materials_[geometry_.mesh_of(contact.triangle)];
+  const Material& material = near_.material(contact.triangle);
   return {material.friction_static, std::min(material.friction_dynamic, material.friction_static)};
 }
 
 bool SphereFollower::has_friction_here() const noexcept {
   bool any = false;
-  for (int i = 0; i < contact_count_; ++i) any |= coefficients(contacts_[i]).static_mu > 0.0;
+  for (int i = 0; i < contacts_.count(); ++i) any |= coefficients(contacts_[i]).static_mu > 0.0;
   return any;
 }
 
 OffsetDrag SphereFollower::make_drag() noexcept {
-  for (int i = 0; i < active_count_; ++i) friction_.coefficients[static_cast<std::size_t>(i)] = coefficients(contacts_[i]);
-  const auto count = static_cast<std::size_t>(active_count_);
-  return {std::span<const OffsetContact>(contacts_).first(count),
-          std::span<const FrictionCoefficients>(friction_.coefficients).first(count), clearance_.offset};
+  for (int i = 0; i < contacts_.active_count(); ++i) friction_.coefficients[static_cast<std::size_t>(i)] = coefficients(contacts_[i]);
+  return {contacts_.active(), std::span<const FrictionCoefficients>(friction_.coefficients).first(contacts_.active().size()),
+          contacts_.offset()};
 }
 
 // The pull is inside the cone, and the centre sticks. On the cone the device drags it as soon as the device moves.
 SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept {
   const double cone = pull.friction.dynamic_mu * pull.depth;
-  friction_.drags = friction_.slides && active_count_ < 3 && pull.length >= (1.0 - kOnCone) * cone - kLeast;
+  friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kLeast;
   friction_.slides = friction_.slides && pull.length >= FrictionMotion::kRestick * cone;
   friction_.slips = false;
   is_descending_ = false;
@@ -54,9 +53,9 @@ SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept
 // With the device held: one piece of path along the pull, until the pull is on the cone.
 SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, const Vec3& motion) noexcept {
   Vec3 direction;
-  if (!find_active(device - centre_, motion, direction)) return Next::failed;
-  if (active_count_ == 0) {
-    contact_count_ = 0;
+  if (!contacts_.find_active(centre_, device - centre_, motion, direction)) return Next::failed;
+  if (contacts_.active_count() == 0) {
+    contacts_.clear();
     friction_.slips = false;
     ++idle_;
     return Next::again;
@@ -65,12 +64,12 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return Next::failed;
   const double cone = (friction_.slides ? pull.friction.dynamic_mu : pull.friction.static_mu) * (1.0 + kOnCone) * pull.depth;
-  const bool moves = active_count_ < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kLeast * kLeast);
+  const bool moves = contacts_.active_count() < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kLeast * kLeast);
   if (!moves) return hold(pull);
   const bool has_vanished = friction_.slips && friction_.vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
   friction_ = {.slides = true, .coefficients = friction_.coefficients};
-  Slip slip;
-  if (!make_slip(drag, pull, device, has_vanished, slip)) return Next::failed;
+  SlipPath slip;
+  if (!drag_legs().make_slip(drag, pull, device, has_vanished, slip)) return Next::failed;
   if (slip.waits || slip.is_on_cone) {
     friction_.drags = true;
     is_descending_ = false;
@@ -79,11 +78,11 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   }
   ++slips_;
   Event event;
-  if (!find_event(slip.path, event)) return Next::failed;
+  if (!events_on().find(slip.path, event)) return Next::failed;
   const bool is_whole = event.time >= 1.0;
   const Vec3 before = centre_;
   bool is_restored = true;
-  place_at_event(slip.path, event, [&](double share) {
+  events_on().place(slip.path, event, centre_, [&](double share) {
     OffsetDrag::Descent at{slip.is_exact ? slip.path.at(share) : before};
     is_restored = slip.is_exact || share <= 0.0 || drag.descend(device, slip.direction, share * slip.length, at, work_);
     centre_ = at.centre;
@@ -97,19 +96,16 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
     is_descending_ = false;
   }
   if (!apply_event(event, slip.path)) return Next::failed;
-  if (ends && slip.released >= 0) remove_contact(slip.released);
+  if (ends && slip.released >= 0) contacts_.remove(slip.released);
   return Next::again;
 }
 
 // With the device moving and the pull on the cone: until the end of the motion, or the next event.
 SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, double& time) noexcept {
-  contact_count_ = active_count_;
+  contacts_.keep_active();
   const OffsetDrag drag = make_drag();
   DragLeg leg;
-  const bool is_round = active_count_ == 1 && contacts_[0].is_curved();
-  const DragOutcome outcome = active_count_ == 3 ? DragOutcome::stops
-                              : is_round         ? make_flow_leg(drag, from, to, time, leg)
-                                                 : make_drag_leg(drag, from, to, time, leg);
+  const DragOutcome outcome = drag_legs().make(drag, from, to, time, leg);
   if (outcome != DragOutcome::moves) {
     ++idle_;
     friction_.drags = false;
@@ -119,13 +115,13 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     return Next::again;
   }
   Event event;
-  if (!leg.is_clear && !find_event(leg.path, event)) return Next::failed;
+  if (!leg.is_clear && !events_on().find(leg.path, event)) return Next::failed;
   const Vec3 before = centre_;
   const Vec3 device = on_path(from, to, time);
   const double time_before = time;
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
-  place_at_event(leg.path, event, [&](double share) {
+  events_on().place(leg.path, event, centre_, [&](double share) {
     time = share >= 1.0 ? leg.time : leg.is_exact ? leg.time_at(time_before, share) : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
     if (share >= 1.0 || leg.is_exact) return;
@@ -136,7 +132,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
         centre_ = at.centre;
         time = std::clamp(at.time, time_before, leg.time);
       } else {
-        is_restored = restore(centre_);
+        is_restored = contacts_.restore(centre_, work_);
       }
       return;
     }
@@ -144,7 +140,7 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     if (drag.follow(device, on_path(from, to, time), c, work_)) {
       centre_ = c;
     } else {
-      is_restored = restore(centre_);
+      is_restored = contacts_.restore(centre_, work_);
     }
   });
   if (!is_restored) return Next::failed;
@@ -190,14 +186,14 @@ double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, co
 // The pull on a centre that stays, resolved against all its contacts.
 SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const noexcept {
   Reaction now;
-  std::array<ContactPlane, kMostContacts> planes;
-  for (int i = 0; i < contact_count_; ++i) planes[static_cast<std::size_t>(i)] = {contacts_[i].proximity(centre_).normal, 0.0};
+  std::array<ContactPlane, ContactSet::kMost> planes;
+  for (int i = 0; i < contacts_.count(); ++i) planes[static_cast<std::size_t>(i)] = {contacts_[i].proximity(centre_).normal, 0.0};
   const ConstrainedMotion constrained =
-      constrain_motion(pull, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contact_count_)));
+      constrain_motion(pull, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contacts_.count())));
   if (!constrained.solved) return now;
   ContactMaterial material;
   for (int i = 0; i < constrained.active_count; ++i) {
-    material.add(materials_[geometry_.mesh_of(contacts_[constrained.active[i]].triangle)], constrained.multipliers[i]);
+    material.add(near_.material(contacts_[constrained.active[i]].triangle), constrained.multipliers[i]);
   }
   now.is_free = constrained.active_count == 0;
   now.friction = {material.mean().friction_static, std::min(material.mean().friction_static, material.mean().friction_dynamic)};
@@ -253,7 +249,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     if (friction_.slides) consider_restick(rise(-1.0, normal, 1.0 + least * least, 0.0));
   };
   if (excess_at(0.0) > 4.0 * kOnCone * start.norm() + 2.0 * kLeast) soonest = 0.0;
-  for (int i = 0; i < contact_count_; ++i) {
+  for (int i = 0; i < contacts_.count(); ++i) {
     ++work_;
     const Vec3 normal = contacts_[i].proximity(centre_).normal;
     const FrictionCoefficients friction = coefficients(contacts_[i]);
@@ -261,7 +257,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     const double height = normal.dot(start);
     const double there = normal.dot(start + motion);
     if (height < 0.0 && there > 0.0) consider(height / (height - there));
-    for (int j = i + 1; j < contact_count_; ++j) {
+    for (int j = i + 1; j < contacts_.count(); ++j) {
       const Vec3 line = accurate_cross(normal, contacts_[j].proximity(centre_).normal);
       if (!(line.norm() > 0x1p-40)) continue;
       const Vec3 along = line.normalized();
@@ -283,7 +279,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
   }
   const double first = std::min({soonest, restick, 1.0});
   ++idle_;
-  if (first * motion.norm() > kLeastMotion) idle_ = 0;
+  if (first * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
   least_distance_ = kInfinity;
   time = first >= 1.0 ? 1.0 : time + first * (1.0 - time);
   if (soonest <= 1.0 && soonest <= restick) {
@@ -297,7 +293,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     return Next::again;
   }
   Vec3 direction;
-  return find_active(to - centre_, to - from, direction) ? Next::settled : Next::failed;
+  return contacts_.find_active(centre_, to - centre_, to - from, direction) ? Next::settled : Next::failed;
 }
 
 }  // namespace hapton

@@ -25,22 +25,20 @@ SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, doubl
 // settled: arrived. again: a triangle was hit on the way. failed, too, where there are many near it: a sweep can be interrupted.
 SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexcept {
   constexpr int kFanInUnit = 4;  // triangles that are neighbours in memory
-  const Clearance clearance{clearance_.offset, clearance_.slop, clearance_.tolerance};
   const Vec3 from = centre_;
   const Vec3 motion = to - from;
   std::uint32_t first = 0;
   double time = kNever;
   int tests = 0;
   int in_fan = 0;
-  geometry_.visit_along(from, to, clearance_.offset + clearance_.tolerance, [&](std::uint32_t id, double before) {
-    const bool is_in_fan = geometry_.is_in_large_fan(id);
+  near_.geometry().visit_along(from, to, clearance().offset + clearance().tolerance, [&](std::uint32_t id, double before) {
+    const bool is_in_fan = near_.geometry().is_in_large_fan(id);
     if (is_in_fan ? ++in_fan > NearTriangles::kMostVisitedInFans : ++tests > kMostInFlight) return -1.0;
     work_ += is_in_fan ? in_fan % kFanInUnit == 0 : 1;
-    const double t = time_to_block(TriangleView{geometry_, id}, from, motion, std::min(before, time), clearance);
+    const double t = time_to_block(TriangleView{near_.geometry(), id}, from, motion, std::min(before, time), clearance());
     if (!(t < time) || t > 1.0) return before;
-    const ObjectGeometry::Corners corners = geometry_.corners(id);
-    if (!materials_[geometry_.mesh_of(id)].two_sided && !can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from))
-      return before;
+    const ObjectGeometry::Corners corners = near_.geometry().corners(id);
+    if (!near_.material(id).two_sided && !near_.can_touch(id, ContactTriangle(corners.a, corners.b, corners.c), from)) return before;
     first = id;
     time = t;
     return std::min(before, t);
@@ -55,14 +53,14 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   centre_ = from + time * motion;
   until = time;
   ++idle_;
-  if (time * motion.norm() > kLeastMotion) idle_ = 0;
+  if (time * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
-  const ObjectGeometry::Corners corners = geometry_.corners(first);
+  const ObjectGeometry::Corners corners = near_.geometry().corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
   if (overlaps(shape)) return Next::failed;
   hint_ = motion;
   is_descending_ = true;
-  return add_contact(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::failed;
+  return contacts_.add(OffsetContact::nearest(first, shape, centre_)) ? Next::again : Next::failed;
 }
 
 }  // namespace hapton

@@ -15,80 +15,58 @@ using Part = OffsetContact::Part;
 
 }  // namespace
 
-bool SphereFollower::can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept {
-  return materials_[geometry_.mesh_of(triangle)].two_sided || shape.normal().dot(p - shape.corner(0)) > 0.0;
-}
-
-// Whether no triangle is nearer than allowed. `short_by`: by how much a start that only other code computed may be too near.
-bool SphereFollower::is_clear(double short_by) noexcept {
-  bool clear = true;
-  near_.visit_near(centre_, centre_, clearance_.offset - short_by, [&](int slot) {
-    if (!clear) return;
-    ++work_;
-    const ContactTriangle& shape = near_.shape(slot);
-    clear = shape.separation(centre_).distance >= clearance_.offset - short_by || !can_touch(near_.triangle(slot), shape, centre_);
-  });
-  return clear;
-}
-
-// After a failure the centre may be outside the ball of the gathered triangles.
-bool SphereFollower::is_clear_here(double short_by) noexcept {
-  return (near_.covers(centre_, clearance_.offset) || gather(Vec3::Zero())) && is_clear(short_by);
-}
-
 bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
   work_ = 0;
   is_tracking_ = false;
   friction_ = {.slides = slides, .coefficients = {}};
   centre_ = centre;
-  active_count_ = 0;
-  contact_count_ = 0;
+  contacts_.clear();
   is_descending_ = true;
   is_carried_ = false;
   has_lost_minimum_ = false;
   hint_ = Vec3::Zero();
-  if (!near_.covers(centre_, clearance_.offset + 2.0 * clearance_.tolerance) && !gather(Vec3::Zero())) return false;
-  if (!is_clear(short_by + clearance_.slop)) return false;
+  if (!near_.covers(centre_, clearance().offset + 2.0 * clearance().tolerance) && !near_.gather(centre_, Vec3::Zero(), work_)) return false;
+  if (!near_.is_clear(centre_, short_by + clearance().slop, work_)) return false;
   is_tracking_ = true;
   if (is_free) return true;
   // Lifts the centre to the offset from all that it touches.
   constexpr int kMostLifts = 3;
   for (int i = 0; i < kMostLifts; ++i) {
-    std::array<ContactPlane, kMostContacts> planes;
-    contact_count_ = 0;
-    near_.visit_near(centre_, centre_, clearance_.offset + clearance_.tolerance, [&](int slot) {
+    std::array<ContactPlane, ContactSet::kMost> planes;
+    contacts_.clear();
+    near_.visit_near(centre_, centre_, clearance().offset + clearance().tolerance, [&](int slot) {
       ++work_;
       const ContactTriangle& shape = near_.shape(slot);
       const Separation at = shape.separation(centre_);
-      const double gap = at.distance - clearance_.offset;
-      if (gap > clearance_.tolerance || contact_count_ == kMostContacts || !can_touch(near_.triangle(slot), shape, centre_)) return;
-      const bool is_known = std::any_of(contacts_.begin(), contacts_.begin() + contact_count_,
+      const double gap = at.distance - clearance().offset;
+      if (gap > clearance().tolerance || contacts_.count() == ContactSet::kMost || !near_.can_touch(near_.triangle(slot), shape, centre_))
+        return;
+      const bool is_known = std::any_of(contacts_.all().begin(), contacts_.all().end(),
                                         [&](const OffsetContact& other) { return other.is_shared_with(shape); });
-      if (is_known && gap > -clearance_.slop) return;
-      planes[contact_count_] = {at.normal, -gap};
-      contacts_[contact_count_++] = OffsetContact::nearest(near_.triangle(slot), shape, centre_);
+      if (is_known && gap > -clearance().slop) return;
+      planes[contacts_.count()] = {at.normal, -gap};
+      contacts_.add(OffsetContact::nearest(near_.triangle(slot), shape, centre_));
     });
     const ConstrainedMotion lift =
-        constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contact_count_)));
+        constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contacts_.count())));
     if (!lift.solved || lift.motion.norm() > 64.0 * short_by) return is_tracking_ = false;
-    if (lift.motion.norm() <= clearance_.tolerance) break;
+    if (lift.motion.norm() <= clearance().tolerance) break;
     centre_ += lift.motion;
   }
-  return is_tracking_ = is_clear(clearance_.slop);
+  return is_tracking_ = near_.is_clear(centre_, clearance().slop, work_);
 }
 
 void SphereFollower::forget() noexcept {
   stop_tracking();
   forget_near();
-  gathered_count_ = 0;
-  gather_radius_ = 0.0;
+  near_.reset();
   hint_ = Vec3::Zero();
   lingered_at_ = Vec3::Zero();
   slit_at_.reset();
   lingering_ = 0;
   idle_ = 0;
   has_lost_minimum_ = false;
-  has_cone_ = false;
+  corner_.has_cone = false;
   has_escapes_left_ = false;
   failed_escapes_ = 0;
   motion_ = 1;
@@ -97,8 +75,7 @@ void SphereFollower::forget() noexcept {
 
 void SphereFollower::start_free(const Vec3& centre) noexcept {
   centre_ = centre;
-  active_count_ = 0;
-  contact_count_ = 0;
+  contacts_.clear();
   friction_ = {};
   is_carried_ = false;
   is_tracking_ = true;
@@ -137,7 +114,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
   if (is_carried_ && is_far) {  // places out there are too coarse to go on from
     time = 1.0;
-    is_descending_ = contact_count_ != 0;
+    is_descending_ = !contacts_.is_empty();
   }
   return outcome;
 }
@@ -146,7 +123,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
 SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Span span = find_span(from, to);
   Outcome outcome = Outcome::settled;
-  bool is_with_device = contact_count_ == 0 && centre_ == on_path(from, to, time);
+  bool is_with_device = contacts_.is_empty() && centre_ == on_path(from, to, time);
   if (span.begin <= span.end && time <= span.end) {
     const Vec3 first = on_path(from, to, span.begin);
     const Vec3 last = on_path(from, to, span.end);
@@ -154,12 +131,12 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     double part = length > 0.0 ? std::max(0.0, (time - span.begin) / length) : 0.0;
     if (span.begin > time) {
       if (is_with_device) centre_ = first;
-      is_descending_ = contact_count_ != 0;
+      is_descending_ = !contacts_.is_empty();
     }
     outcome = follow_near(first, last, part);
     time = span.end >= 1.0 && part >= 1.0 ? 1.0 : span.begin + part * length;
     if (outcome != Outcome::settled || span.end >= 1.0) return outcome;
-    is_with_device = contact_count_ == 0;
+    is_with_device = contacts_.is_empty();
   }
   if (is_with_device) {  // nothing to hit out there
     centre_ = to;
@@ -179,12 +156,12 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
     moved[static_cast<std::size_t>(i % 3)] = turn.norm();
-    if (contact_count_ == 0 || (i % 3 != 2 && turn.norm() <= kAtMinimum) || work_ > most_work_) break;
+    if (contacts_.is_empty() || (i % 3 != 2 && turn.norm() <= LocalMinimum::kAtMinimum) || work_ > most_work_) break;
     const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
     ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }
   time = 1.0;
-  if (contact_count_ == 0) centre_ = to;
+  if (contacts_.is_empty()) centre_ = to;
   return outcome;
 }
 
@@ -197,7 +174,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     ++events_;
     work_ += kWorkOfEvent;
     if (idle_ > kMostIdle && !(is_point_ && skip_ahead(from, to, time))) break;
-    if (contact_count_ == 0) {
+    if (contacts_.is_empty()) {
       next = fly(from, to, time);
     } else if (has_friction_ && has_friction_here()) {
       next = is_descending_    ? descend_with_friction(on_path(from, to, time), to - from)
@@ -209,42 +186,36 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
                                                                          : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
-    if (next == Next::again && has_lingered()) time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, lingering_ / 4) / (to - from).norm());
+    if (next == Next::again && has_lingered())
+      time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, lingering_ / 4) / (to - from).norm());
     if (next == Next::settled && !(has_friction_ && has_friction_here()) && leave_minimum(to, to - from)) next = Next::again;
   }
   queried_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
-  const bool is_astray = next == Next::failed && !touches_all();
-  if (contact_count_ != 0 && !has_stuck && (is_astray || !is_clear_here(2.0 * clearance_.slop))) {
+  const bool is_astray = next == Next::failed && !contacts_.touches_all(centre_);
+  if (!contacts_.is_empty() && !has_stuck && (is_astray || !near_.is_clear_here(centre_, 2.0 * clearance().slop, work_))) {
     centre_ = start;
-    active_count_ = 0;
-    contact_count_ = 0;
+    contacts_.clear();
     time = began;
     return Outcome::failed;
   }
   if (next == Next::failed || idle_ > kMostIdle) return Outcome::failed;
-  note_multipliers(to);
+  contacts_.note_multipliers(centre_, to);
   if (has_escapes_left_) return Outcome::exhausted;
   if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to))
     return Outcome::failed;
   Vec3 direction;
   if (next == Next::settled)
-    return !is_point_ && !(has_friction_ && has_friction_here()) && is_shallow(to, direction) ? Outcome::failed : Outcome::settled;
+    return !is_point_ && !(has_friction_ && has_friction_here()) && minimum().is_shallow(centre_, to, direction) ? Outcome::failed
+                                                                                                                 : Outcome::settled;
   return Outcome::exhausted;
-}
-
-// A centre that is off its own contacts was put there by an equation that had no solution, perhaps behind a face.
-bool SphereFollower::touches_all() const noexcept {
-  constexpr double kTouches = 0x1p-36;
-  return std::all_of(contacts_.begin(), contacts_.begin() + contact_count_,
-                     [&](const OffsetContact& contact) { return contact.proximity(centre_).distance <= clearance_.offset + kTouches; });
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
 bool SphereFollower::has_lingered() noexcept {
   constexpr int kMany = 64;
-  if (is_descending_ && (centre_ - lingered_at_).norm() <= kLeastMotion) return ++lingering_ > 0;
-  if ((centre_ - lingered_at_).norm() > kLeastMotion) {
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kLeastMotion) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > LocalMinimum::kLeastMotion) {
     lingered_at_ = centre_;
     lingering_ = -kMany;
   }
@@ -256,35 +227,18 @@ bool SphereFollower::has_lingered() noexcept {
 bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept {
   const double length = (to - from).norm();
   if (time >= 1.0 || !(length > 0.0) || skips_ > kMostSkips) return false;
-  time = std::min(1.0, time + std::ldexp(4.0 * kAtAxis, skips_) / length);
+  time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, skips_) / length);
   ++skips_;
   idle_ = 0;
-  is_descending_ = contact_count_ != 0;
+  is_descending_ = !contacts_.is_empty();
   return true;
-}
-
-bool SphereFollower::add_contact(const OffsetContact& contact) noexcept {
-  int at = contact_count_;
-  for (int i = 0; i < contact_count_; ++i) {
-    if (contacts_[i].triangle == contact.triangle) at = i;
-  }
-  if (at == kMostContacts) return false;
-  contacts_[at] = contact;
-  if (at == contact_count_) ++contact_count_;
-  return true;
-}
-
-void SphereFollower::remove_contact(int i) noexcept {
-  for (int k = i + 1; k < contact_count_; ++k) contacts_[k - 1] = contacts_[k];
-  --contact_count_;
-  active_count_ = std::min(active_count_, contact_count_);
 }
 
 // After a displacement, contacts that were not active are dropped; they are hit again if they are in the way.
 bool SphereFollower::note_move(const Vec3& from) noexcept {
   ++idle_;
-  const bool has_moved = (centre_ - from).norm() > kLeastMotion;
-  if (has_moved) contact_count_ = active_count_;
+  const bool has_moved = (centre_ - from).norm() > LocalMinimum::kLeastMotion;
+  if (has_moved) contacts_.keep_active();
   return has_moved;
 }
 
@@ -295,140 +249,128 @@ void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
   if (has_moved || distance < least_distance_) least_distance_ = distance;
 }
 
-// Finds the contacts that hold the centre against the pull, moves them to the front, and returns the free component of the pull. Where
-// constraints balance, the device's motion decides.
-bool SphereFollower::find_active(const Vec3& pull, const Vec3& motion, Vec3& descent) noexcept {
-  const double length = motion.norm();
-  const Vec3 goal = length > 0.0 ? Vec3(pull + motion * (kNudge / length)) : pull;
-  if (contact_count_ == 1) {
-    const Vec3 normal = contacts_[0].proximity(centre_).normal;
-    const double height = normal.dot(goal);
-    active_count_ = height < 0.0 ? 1 : 0;
-    descent = goal - height * normal;
-    return true;
-  }
-  std::array<ContactPlane, kMostContacts> planes;
-  for (int i = 0; i < contact_count_; ++i) planes[i] = {contacts_[i].proximity(centre_).normal, 0.0};
-  const ConstrainedMotion constrained =
-      constrain_motion(goal, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contact_count_)));
-  if (!constrained.solved) return false;
-  descent = constrained.motion;
-  active_count_ = constrained.active_count;
-  std::array<int, 3> at = constrained.active;
-  for (int i = 0; i < active_count_; ++i) {
-    if (at[i] == i) continue;
-    std::swap(contacts_[i], contacts_[at[i]]);
-    for (int j = i + 1; j < active_count_; ++j) {
-      if (at[j] == i) at[j] = at[i];  // that contact was moved to make room
-    }
-  }
-  return true;
-}
-
 // The path is clear of everything by an offset. A centre farther from it than a part of that may be on the other side of a face.
 bool SphereFollower::is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept {
   constexpr double kNear = 0.25;
-  return (centre - path.at(share)).norm() <= kNear * clearance_.offset;
+  return (centre - path.at(share)).norm() <= kNear * clearance().offset;
 }
 
 // With the device held: one piece of the steepest descent, until the centre is at a minimum.
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 pull = device - centre_;
   Vec3 descent;
-  if (!find_active(pull, motion, descent)) return Next::failed;
-  if (active_count_ == 0) {
-    contact_count_ = 0;
+  if (!contacts_.find_active(centre_, pull, motion, descent)) return Next::failed;
+  if (contacts_.active_count() == 0) {
+    contacts_.clear();
     ++idle_;
     return Next::again;
   }
 
   bool is_unstable = false;
-  if (active_count_ == 3 || descent.norm() <= kAtMinimum) {
+  if (contacts_.active_count() == 3 || descent.norm() <= LocalMinimum::kAtMinimum) {
     if (is_point_ && straighten_in_slit()) return Next::again;
-    is_unstable = active_count_ < 3 && !is_on_axis(device) && (has_lost_minimum_ || find_stability(centre_, device) <= 0.0);
+    is_unstable = contacts_.active_count() < 3 && !minimum().is_on_axis(device) &&
+                  (has_lost_minimum_ || minimum().find_stability(centre_, device) <= 0.0);
     if (!is_unstable) {
-      activate_opposing(device, motion);
+      activate_opposing(contacts_, centre_, device, motion);
       is_descending_ = false;
-      contact_count_ = active_count_;
+      contacts_.keep_active();
       return Next::again;
     }
   }
   has_lost_minimum_ = false;
   if (is_unstable && !find_escape_direction(motion)) {
     is_descending_ = false;
-    contact_count_ = active_count_;
+    contacts_.keep_active();
     return Next::again;
   }
   CentrePath path;
-  if (!make_descent(device, is_unstable, path)) {
-    if (!is_unstable) return active_count_ == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
+  if (!DescentPath(contacts_, centre_, work_).make(device, hint_, is_unstable, path)) {
+    if (!is_unstable) return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
     // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
-    if (active_count_ == 2 && is_point_ && find_stability(centre_, device) <= 0.0) return drop_weaker(pull);
+    if (contacts_.active_count() == 2 && is_point_ && minimum().find_stability(centre_, device) <= 0.0) return drop_weaker(pull);
     is_descending_ = false;
-    contact_count_ = active_count_;
+    contacts_.keep_active();
     ++idle_;
     return Next::wait;
   }
   Event event;
-  if (!find_event(path, event)) return Next::failed;
+  if (!events_on().find(path, event)) return Next::failed;
   const Vec3 before = centre_;
   bool is_restored = true;
-  place_at_event(path, event, [&](double share) {
+  events_on().place(path, event, centre_, [&](double share) {
     centre_ = path.at(share);
-    is_restored = restore(centre_) && is_near_path(centre_, path, share);
+    is_restored = contacts_.restore(centre_, work_) && is_near_path(centre_, path, share);
   });
   if (!is_restored) {
     centre_ = before;
-    for (int i = 0; i < active_count_; ++i) {
-      if (crossed_[static_cast<std::size_t>(i)].until > 0.0) contacts_[i] = crossed_[static_cast<std::size_t>(i)].first;
-    }
-    return active_count_ == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
+    events_on().undo_level_faces();
+    return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
   }
   note_move(before);
   note_gain(device, false);
   // Over a single face the path ends at the minimum.
   const bool is_at_rest =
-      event.time >= 1.0 && event.contact < 0 && event.slot < 0 && contact_count_ == 1 && contacts_[0].part == Part::face;
+      event.time >= 1.0 && event.contact < 0 && event.slot < 0 && contacts_.count() == 1 && contacts_[0].part == Part::face;
   if (is_at_rest) is_descending_ = false;
   return apply_event(event, path) ? Next::again : Next::failed;
+}
+
+// Follows the device over the faces of a large fan. False: there is none, or it gets no farther like that.
+bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
+  if (is_point_) return false;
+  const Vec3 start = centre_;
+  const double began = time;
+  const LargeFan::Crossing crossing = fan_.cross({contacts_, near_, centre_, is_descending_, work_, most_work_}, from, to, time);
+  if (crossing == LargeFan::Crossing::none) return false;
+  hint_ = centre_ - start;
+  if (crossing == LargeFan::Crossing::hollow) {
+    has_lost_minimum_ = false;
+    note_gain(on_path(from, to, time), time > began || hint_.norm() > LocalMinimum::kLeastMotion);
+  } else {
+    note_gain(on_path(from, to, time), time > began);
+    idle_ = 0;
+  }
+  return true;
 }
 
 // Two contacts whose normals are nearly parallel: drops the one that holds less. It is hit again if it is in the way.
 SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
   const double first = contacts_[0].proximity(centre_).normal.dot(pull);
   const double second = contacts_[1].proximity(centre_).normal.dot(pull);
-  remove_contact(first < second ? 1 : 0);
-  contact_count_ = active_count_;
+  contacts_.remove(first < second ? 1 : 0);
+  contacts_.keep_active();
   ++idle_;
   return Next::again;
 }
 
 // With the device moving: until the end of its motion, or the next event.
 SphereFollower::Next SphereFollower::slide(const Vec3& from, const Vec3& to, double& time) noexcept {
-  active_count_ = contact_count_;
-  if (active_count_ == 3) return stay(from, to, time);
-  Leg leg;
-  if (!make_leg(from, to, time, leg)) {
-    const Vec3 rate = find_rate(centre_, on_path(from, to, time), to - from);
+  contacts_.activate_all();
+  if (contacts_.active_count() == 3) return stay(from, to, time);
+  MinimumLeg leg;
+  if (!MinimumLegs(contacts_, centre_, work_).make(from, to, time, leg)) {
+    const Vec3 rate = minimum().find_rate(centre_, on_path(from, to, time), to - from);
     return lose_minimum(rate.allFinite() && !rate.isZero(0.0) ? rate : Vec3(to - from));
   }
   Event event;
-  if (!find_event(leg.path, event)) return Next::failed;
+  if (!events_on().find(leg.path, event)) return Next::failed;
   const Vec3 before = centre_;
   const double time_before = time;
   const bool is_whole = event.time >= 1.0;
   bool is_restored = true;
-  place_at_event(leg.path, event, [&](double share) {
+  events_on().place(leg.path, event, centre_, [&](double share) {
     time = share >= 1.0 ? leg.time : time_before + share * (leg.time - time_before);
     centre_ = leg.path.at(share);
     if (leg.is_on_curve) {
-      is_restored = restore(centre_) && is_near_path(centre_, leg.path, share);
-      if (share < 1.0) time = std::clamp(time_on_curve(from, to), time_before, leg.time);
+      is_restored = contacts_.restore(centre_, work_) && is_near_path(centre_, leg.path, share);
+      if (share < 1.0) time = std::clamp(MinimumLegs(contacts_, centre_, work_).time_on_curve(from, to), time_before, leg.time);
       return;
     }
-    if (leg.path.is_straight() || (solve(on_path(from, to, time), centre_) && is_near_path(centre_, leg.path, share))) return;
+    if (leg.path.is_straight() || (minimum().solve(on_path(from, to, time), centre_, work_) && is_near_path(centre_, leg.path, share)))
+      return;
     centre_ = leg.path.at(share);
-    is_restored = restore(centre_);
+    is_restored = contacts_.restore(centre_, work_);
   });
   if (!is_restored) return Next::failed;
   const bool has_moved = note_move(before);
@@ -448,9 +390,9 @@ std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& pa
   if (released < 0) return std::nullopt;
   ++idle_;
   hint_ = contacts_[released].proximity(centre_).normal;  // where the others alone do not hold it, it goes away from this one
-  remove_contact(released);
-  if (contact_count_ == 0) centre_ = device;
-  is_descending_ = contact_count_ != 0;
+  contacts_.remove(released);
+  if (contacts_.is_empty()) centre_ = device;
+  is_descending_ = !contacts_.is_empty();
   return Next::again;
 }
 

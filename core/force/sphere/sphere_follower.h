@@ -7,14 +7,18 @@
 #include <limits>
 #include <optional>
 #include <span>
-#include <vector>
 
-#include "core/collision/near_triangles.h"
 #include "core/force/sphere/centre_path.h"
-#include "core/force/sphere/contact_frame.h"
-#include "core/force/sphere/offset_drag.h"
-#include "core/force/sphere/offset_surface.h"
-#include "core/force/sphere/tangent_cone.h"
+#include "core/force/sphere/contact_set.h"
+#include "core/force/sphere/corner_exit.h"
+#include "core/force/sphere/descent_path.h"
+#include "core/force/sphere/drag_legs.h"
+#include "core/force/sphere/gathered_triangles.h"
+#include "core/force/sphere/large_fan.h"
+#include "core/force/sphere/local_minimum.h"
+#include "core/force/sphere/minimum_legs.h"
+#include "core/force/sphere/path_events.h"
+#include "core/force/sphere/wedge.h"
 #include "core/force/step_work.h"
 #include "core/force/touch_scene.h"
 
@@ -41,8 +45,6 @@ namespace hapton {
 // event that it has begun.
 class SphereFollower {
  public:
-  static constexpr int kMostContacts = 8;
-
   enum class Outcome : std::uint8_t {
     settled,    // at a local minimum for the device at the end of its motion, or free there
     exhausted,  // out of work with the device at `time`: a valid position on the path, from which the next step continues seamlessly
@@ -52,29 +54,31 @@ class SphereFollower {
   // `offset`: the distance of a centre in contact. `materials`: one for each object. Both outlive this object.
   // `is_point`: the sphere represents a point, so a corner that only the sphere's radius closes does not hold it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
-      : geometry_(geometry), materials_(materials), clearance_{offset, kSlop, kTolerance}, is_point_(is_point) {
+      : materials_(materials),
+        contacts_({offset, kSlop, kTolerance}),
+        near_(geometry, materials, contacts_.clearance(), (is_point ? kLeastOfPoint : kLeastOfSphere) * offset),
+        is_point_(is_point),
+        fan_(geometry) {
     note_friction();
-    if (geometry.may_have_large_fans()) fan_planes_.resize(NearTriangles::kCapacity);
   }
   // The friction of the materials has changed: a centre in contact settles again at the beginning of the next motion.
   void note_friction() noexcept {
     has_friction_ = false;
     for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
-    is_descending_ |= contact_count_ != 0;
+    is_descending_ |= !contacts_.is_empty();
   }
 
   // Whether the centre is the one of the last step. False after others moved the proxy: start() again.
   bool is_tracking() const { return is_tracking_; }
   void stop_tracking() {
     is_tracking_ = false;
-    cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+    corner_.at = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
   // The set of triangles has changed: gather them again.
   void forget_near() {
     near_.clear();
-    fan_room_.room = -1.0;
-    crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+    fan_.forget();
   }
   // Resets everything except the counters: later steps do not depend on earlier ones.
   void forget() noexcept;
@@ -89,117 +93,37 @@ class SphereFollower {
   // Whether a flight of the last call ended among too many triangles.
   bool has_given_up_flight() const { return has_given_up_flight_; }
 
-  double offset() const { return clearance_.offset; }
+  double offset() const { return contacts_.offset(); }
   const Vec3& centre() const { return centre_; }
-  bool is_free() const { return contact_count_ == 0; }
+  bool is_free() const { return contacts_.is_empty(); }
   // The active contacts. When settled, the sum of multiplier * normal is centre - device.
-  std::span<const OffsetContact> contacts() const { return std::span(contacts_).first(static_cast<std::size_t>(active_count_)); }
+  std::span<const OffsetContact> contacts() const { return contacts_.active(); }
 
   std::uint64_t events() const { return events_; }  // since construction, like all below
   std::uint64_t slips() const { return slips_; }    // pieces of path under friction with the device held
   std::uint64_t flights() const { return flights_; }
-  std::uint64_t gathered() const { return gathered_; }
+  std::uint64_t gathered() const { return near_.gathered(); }
   std::uint64_t queried() const { return queried_; }
 
  private:
   static constexpr double kSlop = 0x1p-40;
   static constexpr double kTolerance = 0x1p-46;
-  // Hysteresis at the boundary of a part: a contact leaves a face this far beyond its edge and enters it this far inside, and likewise for
-  // edges and their ends, so that rounding does not alternate between two parts.
-  static constexpr double kOnBoundary = 0x1p-44;
-  static constexpr double kLeastMotion = 0x1p-42;     // a shorter displacement counts as none
-  static constexpr double kAtMinimum = 0x1p-40;       // shorter tangential pulls count as a local minimum
-  static constexpr double kNudge = 0x1p-42;           // where constraints balance, the device's motion decides
-  static constexpr double kTurn = 0.125;              // rad, in one piece of path
-  static constexpr double kLeastStability = 0x1p-26;  // second derivative of the distance along a curve; below it the minimum vanishes
-  static constexpr double kAtAxis = 0x1p-39;     // distance from the axis of an edge or a vertex below which a direction is mostly rounding
-  static constexpr double kLeastRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
-  static constexpr double kCoplanar = 0x1p-50;   // distance between planes that counts as rounding
+  // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
+  static constexpr double kLeastOfPoint = 64.0;
+  static constexpr double kLeastOfSphere = 0x1p-6;
   static constexpr double kLeastGain = 0x1p-44;
   static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
   static constexpr int kMostTurns = 64;        // of the direction to a device farther out
-  static constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
   static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
   static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
+  static constexpr int kMostCornerTries = 2;   // in a step
   static constexpr int kMostIdle = 24;         // events without progress
   static constexpr int kMostSkips = 16;
   static constexpr int kMostInFlight = 512;  // triangles that a flight tests
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
-  // A boundary of the part that the contact is on, and what lies beyond it.
-  struct Exit {
-    Vec3 origin, direction;
-    int slot = -1;  // in near_; -1: the same triangle
-    int index = 0;
-    OffsetContact::Part part = OffsetContact::Part::face;
-  };
-  struct Event {
-    double time = 1.0;  // of the path
-    int contact = -1;   // the contact that leaves its part, through `exit`; -1: none
-    Exit exit;
-    int slot = -1;  // the triangle that is hit; -1: none
-  };
-  // A contact on a face where a path crosses faces of the same plane: before the path, and the last of them before `until`. 0: it crosses
-  // none.
-  struct LevelFaces {
-    OffsetContact first, last;
-    double until = 0.0;
-  };
-  // Where a path over a face of a fan leaves it, and through which edge; -1: it does not.
-  struct FanExit {
-    double time = 2.0;
-    int edge = -1;
-  };
-  // Nothing but the fan around a tip comes nearer to the sphere than it is allowed to while its centre is that near to a place.
-  struct FanRoom {
-    Vec3 tip = Vec3::Zero();
-    Vec3 at = Vec3::Zero();
-    double room = -1.0;
-    std::uint32_t mesh = 0;
-    std::uint32_t vertex = 0;  // of the tip, in the mesh
-    bool back = false;         // the side that the sphere is on
-    int planes = 0;            // of a hollow fan: those near, in fan_planes_
-  };
-  // Where a sphere in a hollow fan is for a device: in contact with those planes.
-  struct HollowPlace {
-    Vec3 centre = Vec3::Zero();
-    int count = 0;
-    std::array<OffsetContact, 3> contacts;
-  };
-  // A piece of the path with the device moving.
-  struct Leg {
-    CentrePath path;
-    double time = 1.0;         // of the device at its end
-    int released = -1;         // the contact whose multiplier is zero there; -1: none
-    bool is_on_curve = false;  // parametrised by length; time of a point: when the device makes it the minimum
-    bool vanishes = false;     // the minimum vanishes at its end
-  };
-  // A plane that holds the centre, which is above it.
-  struct Wall {
-    Vec3 normal = Vec3::Zero();  // unit
-    Vec3 origin = Vec3::Zero();
-
-    double height(const Vec3& p) const { return normal.dot(p - origin); }
-  };
-  // The tangent planes of the parts below a contact that the centre stays on along a path, at its start and its end.
-  struct TangentSpan {
-    Vec3 origin = Vec3::Zero();  // on both
-    std::array<Vec3, 2> normal;  // unit, towards the centre
-  };
-  // Along the curve where two contacts meet, with the device moving.
-  struct Course {
-    Vec3 from, motion;   // of the device
-    Vec3 direction;      // unit, of the curve at the centre
-    double sense = 1.0;  // of that direction: 1 as the frame's there, -1 opposite
-  };
-  // A place on the curve where two contacts meet.
-  struct CurvePlace {
-    Vec3 centre = Vec3::Zero();
-    ContactFrame frame;
-    Vec3 along = Vec3::Zero();  // unit, in the direction of travel
-    double time = 0.0;          // of the device when this is its minimum
-    double stability = 0.0;     // then
-  };
+  using Exit = PathEvents::Exit;
+  using Event = PathEvents::Event;
 
   // Coulomb friction: stick, slip, or drag.
   struct FrictionState {
@@ -210,36 +134,6 @@ class SphereFollower {
     double step = 0.0;      // of the last integration of a drag; 0: none yet
     std::array<FrictionCoefficients, 3> coefficients;
   };
-  struct Slip {
-    CentrePath path;
-    Vec3 direction = Vec3::Zero();
-    double length = 0.0;
-    bool is_exact = false;    // the path is within kExact of the exact one
-    bool stops = false;       // the pull is on the cone at the end of the slip
-    bool is_on_cone = false;  // the pull is on the cone already
-    bool waits = false;       // the equilibrium has not quite vanished yet
-    int released = -1;        // the contact whose multiplier is zero at the end of the slip; -1: none
-  };
-  enum class DragOutcome : std::uint8_t { moves, stops, jumps };
-  struct DragLeg {
-    CentrePath path;
-    double time = 1.0;
-    int released = -1;
-    bool stops = false;
-    bool jumps = false;
-    double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
-    bool is_exact = false;                    // path and time are within kExact of the exact ones
-    bool is_clear = false;                    // nothing changes the contact on the way: no event but its end
-    bool is_line = false;                     // along the line where two planes meet, at the pace that the pull makes
-    std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant
-
-    double time_at(double start, double share) const {
-      const double duration = time - start;
-      const double even = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[0];
-      const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[1];
-      return start + share * (even + share * (3.0 * duration - 2.0 * even - even_there + share * (even + even_there - 2.0 * duration)));
-    }
-  };
   struct Reaction {  // the pull on a centre that sticks, against its contacts
     bool is_known = false;
     bool is_free = false;
@@ -248,22 +142,22 @@ class SphereFollower {
     FrictionCoefficients friction;
   };
 
+  const Clearance& clearance() const { return contacts_.clearance(); }
+  LocalMinimum minimum() const { return LocalMinimum(contacts_); }
+  PathEvents events_on() { return {contacts_, near_, event_space_, work_}; }
+  CornerExit corner() { return {contacts_, near_, centre_, corner_, work_}; }
+  Wedge wedge() { return {contacts_, near_, centre_, work_}; }
+  DragLegs drag_legs() { return {contacts_, events_on(), centre_, friction_.step, work_}; }
+
   FrictionCoefficients coefficients(const OffsetContact& contact) const noexcept;
   bool has_friction_here() const noexcept;
   OffsetDrag make_drag() noexcept;
   Next hold(const OffsetDrag::Pull& pull) noexcept;
   Next descend_with_friction(const Vec3& device, const Vec3& motion) noexcept;
-  bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, Slip& slip) noexcept;
   Next drag(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool creeps(double gone) noexcept;
-  DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
-  DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
   double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
                       double share) noexcept;
-  double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
-  double distance_to_boundary(const Vec3& direction, double most) noexcept;
-  bool is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
   Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
 
@@ -271,110 +165,36 @@ class SphereFollower {
     double begin = 0.0, end = 1.0;
   };
   // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
-  double least_progress() const { return is_point_ ? kAtAxis : kLeastMotion; }
+  double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : LocalMinimum::kLeastMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept;
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept;
-  bool touches_all() const noexcept;
   bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
-  bool find_active(const Vec3& pull, const Vec3& motion, Vec3& descent) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next wait(const Vec3& from, const Vec3& to, double& time) const noexcept;
   bool find_escape_direction(const Vec3& motion) noexcept;
-  void activate_opposing(const Vec3& device, const Vec3& motion) noexcept;
-  bool is_on_axis(const Vec3& device) const noexcept;
-  double time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept;
-  template <class Place>
-  void place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool make_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
-  bool make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept;
-  bool find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept;
-  double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
-  double longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
-  bool make_descent(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  CentrePath roll(const OffsetContact& contact, const Vec3& device) const noexcept;
-  bool descend_along_curve(const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  bool make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable, CentrePath& path) const noexcept;
-  double find_stability(const Vec3& c, const Vec3& device) const noexcept;
-  double find_stability(const ContactFrame& frame, const Vec3& c, const Vec3& device) const noexcept;
-  Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
-  double find_turn(const Vec3& displacement) const noexcept;
-  bool solve(const Vec3& device, Vec3& c) const noexcept;
-  bool solve_on_curve(const Vec3& device, Vec3& c) const noexcept;
-  void guide(CentrePath& path) const noexcept;
-  bool restore(Vec3& c) const noexcept;
-  bool restore(Vec3& c, ContactFrame& frame, bool& has_normals) const noexcept;
-  bool restore_to_frame(Vec3& c, ContactFrame& frame) const noexcept;
-  bool find_frame(const Vec3& c, ContactFrame& frame) const noexcept;
-  bool cover(const CentrePath& path, double& until) noexcept;
-  bool gather(const Vec3& towards) noexcept;
-  bool are_slivers(double radius) const noexcept;
-  bool find_event(const CentrePath& path, Event& event) noexcept;
-  void find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept;
-  bool cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept;
-  bool find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept;
-  bool is_level_at(const OffsetContact& face, const Vec3& c) const noexcept;
-  static bool is_over(const ContactTriangle& shape, const Vec3& c) noexcept;
-  void move_to_last_level_face(const CentrePath& path, const Event& event) noexcept;
-  int fan_corner(const OffsetContact& face) const noexcept;
-  bool is_hollow_fan(const OffsetContact& face) const noexcept;
-  bool touches_one_fan() const noexcept;
-  bool is_alone_with_fan(const OffsetContact& face, const Vec3& towards) noexcept;
-  double share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept;
   bool cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
-  bool cross_convex_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
-  FanExit find_fan_exit(const OffsetContact& face, const CentrePath& path) const noexcept;
-  bool cross_fan_edge(int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept;
-  bool cross_hollow_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
-  void move_in_hollow_fan(const HollowPlace& place, const Vec3& device, double then, bool descends, double& time) noexcept;
-  bool find_in_hollow_fan(const Vec3& device, HollowPlace& place) noexcept;
-  int find_lowest_plane(const Vec3& c, double& height) noexcept;
-  bool cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept;
-  void note_tangents(const CentrePath& path) noexcept;
-  bool is_below_tangents(const ContactTriangle& shape) const noexcept;
-  template <class Visit>
-  void visit_exits(const OffsetContact& contact, Visit&& visit) noexcept;
-  bool is_past_needle(const ContactTriangle& shape, int edge) const noexcept;
-  bool find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept;
-  void note_candidates(const Vec3& from, const Vec3& to, double near) noexcept;
   bool apply_event(const Event& event, const CentrePath& path) noexcept;
   std::optional<Next> end_leg(const CentrePath& path, const Event& event, bool is_whole, int released, const Vec3& device) noexcept;
   void move_to_next_part(int i, const Exit& exit, const Vec3& direction) noexcept;
-  bool is_held_twice(int i) const noexcept;
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
-  bool find_apex(Vec3& apex) const noexcept;
-  bool find_common_corner(Vec3& apex) const noexcept;
-  bool find_cone(double moved) noexcept;
-  bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
-  double least_corner_exit(const Vec3& pull) const noexcept;
-  double time_to_corner_exit(const Vec3& from, const Vec3& to, double time) noexcept;
   bool roll_off_face() noexcept;
-  bool is_in_wedge() noexcept;
   bool leave_by_flight(const Vec3& device, const Vec3& motion) noexcept;
-  bool find_wall(const OffsetContact& contact, Wall& wall) noexcept;
-  int find_face_there(const OffsetContact& contact) noexcept;
   bool straighten_in_slit() noexcept;
   bool fills_slit() noexcept;
   bool leave_slit_to_sweeps(bool has_device_moved) noexcept;
-  double find_most_opposite() const noexcept;
-  bool goes_on(const Wall& wall, std::span<const Wall> walls, std::span<const int> slots, double far) noexcept;
-  bool is_outside_wedge(const ContactTriangle& shape, std::span<const Wall> walls) const noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_fold(const Vec3& device, const Vec3& motion) noexcept;
-  double distance_off_edge(const TangentCone::Steepest& to) const noexcept;
-  std::optional<Vec3> find_past_corner(const TangentCone::Steepest& to, double wide) const noexcept;
-  bool pass_corner(const Vec3& target, double wide) noexcept;
-  bool is_beyond_surface(const Vec3& target, double within) noexcept;
-  static Span part_within(const ContactTriangle& shape, int k, const Vec3& p, double within);
+  bool move_past_corner(const Vec3& target, double wide) noexcept;
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;
   template <class Go>
@@ -383,21 +203,12 @@ class SphereFollower {
   bool fly_straight(const Vec3& motion, double share) noexcept;
   int find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept;
   bool overlaps(const ContactTriangle& shape) const noexcept;
-  bool add_contact(const OffsetContact& contact) noexcept;
-  void remove_contact(int i) noexcept;
   bool note_move(const Vec3& from) noexcept;  // whether the centre has moved
   void note_gain(const Vec3& device, bool has_moved) noexcept;
-  unsigned guiding_corners(const ContactTriangle& shape) const noexcept;
-  bool holds_part_of(const ObjectGeometry::Corners& corners, std::uint32_t triangle) const noexcept;
-  bool can_touch(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& p) const noexcept;
-  bool is_clear(double short_by) noexcept;
-  bool is_clear_here(double short_by) noexcept;
-  bool is_shallow(const Vec3& device, Vec3& direction) const noexcept;
-  void note_multipliers(const Vec3& device) noexcept;
 
-  const TouchGeometry& geometry_;
   std::span<const Material> materials_;
-  Clearance clearance_;
+  ContactSet contacts_;
+  GatheredTriangles near_;
   bool is_point_;
   bool has_friction_ = false;
   FrictionState friction_;
@@ -411,32 +222,14 @@ class SphereFollower {
   int lingering_ = 0;                // their number, above those that are usual
   bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
   Vec3 centre_ = Vec3::Zero();
-  std::array<OffsetContact, kMostContacts> contacts_;
-  int active_count_ = 0;
-  int contact_count_ = 0;     // number of contacts_: the first active_count_ are active, the others were hit at this point
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
-  NearTriangles near_;
-  Vec3 crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
-  int gathered_count_ = 0;                                                // triangles the last time
-  double gather_radius_ = 0.0;                                            // of the next gather()
-  std::array<int, NearTriangles::kCapacity> candidates_;                  // slots in near_ that a path may hit
-  std::array<LevelFaces, 3> crossed_;                                     // by active contact, of the path of the last event
-  FanRoom fan_room_;
-  struct FanPlane {
-    Vec3 normal;  // towards the sphere
-    std::uint32_t triangle;
-  };
-  std::vector<FanPlane> fan_planes_;  // of the capacity of near_ if the geometry has large fans; else empty
-  std::array<TangentSpan, 3> tangents_;
-  int tangent_count_ = 0;
-  int candidate_count_ = 0;
+  PathEvents::Space event_space_;
+  LargeFan fan_;
   mutable int work_ = 0;  // units, in this call
   int most_work_ = 0;
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
-  TangentCone cone_;             // of the corner that the centre was last held in
-  bool has_cone_ = false;
-  Vec3 cone_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
+  CornerExit::Memory corner_;
   int corner_tries_ = 0;           // in this motion
   int skips_ = 0;                  // in this motion
   std::uint64_t motion_ = 1;       // its number
@@ -444,37 +237,7 @@ class SphereFollower {
   int escapes_ = 0;                // tried at this minimum
   int failed_escapes_ = 0;         // tried there by the calls before
   std::uint64_t last_fly_over_ = 0;
-  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, gathered_ = 0, queried_ = 0;
+  std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };
-
-// Moves the centre to the event. The path approximates the exact one, so Newton steps lead to the point of contact or the boundary.
-template <class Place>
-void SphereFollower::place_at_event(const CentrePath& path, Event& event, Place&& place) noexcept {
-  constexpr int kMostRounds = 6;
-  place(event.time);
-  const bool is_hit = event.slot >= 0;
-  if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
-  // Where the cubic approximation stops, the exact path may already have crossed the triangle: the distance is signed by the cubic's side.
-  const Vec3 side = is_hit ? near_.shape(event.slot).separation(path.at(event.time)).normal : Vec3(Vec3::Zero());
-  for (int i = 0; i < kMostRounds; ++i) {
-    ++work_;
-    double gap = 0.0;
-    double rate = 0.0;
-    if (is_hit) {
-      const Separation at = near_.shape(event.slot).separation(centre_);
-      const double sign = at.normal.dot(side) < 0.0 ? -1.0 : 1.0;
-      gap = sign * at.distance - clearance_.offset;
-      rate = sign * at.normal.dot(path.slope(event.time));
-    } else {
-      gap = kOnBoundary - event.exit.direction.dot(centre_ - event.exit.origin);
-      rate = -event.exit.direction.dot(path.slope(event.time));
-    }
-    if (std::fabs(gap) <= (is_hit ? 0.125 * clearance_.slop : 0.25 * kOnBoundary) || !(rate < 0.0)) return;
-    const double time = std::clamp(event.time - gap / rate, 0.0, 1.0);
-    if (time == event.time) return;
-    event.time = time;
-    place(time);
-  }
-}
 
 }  // namespace hapton

@@ -1,54 +1,48 @@
-// Along the curve where two offset surfaces meet, with the device moving, by length: near the end of a minimum the centre moves ever
-// faster, and a piece made by time would have to be ever shorter.
+// Along the curve where two offset surfaces meet, by length: near the end of a minimum the centre moves ever faster, and a piece made by
+// time would have to be ever shorter.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "core/force/sphere/sphere_follower.h"
+#include "core/force/sphere/minimum_legs.h"
 #include "core/math/find_zero.h"
 #include "core/math/straight_motion.h"
 
 namespace hapton {
 
-// A piece of that length turns by kTurn: about an edge or a vertex, or in its direction, which two surfaces at a small angle turn faster.
-double SphereFollower::longest_on_curve(const ContactFrame& frame, const Vec3& direction) const noexcept {
-  Vec3 bend = Vec3::Zero();
-  for (std::size_t i = 0; i < 2; ++i) bend += contacts_[i].curvature(direction, clearance_.offset) * frame.dual[i];
-  return kTurn / std::max({find_turn(direction), bend.norm(), 0x1p-10});
-}
-
 // The place that far along the curve. It is the minimum when the device is level with it: a linear equation for the time. False: the curve
 // turns too far, or does not lead there.
-bool SphereFollower::find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept {
+bool MinimumLegs::find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept {
   const auto& [from, motion, direction, sense] = course;
   place.centre = centre_ + ahead * direction;
-  if (!restore_to_frame(place.centre, place.frame)) return false;
+  if (!contacts_.restore_to_frame(place.centre, place.frame, work_)) return false;
   const Vec3 chord = place.centre - centre_;
   if (!(direction.dot(chord) > 0.5 * chord.norm())) return false;
   place.along = sense * place.frame.along;
-  if (!(place.along.dot(direction) > 1.0 - 2.0 * kTurn * kTurn)) return false;  // opposite: the curve on the other side of a crest
+  if (!(place.along.dot(direction) > 1.0 - 2.0 * LocalMinimum::kTurn * LocalMinimum::kTurn))
+    return false;  // opposite: the curve on the other side of a crest
   const double pace = place.along.dot(motion);
   place.time = pace > 0.0 ? place.along.dot(place.centre - from) / pace : std::numeric_limits<double>::infinity();
   const Vec3 device = from + std::min(place.time, 1.0) * motion;
   place.stability = 1.0;
   for (int i = 0; i < 2; ++i) {
-    place.stability -= std::max(0.0, place.frame.dual[i].dot(place.centre - device)) *
-                       contacts_[static_cast<std::size_t>(i)].curvature(place.frame.along, clearance_.offset);
+    place.stability -=
+        std::max(0.0, place.frame.dual[i].dot(place.centre - device)) * contacts_[i].curvature(place.frame.along, contacts_.offset());
   }
   return true;
 }
 
 // The time at which the device makes this centre the minimum.
-double SphereFollower::time_on_curve(const Vec3& from, const Vec3& to) const noexcept {
+double MinimumLegs::time_on_curve(const Vec3& from, const Vec3& to) const noexcept {
   ContactFrame frame;
-  if (!find_frame(centre_, frame)) return 0.0;
+  if (!contacts_.find_frame(centre_, frame)) return 0.0;
   const double pace = frame.along.dot(to - from);
   return pace != 0.0 ? frame.along.dot(centre_ - from) / pace : 0.0;
 }
 
 // As far as a piece may turn, until the device arrives, or to where the minimum vanishes or a multiplier reaches zero. False: the device
 // moves across the curve, or the curve is too sharp.
-bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double time, Leg& leg) const noexcept {
+bool MinimumLegs::make_on_curve(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
   constexpr int kMostHalvings = 8;
   constexpr int kMostGrowing = 8;
   constexpr double kLeastPace = 0x1p-10;  // of the device's speed, along the curve
@@ -56,13 +50,13 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
   constexpr double kNearNone = 0x1p-50;   // rounding of a multiplier
   const Vec3 motion = to - from;
   ContactFrame here;
-  if (!find_frame(centre_, here)) return false;
+  if (!contacts_.find_frame(centre_, here)) return false;
   const double pace = here.along.dot(motion);
   if (!(std::fabs(pace) > kLeastPace * motion.norm())) return false;
   const double sense = pace < 0.0 ? -1.0 : 1.0;
   const Vec3 direction = sense * here.along;
   const Course course{from, motion, direction, sense};
-  if (!(find_stability(here, centre_, on_path(from, to, time)) > kLeastStability)) return false;
+  if (!(minimum_.find_stability(here, centre_, on_path(from, to, time)) > LocalMinimum::kLeastStability)) return false;
 
   CurvePlace end;
   const auto left = [&](const CurvePlace& place) { return (1.0 - place.time) / (1.0 - time); };
@@ -70,7 +64,7 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
   const auto room_at = [&](double ahead) {
     return find_on_curve(course, ahead, end) ? room(end) : std::numeric_limits<double>::quiet_NaN();
   };
-  double length = longest_on_curve(here, direction);
+  double length = minimum_.longest_on_curve(here, direction);
   bool is_found = false;
   for (int i = 0; i < kMostHalvings && !is_found; ++i, length *= is_found ? 1.0 : 0.5) {
     CurvePlace middle;
@@ -83,7 +77,7 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
     length = find_zero(0.0, 1.0, length, room(end), kNearZero, room_at);
     if (!find_on_curve(course, length, end)) return false;
     leg.vanishes = end.stability < left(end);
-    if (!leg.vanishes && solve(to, end.centre) && find_frame(end.centre, end.frame)) {
+    if (!leg.vanishes && minimum_.solve(to, end.centre, work_) && contacts_.find_frame(end.centre, end.frame)) {
       end.time = 1.0;
       end.along = sense * end.frame.along;
     }
@@ -96,16 +90,16 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
       return place.frame.dual[static_cast<std::size_t>(i)].dot(place.centre - on_path(from, to, place.time));
     };
     const double at_end = multiplier(end);
-    if (!(at_end < -kAtMinimum)) continue;
+    if (!(at_end < -LocalMinimum::kAtMinimum)) continue;
     const auto multiplier_at = [&](double ahead) {
       return find_on_curve(course, ahead, end) ? multiplier(end) : std::numeric_limits<double>::quiet_NaN();
     };
     double begin = 0.0;
     double at_begin = std::max(0.0, here.dual[static_cast<std::size_t>(i)].dot(centre_ - on_path(from, to, time)));
     // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
-    for (int k = 1; k <= kMostGrowing && at_begin <= kAtMinimum; ++k) {
+    for (int k = 1; k <= kMostGrowing && at_begin <= LocalMinimum::kAtMinimum; ++k) {
       const double grown = multiplier_at(std::ldexp(length, -2 * k));
-      if (!(grown > kAtMinimum)) continue;
+      if (!(grown > LocalMinimum::kAtMinimum)) continue;
       begin = std::ldexp(length, -2 * k);
       at_begin = grown;
     }
@@ -125,40 +119,8 @@ bool SphereFollower::make_curve_leg(const Vec3& from, const Vec3& to, double tim
   leg.is_on_curve = true;
   leg.path = chord > 0.0 ? CentrePath::curved(centre_, end.centre, chord * direction, chord * end.along)
                          : CentrePath::straight(centre_, end.centre);
-  if (chord > 0.0) guide(leg.path);
+  if (chord > 0.0) contacts_.guide(leg.path);
   return true;
-}
-
-// The minimum along the curve vanishes here; hint: the direction in which the centre came.
-SphereFollower::Next SphereFollower::lose_minimum(const Vec3& hint) noexcept {
-  has_lost_minimum_ = true;
-  is_descending_ = true;
-  hint_ = hint;
-  ++idle_;
-  return Next::again;
-}
-
-// Chooses the direction in which the centre leaves a minimum that has vanished: along hint_, or against it where another contact blocks.
-// False: both are blocked.
-bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
-  if (hint_.isZero(0.0)) hint_ = motion;
-  ContactFrame frame;
-  if (!find_frame(centre_, frame)) return true;
-  Vec3 direction = active_count_ == 2 ? Vec3(frame.along * (frame.along.dot(hint_) < 0.0 ? -1.0 : 1.0))
-                                      : Vec3(hint_ - frame.normal[0].dot(hint_) * frame.normal[0]);
-  const auto is_open = [&](const Vec3& w) {
-    for (int i = active_count_; i < contact_count_; ++i) {
-      if (contacts_[i].proximity(centre_).normal.dot(w) < 0.0) return false;
-    }
-    return true;
-  };
-  const bool may_turn = idle_ <= kMostIdle / 4;  // to and fro between two contacts leads nowhere
-  for (const double sign : {1.0, -1.0}) {
-    if (!is_open(sign * direction) || (sign < 0.0 && !may_turn)) continue;
-    hint_ = sign * direction;
-    return true;
-  }
-  return false;
 }
 
 }  // namespace hapton

@@ -1,9 +1,9 @@
-// The pieces of path that a sphere's centre takes under Coulomb friction: slips with the device held, and drags with it moving.
+#include "core/force/sphere/drag_legs.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "core/force/sphere/sphere_follower.h"
 #include "core/math/find_zero.h"
 #include "core/math/straight_motion.h"
 
@@ -30,77 +30,25 @@ double most_uneven(double offset, double length) { return kUneven * offset + std
 }  // namespace
 
 // Rounding of the components of a pull: that of the centre turns the normal of a curved part.
-double SphereFollower::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
-  const bool is_curved = contacts_[0].is_curved() || (active_count_ > 1 && contacts_[1].is_curved());
-  return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / clearance_.offset : 0.0;
+double DragLegs::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
+  const bool is_curved = contacts_[0].is_curved() || (contacts_.active_count() > 1 && contacts_[1].is_curved());
+  return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / contacts_.offset() : 0.0;
 }
 
-// Distance along a straight direction to the boundary of the active part, over level faces to that of the last, with a margin. Infinite if
-// it is farther than `most`.
-double SphereFollower::distance_to_boundary(const Vec3& direction, double most) noexcept {
-  constexpr double kBeyond = 1.25;
-  constexpr double kLeastDistance = 0x1p-10;                                                             // of the offset
-  if (contacts_[0].is_curved()) note_candidates(centre_, centre_, clearance_.offset + clearance_.slop);  // for visit_exits
-  const CentrePath path = CentrePath::straight(centre_, centre_ + most * direction);
-  CentrePath::Prefix prefix = path.prefix(1.0);
-  Event exit;
-  find_first_exit(path, 0, prefix, exit);
-  if (exit.contact < 0) return kInfinity;
-  OffsetContact last = contacts_[0];
-  if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return kInfinity;
-  return kBeyond * exit.time * most + kLeastDistance * clearance_.offset;
-}
-
-// Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from
-// `direction` to `direction_there` and never back. By less than a quarter turn, the path lies in the triangle of its chord and the tangents
-// at its ends, whose chord is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a
-// triangle is convex, so it is never below its tangents, and a tangent is least at a corner of that triangle.
-bool SphereFollower::is_clear_over_face(const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept {
-  if (!(direction.dot(direction_there) > 0.0)) return false;
-  const Vec3 path = end - centre_;
-  const double chord = path.norm();
-  // The most of a linear function on the path, less its value at the start; the same for the end.
-  const auto most_from_start = [&](const Vec3& gradient) { return std::max({0.0, gradient.dot(path), chord * gradient.dot(direction)}); };
-  const auto most_from_end = [&](const Vec3& gradient) {
-    return std::max({0.0, -gradient.dot(path), -chord * gradient.dot(direction_there)});
-  };
-  const ContactTriangle& face = contacts_[0].shape;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 out = face.edge(k).cross(face.normal()) / face.length(k);
-    const double height = out.dot(centre_ - face.corner(k)) + most_from_start(out);
-    const double height_by_end = out.dot(end - face.corner(k)) + most_from_end(out);
-    if (!(std::min(height, height_by_end) <= kOnBoundary)) return false;
-  }
-  const double near = clearance_.offset + 0.5 * chord * direction.cross(direction_there).norm() + clearance_.slop;
-  if (!near_.covers(centre_, near) || !near_.covers(end, near)) return false;
-  note_candidates(centre_, end, near);
-  for (int i = 0; i < candidate_count_; ++i) {
-    const int slot = candidates_[static_cast<std::size_t>(i)];
-    if (cannot_stop(slot, centre_, true)) continue;
-    ++work_;
-    const Separation here = near_.shape(slot).separation(centre_);
-    const double least = std::min(here.distance, clearance_.offset - 0.25 * clearance_.slop);
-    if (here.distance - most_from_start(-here.normal) >= least) continue;
-    ++work_;
-    const Separation there = near_.shape(slot).separation(end);
-    if (!(there.distance - most_from_end(-there.normal) >= least)) return false;
-  }
-  return true;
-}
-
-bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
-                               Slip& slip) noexcept {
+bool DragLegs::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
+                         SlipPath& slip) noexcept {
   constexpr int kMostRounds = 8;
   const double excess = pull.excess();
   const double stability = drag.find_stability(pull);
   slip.waits = false;
   slip.released = -1;
-  slip.is_on_cone = !(pull.length > kLeast) || (!has_vanished && stability > kLeastStability && excess <= kAtMinimum * stability);
+  slip.is_on_cone = !(pull.length > kLeast) ||
+                    (!has_vanished && stability > LocalMinimum::kLeastStability && excess <= LocalMinimum::kAtMinimum * stability);
   if (slip.is_on_cone) return true;
   const Vec3 direction = pull.tangential / pull.length;
-  const double turn = kTurn / std::max(find_turn(direction), 0x1p-100);
+  const double turn = LocalMinimum::kTurn / std::max(minimum_.find_turn(direction), 0x1p-100);
   const double farthest = std::min(turn, 2.0 * pull.length);
-  const double most = active_count_ == 1 ? std::min(turn, distance_to_boundary(direction, farthest)) : turn;
+  const double most = contacts_.active_count() == 1 ? std::min(turn, events_.distance_to_boundary(centre_, direction, farthest)) : turn;
   OffsetDrag::Pull there;
   OffsetDrag::Descent end;
   const auto go = [&](double length) {
@@ -110,14 +58,14 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
   const double rounding = std::max(kNearZero, rounding_of(pull));
   slip.stops = false;
   double length = most;
-  if (!has_vanished && stability > kLeastStability && excess <= most * stability) {
+  if (!has_vanished && stability > LocalMinimum::kLeastStability && excess <= most * stability) {
     length = excess / stability;
     for (int i = 0; i < kMostRounds; ++i) {
       if (!go(length)) return false;
       const double left = there.excess();
       slip.stops = std::fabs(left) <= 2.0 * rounding || drag.is_flat();
       const double slope = drag.find_stability(there) * end.slope.norm();
-      if (slip.stops || !(slope > kLeastStability)) break;
+      if (slip.stops || !(slope > LocalMinimum::kLeastStability)) break;
       length += left / slope;
       if (!(length > 0.0) || !(length <= most)) break;
     }
@@ -141,9 +89,9 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     }
   }
   // A multiplier that turns negative ends the slip earlier.
-  for (int i = 0; i < active_count_; ++i) {
+  for (int i = 0; i < contacts_.active_count(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (there.multiplier[k] >= -kAtMinimum) continue;
+    if (there.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&] { return there.multiplier[k]; })) return false;
     slip.released = i;
   }
@@ -160,17 +108,22 @@ bool SphereFollower::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& p
     const Vec3 guess = 0.5 * (centre_ + last.centre) + 0.125 * length * (direction - last.slope);
     const double uneven = (end.centre - guess).norm();
     slip.is_exact = uneven <= kExact;
-    if (i == kMostRounds || uneven <= most_uneven(clearance_.offset, length)) break;
+    if (i == kMostRounds || uneven <= most_uneven(contacts_.offset(), length)) break;
     length *= 0.5;
     slip.stops = false;
     slip.released = -1;
   }
-  guide(slip.path);
+  contacts_.guide(slip.path);
   return true;
 }
 
-SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                          DragLeg& leg) noexcept {
+DragOutcome DragLegs::make(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
+  if (contacts_.active_count() == 3) return DragOutcome::stops;
+  const bool is_round = contacts_.active_count() == 1 && contacts_[0].is_curved();
+  return is_round ? make_flow_leg(drag, from, to, time, leg) : make_drag_leg(drag, from, to, time, leg);
+}
+
+DragOutcome DragLegs::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kTries = 3;
   constexpr double kLeastTime = 0x1p-44;
@@ -180,7 +133,7 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return DragOutcome::jumps;
   if (!(drag.find_excess_rate(pull, motion) > -kLeastExcessRate * motion.norm()) || motion.isZero(0.0)) return DragOutcome::stops;
-  if (!(drag.find_stability(pull) > kLeastStability)) return DragOutcome::jumps;
+  if (!(drag.find_stability(pull) > LocalMinimum::kLeastStability)) return DragOutcome::jumps;
   const bool is_flat = drag.is_flat();
   const Vec3 rate = drag.find_rate(pull, motion);
   leg.released = -1;
@@ -189,14 +142,14 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   leg.is_line = false;
   double span = 1.0 - time;
   double release = kInfinity;
-  if (active_count_ == 1) {
+  if (contacts_.active_count() == 1) {
     release = drag.time_of_release(device, to, pull);
     if (release < 1.0) span *= release;
   }
   const double release_span = span;
-  if (!is_flat) span = std::min(span, kTurn / std::max(find_turn(rate), 0x1p-100));
-  if (const double speed = rate.norm(); active_count_ == 1 && speed > 0.0) {
-    span = std::min(span, distance_to_boundary(rate / speed, speed * span) / speed);
+  if (!is_flat) span = std::min(span, LocalMinimum::kTurn / std::max(minimum_.find_turn(rate), 0x1p-100));
+  if (const double speed = rate.norm(); contacts_.active_count() == 1 && speed > 0.0) {
+    span = std::min(span, events_.distance_to_boundary(centre_, rate / speed, speed * span) / speed);
   }
   // Where the device comes out of the surface, the centre is at the device.
   const auto place_at = [&](double then, Vec3& c) {
@@ -225,17 +178,18 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
       } else {
         is_there = drag.follow(half, then, end, work_);
       }
-      if (is_there && drag.find_pull(end, then, there) && (is_flat || find_turn(end - centre_) <= 2.0 * kTurn)) {
+      if (is_there && drag.find_pull(end, then, there) && (is_flat || minimum_.find_turn(end - centre_) <= 2.0 * LocalMinimum::kTurn)) {
         const Vec3 rate_there = drag.find_rate(there, motion);
         const Vec3 guess = 0.5 * (centre_ + end) + 0.125 * span * (rate - rate_there);
-        is_straight = is_flat && active_count_ == 1 && (0.5 * (centre_ + end) - middle).norm() <= 0x1p-50 &&
+        is_straight = is_flat && contacts_.active_count() == 1 && (0.5 * (centre_ + end) - middle).norm() <= 0x1p-50 &&
                       span * (rate - rate_there).norm() <= 0x1p-48;
         const double uneven = (middle - guess).norm();
-        leg.is_exact = active_count_ == 1 && uneven <= kExact;
-        leg.is_line = is_flat && active_count_ == 2 && (middle - centre_).dot(end - middle) >= 0.0;
+        leg.is_exact = contacts_.active_count() == 1 && uneven <= kExact;
+        leg.is_line = is_flat && contacts_.active_count() == 2 && (middle - centre_).dot(end - middle) >= 0.0;
         if (leg.is_line) break;
-        if (is_straight || uneven <= kUnresolved + most_uneven(clearance_.offset, (end - centre_).norm())) break;
-        leg.is_clear = is_flat && active_count_ == 1 && is_clear_over_face(end, rate.normalized(), rate_there.normalized());
+        if (is_straight || uneven <= kUnresolved + most_uneven(contacts_.offset(), (end - centre_).norm())) break;
+        leg.is_clear = is_flat && contacts_.active_count() == 1 &&
+                       events_.is_clear_over_face(centre_, end, rate.normalized(), rate_there.normalized());
         if (leg.is_clear) break;
       }
     }
@@ -251,16 +205,16 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
     end = centre_;
     return leg.time <= time || place_at(leg.time, end);
   };
-  for (int i = 0; active_count_ == 2 && i < 2; ++i) {
+  for (int i = 0; contacts_.active_count() == 2 && i < 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (there.multiplier[k] >= -kAtMinimum) continue;
+    if (there.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
     leg.released = i;
     if (!cut_at(std::max(0.0, pull.multiplier[k]), there.multiplier[k], [&](const OffsetDrag::Pull& at) { return at.multiplier[k]; })) {
       return DragOutcome::jumps;
     }
     if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return DragOutcome::jumps;
   }
-  const bool may_stop = (!is_flat || active_count_ == 2) && !(active_count_ == 1 && leg.released >= 0);
+  const bool may_stop = (!is_flat || contacts_.active_count() == 2) && !(contacts_.active_count() == 1 && leg.released >= 0);
   if (may_stop && drag.find_excess_rate(there, motion) < -kLeastExcessRate * motion.norm()) {
     leg.stops = true;
     leg.released = -1;
@@ -277,13 +231,12 @@ SphereFollower::DragOutcome SphereFollower::make_drag_leg(const OffsetDrag& drag
   }
   if (!drag.find_pull(end, on_path(from, to, leg.time), there)) return DragOutcome::jumps;
   leg.path = CentrePath::curved(centre_, end, part * rate, part * drag.find_rate(there, motion));
-  if (active_count_ == 2) guide(leg.path);  // over a face the cubic stays in its plane
+  if (contacts_.active_count() == 2) contacts_.guide(leg.path);  // over a face the cubic stays in its plane
   return DragOutcome::moves;
 }
 
 // On curved parts the equilibrium on the cone may vanish: there the centre jumps.
-SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
-                                                          DragLeg& leg) noexcept {
+DragOutcome DragLegs::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
   constexpr int kMostHalvings = 40;
   constexpr int kFewHalvings = 3;
   constexpr int kMostRounds = 8;
@@ -297,8 +250,8 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   const double excess_rate = drag.find_excess_rate(pull, motion);
   if (!(excess_rate > -kLeastExcessRate * speed) || !(speed > 0.0)) return DragOutcome::stops;
   const double stability = drag.find_stability(pull);
-  if (!(stability > kLeastStability)) return DragOutcome::jumps;
-  const double release = active_count_ == 1 ? drag.time_of_release(device, to, pull) : kInfinity;
+  if (!(stability > LocalMinimum::kLeastStability)) return DragOutcome::jumps;
+  const double release = contacts_.active_count() == 1 ? drag.time_of_release(device, to, pull) : kInfinity;
   bool comes_out = release < 1.0;
   double target = comes_out ? time + release * (1.0 - time) : 1.0;
   leg.released = -1;
@@ -308,30 +261,29 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   // Almost nothing is left of the pull, and all of it vanishes on this leg.
   constexpr double kSmallPull = 0x1p-9;  // of the offset
   constexpr double kShort = 0x1p-5;      // of the offset
-  if (comes_out && pull.length + pull.depth <= kSmallPull * clearance_.offset && (target - time) * speed <= kShort * clearance_.offset) {
+  if (comes_out && pull.length + pull.depth <= kSmallPull * contacts_.offset() && (target - time) * speed <= kShort * contacts_.offset()) {
     return make_last_leg(on_path(from, to, target), target, pull.normal, leg);
   }
   const Vec3 slope = drag.find_slope(pull, motion);
-  const double turn = kTurn / std::max(find_turn(slope), 0x1p-100);
-  const double most = active_count_ == 1 && excess_rate > 0.0
-                          ? std::min(turn, distance_to_boundary(slope / excess_rate, turn * excess_rate) / excess_rate)
+  const double turn = LocalMinimum::kTurn / std::max(minimum_.find_turn(slope), 0x1p-100);
+  const double most = contacts_.active_count() == 1 && excess_rate > 0.0
+                          ? std::min(turn, events_.distance_to_boundary(centre_, slope / excess_rate, turn * excess_rate) / excess_rate)
                           : turn;
   // No longer than one integration leads, as far as the last one tells. Along the curve of two contacts nothing is integrated.
   constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;
-  const double within_reach = active_count_ == 1 && friction_.step > 0.0 ? std::min(most, kStepsOfLeg * friction_.step) : most;
+  const double within_reach = contacts_.active_count() == 1 && step_ > 0.0 ? std::min(most, kStepsOfLeg * step_) : most;
   double length = std::min(within_reach, (target - time) / stability);
   OffsetDrag::Flow end{centre_, time};
   OffsetDrag::Pull there;
   OffsetDrag::Flow middle;
   double half = 0.0;       // the length to `middle`
   double travelled = 0.0;  // the length to `end`
-  double& step = friction_.step;
-  double shrink = 0.5;  // the next length, as a share of this one
-  double off = 0.0;     // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
+  double shrink = 0.5;     // the next length, as a share of this one
+  double off = 0.0;        // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
   // From the start or from the last position, whichever is nearer.
   const auto go = [&](double l) {
-    if (std::fabs(l - travelled) >= l || active_count_ == 2) {
-      end = {centre_, time, step};
+    if (std::fabs(l - travelled) >= l || contacts_.active_count() == 2) {
+      end = {centre_, time, step_};
       travelled = 0.0;
     }
     const double advance = l - travelled;
@@ -339,7 +291,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     if (advance == 0.0 || (drag.flow(from, to, advance, end, work_) && drag.find_pull(end.centre, from + end.time * motion, there)))
       return true;
     travelled += end.followed - advance;
-    step = end.step;
+    step_ = end.step;
     shrink = std::clamp(0.75 * travelled / length, kMostShrunk, 0.5);
     end = {centre_, time};
     travelled = 0.0;
@@ -359,7 +311,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     shrink = 0.5;
     is_at_target = false;
     leg.jumps = false;
-    end = {centre_, time, step};
+    end = {centre_, time, step_};
     travelled = 0.0;
     if (i == kFewHalvings) {
       if (!go(std::ldexp(length, kFewHalvings - kMostHalvings))) return DragOutcome::jumps;  // however short
@@ -368,11 +320,11 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     if (!go(0.5 * length)) continue;
     middle = end;
     half = 0.5 * length;
-    if (!go(length) || find_turn(end.centre - centre_) > 2.0 * kTurn) continue;
-    step = end.step;
+    if (!go(length) || minimum_.find_turn(end.centre - centre_) > 2.0 * LocalMinimum::kTurn) continue;
+    step_ = end.step;
     const Vec3 guess = 0.5 * (centre_ + end.centre) + 0.125 * length * (slope - end.slope);
     const double uneven = (middle.centre - guess).norm();
-    const double most_off = kUnresolved + off + most_uneven(clearance_.offset, (end.centre - centre_).norm());
+    const double most_off = kUnresolved + off + most_uneven(contacts_.offset(), (end.centre - centre_).norm());
     if (uneven > most_off) {  // of fourth order in the length
       shrink = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMostShrunk, 0.5);
       continue;
@@ -387,7 +339,7 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     }
     if (!go(length)) continue;
     if (stability_there() < 0.0) {
-      if (!seek(stability, stability_there(), of_pull / clearance_.offset, stability_there)) continue;
+      if (!seek(stability, stability_there(), of_pull / contacts_.offset(), stability_there)) continue;
       is_at_target = false;
       leg.jumps = true;
     }
@@ -406,9 +358,9 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
     }
     break;
   }
-  for (int i = 0; active_count_ == 2 && i < 2; ++i) {
+  for (int i = 0; contacts_.active_count() == 2 && i < 2; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    if (there.multiplier[k] >= -kAtMinimum) continue;
+    if (there.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
     if (!seek(std::max(0.0, pull.multiplier[k]), there.multiplier[k], of_pull, [&] { return there.multiplier[k]; }))
       return DragOutcome::jumps;
     leg.released = i;
@@ -434,26 +386,25 @@ SphereFollower::DragOutcome SphereFollower::make_flow_leg(const OffsetDrag& drag
   }
   leg.flow = length;
   leg.path = CentrePath::curved(centre_, end.centre, length * slope, length * end.slope);
-  guide(leg.path);
+  contacts_.guide(leg.path);
   leg.pace = {length * stability, length * stability_there()};
   const double share = length > 0.0 ? half / length : 0.0;
-  leg.is_exact = active_count_ == 1 && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle.centre).norm() <= kExact &&
+  leg.is_exact = contacts_.active_count() == 1 && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle.centre).norm() <= kExact &&
                  std::fabs(leg.time_at(time, share) - middle.time) * speed <= kExact;
   return DragOutcome::moves;
 }
 
 // To the point where the device comes out.
-SphereFollower::DragOutcome SphereFollower::make_last_leg(const Vec3& device, double time, const Vec3& normal,
-                                                          DragLeg& leg) const noexcept {
+DragOutcome DragLegs::make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept {
   Vec3 end = device;
-  if (!restore(end)) return DragOutcome::jumps;
+  if (!contacts_.restore(end, work_)) return DragOutcome::jumps;
   const Vec3 chord = end - centre_;
   const Vec3 normal_there = contacts_[0].proximity(end).normal;
   leg.time = time;
   leg.released = 0;
   leg.is_exact = true;
   leg.path = CentrePath::curved(centre_, end, chord - normal.dot(chord) * normal, chord - normal_there.dot(chord) * normal_there);
-  guide(leg.path);
+  contacts_.guide(leg.path);
   return DragOutcome::moves;
 }
 

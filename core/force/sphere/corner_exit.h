@@ -1,0 +1,71 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "core/force/sphere/contact_set.h"
+#include "core/force/sphere/gathered_triangles.h"
+#include "core/force/sphere/tangent_cone.h"
+
+namespace hapton {
+
+// The corner in which a small sphere that represents a point is held: the directions in which the point could leave it (TangentCone), when
+// the device first pulls along one of them, and whether the sphere may be placed past it. A view: all that it is made from outlives it.
+//
+// Frame and units: TouchGeometry's local ones. RT: yes. `work`: is raised by the units of work (step_work.h).
+class CornerExit {
+ public:
+  static constexpr double kThrough = 4.0;      // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
+  static constexpr double kLeastBetter = 2.0;  // offsets; a smaller gain is no escape
+  static constexpr double kAbove = 1.25;       // offsets above the faces on the path
+  static constexpr double kMostOff = 4.0;      // a position off an edge is this many times as far from the corner
+
+  // Of the corner that the centre was last held in.
+  struct Memory {
+    TangentCone cone;
+    bool has_cone = false;
+    Vec3 at = Vec3::Constant(std::numeric_limits<double>::infinity());  // the centre then
+  };
+
+  CornerExit(const ContactSet& contacts, GatheredTriangles& near, const Vec3& centre, Memory& memory, int& work)
+      : contacts_(contacts), near_(near), centre_(centre), memory_(memory), work_(work) {}
+
+  // The directions in which the point could leave its corner, as found for a centre no farther from this one than `moved`. False: there is
+  // no corner, or its boundary is not found.
+  bool find_cone(double moved) noexcept;
+  // As find_cone() left it.
+  const TangentCone& cone() const { return memory_.cone; }
+  // The least distance along an edge of the corner that makes the point come nearer to the device by kLeastBetter offsets.
+  double least_exit(const Vec3& pull) const noexcept;
+  // The time at which an edge of the corner first leads nearer to a device that moves straight; 2: none does.
+  double time_to_exit(const Vec3& from, const Vec3& to, double time) noexcept;
+
+  // From here on, Pre: find_cone() was true.
+  // How far from the boundary a position in that direction is: at an edge, on the middle between its two pieces.
+  double distance_off_edge(const TangentCone::Steepest& to) const noexcept;
+  // A position that far from the corner, in that direction and off the boundary. None: the boundary is too narrow there.
+  std::optional<Vec3> find_past(const TangentCone::Steepest& to, double wide) const noexcept;
+  // Whether the centre may be moved past the corner in one step: all triangles near it go through the corner, so the free space there is a
+  // cone. The target must be in the part of the cone that the centre is in: beside a narrow slit of it, a position off one side is beyond
+  // the other. Where the cone's boundary may be that of another part, nothing may be in between. And it must be on the same side of each
+  // face as of the plane through the apex that stands for it.
+  bool can_pass(const Vec3& target, double wide) noexcept;
+
+ private:
+  struct Part {
+    double begin = 0.0, end = 1.0;  // shares of an edge
+  };
+  bool find_apex(Vec3& apex) const noexcept;
+  bool find_common_corner(Vec3& apex) const noexcept;
+  bool find_beside(const Vec3& apex, Vec3& beside) noexcept;
+  bool is_beyond_surface(const Vec3& target, double within) noexcept;
+  static Part part_within(const ContactTriangle& shape, int k, const Vec3& p, double within);
+
+  const ContactSet& contacts_;
+  GatheredTriangles& near_;
+  const Vec3& centre_;
+  Memory& memory_;
+  int& work_;
+};
+
+}  // namespace hapton

@@ -1,0 +1,121 @@
+#include "core/force/sphere/descent_path.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+}  // namespace
+
+bool DescentPath::make(const Vec3& device, const Vec3& hint, bool is_unstable, CentrePath& path) const noexcept {
+  if (contacts_.active_count() == 2) return descend_along_curve(device, hint, is_unstable, path);
+  if (contacts_.active_count() != 1) return false;
+  const OffsetContact& contact = contacts_[0];
+  if (contact.is_curved()) {
+    path = roll(contact, device, hint);
+    return true;
+  }
+  Vec3 end = centre_;
+  minimum_.solve(device, end, work_);
+  path = CentrePath::straight(centre_, end);
+  return true;
+}
+
+// Around an edge or a vertex in the steepest direction: along a helix, until it is level with the device along the edge, or closest to it
+// around the edge. The squared distance is the sum of both parts, and neither rises.
+CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, const Vec3& hint) const noexcept {
+  const bool is_edge = contact.part == Part::edge;
+  const Vec3 normal = contact.proximity(centre_).normal;
+  const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3 off = device - contact.origin();
+  const double rise = is_edge ? axis.dot(device - centre_) : 0.0;
+  const Vec3 across = off - axis.dot(off) * axis;
+  Vec3 sideways = across - normal.dot(across) * normal;
+  const double ahead = normal.dot(across);
+  const double distance = across.norm();
+  double side = sideways.norm();
+  if (side <= LocalMinimum::kAtMinimum) {
+    if (ahead < 0.0) sideways = hint - normal.dot(hint) * normal - axis.dot(hint) * axis;
+    side = ahead < 0.0 ? 0.0 : side;
+    if (!(sideways.norm() > 0.0)) sideways = is_edge ? axis.cross(normal) : normal.unitOrthogonal();
+  }
+  const Vec3 direction = sideways.normalized();
+  const double angle = distance > LocalMinimum::kAtMinimum ? std::atan2(side, ahead) : 0.0;
+  double turn = std::min(angle, LocalMinimum::kTurn);
+  double share = 1.0;
+  if (side > LocalMinimum::kAtMinimum) {
+    share = std::min(1.0, turn * contacts_.offset() / side);
+    if (std::fabs(rise) > LocalMinimum::kAtMinimum) turn = share * side / contacts_.offset();
+  }
+  const Vec3 up = share * rise * axis;
+  const double sine = std::sin(turn);
+  const double cosine = std::cos(turn);
+  const Vec3 end = centre_ + up + contacts_.offset() * (sine * direction - (1.0 - cosine) * normal);
+  CentrePath path = CentrePath::curved(centre_, end, up + contacts_.offset() * turn * direction,
+                                       up + contacts_.offset() * turn * (cosine * direction - sine * normal));
+  contacts_.guide(path);
+  return path;
+}
+
+// Along the curve where two offset surfaces meet. From a minimum that has vanished: along hint or against it, whichever leads nearer to
+// the device. False: neither does.
+bool DescentPath::descend_along_curve(const Vec3& device, const Vec3& hint, bool is_unstable, CentrePath& path) const noexcept {
+  ContactFrame frame;
+  if (!contacts_.find_frame(centre_, frame)) return false;
+  const double ahead = frame.along.dot(device - centre_);
+  if (!is_unstable) return make_curve_piece(ahead < 0.0 ? Vec3(-frame.along) : frame.along, std::fabs(ahead), device, false, path);
+  const Vec3 direction = frame.along.dot(hint) < 0.0 ? Vec3(-frame.along) : frame.along;
+  return make_curve_piece(direction, 2.0 * LocalMinimum::kAtMinimum, device, true, path) ||
+         make_curve_piece(-direction, 2.0 * LocalMinimum::kAtMinimum, device, true, path);
+}
+
+bool DescentPath::make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable,
+                                   CentrePath& path) const noexcept {
+  constexpr int kMostHalvings = 24;
+  constexpr double kRounding = 0x1p-50;
+  const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
+  ContactFrame here;
+  if (!contacts_.find_frame(centre_, here)) return false;
+  const double sense = here.along.dot(direction);
+  // A piece of that length. False: it ends on another curve, or no nearer.
+  const auto go = [&](double ahead, bool must_lead_on) {
+    Vec3 end = centre_ + ahead * direction;
+    ContactFrame there;
+    if (is_straight) {
+      if (!contacts_.restore(end, work_)) return false;
+      path = CentrePath::straight(centre_, end);
+      return true;
+    }
+    if (!contacts_.restore_to_frame(end, there, work_)) return false;
+    const Vec3 chord = end - centre_;
+    const Vec3 pull = device - centre_;
+    // Half of what the squared distance loses. Within rounding nothing may be lost at the end of a descent.
+    const double gain = chord.dot(pull - 0.5 * chord);
+    if (!(gain > (is_unstable || must_lead_on ? 0.0 : -kRounding * pull.norm()))) return false;
+    const Vec3 direction_there = sense < 0.0 ? Vec3(-there.along) : there.along;  // opposite: the curve on the other side of a crest
+    if (!(direction_there.dot(direction) > 1.0 - 2.0 * LocalMinimum::kTurn * LocalMinimum::kTurn)) return false;
+    if (must_lead_on && !(direction_there.dot(device - end) > 0.0)) return false;
+    const double length_there = chord.norm();
+    if (!(direction.dot(chord) > 0.5 * length_there)) return false;  // surfaces at a small angle: brought back to a place behind
+    path = CentrePath::curved(centre_, end, length_there * direction, length_there * direction_there);
+    contacts_.guide(path);
+    return true;
+  };
+  if (!is_straight) {
+    // As far as a piece may turn, or to the minimum if that is nearer.
+    const double stability = minimum_.find_stability(here, centre_, device);
+    const double most = minimum_.longest_on_curve(here, direction);
+    const double to_minimum = !is_unstable && stability > LocalMinimum::kLeastStability ? length / stability : most;
+    length = std::min(to_minimum, most);
+    if (to_minimum < most && 8.0 * to_minimum > most && go(most, true)) return true;
+  }
+  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
+    if (go(length, false)) return true;
+  }
+  return false;
+}
+
+}  // namespace hapton

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/force/sphere/local_minimum.h"
+#include "core/force/sphere/offset_drag.h"
+#include "core/force/sphere/path_events.h"
+
+namespace hapton {
+
+// A slip: a piece of path along the pull, with the device held.
+struct SlipPath {
+  CentrePath path;
+  Vec3 direction = Vec3::Zero();
+  double length = 0.0;
+  bool is_exact = false;    // the path is within kExact of the exact one
+  bool stops = false;       // the pull is on the cone at the end of the slip
+  bool is_on_cone = false;  // the pull is on the cone already
+  bool waits = false;       // the equilibrium has not quite vanished yet
+  int released = -1;        // the contact whose multiplier is zero at the end of the slip; -1: none
+};
+
+enum class DragOutcome : std::uint8_t {
+  moves,  // along the leg
+  stops,  // the pull falls below the friction cone: the centre sticks
+  jumps,  // the equilibrium on the cone has vanished: the centre slips
+};
+
+// A drag: a piece of path with the device moving and the pull on the friction cone.
+struct DragLeg {
+  CentrePath path;
+  double time = 1.0;
+  int released = -1;
+  bool stops = false;
+  bool jumps = false;
+  double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
+  bool is_exact = false;                    // path and time are within kExact of the exact ones
+  bool is_clear = false;                    // nothing changes the contact on the way: no event but its end
+  bool is_line = false;                     // along the line where two planes meet, at the pace that the pull makes
+  std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant
+
+  double time_at(double start, double share) const {
+    const double duration = time - start;
+    const double even = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[0];
+    const double even_there = pace[0] == 0.0 && pace[1] == 0.0 ? duration : pace[1];
+    return start + share * (even + share * (3.0 * duration - 2.0 * even - even_there + share * (even + even_there - 2.0 * duration)));
+  }
+};
+
+// The pieces of path that a centre takes under Coulomb friction over its active contacts: slips and drags, which OffsetDrag computes. A
+// piece turns by LocalMinimum::kTurn at the most, ends where the pull leaves the cone or a multiplier is zero, and is nearly a cubic. A
+// view: all that it is made from outlives it.
+//
+// Frame and units: TouchGeometry's local ones. RT: yes. `work`: is raised by the units of work (step_work.h).
+class DragLegs {
+ public:
+  // `events`: of the same contacts. `step`: of the last integration of a drag; 0: none yet.
+  DragLegs(const ContactSet& contacts, PathEvents events, const Vec3& centre, double& step, int& work)
+      : contacts_(contacts), minimum_(contacts), events_(events), centre_(centre), step_(step), work_(work) {}
+
+  // `has_vanished`: the equilibrium on the cone has vanished, so the pull is on the cone already. False: the slip cannot be computed.
+  bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, SlipPath& slip) noexcept;
+  // The device moves straight from `from` (time 0) to `to` (time 1); the leg begins at `time`.
+  DragOutcome make(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+
+ private:
+  DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
+
+  const ContactSet& contacts_;
+  LocalMinimum minimum_;
+  PathEvents events_;
+  const Vec3& centre_;
+  double& step_;
+  int& work_;
+};
+
+}  // namespace hapton

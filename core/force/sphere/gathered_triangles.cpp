@@ -1,0 +1,98 @@
+#include "core/force/sphere/gathered_triangles.h"
+
+#include <algorithm>
+
+namespace hapton {
+
+bool GatheredTriangles::is_clear(const Vec3& c, double short_by, int& work) noexcept {
+  bool clear = true;
+  near_.visit_near(c, c, clearance_.offset - short_by, [&](int slot) {
+    if (!clear) return;
+    ++work;
+    const ContactTriangle& shape = near_.shape(slot);
+    clear = shape.separation(c).distance >= clearance_.offset - short_by || !can_touch(near_.triangle(slot), shape, c);
+  });
+  return clear;
+}
+
+bool GatheredTriangles::is_clear_here(const Vec3& c, double short_by, int& work) noexcept {
+  return (near_.covers(c, clearance_.offset) || gather(c, Vec3::Zero(), work)) && is_clear(c, short_by, work);
+}
+
+bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) noexcept {
+  constexpr int kMostHalvings = 40;
+  const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
+  const Vec3 end = path.at(until);
+  if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
+  if (!gather(path.start(), end - path.start(), work)) return false;
+  for (int i = 0; i < kMostHalvings; ++i, until *= 0.5) {
+    if (near_.covers(path.start(), room) && near_.covers(path.at(until), room)) return true;
+  }
+  return false;
+}
+
+// Whether a ball of half that radius would hold nearly as many triangles: of even ones it would hold half, of slivers side by side seven
+// tenths, and at the tip of a fan all. Then a wider ball gathers fewer on the way.
+bool GatheredTriangles::are_slivers(double radius) const noexcept { return near_.share_within(clearance_.offset + 0.5 * radius) > 0.625; }
+
+// The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles. False: within the least radius
+// there are too many. Then it is not tried again before the centre has gone some way.
+bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
+  constexpr double kSamePlace = 0.25;
+  if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
+  constexpr int kMostGuesses = 2;
+  constexpr int kFew = 24;
+  constexpr int kMostFew = 256;
+  constexpr double kWidest = 0.25;
+  constexpr double kDenser = 0.35;
+  constexpr double kMuchWider = 4.0;
+  constexpr double kWider = 1.4;
+  constexpr double kLess = 0.7;
+  constexpr double kWidestOfSlivers = 4.0;  // offsets
+  constexpr int kMostHalvings = 2;
+  const double least = least_radius_;
+  if (!(radius_ > 0.0)) radius_ = std::max(least, 0.5 * clearance_.offset);
+  const double given = radius_;
+  const double length = towards.norm();
+  const double enough = std::max(least, length);
+  bool is_guess = false;
+  bool has_room = true;
+  int overflows = 0;
+  for (int i = 0; has_room; ++i) {
+    // Where the triangles are much smaller than at the last place, the radius was too large.
+    is_guess = i < kMostGuesses && last_count_ <= kMostFew && radius_ > least;
+    const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * radius_ / length)) : Vec3::Zero();
+    int queried = 0;
+    ++gathered_;
+    const bool fits = near_.gather(geometry_, c + ahead, clearance_.offset + radius_ + 4.0 * clearance_.slop, queried,
+                                   is_guess ? kMostFew : NearTriangles::kCapacity);
+    const int in_fans = near_.queried_in_fans();
+    work += queried + queried / 4 - in_fans + in_fans / 4;  // in a large mesh each of the others waits for memory
+    if (!fits) {
+      has_room = is_guess || radius_ > least;
+      const bool are_narrow = are_slivers(radius_);
+      if (is_guess && radius_ > enough && !are_narrow) {
+        radius_ = std::max(kDenser * radius_, enough);
+      } else if (is_guess) {
+        i = kMostGuesses - 1;
+      } else {
+        radius_ = are_narrow && overflows++ < kMostHalvings ? std::max(0.5 * radius_, least) : std::min(0.5 * radius_, least);
+      }
+      continue;
+    }
+    last_count_ = near_.count();
+    // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
+    const int few = std::max(kFew, std::min(queried / 8, kMostFew));
+    if (near_.count() < few) radius_ = std::min((near_.count() < few / 4 ? kMuchWider : kWider) * radius_, kWidest);
+    if (near_.count() > 3 * few) {
+      const double wider = std::max(given, std::min(kWider * radius_, kWidestOfSlivers * clearance_.offset));
+      const double smaller = std::max(kLess * radius_, std::min(radius_, enough));
+      if (overflows == 0) radius_ = are_slivers(radius_) ? wider : smaller;
+    }
+    return true;
+  }
+  crowd_ = c;
+  return false;
+}
+
+}  // namespace hapton

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/force/sphere/gathered_triangles.h"
+#include "core/force/sphere/local_minimum.h"
+
+namespace hapton {
+
+// A sphere that touches a fan, and moves over it.
+struct SphereOnFan {
+  ContactSet& contacts;
+  GatheredTriangles& near;
+  Vec3& centre;
+  bool& is_descending;  // towards a device that is held
+  int& work;            // units, in this step (step_work.h)
+  int most_work;
+};
+
+// Moves a sphere over the faces of a large fan that is convex or hollow as seen by the sphere (SurfaceAdjacency), without looking at its
+// triangles one by one. Keeps what it knows of the fan from one step to the next.
+//
+// Frame and units: TouchGeometry's local ones. RT: yes, except for the constructor.
+class LargeFan {
+ public:
+  // `geometry` outlives this object.
+  explicit LargeFan(const TouchGeometry& geometry) : geometry_(geometry) {
+    if (geometry.may_have_large_fans()) planes_.resize(NearTriangles::kCapacity);
+  }
+
+  enum class Crossing : std::uint8_t {
+    none,    // the sphere is on no fan, or gets no farther like that: events go on from there
+    convex,  // it has rolled from face to face
+    hollow,  // it has gone at once to where the device holds it
+  };
+  // Follows the device, from `time`. The centre is then valid for the device at `time`, whatever is returned.
+  Crossing cross(SphereOnFan on, const Vec3& from, const Vec3& to, double& time) noexcept;
+  // The set of triangles has changed.
+  void forget() { room_.room = -1.0; }
+
+ private:
+  // Where a path over a face of a fan leaves it, and through which edge; -1: it does not.
+  struct FanExit {
+    double time = 2.0;
+    int edge = -1;
+  };
+  // Nothing but the fan around a tip comes nearer to the sphere than it is allowed to while its centre is that near to a place.
+  struct FanRoom {
+    Vec3 tip = Vec3::Zero();
+    Vec3 at = Vec3::Zero();
+    double room = -1.0;
+    std::uint32_t mesh = 0;
+    std::uint32_t vertex = 0;  // of the tip, in the mesh
+    bool back = false;         // the side that the sphere is on
+    int planes = 0;            // of a hollow fan: those near, in planes_
+  };
+  // Where a sphere in a hollow fan is for a device: in contact with those planes.
+  struct HollowPlace {
+    Vec3 centre = Vec3::Zero();
+    int count = 0;
+    std::array<OffsetContact, 3> contacts;
+  };
+  struct FanPlane {
+    Vec3 normal;  // towards the sphere
+    std::uint32_t triangle;
+  };
+
+  int fan_corner(const OffsetContact& face) const noexcept;
+  bool is_hollow_fan(const OffsetContact& face) const noexcept;
+  bool touches_one_fan(const SphereOnFan& on) const noexcept;
+  bool is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, const Vec3& towards) noexcept;
+  double share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept;
+  bool cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept;
+  FanExit find_fan_exit(const OffsetContact& face, const CentrePath& path) const noexcept;
+  bool cross_fan_edge(const SphereOnFan& on, int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept;
+  bool cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept;
+  static void move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, bool descends) noexcept;
+  bool find_in_hollow_fan(const SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept;
+  int find_lowest_plane(const SphereOnFan& on, const Vec3& c, double& height) noexcept;
+
+  const TouchGeometry& geometry_;
+  FanRoom room_;
+  std::vector<FanPlane> planes_;  // of the capacity of gathered triangles if the geometry has large fans; else empty
+};
+
+}  // namespace hapton

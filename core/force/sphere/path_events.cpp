@@ -1,0 +1,333 @@
+#include "core/force/sphere/path_events.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+namespace {
+
+using Part = OffsetContact::Part;
+
+// Calls visit(direction, edge) for the edges of a triangle that end at a vertex: unit, from there.
+template <class Visit>
+void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, Visit&& visit) {
+  const std::array<const Vec3*, 3> corner = {&corners.a, &corners.b, &corners.c};
+  for (int k = 0; k < 3; ++k) {
+    const Vec3& first = *corner[static_cast<std::size_t>(k)];
+    const Vec3& last = *corner[static_cast<std::size_t>((k + 1) % 3)];
+    if (first != vertex && last != vertex) continue;
+    const Vec3 edge = last - first;
+    const double length = std::sqrt(edge.squaredNorm());
+    if (length > 0.0) visit(Vec3(edge * ((first == vertex ? 1.0 : -1.0) / length)), k);
+  }
+}
+
+}  // namespace
+
+bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
+  // A path over a face leaves it long before its end; only the other parts have boundaries that depend on the triangles nearby.
+  const bool is_curved =
+      std::any_of(contacts_.active().begin(), contacts_.active().end(), [](const OffsetContact& c) { return c.is_curved(); });
+  if (is_curved && !near_.cover(path, event.time, work_)) return false;
+  const double near = contacts_.offset() + path.bulge() + contacts_.clearance().slop;
+  CentrePath::Prefix prefix = path.prefix(event.time);
+  if (is_curved) {
+    if (!find_candidates(path, near, prefix)) return false;
+    event.time = prefix.until;
+  }
+  for (int i = 0; i < contacts_.active_count(); ++i) {
+    LevelFaces& crossed = space_.crossed[static_cast<std::size_t>(i)];
+    crossed.until = 0.0;
+    Event exit = event;
+    find_first_exit(path, i, prefix, exit);
+    if (exit.contact != i) continue;
+    if (contacts_[i].part == Part::face) {
+      crossed.first = crossed.last = contacts_[i];
+      if (!cross_level_faces(path, event.time, crossed.last, exit)) exit = event;
+      crossed.until = exit.time;
+      prefix = path.prefix(exit.time);
+    }
+    event = exit;
+  }
+  if (!is_curved) {
+    const double exit_time = event.time;
+    if (!near_.cover(path, event.time, work_)) return false;
+    if (event.time < exit_time) prefix = path.prefix(event.time);
+    if (!find_candidates(path, near, prefix)) return false;
+    event.time = prefix.until;
+    if (event.time < exit_time) event.contact = -1;
+  }
+  const bool is_on_plane =
+      (path.is_straight() || contacts_.active_count() == 1) && contacts_.active_count() > 0 && contacts_[0].part == Part::face;
+  Tangents tangents;
+  for (int i = 0; i < space_.count; ++i) {
+    const int slot = space_.candidates[static_cast<std::size_t>(i)];
+    if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
+    if (cannot_stop(slot, path.start(), is_on_plane)) continue;
+    const ContactTriangle& shape = near_.shape(slot);
+    if (tangents.count < 0) find_tangents(path, tangents);
+    if (is_below(tangents, shape)) continue;
+    const CentrePath::Block block =
+        path.find_block(shape, contacts_.clearance(), path.is_straight() ? 0U : contacts_.guiding_corners(shape), prefix, work_);
+    if (!(block.time < event.time)) continue;
+    event.time = block.time;
+    event.contact = -1;
+    event.slot = block.hits ? slot : -1;
+    prefix = path.prefix(event.time);
+  }
+  move_to_last_level_face(path, event);
+  return true;
+}
+
+// The first time at which a contact leaves its part, up to that of the event.
+void PathEvents::find_first_exit(const CentrePath& path, int contact, CentrePath::Prefix& prefix, Event& event) noexcept {
+  visit_exits(contacts_[contact], [&](const Exit& exit) {
+    const double time = path.time_to_cross(exit.origin, exit.direction, kOnBoundary, prefix);
+    if (time > event.time || (time == event.time && event.contact >= 0)) return;
+    const bool is_face_here = time <= 0.0 && exit.slot >= 0 && exit.part == Part::face;
+    if (is_face_here && is_past_needle(near_.shape(exit.slot), exit.index, path.start())) return;
+    event.time = time;
+    event.contact = contact;
+    event.exit = exit;
+    prefix = path.prefix(time);
+  });
+}
+
+// Over an edge where the next face lies in the same plane nothing changes but the triangle. Follows the path over such faces, from the exit
+// in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
+bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
+  constexpr int kMostFaces = 1024;
+  for (int n = 0; n < kMostFaces; ++n) {
+    work_ += path.is_straight() ? n % 2 : 2;
+    OffsetContact level;
+    const double here = event.time;
+    if (!find_level_face(contact, event.exit.index, path.at(here), level)) return true;
+    Exit exit;
+    double then = kNever;
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& origin = level.shape.corner(k);
+      const Vec3 direction = level.shape.edge(k).cross(level.shape.normal()) / level.shape.length(k);
+      const double time = path.time_to_cross(origin, direction, kOnBoundary, here, until);
+      if (!(time < then)) continue;
+      then = time;
+      exit = {origin, direction, -1, k, Part::edge};
+    }
+    const bool leaves = then <= until;
+    if (!is_level_at(level, path.at(leaves ? then : until))) return true;
+    contact = level;
+    if (!leaves) return false;
+    event.time = then;
+    event.exit = exit;
+  }
+  return true;
+}
+
+// The face beyond an edge, if its plane is the same within rounding where the centre at c crosses over to it. The normals of two needles in
+// one plane differ by the rounding of their corners, as a share of their heights: 2^-51 over 2^-15 at the most. A force turns by less.
+bool PathEvents::find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept {
+  constexpr double kMostTilt = 0x1p-36;  // rad
+  const TouchGeometry::Adjacent across = near_.geometry().adjacent(contact.triangle, edge);
+  if (!across.exists || across.id == contact.triangle) return false;
+  const ObjectGeometry::Corners corners = near_.geometry().corners(across.id);
+  const ContactTriangle shape(corners.a, corners.b, corners.c);
+  if (!(shape.normal().cross(contact.normal).squaredNorm() <= kMostTilt * kMostTilt) || !is_over(shape, c)) return false;
+  if (!near_.can_touch(across.id, shape, c)) return false;
+  level = OffsetContact::on_face(across.id, shape, contact.normal);
+  return is_level_at(level, c);
+}
+
+// Whether the centre at c is in contact with a face within rounding.
+bool PathEvents::is_level_at(const OffsetContact& face, const Vec3& c) const noexcept {
+  return std::fabs(face.proximity(c).distance - contacts_.offset()) <= kCoplanar;
+}
+
+bool PathEvents::is_over(const ContactTriangle& shape, const Vec3& c) noexcept {
+  return shape.inside(0, c) > 0.0 && shape.inside(1, c) > 0.0 && shape.inside(2, c) > 0.0;
+}
+
+// The contacts that cross level faces on the way are on the last of these before the event.
+void PathEvents::move_to_last_level_face(const CentrePath& path, const Event& event) noexcept {
+  for (int i = 0; i < contacts_.active_count(); ++i) {
+    LevelFaces& crossed = space_.crossed[static_cast<std::size_t>(i)];
+    if (!(crossed.until > 0.0)) continue;
+    if (event.time < crossed.until) {
+      Event exit;
+      exit.time = event.time;
+      CentrePath::Prefix prefix = path.prefix(event.time);
+      find_first_exit(path, i, prefix, exit);
+      if (exit.contact != i) continue;
+      crossed.last = contacts_[i];
+      cross_level_faces(path, event.time, crossed.last, exit);
+    }
+    contacts_[i] = crossed.last;
+  }
+}
+
+// Whether a triangle cannot stop the centre, whatever its distance. Triangles below the plane of a face are never nearer than the face, for
+// a centre that moves over it.
+bool PathEvents::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexcept {
+  const std::uint32_t triangle = near_.triangle(slot);
+  const ObjectGeometry::Corners corners = near_.geometry().corners(triangle);
+  if (is_on_plane) {
+    const Vec3& up = contacts_[0].normal;
+    const double level = up.dot(from) - contacts_.offset() + 0.25 * contacts_.clearance().slop;
+    if (std::max({up.dot(corners.a), up.dot(corners.b), up.dot(corners.c)}) <= level) return true;
+  }
+  if (contacts_.holds_part_of(corners, triangle)) return true;
+  return !near_.material(triangle).two_sided && !near_.can_touch(triangle, near_.shape(slot), from);
+}
+
+// Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
+// checked for the cubic, with room for what the curve differs.
+void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const noexcept {
+  constexpr double kLeastPace = 0.25;
+  constexpr double kMostPace = 2.5;
+  tangents.count = 0;
+  if (!path.is_guided() && !path.is_straight()) return;
+  for (int i = 0; i < contacts_.active_count(); ++i) {
+    const OffsetContact& contact = contacts_[i];
+    TangentSpan& span = tangents.spans[static_cast<std::size_t>(tangents.count)];
+    if (contact.part == Part::face) {
+      span = {contact.shape.corner(0), {contact.normal, contact.normal}};
+      ++tangents.count;
+    } else if (contact.part == Part::edge && path.is_guided()) {
+      span = {contact.origin(), {contact.proximity(path.start()).normal, contact.proximity(path.end()).normal}};
+      const Vec3 turn = contacts_.offset() * (span.normal[1] - span.normal[0]);
+      const double whole = turn.squaredNorm();
+      const double first = turn.dot(path.slope(0.0));
+      const double last = turn.dot(path.slope(1.0));
+      if (std::min(first, last) >= kLeastPace * whole && std::max(first, last) <= kMostPace * whole) ++tangents.count;
+    }
+  }
+}
+
+// Such a triangle is below the tangent plane in each place of the path, and never nearer than the contact.
+bool PathEvents::is_below(const Tangents& tangents, const ContactTriangle& shape) const noexcept {
+  const double level = 0.25 * contacts_.clearance().slop;
+  for (int i = 0; i < tangents.count; ++i) {
+    const TangentSpan& span = tangents.spans[static_cast<std::size_t>(i)];
+    double highest = -std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 off = shape.corner(k) - span.origin;
+      highest = std::max({highest, span.normal[0].dot(off), span.normal[1].dot(off)});
+    }
+    if (highest <= level) return true;
+  }
+  return false;
+}
+
+// Collects the triangles that may come that near to the beginning of the path. Where they are many because the ball of gathered triangles
+// lies elsewhere, it is gathered again around the start. False: that cannot be done.
+bool PathEvents::find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept {
+  constexpr int kMany = 32;
+  note_candidates(path.start(), prefix.end, near);
+  if (space_.count <= kMany || near_.is_central(path.start())) return true;
+  double until = prefix.until;
+  if (!near_.gather(path.start(), Vec3::Zero(), work_) || !near_.cover(path, until, work_)) return false;
+  if (until < prefix.until) prefix = path.prefix(until);
+  note_candidates(path.start(), prefix.end, near);
+  return true;
+}
+
+// Collects the triangles that may come that near to the segment.
+void PathEvents::note_candidates(const Vec3& from, const Vec3& to, double near) noexcept {
+  space_.count = 0;
+  near_.visit_near(from, to, near, [&](int slot) { space_.candidates[static_cast<std::size_t>(space_.count++)] = slot; });
+}
+
+// Calls visit(exit) for the boundaries of the part that a contact is on. Pre: for an edge or a vertex, note_candidates().
+template <class Visit>
+void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexcept {
+  const ContactTriangle& own = contact.shape;
+  if (contact.part == Part::face) {
+    for (int k = 0; k < 3; ++k) visit(Exit{own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Part::edge});
+    return;
+  }
+  if (contact.part == Part::edge) {
+    const Vec3 axis = contact.axis();
+    visit(Exit{own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex});
+    visit(Exit{own.corner(contact.index), -axis, -1, contact.index, Part::vertex});
+  }
+  for (int i = 0; i < space_.count; ++i) {
+    const int slot = space_.candidates[static_cast<std::size_t>(i)];
+    const ObjectGeometry::Corners corners = near_.geometry().corners(near_.triangle(slot));
+    if (!contact.is_shared_with(corners.a, corners.b, corners.c)) continue;
+    if (contact.part == Part::vertex) {
+      visit_edges_at(contact.origin(), corners, [&](const Vec3& outwards, int k) {
+        visit(Exit{contact.origin(), outwards, slot, k, Part::edge});
+      });
+      continue;
+    }
+    const ContactTriangle& shape = near_.shape(slot);
+    const Vec3& other = own.corner((contact.index + 1) % 3);
+    for (int k = 0; k < 3; ++k) {
+      const Vec3& first = shape.corner(k);
+      const Vec3& last = shape.corner((k + 1) % 3);
+      if (!(shape.length(k) > 0.0) || shape.normal().isZero(0.0)) continue;
+      if (!(first == contact.origin() && last == other) && !(last == contact.origin() && first == other)) continue;
+      visit(Exit{first, shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face});
+    }
+  }
+}
+
+// Whether the centre, in contact with that edge of a triangle, is far over its plane but not over the triangle. This is so at a needle that
+// rises by less than the slop, so that it was not hit: its face never holds the sphere.
+bool PathEvents::is_past_needle(const ContactTriangle& shape, int edge, const Vec3& c) const noexcept {
+  const auto height = [&](int k) { return shape.inside(k, c) / shape.length(k); };
+  return height(edge) > contacts_.clearance().slop &&
+         std::min(height((edge + 1) % 3), height((edge + 2) % 3)) < -contacts_.clearance().slop;
+}
+
+double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, double most) noexcept {
+  constexpr double kBeyond = 1.25;
+  constexpr double kLeastDistance = 0x1p-10;                                                             // of the offset
+  if (contacts_[0].is_curved()) note_candidates(c, c, contacts_.offset() + contacts_.clearance().slop);  // for visit_exits
+  const CentrePath path = CentrePath::straight(c, c + most * direction);
+  CentrePath::Prefix prefix = path.prefix(1.0);
+  Event exit;
+  find_first_exit(path, 0, prefix, exit);
+  if (exit.contact < 0) return std::numeric_limits<double>::infinity();
+  OffsetContact last = contacts_[0];
+  if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return std::numeric_limits<double>::infinity();
+  return kBeyond * exit.time * most + kLeastDistance * contacts_.offset();
+}
+
+// Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from
+// `direction` to `direction_there` and never back. By less than a quarter turn, the path lies in the triangle of its chord and the tangents
+// at its ends, whose chord is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a
+// triangle is convex, so it is never below its tangents, and a tangent is least at a corner of that triangle.
+bool PathEvents::is_clear_over_face(const Vec3& c, const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept {
+  if (!(direction.dot(direction_there) > 0.0)) return false;
+  const Vec3 path = end - c;
+  const double chord = path.norm();
+  // The most of a linear function on the path, less its value at the start; the same for the end.
+  const auto most_from_start = [&](const Vec3& gradient) { return std::max({0.0, gradient.dot(path), chord * gradient.dot(direction)}); };
+  const auto most_from_end = [&](const Vec3& gradient) {
+    return std::max({0.0, -gradient.dot(path), -chord * gradient.dot(direction_there)});
+  };
+  const ContactTriangle& face = contacts_[0].shape;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 out = face.edge(k).cross(face.normal()) / face.length(k);
+    const double height = out.dot(c - face.corner(k)) + most_from_start(out);
+    const double height_by_end = out.dot(end - face.corner(k)) + most_from_end(out);
+    if (!(std::min(height, height_by_end) <= kOnBoundary)) return false;
+  }
+  const double near = contacts_.offset() + 0.5 * chord * direction.cross(direction_there).norm() + contacts_.clearance().slop;
+  if (!near_.covers(c, near) || !near_.covers(end, near)) return false;
+  note_candidates(c, end, near);
+  for (int i = 0; i < space_.count; ++i) {
+    const int slot = space_.candidates[static_cast<std::size_t>(i)];
+    if (cannot_stop(slot, c, true)) continue;
+    ++work_;
+    const Separation here = near_.shape(slot).separation(c);
+    const double least = std::min(here.distance, contacts_.offset() - 0.25 * contacts_.clearance().slop);
+    if (here.distance - most_from_start(-here.normal) >= least) continue;
+    ++work_;
+    const Separation there = near_.shape(slot).separation(end);
+    if (!(there.distance - most_from_end(-there.normal) >= least)) return false;
+  }
+  return true;
+}
+
+}  // namespace hapton
