@@ -9,6 +9,7 @@
 #include <random>
 #include <utility>
 
+#include "bench/measure/converged_steps.h"
 #include "bench/measure/facet_locator.h"
 #include "core/force/reference/reference_method.h"
 #include "core/geometry/mesh_measures.h"
@@ -17,6 +18,7 @@ namespace hapton {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Cause = BranchSwitch::Cause;
 
 constexpr double kMoves = 1e-9;  // of the extent: a proxy that moved by more since the last step slides
 
@@ -26,7 +28,9 @@ struct Slide {
 };
 
 struct Windows {
-  std::vector<ForceSample> method, reference;  // one window after the other, all of the same length
+  std::vector<ForceSample> method, converged, reference;  // one window after the other, all of the same length
+  std::vector<std::uint64_t> seeds;                       // of each window's slide
+  std::vector<std::size_t> steps;                         // of the slide: the first of each window
 };
 
 // Where windows begin: contact steps with a whole window before the next reset. Under friction only those in which the proxy has just
@@ -45,9 +49,13 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
   return starts;
 }
 
-void compare_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
-                     double least_move_m, Windows& windows) {
+void compute_windows(ReferenceMethod& reference, ConvergedSteps& converged, const Slide& slide, const std::vector<ForceSample>& felt,
+                     const MeshRunSettings& settings, double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
+    windows.seeds.push_back(slide.seed);
+    windows.steps.push_back(start + 1);
+    const std::vector<ForceSample> finished = converged.compute(slide.trajectory, start, settings.window_steps);
+    windows.converged.insert(windows.converged.end(), finished.begin(), finished.end());
     reference.continue_from(felt[start].proxy, felt[start].device, true);
     for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
       const MethodOutput expected = reference.step({.p_SD = felt[i].device});
@@ -62,6 +70,15 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
   settings.name = name;
   settings.probe_radius_m = probe_radius_m;
   return settings;
+}
+
+void compare_windows(const Windows& windows, const ForceErrorSettings& settings, MeshFigures& figures) {
+  figures.error = compare_forces(windows.method, windows.reference, settings, windows.converged);
+  figures.converged = compare_forces(windows.converged, windows.reference, settings, windows.converged);
+  for (const BranchSwitch& branch : figures.error.switches) {
+    const std::size_t window = branch.first_step / settings.reset_every;
+    figures.switches.push_back({windows.seeds[window], windows.steps[window] + branch.first_step % settings.reset_every, branch});
+  }
 }
 
 std::uint64_t count_facets(const FacetLocator& locator, const Slide& slide, const std::vector<ForceSample>& felt) {
@@ -93,6 +110,8 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
   scene.objects.push_back({mesh.mesh, material});
   auto reference = ReferenceMethod::make_reference(settings_of("reference", probe_radius_m), scene);
   if (!reference) return tl::unexpected(reference.error());
+  auto converged = ConvergedSteps::make(settings_of("proxy", probe_radius_m), scene);
+  if (!converged) return tl::unexpected(converged.error());
   const TimingBudget budget{.repetitions = settings.repetitions, .seconds = std::numeric_limits<double>::infinity()};
   ForceErrorSettings error;
   error.stiffness_n_per_m = material.stiffness_n_per_m;
@@ -106,7 +125,7 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
     contact_ns.insert(contact_ns.end(), timing->contact_ns.begin(), timing->contact_ns.end());
     if (timing->free.count > 0) free_p50_ns.push_back(timing->free.p50_ns);
     figures.facets_crossed += count_facets(locator, slide, timing->felt);
-    compare_windows(**reference, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
+    compute_windows(**reference, *converged, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
   }
   double sum_ns = 0.0;
   for (const double ns : contact_ns) sum_ns += ns;
@@ -116,8 +135,20 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
   figures.over_100us = count_above(contact_ns, 100e3);
   figures.contact = spread_of_times(std::move(contact_ns));
   figures.free_p50_ns = spread_of_times(std::move(free_p50_ns)).p50_ns;
-  figures.error = compare_forces(windows.method, windows.reference, error);
+  compare_windows(windows, error, figures);
   return figures;
+}
+
+const char* cause_text(Cause cause) {
+  switch (cause) {
+    case Cause::unconverged:
+      return "unconverged";
+    case Cause::unsettled:
+      return "unsettled";
+    case Cause::unexplained:
+      break;
+  }
+  return "unexplained";
 }
 
 std::string probe_text(double radius_m) { return radius_m > 0.0 ? fmt::format("sphere {:g} mm", 1e3 * radius_m) : "point"; }
@@ -167,6 +198,7 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
       "100us,"
       "facets_crossed,ns_per_facet,compared_steps,compared_contact_steps,unsettled_steps,error_rms,error_p50,error_p99,error_max,branch_"
       "switches,"
+      "unconverged_switches,unsettled_switches,unexplained_switches,converged_rms,converged_max,converged_switches,converged_faults,"
       "switched_steps,fall_throughs,false_contacts,stuck_steps,force_discontinuities,not_finite\n";
   for (const MeshFigures& f : figures) {
     const TimeSpread& t = f.contact;
@@ -174,11 +206,23 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
     fmt::format_to(
         std::back_inserter(text),
         "{},{},{:g},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{},{},{},{},{:.1f},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{}"
-        ",{},{},{},{}\n",
+        ",{},{:.6g},{:.6g},{},{},{},{},{},{},{},{}\n",
         f.mesh, f.triangles, f.probe_radius_m, f.friction ? 1 : 0, t.count, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns,
         f.free_p50_ns, f.over_10us, f.over_50us, f.over_100us, f.facets_crossed, f.ns_per_facet, e.steps, e.contact_steps,
-        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.fall_throughs,
-        e.false_contacts, e.stuck_steps, e.discontinuities, e.not_finite);
+        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.count(Cause::unconverged),
+        e.count(Cause::unsettled), e.count(Cause::unexplained), f.converged.error.rms, f.converged.error.most, f.converged.branch_switches,
+        f.converged.faults(), e.switched_steps, e.fall_throughs, e.false_contacts, e.stuck_steps, e.discontinuities, e.not_finite);
+  }
+  return text;
+}
+
+std::string switches_to_csv(const std::vector<MeshFigures>& figures) {
+  std::string text = "mesh,probe_radius_m,friction,seed,step,steps,error_max,cause\n";
+  for (const MeshFigures& f : figures) {
+    for (const MeshFigures::Switch& s : f.switches) {
+      fmt::format_to(std::back_inserter(text), "{},{:g},{},{},{},{},{:.6g},{}\n", f.mesh, f.probe_radius_m, f.friction ? 1 : 0, s.seed,
+                     s.step, s.branch.steps, s.branch.most, cause_text(s.branch.cause));
+    }
   }
   return text;
 }
@@ -188,6 +232,13 @@ Json to_json(const std::vector<MeshFigures>& figures) {
   for (const MeshFigures& f : figures) {
     const TimeSpread& t = f.contact;
     const ForceError& e = f.error;
+    Json switches = Json::array();
+    for (const MeshFigures::Switch& s : f.switches)
+      switches.push_back({{"seed", s.seed},
+                          {"step", s.step},
+                          {"steps", s.branch.steps},
+                          {"error_max", s.branch.most},
+                          {"cause", cause_text(s.branch.cause)}});
     all.push_back({{"mesh", f.mesh},
                    {"triangles", f.triangles},
                    {"probe_radius_m", f.probe_radius_m},
@@ -210,6 +261,15 @@ Json to_json(const std::vector<MeshFigures>& figures) {
                    {"unsettled_steps", e.unsettled_steps},
                    {"force_error", {{"rms", e.error.rms}, {"p50", e.error.p50}, {"p99", e.error.p99}, {"max", e.error.most}}},
                    {"branch_switches", e.branch_switches},
+                   {"unconverged_switches", e.count(Cause::unconverged)},
+                   {"unsettled_switches", e.count(Cause::unsettled)},
+                   {"unexplained_switches", e.count(Cause::unexplained)},
+                   {"switches", std::move(switches)},
+                   {"converged",
+                    {{"rms", f.converged.error.rms},
+                     {"max", f.converged.error.most},
+                     {"branch_switches", f.converged.branch_switches},
+                     {"faults", f.converged.faults()}}},
                    {"switched_steps", e.switched_steps},
                    {"fall_throughs", e.fall_throughs},
                    {"false_contacts", e.false_contacts},
@@ -221,16 +281,19 @@ Json to_json(const std::vector<MeshFigures>& figures) {
 }
 
 std::string to_text(const std::vector<MeshFigures>& figures) {
-  std::string text =
-      fmt::format("{:<24} {:<14} {:<4} {:>8} {:>7} {:>8} {:>9} {:>6} {:>6} {:>6} {:>8} {:>9} {:>9} {:>9} {:>8}\n", "mesh", "probe", "mu",
-                  "contact", "p50 ns", "p99 ns", "worst ns", ">10us", ">50us", ">100us", "ns/facet", "RMS %", "p99 %", "max %", "switches");
+  std::string text = fmt::format(
+      "{:<24} {:<14} {:<4} {:>8} {:>7} {:>8} {:>9} {:>6} {:>6} {:>6} {:>8} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n", "mesh",
+      "probe", "mu", "contact", "p50 ns", "p99 ns", "worst ns", ">10us", ">50us", ">100us", "ns/facet", "RMS %", "p99 %", "max %",
+      "switches", "unconv", "unsettl", "unexpl", "RMS cv %", "max cv %");
   for (const MeshFigures& f : figures) {
     const ForceError& e = f.error;
     fmt::format_to(std::back_inserter(text),
-                   "{:<24} {:<14} {:<4} {:>8} {:>7.0f} {:>8.0f} {:>9.0f} {:>6} {:>6} {:>6} {:>8.0f} {:>9.3g} {:>9.3g} {:>9.3g} {:>8}\n",
+                   "{:<24} {:<14} {:<4} {:>8} {:>7.0f} {:>8.0f} {:>9.0f} {:>6} {:>6} {:>6} {:>8.0f} {:>9.3g} {:>9.3g} {:>9.3g} {:>8} {:>8} "
+                   "{:>8} {:>8} {:>9.3g} {:>9.3g}\n",
                    f.mesh, probe_text(f.probe_radius_m), f.friction ? "on" : "off", f.contact.count, f.contact.p50_ns, f.contact.p99_ns,
                    f.contact.worst_ns, f.over_10us, f.over_50us, f.over_100us, f.ns_per_facet, 100.0 * e.error.rms, 100.0 * e.error.p99,
-                   100.0 * e.error.most, e.branch_switches);
+                   100.0 * e.error.most, e.branch_switches, e.count(Cause::unconverged), e.count(Cause::unsettled),
+                   e.count(Cause::unexplained), 100.0 * f.converged.error.rms, 100.0 * f.converged.error.most);
   }
   return text;
 }

@@ -41,7 +41,14 @@ struct MeshFigures {
   std::uint64_t facets_crossed = 0;                          // by the proxy in those steps, as FacetLocator counts
   double ns_per_facet = 0.0;                                 // all contact time over facets crossed
   double free_p50_ns = 0.0;
-  ForceError error;  // in the windows
+  ForceError error;      // in the windows
+  ForceError converged;  // there, with every step of a window converged before the next sample: no work limit
+  struct Switch {        // a branch switch of `error`
+    std::uint64_t seed = 0;
+    std::size_t step = 0;  // of the slide, where it begins
+    BranchSwitch branch;
+  };
+  std::vector<Switch> switches;
 };
 
 // Measures method `proxy` over a mesh: slides of every seed, each probe, without and with friction.
@@ -61,6 +68,8 @@ struct MedianAndWorst {
 MedianAndWorst over_meshes(const std::vector<MeshFigures>& figures, const std::function<double(const MeshFigures&)>& figure);
 
 std::string to_csv(const std::vector<MeshFigures>& figures);
+// Every branch switch, one a row, with its cause.
+std::string switches_to_csv(const std::vector<MeshFigures>& figures);
 nlohmann::ordered_json to_json(const std::vector<MeshFigures>& figures);
 std::string to_text(const std::vector<MeshFigures>& figures);
 
