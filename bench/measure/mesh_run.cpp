@@ -18,7 +18,7 @@ namespace hapton {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Cause = BranchSwitch::Cause;
+using SwitchCause = BranchSwitch::Cause;
 
 constexpr double kMoves = 1e-9;  // of the extent: a proxy that moved by more since the last step slides
 
@@ -139,13 +139,13 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
   return figures;
 }
 
-const char* cause_text(Cause cause) {
+const char* cause_text(SwitchCause cause) {
   switch (cause) {
-    case Cause::unconverged:
+    case SwitchCause::unconverged:
       return "unconverged";
-    case Cause::unsettled:
+    case SwitchCause::unsettled:
       return "unsettled";
-    case Cause::unexplained:
+    case SwitchCause::unexplained:
       break;
   }
   return "unexplained";
@@ -209,9 +209,10 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
         ",{},{:.6g},{:.6g},{},{},{},{},{},{},{},{}\n",
         f.mesh, f.triangles, f.probe_radius_m, f.friction ? 1 : 0, t.count, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns,
         f.free_p50_ns, f.over_10us, f.over_50us, f.over_100us, f.facets_crossed, f.ns_per_facet, e.steps, e.contact_steps,
-        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.count(Cause::unconverged),
-        e.count(Cause::unsettled), e.count(Cause::unexplained), f.converged.error.rms, f.converged.error.most, f.converged.branch_switches,
-        f.converged.faults(), e.switched_steps, e.fall_throughs, e.false_contacts, e.stuck_steps, e.discontinuities, e.not_finite);
+        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.count(SwitchCause::unconverged),
+        e.count(SwitchCause::unsettled), e.count(SwitchCause::unexplained), f.converged.error.rms, f.converged.error.most,
+        f.converged.branch_switches, f.converged.faults(), e.switched_steps, e.fall_throughs, e.false_contacts, e.stuck_steps,
+        e.discontinuities, e.not_finite);
   }
   return text;
 }
@@ -261,9 +262,9 @@ Json to_json(const std::vector<MeshFigures>& figures) {
                    {"unsettled_steps", e.unsettled_steps},
                    {"force_error", {{"rms", e.error.rms}, {"p50", e.error.p50}, {"p99", e.error.p99}, {"max", e.error.most}}},
                    {"branch_switches", e.branch_switches},
-                   {"unconverged_switches", e.count(Cause::unconverged)},
-                   {"unsettled_switches", e.count(Cause::unsettled)},
-                   {"unexplained_switches", e.count(Cause::unexplained)},
+                   {"unconverged_switches", e.count(SwitchCause::unconverged)},
+                   {"unsettled_switches", e.count(SwitchCause::unsettled)},
+                   {"unexplained_switches", e.count(SwitchCause::unexplained)},
                    {"switches", std::move(switches)},
                    {"converged",
                     {{"rms", f.converged.error.rms},
@@ -292,8 +293,8 @@ std::string to_text(const std::vector<MeshFigures>& figures) {
                    "{:>8} {:>8} {:>9.3g} {:>9.3g}\n",
                    f.mesh, probe_text(f.probe_radius_m), f.friction ? "on" : "off", f.contact.count, f.contact.p50_ns, f.contact.p99_ns,
                    f.contact.worst_ns, f.over_10us, f.over_50us, f.over_100us, f.ns_per_facet, 100.0 * e.error.rms, 100.0 * e.error.p99,
-                   100.0 * e.error.most, e.branch_switches, e.count(Cause::unconverged), e.count(Cause::unsettled),
-                   e.count(Cause::unexplained), 100.0 * f.converged.error.rms, 100.0 * f.converged.error.most);
+                   100.0 * e.error.most, e.branch_switches, e.count(SwitchCause::unconverged), e.count(SwitchCause::unsettled),
+                   e.count(SwitchCause::unexplained), 100.0 * f.converged.error.rms, 100.0 * f.converged.error.most);
   }
   return text;
 }

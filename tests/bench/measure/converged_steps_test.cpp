@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-using Cause = BranchSwitch::Cause;
+using SwitchCause = BranchSwitch::Cause;
 
 constexpr std::size_t kStart = 3;
 
@@ -55,7 +55,7 @@ ForceError compare(const TouchScene& scene, const TouchTrajectory& trajectory) {
 TEST(ConvergedSteps, AJumpLongerThanTheWorkLimitIsAnUnconvergedSwitch) {
   const ForceError error = compare(sheet_of(800), jump_by(0.079));  // 1,900 triangles, of which a step crosses some 500
   EXPECT_EQ(error.branch_switches, 1u);
-  EXPECT_EQ(error.count(Cause::unconverged), 1u);
+  EXPECT_EQ(error.count(SwitchCause::unconverged), 1u);
   EXPECT_GT(error.error.most, 1.0);
   EXPECT_LT(error.switched_steps, 5u);
 }
@@ -80,8 +80,8 @@ TEST(ConvergedSteps, AnotherBranchIsNotUnconverged) {
   const ForceError error = compare_forces(method, reference, {}, converged);
   EXPECT_EQ(error.branch_switches, 1u);
   EXPECT_EQ(error.switched_steps, 5u);
-  EXPECT_EQ(error.count(Cause::unconverged), 0u);
-  EXPECT_EQ(error.count(Cause::unexplained), 1u);
+  EXPECT_EQ(error.count(SwitchCause::unconverged), 0u);
+  EXPECT_EQ(error.count(SwitchCause::unexplained), 1u);
 }
 
 TEST(ConvergedSteps, IsTheMethodItselfWhereNothingIsCarried) {
