@@ -7,6 +7,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <span>
 #include <utility>
 
 #include "bench/measure/converged_steps.h"
@@ -29,12 +30,17 @@ struct Slide {
 
 struct Windows {
   std::vector<ForceSample> method, converged, reference;  // one window after the other, all of the same length
-  std::vector<std::uint64_t> seeds;                       // of each window's slide
-  std::vector<std::size_t> steps;                         // of the slide: the first of each window
+  struct Begin {
+    std::uint64_t seed = 0;  // of the slide
+    std::size_t step = 0;    // of the slide, from which the window goes on
+    Vec3 proxy = Vec3::Zero(), device = Vec3::Zero();
+    bool slides = false;
+  };
+  std::vector<Begin> begins;
 };
 
-// Where windows begin: contact steps with a whole window before the next reset. Under friction only those in which the proxy has just
-// moved: for a stationary one it is unknown whether it sticks or has only stopped sliding.
+// Where windows begin: contact steps with a whole window before the next reset; under friction only those in which the proxy moves, so that
+// its motion counts.
 std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
                                        double least_move_m) {
   std::vector<std::size_t> possible;
@@ -49,19 +55,28 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
   return starts;
 }
 
+// The reference over one window.
+std::vector<ForceSample> follow(ReferenceMethod& reference, const Windows::Begin& begin, std::span<const ForceSample> samples) {
+  reference.continue_from(begin.proxy, begin.device, begin.slides);
+  std::vector<ForceSample> felt;
+  for (const ForceSample& sample : samples) {
+    const MethodOutput expected = reference.step({.p_SD = sample.device});
+    felt.push_back({sample.device, expected.p_SP, expected.force_n, reference.last_step().settled});
+  }
+  return felt;
+}
+
 void compute_windows(ReferenceMethod& reference, ConvergedSteps& converged, const Slide& slide, const std::vector<ForceSample>& felt,
                      const MeshRunSettings& settings, double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
-    windows.seeds.push_back(slide.seed);
-    windows.steps.push_back(start + 1);
-    const std::vector<ForceSample> finished = converged.compute(slide.trajectory, start, settings.window_steps);
-    windows.converged.insert(windows.converged.end(), finished.begin(), finished.end());
-    reference.continue_from(felt[start].proxy, felt[start].device, true);
-    for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
-      const MethodOutput expected = reference.step({.p_SD = felt[i].device});
-      windows.method.push_back(felt[i]);
-      windows.reference.push_back({felt[i].device, expected.p_SP, expected.force_n, reference.last_step().settled});
-    }
+    const ConvergedSteps::Window finished = converged.compute(slide.trajectory, start, settings.window_steps);
+    windows.begins.push_back({slide.seed, start, felt[start].proxy, felt[start].device, finished.begins_sliding});
+    windows.converged.insert(windows.converged.end(), finished.felt.begin(), finished.felt.end());
+    const auto first = felt.begin() + static_cast<std::ptrdiff_t>(start) + 1;
+    windows.method.insert(windows.method.end(), first, first + static_cast<std::ptrdiff_t>(settings.window_steps));
+    const std::vector<ForceSample> expected =
+        follow(reference, windows.begins.back(), std::span(windows.method).last(settings.window_steps));
+    windows.reference.insert(windows.reference.end(), expected.begin(), expected.end());
   }
 }
 
@@ -72,13 +87,38 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
   return settings;
 }
 
-void compare_windows(const Windows& windows, const ForceErrorSettings& settings, MeshFigures& figures) {
+// In windows with a switch that nothing explains: the reference from 16 times as many sub-steps. Where that is another force by more than
+// kBranchShare, the first passes agreed by chance, so the step is not settled. Which steps are errors, and by how much, stays.
+void check_reference(ReferenceMethod& fine, const std::vector<BranchSwitch>& switches, std::size_t window_steps, Windows& windows) {
+  std::size_t checked = windows.begins.size();
+  for (const BranchSwitch& branch : switches) {
+    const std::size_t window = branch.first_step / window_steps;
+    if (branch.cause != SwitchCause::unexplained || window == checked) continue;
+    checked = window;
+    const std::span steps = std::span(windows.reference).subspan(window * window_steps, window_steps);
+    const std::vector<ForceSample> finer = follow(fine, windows.begins[window], steps);
+    for (std::size_t i = 0; i < window_steps; ++i) {
+      const double change = (finer[i].force_n - steps[i].force_n).norm();
+      if (change > ForceError::kBranchShare * steps[i].force_n.norm()) steps[i].settled = false;
+    }
+  }
+}
+
+Result<void> compare_windows(const MethodSettings& fine, const TouchScene& scene, const ForceErrorSettings& settings, Windows& windows,
+                             MeshFigures& figures) {
   figures.error = compare_forces(windows.method, windows.reference, settings, windows.converged);
+  if (figures.error.count(SwitchCause::unexplained) > 0) {
+    auto reference = ReferenceMethod::make_reference(fine, scene);
+    if (!reference) return tl::unexpected(reference.error());
+    check_reference(**reference, figures.error.switches, settings.reset_every, windows);
+    figures.error = compare_forces(windows.method, windows.reference, settings, windows.converged);
+  }
   figures.converged = compare_forces(windows.converged, windows.reference, settings, windows.converged);
   for (const BranchSwitch& branch : figures.error.switches) {
-    const std::size_t window = branch.first_step / settings.reset_every;
-    figures.switches.push_back({windows.seeds[window], windows.steps[window] + branch.first_step % settings.reset_every, branch});
+    const Windows::Begin& begin = windows.begins[branch.first_step / settings.reset_every];
+    figures.switches.push_back({begin.seed, begin.step + 1 + branch.first_step % settings.reset_every, branch});
   }
+  return {};
 }
 
 std::uint64_t count_facets(const FacetLocator& locator, const Slide& slide, const std::vector<ForceSample>& felt) {
@@ -135,7 +175,10 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
   figures.over_100us = count_above(contact_ns, 100e3);
   figures.contact = spread_of_times(std::move(contact_ns));
   figures.free_p50_ns = spread_of_times(std::move(free_p50_ns)).p50_ns;
-  compare_windows(windows, error, figures);
+  MethodSettings fine = settings_of("reference", probe_radius_m);
+  fine.reference_substeps *= 16;
+  fine.reference_substep_limit = 4 * fine.reference_substeps;
+  if (auto compared = compare_windows(fine, scene, error, windows, figures); !compared) return tl::unexpected(compared.error());
   return figures;
 }
 
