@@ -66,29 +66,32 @@ std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, con
   add_count("steps above 10 us", std::nullopt, [](const MeshFigures& f) { return f.over_10us; });
   add_count("steps above 50 us", std::nullopt, [](const MeshFigures& f) { return f.over_50us; });
   add_count("steps above 100 us", 0.0, [](const MeshFigures& f) { return f.over_100us; });
+  using Cause = BranchSwitch::Cause;
+  const auto count_switches = [&](Cause cause) { return sum([&](const MeshFigures& f) { return f.error.count(cause); }); };
   const std::string errors = "force error against the limit " + over;
   const std::string windows = fmt::format(
-      "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all, {} not settled",
+      "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all: {} unconverged, {} "
+      "where the "
+      "reference has not settled, {} unexplained; {} steps not settled",
       sum([](const MeshFigures& f) { return f.error.contact_steps; }), settings.window_steps,
       sum([](const MeshFigures& f) { return f.error.branch_switches; }), sum([](const MeshFigures& f) { return f.error.switched_steps; }),
+      count_switches(Cause::unconverged), count_switches(Cause::unsettled), count_switches(Cause::unexplained),
       sum([](const MeshFigures& f) { return f.error.unsettled_steps; }));
   const auto goal = [&](double share) { return all[0].friction ? std::nullopt : std::optional<double>(share); };
   add_pair(errors, "RMS", "%", goal(0.001), point ? "23 (70 k), 2000 (1.3 M)" : "", windows,
            [](const MeshFigures& f) { return 100.0 * f.error.error.rms; });
   add_pair(errors, "p99", "%", std::nullopt, "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.p99; });
   add_pair(errors, "max", "%", goal(0.1), "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.most; });
-  const auto bad = sum([](const MeshFigures& f) {
-    return f.error.fall_throughs + f.error.false_contacts + f.error.stuck_steps + f.error.discontinuities + f.error.not_finite;
-  });
-  add({errors,
-       "fall-throughs, false contacts, stuck steps, force discontinuities",
-       "",
-       0.0,
-       false,
-       "",
-       {},
-       static_cast<double>(bad),
-       windows});
+  add_pair(errors, "RMS, every step converged", "%", std::nullopt, "", windows,
+           [](const MeshFigures& f) { return 100.0 * f.converged.error.rms; });
+  add_pair(errors, "max, every step converged", "%", std::nullopt, "", windows,
+           [](const MeshFigures& f) { return 100.0 * f.converged.error.most; });
+  const std::string faults = "fall-throughs, false contacts, stuck steps, force discontinuities";
+  const auto add_faults = [&](const std::string& metric, std::optional<double> target, auto&& count) {
+    add({errors, metric, "", target, false, "", {}, static_cast<double>(sum(count)), windows});
+  };
+  add_faults(faults, 0.0, [](const MeshFigures& f) { return f.error.faults(); });
+  add_faults(faults + ", every step converged", std::nullopt, [](const MeshFigures& f) { return f.converged.faults(); });
   return rows;
 }
 

@@ -7,8 +7,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <span>
 #include <utility>
 
+#include "bench/measure/converged_steps.h"
 #include "bench/measure/facet_locator.h"
 #include "core/force/reference/reference_method.h"
 #include "core/geometry/mesh_measures.h"
@@ -17,6 +19,7 @@ namespace hapton {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using SwitchCause = BranchSwitch::Cause;
 
 constexpr double kMoves = 1e-9;  // of the extent: a proxy that moved by more since the last step slides
 
@@ -26,11 +29,18 @@ struct Slide {
 };
 
 struct Windows {
-  std::vector<ForceSample> method, reference;  // one window after the other, all of the same length
+  std::vector<ForceSample> method, converged, reference;  // one window after the other, all of the same length
+  struct Begin {
+    std::uint64_t seed = 0;  // of the slide
+    std::size_t step = 0;    // of the slide, from which the window goes on
+    Vec3 proxy = Vec3::Zero(), device = Vec3::Zero();
+    bool slides = false;
+  };
+  std::vector<Begin> begins;
 };
 
-// Where windows begin: contact steps with a whole window before the next reset. Under friction only those in which the proxy has just
-// moved: for a stationary one it is unknown whether it sticks or has only stopped sliding.
+// Where windows begin: contact steps with a whole window before the next reset; under friction only those in which the proxy moves, so that
+// its motion counts.
 std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
                                        double least_move_m) {
   std::vector<std::size_t> possible;
@@ -45,15 +55,28 @@ std::vector<std::size_t> choose_starts(const Slide& slide, const std::vector<For
   return starts;
 }
 
-void compare_windows(ReferenceMethod& reference, const Slide& slide, const std::vector<ForceSample>& felt, const MeshRunSettings& settings,
-                     double least_move_m, Windows& windows) {
+// The reference over one window.
+std::vector<ForceSample> follow(ReferenceMethod& reference, const Windows::Begin& begin, std::span<const ForceSample> samples) {
+  reference.continue_from(begin.proxy, begin.device, begin.slides);
+  std::vector<ForceSample> felt;
+  for (const ForceSample& sample : samples) {
+    const MethodOutput expected = reference.step({.p_SD = sample.device});
+    felt.push_back({sample.device, expected.p_SP, expected.force_n, reference.last_step().settled});
+  }
+  return felt;
+}
+
+void compute_windows(ReferenceMethod& reference, ConvergedSteps& converged, const Slide& slide, const std::vector<ForceSample>& felt,
+                     const MeshRunSettings& settings, double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
-    reference.continue_from(felt[start].proxy, felt[start].device, true);
-    for (std::size_t i = start + 1; i <= start + settings.window_steps; ++i) {
-      const MethodOutput expected = reference.step({.p_SD = felt[i].device});
-      windows.method.push_back(felt[i]);
-      windows.reference.push_back({felt[i].device, expected.p_SP, expected.force_n, reference.last_step().settled});
-    }
+    const ConvergedSteps::Window finished = converged.compute(slide.trajectory, start, settings.window_steps);
+    windows.begins.push_back({slide.seed, start, felt[start].proxy, felt[start].device, finished.begins_sliding});
+    windows.converged.insert(windows.converged.end(), finished.felt.begin(), finished.felt.end());
+    const auto first = felt.begin() + static_cast<std::ptrdiff_t>(start) + 1;
+    windows.method.insert(windows.method.end(), first, first + static_cast<std::ptrdiff_t>(settings.window_steps));
+    const std::vector<ForceSample> expected =
+        follow(reference, windows.begins.back(), std::span(windows.method).last(settings.window_steps));
+    windows.reference.insert(windows.reference.end(), expected.begin(), expected.end());
   }
 }
 
@@ -62,6 +85,40 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
   settings.name = name;
   settings.probe_radius_m = probe_radius_m;
   return settings;
+}
+
+// In windows with a switch that nothing explains: the reference from 16 times as many sub-steps. Where that is another force by more than
+// kBranchShare, the first passes agreed by chance, so the step is not settled. Which steps are errors, and by how much, stays.
+void check_reference(ReferenceMethod& fine, const std::vector<BranchSwitch>& switches, std::size_t window_steps, Windows& windows) {
+  std::size_t checked = windows.begins.size();
+  for (const BranchSwitch& branch : switches) {
+    const std::size_t window = branch.first_step / window_steps;
+    if (branch.cause != SwitchCause::unexplained || window == checked) continue;
+    checked = window;
+    const std::span steps = std::span(windows.reference).subspan(window * window_steps, window_steps);
+    const std::vector<ForceSample> finer = follow(fine, windows.begins[window], steps);
+    for (std::size_t i = 0; i < window_steps; ++i) {
+      const double change = (finer[i].force_n - steps[i].force_n).norm();
+      if (change > ForceError::kBranchShare * steps[i].force_n.norm()) steps[i].settled = false;
+    }
+  }
+}
+
+Result<void> compare_windows(const MethodSettings& fine, const TouchScene& scene, const ForceErrorSettings& settings, Windows& windows,
+                             MeshFigures& figures) {
+  figures.error = compare_forces(windows.method, windows.reference, settings, windows.converged);
+  if (figures.error.count(SwitchCause::unexplained) > 0) {
+    auto reference = ReferenceMethod::make_reference(fine, scene);
+    if (!reference) return tl::unexpected(reference.error());
+    check_reference(**reference, figures.error.switches, settings.reset_every, windows);
+    figures.error = compare_forces(windows.method, windows.reference, settings, windows.converged);
+  }
+  figures.converged = compare_forces(windows.converged, windows.reference, settings, windows.converged);
+  for (const BranchSwitch& branch : figures.error.switches) {
+    const Windows::Begin& begin = windows.begins[branch.first_step / settings.reset_every];
+    figures.switches.push_back({begin.seed, begin.step + 1 + branch.first_step % settings.reset_every, branch});
+  }
+  return {};
 }
 
 std::uint64_t count_facets(const FacetLocator& locator, const Slide& slide, const std::vector<ForceSample>& felt) {
@@ -93,6 +150,8 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
   scene.objects.push_back({mesh.mesh, material});
   auto reference = ReferenceMethod::make_reference(settings_of("reference", probe_radius_m), scene);
   if (!reference) return tl::unexpected(reference.error());
+  auto converged = ConvergedSteps::make(settings_of("proxy", probe_radius_m), scene);
+  if (!converged) return tl::unexpected(converged.error());
   const TimingBudget budget{.repetitions = settings.repetitions, .seconds = std::numeric_limits<double>::infinity()};
   ForceErrorSettings error;
   error.stiffness_n_per_m = material.stiffness_n_per_m;
@@ -106,7 +165,7 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
     contact_ns.insert(contact_ns.end(), timing->contact_ns.begin(), timing->contact_ns.end());
     if (timing->free.count > 0) free_p50_ns.push_back(timing->free.p50_ns);
     figures.facets_crossed += count_facets(locator, slide, timing->felt);
-    compare_windows(**reference, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
+    compute_windows(**reference, *converged, slide, timing->felt, settings, friction ? kMoves * error.extent_m : -1.0, windows);
   }
   double sum_ns = 0.0;
   for (const double ns : contact_ns) sum_ns += ns;
@@ -116,8 +175,23 @@ Result<MeshFigures> measure_one(const MeshRunSettings& settings, const Stopwatch
   figures.over_100us = count_above(contact_ns, 100e3);
   figures.contact = spread_of_times(std::move(contact_ns));
   figures.free_p50_ns = spread_of_times(std::move(free_p50_ns)).p50_ns;
-  figures.error = compare_forces(windows.method, windows.reference, error);
+  MethodSettings fine = settings_of("reference", probe_radius_m);
+  fine.reference_substeps *= 16;
+  fine.reference_substep_limit = 4 * fine.reference_substeps;
+  if (auto compared = compare_windows(fine, scene, error, windows, figures); !compared) return tl::unexpected(compared.error());
   return figures;
+}
+
+const char* cause_text(SwitchCause cause) {
+  switch (cause) {
+    case SwitchCause::unconverged:
+      return "unconverged";
+    case SwitchCause::unsettled:
+      return "unsettled";
+    case SwitchCause::unexplained:
+      break;
+  }
+  return "unexplained";
 }
 
 std::string probe_text(double radius_m) { return radius_m > 0.0 ? fmt::format("sphere {:g} mm", 1e3 * radius_m) : "point"; }
@@ -167,6 +241,7 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
       "100us,"
       "facets_crossed,ns_per_facet,compared_steps,compared_contact_steps,unsettled_steps,error_rms,error_p50,error_p99,error_max,branch_"
       "switches,"
+      "unconverged_switches,unsettled_switches,unexplained_switches,converged_rms,converged_max,converged_switches,converged_faults,"
       "switched_steps,fall_throughs,false_contacts,stuck_steps,force_discontinuities,not_finite\n";
   for (const MeshFigures& f : figures) {
     const TimeSpread& t = f.contact;
@@ -174,11 +249,24 @@ std::string to_csv(const std::vector<MeshFigures>& figures) {
     fmt::format_to(
         std::back_inserter(text),
         "{},{},{:g},{},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{},{},{},{},{:.1f},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g},{},{},{}"
-        ",{},{},{},{}\n",
+        ",{},{:.6g},{:.6g},{},{},{},{},{},{},{},{}\n",
         f.mesh, f.triangles, f.probe_radius_m, f.friction ? 1 : 0, t.count, t.p50_ns, t.p90_ns, t.p99_ns, t.p99_9_ns, t.worst_ns,
         f.free_p50_ns, f.over_10us, f.over_50us, f.over_100us, f.facets_crossed, f.ns_per_facet, e.steps, e.contact_steps,
-        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.switched_steps, e.fall_throughs,
-        e.false_contacts, e.stuck_steps, e.discontinuities, e.not_finite);
+        e.unsettled_steps, e.error.rms, e.error.p50, e.error.p99, e.error.most, e.branch_switches, e.count(SwitchCause::unconverged),
+        e.count(SwitchCause::unsettled), e.count(SwitchCause::unexplained), f.converged.error.rms, f.converged.error.most,
+        f.converged.branch_switches, f.converged.faults(), e.switched_steps, e.fall_throughs, e.false_contacts, e.stuck_steps,
+        e.discontinuities, e.not_finite);
+  }
+  return text;
+}
+
+std::string switches_to_csv(const std::vector<MeshFigures>& figures) {
+  std::string text = "mesh,probe_radius_m,friction,seed,step,steps,error_max,cause\n";
+  for (const MeshFigures& f : figures) {
+    for (const MeshFigures::Switch& s : f.switches) {
+      fmt::format_to(std::back_inserter(text), "{},{:g},{},{},{},{},{:.6g},{}\n", f.mesh, f.probe_radius_m, f.friction ? 1 : 0, s.seed,
+                     s.step, s.branch.steps, s.branch.most, cause_text(s.branch.cause));
+    }
   }
   return text;
 }
@@ -188,6 +276,13 @@ Json to_json(const std::vector<MeshFigures>& figures) {
   for (const MeshFigures& f : figures) {
     const TimeSpread& t = f.contact;
     const ForceError& e = f.error;
+    Json switches = Json::array();
+    for (const MeshFigures::Switch& s : f.switches)
+      switches.push_back({{"seed", s.seed},
+                          {"step", s.step},
+                          {"steps", s.branch.steps},
+                          {"error_max", s.branch.most},
+                          {"cause", cause_text(s.branch.cause)}});
     all.push_back({{"mesh", f.mesh},
                    {"triangles", f.triangles},
                    {"probe_radius_m", f.probe_radius_m},
@@ -210,6 +305,15 @@ Json to_json(const std::vector<MeshFigures>& figures) {
                    {"unsettled_steps", e.unsettled_steps},
                    {"force_error", {{"rms", e.error.rms}, {"p50", e.error.p50}, {"p99", e.error.p99}, {"max", e.error.most}}},
                    {"branch_switches", e.branch_switches},
+                   {"unconverged_switches", e.count(SwitchCause::unconverged)},
+                   {"unsettled_switches", e.count(SwitchCause::unsettled)},
+                   {"unexplained_switches", e.count(SwitchCause::unexplained)},
+                   {"switches", std::move(switches)},
+                   {"converged",
+                    {{"rms", f.converged.error.rms},
+                     {"max", f.converged.error.most},
+                     {"branch_switches", f.converged.branch_switches},
+                     {"faults", f.converged.faults()}}},
                    {"switched_steps", e.switched_steps},
                    {"fall_throughs", e.fall_throughs},
                    {"false_contacts", e.false_contacts},
@@ -221,16 +325,19 @@ Json to_json(const std::vector<MeshFigures>& figures) {
 }
 
 std::string to_text(const std::vector<MeshFigures>& figures) {
-  std::string text =
-      fmt::format("{:<24} {:<14} {:<4} {:>8} {:>7} {:>8} {:>9} {:>6} {:>6} {:>6} {:>8} {:>9} {:>9} {:>9} {:>8}\n", "mesh", "probe", "mu",
-                  "contact", "p50 ns", "p99 ns", "worst ns", ">10us", ">50us", ">100us", "ns/facet", "RMS %", "p99 %", "max %", "switches");
+  std::string text = fmt::format(
+      "{:<24} {:<14} {:<4} {:>8} {:>7} {:>8} {:>9} {:>6} {:>6} {:>6} {:>8} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>9} {:>9}\n", "mesh",
+      "probe", "mu", "contact", "p50 ns", "p99 ns", "worst ns", ">10us", ">50us", ">100us", "ns/facet", "RMS %", "p99 %", "max %",
+      "switches", "unconv", "unsettl", "unexpl", "RMS cv %", "max cv %");
   for (const MeshFigures& f : figures) {
     const ForceError& e = f.error;
     fmt::format_to(std::back_inserter(text),
-                   "{:<24} {:<14} {:<4} {:>8} {:>7.0f} {:>8.0f} {:>9.0f} {:>6} {:>6} {:>6} {:>8.0f} {:>9.3g} {:>9.3g} {:>9.3g} {:>8}\n",
+                   "{:<24} {:<14} {:<4} {:>8} {:>7.0f} {:>8.0f} {:>9.0f} {:>6} {:>6} {:>6} {:>8.0f} {:>9.3g} {:>9.3g} {:>9.3g} {:>8} {:>8} "
+                   "{:>8} {:>8} {:>9.3g} {:>9.3g}\n",
                    f.mesh, probe_text(f.probe_radius_m), f.friction ? "on" : "off", f.contact.count, f.contact.p50_ns, f.contact.p99_ns,
                    f.contact.worst_ns, f.over_10us, f.over_50us, f.over_100us, f.ns_per_facet, 100.0 * e.error.rms, 100.0 * e.error.p99,
-                   100.0 * e.error.most, e.branch_switches);
+                   100.0 * e.error.most, e.branch_switches, e.count(SwitchCause::unconverged), e.count(SwitchCause::unsettled),
+                   e.count(SwitchCause::unexplained), 100.0 * f.converged.error.rms, 100.0 * f.converged.error.most);
   }
   return text;
 }

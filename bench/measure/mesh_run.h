@@ -41,14 +41,22 @@ struct MeshFigures {
   std::uint64_t facets_crossed = 0;                          // by the proxy in those steps, as FacetLocator counts
   double ns_per_facet = 0.0;                                 // all contact time over facets crossed
   double free_p50_ns = 0.0;
-  ForceError error;  // in the windows
+  ForceError error;      // in the windows
+  ForceError converged;  // there, with every step of a window converged before the next sample: no work limit
+  struct Switch {        // a branch switch of `error`
+    std::uint64_t seed = 0;
+    std::size_t step = 0;  // of the slide, where it begins
+    BranchSwitch branch;
+  };
+  std::vector<Switch> switches;
 };
 
 // Measures method `proxy` over a mesh: slides of every seed, each probe, without and with friction.
 //
 // The errors are those of windows of consecutive steps. The seed chooses where a window begins among the contact steps; the reference
 // continues there from the proxy's own state, so a branch switch before the window does not count, and one within it counts to the window's
-// end. Nothing is re-synchronised within a window. Error: a trajectory or method that cannot be made.
+// end. Nothing is re-synchronised within a window. Windows with a switch that nothing explains are computed again by a reference of 16
+// times as many sub-steps, which can only make steps unsettled. Error: a trajectory or method that cannot be made.
 Result<std::vector<MeshFigures>> measure_mesh(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
                                               const std::function<void(const std::string&)>& progress);
 
@@ -61,6 +69,8 @@ struct MedianAndWorst {
 MedianAndWorst over_meshes(const std::vector<MeshFigures>& figures, const std::function<double(const MeshFigures&)>& figure);
 
 std::string to_csv(const std::vector<MeshFigures>& figures);
+// Every branch switch, one a row, with its cause.
+std::string switches_to_csv(const std::vector<MeshFigures>& figures);
 nlohmann::ordered_json to_json(const std::vector<MeshFigures>& figures);
 std::string to_text(const std::vector<MeshFigures>& figures);
 

@@ -120,6 +120,7 @@ Result<void> measure(NumbersOptions& options) {
   if (auto written = write_file_atomically(options.out / "numbers.txt", text); !written) return written;
   if (auto written = write_file_atomically(options.out / "numbers.csv", to_csv(*report)); !written) return written;
   if (auto written = write_file_atomically(options.out / "meshes.csv", to_csv(report->meshes)); !written) return written;
+  if (auto written = write_file_atomically(options.out / "switches.csv", switches_to_csv(report->meshes)); !written) return written;
   return write_file_atomically(options.out / "numbers.json", to_json(*report));
 }
 
@@ -146,7 +147,7 @@ void add_bench_numbers_command(CommandLine bench, int& exit_code) {
             .shows_default();
     command.add_old_option("--judged-steps", compared);
     command.add_option("--seed", options->settings.seed, "Seed of meshes and trajectories").shows_default();
-    command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv and numbers.json")
+    command.add_option("--out", options->out, "Folder for numbers.txt, numbers.csv, meshes.csv, switches.csv and numbers.json")
         .folder_to_write()
         .shows_default();
   };

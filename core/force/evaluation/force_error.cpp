@@ -21,6 +21,25 @@ bool starts_segment(std::size_t i, const ForceErrorSettings& settings) {
   return i == 0 || (settings.reset_every > 0 && i % settings.reset_every == 0);
 }
 
+double share_of(const ForceSample& method, const ForceSample& reference) {
+  return (method.force_n - reference.force_n).norm() / reference.force_n.norm();
+}
+
+void add_to_switches(ForceError& error, std::size_t i, double share, bool continues, std::span<const ForceSample> reference,
+                     std::span<const ForceSample> converged) {
+  using Cause = BranchSwitch::Cause;
+  const bool arrives = i < converged.size() && share_of(converged[i], reference[i]) <= ForceError::kBranchShare;
+  if (!continues) {
+    error.switches.push_back({.first_step = i, .cause = Cause::unconverged});
+    ++error.branch_switches;
+  }
+  BranchSwitch& last = error.switches.back();
+  if (!arrives) last.cause = reference[last.first_step].settled ? Cause::unexplained : Cause::unsettled;
+  ++last.steps;
+  last.most = std::max(last.most, share);
+  ++error.switched_steps;
+}
+
 double jump(std::span<const ForceSample> steps, std::size_t i) { return (steps[i].force_n - steps[i - 1].force_n).norm(); }
 
 }  // namespace
@@ -43,7 +62,12 @@ ErrorSpread spread_of(std::vector<double> values) {
   return spread;
 }
 
-ForceError compare_forces(std::span<const ForceSample> method, std::span<const ForceSample> reference, const ForceErrorSettings& settings) {
+std::size_t ForceError::count(BranchSwitch::Cause cause) const {
+  return static_cast<std::size_t>(std::count_if(switches.begin(), switches.end(), [&](const BranchSwitch& s) { return s.cause == cause; }));
+}
+
+ForceError compare_forces(std::span<const ForceSample> method, std::span<const ForceSample> reference, const ForceErrorSettings& settings,
+                          std::span<const ForceSample> converged) {
   ForceError error;
   error.steps = std::min(method.size(), reference.size());
   const double k = settings.stiffness_n_per_m;
@@ -64,17 +88,16 @@ ForceError compare_forces(std::span<const ForceSample> method, std::span<const F
     if (expected > 0.0) {
       ++error.contact_steps;
       error.unsettled_steps += reference[i].settled ? 0 : 1;
-      const double share = (method[i].force_n - reference[i].force_n).norm() / expected;
+      const double share = share_of(method[i], reference[i]);
       shares.push_back(share);
       if (actual > 0.0) directions.push_back(angle_between(method[i].force_n, reference[i].force_n));
       is_switched = share > ForceError::kBranchShare;
+      if (is_switched) add_to_switches(error, i, share, in_switch, reference, converged);
       if (share > worst) {
         worst = share;
         error.worst_step = i;
       }
     }
-    error.switched_steps += is_switched ? 1 : 0;
-    error.branch_switches += is_switched && !in_switch ? 1 : 0;
     in_switch = is_switched;
     const double depth = (reference[i].proxy - reference[i].device).norm();
     const double extension = (method[i].proxy - method[i].device).norm();

@@ -29,6 +29,20 @@ struct ErrorSpread {
   double rms = 0.0, p50 = 0.0, p99 = 0.0, most = 0.0;
 };
 
+// An episode of consecutive contact steps in which the method's force differs from the reference's by more than
+// ForceError::kBranchShare. The cause is the first that applies.
+struct BranchSwitch {
+  enum class Cause {
+    unconverged,  // it vanishes where every step is converged: the proxy has not arrived yet
+    unsettled,    // the reference has not settled in its first step, so the limit is not known there
+    unexplained,  // method and reference are in different local minima
+  };
+  std::size_t first_step = 0;
+  std::size_t steps = 0;
+  double most = 0.0;  // largest relative error, share
+  Cause cause = Cause::unexplained;
+};
+
 // The error of a method against the reference.
 //
 // Relative error |F - F_ref| / |F_ref|, and the angle between the two, over every step in which the reference is in contact, without
@@ -47,6 +61,7 @@ struct ForceError {
   ErrorSpread direction_rad;
   std::size_t branch_switches = 0;     // episodes
   std::size_t switched_steps = 0;      // in all episodes
+  std::vector<BranchSwitch> switches;  // the episodes in order
   std::size_t fall_throughs = 0;       // the method is free while the reference is deeper than 0.25 % of the extent
   std::size_t false_contacts = 0;      // the method is deeper than 0.25 % of the extent while the reference is free
   std::size_t stuck_steps = 0;         // the method's proxy is more than 10 % of the extent farther from the device than the reference's
@@ -54,10 +69,17 @@ struct ForceError {
   double worst_discontinuity_n = 0.0;  // largest excess over that bound
   std::size_t not_finite = 0;
   std::size_t worst_step = 0;  // step with the largest relative error
+
+  std::size_t count(BranchSwitch::Cause cause) const;
+  // Steps with a fall-through, false contact, stuck proxy, force discontinuity or a force that is not finite.
+  std::size_t faults() const { return fall_throughs + false_contacts + stuck_steps + discontinuities + not_finite; }
 };
 
-// Compares a method with the reference step by step on the same trajectory. Pre: equal lengths. RT: set-up only.
-ForceError compare_forces(std::span<const ForceSample> method, std::span<const ForceSample> reference, const ForceErrorSettings& settings);
+// Compares a method with the reference step by step on the same trajectory. `converged`: the same method where every step is converged
+// before the next sample; empty: not known, and no switch is called unconverged. Only BranchSwitch::cause depends on it: a switch is
+// unconverged if the converged force is within kBranchShare of the reference in all its steps. Pre: equal lengths. RT: set-up only.
+ForceError compare_forces(std::span<const ForceSample> method, std::span<const ForceSample> reference, const ForceErrorSettings& settings,
+                          std::span<const ForceSample> converged = {});
 
 // RMS and quantiles (nearest rank) of a set of values.
 ErrorSpread spread_of(std::vector<double> values);

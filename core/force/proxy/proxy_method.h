@@ -82,6 +82,8 @@ class ProxyMethod final : public ForceMethod {
     Vec3 weights = Vec3::Zero();
   };
   std::optional<HeldPlace> find_held_place() const noexcept;
+  // In contact under friction: the dynamic coefficient applies, though the proxy may have stopped for now. RT: yes.
+  bool is_sliding() const noexcept { return proxy_.slides; }
   // Made of one object that deforms.
   TouchGeometry& deforming_geometry() { return geometry_; }
 

@@ -45,6 +45,25 @@ TEST(MeshRows, FrictionHasNoErrorGoalButNoStepMayTakeLong) {
   EXPECT_EQ(find(rows, "steps above 100 us").target, 0.0);
 }
 
+TEST(MeshRows, StateTheCausesOfSwitchesAndWhatConvergedStepsDo) {
+  std::vector<MeshFigures> all = three_meshes();
+  using Cause = BranchSwitch::Cause;
+  all[0].error.switches = {{.cause = Cause::unconverged}, {.cause = Cause::unconverged}, {.cause = Cause::unexplained}};
+  all[2].error.switches = {{.cause = Cause::unconverged}, {.cause = Cause::unsettled}};
+  all[0].error.branch_switches = 3;
+  all[2].error.branch_switches = 2;
+  all[1].error.stuck_steps = 4;
+  all[1].converged.discontinuities = 1;
+  all[1].converged.error.most = 0.005;
+  const std::vector<NumberRow> rows = rows_over_meshes(all, {});
+  const std::string note = find(rows, "max, worst mesh").note;
+  EXPECT_NE(note.find("5 branch switches"), std::string::npos) << note;
+  EXPECT_NE(note.find("3 unconverged, 1 where the reference has not settled, 1 unexplained"), std::string::npos) << note;
+  EXPECT_EQ(find(rows, "max, every step converged, worst mesh").ours, 0.5);
+  EXPECT_EQ(find(rows, "fall-throughs, false contacts, stuck steps, force discontinuities").ours, 4.0);
+  EXPECT_EQ(find(rows, "fall-throughs, false contacts, stuck steps, force discontinuities, every step converged").ours, 1.0);
+}
+
 TEST(MeshRows, OneMeshHasItsOwn) {
   MeshFigures one;
   one.mesh = "rough";

@@ -33,6 +33,8 @@ TEST(MeshRun, MeasuresEachProbeWithAndWithoutFriction) {
     EXPECT_EQ(f.error.steps, 2u * 2u * 30u);
     EXPECT_GT(f.error.contact_steps, 100u);
     EXPECT_EQ(f.error.fall_throughs, 0u);
+    EXPECT_EQ(f.converged.steps, f.error.steps);
+    EXPECT_EQ(f.switches.size(), f.error.branch_switches);
     if (!f.friction) {
       EXPECT_LT(f.error.error.p50, 1e-6) << f.probe_radius_m;
     }
@@ -75,6 +77,26 @@ TEST(MeshRun, TextCsvAndJsonNameEveryMesh) {
     EXPECT_EQ(std::count(line.begin(), line.end(), ','), std::count(header.begin(), header.end(), ',')) << line;
   EXPECT_EQ(to_json(figures).size(), 2u);
   EXPECT_NE(to_text(figures).find("two"), std::string::npos);
+}
+
+TEST(MeshRun, EverySwitchIsARowWithItsCause) {
+  std::vector<MeshFigures> figures(2);
+  figures[1].mesh = "two";
+  figures[1].probe_radius_m = 0.0005;
+  figures[1].friction = true;
+  figures[1].converged.error.most = 0.25;
+  figures[1].converged.stuck_steps = 7;
+  figures[1].switches = {{3, 120, {4, 2, 0.5, BranchSwitch::Cause::unconverged}}, {4, 30, {50, 1, 0.02, BranchSwitch::Cause::unexplained}}};
+  EXPECT_EQ(switches_to_csv(figures),
+            "mesh,probe_radius_m,friction,seed,step,steps,error_max,cause\n"
+            "two,0.0005,1,3,120,2,0.5,unconverged\n"
+            "two,0.0005,1,4,30,1,0.02,unexplained\n");
+  const nlohmann::ordered_json json = to_json(figures);
+  EXPECT_EQ(json[0]["switches"].size(), 0u);
+  EXPECT_EQ(json[1]["switches"][0]["cause"], "unconverged");
+  EXPECT_EQ(json[1]["switches"][1]["step"], 30);
+  EXPECT_EQ(json[1]["converged"]["max"], 0.25);
+  EXPECT_EQ(json[1]["converged"]["faults"], 7);
 }
 
 }  // namespace

@@ -82,6 +82,54 @@ TEST(ForceError, UnsettledStepsCountAndAreCounted) {
   EXPECT_NEAR(error.error.most, 1.0, 1e-12);
 }
 
+TEST(ForceError, EveryBranchSwitchHasACause) {
+  auto reference = slide(100);
+  reference[30].settled = false;
+  reference[51].settled = false;  // not where the episode begins
+  auto method = reference;
+  const auto aside = [](std::vector<ForceSample>& steps, std::size_t first, std::size_t end) {
+    for (std::size_t i = first; i < end; ++i) put_proxy(steps[i], steps[i].proxy + Vec3(0.0, 1e-3, 0.0));
+  };
+  aside(method, 10, 13);
+  aside(method, 30, 32);
+  aside(method, 50, 55);
+  aside(method, 70, 74);
+  auto converged = method;
+  put_proxy(converged[10], reference[10].proxy);
+  put_proxy(converged[11], reference[11].proxy + Vec3(0.0, 9e-6, 0.0));  // 0.9 %: no switch
+  put_proxy(converged[12], reference[12].proxy);
+  put_proxy(converged[70], reference[70].proxy);  // its other three steps do not vanish
+  const ForceError error = compare_forces(method, reference, {}, converged);
+  ASSERT_EQ(error.switches.size(), 4u);
+  using Cause = BranchSwitch::Cause;
+  const Cause causes[] = {Cause::unconverged, Cause::unsettled, Cause::unexplained, Cause::unexplained};
+  const std::size_t first[] = {10, 30, 50, 70}, steps[] = {3, 2, 5, 4};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(error.switches[i].cause, causes[i]) << i;
+    EXPECT_EQ(error.switches[i].first_step, first[i]);
+    EXPECT_EQ(error.switches[i].steps, steps[i]);
+    EXPECT_NEAR(error.switches[i].most, 1.0, 1e-12);
+  }
+  EXPECT_EQ(error.count(Cause::unexplained), 2u);
+  EXPECT_EQ(error.branch_switches, 4u);
+  // It does not change what counts as an error.
+  const ForceError alone = compare_forces(method, reference, {});
+  EXPECT_EQ(alone.error.rms, error.error.rms);
+  EXPECT_EQ(alone.switched_steps, error.switched_steps);
+  EXPECT_EQ(alone.count(Cause::unconverged), 0u);
+  EXPECT_EQ(alone.count(Cause::unsettled), 1u);
+}
+
+TEST(ForceError, AllKindsOfFaultAreCounted) {
+  ForceError error;
+  error.fall_throughs = 1;
+  error.false_contacts = 10;
+  error.stuck_steps = 100;
+  error.discontinuities = 1000;
+  error.not_finite = 10000;
+  EXPECT_EQ(error.faults(), 11111u);
+}
+
 TEST(ForceError, FallThroughsAndFalseContacts) {
   const auto pressed = slide(50);
   auto free = pressed;
