@@ -27,10 +27,10 @@ bool ForceChain::is_later(const Packet& a, const Packet& b) noexcept {
 void ForceChain::sample(const Vec3& p_WD, std::int64_t now_ns) {
   ++counters_.samples;
   const double step_m = options_.encoder_step_m;
-  read_m_ = step_m > 0.0 ? Vec3((p_WD / step_m).array().round() * step_m) : p_WD;
-  if (options_.stage != nullptr) options_.stage->observe(read_m_, now_ns);
-  if (governor_) governor_->observe({.time_ns = now_ns, .p_WD = read_m_}, DeviceStatus::ready);
-  send({.sample_ns = now_ns, .value = read_m_}, there_, now_ns);
+  const Vec3 read_m = step_m > 0.0 ? Vec3((p_WD / step_m).array().round() * step_m) : p_WD;
+  if (options_.stage != nullptr) options_.stage->observe(read_m, now_ns);
+  if (governor_) governor_->observe({.time_ns = now_ns, .p_WD = read_m}, DeviceStatus::ready);
+  send({.sample_ns = now_ns, .value = read_m}, there_, now_ns);
   receive(now_ns);
   run_gate(std::nullopt, now_ns);
 }

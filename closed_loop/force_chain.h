@@ -62,8 +62,6 @@ class ForceChain {
 
   // On the motors now.
   const Vec3& force_n() const noexcept { return force_n_; }
-  // As it was read last.
-  const Vec3& read_m() const noexcept { return read_m_; }
   const Counters& counters() const noexcept { return counters_; }
   const SafetyGovernor* governor() const noexcept { return governor_ ? &*governor_ : nullptr; }
 
@@ -91,7 +89,6 @@ class ForceChain {
   std::vector<Packet> packets_;  // on their way: a heap, the next one first
   Vec3 force_n_ = Vec3::Zero();
   Vec3 newest_n_ = Vec3::Zero();  // accepted last
-  Vec3 read_m_ = Vec3::Zero();
   std::int64_t seen_ns_ = -1;     // newest sample that the law saw
   std::int64_t replied_ns_ = -1;  // newest sample whose force came back
   Counters counters_;

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "core/base/button_bit.h"
 #include "core/force/stiffest.h"
@@ -93,6 +96,84 @@ Error explain_no_hub(JoinState state, const Address& hub, double seconds) {
                       to_string(hub), seconds)};
 }
 
+// What the node starts with: the scene as its file has it, and as it was left with `annotations`.
+struct StartScene {
+  std::filesystem::path path;
+  Scene loaded;
+  std::vector<PutDown> put_down;
+  std::vector<CarvedPress> carved;
+  Scene placed;
+};
+
+// Loads the scene's own plug-ins as well.
+Result<StartScene> load_start_scene(const HapticsOptions& options, PluginEffects& effects) {
+  StartScene start;
+  start.path = find_scene(options.scene);
+  auto loaded = load_scene(start.path, options.loading);
+  if (!loaded) return tl::unexpected(loaded.error());
+  const auto named = choose_scene_plugins(*loaded, start.path, options.allow_plugins);
+  if (!named) return tl::unexpected(named.error());
+  if (const auto added = load_effects(*named, effects); !added) return tl::unexpected(added.error());
+  auto put_down = read_put_down(options.annotations, *loaded);
+  if (!put_down) return tl::unexpected(put_down.error());
+  auto carved = read_carved(options.annotations, *loaded);
+  if (!carved) return tl::unexpected(carved.error());
+  start.placed = place_objects(*loaded, *put_down);
+  const bool has_tool = !options.tool.file.empty() || start.placed.tool;
+  if (const auto checked = check_combination(start.path, start.placed, has_tool); !checked) return tl::unexpected(checked.error());
+  for (const auto& note : start.placed.notes) log_info("{}", note);
+  for (const auto& warning : find_inside_out(start.placed)) log_warning("{}", warning);
+  start.loaded = std::move(*loaded);
+  start.put_down = std::move(*put_down);
+  start.carved = std::move(*carved);
+  return start;
+}
+
+// Lets the stylus pick up the movable objects, if there are any and it holds no tool. Error: an option excludes it.
+Result<void> set_up_grasp(const HapticsOptions& options, const StartScene& start, bool has_tool, GraspLink& link, HapticsStep& step,
+                          std::optional<Grasp>& grasp) {
+  const auto movable = list_movable(start.placed);
+  if (std::find(movable.begin(), movable.end(), true) == movable.end()) return {};
+  if (has_tool) {
+    log_warning("the stylus holds a tool: the movable objects of the scene cannot be picked up");
+    return {};
+  }
+  if (options.watch_scene) {
+    return fail("--watch-scene does not support movable objects; leave out --watch-scene, or 'movable = true' in the scene file");
+  }
+  step.set_grasp(&grasp.emplace(link, movable, button_bit(options.grasp_button)));
+  for (const PutDown& each : start.put_down) grasp->place(each.object, each.pose());
+  log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
+  if (make_tool_obstacles(start.placed.touch_scene()).leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
+  return {};
+}
+
+// Of a scene whose objects can be carved.
+struct CarveParts {
+  std::optional<CarveSender> sender;
+  std::optional<CarveUndoTask> undo;
+};
+
+// Makes the saved carves again, before the first reply. source: as in Carves.
+void restore_carves(const HapticsOptions& options, const std::vector<CarvedPress>& carved, std::uint32_t source, HapticsStep& step,
+                    CarveParts& parts) {
+  const Sculpture* whole = step.touch().method().sculpture();
+  if (whole == nullptr) return;
+  const Sculpture before = *whole;
+  const std::vector<MadeCarve> made = carve_as_saved(carved, step);
+  if (!made.empty()) log_info("{} carves of {} are made again", made.size(), options.annotations.string());
+  parts.sender.emplace(source);
+  for (const MadeCarve& each : made) parts.sender->note(each);
+  parts.undo.emplace(before, made);
+}
+
+void print_shapes(const ObjectShaper& shaper) {
+  if (!shaper.has_objects()) return;
+  const ObjectShaper::Counts& counts = shaper.counts();
+  fmt::print("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,
+             counts.incomplete, counts.rejected);
+}
+
 int run(const HapticsOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
@@ -102,22 +183,9 @@ int run(const HapticsOptions& options) {
   SteadyClock clock;
   PluginEffects effects(clock, options.plugin_budget_ns());
   if (const auto loaded = load_effects(options.effects, effects); !loaded) return give_up(loaded.error());
-  const auto scene_path = find_scene(options.scene);
-  const auto loaded = load_scene(scene_path, options.loading);
-  if (!loaded) return give_up(loaded.error());
-  const auto named = choose_scene_plugins(*loaded, scene_path, options.allow_plugins);
-  if (!named) return give_up(named.error());
-  if (const auto added = load_effects(*named, effects); !added) return give_up(added.error());
-  const auto put_down = read_put_down(options.annotations, *loaded);
-  if (!put_down) return give_up(put_down.error());
-  const auto carved = read_carved(options.annotations, *loaded);
-  if (!carved) return give_up(carved.error());
-  const Scene placed = place_objects(*loaded, *put_down);
-  const Scene* const scene = &placed;
-  const bool has_tool = !options.tool.file.empty() || scene->tool;
-  if (const auto checked = check_combination(scene_path, *scene, has_tool); !checked) return give_up(checked.error());
-  for (const auto& note : scene->notes) log_info("{}", note);
-  for (const auto& warning : find_inside_out(*scene)) log_warning("{}", warning);
+  const auto start = load_start_scene(options, effects);
+  if (!start) return give_up(start.error());
+  const Scene* const scene = &start->placed;
   const SceneFacts facts = make_scene_facts(*scene);
   const MakeMethod make = [&](MethodSettings& settings, const TouchScene& touched) { return make_any(options, settings, touched, clock); };
   MethodSettings settings = options.method;
@@ -140,7 +208,7 @@ int run(const HapticsOptions& options) {
   HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
   if (!effects.empty()) step.use_effects(&effects);
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method(), make);
-  HapticsSetup setup = make_haptics_setup(scene_path, options.loading, hash_scene(scene->touch_scene()), settings);
+  HapticsSetup setup = make_haptics_setup(start->path, options.loading, hash_scene(scene->touch_scene()), settings);
   std::optional<ToolTask> tool_task;
   if (*tool != nullptr) {
     step.hold(tool->get(), make_tool_obstacles(scene->touch_scene()).parts);
@@ -150,18 +218,7 @@ int run(const HapticsOptions& options) {
   // Before the loop, which reads it.
   GraspLink grasp_link;
   std::optional<Grasp> grasp;
-  if (const auto movable = list_movable(*scene); std::find(movable.begin(), movable.end(), true) != movable.end()) {
-    if (*tool != nullptr) {
-      log_warning("the stylus holds a tool: the movable objects of the scene cannot be picked up");
-    } else if (options.watch_scene) {
-      return give_up({"--watch-scene does not support movable objects; leave out --watch-scene, or 'movable = true' in the scene file"});
-    } else {
-      step.set_grasp(&grasp.emplace(grasp_link, movable, button_bit(options.grasp_button)));
-      for (const PutDown& each : *put_down) grasp->place(each.object, each.pose());
-      log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
-      if (make_tool_obstacles(scene->touch_scene()).leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
-    }
-  }
+  if (const auto set = set_up_grasp(options, *start, *tool != nullptr, grasp_link, step, grasp); !set) return give_up(set.error());
   const TouchScene felt_first = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
   PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
                       effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
@@ -190,18 +247,13 @@ int run(const HapticsOptions& options) {
     shaper.start();
     log_info("programs may deform {} of the objects", shaper.count());
   }
-  std::optional<CarveSender> carves;
-  std::optional<CarveUndoTask> carve_undo;
-  if (const Sculpture* whole = step.touch().method().sculpture(); whole != nullptr) {
-    const Sculpture before = *whole;
-    const std::vector<MadeCarve> made = carve_as_saved(*carved, step);
-    if (!made.empty()) log_info("{} carves of {} are made again", made.size(), options.annotations.string());
-    carves.emplace(source);
-    for (const MadeCarve& each : made) carves->note(each);
-    loop.set_carve_sender(&*carves);
-    loop.set_carve_undo(&carve_undo.emplace(before, made));
+  CarveParts carves;
+  restore_carves(options, start->carved, source, step, carves);
+  if (carves.sender) {
+    loop.set_carve_sender(&*carves.sender);
+    loop.set_carve_undo(&*carves.undo);
   }
-  SceneWatcher watcher({.path = scene_path,
+  SceneWatcher watcher({.path = start->path,
                         .loading = options.loading,
                         .coupling_n_per_m = options.method.coupling_n_per_m,
                         .on_scene = [&](const TouchScene& now) { felt.follow(now); }},
@@ -215,7 +267,7 @@ int run(const HapticsOptions& options) {
                                           .threads = options.tool_threads,
                                           .shading_crease_rad = options.shading_crease_rad(),
                                           .on_scene = on_scene},
-                       *loaded, *put_down, grasp_link, tuner, builder, clock);
+                       start->loaded, start->put_down, grasp_link, tuner, builder, clock);
     grasp_task->start();
   }
   const auto realtime = enter_realtime(options.realtime);
@@ -231,11 +283,7 @@ int run(const HapticsOptions& options) {
   client.leave();  // the reports take longer than the hub waits for a force
   fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
   fmt::print("{}", describe_spins(loop.wait()));
-  if (shaper.has_objects()) {
-    const ObjectShaper::Counts& counts = shaper.counts();
-    fmt::print("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,
-               counts.incomplete, counts.rejected);
-  }
+  print_shapes(shaper);
   fmt::print("{}", effects.describe());
   if (tool_task) {
     tool_task->stop();

@@ -17,11 +17,6 @@ bool is_loopback(const Address& address) noexcept {
   return is_v4(address) ? address.ip[kV4At] == 127 : address.ip == kV6;
 }
 
-bool is_wildcard(const Address& address) noexcept {
-  const auto begin = address.ip.begin() + (is_v4(address) ? kV4At : 0);
-  return std::all_of(begin, address.ip.end(), [](std::uint8_t byte) { return byte == 0; });
-}
-
 std::string_view any_address_like(const Address& peer) noexcept { return is_v4(peer) ? "0.0.0.0:0" : "[::]:0"; }
 
 }  // namespace hapton

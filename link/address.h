@@ -19,11 +19,9 @@ struct Address {
   friend bool operator==(const Address&, const Address&) = default;
 };
 
-// RT: the three of them yes.
+// RT: both yes.
 bool is_v4(const Address& address) noexcept;
 bool is_loopback(const Address& address) noexcept;
-// 0.0.0.0 or ::
-bool is_wildcard(const Address& address) noexcept;
 
 // The address to bind a socket for `peer`: any address of its family, any port. RT: yes.
 std::string_view any_address_like(const Address& peer) noexcept;

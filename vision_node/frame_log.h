@@ -26,8 +26,6 @@ class FrameLog {
   double recent_rate_hz() const { return recent_hz_; }
   const LatencyHistogram& draw_time() const { return draw_time_; }
   const LatencyHistogram& motion_to_photon() const { return motion_to_photon_; }
-  // Of the first frame, which builds shaders. 0 until then.
-  double first_draw_ms() const { return first_draw_ms_; }
   // "motion to photon p50 8.1 ms p99 12.0 ms (0.3, 0.4 frames)"; empty while nothing has moved.
   std::string describe_motion() const;
 
@@ -45,7 +43,7 @@ class FrameLog {
   double recent_hz_ = 0.0;
   LatencyHistogram draw_time_;
   LatencyHistogram motion_to_photon_;
-  double first_draw_ms_ = 0.0;
+  double first_draw_ms_ = 0.0;  // of the first frame, which builds shaders
 };
 
 }  // namespace hapton

@@ -43,7 +43,6 @@ TEST(ForceChain, WithoutALinkTheForceIsThatOfTheSample) {
   ForceChain chain(law, {});
   chain.sample(along_x(3.0), kMillisecond);
   EXPECT_EQ(chain.force_n(), along_x(3.0));
-  EXPECT_EQ(chain.read_m(), along_x(3.0));
   chain.sample(along_x(4.0), 3 * kMillisecond);
   EXPECT_EQ(chain.force_n(), along_x(4.0));
   EXPECT_EQ(law.resets, std::vector{3.0}) << "once, where the device is first";
@@ -64,7 +63,6 @@ TEST(ForceChain, TheEncoderReadsWholeSteps) {
   std::int64_t now_ns = 0;
   for (const auto& [at, read] : cases) {
     chain.sample(along_x(at), now_ns += kMillisecond);
-    EXPECT_EQ(chain.read_m().x(), read) << at;
     EXPECT_EQ(law.seen.back(), read) << at;
   }
 }

@@ -90,7 +90,9 @@ TEST(HaplyMessages, TheVersionIsReadWithAndWithoutAnEnvelope) {
 TEST(HaplyMessages, OtherVersionsAreNamedWithWhatToDo) {
   EXPECT_EQ(why_unknown({3, 5}), "");
   EXPECT_EQ(why_unknown({3, 12}), "");
-  for (const Version old : {Version{2, 9}, Version{3, 0}, Version{3, 4}}) EXPECT_THAT(why_unknown(old), testing::HasSubstr("update the service"));
+  for (const Version old : {Version{2, 9}, Version{3, 0}, Version{3, 4}}) {
+    EXPECT_THAT(why_unknown(old), testing::HasSubstr("update the service"));
+  }
   EXPECT_THAT(why_unknown({4, 0}), testing::HasSubstr("a newer Hapton"));
 }
 
@@ -131,7 +133,8 @@ TEST(HaplyMessages, ATransformThatIsSaidInPartKeepsTheRest) {
 TEST(HaplyMessages, MountAndTransformAreReadFromAnInventory) {
   const auto state = read_state(R"({"inverse3":[{"device_id":"a",
     "config":{"mount":{"position":{"x":1,"y":2,"z":3},"rotation":{"w":1,"x":0,"y":0,"z":0},"scale":{"x":1,"y":1,"z":2}}},
-    "state":{"cursor_position":{"x":0,"y":0,"z":0},"transform":{"position":{"x":"1","y":0,"z":0},"rotation":{"w":9,"x":0,"y":0,"z":0}}}}]})");
+    "state":{"cursor_position":{"x":0,"y":0,"z":0},
+             "transform":{"position":{"x":"1","y":0,"z":0},"rotation":{"w":9,"x":0,"y":0,"z":0}}}}]})");
   ASSERT_TRUE(state && state->arms.size() == 1);
   const Arm& arm = state->arms[0];
   ASSERT_TRUE(arm.mount.position_m && arm.mount.rotation && arm.mount.scale);

@@ -27,6 +27,15 @@ struct PatchLinks : Servos {
     join(kHaptics, NodeRole::haptics);
     run(100);
   }
+  // With the hand 2 mm above the haptics node's floor, and no contact.
+  void start_above_floor(TouchChoice choice) {
+    device.place = Vec3(0.001, 0.002, 0.002);
+    floor_z_m = 0.0;
+    force_reply.force_n = Vec3::Zero();
+    force_reply.contact = false;
+    start(choice);
+    servo->device_loop().set_local_touch(&local);
+  }
   // The builder has seen to all that it was told up to now, such as that a node joined: it takes everything in order, and counts a part of
   // no epoch, which changes nothing, as rejected.
   bool builder_has_caught_up() {
@@ -185,12 +194,7 @@ std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
 // The hand presses 2 mm into the haptics node's floor while patches are wanted: its force goes on until one is there, and again when they
 // start again.
 TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
-  device.place = Vec3(0.001, 0.002, 0.002);
-  floor_z_m = 0.0;
-  force_reply.force_n = Vec3::Zero();
-  force_reply.contact = false;
-  start(TouchChoice::patch);
-  servo->device_loop().set_local_touch(&local);
+  start_above_floor(TouchChoice::patch);
   ASSERT_TRUE(builder_has_caught_up());
   local.set_generation(7);
   run(300);
@@ -226,13 +230,8 @@ TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
 
 // While the force was remote, the haptics node may have got another scene or method.
 TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
-  device.place = Vec3(0.001, 0.002, 0.002);
-  floor_z_m = 0.0;
-  force_reply.force_n = Vec3::Zero();
-  force_reply.contact = false;
   reply_delay_ns = 12 * kMs;
-  start(TouchChoice::automatic);
-  servo->device_loop().set_local_touch(&local);
+  start_above_floor(TouchChoice::automatic);
   run(1000);
   ASSERT_TRUE(link->is_wanted());
   ASSERT_TRUE(builder_has_caught_up());
@@ -259,12 +258,7 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
 // The hand stays 2 mm below the floor, which only the hub knows. What it has of the node before is not felt, nor a first patch of the new
 // one as if the hand were free: contact would be lost for good.
 TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
-  device.place = Vec3(0.001, 0.002, 0.002);
-  floor_z_m = 0.0;
-  force_reply.force_n = Vec3::Zero();
-  force_reply.contact = false;
-  start(TouchChoice::patch);
-  servo->device_loop().set_local_touch(&local);
+  start_above_floor(TouchChoice::patch);
   ASSERT_TRUE(builder_has_caught_up());
   local.set_generation(7);
   local.offer(floor_patch(7));

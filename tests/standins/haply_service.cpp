@@ -116,9 +116,9 @@ std::string HaplyService::state(bool with_config) const {
     if (is_scaled) placed = R"(,"transform":{"scale":{"x":2,"y":2,"z":2}})";
     if (!with_config && !is_scaled && was_scaled_.exchange(false)) placed = R"(,"transform":{"scale":{"x":1,"y":1,"z":1}})";
     if (is_scaled) was_scaled_ = true;
-    arms = fmt::format(
-        R"({{"device_id":"049D",{}"state":{{"cursor_position":{{"x":{},"y":{},"z":{}}},"cursor_velocity":{{"x":0,"y":0,"z":0}}{}}},"status":{{"calibrated":{}}}}})",
-        config, position_m[0].load(), position_m[1].load(), position_m[2].load(), placed, is_calibrated ? "true" : "false");
+    arms = fmt::format(R"({{"device_id":"049D",{}"state":{{"cursor_position":{{"x":{},"y":{},"z":{}}},)"
+                       R"("cursor_velocity":{{"x":0,"y":0,"z":0}}{}}},"status":{{"calibrated":{}}}}})",
+                       config, position_m[0].load(), position_m[1].load(), position_m[2].load(), placed, is_calibrated ? "true" : "false");
   }
   std::string grips;
   if (has_grip) {

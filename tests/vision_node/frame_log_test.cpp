@@ -36,7 +36,6 @@ TEST(FrameLog, SaysHowOldTheProbeIsInMillisecondsAndFramesAndHowLongTheFirstFram
     log.drew(80 * kMs + i * 20 * kMs, 90 * kMs + i * 20 * kMs);
     log.moved(i < 195 ? 10 * kMs : 26 * kMs);
   }
-  EXPECT_EQ(log.first_draw_ms(), 80.0);
   double p50_ms = 0.0, p99_ms = 0.0, p50_frames = 0.0, p99_frames = 0.0;
   ASSERT_EQ(std::sscanf(log.describe_motion().c_str(), "motion to photon p50 %lf ms p99 %lf ms (%lf, %lf frames)", &p50_ms, &p99_ms,
                         &p50_frames, &p99_frames),

@@ -69,9 +69,9 @@ inline std::string indices_of(const TriangleMesh& mesh) {
 }
 
 inline std::string accessors_of(const TriangleMesh& mesh) {
-  return fmt::format(
-      R"({{"bufferView":0,"componentType":5126,"count":{},"type":"VEC3"}},{{"bufferView":1,"componentType":5123,"count":{},"type":"SCALAR"}})",
-      mesh.vertices.size(), 3 * mesh.triangles.size());
+  return fmt::format(R"({{"bufferView":0,"componentType":5126,"count":{},"type":"VEC3"}},)"
+                     R"({{"bufferView":1,"componentType":5123,"count":{},"type":"SCALAR"}})",
+                     mesh.vertices.size(), 3 * mesh.triangles.size());
 }
 
 inline std::string meshopt_vertices(const std::string& bytes, std::size_t count, std::size_t stride) {
