@@ -6,6 +6,8 @@
 
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
+#include "core/force/sphere/descent_path.h"
+#include "core/force/sphere/minimum_legs.h"
 #include "core/math/straight_motion.h"
 
 namespace hapton {
