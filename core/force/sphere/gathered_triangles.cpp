@@ -1,7 +1,5 @@
 #include "core/force/sphere/gathered_triangles.h"
 
-#include <algorithm>
-
 namespace hapton {
 
 bool GatheredTriangles::is_clear(const Vec3& c, double short_by, int& work) noexcept {
@@ -35,8 +33,7 @@ bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) 
 // tenths, and at the tip of a fan all. Then a wider ball gathers fewer on the way.
 bool GatheredTriangles::are_slivers(double radius) const noexcept { return near_.share_within(clearance_.offset + 0.5 * radius) > 0.625; }
 
-// The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles. False: within the least radius
-// there are too many. Then it is not tried again before the centre has gone some way.
+// The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
   constexpr double kSamePlace = 0.25;
   if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;

@@ -35,6 +35,8 @@ class LargeFan {
     convex,  // it has rolled from face to face
     hollow,  // it has gone at once to where the device holds it
   };
+  // Whether the scene may have one: without, cross() has nothing to do.
+  bool exists() const { return !planes_.empty(); }
   // Follows the device, from `time`. The centre is then valid for the device at `time`, whatever is returned.
   Crossing cross(SphereOnFan on, const Vec3& from, const Vec3& to, double& time) noexcept;
   // The set of triangles has changed.

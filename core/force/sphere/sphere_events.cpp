@@ -1,4 +1,4 @@
-// The first event on a piece of a sphere's path, and the contacts after it.
+// The contacts after an event on a piece of path.
 #include <algorithm>
 #include <cmath>
 #include <limits>

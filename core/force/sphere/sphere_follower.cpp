@@ -6,6 +6,8 @@
 
 #include "core/collision/swept_sphere.h"
 #include "core/force/contact_qp.h"
+#include "core/force/sphere/descent_path.h"
+#include "core/force/sphere/minimum_legs.h"
 #include "core/math/straight_motion.h"
 
 namespace hapton {
@@ -169,6 +171,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
+  const bool has_fans = !is_point_ && fan_.exists();
   Next next = Next::again;
   while (next == Next::again && work_ <= most_work_) {
     ++events_;
@@ -181,9 +184,9 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
              : friction_.drags ? drag(from, to, time)
                                : stay_with_friction(from, to, time);
     } else {
-      next = cross_fan(from, to, time) && !is_descending_ && time >= 1.0 ? Next::settled
-             : is_descending_                                            ? descend(on_path(from, to, time), to - from)
-                                                                         : slide(from, to, time);
+      next = has_fans && cross_fan(from, to, time) && !is_descending_ && time >= 1.0 ? Next::settled
+             : is_descending_                                                        ? descend(on_path(from, to, time), to - from)
+                                                                                     : slide(from, to, time);
     }
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::again && has_lingered())
@@ -318,7 +321,6 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
 
 // Follows the device over the faces of a large fan. False: there is none, or it gets no farther like that.
 bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept {
-  if (is_point_) return false;
   const Vec3 start = centre_;
   const double began = time;
   const LargeFan::Crossing crossing = fan_.cross({contacts_, near_, centre_, is_descending_, work_, most_work_}, from, to, time);

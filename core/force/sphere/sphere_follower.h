@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -11,12 +9,10 @@
 #include "core/force/sphere/centre_path.h"
 #include "core/force/sphere/contact_set.h"
 #include "core/force/sphere/corner_exit.h"
-#include "core/force/sphere/descent_path.h"
 #include "core/force/sphere/drag_legs.h"
 #include "core/force/sphere/gathered_triangles.h"
 #include "core/force/sphere/large_fan.h"
 #include "core/force/sphere/local_minimum.h"
-#include "core/force/sphere/minimum_legs.h"
 #include "core/force/sphere/path_events.h"
 #include "core/force/sphere/wedge.h"
 #include "core/force/step_work.h"
@@ -34,7 +30,13 @@ namespace hapton {
 //
 // until the next event: the contact leaves its face, edge or vertex; a multiplier reaches zero; the minimum along a curve vanishes; the
 // sphere touches another triangle; the device comes to the free side. At an event the device is held and the centre follows the steepest
-// descent to the next local minimum. The triangles nearby are gathered once for many steps (NearTriangles); only flights query the tree.
+// descent to the next local minimum. The triangles nearby are gathered once for many steps; only flights query the tree. Its parts:
+//
+//   ContactSet, LocalMinimum             what holds the centre, and where
+//   MinimumLegs, DescentPath, DragLegs   the next piece of path
+//   PathEvents                           what ends that piece
+//   GatheredTriangles                    the triangles nearby
+//   LargeFan, CornerExit, Wedge          where thousands of triangles meet, and where a point is held or is not
 //
 // Under Coulomb friction the centre sticks, is dragged along with the pull on the friction cone, or slips along the pull while the device
 // is held: see OffsetDrag. Further events then are: the pull leaves the friction cone; the equilibrium on the cone vanishes.
@@ -106,18 +108,19 @@ class SphereFollower {
   std::uint64_t queried() const { return queried_; }
 
  private:
+  // Local units (Clearance): 4,096 and 64 times the rounding of a coordinate.
   static constexpr double kSlop = 0x1p-40;
   static constexpr double kTolerance = 0x1p-46;
   // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
   static constexpr double kLeastOfPoint = 64.0;
   static constexpr double kLeastOfSphere = 0x1p-6;
-  static constexpr double kLeastGain = 0x1p-44;
-  static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
-  static constexpr int kMostTurns = 64;        // of the direction to a device farther out
-  static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
-  static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
-  static constexpr int kMostCornerTries = 2;   // in a step
-  static constexpr int kMostIdle = 24;         // events without progress
+  static constexpr double kLeastGain = 0x1p-44;  // a centre that comes nearer by less has not: 256 times the rounding of a coordinate
+  static constexpr double kFar = 32.0;           // local units; farther out, positions are coarser than the tolerance
+  static constexpr int kMostTurns = 64;          // of the direction to a device farther out
+  static constexpr double kBalance = 0x1p-28;    // distance from the boundary of a face within which the sphere balances on it
+  static constexpr int kWorkOfEvent = 5;         // units, beside what it queries
+  static constexpr int kMostCornerTries = 2;     // in a step
+  static constexpr int kMostIdle = 24;           // events without progress
   static constexpr int kMostSkips = 16;
   static constexpr int kMostInFlight = 512;  // triangles that a flight tests
 
@@ -225,7 +228,7 @@ class SphereFollower {
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   PathEvents::Space event_space_;
   LargeFan fan_;
-  mutable int work_ = 0;  // units, in this call
+  int work_ = 0;  // units, in this call
   int most_work_ = 0;
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved

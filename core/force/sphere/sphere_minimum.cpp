@@ -1,4 +1,4 @@
-// The centre at a local minimum: its active contacts, until when they stay active, and whether a point would be held there.
+// The centre at a local minimum: how it leaves one that has vanished, and until when three contacts hold it.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -9,12 +9,12 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint64_t kSeed = 241;
+constexpr std::uint64_t kSeedOfSets = 241;
 
 class ContactSetOf : public testing::Test {
  protected:
-  ContactSetOf() { RecordProperty("seed", std::to_string(kSeed)); }
-  MadeContacts made{kSeed};
+  ContactSetOf() { RecordProperty("seed", std::to_string(kSeedOfSets)); }
+  MadeContacts made{kSeedOfSets};
 };
 
 // The nearest position that is an offset from each of them, by ever smaller steps in random directions.

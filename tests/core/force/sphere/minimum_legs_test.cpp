@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 constexpr std::uint64_t kSeedOfLegs = 2412;
-constexpr int kSamples = 64;
+constexpr int kLegSamples = 64;
 
 class MinimumLegOf : public testing::Test {
  protected:
@@ -44,8 +44,8 @@ TEST_F(MinimumLegOf, FollowsTheMinimaUntilTheDeviceArrivesOrAMultiplierIsZero) {
     ASSERT_LE(leg.time, 1.0);
     EXPECT_EQ(leg.path.start(), at.c);
     Vec3 exact = at.c;
-    for (int k = 1; k <= kSamples; ++k) {
-      const double share = static_cast<double>(k) / kSamples;
+    for (int k = 1; k <= kLegSamples; ++k) {
+      const double share = static_cast<double>(k) / kLegSamples;
       const Vec3 device = on_path(at.device, to, share * leg.time);
       ASSERT_TRUE(minimum.solve(device, exact, work)) << i;
       EXPECT_GT(least_multiplier(at.contacts, exact, device), -4.0 * LocalMinimum::kAtMinimum) << i << " at " << share;
@@ -77,8 +77,8 @@ TEST_F(MinimumLegOf, AlongACurveTheTimesRise) {
     if (!MinimumLegs(at.contacts, at.c, work).make(at.device, to, 0.0, leg) || !leg.is_on_curve) continue;
     ++on_curve;
     double before = 0.0;
-    for (int k = 1; k <= kSamples; ++k) {
-      Vec3 c = leg.path.at(static_cast<double>(k) / kSamples);
+    for (int k = 1; k <= kLegSamples; ++k) {
+      Vec3 c = leg.path.at(static_cast<double>(k) / kLegSamples);
       ASSERT_LE(distance_off(at.contacts, c), MadeContacts::kClearance.tolerance) << i;
       const double time = MinimumLegs(at.contacts, c, work).time_on_curve(at.device, to);
       EXPECT_GE(time, before - 1e-9) << i;

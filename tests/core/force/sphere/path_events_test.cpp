@@ -59,10 +59,10 @@ class PathEventsOf : public testing::Test {
 };
 
 TEST_F(PathEventsOf, TheFirstEventIsThatOfFineSampling) {
-  constexpr int kSamples = 200;
+  constexpr int kSamples = 50;
   int exits = 0;
   int hits = 0;
-  for (std::uint32_t triangle = 0; triangle < count(); triangle += 3) {
+  for (std::uint32_t triangle = 0; triangle < count(); triangle += 5) {
     if (!place_on(triangle)) continue;
     const OffsetContact before = contacts[0];
     const CentrePath path = path_over_face(0.3);
@@ -110,7 +110,8 @@ TEST_F(PathEventsOf, FacesInOnePlaneAreCrossedWithoutAnEvent) {
     EXPECT_LT(contacts[0].shape.separation(there).distance, 1e-12) << "on the face that the path ends over";
     EXPECT_EQ(event.slot, -1);
     if (event.contact >= 0) {
-      EXPECT_FALSE(geometry->adjacent(contacts[0].triangle, event.exit.index).exists) << "at the end of the sheet";
+      const TouchGeometry::Adjacent across = geometry->adjacent(contacts[0].triangle, event.exit.index);
+      EXPECT_TRUE(!across.exists || across.id == contacts[0].triangle) << "at the boundary of the sheet";
     }
     events().undo_level_faces();
     EXPECT_EQ(contacts[0].triangle, before.triangle);
@@ -125,10 +126,10 @@ TEST_F(PathEventsOf, TheDistanceToTheBoundaryIsThatOfTheFirstExit) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 out = contacts[0].shape.edge(k).cross(contacts[0].normal).normalized();
       const double pace = out.dot(path.end() - c);
-      if (pace > 0.0) first = std::min(first, out.dot(contacts[0].shape.corner(k) - c) / pace);
+      if (pace > 0.0) first = std::min(first, (out.dot(contacts[0].shape.corner(k) - c) + PathEvents::kOnBoundary) / pace);
     }
     const double distance = events().distance_to_boundary(c, path.end() - c, 1.0);
-    EXPECT_NEAR(distance, 1.25 * first + 0x1p-10 * kClearanceOfEvents.offset, 1e-12);
+    EXPECT_NEAR(distance, 1.25 * first + 0x1p-10 * kClearanceOfEvents.offset, 1e-13);
     EXPECT_EQ(events().distance_to_boundary(c, path.end() - c, 0.5 * first), std::numeric_limits<double>::infinity());
   }
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr Clearance kClearanceOfWedges{1e-5, 0x1p-40, 0x1p-46};
 
-// Inside a box of size 1, in its lower corner, held by all three walls; and what else there is.
+// Inside a box, in its lower corner, held by all three walls; and what else there is.
 struct InCorner {
   explicit InCorner(std::vector<const TriangleMesh*> others = {}) {
     others.insert(others.begin(), &box);
@@ -37,7 +37,7 @@ struct InCorner {
   }
   bool holds() { return Wedge(contacts, *near, centre, work).holds(); }
 
-  TriangleMesh box = made::box(Vec3::Zero(), Vec3::Ones());
+  TriangleMesh box = made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8));  // the diagonals of its sides miss the centre
   std::unique_ptr<TouchGeometry> geometry;
   std::vector<Material> materials;
   std::unique_ptr<GatheredTriangles> near;
@@ -76,7 +76,10 @@ TEST(WedgeOfPlanes, AContactOnAnEdgeIsOverAFaceThere) {
     const OffsetContact edge = OffsetContact::on_edge(wall.triangle, wall.shape, k);
     const int slot = Wedge(in.contacts, *in.near, in.centre, in.work).find_face_there(edge);
     ASSERT_GE(slot, 0);
-    EXPECT_EQ(in.near->triangle(slot), wall.triangle);
+    const ContactTriangle& face = in.near->shape(slot);
+    EXPECT_TRUE(edge.is_shared_with(face));
+    EXPECT_EQ(face.separation(in.centre).feature, Feature::face);
+    EXPECT_NEAR(face.separation(in.centre).distance, kClearanceOfWedges.offset, 0.25 * kClearanceOfWedges.slop);
   }
 }
 

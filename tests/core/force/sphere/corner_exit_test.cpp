@@ -1,0 +1,103 @@
+#include "core/force/sphere/corner_exit.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr Clearance kClearanceOfCorners{1e-5, 0x1p-40, 0x1p-46};
+
+// A point in the lower corner of a box, inside; and what else there is.
+struct PointInCorner {
+  explicit PointInCorner(std::vector<const TriangleMesh*> others = {}) {
+    others.insert(others.begin(), &box);
+    geometry = std::make_unique<TouchGeometry>(others);
+    materials.resize(others.size());
+    near = std::make_unique<GatheredTriangles>(*geometry, materials, kClearanceOfCorners, 64.0 * kClearanceOfCorners.offset);
+    apex = geometry->to_local(Vec3::Zero());
+    centre = apex + kClearanceOfCorners.offset * Vec3::Ones();
+    near->widen(0.05);
+    EXPECT_TRUE(near->gather(centre, Vec3::Zero(), work));
+    near->visit_near(centre, centre, 1.5 * kClearanceOfCorners.offset, [&](int slot) {
+      const OffsetContact contact = OffsetContact::nearest(near->triangle(slot), near->shape(slot), centre);
+      if (contact.part != OffsetContact::Part::face) return;
+      for (const OffsetContact& other : contacts.all()) {
+        if (other.normal.dot(contact.normal) > 0.9) return;
+      }
+      contacts.add(contact);
+    });
+    contacts.activate_all();
+  }
+  CornerExit corner() { return {contacts, *near, centre, memory, work}; }
+
+  TriangleMesh box = made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8));  // the diagonals of its sides miss the centre
+  std::unique_ptr<TouchGeometry> geometry;
+  std::vector<Material> materials;
+  std::unique_ptr<GatheredTriangles> near;
+  ContactSet contacts{kClearanceOfCorners};
+  CornerExit::Memory memory;
+  Vec3 apex;
+  Vec3 centre;
+  int work = 0;
+};
+
+TEST(CornerExitOf, TheFreeDirectionsAreThoseOfTheOctant) {
+  PointInCorner in;
+  ASSERT_TRUE(in.corner().find_cone(0.0));
+  const TangentCone& cone = in.corner().cone();
+  EXPECT_LT((cone.apex() - in.apex).norm(), 1e-15);
+  for (const double x : {-0.5, 0.3, 1.0}) {
+    for (const double y : {-0.2, 0.7}) {
+      for (const double z : {-0.9, 0.4}) EXPECT_EQ(cone.contains(Vec3(x, y, z).normalized()), x > 0.0 && y > 0.0 && z > 0.0);
+    }
+  }
+}
+
+// The device comes to pull along the x axis: from then on the way out along it leads nearer by more than kLeastBetter offsets.
+TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
+  PointInCorner in;
+  const Vec3 from = in.apex + Vec3(-0.1, -0.2, -0.1);
+  const Vec3 to = in.apex + Vec3(0.3, -0.2, -0.1);
+  const double opens = in.corner().time_to_exit(from, to, 0.0);
+  ASSERT_LE(opens, 1.0);
+  const auto pull_at = [&](double time) { return Vec3(from + time * (to - from) - in.apex); };
+  EXPECT_GE(pull_at(opens).x(), in.corner().least_exit(pull_at(opens)));
+  EXPECT_LT(pull_at(opens).x(), 1.5 * in.corner().least_exit(pull_at(opens)));
+  // A way of that length along the edge does lead nearer by that much.
+  const Vec3 out = in.corner().least_exit(pull_at(opens)) * Vec3::UnitX();
+  EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kLeastBetter * kClearanceOfCorners.offset);
+  EXPECT_EQ(in.corner().time_to_exit(from, from - Vec3::UnitX(), 0.0), 2.0);
+}
+
+TEST(CornerExitOf, ATargetPastTheCornerIsFreeOnlyWithNothingElseAround) {
+  constexpr double kWide = 512.0 * kClearanceOfCorners.offset;
+  const Vec3 inwards = Vec3(1.0, 0.5, 0.7).normalized();
+  PointInCorner in;
+  ASSERT_TRUE(in.corner().find_cone(0.0));
+  EXPECT_TRUE(in.corner().can_pass(in.apex + kWide * inwards, kWide));
+  EXPECT_FALSE(in.corner().can_pass(in.apex - kWide * inwards, kWide)) << "outside";
+  EXPECT_FALSE(in.corner().can_pass(in.apex + kWide * Vec3::UnitX(), kWide)) << "in the walls";
+  const TriangleMesh between = made::box(Vec3::Constant(0.003), Vec3::Constant(0.0031));
+  PointInCorner beside({&between});
+  ASSERT_TRUE(beside.corner().find_cone(0.0));
+  EXPECT_FALSE(beside.corner().can_pass(beside.apex + kWide * inwards, kWide));
+}
+
+TEST(CornerExitOf, APositionPastTheCornerIsOffTheWalls) {
+  PointInCorner in;
+  ASSERT_TRUE(in.corner().find_cone(0.0));
+  const TangentCone::Steepest steepest = in.memory.cone.find_steepest(Vec3(1.0, -0.1, -0.1));
+  EXPECT_GT(steepest.slope, 0.0);
+  const std::optional<Vec3> target = in.corner().find_past(steepest, 1e-3);
+  ASSERT_TRUE(target.has_value());
+  EXPECT_GE((*target - in.apex).minCoeff(), kClearanceOfCorners.offset);
+  EXPECT_FALSE(in.corner().find_past(steepest, 2.0 * kClearanceOfCorners.offset).has_value()) << "too near";
+}
+
+}  // namespace
+}  // namespace hapton
