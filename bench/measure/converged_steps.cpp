@@ -27,7 +27,10 @@ ConvergedSteps::Window ConvergedSteps::compute(const TouchTrajectory& trajectory
   for (std::size_t i = first; i <= start + count; ++i) {
     input.p_WD = trajectory.p_SD[i];
     TouchOutput output = touch_.step(input);
-    if (i == start) window.begins_sliding = proxy == nullptr || proxy->is_sliding();
+    if (i == start) {
+      window.begins_sliding = proxy == nullptr || proxy->is_sliding();
+      window.begins_at = method_->carried_from().value_or(input.p_WD);
+    }
     if (i <= start) continue;
     for (int repeat = 0; method_->carried_from() && repeat < kMostRepeats; ++repeat) output = touch_.step(input);
     window.felt.push_back({.device = input.p_WD, .proxy = input.p_WD + output.visual_offset_m, .force_n = output.force_n});

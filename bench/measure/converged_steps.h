@@ -17,7 +17,8 @@ class ConvergedSteps {
   static Result<ConvergedSteps> make(const MethodSettings& settings, const TouchScene& scene);
 
   struct Window {
-    bool begins_sliding = false;  // at `start` the dynamic coefficient of friction applies (ProxyMethod::is_sliding); true if not known
+    bool begins_sliding = false;    // at `start` the dynamic coefficient of friction applies (ProxyMethod::is_sliding); true if not known
+    Vec3 begins_at = Vec3::Zero();  // where the device was when the proxy got where it is at `start`: on its way, if that step is carried
     std::vector<ForceSample> felt;
   };
   // Repeats the trajectory from the reset before `start` up to and including `start` exactly as the method runs it. Each of the next

@@ -70,7 +70,7 @@ void compute_windows(ReferenceMethod& reference, ConvergedSteps& converged, cons
                      const MeshRunSettings& settings, double least_move_m, Windows& windows) {
   for (const std::size_t start : choose_starts(slide, felt, settings, least_move_m)) {
     const ConvergedSteps::Window finished = converged.compute(slide.trajectory, start, settings.window_steps);
-    windows.begins.push_back({slide.seed, start, felt[start].proxy, felt[start].device, finished.begins_sliding});
+    windows.begins.push_back({slide.seed, start, felt[start].proxy, finished.begins_at, finished.begins_sliding});
     windows.converged.insert(windows.converged.end(), finished.felt.begin(), finished.felt.end());
     const auto first = felt.begin() + static_cast<std::ptrdiff_t>(start) + 1;
     windows.method.insert(windows.method.end(), first, first + static_cast<std::ptrdiff_t>(settings.window_steps));

@@ -54,9 +54,10 @@ struct MeshFigures {
 // Measures method `proxy` over a mesh: slides of every seed, each probe, without and with friction.
 //
 // The errors are those of windows of consecutive steps. The seed chooses where a window begins among the contact steps; the reference
-// continues there from the proxy's own state, so a branch switch before the window does not count, and one within it counts to the window's
-// end. Nothing is re-synchronised within a window. Windows with a switch that nothing explains are computed again by a reference of 16
-// times as many sub-steps, which can only make steps unsettled. Error: a trajectory or method that cannot be made.
+// continues there from the proxy's own state, that of a carried step included, so a branch switch before the window does not count, and one
+// within it counts to the window's end. Nothing is re-synchronised within a window. Windows with a switch that nothing explains are
+// computed again by a reference of 16 times as many sub-steps, which can only make steps unsettled. Error: a trajectory or method that
+// cannot be made.
 Result<std::vector<MeshFigures>> measure_mesh(const MeshRunSettings& settings, const Stopwatch& watch, const NamedMesh& mesh,
                                               const std::function<void(const std::string&)>& progress);
 

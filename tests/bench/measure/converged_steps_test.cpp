@@ -127,6 +127,19 @@ TEST(ConvergedSteps, TellWhetherTheWindowBeginsSliding) {
   EXPECT_FALSE(steps.compute(trajectory, 22, 1).begins_sliding);  // 0.4 of a third of the pressure
 }
 
+TEST(ConvergedSteps, AWindowMayBeginWithACarriedStep) {
+  const TouchScene scene = strip_of(1200);
+  const TouchTrajectory trajectory = jump_by(0.079);
+  const std::size_t jump = kStart + 1;
+  const std::vector<ForceSample> felt = compute_forces(settings_for("proxy"), scene, trajectory).value();
+  ConvergedSteps steps = ConvergedSteps::make(settings_for("proxy"), scene).value();
+  EXPECT_EQ(steps.compute(trajectory, kStart, 1).begins_at, felt[kStart].device);
+  const ConvergedSteps::Window window = steps.compute(trajectory, jump, 4);
+  EXPECT_GT(window.begins_at.x(), felt[kStart].device.x() + 0.01);
+  EXPECT_LT(window.begins_at.x(), felt[jump].device.x() - 0.01);
+  EXPECT_NEAR(window.begins_at.x(), felt[jump].proxy.x(), 1e-4);  // over the plane the proxy is above the device
+}
+
 TEST(ConvergedSteps, AMethodThatCannotBeMadeIsAnError) {
   EXPECT_FALSE(ConvergedSteps::make(settings_for("none"), strip_of(2)).has_value());
 }

@@ -58,7 +58,7 @@ TEST(Numbers, MeasureEveryRow) {
       measure_numbers(settings, Stopwatch::calibrate(), structures,
                       {{"box", std::make_shared<TriangleMesh>(make_box(Vec3(0.1, 0.06, 0.04)))}}, [](const std::string&) {});
   ASSERT_TRUE(report.has_value()) << report.error().what;
-  EXPECT_EQ(report->rows.size(), 103U);
+  EXPECT_EQ(report->rows.size(), 123U);
   EXPECT_EQ(report->measured(), 33U);
   for (const NumberRow& one : report->rows) {
     if (one.what.starts_with("fall-through") || one.what.starts_with("stuck")) {
