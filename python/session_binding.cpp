@@ -11,7 +11,7 @@
 #include "session/joined_table.h"
 #include "session/object_changes.h"
 #include "session/session_entries.h"
-#include "session/shape_collector.h"
+#include "session/session_shape_collector.h"
 
 namespace hapton::python {
 namespace {

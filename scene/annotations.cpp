@@ -44,7 +44,7 @@ double compute_length_m(const Stroke& stroke) {
   return length_m;
 }
 
-Vec3 place(const SurfacePoint& point, const ObjectPoses& X_SO) {
+Vec3 place(const AnnotationPoint& point, const ObjectPoses& X_SO) {
   const auto object = static_cast<std::size_t>(point.object);
   return point.object >= 0 && object < X_SO.size() ? Vec3(X_SO[object] * point.p_O) : point.p_O;
 }

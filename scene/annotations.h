@@ -15,7 +15,7 @@ namespace hapton {
 // S; an object that was picked up and put down elsewhere is moved from there by ObjectPose, and what was drawn on it goes along. Metres.
 
 // A point on an object's surface.
-struct SurfacePoint {
+struct AnnotationPoint {
   std::int32_t object = -1;
   Vec3 p_O = Vec3::Zero();
 };
@@ -28,7 +28,7 @@ struct Stroke {
 
 // The straight line between two touched points, of one object or of two.
 struct Measure {
-  std::array<SurfacePoint, 2> ends;
+  std::array<AnnotationPoint, 2> ends;
 };
 
 using Annotation = std::variant<Stroke, Measure>;
@@ -80,6 +80,6 @@ using ObjectPoses = std::vector<Pose>;
 
 // Straight from one end to the other, with the objects where they are. Exact to the rounding of a difference and a norm.
 double compute_length_m(const Measure& measure, const ObjectPoses& X_SO);
-Vec3 place(const SurfacePoint& point, const ObjectPoses& X_SO);
+Vec3 place(const AnnotationPoint& point, const ObjectPoses& X_SO);
 
 }  // namespace hapton

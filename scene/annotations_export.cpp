@@ -34,7 +34,7 @@ std::vector<ExportLine> list_lines(const Annotations& annotations, const ObjectP
       line.is_measure = true;
       line.object = measure.ends[0].object;
       line.length_m = compute_length_m(measure, X_SO);
-      for (const SurfacePoint& end : measure.ends) line.points_m.push_back(place(end, X_SO));
+      for (const AnnotationPoint& end : measure.ends) line.points_m.push_back(place(end, X_SO));
     }
     line.name = annotations.objects[static_cast<std::size_t>(line.object)];
     lines.push_back(std::move(line));

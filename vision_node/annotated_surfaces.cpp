@@ -56,7 +56,7 @@ const DeformedMesh* AnnotatedSurfaces::find_deformed(std::int32_t object) const 
   return object >= 0 && number < deformed_.size() && deformed_[number] ? &*deformed_[number] : nullptr;
 }
 
-Vec3 AnnotatedSurfaces::place(const SurfacePoint& point) const {
+Vec3 AnnotatedSurfaces::place(const AnnotationPoint& point) const {
   const DeformedMesh* deformed = find_deformed(point.object);
   return deformed != nullptr ? deformed->place(point.p_O) : point.p_O;
 }
@@ -64,13 +64,13 @@ Vec3 AnnotatedSurfaces::place(const SurfacePoint& point) const {
 std::vector<Vec3> AnnotatedSurfaces::place(std::int32_t object, const std::vector<Vec3>& points) const {
   std::vector<Vec3> placed = points;
   if (find_deformed(object) == nullptr) return placed;
-  for (Vec3& p : placed) p = place(SurfacePoint{object, p});
+  for (Vec3& p : placed) p = place(AnnotationPoint{object, p});
   return placed;
 }
 
 Measure AnnotatedSurfaces::place(const Measure& measure) const {
   Measure placed = measure;
-  for (SurfacePoint& end : placed.ends) end.p_O = place(end);
+  for (AnnotationPoint& end : placed.ends) end.p_O = place(end);
   return placed;
 }
 

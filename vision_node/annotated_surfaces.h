@@ -44,7 +44,7 @@ class AnnotatedSurfaces {
   Touched find_closest(std::size_t object, const Vec3& p);
 
   // Where they are in the present shape. Of objects that the scene does not have: as they are.
-  Vec3 place(const SurfacePoint& point) const;
+  Vec3 place(const AnnotationPoint& point) const;
   std::vector<Vec3> place(std::int32_t object, const std::vector<Vec3>& points) const;
   Stroke place(const Stroke& stroke) const { return {stroke.object, place(stroke.object, stroke.points_m)}; }
   Measure place(const Measure& measure) const;

@@ -156,7 +156,7 @@ const std::vector<Annotation>& AnnotationFigure::entries() const {
   return annotations_ != nullptr ? annotations_->entries : kNone;
 }
 
-Vec3 AnnotationFigure::find_in_world(const SurfacePoint& point) const {
+Vec3 AnnotationFigure::find_in_world(const AnnotationPoint& point) const {
   if (point.object == held_ && held_ >= 0) return X_WT_ * (X_TO_ * point.p_O);
   return X_WS_ * hapton::place(point, X_SO_);
 }

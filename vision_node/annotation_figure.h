@@ -44,7 +44,7 @@ class AnnotationFigure {
   // A stroke that is being drawn; null: none.
   void set_current(std::int32_t object, const std::vector<Vec3>* points_m);
   // The first end of a measure; from there a line goes to the tip.
-  void set_first_end(const std::optional<SurfacePoint>& first) { first_end_ = first; }
+  void set_first_end(const std::optional<AnnotationPoint>& first) { first_end_ = first; }
   void set_probe(const ProbeShown& probe);
 
   // At the beginning of each eye's picture.
@@ -55,7 +55,7 @@ class AnnotationFigure {
  private:
   bool is_shown(std::int32_t object) const { return object >= 0 && static_cast<std::size_t>(object) < scene_objects_; }
   const std::vector<Annotation>& entries() const;
-  Vec3 find_in_world(const SurfacePoint& point) const;
+  Vec3 find_in_world(const AnnotationPoint& point) const;
   void build_strokes();
   void build_measures();
   std::array<vtkActor*, 5> actors() { return {strokes_, held_strokes_, current_, measures_, hidden_measures_}; }
@@ -68,7 +68,7 @@ class AnnotationFigure {
   Pose X_TO_ = Pose::Identity();
   const Annotations* annotations_ = nullptr;
   std::size_t scene_objects_ = 0;
-  std::optional<SurfacePoint> first_end_;
+  std::optional<AnnotationPoint> first_end_;
   std::optional<Vec3> p_WP_;
   vtkNew<vtkActor> strokes_;       // frame S
   vtkNew<vtkActor> held_strokes_;  // frame T

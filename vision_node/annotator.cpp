@@ -130,7 +130,7 @@ void Annotator::receive(const ProbeState& state, const Pose& X_WS) {
   if (menu_.lit() != lit_before) ++own_revision_;
   const bool is_wanted = pen_.wants_point(state.buttons) && !menu_.lit();
   const auto touched = is_wanted ? find_touched(state, X_WS) : std::nullopt;
-  pen_.receive(touched ? std::optional<SurfacePoint>({state.object, touched->p_O}) : std::nullopt, state.buttons,
+  pen_.receive(touched ? std::optional<AnnotationPoint>({state.object, touched->p_O}) : std::nullopt, state.buttons,
                touched ? touched->facet : 0);
   log_finished();
   note_entries();
@@ -386,7 +386,7 @@ const Annotations& Annotator::place_entries() {
 
 void Annotator::show_current() {
   AnnotationFigure& figure = view_.annotation_figure();
-  std::optional<SurfacePoint> first = pen_.first_end();
+  std::optional<AnnotationPoint> first = pen_.first_end();
   if (first) first->p_O = surfaces_.place(*first);
   figure.set_first_end(first);
   const std::vector<Vec3>* current = pen_.current();

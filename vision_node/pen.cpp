@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-void Pen::receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons, std::uint32_t facet) {
+void Pen::receive(const std::optional<AnnotationPoint>& touched, std::uint32_t buttons, std::uint32_t facet) {
   ignored_buttons_ &= buttons;
   const std::uint32_t down = buttons & ~ignored_buttons_;
   const std::uint32_t pressed = down & ~last_buttons_;
@@ -31,7 +31,7 @@ void Pen::set_mode(PenMode mode) {
   ++revision_;
 }
 
-void Pen::draw(const SurfacePoint& at, std::uint32_t facet) {
+void Pen::draw(const AnnotationPoint& at, std::uint32_t facet) {
   if (!has_room(thinner_ ? thinner_->points().size() + 1 : 1)) return;
   if (!thinner_) {
     thinner_.emplace(settings_.bound_m);
@@ -52,7 +52,7 @@ void Pen::finish_stroke() {
   thinner_.reset();
 }
 
-void Pen::end_measure(const SurfacePoint& at) {
+void Pen::end_measure(const AnnotationPoint& at) {
   ++revision_;
   if (!first_end_) {
     first_end_ = at;

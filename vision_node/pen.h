@@ -29,7 +29,7 @@ class Pen {
   // Takes each state of the probe, in order. touched: the touched point; none in free space, and if it is not known.
   // Buttons that were down at the first call do nothing until they are pressed again. facet: the part of the surface that stays flat, where
   // it deforms; a stroke has a vertex on both sides where it changes, so that it deforms with the surface.
-  void receive(const std::optional<SurfacePoint>& touched, std::uint32_t buttons, std::uint32_t facet = 0);
+  void receive(const std::optional<AnnotationPoint>& touched, std::uint32_t buttons, std::uint32_t facet = 0);
 
   void set_mode(PenMode mode);
   PenMode mode() const { return mode_; }
@@ -63,7 +63,7 @@ class Pen {
   const std::vector<Vec3>* current() const { return thinner_ ? &thinner_->points() : nullptr; }
   std::int32_t current_object() const { return object_; }
   // The first end of a measure whose second one is awaited.
-  const std::optional<SurfacePoint>& first_end() const { return first_end_; }
+  const std::optional<AnnotationPoint>& first_end() const { return first_end_; }
 
   // Counts all changes of what can be seen, and of the entries alone.
   std::uint64_t revision() const { return revision_; }
@@ -74,9 +74,9 @@ class Pen {
   bool take_full();
 
  private:
-  void draw(const SurfacePoint& at, std::uint32_t facet);
+  void draw(const AnnotationPoint& at, std::uint32_t facet);
   void finish_stroke();
-  void end_measure(const SurfacePoint& at);
+  void end_measure(const AnnotationPoint& at);
   void add(Annotation entry);
   bool has_room(std::size_t points);
 
@@ -92,7 +92,7 @@ class Pen {
   std::optional<StrokeThinner> thinner_;
   std::int32_t object_ = -1;
   std::uint32_t facet_ = 0;  // of the last point of the stroke
-  std::optional<SurfacePoint> first_end_;
+  std::optional<AnnotationPoint> first_end_;
   std::size_t points_ = count_points(annotations_);  // of all entries
   std::uint64_t revision_ = 1;
   std::uint64_t entries_revision_ = 1;

@@ -36,8 +36,8 @@ class SmoothMotion {
     } while (at(0.0).p.z() < 0.2e-3);
   }
 
-  EffectMoment at(double time_s) const {
-    EffectMoment moment = {.time_s = time_s, .p = mean_, .v = Vec3::Zero()};
+  FormMoment at(double time_s) const {
+    FormMoment moment = {.time_s = time_s, .p = mean_, .v = Vec3::Zero()};
     for (int axis = 0; axis < 3; ++axis) {
       for (const Wave& wave : waves_[static_cast<std::size_t>(axis)]) {
         const double turn = 2.0 * std::numbers::pi * wave.hz;

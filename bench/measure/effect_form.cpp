@@ -79,7 +79,7 @@ Vec3 from_target(const SnapEffect& snap, const Vec3& p) {
 
 Vec3 plane_spring(const Vec3& p) { return {0.0, 0.0, Material().stiffness_n_per_m * std::max(0.0, -p.z())}; }
 
-Vec3 EffectForm::force_at(const EffectMoment& moment) {
+Vec3 EffectForm::force_at(const FormMoment& moment) {
   Vec3 force_n = in_space(moment);
   if (moment.p.z() < 0.0) {
     force_n += touched(moment, !in_contact_);
@@ -93,7 +93,7 @@ Vec3 EffectForm::force_at(const EffectMoment& moment) {
   return force_n;
 }
 
-Vec3 EffectForm::touched(const EffectMoment& moment, bool begins) {
+Vec3 EffectForm::touched(const FormMoment& moment, bool begins) {
   const SurfaceEffects& surface = effects_.surface;
   const double k = Material().stiffness_n_per_m;
   const double depth_m = -moment.p.z();
@@ -147,7 +147,7 @@ Vec3 EffectForm::held_above(const Vec3& p) {
   return is_far ? Vec3(Vec3::Zero()) : Vec3(0.0, 0.0, -snap.stiffness_n_per_m * p.z());
 }
 
-Vec3 EffectForm::in_space(const EffectMoment& moment) {
+Vec3 EffectForm::in_space(const FormMoment& moment) {
   const double dt_s = last_s_ ? moment.time_s - *last_s_ : 0.0;
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < space_.size(); ++i) {

@@ -10,7 +10,7 @@
 namespace hapton {
 
 // A moment of a smooth motion. Frame S, SI.
-struct EffectMoment {
+struct FormMoment {
   double time_s = 0.0;  // since the touch began
   Vec3 p = Vec3::Zero();
   Vec3 v = Vec3::Zero();
@@ -27,7 +27,7 @@ class EffectForm {
   // effects: must last.
   explicit EffectForm(const EffectCase& effects) : effects_(effects), space_(effects.space.size()) {}
 
-  Vec3 force_at(const EffectMoment& moment);
+  Vec3 force_at(const FormMoment& moment);
 
  private:
   struct SpaceState {
@@ -40,11 +40,11 @@ class EffectForm {
     double amplitude_n = 0.0;
   };
 
-  Vec3 touched(const EffectMoment& moment, bool begins);
+  Vec3 touched(const FormMoment& moment, bool begins);
   double layers_n(double depth_m, double inward_m_per_s);
   Vec3 friction(const Vec3& p, double coefficient, double normal_n, bool begins);
   Vec3 held_above(const Vec3& p);
-  Vec3 in_space(const EffectMoment& moment);
+  Vec3 in_space(const FormMoment& moment);
 
   const EffectCase& effects_;
   std::vector<SpaceState> space_;

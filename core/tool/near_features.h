@@ -91,7 +91,7 @@ class NearFeatures {
   };
   // A triangle of the tool, at the start of a motion and over it.
   struct SweptTriangle : PlacedTriangle {
-    void place(const ObjectGeometry::Corners& own, const SweptMotion& motion, double within);
+    void place(const ObjectGeometry::Corners& own, const ToolSweep& motion, double within);
 
     std::uint64_t walk = 0;  // that it was made for
     std::uint32_t triangle = 0;
@@ -124,7 +124,7 @@ class NearFeatures {
     double rest_squared = std::numeric_limits<double>::infinity();
   };
 
-  const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const SweptMotion& motion, double distance) const noexcept;
+  const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const ToolSweep& motion, double distance) const noexcept;
   // How far apart the triangles are at least; `apart` if a plane that is held fixed separates them over the motion.
   struct PlaneGap {
     double gap = 0.0;

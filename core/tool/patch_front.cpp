@@ -64,7 +64,7 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
   }
 }
 
-void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& motion) {
+void PatchFront::ToolBox::place(const PatchTree::Node& tool, const ToolSweep& motion) {
   const Vec3 arm = motion.orientation * tool.at();
   half = tool.half_size();
   half_lanes = lanes_of(half);
@@ -79,7 +79,7 @@ void PatchFront::ToolBox::place(const PatchTree::Node& tool, const SweptMotion& 
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
-const PatchFront::ToolBox& PatchFront::placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept {
+const PatchFront::ToolBox& PatchFront::placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept {
   ToolBox& box = walker.boxes[node % kBoxes];
   if (box.walk != walk_ || box.node != node) {
     box.place(tool_->nodes()[node], motion);
@@ -127,7 +127,7 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   return apart;
 }
 
-void PatchFront::begin(const SweptMotion& motion, double distance) noexcept {
+void PatchFront::begin(const ToolSweep& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
   const double turned = turn_between(at_.orientation, motion.from.orientation).norm();
   travelled_ += (motion.from.position - at_.position).norm() + radius_ * turned + rounding;
@@ -182,7 +182,7 @@ void PatchFront::find_places(float enough, float clearance) noexcept {
 }
 
 // The pairs a few levels below the roots, as if a walk had ended there.
-void PatchFront::begin_at_roots(const SweptMotion& motion, double distance) noexcept {
+void PatchFront::begin_at_roots(const ToolSweep& motion, double distance) noexcept {
   travelled_ = 0.0;
   first_count_ = 0;
   planes_.restart(motion.from);

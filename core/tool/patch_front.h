@@ -11,7 +11,7 @@
 #include "core/geometry/triangle_distance.h"
 #include "core/tool/patch_tree.h"
 #include "core/tool/separating_planes.h"
-#include "core/tool/swept_motion.h"
+#include "core/tool/tool_sweep.h"
 
 namespace hapton {
 
@@ -65,7 +65,7 @@ class PatchFront {
   // distance; a visitor that finds that none does considers all, and so tells more. False: a visitor ended the walk, or it took more than
   // kMostTests, and pairs are missing. Threads: workers visit concurrently.
   template <class Visit>
-  bool for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept;
+  bool for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept;
 
   // Merges the results of the workers: calls use(item) for the items of all lists in the order of their places. list_of returns the list of
   // a worker; its items have a `place`, in ascending order.
@@ -78,7 +78,7 @@ class PatchFront {
     std::uint32_t scene;
   };
   struct ToolBox {
-    void place(const PatchTree::Node& tool, const SweptMotion& motion);
+    void place(const PatchTree::Node& tool, const ToolSweep& motion);
 
     std::uint64_t walk = 0;  // that it was made for
     std::uint32_t node = 0;
@@ -126,11 +126,11 @@ class PatchFront {
   };
 
   static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
-  const ToolBox& placed(Walker& walker, std::uint32_t node, const SweptMotion& motion) const noexcept;
+  const ToolBox& placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept;
   // Prepares a walk: which pairs it begins at.
-  void begin(const SweptMotion& motion, double distance) noexcept;
+  void begin(const ToolSweep& motion, double distance) noexcept;
   void find_places(float enough, float clearance) noexcept;
-  void begin_at_roots(const SweptMotion& motion, double distance) noexcept;
+  void begin_at_roots(const ToolSweep& motion, double distance) noexcept;
   // Puts the walkers' ends together. False if there is no room, or there were too many tests.
   bool finish() noexcept;
   End end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept;
@@ -142,10 +142,10 @@ class PatchFront {
   bool is_end(Pair pair) const noexcept;  // two leaves
   // Visits the pair at a place, which a visitor has seen: that tells more than a test of its boxes. False if the walk has to end.
   template <class Visit>
-  bool visit_again(Turn turn, const SweptMotion& motion, Visit&& visit) noexcept;
+  bool visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept;
   // Walks from the pair at a place down. False if the walk has to end.
   template <class Visit>
-  bool descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept;
+  bool descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept;
 
   static constexpr std::size_t kMostEnded = 1U << 17;
   static constexpr std::size_t kBlock = 64;  // pairs that share a bound
@@ -180,7 +180,7 @@ class PatchFront {
 // ---------------------------------------------------------------------------------------------------------------------
 
 template <class Visit>
-bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit&& visit) noexcept {
+bool PatchFront::for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept {
   if (tool_->nodes().empty() || scene_->nodes().empty()) return true;
   begin(motion, distance);
   std::atomic<std::size_t> next = 0;
@@ -211,7 +211,7 @@ bool PatchFront::for_each_near(const SweptMotion& motion, double distance, Visit
 }
 
 template <class Visit>
-bool PatchFront::visit_again(Turn turn, const SweptMotion& motion, Visit&& visit) noexcept {
+bool PatchFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept {
   if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMostTests) return false;
   const std::uint32_t at = places_[turn.place];
   const Pair pair = ended_[at];
@@ -233,7 +233,7 @@ bool PatchFront::visit_again(Turn turn, const SweptMotion& motion, Visit&& visit
 }
 
 template <class Visit>
-bool PatchFront::descend(Turn turn, const SweptMotion& motion, double distance, Visit&& visit) noexcept {
+bool PatchFront::descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
   const bool wants_plane = motion.angle < kFastTurn;

@@ -22,7 +22,7 @@ FUZZ_TARGET(annotations) {
       fuzz::require(is_known(stroke->object) && !stroke->points_m.empty());
       for (const Vec3& p : stroke->points_m) fuzz::require(p.allFinite());
     } else {
-      for (const SurfacePoint& end : std::get<Measure>(entry).ends) fuzz::require(is_known(end.object) && end.p_O.allFinite());
+      for (const AnnotationPoint& end : std::get<Measure>(entry).ends) fuzz::require(is_known(end.object) && end.p_O.allFinite());
     }
   }
   fuzz::require(count_carves(annotations.carved) <= kMostSavedCarves);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -276,6 +277,27 @@ TEST(Sources, HaveAtMost500Lines) {
     }
   }
   EXPECT_THAT(longer, IsEmpty());
+}
+
+// Two classes of one name in one program break the one-definition rule, and no linker says so.
+TEST(Sources, NoTwoHeadersDefineAClassOfOneName) {
+  static const std::regex kLine(R"(namespace ([\w:]+) \{|(?:class|struct|enum class) (\w+)(?: final)?(?: :[^;]*)?(?: \{)?)");
+  std::map<std::string, std::vector<std::string>> headers;  // by namespace and name
+  for (const std::string& folder : kFolders) {
+    for (const SourceFile& file : read_folder(folder)) {
+      if (!file.path.ends_with(".h")) continue;
+      std::istringstream lines(file.code);
+      std::string space;
+      for (std::string line; std::getline(lines, line);) {
+        std::smatch found;
+        if (!std::regex_match(line, found, kLine)) continue;
+        if (found[1].matched) space = found[1];
+        if (found[2].matched) headers[space + "::" + found[2].str()].push_back(file.path);
+      }
+    }
+  }
+  EXPECT_GT(headers.size(), 500U);
+  for (const auto& [name, where] : headers) EXPECT_THAT(where, testing::SizeIs(1)) << name;
 }
 
 TEST(Sources, ThrowNothingOfOurs) {

@@ -183,7 +183,7 @@ TEST_F(AnnotationFigureTest, FromTheFirstEndALineGoesToTheTip) {
   open(StereoMode::mono, {});
   ProbeShown probe;
   probe.p_WP = Vec3(0.03, 0, 0);
-  view->annotation_figure().set_first_end(SurfacePoint{0, Vec3(-0.01, 0, 0)});
+  view->annotation_figure().set_first_end(AnnotationPoint{0, Vec3(-0.01, 0, 0)});
   view->annotation_figure().set_probe(probe);
   ASSERT_EQ(view->annotation_figure().labels().size(), 1U);
   EXPECT_EQ(view->annotation_figure().labels()[0].text, "40.00 mm");
@@ -252,7 +252,7 @@ TEST_F(AnnotationFigureTest, TheLabelOfABegunMeasureIsInItsMiddle) {
   open(StereoMode::mono, {});
   ProbeShown probe;
   probe.p_WP = Vec3(0.03, 0.02, 0.0);
-  view->annotation_figure().set_first_end(SurfacePoint{0, Vec3(-0.01, 0.02, 0.0)});
+  view->annotation_figure().set_first_end(AnnotationPoint{0, Vec3(-0.01, 0.02, 0.0)});
   EXPECT_TRUE(view->annotation_figure().labels().empty()) << "no tip is known";
   view->annotation_figure().set_probe(probe);
   ASSERT_EQ(view->annotation_figure().labels().size(), 1U);

@@ -13,7 +13,7 @@ PenSettings pen_settings() { return {.draw_buttons = kDraw, .measure_buttons = k
 struct PenTest : testing::Test {
   // Along x, so many points, with these buttons.
   void move(std::uint32_t buttons, int points = 10, std::int32_t object = 0) {
-    for (int i = 0; i < points; ++i) pen.receive(SurfacePoint{object, Vec3(x_m += 0.001, 0, 0)}, buttons);
+    for (int i = 0; i < points; ++i) pen.receive(AnnotationPoint{object, Vec3(x_m += 0.001, 0, 0)}, buttons);
   }
   void lift(std::uint32_t buttons = 0) { pen.receive(std::nullopt, buttons); }
   std::size_t entries() const { return pen.annotations().entries.size(); }
@@ -62,7 +62,7 @@ TEST_F(PenTest, OtherAnnotationsEndWhatCanBeUndone) {
 
 TEST_F(PenTest, AStrokeHasAVertexOnBothSidesOfWhereTheFacetChanges) {
   lift();
-  for (int i = 1; i <= 30; ++i) pen.receive(SurfacePoint{0, Vec3(0.001 * i, 0, 0)}, kDraw, i <= 12 ? 7 : 3);
+  for (int i = 1; i <= 30; ++i) pen.receive(AnnotationPoint{0, Vec3(0.001 * i, 0, 0)}, kDraw, i <= 12 ? 7 : 3);
   lift();
   ASSERT_EQ(entries(), 1U);
   EXPECT_EQ(stroke(0).points_m, (std::vector<Vec3>{{0.001, 0, 0}, {0.001 * 12, 0, 0}, {0.001 * 13, 0, 0}, {0.001 * 30, 0, 0}}));
@@ -209,7 +209,7 @@ TEST_F(PenTest, ThereIsRoomForSoManyPointsAndNoMore) {
   given.entries = {Stroke{0, std::vector<Vec3>(kMostAnnotationPoints - 3, Vec3::Zero())}};
   pen = Pen(pen_settings(), given);
   lift();
-  for (int i = 0; i < 20; ++i) pen.receive(SurfacePoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDraw);
+  for (int i = 0; i < 20; ++i) pen.receive(AnnotationPoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDraw);
   EXPECT_TRUE(pen.take_full());
   EXPECT_FALSE(pen.take_full()) << "said once";
   lift();

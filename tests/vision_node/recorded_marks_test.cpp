@@ -33,10 +33,11 @@ struct RecordedMarksTest : testing::Test {
   }
   std::filesystem::path write_marks() const {
     const Vec3 on_block = scene.objects[1].mesh->vertices[0];
-    return folder.write("plan.toml", write_annotations({.objects = {"lid", "block"},
-                                                        .entries = {Measure{{SurfacePoint{0, Vec3::Zero()}, SurfacePoint{1, on_block}}}},
-                                                        .put_down = {}},
-                                                       7));
+    return folder.write("plan.toml",
+                        write_annotations({.objects = {"lid", "block"},
+                                           .entries = {Measure{{AnnotationPoint{0, Vec3::Zero()}, AnnotationPoint{1, on_block}}}},
+                                           .put_down = {}},
+                                          7));
   }
   Vec3 end(std::size_t n) const {
     const auto& measure = std::get<Measure>(marks->placed().entries.at(0));

@@ -8,7 +8,7 @@
 #include "runtime/part_file.h"
 #include "scene/scene_loading.h"
 #include "scene/text_cursor.h"
-#include "session/shape_collector.h"
+#include "session/session_shape_collector.h"
 #include "tools/session/joined_files.h"
 
 namespace hapton {
@@ -286,8 +286,8 @@ Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesys
   file.describe(reader.header());
   file.add_names(names);
   JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { file.add(row); });
-  ShapeCollector shapes(reader.header().start_ns);
-  const ShapeCollector::Take take = [&](const RecordedShape& shape) { file.add_shape(shape); };
+  SessionShapeCollector shapes(reader.header().start_ns);
+  const SessionShapeCollector::Take take = [&](const RecordedShape& shape) { file.add_shape(shape); };
   const ObjectChanges changes =
       add_all(reader, table, [&](const SessionEntry& entry, const Datagram* datagram) { shapes.add(entry, datagram, take); });
   shapes.finish(take);

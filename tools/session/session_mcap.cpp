@@ -11,7 +11,7 @@
 #include "link/wire_schema.h"
 #include "scene/text_cursor.h"
 #include "session/session_entries.h"
-#include "session/shape_collector.h"
+#include "session/session_shape_collector.h"
 #include "tools/session/mcap_writer.h"
 
 namespace hapton {
@@ -137,7 +137,7 @@ class McapMessages {
 
   McapWriter& writer_;
   const SessionHeader& header_;
-  ShapeCollector shapes_;
+  SessionShapeCollector shapes_;
   SessionCodec codec_;
   std::string buffer_;
   std::uint64_t sample_ = 0;

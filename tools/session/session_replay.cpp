@@ -47,7 +47,7 @@ std::string text_of(const Vec3& v) { return fmt::format("({:.17g}, {:.17g}, {:.1
 
 }  // namespace
 
-void RecordedCarves::add(const RecordedCarve& carve) {
+void ReplayedCarves::add(const RecordedCarve& carve) {
   constexpr std::uint32_t kMostSerial = Sculpture::kMostCarves;
   Sender& sender = senders_.try_emplace(carve.sender, Sender{.process = carve.process}).first->second;
   if (carve.process != sender.process || carve.serial > kMostSerial) return;
@@ -55,7 +55,7 @@ void RecordedCarves::add(const RecordedCarve& carve) {
   sender.by_serial[carve.serial] = carve.carve;
 }
 
-const Carves::One* RecordedCarves::find(std::uint64_t sender, std::uint32_t serial) const {
+const Carves::One* ReplayedCarves::find(std::uint64_t sender, std::uint32_t serial) const {
   const auto known = senders_.find(sender);
   if (known == senders_.end() || serial >= known->second.by_serial.size()) return nullptr;
   const std::optional<Carves::One>& one = known->second.by_serial[serial];

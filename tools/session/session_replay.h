@@ -33,7 +33,7 @@ using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32
 
 // The carves and undos that haptics nodes announced, by sender and serial. A sender that has another scene counts anew, and such a session
 // cannot be replayed anyway: of each only the first process counts.
-class RecordedCarves {
+class ReplayedCarves {
  public:
   void add(const RecordedCarve& carve);
   // Null: the recording does not have it.
@@ -89,7 +89,7 @@ class SessionReplay {
   }
 
   // Before the first entry: of a recording in which material was carved.
-  void use_carves(RecordedCarves carves) { carves_ = std::move(carves); }
+  void use_carves(ReplayedCarves carves) { carves_ = std::move(carves); }
 
   void on_state(const DeviceState& state);
   void on_view(const ViewTransform& view);
@@ -135,7 +135,7 @@ class SessionReplay {
   ObjectMoves moves_;
   RecordedShapes shapes_;
   FindProgramShape find_program_shape_;
-  RecordedCarves carves_;
+  ReplayedCarves carves_;
   std::optional<Sculpture> whole_;    // the bodies before any carve; none: the scene has none
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;

@@ -98,8 +98,8 @@ void SessionSummary::add_force(std::uint64_t sender, const ForceCommand& force, 
   round_trip_.record(ns_between(force.echo_sample_time_ns, time_ns));
 }
 
-RecordedCarves SessionSummary::carves() const {
-  RecordedCarves carves;
+ReplayedCarves SessionSummary::carves() const {
+  ReplayedCarves carves;
   for (const RecordedCarve& one : changes_.carves()) carves.add(one);
   return carves;
 }

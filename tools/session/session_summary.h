@@ -28,7 +28,7 @@ class SessionSummary {
   const HapticsSetups& setups() const { return setups_; }
   const MaterialStates& materials() const { return materials_; }
   const ObjectMoves& moves() const { return moves_; }
-  RecordedCarves carves() const;
+  ReplayedCarves carves() const;
   const FirstShapes& first_shapes() const { return first_shapes_; }
   // Cycles whose force io_node computed itself, from parts of the scene. No reply of the haptics node has them.
   std::uint64_t local_forces() const { return local_forces_; }

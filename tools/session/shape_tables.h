@@ -10,7 +10,7 @@
 
 #include "core/base/result.h"
 #include "scene/object_names.h"
-#include "session/shape_collector.h"
+#include "session/session_shape_collector.h"
 #include "tools/session/npy_file.h"
 
 namespace hapton {
@@ -38,7 +38,7 @@ class ShapeTables {
 
   std::filesystem::path folder_;
   std::vector<ObjectName> names_;
-  ShapeCollector collector_;
+  SessionShapeCollector collector_;
   std::optional<PartFile> table_;
   std::map<std::string, NpyFile> arrays_;  // by file name
   std::uint64_t rows_ = 0;

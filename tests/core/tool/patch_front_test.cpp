@@ -65,7 +65,7 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * vector()), is_still ? Vec3::Zero() : Vec3(length * vector())};
     const double distance = 0.03 * std::abs(uniform(random));
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    ASSERT_TRUE(front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+    ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
       pairs.insert({t, id});
       const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
       return PatchFront::Visited{gap, gap, true};
@@ -96,12 +96,11 @@ TEST_F(PatchFrontTest, PairsThatDoNotMatterHideNoOthers) {
     const Placement at{vector().normalized() * 0.6, turn_by(3.0 * vector())};
     const auto walk = [&](const RigidMotion& motion, double distance) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-      EXPECT_TRUE(
-          front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-            pairs.insert({t, id});
-            const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
-            return PatchFront::Visited{gap, gap, true};
-          }));
+      EXPECT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+        pairs.insert({t, id});
+        const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
+        return PatchFront::Visited{gap, gap, true};
+      }));
       return pairs;
     };
     front.restart();
@@ -135,12 +134,11 @@ TEST_F(PatchFrontTest, ALongSlideLosesNoPair) {
       const RigidMotion motion{at, n % 2 == 0 ? Vec3::Zero() : shift, n % 2 == 0 ? Vec3::Zero() : turn};
       const double distance = 0.3 * step * std::abs(uniform(random));
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-      ASSERT_TRUE(
-          front.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-            pairs.insert({t, id});
-            const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
-            return PatchFront::Visited{gap, gap, true};
-          }));
+      ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+        pairs.insert({t, id});
+        const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
+        return PatchFront::Visited{gap, gap, true};
+      }));
       found += pairs.size();
       for (std::uint32_t t = 0; t < tool.triangle_count() && n % 15 == 14; ++t) {
         for (const std::uint32_t id : scene_ids) {
@@ -159,7 +157,7 @@ TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&](std::size_t most) {
     std::size_t visits = 0;
-    const bool complete = front.for_each_near(SweptMotion(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+    const bool complete = front.for_each_near(ToolSweep(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
       return PatchFront::Visited{0.0, 0.0, ++visits != most};
     });
     EXPECT_EQ(complete, visits < most);
@@ -177,7 +175,7 @@ TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&] {
     std::size_t visits = 0;
-    EXPECT_TRUE(front.for_each_near(SweptMotion(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+    EXPECT_TRUE(front.for_each_near(ToolSweep(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
       ++visits;
       return PatchFront::Visited{0.0, 1.0, true};
     }));
@@ -200,7 +198,7 @@ TEST_F(PatchFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
     std::vector<Visits> by_worker(static_cast<std::size_t>(workers));
     std::atomic<std::size_t> count = 0;
     const bool is_whole =
-        shared.for_each_near(SweptMotion(motion), distance, [&](PatchFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+        shared.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
           by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
           const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
           return PatchFront::Visited{gap, gap, ++count <= most};
@@ -247,9 +245,9 @@ TEST_F(PatchFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
     ++visits;
     return PatchFront::Visited{0.0, 0.0, true};
   };
-  ASSERT_TRUE(sliding.for_each_near(SweptMotion({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
+  ASSERT_TRUE(sliding.for_each_near(ToolSweep({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
   EXPECT_EQ(visits, 0U);
-  ASSERT_TRUE(sliding.for_each_near(SweptMotion({above, Vec3(0.2, 0.1, -0.02), Vec3::Zero()}), 0x1p-20, count));
+  ASSERT_TRUE(sliding.for_each_near(ToolSweep({above, Vec3(0.2, 0.1, -0.02), Vec3::Zero()}), 0x1p-20, count));
   EXPECT_GT(visits, 0U);
 }
 

@@ -85,7 +85,7 @@ struct CarvesReplayTest : SessionReplayTest {
   }
   SessionReplay make_replay() {
     SessionReplay replay = replay_with(make_clay_touch);
-    RecordedCarves known;
+    ReplayedCarves known;
     for (const RecordedCarve& one : carves) known.add(one);
     replay.use_carves(std::move(known));
     return replay;

@@ -1,4 +1,4 @@
-#include "core/tool/swept_motion.h"
+#include "core/tool/tool_sweep.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(SweptMotion, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
+TEST(ToolSweep, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
   constexpr unsigned kSeed = 11;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
@@ -15,7 +15,7 @@ TEST(SweptMotion, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
   const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
   for (int n = 0; n < 300; ++n) {
     const RigidMotion motion{{vector(), turn_by(3.0 * vector())}, 0.3 * vector(), 0.4 * vector()};
-    const SweptMotion swept(motion);
+    const ToolSweep swept(motion);
     const Vec3 r = vector();
     const Vec3 arm = swept.orientation * r;
     const Vec3 start = motion.from.at(r);

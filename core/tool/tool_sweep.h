@@ -6,7 +6,7 @@ namespace hapton {
 
 // A motion of the tool, with what bounds the paths of its points: each is its straight line from start to end, to within the sagitta of its
 // arc. RT: yes.
-struct SweptMotion {
+struct ToolSweep {
   Placement from;
   Mat3 orientation;  // at the start
   Vec3 shift;
@@ -14,7 +14,7 @@ struct SweptMotion {
   double angle = 0.0;    // of the turn
   double sagitta = 0.0;  // of an arm of length 1
 
-  explicit SweptMotion(const RigidMotion& motion)
+  explicit ToolSweep(const RigidMotion& motion)
       : from(motion.from),
         orientation(motion.from.orientation.toRotationMatrix()),
         shift(motion.shift),
