@@ -86,11 +86,11 @@ class Shapes {
     for (const ShapePart::Displacement& one : shape.displacements_m) array.numbers.insert(array.numbers.end(), one.begin(), one.end());
   }
 
-  ShapeCollector collector_;
+  SessionShapeCollector collector_;
   bool has_vertices_;
   std::vector<RecordedShape> rows_;
   std::map<std::pair<std::uint32_t, std::int32_t>, Array> arrays_;  // by process and object
-  const ShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
+  const SessionShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
 };
 
 // One array for each column.

@@ -49,7 +49,7 @@ struct SurfaceStage {
 
   TouchGeometry geometry;
   std::vector<Material> materials;
-  AnnotationPoint point;
+  SurfacePoint point;
 };
 
 inline std::mt19937_64 make_random(std::uint64_t seed) {
