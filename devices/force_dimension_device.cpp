@@ -19,7 +19,8 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kPeriodNs = kNanosecondsPerMillisecond;
-constexpr int kTicksPerStatusCheck = 100;  // 10 times a second: a person sees nothing faster, and each check is a USB transfer
+constexpr int kTicksPerStatusCheck =
+    100;  // 10 times a second: soon enough for a person who reads the status, and each check is a USB transfer
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // between two lines about the same state
 constexpr int kMostFailuresInARow = 10;                           // failed calls; this many lost USB packets mean an unplugged cable

@@ -64,7 +64,7 @@ class HapticsStep {
   bool is_running() const noexcept { return running_; }
   // How often the probe, or a rigid tool, started at the device point, because there was no earlier contact to continue.
   std::uint32_t free_starts() const noexcept { return free_starts_; }
-  // Of the last reply: a point of what touches, frame S: the device point, or a vertex of the rigid tool; and whether it had contact.
+  // Of the last reply: a point of what touches, frame S: the device point, or a vertex of the tool where the device has it; and contact.
   Vec3 p_STouching() const noexcept;
   bool has_contact() const noexcept { return output_.contact || is_tool_held_; }
 

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kNotifyEveryNs = 200 * kNanosecondsPerMillisecond;  // a person sees that it goes on
+constexpr std::int64_t kNotifyEveryNs = 200 * kNanosecondsPerMillisecond;  // often enough to show progress
 constexpr std::int64_t kPollNs = 20 * kNanosecondsPerMillisecond;          // so soon it notices that the preparation is over
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kWaitMs = 20;                                              // so soon it notices that it shall end
+constexpr int kWaitMs = 20;                                              // the longest delay until it notices a request to stop
 constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;  // as kWaitMs, within kSearchPeriodNs
 constexpr int kMostDrained = 256;  // four full queues: a device that sends faster than it is read must not keep the listener waiting
 

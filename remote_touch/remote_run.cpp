@@ -175,7 +175,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, kPeriodNs, device.model.encoder_step_m, true);
-  constexpr double kStill = 0.01;  // of the depth, as loop/press.cpp
+  constexpr double kStill = 0.01;  // of the depth, as closed_loop/press.cpp
   const bool is_still = measures.limit_cycle_m <= std::max(2.0 * device.model.encoder_step_m, kStill * std::fabs(measures.depth_m));
   return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kLeastHeldN;
 }

@@ -32,7 +32,7 @@ int find_part(const TouchObject& object, int number, std::vector<ToolPart>& part
 
 }  // namespace
 
-bool has_effects_no_tool_feels(const TouchObject& object) {
+bool has_effects_beyond_tool(const TouchObject& object) {
   SurfaceEffects rest = object.effects;
   rest.viscosity = {};
   return rest.any() || !object.material.two_sided;
@@ -49,7 +49,7 @@ ToolObstacles make_tool_obstacles(const TouchScene& scene, std::optional<std::si
     obstacles.part_of.push_back(find_part(object, static_cast<int>(o), obstacles.parts));
     obstacles.friction.push_back({object.material.friction_static, object.material.friction_dynamic});
     obstacles.damping.push_back({object.material.damping_ns_per_m, object.effects.viscosity.damping_ns_per_m});
-    obstacles.leaves_out = obstacles.leaves_out || has_effects_no_tool_feels(object);
+    obstacles.leaves_out = obstacles.leaves_out || has_effects_beyond_tool(object);
   }
   return obstacles;
 }

@@ -37,7 +37,7 @@ struct ToolObstacles {
 };
 
 // Images, effects of its surface other than viscosity, or one side only.
-bool has_effects_no_tool_feels(const TouchObject& object);
+bool has_effects_beyond_tool(const TouchObject& object);
 
 // The meshes are shared, where they are at rest. held: the number of the object that is the tool itself; its mesh and material are not
 // among the obstacles. RT: set-up only. Pre: held is a number of an object; no object deforms.

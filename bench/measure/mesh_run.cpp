@@ -88,7 +88,8 @@ MethodSettings settings_of(const char* name, double probe_radius_m) {
 }
 
 // In windows with a switch that nothing explains: the reference from 16 times as many sub-steps. Where that is another force by more than
-// kBranchShare, the first passes agreed by chance, so the step is not settled. Which steps are errors, and by how much, stays.
+// kBranchShare, the first passes agreed by chance, so the step is not settled; a switch is unsettled if its first step is. Which steps are
+// errors, and by how much, stays.
 void check_reference(ReferenceMethod& fine, const std::vector<BranchSwitch>& switches, std::size_t window_steps, Windows& windows) {
   std::size_t checked = windows.begins.size();
   for (const BranchSwitch& branch : switches) {
@@ -116,7 +117,10 @@ Result<void> compare_windows(const MethodSettings& fine, const TouchScene& scene
   figures.converged = compare_forces(windows.converged, windows.reference, settings, windows.converged);
   for (const BranchSwitch& branch : figures.error.switches) {
     const Windows::Begin& begin = windows.begins[branch.first_step / settings.reset_every];
-    figures.switches.push_back({begin.seed, begin.step + 1 + branch.first_step % settings.reset_every, branch});
+    const std::size_t step = begin.step + 1 + branch.first_step % settings.reset_every;
+    // Windows are drawn independently, so two of them may overlap.
+    const auto is_same = [&](const MeshFigures::Switch& known) { return known.seed == begin.seed && known.step == step; };
+    if (std::ranges::none_of(figures.switches, is_same)) figures.switches.push_back({begin.seed, step, branch});
   }
   return {};
 }

@@ -11,13 +11,27 @@ namespace hapton {
 namespace {
 
 // As when it is picked up there (Grasp): it gives no force as long as it overlaps.
-bool is_blocked(const TouchScene& scene, std::size_t held) {
+CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::string& name) {
   ToolObstacles others = make_tool_obstacles(scene, held);
-  if (others.meshes.empty()) return false;
+  if (others.meshes.empty()) return {};
   const auto step = ToolStep::make(*scene.objects[held].mesh, std::move(others.meshes), {});
-  if (!step) return false;
+  if (!step) {
+    return {{SceneFault::overlaps, name, std::nullopt, "it cannot be picked up: " + step.error().what, "repair it, or leave movable out"}};
+  }
   (*step)->reset({});
-  return (*step)->step({}).proxy.is_blocked;
+  if (!(*step)->step({}).proxy.is_blocked) return {};
+  return {{SceneFault::overlaps, name, std::nullopt,
+           "it overlaps or touches another object, so it gives no force after it is picked up until it is clear",
+           "move it away by a little, or leave movable out"}};
+}
+
+// Without a tool of the scene only what is picked up feels less.
+CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
+  constexpr const char* kFelt = "feels only its shape, stiffness, friction, damping and viscosity, from both sides";
+  return {SceneFault::shape_alone, name, std::nullopt,
+          has_tool ? fmt::format("the tool {}", kFelt) : fmt::format("an object that is picked up {}; the probe feels all of it", kFelt),
+          has_tool ? "leave out its other effects, images and two_sided = false, or touch it with a probe"
+                   : "leave out its other effects, images and two_sided = false where what is picked up should feel them"};
 }
 
 }  // namespace
@@ -29,16 +43,12 @@ CheckFindings check_tool(const Scene& scene) {
   if (!scene.tool && !has_movable) return findings;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const SceneObject& object = scene.objects[o];
-    if (has_effects_no_tool_feels(touched.objects[o])) {
-      findings.push_back({SceneFault::shape_alone, object.name, std::nullopt,
-                          "a rigid tool feels only its shape, stiffness, friction, damping and viscosity, from both sides",
-                          "leave out its other effects, images and two_sided = false, or touch it with a probe"});
+    if (has_effects_beyond_tool(touched.objects[o])) {
+      findings.push_back(name_shape_alone(object.name, scene.tool.has_value()));
     }
-    if (object.is_movable && is_blocked(touched, o)) {
-      findings.push_back({SceneFault::overlaps, object.name, std::nullopt,
-                          "it overlaps or touches another object, so it gives no force after it is picked up until it is clear",
-                          "move it away by a little, or leave movable out"});
-    }
+    if (!object.is_movable) continue;
+    const CheckFindings place = check_place(touched, o, object.name);
+    findings.insert(findings.end(), place.begin(), place.end());
   }
   return findings;
 }

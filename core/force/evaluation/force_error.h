@@ -35,7 +35,7 @@ struct BranchSwitch {
   enum class Cause {
     unconverged,  // it vanishes where every step is converged: the proxy has not arrived yet
     unsettled,    // the reference has not settled in its first step, so the limit is not known there
-    unexplained,  // method and reference are in different local minima
+    unexplained,  // neither: mostly different local minima (decision 242)
   };
   std::size_t first_step = 0;
   std::size_t steps = 0;

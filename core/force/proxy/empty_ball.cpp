@@ -12,7 +12,7 @@ double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double
   constexpr double kHardlyNearer = 0.75 * 0.75;  // of squared distances
   const double widest = 64.0 * displacement + 4.0 * rest;
   double clear_squared = widest * widest;
-  constexpr int kMostTests = 256;  // half of the work of a step (StepWork::kMost)
+  constexpr int kMostTests = 256;  // about half of the work of a step (StepWork::kMost)
   work_ = 0;
   geometry.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
     if (++work_ > kMostTests) return clear_squared = 0.0;

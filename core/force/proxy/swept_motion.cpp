@@ -171,7 +171,7 @@ bool SweptMotion::is_too_near(const ProxyState& proxy) const noexcept {
 
 // The least distance from all surfaces, up to the probe's own size. Among too many triangles it may be less: `is_certain`.
 double SweptMotion::find_room(const Vec3& p, bool& is_certain) noexcept {
-  constexpr int kMostTests = 256;  // half of the work of a step (StepWork::kMost)
+  constexpr int kMostTests = 256;  // about half of the work of a step (StepWork::kMost)
   double room = clearance_.offset;
   int tests = 0;
   surfaces_.geometry().visit_nearest(p, room * room, [&](std::uint32_t triangle, double) {

@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr double kAround = 32.0;   // offsets; a corner within this distance is where the point is
-constexpr double kWedge = 4096.0;  // offsets; so far from its tip a wedge of a fortieth of a degree holds the sphere
+constexpr double kWedge = 4096.0;  // offsets; so far from its tip a wedge of 0.028 degrees holds the sphere
 
 // The position nearest to the planes, lines and points of contacts on faces, edges and vertices: the sum of the squared distances from them
 // is least. False: it is not unique within rounding, or farther than `within` from one of them.

@@ -21,7 +21,7 @@ constexpr double kUnevenShare = 0x1p-20;
 constexpr double kMostUneven = 0.125;
 constexpr double kUnresolved =
     kLeast;                            // how far a centre that counts as on the cone may be off it: no shorter piece is nearer to its cubic
-constexpr double kExact = 0x1p-42;     // within this the cubic counts as the exact path
+constexpr double kExact = 0x1p-42;     // local units: within this the cubic counts as the exact path
 constexpr double kReleased = 0x1p-24;  // a pull at which the device counts as out
 constexpr int kMostSearch = 16;        // rounds that look for an end; where a path can hardly be resolved, more find nothing nearer
 

@@ -14,7 +14,7 @@ struct SlipPath {
   CentrePath path;
   Vec3 direction = Vec3::Zero();
   double length = 0.0;
-  bool is_exact = false;    // the path is within kExact of the exact one
+  bool is_exact = false;    // the path is within 2^-42 of the exact one
   bool stops = false;       // the pull is on the cone at the end of the slip
   bool is_on_cone = false;  // the pull is on the cone already
   bool waits = false;       // the equilibrium has not quite vanished yet
@@ -35,7 +35,7 @@ struct DragLeg {
   bool stops = false;
   bool jumps = false;
   double flow = 0.0;                        // length in the parameter of OffsetDrag::Flow; 0: a flat contact
-  bool is_exact = false;                    // path and time are within kExact of the exact ones
+  bool is_exact = false;                    // path and time are within 2^-42 of the exact ones
   bool is_clear = false;                    // nothing changes the contact on the way: no event but its end
   bool is_line = false;                     // along the line where two planes meet, at the pace that the pull makes
   std::array<double, 2> pace = {0.0, 0.0};  // derivative of the time at both ends; zero: constant

@@ -35,13 +35,13 @@ bool GatheredTriangles::are_slivers(double radius) const noexcept { return near_
 
 // The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
-  constexpr double kSamePlace = 0.25;
+  constexpr double kSamePlace = 0.25;  // offsets
   if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
   constexpr int kMostGuesses = 2;
   constexpr int kFew = 24;
   constexpr int kMostFew = 256;
-  constexpr double kWidest = 0.25;
-  constexpr double kDenser = 0.35;
+  constexpr double kWidest = 0.25;  // local units
+  constexpr double kDenser = 0.35;  // this and the next three: factors of the radius, a choice
   constexpr double kMuchWider = 4.0;
   constexpr double kWider = 1.4;
   constexpr double kLess = 0.7;

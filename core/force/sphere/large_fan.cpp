@@ -217,7 +217,7 @@ void LargeFan::move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, boo
 }
 
 // The constrained minimum over all planes: the one that is violated most joins those that are active, until none is.
-bool LargeFan::find_in_hollow_fan(const SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept {
+bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept {
   constexpr int kMostRounds = 32;
   std::array<ContactPlane, 4> planes;
   std::array<int, 4> of{};
@@ -263,7 +263,7 @@ bool LargeFan::find_in_hollow_fan(const SphereOnFan& on, const Vec3& device, Hol
 }
 
 // The plane that a centre is least above, and its height there above the position in contact.
-int LargeFan::find_lowest_plane(const SphereOnFan& on, const Vec3& c, double& height) noexcept {
+int LargeFan::find_lowest_plane(SphereOnFan& on, const Vec3& c, double& height) noexcept {
   constexpr int kPlanesInUnit = 64;
   const Vec3 off = c - room_.tip;
   int lowest = -1;

@@ -39,7 +39,7 @@ class LargeFan {
   bool exists() const { return !planes_.empty(); }
   // Follows the device, from `time`. The centre is then valid for the device at `time`, whatever is returned.
   Crossing cross(SphereOnFan on, const Vec3& from, const Vec3& to, double& time) noexcept;
-  // The set of triangles has changed.
+  // The set of triangles has changed. Pre: whether the scene may have large fans has not.
   void forget() { room_.room = -1.0; }
 
  private:
@@ -79,8 +79,8 @@ class LargeFan {
   bool cross_fan_edge(const SphereOnFan& on, int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept;
   bool cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept;
   static void move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, bool descends) noexcept;
-  bool find_in_hollow_fan(const SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept;
-  int find_lowest_plane(const SphereOnFan& on, const Vec3& c, double& height) noexcept;
+  bool find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept;
+  int find_lowest_plane(SphereOnFan& on, const Vec3& c, double& height) noexcept;
 
   const TouchGeometry& geometry_;
   FanRoom room_;

@@ -120,9 +120,9 @@ class SphereFollower {
   static constexpr double kBalance = 0x1p-28;    // distance from the boundary of a face within which the sphere balances on it
   static constexpr int kWorkOfEvent = 5;         // units, beside what it queries
   static constexpr int kMostCornerTries = 2;     // in a step
-  static constexpr int kMostIdle = 24;           // events without progress
-  static constexpr int kMostSkips = 16;
-  static constexpr int kMostInFlight = 512;  // triangles that a flight tests
+  static constexpr int kMostIdle = 24;           // events without progress; a choice
+  static constexpr int kMostSkips = 16;          // in a motion; a choice
+  static constexpr int kMostInFlight = 512;      // triangles that a flight tests
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
   using Exit = PathEvents::Exit;

@@ -32,6 +32,16 @@ TEST(ToolCheck, AMovableObjectThatOverlapsOrTouchesAnotherIsNamed) {
   }
 }
 
+TEST(ToolCheck, WhatCannotBePickedUpIsNoCleanScene) {
+  Scene scene;
+  scene.objects = {block_at("table", Vec3::Zero(), false), block_at("nothing", Vec3::Zero(), true)};
+  scene.objects[1].mesh = made::shared(TriangleMesh());
+  const CheckFindings found = check_tool(scene);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].object, "nothing");
+  EXPECT_EQ(found[0].what.find("it cannot be picked up: "), 0U) << found[0].what;
+}
+
 TEST(ToolCheck, TheOnlyObjectOverlapsNothing) {
   Scene scene;
   scene.objects = {block_at("brick", Vec3::Zero(), true)};
@@ -48,6 +58,10 @@ TEST(ToolCheck, WhatAToolDoesNotFeelIsNamedWhereThereIsATool) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].fault, SceneFault::shape_alone);
   EXPECT_EQ(found[0].object, "sheet");
+  scene.tool.reset();
+  scene.objects.push_back(block_at("brick", Vec3::Constant(0.05), true));
+  ASSERT_EQ(check_tool(scene).size(), 1U);
+  EXPECT_NE(check_tool(scene)[0].what.find("the probe feels all of it"), std::string::npos);
 }
 
 }  // namespace
