@@ -80,13 +80,10 @@ struct ForceCommand {
   std::uint32_t shape_serial = 0;  // of the newest shape of an object that it was computed with, as ShapeStart counts
   // On `object`. None: the stylus holds no rigid tool, or programs move nothing; so its presence does not tell of contact.
   std::optional<ObjectPush> push = {};
-  // Haptons: pairs of triangles of a rigid tool and the scene that are in contact (memo, section 5). None: the stylus can hold no tool; so
-  // its presence does not tell of contact.
-  std::optional<std::uint32_t> haptons = {};
+  std::optional<std::uint32_t> haptons = {};  // pairs of triangles of a rigid tool in contact (memo, section 5); none: none can be held
 };
 
-// ForceCommand::replied_before of a first reply that resumes contact of an earlier session.
-constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};
+constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};  // replied_before of a first reply that goes on from an earlier session
 
 // vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
 struct ViewTransform {
@@ -140,8 +137,7 @@ struct ProbeState {
   std::optional<std::uint32_t> haptons = {};  // likewise
 };
 
-// vision -> hub: frame acknowledgement, after a frame was drawn or skipped because it would look the same: which sample it shows. Requests
-// the next state.
+// vision -> hub, after a frame was drawn or skipped as it would look the same: which sample it shows. Requests the next state.
 struct FrameAck {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;

@@ -32,8 +32,7 @@ std::size_t length_of_text(const Message& message) {
 // Two vectors, each with two bytes of tag and one of length, and a number with two bytes of tag, in sessions with a tool only.
 std::size_t length_of_tool(const Message& message) {
   const auto* probe = std::get_if<ProbeState>(&message);
-  if (probe == nullptr) return 0;
-  return (probe->push ? 2U * (2 + 1 + 24) : 0U) + (probe->haptons ? 2U + 4U : 0U);
+  return probe == nullptr ? 0U : (probe->push ? 2U * (2 + 1 + 24) : 0U) + (probe->haptons ? 2U + 4U : 0U);
 }
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
@@ -58,10 +57,8 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
       {ProbeState{}, ProbeState{~std::uint64_t{0}, -1, odd, Quat(0.5, -0.5, 0.5, -0.5), odd, odd, true, ~0U, 1e9F, 1e9F, 1e9F, ~0U},
        ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}},
       // With a tool that can push something, whether it does or not.
-      {ForceCommand{.push = ObjectPush()}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}}},
-      {ProbeState{.push = ObjectPush()}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}}},
-      {ForceCommand{.haptons = 0}, ForceCommand{.contact = true, .haptons = ~0U}},
-      {ProbeState{.haptons = 0}, ProbeState{.contact = true, .haptons = ~0U}}};
+      {ForceCommand{.push = ObjectPush(), .haptons = 0}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}},
+      {ProbeState{.push = ObjectPush(), .haptons = 0}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;
     for (const Message& message : messages) {
