@@ -69,9 +69,8 @@ void InsideWatch::look(const Hand& hand) {
   is_watching_.store(is_inside_now, std::memory_order_release);
   if (is_inside_now && !was_inside && enclosure.two_sided) {
     log_warning(
-        "the stylus, or the tool that it holds, is inside a body of the scene and feels its inner side: end haptics_node, lead the stylus "
-        "out, "
-        "and start it again");
+        "the stylus, or the tool that it holds, is inside a body of the scene and feels its inner side: end haptics_node, lead the "
+        "stylus out, and start it again");
   } else if (is_inside_now && !was_inside) {
     log_warning("the stylus is inside a body of the scene: that body gives no force until the stylus has left it");
   }

@@ -70,9 +70,8 @@ std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, con
   const auto count_switches = [&](Cause cause) { return sum([&](const MeshFigures& f) { return f.error.count(cause); }); };
   const std::string errors = "force error against the limit " + over;
   const std::string windows = fmt::format(
-      "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all: {} unconverged, {} "
-      "where the "
-      "reference has not settled, {} unexplained; {} steps not settled",
+      "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all: {} unconverged, "
+      "{} where the reference has not settled, {} unexplained; {} steps not settled",
       sum([](const MeshFigures& f) { return f.error.contact_steps; }), settings.window_steps,
       sum([](const MeshFigures& f) { return f.error.branch_switches; }), sum([](const MeshFigures& f) { return f.error.switched_steps; }),
       count_switches(Cause::unconverged), count_switches(Cause::unsettled), count_switches(Cause::unexplained),

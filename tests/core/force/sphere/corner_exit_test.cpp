@@ -2,48 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
+#include <utility>
 #include <vector>
 
-#include "tests/support/made_meshes.h"
+#include "tests/support/corner_stage.h"
 
 namespace hapton {
 namespace {
 
-constexpr Clearance kClearanceOfCorners{1e-5, 0x1p-40, 0x1p-46};
-
-// A point in the lower corner of a box, inside; and what else there is.
-struct PointInCorner {
-  explicit PointInCorner(std::vector<const TriangleMesh*> others = {}) {
-    others.insert(others.begin(), &box);
-    geometry = std::make_unique<TouchGeometry>(others);
-    materials.resize(others.size());
-    near = std::make_unique<GatheredTriangles>(*geometry, materials, kClearanceOfCorners, 64.0 * kClearanceOfCorners.offset);
-    apex = geometry->to_local(Vec3::Zero());
-    centre = apex + kClearanceOfCorners.offset * Vec3::Ones();
-    near->widen(0.05);
-    EXPECT_TRUE(near->gather(centre, Vec3::Zero(), work));
-    near->visit_near(centre, centre, 1.5 * kClearanceOfCorners.offset, [&](int slot) {
-      const OffsetContact contact = OffsetContact::nearest(near->triangle(slot), near->shape(slot), centre);
-      if (contact.part != OffsetContact::Part::face) return;
-      for (const OffsetContact& other : contacts.all()) {
-        if (other.normal.dot(contact.normal) > 0.9) return;
-      }
-      contacts.add(contact);
-    });
-    contacts.activate_all();
-  }
+// A point in the corner; and what else there is.
+struct PointInCorner : CornerStage {
+  explicit PointInCorner(std::vector<const TriangleMesh*> others = {}) : CornerStage(0.05, std::move(others)) {}
   CornerExit corner() { return {contacts, *near, centre, memory, work}; }
 
-  TriangleMesh box = made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8));  // the diagonals of its sides miss the centre
-  std::unique_ptr<TouchGeometry> geometry;
-  std::vector<Material> materials;
-  std::unique_ptr<GatheredTriangles> near;
-  ContactSet contacts{kClearanceOfCorners};
   CornerExit::Memory memory;
-  Vec3 apex;
-  Vec3 centre;
-  int work = 0;
 };
 
 TEST(CornerExitOf, TheFreeDirectionsAreThoseOfTheOctant) {
@@ -70,12 +42,12 @@ TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
   EXPECT_LT(pull_at(opens).x(), 1.5 * in.corner().least_exit(pull_at(opens)));
   // A way of that length along the edge does lead nearer by that much.
   const Vec3 out = in.corner().least_exit(pull_at(opens)) * Vec3::UnitX();
-  EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kLeastBetter * kClearanceOfCorners.offset);
+  EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kLeastBetter * CornerStage::kClearance.offset);
   EXPECT_EQ(in.corner().time_to_exit(from, from - Vec3::UnitX(), 0.0), 2.0);
 }
 
 TEST(CornerExitOf, ATargetPastTheCornerIsFreeOnlyWithNothingElseAround) {
-  constexpr double kWide = 512.0 * kClearanceOfCorners.offset;
+  constexpr double kWide = 512.0 * CornerStage::kClearance.offset;
   const Vec3 inwards = Vec3(1.0, 0.5, 0.7).normalized();
   PointInCorner in;
   ASSERT_TRUE(in.corner().find_cone(0.0));
@@ -95,8 +67,8 @@ TEST(CornerExitOf, APositionPastTheCornerIsOffTheWalls) {
   EXPECT_GT(steepest.slope, 0.0);
   const std::optional<Vec3> target = in.corner().find_past(steepest, 1e-3);
   ASSERT_TRUE(target.has_value());
-  EXPECT_GE((*target - in.apex).minCoeff(), kClearanceOfCorners.offset);
-  EXPECT_FALSE(in.corner().find_past(steepest, 2.0 * kClearanceOfCorners.offset).has_value()) << "too near";
+  EXPECT_GE((*target - in.apex).minCoeff(), CornerStage::kClearance.offset);
+  EXPECT_FALSE(in.corner().find_past(steepest, 2.0 * CornerStage::kClearance.offset).has_value()) << "too near";
 }
 
 }  // namespace

@@ -2,48 +2,22 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
+#include <utility>
 #include <vector>
 
-#include "tests/support/made_meshes.h"
+#include "tests/support/corner_stage.h"
 
 namespace hapton {
 namespace {
 
-constexpr Clearance kClearanceOfWedges{1e-5, 0x1p-40, 0x1p-46};
+// The walls of the corner; and what else there is.
+struct InCorner : CornerStage {
+  static constexpr double kFar = Wedge::kFarthest * kClearance.offset;
 
-// Inside a box, in its lower corner, held by all three walls; and what else there is.
-struct InCorner {
-  explicit InCorner(std::vector<const TriangleMesh*> others = {}) {
-    others.insert(others.begin(), &box);
-    geometry = std::make_unique<TouchGeometry>(others);
-    materials.resize(others.size());
-    near = std::make_unique<GatheredTriangles>(*geometry, materials, kClearanceOfWedges, 1e-4);
-    centre = geometry->to_local(Vec3::Zero()) + kClearanceOfWedges.offset * Vec3::Ones();
-    const double far = Wedge::kFarthest * kClearanceOfWedges.offset;
-    near->widen(2.0 * far);
-    EXPECT_TRUE(near->gather(centre, Vec3::Zero(), work));
-    EXPECT_TRUE(near->covers(centre, far));
-    int slots[12];
-    int count = 0;
-    near->visit_near(centre, centre, 1.5 * kClearanceOfWedges.offset, [&](int slot) { slots[count++] = slot; });
-    for (const Vec3& normal : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) {
-      for (int i = 0; i < count; ++i) {
-        const OffsetContact contact = OffsetContact::nearest(near->triangle(slots[i]), near->shape(slots[i]), centre);
-        if (contact.part == OffsetContact::Part::face && contact.normal.dot(normal) > 0.9) contacts.add(contact);
-      }
-    }
-    contacts.activate_all();
+  explicit InCorner(std::vector<const TriangleMesh*> others = {}) : CornerStage(2.0 * kFar, std::move(others)) {
+    EXPECT_TRUE(near->covers(centre, kFar));
   }
   bool holds() { return Wedge(contacts, *near, centre, work).holds(); }
-
-  TriangleMesh box = made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8));  // the diagonals of its sides miss the centre
-  std::unique_ptr<TouchGeometry> geometry;
-  std::vector<Material> materials;
-  std::unique_ptr<GatheredTriangles> near;
-  ContactSet contacts{kClearanceOfWedges};
-  Vec3 centre;
-  int work = 0;
 };
 
 TEST(WedgeOfPlanes, ACornerOfThreeWallsHolds) {
@@ -79,7 +53,7 @@ TEST(WedgeOfPlanes, AContactOnAnEdgeIsOverAFaceThere) {
     const ContactTriangle& face = in.near->shape(slot);
     EXPECT_TRUE(edge.is_shared_with(face));
     EXPECT_EQ(face.separation(in.centre).feature, Feature::face);
-    EXPECT_NEAR(face.separation(in.centre).distance, kClearanceOfWedges.offset, 0.25 * kClearanceOfWedges.slop);
+    EXPECT_NEAR(face.separation(in.centre).distance, CornerStage::kClearance.offset, 0.25 * CornerStage::kClearance.slop);
   }
 }
 

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "core/force/sphere/contact_set.h"
+#include "core/force/sphere/gathered_triangles.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+
+// A small sphere inside a box, in its lower corner, held by all three walls; and what else there is. Local units.
+struct CornerStage {
+  static constexpr Clearance kClearance{1e-5, 0x1p-40, 0x1p-46};
+
+  // gathered: the radius of the ball of triangles.
+  explicit CornerStage(double gathered, std::vector<const TriangleMesh*> others = {}) {
+    others.insert(others.begin(), &box);
+    geometry = std::make_unique<TouchGeometry>(others);
+    materials.resize(others.size());
+    near = std::make_unique<GatheredTriangles>(*geometry, materials, kClearance, 64.0 * kClearance.offset);
+    apex = geometry->to_local(Vec3::Zero());
+    centre = apex + kClearance.offset * Vec3::Ones();
+    near->widen(gathered);
+    EXPECT_TRUE(near->gather(centre, Vec3::Zero(), work));
+    for (const Vec3& normal : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ())}) add_wall(normal);
+    EXPECT_EQ(contacts.count(), 3);
+    contacts.activate_all();
+  }
+
+  TriangleMesh box = made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8));  // the diagonals of its sides miss the centre
+  std::unique_ptr<TouchGeometry> geometry;
+  std::vector<Material> materials;
+  std::unique_ptr<GatheredTriangles> near;
+  ContactSet contacts{kClearance};
+  Vec3 apex;
+  Vec3 centre;
+  int work = 0;
+
+ private:
+  void add_wall(const Vec3& normal) {
+    bool is_added = false;
+    near->visit_near(centre, centre, 1.5 * kClearance.offset, [&](int slot) {
+      const OffsetContact contact = OffsetContact::nearest(near->triangle(slot), near->shape(slot), centre);
+      const bool is_it = contact.part == OffsetContact::Part::face && contact.normal.dot(normal) > 0.9;
+      if (is_it && !is_added) contacts.add(contact);
+      is_added = is_added || is_it;
+    });
+  }
+};
+
+}  // namespace hapton
