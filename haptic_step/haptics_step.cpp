@@ -33,8 +33,17 @@ HapticsStep::HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m) : to
 
 void HapticsStep::hold(HeldTool* tool, std::vector<ToolPart> parts) {
   tool_ = tool;
+  set_parts(std::move(parts));
+}
+
+void HapticsStep::set_grasp(Grasp* grasp, std::vector<ToolPart> parts) {
+  grasp_ = grasp;
+  set_parts(std::move(parts));
+}
+
+void HapticsStep::set_parts(std::vector<ToolPart> parts) {
   tool_parts_ = std::move(parts);
-  X_SO_.resize(tool_parts_.size(), Pose::Identity());
+  X_SO_.assign(tool_parts_.size(), Pose::Identity());
 }
 
 void HapticsStep::offer(const DeviceState& state) noexcept {
@@ -196,7 +205,7 @@ void HapticsStep::place_parts() noexcept {
   }
 }
 
-// Of the objects that programs move, the one that the tool presses most.
+// Of the objects that programs move, the one that the tool presses most: that is the object in contact then.
 void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   for (std::size_t p = 0; p < tool_parts_.size(); ++p) {
     if (tool_parts_[p].commanded < 0) continue;
@@ -242,7 +251,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   }
   reply.visual_offset_m = felt.X_WP.translation() - state_.p_WD;
   reply.visual_turn = turn_between(state_.q_WT, Quat(felt.X_WP.linear()));
-  if (grasp_ == nullptr) note_push(reply);
+  note_push(reply);
 }
 
 // They stand beside the method: they neither fade with a change of it nor move its probe.

@@ -46,8 +46,9 @@ class HapticsStep {
   // the tool was made for. Pre: outlives this.
   void hold(HeldTool* tool, std::vector<ToolPart> parts = {});
   bool holds_tool() const noexcept { return tool_ != nullptr; }
-  // Before the first reply: what picks up movable objects with the stylus. Pre: outlives this.
-  void set_grasp(Grasp* grasp) noexcept { grasp_ = grasp; }
+  // Before the first reply: what picks up movable objects with the stylus. parts: of the scene that move; each of its tools is made for
+  // these. Pre: outlives this.
+  void set_grasp(Grasp* grasp, std::vector<ToolPart> parts = {});
   // Null: nothing is movable.
   Grasp* grasp() const noexcept { return grasp_; }
   // Before the first reply: effects from shared libraries, added to every force whatever the method is. Pre: outlives this.
@@ -138,6 +139,7 @@ class HapticsStep {
   void remember_reply() noexcept;
   void feel_probe(ForceCommand& reply) noexcept;
   void feel_tool(ForceCommand& reply) noexcept;
+  void set_parts(std::vector<ToolPart> parts);
   void place_parts() noexcept;
   void note_push(ForceCommand& reply) const noexcept;
   void feel_nothing(ForceCommand& reply) noexcept;

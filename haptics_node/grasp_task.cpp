@@ -120,7 +120,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
   auto step = objects_.hold(
       number, order.X_SD,
       {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
-      std::move(obstacles.friction), make_worker_team(options_.threads));
+      std::move(obstacles.friction), make_worker_team(options_.threads), std::move(obstacles.part_of));
   if (step) {
     if (const auto damped = (*step)->damp(obstacles.damping); !damped) step = tl::unexpected(damped.error());
   }

@@ -141,10 +141,11 @@ Result<void> set_up_grasp(const HapticsOptions& options, const StartScene& start
   if (options.watch_scene) {
     return fail("--watch-scene does not support movable objects; leave out --watch-scene, or 'movable = true' in the scene file");
   }
-  step.set_grasp(&grasp.emplace(link, movable, button_bit(options.grasp_button)));
+  ToolObstacles obstacles = make_tool_obstacles(start.placed.touch_scene());
+  step.set_grasp(&grasp.emplace(link, movable, button_bit(options.grasp_button)), std::move(obstacles.parts));
   for (const PutDown& each : start.put_down) grasp->place(each.object, each.pose());
   log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
-  if (make_tool_obstacles(start.placed.touch_scene()).leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
+  if (obstacles.leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
   return {};
 }
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/tool/tool_step.h"
 #include "scene/text_cursor.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 namespace {
@@ -16,9 +18,11 @@ const SceneObject* find_object(const Scene& scene, const Is& is) {
 }
 
 std::string_view way_of_moving(const SceneObject& object) {
-  if (object.commanded != nullptr) return "is moved by programs";
-  if (object.program_shape != nullptr) return "is deformed by programs";
-  return object.motion != nullptr ? "moves by keyframes" : "deforms";
+  return object.commanded != nullptr ? "is moved by programs" : "moves by keyframes";
+}
+
+std::string_view way_of_deforming(const SceneObject& object) {
+  return object.program_shape != nullptr ? "is deformed by programs" : "deforms";
 }
 
 // "FILE: line 3: object 'lid'".
@@ -39,7 +43,6 @@ Error not_with_movable(const std::filesystem::path& path, const SceneObject& obj
 
 Result<void> check_combination(const std::filesystem::path& path, const Scene& scene, bool has_tool) {
   const auto* deforming = find_object(scene, [](const SceneObject& each) { return each.deforms(); });
-  const auto* moving = find_object(scene, [](const SceneObject& each) { return each.moves(); });
   const auto* carved = find_object(scene, [](const SceneObject& each) { return each.sculpt.has_value(); });
   std::size_t shaped = 0;
   for (const SceneObject& each : scene.objects) {
@@ -57,8 +60,16 @@ Result<void> check_combination(const std::filesystem::path& path, const Scene& s
   }
   const auto* movable = find_object(scene, [](const SceneObject& each) { return each.is_movable; });
   if (movable == nullptr) return {};
-  if (moving != nullptr) return tl::unexpected(not_with_movable(path, *moving, way_of_moving(*moving), *movable));
+  if (deforming != nullptr) return tl::unexpected(not_with_movable(path, *deforming, way_of_deforming(*deforming), *movable));
   if (carved != nullptr) return tl::unexpected(not_with_movable(path, *carved, "can be carved", *movable));
+  const auto* both = find_object(scene, [](const SceneObject& each) { return each.is_movable && each.moves(); });
+  if (both != nullptr) return tl::unexpected(not_with_movable(path, *both, way_of_moving(*both), *both));
+  if (const std::size_t parts = make_tool_obstacles(scene.touch_scene()).parts.size(); parts > ToolStep::kMostParts) {
+    return fail(
+        "{} is movable, and {} parts of the scene move by themselves: {} at most beside a movable object; let some stand still, or "
+        "move together",
+        name_at(path, *movable), parts, ToolStep::kMostParts);
+  }
   return {};
 }
 

@@ -62,6 +62,8 @@ Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client,
     driver.take(*move, client.last_arrival());
   } else if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) {
     driver.take(*reply);
+  } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
+    driver.take(*pose);
   } else if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) {
     if (facts->given_hash != scene.given_hash) return fail("haptics_node has another scene; give its scene file by --scene");
   }

@@ -38,8 +38,9 @@ bool is_top_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature 
 NearFeatures::NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team)
     : NearFeatures(tool, std::make_shared<const ToolSurface>(tool), scene, std::make_shared<const SceneSurface>(scene), team) {}
 
-NearFeatures::NearFeatures(const NearFeatures& other, const TouchGeometry& scene, WorkerTeam& team)
-    : NearFeatures(*other.tool_, other.tool_surface_, scene, std::make_shared<const SceneSurface>(scene), team) {}
+NearFeatures::NearFeatures(const NearFeatures& other, const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface,
+                           WorkerTeam& team)
+    : NearFeatures(*other.tool_, other.tool_surface_, scene, std::move(scene_surface), team) {}
 
 NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
                            std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team)

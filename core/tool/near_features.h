@@ -42,7 +42,7 @@ class NearFeatures {
   NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
                std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team = calling_thread());
   // Of the same tool and another scene; what is made of the tool alone is shared.
-  NearFeatures(const NearFeatures& other, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
+  NearFeatures(const NearFeatures& other, const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team);
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 

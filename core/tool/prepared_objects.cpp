@@ -89,7 +89,8 @@ std::shared_ptr<const BuiltObjects> PreparedObjects::build() {
 }
 
 Result<std::unique_ptr<ToolStep>> PreparedObjects::hold(std::size_t object, const Pose& X_SD, const ToolCoupling& coupling,
-                                                        std::vector<CoulombFriction> friction, std::unique_ptr<WorkerTeam> team) {
+                                                        std::vector<CoulombFriction> friction, std::unique_ptr<WorkerTeam> team,
+                                                        std::vector<int> parts) {
   if (const auto numbered = TouchGeometry::check(meshes_); !numbered) return tl::unexpected(numbered.error());
   while (prepare_next()) {
   }
@@ -98,7 +99,8 @@ Result<std::unique_ptr<ToolStep>> PreparedObjects::hold(std::size_t object, cons
                     .q_DT = Quat(X_SD.linear()).normalized().conjugate(),
                     .mean_squared_lever = find_mean_squared_lever(*meshes_[object], X_SD.translation()),
                     .scene = prepared_,
-                    .frame = frame_};
+                    .frame = frame_,
+                    .part_of = std::move(parts)};
   tool.scene.erase(tool.scene.begin() + static_cast<std::ptrdiff_t>(object));
   return ToolStep::make(tool, coupling, std::move(friction), std::move(team));
 }

@@ -28,10 +28,11 @@ class PreparedObjects {
   // Prepares one object that is not prepared. False: all are.
   bool prepare_next();
 
-  // The object as a tool, against all others, gripped at the stylus' pose X_SD; prepares what is not. friction: of the others, in order;
-  // empty: none. Error: as ToolStep::make.
+  // The object as a tool, against all others, gripped at the stylus' pose X_SD; prepares what is not. friction, parts: of the others, in
+  // order, as ToolStep::make has them; what moves is prepared where it is at rest. Error: as ToolStep::make.
   Result<std::unique_ptr<ToolStep>> hold(std::size_t object, const Pose& X_SD, const ToolCoupling& coupling,
-                                         std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
+                                         std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr,
+                                         std::vector<int> parts = {});
 
   // All objects for a probe, where they are now. Builds the geometries that are missing; marks of each other only where an object was
   // replaced since the last call. Null: the objects are too many or too large for a TouchGeometry.

@@ -11,8 +11,9 @@ ScenePart::ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurfa
                      std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction, WorkerTeam& team)
     : near_(tool, std::move(tool_surface), scene, std::move(scene_surface), team), friction_(std::move(friction)) {}
 
-ScenePart::ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team)
-    : near_(first.near_, scene, team), friction_(std::move(friction)), moves_(true) {}
+ScenePart::ScenePart(const ScenePart& first, const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface,
+                     std::vector<CoulombFriction> friction, WorkerTeam& team)
+    : near_(first.near_, scene, std::move(scene_surface), team), friction_(std::move(friction)), moves_(true) {}
 
 CoulombFriction ScenePart::friction_of(std::uint32_t object) const noexcept {
   return object < friction_.size() ? friction_[object] : CoulombFriction();

@@ -20,7 +20,8 @@ class ScenePart {
   ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
             std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction, WorkerTeam& team);
   // Another part of the same scene, which moves, and is at rest where it was built.
-  ScenePart(const ScenePart& first, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team);
+  ScenePart(const ScenePart& first, const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface,
+            std::vector<CoulombFriction> friction, WorkerTeam& team);
 
   NearFeatures& near() { return near_; }
   const NearFeatures& near() const { return near_; }

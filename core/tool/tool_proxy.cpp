@@ -48,8 +48,9 @@ ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurfa
     : ToolProxy(std::make_unique<ScenePart>(tool, std::move(tool_surface), scene, std::move(scene_surface), std::move(friction), team),
                 turn_length, team) {}
 
-void ToolProxy::add_part(const TouchGeometry& scene, std::vector<CoulombFriction> friction) {
-  parts_.push_back(std::make_unique<ScenePart>(*parts_[0], scene, std::move(friction), *team_));
+void ToolProxy::add_part(const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface,
+                         std::vector<CoulombFriction> friction) {
+  parts_.push_back(std::make_unique<ScenePart>(*parts_[0], scene, std::move(scene_surface), std::move(friction), *team_));
   const std::size_t most = parts_.size() * NearFeatures::kMostFeatures;
   bounds_.resize(most);
   bound_pairs_.resize(most);

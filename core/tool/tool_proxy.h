@@ -78,8 +78,8 @@ class ToolProxy {
   ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
             std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<CoulombFriction> friction, WorkerTeam& team);
   // Another part of the scene, in the same local frame, which moves. Before the first step. RT: set-up only. Pre: the scene is built at
-  // once and outlives this.
-  void add_part(const TouchGeometry& scene, std::vector<CoulombFriction> friction = {});
+  // once and outlives this; the surface is of it.
+  void add_part(const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction = {});
   std::size_t moving_count() const { return parts_.size() - 1; }
 
   // Puts the tool there, as if it were new: steps from here on are the same to the bit. If it overlaps the scene, or nearly touches it,

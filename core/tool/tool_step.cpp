@@ -39,10 +39,28 @@ Result<void> check(const ToolCoupling& coupling, const std::vector<CoulombFricti
   return {};
 }
 
+bool is_rough(const std::vector<CoulombFriction>& friction) {
+  return std::ranges::any_of(friction, [](const CoulombFriction& one) { return one.friction_static > 0.0; });
+}
+
 std::vector<std::shared_ptr<const ObjectGeometry>> geometries_of(const std::vector<std::shared_ptr<const ContactSurface>>& objects) {
   std::vector<std::shared_ptr<const ObjectGeometry>> geometries;
   for (const auto& object : objects) geometries.emplace_back(object, &object->geometry());
   return geometries;
+}
+
+// Of the parts that move; of a scene without: 0.
+Result<std::size_t> count_moving(const std::vector<int>& part_of) {
+  const int moving = part_of.empty() ? 0 : std::max(0, *std::max_element(part_of.begin(), part_of.end()));
+  if (moving > ToolStep::kMostParts) {
+    return fail("{} parts of the scene move by themselves; a rigid tool touches {} at most: let some stand still, or move together", moving,
+                ToolStep::kMostParts);
+  }
+  return static_cast<std::size_t>(moving);
+}
+
+std::size_t part_of_object(const std::vector<int>& part_of, std::size_t object) {
+  return object < part_of.size() ? static_cast<std::size_t>(std::max(part_of[object], 0)) : 0;
 }
 
 constexpr char kNoToolTriangles[] = "the tool has no triangles";
@@ -73,17 +91,14 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
   if (triangles == 0) return fail(kNoSceneTriangles);
   if (const auto usable = check(coupling, friction); !usable) return tl::unexpected(usable.error());
   if (const auto numbered = TouchGeometry::check(scene); !numbered) return tl::unexpected(numbered.error());
-  const int moving = parts.empty() ? 0 : *std::max_element(parts.begin(), parts.end());
-  if (moving > kMostParts) {
-    return fail("{} parts of the scene move by themselves; a rigid tool touches {} at most: let some stand still, or move together", moving,
-                kMostParts);
-  }
-  std::vector<Objects> objects(static_cast<std::size_t>(moving) + 1);
+  const auto moving = count_moving(parts);
+  if (!moving) return tl::unexpected(moving.error());
+  std::vector<Objects> objects(*moving + 1);
   Box box;
   for (std::size_t o = 0; o < scene.size(); ++o) {
-    Objects& part = objects[o < parts.size() ? static_cast<std::size_t>(std::max(parts[o], 0)) : 0];
+    Objects& part = objects[part_of_object(parts, o)];
     for (const Vec3& v : scene[o]->vertices) {
-      if (moving > 0) box.grow(v);
+      if (*moving > 0) box.grow(v);
     }
     part.meshes.push_back(std::move(scene[o]));
     part.friction.push_back(o < friction.size() ? friction[o] : CoulombFriction());
@@ -100,8 +115,16 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const PreparedTool& prepared, c
   const auto has_triangles = [](const auto& object) { return object->geometry().triangle_count() > 0; };
   if (!std::any_of(prepared.scene.begin(), prepared.scene.end(), has_triangles)) return fail(kNoSceneTriangles);
   if (const auto usable = check(coupling, friction); !usable) return tl::unexpected(usable.error());
+  const auto moving = count_moving(prepared.part_of);
+  if (!moving) return tl::unexpected(moving.error());
+  std::vector<PreparedPart> parts(*moving + 1);
+  for (std::size_t o = 0; o < prepared.scene.size(); ++o) {
+    PreparedPart& part = parts[part_of_object(prepared.part_of, o)];
+    part.surfaces.push_back(prepared.scene[o]);
+    part.friction.push_back(o < friction.size() ? friction[o] : CoulombFriction());
+  }
   const ToolCoupling whole = completed(coupling, prepared.mean_squared_lever);
-  return checked(std::unique_ptr<ToolStep>(new ToolStep(prepared, whole, std::move(friction), std::move(team))));
+  return checked(std::unique_ptr<ToolStep>(new ToolStep(prepared, std::move(parts), whole, std::move(team))));
 }
 
 Result<std::unique_ptr<ToolStep>> ToolStep::checked(std::unique_ptr<ToolStep> step) {
@@ -120,27 +143,33 @@ ToolStep::ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const B
       scene_(std::move(parts[0].meshes), BuildPolicy::at_once, std::nullopt, box),
       tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
       proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), parts[0].friction, team_ ? *team_ : calling_thread()) {
-  for (const Objects& part : parts) {
-    for (const CoulombFriction& one : part.friction) has_friction_ = has_friction_ || one.friction_static > 0.0;
-  }
+  has_friction_ = std::ranges::any_of(parts, [](const Objects& part) { return is_rough(part.friction); });
   for (std::size_t p = 1; p < parts.size(); ++p) {
     moving_.push_back(std::make_unique<TouchGeometry>(std::move(parts[p].meshes), BuildPolicy::at_once, std::nullopt, box));
-    proxy_.add_part(*moving_.back(), std::move(parts[p].friction));
+    proxy_.add_part(*moving_.back(), std::make_shared<const SceneSurface>(*moving_.back()), std::move(parts[p].friction));
   }
   parts_.resize(moving_.size());
 }
 
-ToolStep::ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<CoulombFriction> friction,
+ToolStep::ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts, const ToolCoupling& coupling,
                    std::unique_ptr<WorkerTeam> team)
     : team_(std::move(team)),
       coupling_(coupling),
-      has_friction_(std::ranges::any_of(friction, [](const CoulombFriction& one) { return one.friction_static > 0.0; })),
+      has_friction_(std::ranges::any_of(parts, [](const PreparedPart& part) { return is_rough(part.friction); })),
       q_DT_(prepared.q_DT),
-      scene_(geometries_of(prepared.scene), prepared.frame),
+      scene_(geometries_of(parts[0].surfaces), prepared.frame),
+      part_of_(prepared.part_of),
       tool_(prepared.tool->geometry().about(prepared.grip)),
       proxy_(tool_, std::make_shared<const ToolSurface>(prepared.tool, prepared.grip, tool_), scene_,
-             std::make_shared<const SceneSurface>(prepared.scene, scene_), turn_length_m(coupling_) / scene_.unit_m(), std::move(friction),
-             team_ ? *team_ : calling_thread()) {}
+             std::make_shared<const SceneSurface>(parts[0].surfaces, scene_), turn_length_m(coupling_) / scene_.unit_m(), parts[0].friction,
+             team_ ? *team_ : calling_thread()) {
+  for (std::size_t p = 1; p < parts.size(); ++p) {
+    moving_.push_back(std::make_unique<TouchGeometry>(geometries_of(parts[p].surfaces), prepared.frame));
+    proxy_.add_part(*moving_.back(), std::make_shared<const SceneSurface>(parts[p].surfaces, *moving_.back()),
+                    std::move(parts[p].friction));
+  }
+  parts_.resize(moving_.size());
+}
 
 void ToolStep::to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept {
   for (std::size_t p = 0; p < std::min(X_SO.size(), parts.size()); ++p) {
@@ -209,7 +238,7 @@ Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
       return fail("the damping of a surface is {} Ns/m along its normal and {} Ns/m along it; give 0 or more", one.normal_ns_per_m,
                   one.along_ns_per_m);
     }
-    by_part[o < part_of_.size() ? static_cast<std::size_t>(std::max(part_of_[o], 0)) : 0].push_back(one);
+    by_part[part_of_object(part_of_, o)].push_back(one);
   }
   drag_ = ContactDrag(std::move(by_part), scene_.unit_m(), proxy_.radius());
   return {};

@@ -50,7 +50,8 @@ struct PreparedTool {
   Quat q_DT = Quat::Identity();     // of the tool's axes, which are those of the scene, in the stylus
   double mean_squared_lever = 0.0;  // m^2, see ToolCoupling
   std::vector<std::shared_ptr<const ContactSurface>> scene;
-  LocalFrame frame;  // of tool and scene
+  LocalFrame frame;          // of tool and scene
+  std::vector<int> part_of;  // of each object of the scene, as ToolStep::make has parts
 };
 
 // Two thirds of the mean squared distance of the surface from the grip point: the mean squared lever about an axis through it. m^2.
@@ -72,7 +73,7 @@ class ToolStep {
                                                 const ToolCoupling& coupling, std::vector<CoulombFriction> friction = {},
                                                 std::unique_ptr<WorkerTeam> team = nullptr, const std::vector<int>& parts = {});
 
-  // Of what was prepared before; all of it stands still. friction: as above.
+  // Of what was prepared before. friction: as above.
   static Result<std::unique_ptr<ToolStep>> make(const PreparedTool& prepared, const ToolCoupling& coupling,
                                                 std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
 
@@ -117,8 +118,13 @@ class ToolStep {
   // The first stand still. box: of all; empty: none of them moves.
   ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const Box& box, const ToolCoupling& coupling,
            std::unique_ptr<WorkerTeam> team);
-  ToolStep(const PreparedTool& prepared, const ToolCoupling& coupling, std::vector<CoulombFriction> friction,
-           std::unique_ptr<WorkerTeam> team);
+  // Prepared objects that stand still, or move together.
+  struct PreparedPart {
+    std::vector<std::shared_ptr<const ContactSurface>> surfaces = {};
+    std::vector<CoulombFriction> friction = {};
+  };
+  // The first stand still.
+  ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts, const ToolCoupling& coupling, std::unique_ptr<WorkerTeam> team);
   static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;
   void add_drag(const ToolInput& input, ToolOutput& output) noexcept;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -46,11 +47,13 @@ struct MovableTouch : testing::Test {
   Vec3 moved = Vec3::Zero();  // the block, from where the scene has it
   std::size_t checked = 0;    // of system->touched
   bool builds_on_approach = false;
+  std::function<void(Scene&)> change = {};  // of the scene, before it is loaded; the block stays
 
   void press(std::uint64_t seed, const LinkFaults& faults, TouchChoice choice = TouchChoice::patch) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     system.emplace(seed, choice);
     system->scene = block_over_plate();
+    if (change) change(system->scene);
     system->builds_on_approach = builds_on_approach;
     system->start_haptics();
     // While the hand is above: one that begins inside has no contact.

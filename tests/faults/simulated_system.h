@@ -25,6 +25,7 @@
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
 #include "scene/scene_file.h"
+#include "scene/tool_obstacles.h"
 #include "tests/faults/simulated_network.h"
 #include "tests/support/made_meshes.h"
 
@@ -105,7 +106,7 @@ class SimulatedHaptics {
     if (!scene.objects.empty()) loop_.set_object_mover(&mover);
     const auto movable = list_movable(scene);
     if (std::find(movable.begin(), movable.end(), true) == movable.end()) return;
-    step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U));
+    step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U), make_tool_obstacles(touched_).parts);
     tuner_.emplace(scene, 0.0);
     const auto on_scene = [this](const TouchScene& now, std::uint32_t revision) { patches_.set_scene(now, 0, revision); };
     grasp_task_.emplace(GraspTask::Options{.on_scene = on_scene}, scene, std::vector<PutDown>(), grasp_link_, *tuner_, builder_, own_time_);

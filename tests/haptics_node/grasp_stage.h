@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@
 #include "haptic_step/haptics_step.h"
 #include "haptics_node/grasp_task.h"
 #include "haptics_node/placed_scene.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 
@@ -27,18 +29,21 @@ struct GraspTaskTest : testing::Test {
   static constexpr double kSide = 0.02;
   static constexpr double kPress = 0.0005;  // how deep the stylus presses
 
-  explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}, std::vector<SceneEffect> effects = {}) {
+  // change: of the scene, before it is loaded.
+  explicit GraspTaskTest(const std::vector<PutDown>& put_down = {}, std::vector<SceneEffect> effects = {},
+                         const std::function<void(Scene&)>& change = {}) {
     scene.effects = std::move(effects);
     scene.objects.push_back(box_at("plate", {0.2, 0.2, 0.01}, {0.0, 0.0, -0.005}));
     scene.objects.push_back(box_at("cube", Vec3::Constant(kSide), {0.0, 0.0, 0.011}, true));
     scene.objects.push_back(box_at("wall", {0.02, 0.1, 0.08}, {0.06, 0.0, 0.04}));
+    if (change) change(scene);
     const Scene placed = place_objects(scene, put_down);
     auto method = make_method({}, placed.touch_scene());
     EXPECT_TRUE(method);
     step.emplace(std::make_unique<TouchStep>(std::move(*method), placed.touch_scene()), 1e-5);
     grasp.emplace(link, list_movable(scene), 1U);
     for (const PutDown& each : put_down) grasp->place(each.object, each.pose());
-    step->set_grasp(&*grasp);
+    step->set_grasp(&*grasp, make_tool_obstacles(placed.touch_scene()).parts);
     tuner.emplace(placed, 0.0);
     builder.emplace(MethodSettings(), placed.touch_scene(), step->touch().share_method(),
                     [this](MethodSettings& settings, const TouchScene& touched) -> Result<std::unique_ptr<ForceMethod>> {

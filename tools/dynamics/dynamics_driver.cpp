@@ -124,6 +124,16 @@ void DynamicsDriver::take(const HapticsSetup& setup) {
   world_->set_gravity(X_WS_.linear().transpose() * settings_.gravity_W);
 }
 
+void DynamicsDriver::take(const ObjectPose& pose) {
+  const auto object = static_cast<std::size_t>(pose.object);
+  if (pose.object < 0 || object >= scene_->objects.size() || !scene_->objects[object].is_movable) return;
+  if (pose.is_held) return world_->pick_up_obstacle(pose.object);
+  Pose X_SO = Pose::Identity();
+  X_SO.translation() = pose.p_m;
+  X_SO.linear() = pose.q.normalized().toRotationMatrix();
+  world_->put_down_obstacle(pose.object, X_SO);
+}
+
 void DynamicsDriver::take(const MoveReply& reply) {
   const auto body = std::ranges::find_if(bodies_, [&](const Body& b) { return b.pending && b.pending->request == reply.request; });
   if (body == bodies_.end()) return;

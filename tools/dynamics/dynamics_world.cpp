@@ -35,6 +35,8 @@ bool DynamicsWorld::is_body(int) const noexcept { return false; }
 void DynamicsWorld::set_gravity(const Vec3&) {}
 void DynamicsWorld::press(const std::optional<Push>&) {}
 void DynamicsWorld::move_obstacle(int, const Pose&) {}
+void DynamicsWorld::pick_up_obstacle(int) {}
+void DynamicsWorld::put_down_obstacle(int, const Pose&) {}
 void DynamicsWorld::step() {}
 Keyframe DynamicsWorld::place(int, double) const { return {}; }
 std::span<const int> DynamicsWorld::fallen() const noexcept { return {}; }
@@ -148,7 +150,7 @@ Member make_obstacle(const SceneObject& object) {
   member.shape->setMargin(btScalar(kMarginM * kUnitsPerM));
   member.body = std::make_unique<btRigidBody>(0, nullptr, member.shape.get());
   int flags = member.body->getCollisionFlags() | btCollisionObject::CF_CUSTOM_MATERIAL_CALLBACK;
-  if (object.motion != nullptr || object.commanded != nullptr) flags |= btCollisionObject::CF_KINEMATIC_OBJECT;
+  if (object.motion != nullptr || object.commanded != nullptr || object.is_movable) flags |= btCollisionObject::CF_KINEMATIC_OBJECT;
   member.body->setCollisionFlags(flags);
   return member;
 }
@@ -267,6 +269,10 @@ struct DynamicsWorld::Parts {
     member.body->activate(true);
   }
 
+  void wake_bodies() {
+    for (const int object : bodies) at(object).body->activate(true);
+  }
+
   const Member& at(int object) const { return members[static_cast<std::size_t>(object)]; }
   Member& at(int object) { return members[static_cast<std::size_t>(object)]; }
 
@@ -312,7 +318,7 @@ bool DynamicsWorld::is_body(int object) const noexcept {
 
 void DynamicsWorld::set_gravity(const Vec3& g_S) {
   parts_->world.setGravity(to_units(g_S));
-  for (const int object : parts_->bodies) parts_->at(object).body->activate(true);
+  parts_->wake_bodies();
 }
 
 void DynamicsWorld::press(const std::optional<Push>& push) { parts_->push = push; }
@@ -323,7 +329,25 @@ void DynamicsWorld::move_obstacle(int object, const Pose& X_SO) {
   if (X == body.getWorldTransform()) return;
   body.setWorldTransform(X);
   body.activate(true);
-  for (const int other : parts_->bodies) parts_->at(other).body->activate(true);
+  parts_->wake_bodies();
+}
+
+void DynamicsWorld::pick_up_obstacle(int object) {
+  btRigidBody& body = *parts_->at(object).body;
+  if (!body.hasContactResponse()) return;
+  body.setCollisionFlags(body.getCollisionFlags() | btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  parts_->wake_bodies();
+}
+
+void DynamicsWorld::put_down_obstacle(int object, const Pose& X_SO) {
+  btRigidBody& body = *parts_->at(object).body;
+  const btTransform X = to_bullet(X_SO);
+  if (body.hasContactResponse() && X == body.getWorldTransform()) return;
+  body.setCollisionFlags(body.getCollisionFlags() & ~btCollisionObject::CF_NO_CONTACT_RESPONSE);
+  body.setWorldTransform(X);
+  // Bullet takes the difference of the two as the obstacle's velocity.
+  body.setInterpolationWorldTransform(X);
+  parts_->wake_bodies();
 }
 
 void DynamicsWorld::step() {

@@ -45,6 +45,10 @@ class DynamicsWorld {
   void press(const std::optional<Push>& push);
   // Sets the pose of an obstacle at the end of the next step; it carries bodies that lie on it. Pre: SceneObject::moves, no body.
   void move_obstacle(int object, const Pose& X_SO);
+  // The stylus holds a movable object: no body touches it until it is put down. Pre: SceneObject::is_movable.
+  void pick_up_obstacle(int object);
+  // It lies there from now on, and carries nothing along on the way. Pre: SceneObject::is_movable.
+  void put_down_obstacle(int object, const Pose& X_SO);
   // Simulates kStepS. A body that has fallen out of the scene is put back where the scene file places it.
   void step();
 

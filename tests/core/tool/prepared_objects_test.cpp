@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <tuple>
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/tool/penetration_check.h"
@@ -68,20 +69,25 @@ std::unique_ptr<ToolStep> hold_cube(PreparedObjects& objects, const std::vector<
   return std::move(*step);
 }
 
-// The twin is made of the meshes when the cube is gripped, along the axes of the stylus.
+// A tool of the cube's mesh, made when the cube is gripped, along the axes of the stylus.
+std::unique_ptr<ToolStep> make_twin(const Meshes& meshes, const std::vector<CoulombFriction>& friction, const std::vector<int>& parts) {
+  TriangleMesh mesh = *meshes[kHeldCube];
+  const Pose X_DS = grip_pose().inverse(Eigen::Isometry);
+  for (Vec3& v : mesh.vertices) v = X_DS * v;
+  auto twin = ToolStep::make(mesh, {meshes[0], meshes[2]}, {.stiffness_n_per_m = 800.0}, friction, nullptr, parts);
+  EXPECT_TRUE(twin);
+  return std::move(*twin);
+}
+
 TEST(PreparedObjects, AHeldObjectIsFeltAsAToolOfItsMeshIs) {
   for (const std::vector<CoulombFriction>& friction : {std::vector<CoulombFriction>(), kRough}) {
     const Meshes meshes = make_objects();
     PreparedObjects objects(meshes);
     const auto held = hold_cube(objects, friction);
-    TriangleMesh mesh = *meshes[kHeldCube];
-    const Pose X_DS = grip_pose().inverse(Eigen::Isometry);
-    for (Vec3& v : mesh.vertices) v = X_DS * v;
-    const auto twin = ToolStep::make(mesh, {meshes[0], meshes[2]}, {.stiffness_n_per_m = 800.0}, friction);
-    ASSERT_TRUE(twin);
-    EXPECT_NEAR(held->coupling().rotational_stiffness_nm_per_rad, (*twin)->coupling().rotational_stiffness_nm_per_rad, 1e-12);
+    const auto twin = make_twin(meshes, friction, {});
+    EXPECT_NEAR(held->coupling().rotational_stiffness_nm_per_rad, twin->coupling().rotational_stiffness_nm_per_rad, 1e-12);
     const std::vector<ToolOutput> felt = follow_path(*held);
-    const std::vector<ToolOutput> expected = follow_path(**twin);
+    const std::vector<ToolOutput> expected = follow_path(*twin);
     int in_contact = 0;
     for (std::size_t n = 0; n < felt.size(); ++n) {
       in_contact += expected[n].contact ? 1 : 0;
@@ -102,6 +108,58 @@ TEST(PreparedObjects, AHeldObjectPenetratesNothing) {
     step->step({.X_WD = pose_on_path(n)});
     ASSERT_FALSE(check.penetrates(step->proxy().placement())) << n;
   }
+}
+
+// The ball comes upon the cube, which the hand keeps where it is, and turns past it; the plate stands still, moves, or moves with the ball.
+// With friction, the step in which two parts that move together begin to slip may be another one.
+TEST(PreparedObjects, AHeldObjectFeelsWhatMovesAsAToolOfItsMeshDoes) {
+  for (const auto& [friction, parts, bound_n] :
+       {std::tuple(std::vector<CoulombFriction>(), std::vector{0, 1}, 1e-9), std::tuple(kRough, std::vector{0, 1}, 1e-9),
+        std::tuple(kRough, std::vector{2, 1}, 1e-9), std::tuple(std::vector<CoulombFriction>(), std::vector{1, 1}, 1e-9),
+        std::tuple(kRough, std::vector{1, 1}, 3e-3)}) {
+    const Meshes meshes = make_objects();
+    PreparedObjects objects(meshes);
+    const auto held = objects.hold(kHeldCube, grip_pose(), {.stiffness_n_per_m = 800.0}, friction, nullptr, parts);
+    ASSERT_TRUE(held) << held.error().what;
+    const auto twin = make_twin(meshes, friction, parts);
+    std::vector<Pose> X_SO((*held)->moving_count(), Pose::Identity());
+    ASSERT_EQ(X_SO.size(), twin->moving_count());
+    for (ToolStep* step : {held->get(), twin.get()}) {
+      ASSERT_TRUE(step->damp({{2.0, 0.0}, {0.0, 3.0}}));
+      step->reset({.X_WD = grip_pose(), .X_SO = X_SO});
+    }
+    PenetrationCheck check((*held)->tool(), (*held)->moving(0));
+    int in_contact = 0;
+    for (int n = 0; n <= 400; ++n) {
+      const double share = n / 400.0;
+      X_SO[0].translation() = Vec3(-0.03 * share, 0.0, 0.002 * std::sin(6.0 * share));
+      X_SO[0].linear() = turn_by({0.0, 0.0, 0.3 * share}).toRotationMatrix();
+      if (X_SO.size() > 1) X_SO[1].translation() = Vec3(0.01 * share, 0.0, 0.0);
+      const ToolInput input{.X_WD = grip_pose(), .X_SO = X_SO, .dt_s = 0.001};
+      const ToolOutput felt = (*held)->step(input);
+      const ToolOutput expected = twin->step(input);
+      in_contact += expected.contact ? 1 : 0;
+      ASSERT_LT((felt.force_n - expected.force_n).norm(), bound_n) << n;
+      ASSERT_LT((felt.torque_nm - expected.torque_nm).norm(), 0.01 * bound_n) << n;
+      ToolProxy& proxy = (*held)->proxy();
+      ASSERT_FALSE(check.penetrates(proxy.part_placement(0).inverse() * proxy.placement())) << n;
+    }
+    EXPECT_GT(in_contact, 100);
+  }
+}
+
+TEST(PreparedObjects, TooManyPartsThatMoveAreRejected) {
+  Meshes meshes = make_objects();
+  std::vector<int> parts = {0, 0};
+  for (int n = 1; n <= ToolStep::kMostParts + 1; ++n) {
+    meshes.push_back(displaced(*meshes[2], {0.001 * n, 0.1, 0.0}));
+    parts.push_back(n);
+  }
+  PreparedObjects objects(meshes);
+  const auto step = objects.hold(kHeldCube, grip_pose(), {}, {}, nullptr, parts);
+  ASSERT_FALSE(step);
+  EXPECT_EQ(step.error().what,
+            "33 parts of the scene move by themselves; a rigid tool touches 32 at most: let some stand still, or move together");
 }
 
 TEST(PreparedObjects, ItIsTheSameToTheBitWhetherItWasPreparedBeforeOrNot) {

@@ -17,7 +17,7 @@ class ScenePartTest : public testing::Test {
   const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball}};
   const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}), {Vec3::Zero(), scene.unit_m()}};
   ScenePart still{tool, scene, {}, calling_thread()};
-  ScenePart part{still, scene, {{0.5, 0.25}}, calling_thread()};
+  ScenePart part{still, scene, std::make_shared<const SceneSurface>(scene), {{0.5, 0.25}}, calling_thread()};
 
   Vec3 draw() {
     const double x = normal(random);

@@ -305,14 +305,12 @@ TEST(CheckCommand, WhatTheNodesRejectEndsWithTwo) {
   const ScratchFolder folder;
   folder.write("ball.obj", obj_of(good_ball()));
   const std::string object = "[[object]]\nmesh = 'ball.obj'\n";
-  const std::string moving = "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\nposition_m = [0.05, 0, 0]\n";
   const std::string morph =
       "[[object.morph]]\npush_m = [0, 0.004, 0]\ncenter_m = [0, 0.04, 0]\nradius_m = 0.02\nkeys = [[0, 0], [10, 1]]\n";
   const std::string movable = object + "movable = true\n";
   const std::string tool = "[tool]\nmesh = 'ball.obj'\n";
   const std::pair<std::string, std::string> cases[] = {
-      {object + moving + movable, ": line 2: object 'ball' moves by keyframes and 'ball' (line 9) is movable"},
-      {movable + object + "moved_by = 'program'\n", ": line 5: object 'ball' is moved by programs and 'ball' (line 2) is movable"},
+      {object + morph + movable, ": line 2: object 'ball' deforms and 'ball' (line 9) is movable"},
       {object + "sculpt = true\n" + movable, ": line 2: object 'ball' can be carved and 'ball' (line 5) is movable"},
       {object + "sculpt = true\n" + tool, ": line 2: object 'ball' can be carved, which a rigid tool does not support"},
       {object + morph + tool, ": line 2: object 'ball' deforms, which a rigid tool does not support"}};

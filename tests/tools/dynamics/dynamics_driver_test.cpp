@@ -236,6 +236,31 @@ TEST(DynamicsDriver, AnObstacleThatKeyframesMoveCarriesABody) {
   EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, 0.02, 3e-4);
 }
 
+// An obstacle that the stylus picks up and puts down lower.
+TEST(DynamicsDriver, ABodyFollowsAnObstacleThatIsPutDownElsewhere) {
+  Scene scene = table_scene();
+  scene.objects[kTable].is_movable = true;
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {});
+  ProbeState state;
+  const auto run_until = [&](int ms) {
+    for (; state.scene_time_ns < kMs * ms; state.scene_time_ns += kMs) driver.take(state);
+    driver.take(state);
+  };
+  run_until(100);
+  const double start = driver.world().place(kBox).p_S.y();
+  driver.take(ObjectPose{.serial = 1, .object = kTable});
+  driver.take(ObjectPose{.serial = 1, .object = kBox, .is_held = true});
+  driver.take(ObjectPose{.serial = 1, .object = 9, .is_held = true});
+  run_until(200);
+  EXPECT_NEAR(driver.world().place(kBox).p_S.y(), start, 1e-5) << "nothing was picked up";
+  driver.take(ObjectPose{.serial = 2, .object = kTable, .is_held = true});
+  run_until(250);
+  EXPECT_LT(driver.world().place(kBox).p_S.y() - start, -0.005);
+  driver.take(ObjectPose{.serial = 3, .object = kTable, .p_m = Vec3(0, -0.05, 0)});
+  run_until(1'000);
+  EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, -0.05, 3e-4);
+}
+
 // In a scene that is turned and moved, a push of the hand comes where it is, along the opposite of the force that the hand feels.
 TEST(DynamicsDriver, AHandPushesInTheFrameOfTheScene) {
   const Scene scene = table_scene({.height_m = 0.05});

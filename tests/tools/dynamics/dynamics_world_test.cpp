@@ -140,6 +140,26 @@ TEST_F(Worlds, AnObstacleCarriesWhatLiesOnIt) {
   EXPECT_NEAR(position().y() - start.y(), 0.02, 3e-4);
 }
 
+// A table that the stylus takes away carries nothing; where it is put down, it carries the box again, and does not throw it.
+TEST_F(Worlds, AnObstacleThatIsPickedUpCarriesNothingUntilItIsPutDown) {
+  Scene scene = table_scene();
+  scene.objects[kTable].is_movable = true;
+  make(scene);
+  run(0.2);
+  const Vec3 start = position();
+  world->pick_up_obstacle(kTable);
+  run(0.05);
+  EXPECT_LT(position().y() - start.y(), -0.005) << "it falls";
+  world->put_down_obstacle(kTable, Pose(Eigen::Translation3d(0.02, -0.05, 0)));
+  run(1.0);
+  EXPECT_NEAR(position().y() - start.y(), -0.05, 3e-4);
+  EXPECT_NEAR(position().x(), start.x(), 3e-4) << "the table has gone 20 mm at once";
+  // The same pose again, as it is sent once a second.
+  world->put_down_obstacle(kTable, Pose(Eigen::Translation3d(0.02, -0.05, 0)));
+  run(0.2);
+  EXPECT_NEAR(position().y() - start.y(), -0.05, 3e-4);
+}
+
 // A box slides over the seams between triangles of a flat table without a stop.
 TEST_F(Worlds, SeamsBetweenTrianglesDoNotStopABox) {
   make(table_scene({.table_cells = 20}), 0.0);
