@@ -129,24 +129,20 @@ Result<StartScene> load_start_scene(const HapticsOptions& options, PluginEffects
   return start;
 }
 
-// Lets the stylus pick up the movable objects, if there are any and it holds no tool. Error: an option excludes it.
-Result<void> set_up_grasp(const HapticsOptions& options, const StartScene& start, bool has_tool, GraspLink& link, HapticsStep& step,
-                          std::optional<Grasp>& grasp) {
+// Lets the stylus pick up the movable objects, if there are any and it holds no tool.
+void set_up_grasp(const HapticsOptions& options, const StartScene& start, bool has_tool, GraspLink& link, HapticsStep& step,
+                  std::optional<Grasp>& grasp) {
   const auto movable = list_movable(start.placed);
-  if (std::find(movable.begin(), movable.end(), true) == movable.end()) return {};
+  if (std::find(movable.begin(), movable.end(), true) == movable.end()) return;
   if (has_tool) {
     log_warning("the stylus holds a tool: the movable objects of the scene cannot be picked up");
-    return {};
-  }
-  if (options.watch_scene) {
-    return fail("--watch-scene does not support movable objects; leave out --watch-scene, or 'movable = true' in the scene file");
+    return;
   }
   ToolObstacles obstacles = make_tool_obstacles(start.placed.touch_scene());
   step.set_grasp(&grasp.emplace(link, movable, button_bit(options.grasp_button)), std::move(obstacles.parts));
   for (const PutDown& each : start.put_down) grasp->place(each.object, each.pose());
   log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
   if (obstacles.leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
-  return {};
 }
 
 // Of a scene whose objects can be carved.
@@ -219,7 +215,7 @@ int run(const HapticsOptions& options) {
   // Before the loop, which reads it.
   GraspLink grasp_link;
   std::optional<Grasp> grasp;
-  if (const auto set = set_up_grasp(options, *start, *tool != nullptr, grasp_link, step, grasp); !set) return give_up(set.error());
+  set_up_grasp(options, *start, *tool != nullptr, grasp_link, step, grasp);
   const TouchScene felt_first = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
   PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
                       effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
@@ -258,7 +254,7 @@ int run(const HapticsOptions& options) {
                         .loading = options.loading,
                         .coupling_n_per_m = options.method.coupling_n_per_m,
                         .on_scene = [&](const TouchScene& now) { felt.follow(now); }},
-                       options.watch_scene ? *scene : Scene(), tuner, builder);
+                       options.watch_scene ? start->loaded : Scene(), tuner, builder);
   if (options.watch_scene) watcher.start();
   std::optional<GraspTask> grasp_task;
   if (grasp) {

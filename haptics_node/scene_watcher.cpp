@@ -42,6 +42,17 @@ bool has_same_program_shapes(const Scene& before, const Scene& after) {
                     [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; });
 }
 
+// What the stylus picks up is prepared as it was at the start, and lies where it was put down: so nothing but materials may change.
+// base: what changes of materials are described against.
+bool suits_movable(const Scene& base, const Scene& before, const Scene& after) {
+  const auto has_movable = [](const Scene& scene) { return std::ranges::any_of(scene.objects, &SceneObject::is_movable); };
+  if (!has_movable(before) && !has_movable(after)) return true;
+  const SceneChange change = compare_scenes(before, after);
+  if (change == SceneChange::materials) return describe_materials(base, after).has_value();
+  return change == SceneChange::none &&
+         std::ranges::equal(before.objects, after.objects, {}, &SceneObject::is_movable, &SceneObject::is_movable);
+}
+
 std::string_view describe(SceneChange change) {
   if (change == SceneChange::names) return "only its names have changed; changes by hapton set end, and effects begin anew";
   return change == SceneChange::shape ? "its objects fade in" : "its effects fade in";
@@ -95,12 +106,18 @@ SceneWatcher::Look SceneWatcher::look() {
 // Otherwise the log has the reason.
 bool SceneWatcher::may_replace(const Scene& scene) const {
   // As at the start of the node.
-  const bool has_movable = std::ranges::any_of(scene.objects, &SceneObject::is_movable);
-  if (has_movable || scene.tool) {
+  if (scene.tool) {
     log_warning(
-        "{}: --watch-scene does not support {}; leave out {}, or start haptics_node again without --watch-scene; the present scene "
-        "stays in use",
-        options_.path.string(), has_movable ? "movable objects" : "a rigid tool", has_movable ? "'movable = true'" : "[tool]");
+        "{}: --watch-scene does not support a rigid tool; leave out [tool], or start haptics_node again without --watch-scene; the present "
+        "scene stays in use",
+        options_.path.string());
+    return false;
+  }
+  if (!suits_movable(base_, used_, scene)) {
+    log_warning(
+        "{}: the stylus picks up objects of this scene, so only stiffness, damping and friction may change, of {} objects at most, and "
+        "more than these has changed: start haptics_node again to use it; the present scene stays in use",
+        options_.path.string(), MaterialState::kMostObjects);
     return false;
   }
   if (!has_same_plugins(used_, scene)) {

@@ -98,11 +98,35 @@ TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
-// At the start of the node they are errors, too.
-TEST_F(SceneWatcherTest, MovableObjectsAndToolsAreRejected) {
+// What is prepared for picking up, and where it was put down, must stay true.
+TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
+  constexpr const char* kRejected = "a.toml: the stylus picks up objects of this scene, so only stiffness, damping and friction may change";
   write("stiffness_n_per_m = 500", "movable = true");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
-  EXPECT_THAT(log, HasSubstr("a.toml: --watch-scene does not support movable objects; leave out 'movable = true', or start haptics_node"));
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << "it was not movable at the start";
+  EXPECT_THAT(log, HasSubstr(kRejected));
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, *builder);
+  write("stiffness_n_per_m = 700", "movable = true");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  const auto tuned = wait_for_materials();
+  ASSERT_NE(tuned, nullptr);
+  EXPECT_EQ(tuned->materials[0].stiffness_n_per_m, 700.0);
+  for (const auto& [material, object] :
+       {std::pair("stiffness_n_per_m = 700", "movable = true\nposition_m = [0, 0, 0.01]"),
+        std::pair("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1", "movable = true"),
+        std::pair("stiffness_n_per_m = 700", "movable = true\nname = 'other'"), std::pair("stiffness_n_per_m = 700", "")}) {
+    write(material, object);
+    EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << material << object;
+    EXPECT_THAT(log, HasSubstr(kRejected));
+  }
+  EXPECT_EQ(builder->take(), nullptr);
+  write("stiffness_n_per_m = 700", "movable = true");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::same);
+}
+
+// At the start of the node it is an error, too.
+TEST_F(SceneWatcherTest, ToolsAreRejected) {
   write("stiffness_n_per_m = 500\n[tool]\nmesh = 'a.obj'");
   EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
   EXPECT_THAT(log, HasSubstr("a.toml: --watch-scene does not support a rigid tool; leave out [tool], or start haptics_node"));

@@ -51,7 +51,9 @@ void make_bad_files(const std::filesystem::path& folder) {
   write(folder / "nan.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n");
   write(folder / "range.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
   write(folder / "good.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  write(folder / "both.toml", "[[object]]\nmesh = 'good.obj'\nmoved_by = 'program'\n[[object]]\nmesh = 'good.obj'\nmovable = true\n");
+  write(folder / "both.toml",
+        "[[object]]\nmesh = 'good.obj'\n[[object.morph]]\npush_m = [0, 0, 0.1]\ncenter_m = [0, 0, 0]\nradius_m = 1\nkeys = [[0, 0], [10, "
+        "1]]\n[[object]]\nmesh = 'good.obj'\nmovable = true\n");
   write(folder / "short.key", "short");
   write(folder / "open.key", std::string(32, 'k'));
   std::filesystem::permissions(folder / "short.key", std::filesystem::perms(0600));
@@ -142,12 +144,11 @@ const std::vector<BadCall> kHapticsNode = {
      "haptics_node",
      {"--scene", HAPTON_SOURCE_DIR "/scenes/deforming.toml", "--tool", HAPTON_SOURCE_DIR "/meshes/peg.obj", "--tool-unit", "mm"},
      "object 'block' deforms, which a rigid tool does not support"},
-    {"MovedAndMovable",
+    {"DeformsAndMovable",
      "haptics_node",
      {"--scene", "FOLDER/both.toml"},
-     "both.toml: line 2: object 'good' is moved by programs and 'good' (line 5) is movable"},
+     "both.toml: line 2: object 'good' deforms and 'good' (line 9) is movable"},
     {"MovesAndIsSmooth", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/machine.toml", "--method", "smooth"}, "choose proxy"},
-    {"MovableAndWatched", "haptics_node", {"--scene", HAPTON_SOURCE_DIR "/scenes/workbench.toml", "--watch-scene"}, "movable objects"},
     {"AnnotationsBroken",
      "haptics_node",
      {"--scene", HAPTON_SOURCE_DIR "/scenes/workbench.toml", "--annotations", "FOLDER/broken.toml"},
