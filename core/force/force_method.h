@@ -25,6 +25,9 @@ struct MethodInput {
   Vec3 p_SD = Vec3::Zero();   // device point, m
   double dt_s = 1e-3;         // time since the sample before
   double time_s = 0.0;        // scene time, for objects that move or deform
+  // The sample of the step before once more, with another device point, which takes the place of the other: damping sees the motion since
+  // the sample before that one. Only methods that are parts of another one get it (CommonProxy).
+  bool is_correction = false;
   std::uint32_t buttons = 0;  // of the stylus that are down, a bit each (button_bit); of use to what can be carved only
   // Where programs have moved objects, by their number among those with a TouchObject::command_pivot: X_SO at that time. Empty: at rest.
   std::span<const Pose> commanded = {};

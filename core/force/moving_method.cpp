@@ -16,22 +16,6 @@ Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpos
 
 }  // namespace
 
-// What stands still first and last.
-std::vector<MovingMethod::Group> MovingMethod::group_objects(const TouchScene& scene) {
-  std::vector<Group> groups;
-  for (MotionGroup& group : group_by_motion(scene)) groups.push_back({std::move(group)});
-  if (groups.front().moves()) return groups;
-  Group second;
-  second.objects = groups.front().objects;
-  second.is_second = true;
-  groups.push_back(std::move(second));
-  return groups;
-}
-
-Material MovingMethod::material_in(const Group& group, const Material& material) noexcept {
-  return group.is_second ? holding_material(material) : material;
-}
-
 Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene) {
   TouchScene part;
   part.part_of = scene.part_of;
@@ -40,55 +24,69 @@ Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodS
     TouchObject& own = part.objects.back();
     own.motion = nullptr;
     own.command_pivot.reset();
-    own.material = material_in(group, own.material);
     group.materials.push_back(own.material);
   }
-  MethodSettings own = settings;
-  // It takes part when something pushes, and all of it must be there then.
-  if (group.is_second) own.build_on_approach = false;
   if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
-    auto streamed = StreamedMethod::make(own, only.mesh, only.material, *only.stream_reach_m);
+    auto streamed = StreamedMethod::make(settings, only.mesh, only.material, *only.stream_reach_m);
     if (!streamed) return tl::unexpected(streamed.error());
     group.streamed = streamed->get();
     group.method = std::move(*streamed);
     return {};
   }
-  auto method = group.is_deforming ? DeformingMethod::make(own, part) : make(own, part);
+  auto method = group.is_deforming ? DeformingMethod::make(settings, part) : make(settings, part);
   if (!method) return tl::unexpected(method.error());
   group.method = std::move(*method);
   return {};
 }
 
 Result<std::unique_ptr<ForceMethod>> MovingMethod::make(Make make, const MethodSettings& settings, const TouchScene& scene) {
-  std::vector<Group> groups = group_objects(scene);
-  for (Group& group : groups) {
-    if (const auto made = make_method_of(group, make, settings, scene); !made) return tl::unexpected(made.error());
+  std::vector<Group> groups;
+  for (MotionGroup& group : group_by_motion(scene)) {
+    groups.push_back({std::move(group)});
+    if (const auto made = make_method_of(groups.back(), make, settings, scene); !made) return tl::unexpected(made.error());
   }
-  return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(groups)));
+  Box bounds;
+  for (const TouchObject& object : scene.objects) {
+    for (const Vec3& vertex : object.mesh->vertices) bounds.grow(vertex);
+  }
+  return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(groups), bounds.diagonal()));
 }
 
-MethodOutput MovingMethod::feel(Group& group, const Pose& X_SO, const MethodInput& input, const Vec3& p_SD) noexcept {
-  MethodOutput felt = group.method->step({.p_SD = to_frame(X_SO, p_SD), .dt_s = input.dt_s, .time_s = input.time_s});
-  if (!felt.contact) return felt;
-  felt.force_n = X_SO.linear() * felt.force_n;
-  felt.p_SP = X_SO * felt.p_SP;
-  if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
-  return felt;
-}
+class MovingMethod::Felt final : public FeltParts {
+ public:
+  Felt(std::vector<Group>& groups, const MethodInput& input) : groups_(groups), input_(input) {}
+
+  Pose pose(std::size_t part) const noexcept override { return groups_[part].pose_at(input_); }
+  void reset(std::size_t part, const Vec3& p_S) noexcept override { groups_[part].method->reset(to_frame(pose(part), p_S)); }
+  void resume(std::size_t part, const Vec3& p_S) noexcept override { groups_[part].method->resume(to_frame(pose(part), p_S)); }
+  MethodOutput feel(std::size_t part, const Vec3& p_S, bool is_correction) noexcept override {
+    const Group& group = groups_[part];
+    const Pose X_SO = pose(part);
+    MethodOutput felt =
+        group.method->step({.p_SD = to_frame(X_SO, p_S), .dt_s = input_.dt_s, .time_s = input_.time_s, .is_correction = is_correction});
+    if (!felt.contact) return felt;
+    felt.force_n = X_SO.linear() * felt.force_n;
+    felt.p_SP = X_SO * felt.p_SP;
+    if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
+    return felt;
+  }
+
+ private:
+  std::vector<Group>& groups_;
+  const MethodInput& input_;
+};
 
 MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-  const auto begin = [&](Group& group, const Vec3& p_S) { group.method->reset(to_frame(group.pose_at(input), p_S)); };
-  const auto resume = [](Group& group, const Vec3& p_S) { group.method->resume(p_S); };
-  const auto feel_at = [&](Group& group, const Vec3& p_SD) { return feel(group, group.pose_at(input), input, p_SD); };
-  return chain_.step(groups_, input.p_SD, begin, resume, feel_at);
+  Felt felt(groups_, input);
+  return proxy_.step(felt, groups_.size(), !groups_.front().moves(), input.p_SD);
 }
 
 void MovingMethod::set_materials(std::span<const Material> materials) noexcept {
   for (Group& group : groups_) {
     for (std::size_t i = 0; i < group.objects.size(); ++i) {
       const auto object = static_cast<std::size_t>(group.objects[i]);
-      if (object < materials.size()) group.materials[i] = material_in(group, materials[object]);
+      if (object < materials.size()) group.materials[i] = materials[object];
     }
     group.method->set_materials(group.materials);
   }
@@ -124,14 +122,13 @@ bool MovingMethod::prepare() {
 std::string MovingMethod::describe() const {
   std::string text;
   for (const Group& group : groups_) {
-    if (group.is_second) continue;
     if (group.motion != nullptr) {
       text += fmt::format("{} of the objects move by themselves for {:g} s{}:\n", group.objects.size(), group.motion->duration_s(),
                           group.motion->loops() ? ", repeated" : "");
     } else if (group.commanded >= 0) {
       text += "1 of the objects moves where programs command it:\n";
     } else if (!group.is_deforming) {
-      text += fmt::format("{} of the objects stand still, and are built twice:\n", group.objects.size());
+      text += fmt::format("{} of the objects stand still:\n", group.objects.size());
     }
     text += group.method->describe();
   }

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "core/force/common_proxy.h"
 #include "core/force/force_method.h"
 #include "core/force/motion_groups.h"
-#include "core/force/touch_chain.h"
 
 namespace hapton {
 
@@ -18,9 +18,8 @@ namespace hapton {
 // that programs may move (TouchObject::command_pivot) has a method of its own, too; where it is, the step says (MethodInput::commanded).
 //
 // In the frame of a moving object the device moves even while the hand holds still. Its path between two samples is taken as straight in
-// that frame, and the proxy follows as usual. So a surface that moves into the hand pushes the proxy ahead and never passes it. The methods
-// form a chain (TouchChain). The force is that of one proxy where one of them is touched, and where two meet at right angles. A surface of
-// speed v that comes upon a hand changes the force by stiffness times v dt in a step.
+// that frame, and the proxy follows as usual. So a surface that moves into the hand pushes the proxy ahead and never passes it. All methods
+// have one proxy (CommonProxy). A surface of speed v that comes upon a hand changes the force by stiffness times v dt in a step.
 //
 // Frame: S. RT: step, reset and set_materials yes. Threads: as ForceMethod.
 class MovingMethod final : public ForceMethod {
@@ -32,7 +31,7 @@ class MovingMethod final : public ForceMethod {
   static Result<std::unique_ptr<ForceMethod>> make(Make make, const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
-  void reset(const Vec3& p_SD) noexcept override { chain_.reset(p_SD); }
+  void reset(const Vec3& p_SD) noexcept override { proxy_.reset(p_SD); }
   void set_materials(std::span<const Material> materials) noexcept override;
   bool prepare() override;
   StreamedMethod* find_streamed(int object) noexcept override;
@@ -43,20 +42,18 @@ class MovingMethod final : public ForceMethod {
  private:
   // Objects with one motion.
   struct Group : MotionGroup {
-    bool is_second = false;  // holds against what moves, without friction and damping
     std::unique_ptr<ForceMethod> method = nullptr;
     StreamedMethod* streamed = nullptr;    // *method, where a program deforms the object
     std::vector<Material> materials = {};  // room for set_materials
   };
 
-  explicit MovingMethod(std::vector<Group> groups) : groups_(std::move(groups)) {}
-  static std::vector<Group> group_objects(const TouchScene& scene);
-  static Result<void> make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene);
-  static Material material_in(const Group& group, const Material& material) noexcept;
-  static MethodOutput feel(Group& group, const Pose& X_SO, const MethodInput& input, const Vec3& p_SD) noexcept;
+  class Felt;  // the groups, in one sample
 
-  std::vector<Group> groups_;  // in the order of the chain
-  TouchChain chain_;
+  MovingMethod(std::vector<Group> groups, double extent_m) : groups_(std::move(groups)), proxy_(groups_.size(), extent_m) {}
+  static Result<void> make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene);
+
+  std::vector<Group> groups_;  // as group_by_motion orders them
+  CommonProxy proxy_;
 };
 
 }  // namespace hapton

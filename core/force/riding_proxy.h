@@ -41,7 +41,7 @@ class RidingProxy {
   MethodOutput step(const MethodInput& input) noexcept {
     if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
     if (!has_begun_ || start_) begin(input);
-    before_s_ = last_time_s_;
+    if (!input.is_correction) before_s_ = last_time_s_;
     double reach_m = surface_.travel_to(input.time_s);
     MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
     if ((input.p_SD - clear_from_).norm() + reach_m < clear_m_) {
@@ -55,7 +55,7 @@ class RidingProxy {
       reach_m = surface_.travel_to(input.time_s);
     }
     if (reach_m > 0.0 || surface_.is_due(input.time_s)) deform(input.time_s, reach_m);
-    output = method_->step({.p_SD = input.p_SD, .dt_s = input.dt_s});
+    output = method_->step({.p_SD = input.p_SD, .dt_s = input.dt_s, .is_correction = input.is_correction});
     if (!output.contact) search_around(input.p_SD, (input.p_SD - last_p_SD_).norm() + reach_m);
     last_p_SD_ = input.p_SD;
     last_time_s_ = input.time_s;

@@ -16,6 +16,7 @@ MethodInput to_static_scene(const TouchInput& input) {
   sample.p_SD.noalias() = input.X_WS.linear().transpose().lazyProduct(from_origin);
   sample.dt_s = input.dt_s;
   sample.time_s = input.time_s;
+  sample.is_correction = input.is_correction;
   sample.buttons = input.buttons;
   sample.touch = &input;
   return sample;

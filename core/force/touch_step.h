@@ -22,6 +22,7 @@ struct TouchInput {
   std::uint32_t buttons = 0;     // of the stylus that are down, a bit each, the first one lowest; of use to effects only
   double time_s = 0.0;           // as in MethodInput
   Quat q_WT = Quat::Identity();  // stylus; of use to methods of plug-ins only
+  bool is_correction = false;    // as in MethodInput; of use without effects only
 };
 
 struct TouchOutput {

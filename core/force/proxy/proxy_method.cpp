@@ -151,8 +151,9 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 device = within_limits(geometry_.to_local(input.p_SD));
   if (!has_sample_) reset(input.p_SD);
   const Vec3 last = last_device_;
-  const Vec3 moved = device - last;
-  const double displacement = moved.norm();
+  if (!input.is_correction || counters_.skipped != sample_skipped_) sample_from_ = last;
+  sample_skipped_ = counters_.skipped;
+  const double displacement = (device - last).norm();
   last_device_ = device;
   if (!carried_from_) sweeps_finish_ = false;
   const Vec3 from = carried_from_.value_or(last);
@@ -196,7 +197,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const Vec3 extension_m =
       length > active_offset_ ? Vec3(turned * ((length - active_offset_) / length * geometry_.unit_m())) : Vec3::Zero();
   const bool is_contact = length > active_offset_;
-  return {.force_n = force_of(extension_m, moved * speed_m_per_s),
+  return {.force_n = force_of(extension_m, (device - sample_from_) * speed_m_per_s),
           .p_SP = p_SP,
           .contact = is_contact,
           .object = is_contact ? touched_object_ : -1};

@@ -144,6 +144,8 @@ class ProxyMethod final : public ForceMethod {
 
   ProxyState proxy_;
   Vec3 last_device_ = Vec3::Zero();   // local
+  Vec3 sample_from_ = Vec3::Zero();   // local: the device before this sample, whose motion is damped
+  std::uint64_t sample_skipped_ = 0;  // counters_.skipped then
   std::optional<Vec3> carried_from_;  // out of work: the device's position, on its way, from which the next step goes on; local
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived

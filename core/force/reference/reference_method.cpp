@@ -160,6 +160,7 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
   const Vec3 from = device_;
   const Vec3 to = device_to_local(input.p_SD);
   const Vec3 path = to - from;
+  if (!input.is_correction) sample_from_ = from;
   gather(to, (proxy_->state().position - from).norm() + path.norm() + 4.0 * proxy_->rest_offset());
   last_ = {};
   if (proxy_->faces() == 0 && proxy_->state().free) {
@@ -171,7 +172,8 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
   counters_.unsettled_steps += last_.settled ? 0 : 1;
   if (last_.settled) counters_.most_substeps = std::max<std::uint64_t>(counters_.most_substeps, last_.substeps);
   counters_.proxy = proxy_->counters();
-  const Vec3 velocity = input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3(path * (unit_m_ / input.dt_s)) : Vec3(Vec3::Zero());
+  const Vec3 velocity =
+      input.dt_s > 0.0 && std::isfinite(input.dt_s) ? Vec3((to - sample_from_) * (unit_m_ / input.dt_s)) : Vec3(Vec3::Zero());
   MethodOutput output = compute_output(input.p_SD, proxy_->surface_position(to), velocity);
   if (output.contact) output.p_SP = to_scene(proxy_->state().position);
   return output;

@@ -105,6 +105,7 @@ class ReferenceMethod final : public ForceMethod {
   std::vector<ReferenceProxy::State> levels_;  // before a sub-step and each of its halves
   int halvings_left_ = 0;
   Vec3 device_ = Vec3::Zero();
+  Vec3 sample_from_ = Vec3::Zero();  // the device before this sample, whose motion is damped
   bool has_sample_ = false;
   ReferenceStep last_;
   ReferenceCounters counters_;
