@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/force/contact_qp.h"
+#include "core/force/force_method.h"
+#include "core/math/types.h"
+
+namespace hapton {
+
+// The parts of a scene that each feel it in a frame of their own: what stands still, which is part 0 if there is any, and each motion.
+// All of them have a proxy that never crosses their surface. Frame of the arguments: S. RT: all.
+class FeltParts {
+ public:
+  virtual ~FeltParts() = default;
+  // X_SO at this sample.
+  virtual Pose pose(std::size_t part) const noexcept = 0;
+  // It starts there, in free space.
+  virtual void reset(std::size_t part, const Vec3& p_S) noexcept = 0;
+  // It goes on from exactly there, as ForceMethod::resume has it.
+  virtual void resume(std::size_t part, const Vec3& p_S) noexcept = 0;
+  // Its step with the device point there. is_correction: as MethodInput has it. The result in S, with the scene's number of the object.
+  virtual MethodOutput feel(std::size_t part, const Vec3& p_S, bool is_correction) noexcept = 0;
+};
+
+// One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.
+//
+// The force on the proxy is the sum of what each part holds it with. A part follows the device less what the others hold, so each of them
+// has its proxy at the same place, and the force of each is its own share. In each sample the shares of the last one are the first guess,
+// carried on to the new device point by a quadratic program over the planes that held the proxy. Then the parts follow in turn until none
+// of them changes anything: Dykstra's alternating projections, which converge to the nearest point of several convex sets (Boyle & Dykstra
+// 1986), with the surface of each part, friction included, in place of a projection.
+//
+// Where a hand comes into contact with two parts in one sample, one of them may follow it to where the other does not let it go, such as
+// below a wall that stands on a floor. The shares then grow without end. That part begins the sample again from where its proxy was, with
+// the share of the other one known. If no such beginning helps there is no room: the proxy is where what stands still has it, and is
+// never pressed into that.
+//
+// A part is felt kLift above what else holds the proxy, so that a probe between two surfaces that just touch is on its own side of both.
+//
+// MovingMethod and PatchChain (patch/patch_chain.h) feel their parts like this, and so give the same forces. Frame: S. RT: all but
+// construction. Threads: one.
+class CommonProxy {
+ public:
+  // 0x1p-24 of the scene's extent: 64 contact offsets, 6 nm in a scene of 100 mm.
+  static constexpr double kLift = 0x1p-24;
+
+  // most: parts. extent_m: of the scene.
+  CommonProxy(std::size_t most, double extent_m);
+
+  // The next step begins there: each part is reset.
+  void reset(const Vec3& p_S) noexcept { start_ = p_S; }
+  // The proxy is known to be there, and the parts are: nothing holds it yet.
+  void go_on_from(const Vec3& p_S) noexcept;
+
+  // Pre: count is the same as in the step before, or go_on_from or reset was called since; at most as many as at construction.
+  MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD) noexcept;
+
+  // No room in the last step, see above.
+  bool is_squeezed() const noexcept { return is_squeezed_; }
+
+ private:
+  struct Part {
+    Pose X_SO = Pose::Identity();
+    Vec3 held_O = Vec3::Zero();    // from its proxy to the device point that it followed; zero: no contact. Own frame
+    Vec3 p_OP = Vec3::Zero();      // its proxy after the last sample, own frame
+    Vec3 held = Vec3::Zero();      // the same in this sample, frame S
+    Vec3 followed = Vec3::Zero();  // the device point that it followed last
+    Vec3 p_SP = Vec3::Zero();
+    Vec3 lift = Vec3::Zero();
+    bool is_felt = false;  // in this sample
+    MethodOutput output = {};
+  };
+
+  enum class Ended : std::uint8_t { converged, exhausted, squeezed };
+
+  void begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept;
+  Ended follow(FeltParts& felt, const Vec3& p_SD, int rounds) noexcept;
+  double visit(FeltParts& felt, std::size_t i) noexcept;
+  Vec3 lift_of(std::size_t i) const noexcept;
+  void share_out(const Vec3& p_SD) noexcept;
+  int held_count() const noexcept;
+  Ended begin_again(FeltParts& felt, const Vec3& p_SD, bool from_first) noexcept;
+  void settle_squeezed(const Vec3& p_SD) noexcept;
+  MethodOutput sum(const Vec3& p_SD) noexcept;
+
+  std::vector<Part> parts_;
+  std::vector<ContactPlane> planes_;
+  std::vector<std::size_t> plane_of_;  // the part of each plane
+  std::size_t count_ = 0;
+  bool has_still_ = false;
+  double lift_m_;
+  double largest_m_ = 0.0;      // of the shares, at the beginning of the round
+  Vec3 common_ = Vec3::Zero();  // the proxy
+  Vec3 gap_ = Vec3::Zero();     // squeezed: by how much the last part that moves would have it elsewhere
+  bool is_squeezed_ = false;
+  std::optional<Vec3> start_;  // reset() was called
+  std::optional<Vec3> place_;  // go_on_from() was called
+};
+
+}  // namespace hapton
