@@ -11,13 +11,15 @@ namespace {
 // Rounds through all parts in a sample. Two planes at an angle converge by its squared cosine in each, and the quadratic program makes that
 // exact where the surfaces are planes; what is left converges over the next samples.
 constexpr int kRounds = 6;
-// Rounds after a new beginning.
-constexpr int kRoundsAgain = 4;
-// A part that would move by less than this has converged: of the largest share, and of the coordinates, whose rounding is 2^-53.
+// A part whose device point has moved by less than this goes on as it is: of the largest share, of the coordinates, whose rounding is
+// 2^-53, and of the lift.
 constexpr double kAgree = 0x1p-26;
 constexpr double kRounding = 0x1p-46;
-// A round that moves the parts by more than this share of the one before does not converge: two planes at less than 8 degrees do.
-constexpr double kConverging = 0.98;
+constexpr double kAgreeLifts = 0.25;
+// A share this many times as long as the whole, and this many lifts: two parts hold the proxy against each other without end. Two planes
+// at 14 degrees have one of eight times.
+constexpr double kMostShare = 8.0;
+constexpr double kMostLifts = 64.0;
 
 }  // namespace
 
@@ -39,10 +41,14 @@ void CommonProxy::begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept {
     if (place) {
       part.p_OP = part.X_SO.inverse(Eigen::Isometry) * *place;
       part.held_O.setZero();
+      part.lift.setZero();
     }
     if (start) felt.reset(i, *start);
     part.held = part.X_SO.linear() * part.held_O;
+    part.begins_again = false;
     part.p_SP = part.X_SO * part.p_OP;
+    part.start = part.p_SP - part.lift;
+    part.was_held = !part.held.isZero(0.0);
     part.is_felt = false;
   }
   if (held_count() > 1) share_out(p_SD);
@@ -85,90 +91,92 @@ Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
   return lift;
 }
 
-// Returns how far the device point of the part has moved since it was felt in this sample; 0: not at all, and nothing changes.
-double CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
+// Returns whether the part was felt: its device point is another one than the last time in this sample.
+bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   Part& part = parts_[i];
   const Vec3 lift = lift_of(i);
   const Vec3 follow = common_ + part.held + lift;
-  const double moved = (follow - part.followed).norm();
-  const double agree = kAgree * largest_m_ + kRounding * follow.cwiseAbs().maxCoeff();
-  if (part.is_felt && moved <= agree) return 0.0;
-  part.output = felt.feel(i, follow, part.is_felt);
+  const double agree = std::max(kAgree * largest_m_ + kRounding * follow.cwiseAbs().maxCoeff(), kAgreeLifts * lift_m_);
+  if (part.is_felt && !part.begins_again && (follow - part.followed).norm() <= agree) return false;
+  part.output = felt.feel(i, follow, {.is_correction = part.is_felt, .is_shared = is_shared_});
+  part.is_felt = true;
+  part.begins_again = false;
   part.followed = follow;
   part.lift = lift;
-  part.p_SP = part.output.contact ? part.output.p_SP : follow;
-  part.held = part.output.contact ? Vec3(follow - part.p_SP) : Vec3(Vec3::Zero());
+  part.p_SP = part.output.p_SP;
+  part.held = follow - part.p_SP;
   common_ = part.p_SP - lift;
-  return std::exchange(part.is_felt, true) ? moved : 0.0;
+  return true;
 }
 
-CommonProxy::Ended CommonProxy::follow(FeltParts& felt, const Vec3& p_SD, int rounds) noexcept {
+void CommonProxy::begin_round(const Vec3& p_SD) noexcept {
   common_ = p_SD;
-  for (std::size_t i = 0; i < count_; ++i) common_ -= parts_[i].held;
-  double before = 0.0;
-  double moved = 0.0;
-  for (int round = 0; round < rounds; ++round) {
-    before = moved;
-    moved = 0.0;
-    largest_m_ = 0.0;
-    for (std::size_t i = 0; i < count_; ++i) largest_m_ = std::max(largest_m_, parts_[i].held.norm());
-    for (std::size_t i = 0; i < count_; ++i) {
-      const Vec3 at = common_;
-      const double by = visit(felt, i);
-      moved = std::max(moved, by);
-      if (by > 0.0 && !(i == 0 && has_still_)) gap_ = at - parts_[i].p_SP + parts_[i].lift;
-    }
-    if (round > 0 && moved == 0.0) return Ended::converged;
-    if (round == 0 && held_count() > 1) {
-      share_out(p_SD);
-      common_ = p_SD;
-      for (std::size_t i = 0; i < count_; ++i) common_ -= parts_[i].held;
-    }
+  largest_m_ = 0.0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    common_ -= parts_[i].held;
+    largest_m_ = std::max(largest_m_, parts_[i].held.norm());
   }
-  if (has_still_) visit(felt, 0);
-  return moved > kConverging * before && moved > lift_m_ ? Ended::squeezed : Ended::exhausted;
+  is_shared_ = held_count() > 1;
 }
 
-// All that hold the proxy but the first or the last of them go on from where they were before the sample, and know what that one holds.
-CommonProxy::Ended CommonProxy::begin_again(FeltParts& felt, const Vec3& p_SD, bool from_first) noexcept {
-  std::size_t kept = count_;
-  for (std::size_t n = 0; n < count_ && kept == count_; ++n) {
-    const std::size_t i = from_first ? n : count_ - 1 - n;
-    if (!parts_[i].held.isZero(0.0)) kept = i;
+// A part has come into contact in this sample, and another one was in contact before it, or is now.
+bool CommonProxy::has_met_another() const noexcept {
+  bool is_new = false;
+  int touched = 0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const bool is_held = !parts_[i].held.isZero(0.0);
+    is_new = is_new || (is_held && !parts_[i].was_held);
+    touched += is_held || parts_[i].was_held ? 1 : 0;
   }
+  return is_new && touched > 1;
+}
+
+// One part has followed the hand without what the other holds. Each goes on from where it was before the sample, lifted off the others.
+void CommonProxy::begin_again(FeltParts& felt) noexcept {
+  is_shared_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    if (i == kept) {
-      const Vec3 normal = -part.held.normalized();
-      part.held = -std::max(0.0, normal.dot(part.p_SP - part.lift - p_SD)) * normal;
-    } else if (!part.held.isZero(0.0)) {
-      felt.resume(i, part.X_SO * part.p_OP);
-      part.held.setZero();
-    }
+    if (part.held.isZero(0.0) && !part.was_held) continue;
+    part.was_held = true;
+    part.begins_again = felt.resume(i, part.X_SO * part.p_OP);
+    if (part.begins_again) (void)felt.feel(i, part.start + lift_of(i), {.is_correction = true, .is_shared = true});
   }
-  return follow(felt, p_SD, kRoundsAgain);
 }
 
-// There is no nearest point that all allow, and shares have grown in vain. What moves holds the proxy by as much as it would move it, what
-// stands still by the rest.
+void CommonProxy::follow(FeltParts& felt, const Vec3& p_SD) noexcept {
+  for (int round = 0; round < kRounds; ++round) {
+    begin_round(p_SD);
+    bool any = false;
+    for (std::size_t i = 0; i < count_; ++i) any = visit(felt, i) || any;
+    if (!any) return;
+    const bool has_met = has_met_another();
+    if (has_met) begin_again(felt);
+    if ((has_met || round == 0) && held_count() > 1) share_out(p_SD);
+  }
+  if (has_still_) (void)visit(felt, 0);
+}
+
+// There is no nearest point that all allow, and shares have grown in vain. The proxy is where what stands still has it, or else the first
+// part that holds it, and that holds it alone. Its force has the mean stiffness of all that do.
 void CommonProxy::settle_squeezed(const Vec3& p_SD) noexcept {
-  Vec3 rest = p_SD - common_;
-  const auto set_share = [](Part& part, const Vec3& held) {
-    const double length = part.held.norm();
-    part.output.force_n *= length > 0.0 ? held.norm() / length : 0.0;
-    part.held = held;
-  };
-  for (std::size_t i = has_still_ ? 1 : 0; i < count_; ++i) {
+  double shares = 0.0;
+  double forces_n = 0.0;
+  Part* holding = nullptr;
+  for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    const double length = part.held.norm();
-    const double most = std::max(gap_.norm(), rest.norm());
-    if (length > most) set_share(part, part.held * (most / length));
-    rest -= part.held;
+    if (part.held.isZero(0.0)) continue;
+    if (holding == nullptr) holding = &part;
+    shares += part.held.norm();
+    forces_n += part.output.force_n.norm();
   }
-  if (has_still_ && !parts_[0].held.isZero(0.0)) {
-    const Vec3 normal = -parts_[0].held.normalized();
-    set_share(parts_[0], -std::max(0.0, -normal.dot(rest)) * normal);
+  if (holding == nullptr) return;
+  common_ = holding->p_SP - holding->lift;
+  for (std::size_t i = 0; i < count_; ++i) {
+    parts_[i].held.setZero();
+    parts_[i].output.force_n.setZero();
   }
+  holding->held = p_SD - common_;
+  holding->output.force_n = -(forces_n / shares) * holding->held;
 }
 
 MethodOutput CommonProxy::sum(const Vec3& p_SD) noexcept {
@@ -194,12 +202,9 @@ MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_stil
   count_ = count;
   has_still_ = has_still;
   begin_sample(felt, p_SD);
-  Ended ended = follow(felt, p_SD, kRounds);
-  // Where there was no room before, no new beginning helps.
-  for (const bool from_first : {false, true}) {
-    if (ended == Ended::squeezed && !is_squeezed_) ended = begin_again(felt, p_SD, from_first);
-  }
-  is_squeezed_ = ended == Ended::squeezed;
+  follow(felt, p_SD);
+  begin_round(p_SD);
+  is_squeezed_ = largest_m_ > kMostShare * (p_SD - common_).norm() + kMostLifts * lift_m_;
   if (is_squeezed_) settle_squeezed(p_SD);
   return sum(p_SD);
 }

@@ -20,10 +20,16 @@ class FeltParts {
   virtual Pose pose(std::size_t part) const noexcept = 0;
   // It starts there, in free space.
   virtual void reset(std::size_t part, const Vec3& p_S) noexcept = 0;
-  // It goes on from exactly there, as ForceMethod::resume has it.
-  virtual void resume(std::size_t part, const Vec3& p_S) noexcept = 0;
-  // Its step with the device point there. is_correction: as MethodInput has it. The result in S, with the scene's number of the object.
-  virtual MethodOutput feel(std::size_t part, const Vec3& p_S, bool is_correction) noexcept = 0;
+  // It goes on from exactly there, as ForceMethod::resume has it. False: its shape has changed since its proxy was there, and it goes on
+  // from where it is.
+  virtual bool resume(std::size_t part, const Vec3& p_S) noexcept = 0;
+  // is_correction: as MethodInput has it. is_shared: other parts hold the proxy as well.
+  struct Turn {
+    bool is_correction = false;
+    bool is_shared = false;
+  };
+  // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
+  virtual MethodOutput feel(std::size_t part, const Vec3& p_S, const Turn& turn) noexcept = 0;
 };
 
 // One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.
@@ -34,10 +40,13 @@ class FeltParts {
 // of them changes anything: Dykstra's alternating projections, which converge to the nearest point of several convex sets (Boyle & Dykstra
 // 1986), with the surface of each part, friction included, in place of a projection.
 //
-// Where a hand comes into contact with two parts in one sample, one of them may follow it to where the other does not let it go, such as
-// below a wall that stands on a floor. The shares then grow without end. That part begins the sample again from where its proxy was, with
-// the share of the other one known. If no such beginning helps there is no room: the proxy is where what stands still has it, and is
-// never pressed into that.
+// In a sample in which a second part comes into contact, the first has followed the hand without it, maybe to where the second does not let
+// it go, such as below a wall that stands on a floor. So both begin the sample again from where their proxies were, and know what the other
+// one holds. Where there is no room between two parts, their shares grow without end: then what stands still holds the proxy alone, and the
+// proxy is never pressed into that.
+//
+// Where several parts hold the proxy, static friction is dynamic friction: a part that breaks away would slide farther than the others let
+// it, within its own step.
 //
 // A part is felt kLift above what else holds the proxy, so that a probe between two surfaces that just touch is on its own side of both.
 //
@@ -70,20 +79,23 @@ class CommonProxy {
     Vec3 held = Vec3::Zero();      // the same in this sample, frame S
     Vec3 followed = Vec3::Zero();  // the device point that it followed last
     Vec3 p_SP = Vec3::Zero();
-    Vec3 lift = Vec3::Zero();
-    bool is_felt = false;  // in this sample
+    Vec3 lift = Vec3::Zero();   // by which it follows above the common proxy
+    Vec3 start = Vec3::Zero();  // the common proxy at the beginning of this sample
+    bool is_felt = false;       // in this sample
+    bool was_held = false;      // before this sample
+    bool begins_again = false;  // it was resumed in this sample, and not felt since
     MethodOutput output = {};
   };
 
-  enum class Ended : std::uint8_t { converged, exhausted, squeezed };
-
   void begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept;
-  Ended follow(FeltParts& felt, const Vec3& p_SD, int rounds) noexcept;
-  double visit(FeltParts& felt, std::size_t i) noexcept;
+  void follow(FeltParts& felt, const Vec3& p_SD) noexcept;
+  void begin_round(const Vec3& p_SD) noexcept;
+  bool visit(FeltParts& felt, std::size_t i) noexcept;
   Vec3 lift_of(std::size_t i) const noexcept;
   void share_out(const Vec3& p_SD) noexcept;
   int held_count() const noexcept;
-  Ended begin_again(FeltParts& felt, const Vec3& p_SD, bool from_first) noexcept;
+  bool has_met_another() const noexcept;
+  void begin_again(FeltParts& felt) noexcept;
   void settle_squeezed(const Vec3& p_SD) noexcept;
   MethodOutput sum(const Vec3& p_SD) noexcept;
 
@@ -93,9 +105,9 @@ class CommonProxy {
   std::size_t count_ = 0;
   bool has_still_ = false;
   double lift_m_;
+  bool is_shared_ = false;      // in this round
   double largest_m_ = 0.0;      // of the shares, at the beginning of the round
   Vec3 common_ = Vec3::Zero();  // the proxy
-  Vec3 gap_ = Vec3::Zero();     // squeezed: by how much the last part that moves would have it elsewhere
   bool is_squeezed_ = false;
   std::optional<Vec3> start_;  // reset() was called
   std::optional<Vec3> place_;  // go_on_from() was called

@@ -29,6 +29,12 @@ struct MotionGroup {
 // What stands still first, if anything does; the others in the order of the scene. RT: no.
 std::vector<MotionGroup> group_by_motion(const TouchScene& scene);
 
+// Of a part of the scene while others hold the proxy as well (CommonProxy). RT: yes.
+inline Material without_static_friction(Material material) noexcept {
+  material.friction_static = material.friction_dynamic;
+  return material;
+}
+
 // The material of what stands still where it holds against what moves: without friction and damping (TouchChain). RT: yes.
 inline Material holding_material(const Material& material) noexcept {
   return {.stiffness_n_per_m = material.stiffness_n_per_m, .two_sided = material.two_sided};

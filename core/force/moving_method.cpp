@@ -25,6 +25,7 @@ Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodS
     own.motion = nullptr;
     own.command_pivot.reset();
     group.materials.push_back(own.material);
+    group.shared.push_back(without_static_friction(own.material));
   }
   if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
     auto streamed = StreamedMethod::make(settings, only.mesh, only.material, *only.stream_reach_m);
@@ -58,15 +59,20 @@ class MovingMethod::Felt final : public FeltParts {
 
   Pose pose(std::size_t part) const noexcept override { return groups_[part].pose_at(input_); }
   void reset(std::size_t part, const Vec3& p_S) noexcept override { groups_[part].method->reset(to_frame(pose(part), p_S)); }
-  void resume(std::size_t part, const Vec3& p_S) noexcept override { groups_[part].method->resume(to_frame(pose(part), p_S)); }
-  MethodOutput feel(std::size_t part, const Vec3& p_S, bool is_correction) noexcept override {
-    const Group& group = groups_[part];
+  bool resume(std::size_t part, const Vec3& p_S) noexcept override {
+    if (groups_[part].is_deforming) return false;
+    groups_[part].method->resume(to_frame(pose(part), p_S));
+    return true;
+  }
+  MethodOutput feel(std::size_t part, const Vec3& p_S, const Turn& turn) noexcept override {
+    Group& group = groups_[part];
+    if (std::exchange(group.is_shared, turn.is_shared) != turn.is_shared) group.set_materials();
     const Pose X_SO = pose(part);
+    const Vec3 p_O = to_frame(X_SO, p_S);
     MethodOutput felt =
-        group.method->step({.p_SD = to_frame(X_SO, p_S), .dt_s = input_.dt_s, .time_s = input_.time_s, .is_correction = is_correction});
-    if (!felt.contact) return felt;
+        group.method->step({.p_SD = p_O, .dt_s = input_.dt_s, .time_s = input_.time_s, .is_correction = turn.is_correction});
+    felt.p_SP = felt.p_SP == p_O ? p_S : Vec3(X_SO * felt.p_SP);
     felt.force_n = X_SO.linear() * felt.force_n;
-    felt.p_SP = X_SO * felt.p_SP;
     if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
     return felt;
   }
@@ -86,9 +92,11 @@ void MovingMethod::set_materials(std::span<const Material> materials) noexcept {
   for (Group& group : groups_) {
     for (std::size_t i = 0; i < group.objects.size(); ++i) {
       const auto object = static_cast<std::size_t>(group.objects[i]);
-      if (object < materials.size()) group.materials[i] = materials[object];
+      if (object >= materials.size()) continue;
+      group.materials[i] = materials[object];
+      group.shared[i] = without_static_friction(materials[object]);
     }
-    group.method->set_materials(group.materials);
+    group.set_materials();
   }
 }
 

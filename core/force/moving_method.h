@@ -44,7 +44,11 @@ class MovingMethod final : public ForceMethod {
   struct Group : MotionGroup {
     std::unique_ptr<ForceMethod> method = nullptr;
     StreamedMethod* streamed = nullptr;    // *method, where a program deforms the object
-    std::vector<Material> materials = {};  // room for set_materials
+    std::vector<Material> materials = {};  // of the objects
+    std::vector<Material> shared = {};     // the same without static friction (CommonProxy)
+    bool is_shared = false;                // the method has these
+
+    void set_materials() noexcept { method->set_materials(is_shared ? shared : materials); }
   };
 
   class Felt;  // the groups, in one sample
