@@ -18,7 +18,6 @@ constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
 
 PatchBuilder::PatchBuilder(LocalPatch& local) : local_(local) {
   for (std::uint32_t body = 0; body < PatchBody::kMostBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
-  makers_.emplace_back(PatchMaker::kFewTriangles, 0, true);
   thread_ = start_thread([this] { run(); });
 }
 
@@ -98,8 +97,7 @@ void PatchBuilder::offer_news() {
 
 bool PatchBuilder::is_in_use(std::size_t link) const noexcept {
   if (!are_bodies_offered_) return link == 0;
-  const std::uint32_t bodies = store_.begin().body_count;
-  return link < bodies || (link == makers_.size() - 1 && bodies > 1);
+  return link < store_.begin().body_count;
 }
 
 // True: the hand has moved.

@@ -39,6 +39,8 @@ class DevicePath {
     for (double ago_s = 0.0; kept < size_ && ago_s < age_s; ++kept) ago_s += at(size_ - 1 - kept).dt_s;
     while (size_ > kept) pop();
   }
+  // Pre: not empty.
+  void replace_newest(const Vec3& p_SD) noexcept { at(size_ - 1).p_SD = p_SD; }
   void push(const Place& place) noexcept {
     if (size_ >= 2 && (place.p_SD - at(size_ - 2).p_SD).norm() <= spacing_m_) {
       at(size_ - 1) = {place.p_SD, at(size_ - 1).dt_s + place.dt_s};

@@ -22,9 +22,10 @@ struct PatchBodyMotion {
   bool moves() const noexcept { return keyframes != nullptr || is_commanded; }
 };
 
-// All bodies of a scene, in the order of the chain (TouchChain): body 0 is what stands still. Of a scene where nothing moves, there is one.
+// All bodies of a scene, in the order of PatchChain: body 0 is what stands still. Of a scene where nothing moves, there is one.
 struct PatchBodies {
   std::uint32_t generation = 0;
+  double extent_m = 0.0;  // of the scene
   std::vector<PatchBodyMotion> bodies;
 
   bool any_moves() const noexcept { return bodies.size() > 1; }

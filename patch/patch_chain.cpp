@@ -19,13 +19,11 @@ std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodie
   std::swap(bodies_, bodies);
   has_arrived_ = false;
   are_new_ = true;
-  link_count_ = 0;
+  proxy_.set_extent(bodies_->extent_m);
   for (std::size_t b = 0; b < body_count(); ++b) {
     const PatchBodyMotion& body = bodies_->bodies[b];
-    links_[link_count_++] = {b, body.moves(), false};
     commanded_[b] = AnnouncedMotion(body.pivot_S, body.radius_m);
   }
-  if (body_count() > 1) links_[link_count_++] = {kLinks - 1, false, true};
   most_bodies_ = std::max(most_bodies_, body_count());
   return bodies;
 }
@@ -81,7 +79,7 @@ void PatchChain::start_at(const Vec3& p_SP, const Vec3& outward, double age_s, d
   has_arrived_ = false;
   start_ = {p_SP, outward, time_s};
   for (std::size_t b = 0; b < body_count(); ++b) start_body(b, *start_, age_s);
-  chain_.go_on_from(p_SP);
+  proxy_.go_on_from(p_SP);
 }
 
 void PatchChain::start_body(std::size_t body, const Start& start, double age_s) noexcept {
@@ -94,7 +92,7 @@ void PatchChain::start_new_bodies() noexcept {
   are_new_ = false;
   if (!start_) return;
   for (std::size_t b = 1; b < body_count(); ++b) start_body(b, *start_, 0.0);
-  chain_.go_on_from(start_->p_SP);
+  proxy_.go_on_from(start_->p_SP);
 }
 
 void PatchChain::note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept {
@@ -120,36 +118,62 @@ std::optional<PatchOutput> PatchChain::step(const TouchInput& input) noexcept {
   return output;
 }
 
-// Of what is no force, nothing is felt: the proxy passes on what it got.
-MethodOutput PatchChain::feel(const Link& link, const Vec3& p_S, const TouchInput& input, PatchOutput& sum) noexcept {
-  const Pose X_SO = link.is_second ? Pose(Pose::Identity()) : pose_of(link.number, input.time_s);
-  p_OD_[link.number] = to_frame(X_SO, p_S);
-  const std::optional<PatchOutput> felt = touches_[link.number].step({.p_WD = p_S, .X_WS = X_SO, .dt_s = input.dt_s});
-  MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_S};
-  if (!felt) {
-    has_all_ = has_all_ && link.is_second;
+// Of what is no force, nothing is felt: the proxy is where it is asked to be.
+class PatchChain::Felt final : public FeltParts {
+ public:
+  Felt(PatchChain& chain, const TouchInput& input) : chain_(chain), input_(input) {}
+
+  Pose pose(std::size_t part) const noexcept override { return chain_.pose_of(part, input_.time_s); }
+  void reset(std::size_t part, const Vec3& p_S) noexcept override { (void)resume(part, p_S); }
+  bool resume(std::size_t part, const Vec3& p_S) noexcept override {
+    // Where its proxy was before this sample is not known.
+    if (!chain_.had_force_[part] || chain_.touches_[part].is_beyond()) return false;
+    chain_.touches_[part].go_on_from(to_frame(pose(part), p_S));
+    return true;
+  }
+  MethodOutput feel(std::size_t part, const Vec3& p_S, const Turn& turn) noexcept override {
+    PatchTouch& touch = chain_.touches_[part];
+    const Pose X_SO = pose(part);
+    if (!turn.is_correction) chain_.p_OD_[part] = to_frame(X_SO, p_S);
+    touch.set_shared(turn.is_shared);
+    const std::optional<PatchOutput> felt =
+        touch.step({.p_WD = p_S, .X_WS = X_SO, .dt_s = input_.dt_s, .is_correction = turn.is_correction});
+    MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_S};
+    chain_.has_force_[part] = felt.has_value();
+    if (!felt) {
+      chain_.has_all_ = false;
+      return output;
+    }
+    // A new beginning within the sample is no other force.
+    sum.is_handed_over = sum.is_handed_over || (felt->is_handed_over && !turn.is_correction);
+    sum.is_beyond = sum.is_beyond || felt->is_beyond;
+    sum.difference_n += felt->difference_n;
+    const bool is_held = !felt->is_beyond && touch.proxy() != touch.device();
+    if (is_held) output.p_SP = X_SO * touch.proxy();
+    if (!felt->contact) return output;
+    if (!is_held) output.p_SP = p_S + felt->visual_offset_m;
+    output.force_n = felt->force_n;
+    output.contact = true;
+    output.object = felt->object;
     return output;
   }
-  // The second link begins anew whenever something pushes: that is no other force.
-  sum.is_handed_over = sum.is_handed_over || (felt->is_handed_over && !link.is_second);
-  sum.is_beyond = sum.is_beyond || (felt->is_beyond && !link.is_second);
-  sum.difference_n += felt->difference_n;
-  if (!felt->contact || (link.is_second && felt->is_beyond)) return output;
-  return {.force_n = felt->force_n, .p_SP = p_S + felt->visual_offset_m, .contact = true, .object = felt->object};
-}
+
+  PatchOutput sum;
+
+ private:
+  PatchChain& chain_;
+  const TouchInput& input_;
+};
 
 std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexcept {
   const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
   if (!p_SD.allFinite()) return std::nullopt;
   if (are_new_ && is_ready()) start_new_bodies();
-  PatchOutput sum;
   has_all_ = true;
-  p_OD_[kLinks - 1] = p_SD;
-  const auto begin = [](const Link&, const Vec3&) {};
-  const auto resume = [this](const Link& link, const Vec3& p_S) { touches_[link.number].go_on_from(p_S); };
-  const auto feel_at = [&](const Link& link, const Vec3& p_S) { return feel(link, p_S, input, sum); };
-  const std::span<Link> links = std::span(links_).first(link_count_);
-  const MethodOutput felt = chain_.step(links, p_SD, begin, resume, feel_at);
+  had_force_ = has_force_;
+  Felt bodies(*this, input);
+  const MethodOutput felt = proxy_.step(bodies, body_count(), true, p_SD);
+  PatchOutput& sum = bodies.sum;
   if (!has_all_ || !is_ready()) {
     has_arrived_ = false;
     return std::nullopt;

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/force/touch_chain.h"
+#include "core/force/common_proxy.h"
 #include "core/force/touch_step.h"
 #include "core/math/types.h"
 #include "patch/announced_motion.h"
@@ -19,15 +19,15 @@ namespace hapton {
 
 // Computes the force of a scene, in which objects may move, from patches of its bodies. Each body has a PatchTouch in its own frame, and
 // where that is follows from the scene time alone: from its keyframes, or from the moves that are announced. So a body's patches stay valid
-// while it moves, and past the edge of one the plane of the last contact moves with the body. The bodies form a chain as in MovingMethod:
-// the force is that of the whole scene's method at the same scene time.
+// while it moves, and past the edge of one the plane of the last contact moves with the body. The bodies have one proxy as in MovingMethod
+// (CommonProxy): the force is that of the whole scene's method at the same scene time.
 //
 // Of a scene where nothing moves it is the one PatchTouch.
 //
 // Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
 class PatchChain {
  public:
-  static constexpr std::size_t kLinks = PatchBody::kMostBodies + 1;  // the last one: what stands still, a second time
+  static constexpr std::size_t kLinks = PatchBody::kMostBodies;
 
   PatchChain();
 
@@ -53,14 +53,13 @@ class PatchChain {
   // input.time_s: the scene time of the sample. None: as PatchTouch, for any body; or where a commanded body is, is not known.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
 
-  // Links in use: the bodies, and where something moves the second one of what stands still, which is always kLinks - 1.
+  // Links in use: one for each body.
   std::size_t body_count() const noexcept { return bodies_ != nullptr ? bodies_->bodies.size() : 1; }
-  bool is_in_use(std::size_t link) const noexcept { return link < body_count() || (link == kLinks - 1 && body_count() > 1); }
+  bool is_in_use(std::size_t link) const noexcept { return link < body_count(); }
   // Calls visit(link) for each link that is or has been in use: in a scene that stands still, the one.
   template <class Visit>
   void for_each_link(Visit&& visit) const {
     for (std::size_t link = 0; link < most_bodies_; ++link) visit(link);
-    if (most_bodies_ > 1) visit(kLinks - 1);
   }
   // Where the hand is for a link, in its frame, since the last step.
   PatchHand hand_of(std::size_t link, std::int64_t time_ns) const noexcept { return touches_[link].hand_at(p_OD_[link], time_ns); }
@@ -73,13 +72,7 @@ class PatchChain {
   std::uint64_t late_moves() const noexcept { return late_moves_; }
 
  private:
-  struct Link {
-    std::size_t number = 0;
-    bool is_moving = false;
-    bool is_second = false;
-
-    bool moves() const noexcept { return is_moving; }
-  };
+  class Felt;  // the bodies, in one sample
 
   // A place of the proxy, frame S, at a scene time.
   struct Start {
@@ -93,7 +86,6 @@ class PatchChain {
   void start_new_bodies() noexcept;
   void start_body(std::size_t body, const Start& start, double age_s) noexcept;
   void note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept;
-  MethodOutput feel(const Link& link, const Vec3& p_S, const TouchInput& input, PatchOutput& sum) noexcept;
   std::optional<PatchOutput> step_chain(const TouchInput& input) noexcept;
 
   std::vector<PatchTouch> touches_;
@@ -101,16 +93,16 @@ class PatchChain {
   std::array<AnnouncedMotion, PatchBody::kMostBodies> commanded_;
   std::unique_ptr<PatchBodies> bodies_;
   std::unique_ptr<PatchMaterials> materials_;
-  std::array<Link, kLinks> links_;
-  std::size_t link_count_ = 1;
   std::size_t most_bodies_ = 1;  // that there were at a time
-  TouchChain chain_;
+  CommonProxy proxy_{kLinks, 1.0};
   std::optional<Start> start_;  // none: where the proxy is, is not known
   bool are_new_ = false;        // bodies have come that have not begun at start_ yet
   std::uint32_t generation_ = 0;
   bool has_arrived_ = false;
-  bool has_all_ = false;  // in this step every link but the second had a force
-  double time_s_ = 0.0;   // of the last step
+  std::array<bool, kLinks> has_force_ = {};  // each body, in this step
+  std::array<bool, kLinks> had_force_ = {};  // and in the one before
+  bool has_all_ = false;                     // in this step every link had a force
+  double time_s_ = 0.0;                      // of the last step
   std::uint64_t late_moves_ = 0;
 };
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/force/force_method.h"
-#include "core/force/motion_groups.h"
 #include "runtime/clock.h"
 
 namespace hapton {
@@ -101,10 +100,9 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
   patch->lift_m = kLiftSteps * store.begin().step_m;
   patch->generation = generation;
   if (!piece.scene.objects.empty()) {
-    for (TouchObject& object : piece.scene.objects) {
-      if (is_holding_) object.material = holding_material(object.material);
-      patch->materials.push_back(object.material);
-    }
+    for (const TouchObject& object : piece.scene.objects) patch->materials.push_back(object.material);
+    patch->shared = patch->materials;
+    for (Material& material : patch->shared) material = without_static_friction(material);
     MethodSettings settings;
     settings.probe_radius_m = store.begin().probe_radius_m;
     auto method = make_method(settings, piece.scene);
@@ -112,7 +110,6 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     patch->step = std::make_unique<TouchStep>(std::move(*method));
     patch->objects = std::move(piece.objects);
     patch->material_version = store.material_version();
-    patch->is_holding = is_holding_;
   }
   p_SC_ = p_SC;
   radius_m_ = piece.radius_m;

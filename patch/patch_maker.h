@@ -21,9 +21,8 @@ class PatchMaker {
   static constexpr std::size_t kMostTriangles = PatchStore::kMostTiles * PatchTile::kMostTriangles;  // of the largest scene
   static constexpr double kFirstMakeS = 1e-6;  // time to make a patch, for each triangle, before the first measurement
 
-  // few: the value of kFewTriangles for this one. body: of the scene, in whose frame the hand is. is_holding: as in Patch.
-  explicit PatchMaker(std::size_t few = kFewTriangles, std::uint32_t body = 0, bool is_holding = false)
-      : few_(few), body_(body), is_holding_(is_holding) {}
+  // few: the value of kFewTriangles for this one. body: of the scene, in whose frame the hand is.
+  explicit PatchMaker(std::size_t few = kFewTriangles, std::uint32_t body = 0) : few_(few), body_(body) {}
 
   // Takes the position of the hand. Pre: times of one clock, in ascending order.
   void note_hand(const PatchHand& hand) noexcept;
@@ -50,7 +49,6 @@ class PatchMaker {
 
   std::size_t few_;
   std::uint32_t body_;
-  bool is_holding_;
   PatchHand hand_;
   Vec3 v_SD_ = Vec3::Zero();
   bool has_hand_ = false;

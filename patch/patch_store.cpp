@@ -254,6 +254,7 @@ bool PatchStore::is_wide_enough(const PatchBody& body) const noexcept {
 
 std::unique_ptr<PatchBodies> PatchStore::make_bodies(std::uint32_t generation) const {
   auto made = std::make_unique<PatchBodies>();
+  made->extent_m = std::ldexp(grid_.step_m, kPatchGridBits - 1);
   made->generation = generation;
   made->bodies.resize(begin_->body_count);
   for (std::size_t b = 1; b < made->bodies.size(); ++b) {

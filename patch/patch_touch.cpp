@@ -52,11 +52,21 @@ bool PatchTouch::tune(Patch& patch, const PatchMaterials& materials) noexcept {
     if (found == materials.objects.end() || found->first != patch.objects[i]) continue;
     Material tuned = found->second;
     tuned.two_sided = patch.materials[i].two_sided;
-    patch.materials[i] = patch.is_holding ? holding_material(tuned) : tuned;
+    patch.materials[i] = tuned;
+    if (i < patch.shared.size()) patch.shared[i] = without_static_friction(tuned);
     any = true;
   }
-  if (any) patch.step->set_materials(patch.materials);
+  if (any) patch.set_materials();
   return any;
+}
+
+void PatchTouch::set_shared(bool is_shared) noexcept {
+  is_shared_ = is_shared;
+  if (patch_ != nullptr) share(*patch_);
+}
+
+void PatchTouch::share(Patch& patch) noexcept {
+  if (patch.step != nullptr && std::exchange(patch.is_shared, is_shared_) != is_shared_) patch.set_materials();
 }
 
 void PatchTouch::use_materials(const PatchMaterials& materials) noexcept {
@@ -100,12 +110,14 @@ bool PatchTouch::is_place(const Vec3& p_SD) const noexcept {
 std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
   if (!is_place(p_SD)) return std::nullopt;
+  if (input.is_correction && is_placed_) return correct(input, p_SD);
   // A hand that enters the surface before its tiles have come is held by it once they are there.
   if (!is_placed_) {
     start_at(p_SD, Vec3::Zero());
     newest_p_SD_ = p_SD;
   }
-  const Vec3 velocity = (p_SD - std::exchange(newest_p_SD_, p_SD)) / input.dt_s;
+  sample_from_ = std::exchange(newest_p_SD_, p_SD);
+  const Vec3 velocity = (p_SD - sample_from_) / input.dt_s;
   path_.push({p_SD, input.dt_s});
   const bool was_beyond = is_beyond_;
   bool could_go_on = !was_beyond && is_over_ && reaches_next();
@@ -124,6 +136,18 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   return output;
 }
 
+// No patch takes over meanwhile.
+std::optional<PatchOutput> PatchTouch::correct(const TouchInput& input, const Vec3& p_SD) noexcept {
+  newest_p_SD_ = p_SD;
+  if (path_.empty() && patch_ != nullptr && reaches(*patch_, p_SD)) return step_patch(input, p_SD, false);
+  if (path_.empty()) {
+    path_.push({p_SD, input.dt_s});
+  } else {
+    path_.replace_newest(p_SD);
+  }
+  return step_plane(input, p_SD, (p_SD - sample_from_) / input.dt_s);
+}
+
 void PatchTouch::take_offered(const DevicePath::Place& newest) noexcept {
   if (offered_ == nullptr || retired_ != nullptr) return;
   if (!reaches(*offered_, path_.front().p_SD)) {
@@ -132,6 +156,7 @@ void PatchTouch::take_offered(const DevicePath::Place& newest) noexcept {
     path_.push(newest);
   }
   retired_ = std::exchange(patch_, std::move(offered_));
+  share(*patch_);
   is_over_ = false;
 }
 
@@ -199,6 +224,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;
   last_p_SD_ = carried_from().value_or(p_SD);
   is_placed_ = is_on_grid_ = true;
+  if (input.is_correction) return output;
   ++counts_.steps;
   counts_.contact_steps += touched.contact ? 1 : 0;
   return output;
@@ -213,7 +239,7 @@ std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const
     counts_.beyond += has_patch ? 1 : 0;
     beyond_s_ = 0.0;
   }
-  beyond_s_ += input.dt_s;
+  if (!input.is_correction) beyond_s_ += input.dt_s;
   if (outward_S_.isZero(0.0) && beyond_s_ > kBeyondS) {
     ++counts_.begun_anew;
     forget();

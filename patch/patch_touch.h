@@ -28,9 +28,12 @@ struct Patch {
   double lift_m = 0.0;           // distance off the surface at which a proxy starts that no patch has held: above the rounding of the grid
   std::uint32_t generation = 0;  // of its scene
   std::vector<Material> materials = {};  // of the objects; room for use_materials
+  std::vector<Material> shared = {};     // the same without static friction (CommonProxy); empty: as materials
   std::uint32_t material_version = 0;    // PatchMaterials::version that they are of
-  bool is_holding = false;               // of a second link of the chain: without friction and damping
+  bool is_shared = false;                // the step has `shared`
   bool is_path_incomplete = false;       // parts of the scene between the last proxy within a patch and the hand are missing
+
+  void set_materials() noexcept { step->set_materials(is_shared && !shared.empty() ? shared : materials); }
 };
 
 // One step on a patch.
@@ -115,6 +118,10 @@ class PatchTouch {
   // A patch has reached the hand since the start. Until then the force has to come from elsewhere.
   bool has_arrived() const noexcept { return has_arrived_; }
 
+  // Other bodies hold the proxy as well from the next step on: static friction is dynamic friction (CommonProxy).
+  void set_shared(bool is_shared) noexcept;
+
+  // input.is_correction: the sample of the step before with another device point, as MethodInput has it.
   // None: no patch has reached the hand since the start or the last new start; or the sample is not finite, or so far away that its
   // rounding exceeds a patch's lift (10^9 sizes of the scene): such a sample changes nothing.
   std::optional<PatchOutput> step(const TouchInput& input) noexcept;
@@ -126,6 +133,8 @@ class PatchTouch {
   bool is_placed() const noexcept { return is_placed_; }
   // Of the last step, frame S: the proxy, and the direction from the device to it; zero: no contact.
   const Vec3& proxy() const noexcept { return p_SP_; }
+  const Vec3& device() const noexcept { return newest_p_SD_; }  // of the last step
+  bool is_beyond() const noexcept { return is_beyond_; }
   const Vec3& outward() const noexcept { return outward_S_; }
   // Where the hand is, for whoever makes the next patch.
   PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
@@ -138,6 +147,8 @@ class PatchTouch {
   void take_offered(const DevicePath::Place& newest) noexcept;
   bool rise_over(const Patch& patch, const Vec3& p_SD) noexcept;
   PatchOutput step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept;
+  std::optional<PatchOutput> correct(const TouchInput& input, const Vec3& p_SD) noexcept;
+  void share(Patch& patch) noexcept;
   std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
@@ -157,6 +168,8 @@ class PatchTouch {
   double force_n_ = 0.0;            // ... its magnitude
   Vec3 last_p_SD_ = Vec3::Zero();   // of the last step within, or where it ran out of work
   Vec3 newest_p_SD_ = Vec3::Zero();
+  Vec3 sample_from_ = Vec3::Zero();  // the device before this sample
+  bool is_shared_ = false;
   DevicePath path_;
   bool is_beyond_ = false;
   bool is_retuned_ = false;  // other materials

@@ -59,6 +59,8 @@ class CommonProxy {
 
   // most: parts. extent_m: of the scene.
   CommonProxy(std::size_t most, double extent_m);
+  // Another scene. Then reset or go_on_from.
+  void set_extent(double extent_m) noexcept { lift_m_ = kLift * extent_m; }
 
   // The next step begins there: each part is reset.
   void reset(const Vec3& p_S) noexcept { start_ = p_S; }

@@ -35,9 +35,4 @@ inline Material without_static_friction(Material material) noexcept {
   return material;
 }
 
-// The material of what stands still where it holds against what moves: without friction and damping (TouchChain). RT: yes.
-inline Material holding_material(const Material& material) noexcept {
-  return {.stiffness_n_per_m = material.stiffness_n_per_m, .two_sided = material.two_sided};
-}
-
 }  // namespace hapton

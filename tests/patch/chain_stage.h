@@ -53,7 +53,6 @@ class ChainStage {
     const TiledScene tiled = make_tiles(scene);
     for (const Message& part : parts_of(tiled)) (void)store_.accept(part);
     for (std::uint32_t body = 0; body < tiled.bodies.size(); ++body) makers_.emplace_back(few, body);
-    makers_.emplace_back(few, 0, true);
     (void)chain_.take(store_.make_bodies(0));
   }
 
@@ -87,20 +86,19 @@ class ChainStage {
 
  private:
   void make_patches() {
-    for (std::size_t n = 0; n < makers_.size(); ++n) {
-      const std::size_t link = n + 1 < makers_.size() ? n : PatchChain::kLinks - 1;
+    for (std::size_t link = 0; link < makers_.size(); ++link) {
       (void)chain_.take_retired(link);
-      makers_[n].note_hand(chain_.hand_of(link, static_cast<std::int64_t>(1e9 * time_s_)));
-      auto patch = makers_[n].make_if_due(store_, 0);
+      makers_[link].note_hand(chain_.hand_of(link, static_cast<std::int64_t>(1e9 * time_s_)));
+      auto patch = makers_[link].make_if_due(store_, 0);
       if (patch == nullptr) continue;
-      makers_[n].note_made(1.0);  // it takes so long that the next one has to be small
+      makers_[link].note_made(1.0);  // it takes so long that the next one has to be small
       (void)chain_.offer(link, std::move(patch));
     }
   }
 
   std::unique_ptr<TouchStep> whole_;
   PatchStore store_;
-  std::vector<PatchMaker> makers_;  // of the bodies, then of the second link
+  std::vector<PatchMaker> makers_;  // of the bodies
   PatchChain chain_;
   MoveTable moves_;
   double time_s_ = 0.0;

@@ -99,9 +99,10 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
       }
       ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
     }
-    EXPECT_LT(compared.worst, 1e-9) << friction;
+    // Parts agree to 2^-26 of what holds the proxy (CommonProxy).
+    EXPECT_LT(compared.worst, 0x1p-26) << friction;
     EXPECT_GT(compared.in_contact, 3000);
-    EXPECT_GT(compared.on_object[0], 150);
+    EXPECT_GT(compared.on_object[0], 40);
     EXPECT_GT(compared.on_object[1], 300);
     EXPECT_GT(compared.on_object[2], 300);
     EXPECT_GT(compared.largest_n, 3.0);
