@@ -78,9 +78,9 @@ DemoPath make_tap_path() {
   constexpr double kTapS = 0.5;                     // one tap
   constexpr double kHoldS = 0.7;                    // behind the wall
   constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
-  constexpr int kRounds = 4;
-  constexpr double kMiddleM = 0.0275;  // of the motion across the wall, from 70 mm in front of it to 15 mm behind
-  constexpr double kSwingM = 0.0425;   // 15 mm behind the wall: 4 N
+  constexpr int kRounds = 4;                        // of the whole path
+  constexpr double kMiddleM = 0.0275;               // of the motion across the wall, from 70 mm in front of it to 15 mm behind
+  constexpr double kSwingM = 0.0425;                // 15 mm behind the wall: 4 N
   DemoPath path;
   for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
     const double in_round = std::fmod(t, kRoundS);

@@ -27,8 +27,8 @@ constexpr double kHalfSideM = 0.070;  // of the wall
 
 // The mesh that is made when the tour comes to it.
 namespace demo_heavy {
-constexpr double kRadiusM = 0.060;  // of the ball
-constexpr double kCurvatureM = 0.008;
+constexpr double kRadiusM = 0.060;     // of the ball
+constexpr double kCurvatureM = 0.008;  // radius of its bumps and their length, as make_rough_sphere takes them; free choices
 constexpr double kWaveM = 0.012;
 constexpr std::size_t kTriangles = 1'000'000;  // at least; the next icosphere has 1,310,720
 }  // namespace demo_heavy

@@ -47,7 +47,7 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
   constexpr double kWider = 1.4;
   constexpr double kLess = 0.7;
   constexpr double kWidestOfSlivers = 4.0;  // offsets
-  constexpr int kMostHalvings = 2;
+  constexpr int kMostHalvings = 2;          // of the radius, among slivers; then it may fall below the least one
   const double least = least_radius_;
   if (!(radius_ > 0.0)) radius_ = std::max(least, 0.5 * clearance_.offset);
   const double given = radius_;
