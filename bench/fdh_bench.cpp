@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kDiameter = 0.1;
+constexpr double kDiameter = 0.1;  // m, of the sphere
 
 const TriangleMesh& mesh_of(std::int64_t triangles) {
   static std::map<std::int64_t, TriangleMesh> made;
@@ -42,7 +42,7 @@ const std::vector<Vec3>& walk_over(std::int64_t triangles) {
   if (!is_new) return at->second;
   const FdhTree<6>& tree = tree_of<6>(triangles);
   const TriangleMesh& mesh = mesh_of(triangles);
-  constexpr int kSteps = 20000;
+  constexpr int kSteps = 20000;  // of the spiral over the sphere; a free choice
   for (int i = 0; i < kSteps; ++i) {
     const double s = (i + 0.5) / kSteps;
     const double polar = std::acos(1.0 - 2.0 * s);

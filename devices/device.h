@@ -94,14 +94,14 @@ class Device {
   virtual bool press_hand_buttons(std::uint32_t /*buttons*/) noexcept { return false; }
 
   // How the simulated hand turns the stylus while it is led, beyond the tilt of its script: yaw about y, then pitch about x, then roll
-  // about the stylus, rad, along the axes of the device's own base. It gets there at an arm's rate, and back to zero without the whole
-  // turns. False: as above. RT: yes.
+  // about the stylus, rad, along the axes of the device's own base. It turns at the speed of an arm, and returns to zero by less than a
+  // whole turn. False: as above. RT: yes.
   virtual bool turn_hand(const Vec3& /*turn_rad*/) noexcept { return false; }
 
-  // Points of the scene's surface (W) that the simulated hand goes to, one after the other; the first kMostAims count. None: it looks for
-  // itself. False: as above. RT: yes.
-  // As many as the hub is told of a scene (SceneFacts::kMostPoints).
+  // As many points as SceneFacts has (SceneFacts::kMostPoints).
   static constexpr std::size_t kMostAims = 16;
+  // Points of the scene's surface (W) that the simulated hand goes to, one after the other; only the first kMostAims are used. None: it
+  // searches by itself. False: as above. RT: yes.
   virtual bool aim_hand(std::span<const Vec3> /*p_WA*/) noexcept { return false; }
 };
 

@@ -11,26 +11,28 @@
 
 namespace hapton {
 
-// What is special about one kind of HID force-feedback device: what its reports mean. HidDevice does the rest.
-// All calls but begin are RT and pure. Threads: one call at a time.
+// One kind of HID force-feedback device: what its reports mean. HidDevice does what all kinds have in common.
+// RT: all calls but begin; they do no input or output. Threads: one call at a time.
 class HidBackend {
  public:
   virtual ~HidBackend() = default;
 
-  // The device is there, for the first time or after it was gone. Error: it cannot be driven, one line; or it is not the one it was.
+  // Called when the device was opened, at first or again after it was unplugged. Error, one line: it cannot be driven, or it is another
+  // device than at the first begin.
   virtual Result<void> begin(HidTransport& transport) = 0;
 
-  // A report, an id in front if the device numbers them; false: it says nothing, or it is damaged, and `reading` is as it was.
+  // Reads one report, with its id in front if the device numbers its reports. False: it has no reading or is damaged, and `reading` is
+  // unchanged.
   virtual bool decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept = 0;
 
-  // The next report to the device, an id (or 0) in front: its size, or 0 for none. is_live: the device may exert a force; else it must
-  // release it.
+  // Writes the next report to the device, with its id (or 0) in front. Returned: its size; 0: there is none to send. is_live: the device
+  // may exert a force; otherwise it must release it.
   virtual std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept = 0;
 
-  // What a person is to do while the device is calibrating.
+  // What the user has to do while the device is calibrating.
   virtual std::string_view advice() const noexcept { return "wait until it has finished calibrating"; }
 
-  // As of the first begin.
+  // Known from the first begin on.
   virtual std::string_view name() const noexcept = 0;
   virtual const DeviceLimits& limits() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept = 0;

@@ -12,9 +12,9 @@ constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a se
 
 }  // namespace
 
-// Before each step, and before anything is sent: while the hub computes the force, steps are rare. The hub has the objects where they lie:
-// one leaves its place only when the hub has dropped its parts, and the hub gets them again when those that it would get are of the scene
-// in use. An older hub, which would take parts of the old place however late they come, gets none.
+// Called before each step and before anything is sent, because steps are rare while the hub computes the force. The hub's parts of the
+// scene show each object where it lies. So an object leaves its place only when the hub has dropped its parts, and the hub gets parts again
+// only of the scene in use. A hub of an earlier version gets none: it would use parts of the old place however late they come.
 void ReplyLoop::withdraw_parts() noexcept {
   Grasp* grasp = step_.grasp();
   if (patches_ == nullptr || grasp == nullptr) return;
@@ -25,7 +25,8 @@ void ReplyLoop::withdraw_parts() noexcept {
   grasp->set_free(patches_->is_withdrawn(hub_.session()));
 }
 
-// The one that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have known another session.
+// Sends the pose that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have joined another
+// session before.
 void ReplyLoop::send_poses() noexcept {
   if (step_.grasp() == nullptr) return;
   const std::span<const ObjectPose> poses = step_.grasp()->poses();
@@ -42,7 +43,7 @@ void ReplyLoop::send_poses() noexcept {
   }
 }
 
-// What the stylus holds counts as another method, and what has moved is sent at once.
+// An object that the stylus holds counts as another method. A pose that has changed is sent at once.
 void ReplyLoop::report_grasp() noexcept {
   Grasp* grasp = step_.grasp();
   if (grasp == nullptr) return;

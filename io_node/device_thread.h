@@ -16,7 +16,7 @@
 namespace hapton {
 
 // The thread of a device loop. Its SCHED_FIFO priority is one above that of the servo loop (the network side), so that it never waits for
-// that one on a CPU that they share. RT: start and stop set-up only; the thread itself is real-time. Threads: one.
+// the servo loop on a CPU that both use. RT: start and stop set-up only; the thread itself is real-time. Threads: one.
 class DeviceThread {
  public:
   // Pre: both outlive this.
@@ -27,7 +27,7 @@ class DeviceThread {
 
   // Starts the cycles. network: the settings of the servo loop. Error: real time is required and was denied, or there is no timer.
   Result<void> start(const RealtimeSettings& network);
-  // Writes zero force to the motors and ends the cycles. Without effect if it does not run.
+  // Writes zero force to the motors and ends the cycles. Has no effect if the thread does not run.
   void stop();
 
   // The thread's id, and what the system granted it (RealtimeReport::to_lines). Pre: start() succeeded.

@@ -23,9 +23,10 @@ namespace {
 
 constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;     // between two checks of scheduling, and that the device loop lives
 constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
-constexpr auto kLookEvery = std::chrono::milliseconds(20);  // at events, reports and the end: no person waits for longer than that
+constexpr auto kLookEvery =
+    std::chrono::milliseconds(20);  // between two checks for events, reports and the end; too short for a person to notice
 
-// Somebody else's code is named where its device is at fault: " (device plugin:./pen.so)".
+// Names the plug-in in a message on a fault of its device: " (device plugin:./pen.so)". Empty for other devices.
 std::string name_plugin(const IoOptions& options) {
   const std::string& name = options.device.name;
   return name.starts_with(kPluginDevice) ? fmt::format(" (device {})", name) : std::string();
@@ -36,7 +37,7 @@ double find_reply_share(const IoOptions& options) {
   return std::min(1e-6 * options.reply_spin_us * options.rate_hz, ReplySpin::kMostShare);
 }
 
-// What the choice of --touch goes by.
+// The round trip by which --touch auto chooses.
 std::string describe_round_trip(double seconds) {
   return seconds > 0.0 ? fmt::format("touch, round trip {:.1f} ms", 1e3 * seconds) : "touch, round trip not known yet";
 }

@@ -6,9 +6,10 @@
 namespace hapton {
 namespace {
 
-// There is no sample before: a cycle at 1 kHz is assumed.
+// The time step of the first sample, which has none before it: a cycle at 1 kHz is assumed.
 constexpr double kFirstStepS = 1e-3;
-constexpr double kLongestStepS = 0.02;  // after a gap
+// A longer gap between two samples counts as this. A free choice.
+constexpr double kLongestStepS = 0.02;
 constexpr std::uint32_t kNoGeneration = 0xFFFFFFFF;
 
 }  // namespace
@@ -20,7 +21,8 @@ LocalPatch::~LocalPatch() {
   exchange(materials_, nullptr);
 }
 
-// Nothing is freed here: one slot takes back what is not needed any more, and nothing new comes before it is empty.
+// Nothing is freed here: a patch that is not needed any more goes into the link's `retired_` slot, which another thread empties. Until then
+// no new patch is taken.
 void LocalPatch::exchange_patch(std::size_t link) noexcept {
   if (retired_[link].load(std::memory_order_acquire) != nullptr) return;
   if (auto retired = touch_.take_retired(link)) {
@@ -31,7 +33,7 @@ void LocalPatch::exchange_patch(std::size_t link) noexcept {
   }
 }
 
-// False: something is offered, but what it replaces would have no place.
+// Takes what is offered, if anything is. False: it has to wait, as the slot for what it replaces is still full.
 template <class T>
 bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept {
   if (offered.load(std::memory_order_relaxed) == nullptr) return true;
@@ -41,7 +43,7 @@ bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) n
   return true;
 }
 
-// Bodies last: they are offered before the patches of them, so whoever has a patch gets its bodies in the same step.
+// Bodies last: they are offered before their patches, so a step that gets a patch gets its bodies too.
 void LocalPatch::exchange_patches() noexcept {
   for (std::size_t link = 0; link < kLinks; ++link) exchange_patch(link);
   (void)take_over(materials_, retired_materials_);
@@ -67,7 +69,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
     return std::nullopt;
   }
   exchange_patches();
-  // Where a haptics node has just joined, what is there is of the one before, until the builder has seen to it.
+  // Just after another haptics node has joined, the patches here are still those of the previous one, until the builder has cleared them.
   const bool is_cleared = cleared_.load(std::memory_order_acquire) == orders.clears;
   touch_.set_generation(is_cleared && orders.may_begin ? generation_.load(std::memory_order_acquire) : kNoGeneration);
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);

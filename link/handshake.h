@@ -98,11 +98,11 @@ class ClientHandshake {
   SealedChannel channel_;
 };
 
-// The hub's side. It knows nothing of sessions: those are SealedHub's.
+// The hub's side of handshakes. SealedHub keeps the sessions.
 // RT: as its worker; construction set-up only. Threads: one.
 class HubHandshake {
  public:
-  // How long a cookie is good for: at least one such time, at most two.
+  // A cookie is valid for at least this time, and at most twice as long. ns.
   static constexpr std::int64_t kCookieTimeNs = 2'000'000'000;
 
   enum class Verdict : std::uint8_t {

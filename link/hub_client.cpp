@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Rubbish one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
+// Invalid datagrams that one call skips after its deadline, so that a flood of them cannot hold up the caller.
 constexpr int kMaxRejectedPerPoll = 64;
 
 }  // namespace

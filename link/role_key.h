@@ -17,7 +17,7 @@ class RoleKey {
   static constexpr std::size_t kBytes = 32;
   using Bytes = std::array<std::uint8_t, kBytes>;
 
-  // Pre: role is a node's; for the first, seal::start_crypto() went well.
+  // Pre: role is a node's; seal::start_crypto() succeeded before the first constructor is called.
   RoleKey(const LinkKey& master, KeyRole role);
   RoleKey(const Bytes& bytes, KeyRole role) : bytes_(bytes), role_(role) {}
   ~RoleKey();

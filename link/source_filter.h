@@ -11,7 +11,7 @@
 namespace hapton {
 
 // A filter for a UDP socket with one peer: the kernel drops datagrams from any other address, before they cost this process a system call
-// each. RT: yes, no heap; installing it is the caller's. Threads: one.
+// each. The caller installs it. RT: yes, no heap. Threads: one.
 class SourceFilter {
  public:
   explicit SourceFilter(const Address& peer) noexcept;

@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// The motion of a body by commanded moves, on the device side, which gets to know of each move a while after it was decided. A move that is
+// The motion of a body by commanded moves, on the device side, which learns of each move some time after it was decided. A move that is
 // known before it begins is the move itself, to the last bit: haptics, pictures and this side have the body at one place. For one that
 // comes later, because its datagrams were lost, the body goes from where it is to the same end, at the same time, or as soon after it as
-// kMostSurfaceSpeed allows. So the body never jumps, and is where everybody has it at the end of the move at the latest.
+// kMostSurfaceSpeed allows. So the body never jumps, and is where haptics and the pictures have it at the end of the move at the latest.
 // Frame: S. Units: SI. RT: all. Threads: one.
 class AnnouncedMotion {
  public:

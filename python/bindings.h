@@ -24,11 +24,11 @@ void bind_sessions(py::module_& module);
 void bind_fields(py::module_& module);
 void bind_live(py::module_& module);
 
-// A Mesh, or a list of Mesh and (Mesh, Material): the rest gets `material`. Error: something else among them.
+// The objects of a Mesh, or of a list of Mesh and (Mesh, Material). material: of those that have none. Error: the list has something else.
 TouchScene read_objects(const py::object& objects, const Material& material);
-// A warning for each effect that is a plug-in, which is not run here.
+// Warns of each effect that is a plug-in: Python does not run it.
 void warn_of_libraries(const Scene& scene);
-// Of Python's fields. Error: something else among them.
+// The fields of a Python list. Error: it has something else.
 std::vector<Field> read_fields(const py::iterable& fields);
 
 }  // namespace hapton::python

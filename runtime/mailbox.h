@@ -1,4 +1,4 @@
 #pragma once
 
-// The slow and the fast task of a force method exchange through it too, so it lives in the core.
+// Mailbox is in core because force methods use it too: between their slow and their fast task.
 #include "core/base/mailbox.h"

@@ -10,18 +10,18 @@ namespace hapton {
 // the next waits do not spin, kFirstPause of them, and twice as many after each further failure. RT: yes. Threads: one.
 class SpinTrial {
  public:
-  static constexpr std::uint32_t kWaits = 6;
-  static constexpr std::uint32_t kFirstPause = 512;  // half a second at 1 kHz: a trial that fails costs a hundredth of the waits
-  static constexpr std::uint32_t kLongestPause = 1 << 20;
+  static constexpr std::uint32_t kWaits = 6;               // of a trial; a free choice
+  static constexpr std::uint32_t kFirstPause = 512;        // half a second at 1 kHz: a trial that fails costs a hundredth of the waits
+  static constexpr std::uint32_t kLongestPause = 1 << 20;  // waits: 17 minutes at 1 kHz; a free choice
 
-  // Asked once for each wait.
+  // Whether the next wait may spin. Called once for each wait.
   bool may_spin() noexcept {
     if (paused_ == 0) return true;
     --paused_;
     return false;
   }
 
-  // Of a wait that did: the datagram arrived before its end.
+  // Called after each wait that did spin. arrived: the datagram came before its end.
   void note(bool arrived) noexcept {
     arrivals_ += arrived ? 1 : 0;
     if (++waits_ < kWaits) return;

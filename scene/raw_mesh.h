@@ -23,7 +23,7 @@ struct PolygonLook {
   std::span<const CornerLook> corners;
 };
 
-// What a reader found, before welding: the file's own units. Every index in range, every coordinate finite.
+// What a reader found, before welding, in the file's own units. Every index is in range, every coordinate finite.
 struct RawMesh {
   std::string format;
   TriangleMesh mesh;
@@ -37,7 +37,7 @@ struct RawMesh {
 
   // Every triangle from here on belongs to a part of this name.
   void begin_part(std::string name);
-  // Counts the last part's triangles; parts without any go.
+  // Counts the last part's triangles, and removes parts that have none.
   void end_parts();
 
   // Appends a polygon's triangles as triangulate_polygon does. normals: the authored ones of its corners, in their order; empty when there
@@ -45,9 +45,9 @@ struct RawMesh {
   bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals, const PolygonLook* look = nullptr);
   // The same for one triangle.
   void add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals);
-  // Once at the end: triangles that were added without normals have zero ones, when others have some.
+  // Call once at the end: triangles without normals get zero ones if others have some.
   void end_normals();
-  // Once at the end: triangles that were added without a look have none, when others have one; and so for their haptics.
+  // Call once at the end: triangles without a look get an empty one if others have one. The same for their haptics.
   void end_look();
 };
 

@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// Up to `most` points on the surfaces that can be touched, spread evenly over all objects. Deterministic: the same for the same scene.
-// Frame S, metres. RT: set-up only.
+// At most `most` points on the surfaces that can be touched, spread evenly over all objects as seen from the front (along z), or over the
+// whole surface if the scene is edge-on from there. The same scene gives the same points. Frame S, metres. RT: set-up only.
 std::vector<Vec3> find_surface_points(const TouchScene& scene, std::size_t most);
 
 }  // namespace hapton

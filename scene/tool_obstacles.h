@@ -16,7 +16,7 @@ struct ToolPart {
   std::shared_ptr<const KeyframeMotion> motion = nullptr;
   int commanded = -1;  // the object's number in the scene
 
-  // By keyframes; one that programs move is at rest. What the points at rest are moved by, frame S. RT: yes.
+  // The pose, frame S, that takes the part from rest to its place by its keyframes; the identity if programs move it. RT: yes.
   Pose pose_at(double time_s) const noexcept { return motion != nullptr ? motion->pose_at(time_s) : Pose(Pose::Identity()); }
 };
 
@@ -30,7 +30,7 @@ struct ToolObstacles {
   std::vector<ToolPart> parts;                              // that move
   std::vector<SwitchedEffect> effects;                      // in free space, felt at the grip point
   double stiffness_n_per_m = 0.0;                           // of the stiffest surface of the whole scene
-  bool leaves_out = false;                                  // surfaces have images, other effects or one side only, which a tool has not
+  bool leaves_out = false;  // surfaces have images, other effects or one side only, which a tool does not feel
 
   bool has_friction() const;
   bool has_damping() const;

@@ -72,7 +72,7 @@ ChildProcess::~ChildProcess() {
 }
 
 std::optional<int> ChildProcess::wait(double seconds) {
-  constexpr std::int64_t kLookNs = 5 * kNanosecondsPerMillisecond;
+  constexpr std::int64_t kLookNs = 5 * kNanosecondsPerMillisecond;  // between two checks whether the child has ended; a free choice
   SteadyClock clock;
   const double end_ns = static_cast<double>(clock.now_ns()) + 1e9 * seconds;
   while (!exit_code_) {

@@ -26,7 +26,7 @@ struct DynamicsOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kJoinS = 5.0;
+constexpr double kJoinS = 5.0;  // how long to wait for the hub; a free choice
 // Longer waits would delay a request: the driver has one due every 5 ms.
 constexpr std::int64_t kTurnNs = 1 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kWarnEveryNs = kNanosecondsPerSecond;

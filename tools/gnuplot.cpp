@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kDrawSeconds = 60.0;
-constexpr int kNotFound = 127;  // what posix_spawnp's child exits with when there is no such program
+constexpr double kDrawSeconds = 60.0;  // the longest time for a plot; a free choice
+constexpr int kNotFound = 127;         // what posix_spawnp's child exits with when there is no such program
 
 }  // namespace
 

@@ -19,7 +19,7 @@ namespace hapton {
 namespace {
 
 constexpr int kBadCommandLine = 2;
-constexpr std::size_t kNameWidth = 14;
+constexpr std::size_t kNameWidth = 14;  // characters of the column of names; wider than any name
 
 // The commands below one, old names too, without the groups of flags that CLI11 keeps among them.
 std::vector<const CLI::App*> commands_of(const CLI::App& app) {

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastZoom = 0.1;
+constexpr double kLeastZoom = 0.1;  // of the first view; this and the next: free choices
 constexpr double kMostZoom = 100.0;
 // look_at() leaves a margin of a tenth of the radius around the object.
 constexpr double kMargin = 1.1;

@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxSide = 8192;
+constexpr int kMaxSide = 8192;  // texels; a free choice: 256 MiB in RGBA
 
 std::string name_of(const LookImage& image) { return printable(std::filesystem::path(image.name).filename().string()); }
 

@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kCell = 0.02;
-constexpr double kMostOfWidth = 0.2;
+constexpr double kCell = 0.02;        // m: side of a square of the grid; a free choice
+constexpr double kMostOfWidth = 0.2;  // of the picture, for the scale bar; a free choice
 
 }  // namespace
 

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Into the vertex array that is bound.
+// Adds the paint attributes to the bound vertex array. Attribute numbers are those of gl_program.cpp.
 GLuint upload_paints(const std::vector<VertexPaint>& paints) {
   GLuint buffer = 0;
   glGenBuffers(1, &buffer);

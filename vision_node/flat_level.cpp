@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr float kOne = 511.0F;
-constexpr std::uint32_t kMask = 1023;
+constexpr float kOne = 511.0F;         // 1 as a signed number of 10 bits
+constexpr std::uint32_t kMask = 1023;  // 10 bits
 // No triangle has taken this corner as its last. A packed normal never has the top bits set.
 constexpr std::uint32_t kFree = 0xFFFFFFFFU;
 

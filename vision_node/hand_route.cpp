@@ -15,7 +15,7 @@ constexpr double kClearance = 0.02;
 constexpr double kStep = 0.01;
 constexpr double kCircle = 0.0025;
 constexpr int kDirections = 24;  // of the search, in each circle
-constexpr int kAround = 8;
+constexpr int kAround = 8;       // points on a circle around a pixel, all of which must be open; a free choice
 // Of the clearance: distance from the visible surface at which a path through the air begins; it may end on the surface.
 constexpr double kInFront = 0.5;
 // Of the clearance: how far a tip in the air may be behind the depth picture of a surface in front of which it is, because that picture is

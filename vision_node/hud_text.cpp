@@ -21,7 +21,7 @@ bool is_without_force(ProbeStatus status) {
 
 // Ten marks of the energy budget; empty while the device has given the hand no more than it took.
 std::string energy_text(std::uint32_t percent) {
-  constexpr std::uint32_t kMarks = 10;
+  constexpr std::uint32_t kMarks = 10;  // of the bar, 10 % each
   if (percent == 0) return {};
   const std::uint32_t full = std::min(kMarks, (percent * kMarks + 99) / 100);
   return fmt::format("   energy given [{}{}] {} %", std::string(full, '#'), std::string(kMarks - full, '.'), percent);

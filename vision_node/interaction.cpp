@@ -14,9 +14,9 @@ namespace {
 constexpr double kDialKeyDegrees = 5.0;
 constexpr double kOrbitRadiansPerPixel = 0.4 * std::numbers::pi / 180.0;
 constexpr double kTurnRadiansPerPixel = 0.5 * std::numbers::pi / 180.0;  // of the stylus: a hand's width of mouse is a quarter of a turn
-constexpr double kWheelTurnRadians = 10.0 * std::numbers::pi / 180.0;
-constexpr double kZoomPerNotch = 1.1;
-constexpr double kHeadStepM = 0.01;
+constexpr double kWheelTurnRadians = 10.0 * std::numbers::pi / 180.0;    // of the stylus, a notch; a free choice
+constexpr double kZoomPerNotch = 1.1;                                    // factor, also of the keys + and -; a free choice
+constexpr double kHeadStepM = 0.01;  // of the viewer's head, for each press of an arrow key; a free choice
 // Shares of the picture's smaller side: how deep inside the surface the hand is led at first (3 mm of a picture of 300: a newton or two
 // with the softest of the shipped materials), one notch of the wheel, and how deep and how far off it may be moved.
 constexpr double kPressShare = 0.01;
@@ -25,7 +25,7 @@ constexpr double kDeepest = 0.1;
 constexpr double kFarthestOff = -0.5;
 constexpr std::int64_t kHandResendNs = 100'000'000;  // of the same target, as a datagram may be lost
 constexpr std::int64_t kFarewellNs = 30'000'000;     // between the messages that end it
-constexpr int kFarewells = 4;
+constexpr int kFarewells = 4;                        // messages that end the motion of the hand: one may be lost
 
 // Keys of what the window does not do itself.
 constexpr std::array<std::pair<char, bool UserRequests::*>, 19> kRequestKeys = {{

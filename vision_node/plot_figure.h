@@ -18,7 +18,7 @@ namespace hapton {
 // the HUD costs as much as hundreds of lines; a panel behind them would cost more than all of it where the CPU draws. RT: no.
 class PlotFigure {
  public:
-  static constexpr std::size_t kMost = 2;
+  static constexpr std::size_t kMost = 2;  // plots: the force, the age of the state
 
   void add_to(vtkRenderer* renderer);
   // Hidden where there are none. At most kMost are drawn.

@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kHeadToShaftRadius = 2.6;
+constexpr double kHeadToShaftRadius = 2.6;  // of the arrow's head; these three: free choices, in radii of the shaft
 constexpr double kHeadLengthInRadii = 7.0;
 constexpr double kLimitToShaftRadius = 3.2;
 // A point has no visible shadow, so it gets a wider one.

@@ -43,7 +43,7 @@ class ProbeFigure {
   const ProbeSizes& sizes() const { return sizes_; }
 
  private:
-  static constexpr int kMostRings = 12;
+  static constexpr int kMostRings = 12;  // one for each newton; a free choice, longer arrows have no more
 
   void place_arrow(const ProbeShown& probe);
   void place_device_point(const ProbeShown& probe);

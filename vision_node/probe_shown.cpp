@@ -64,7 +64,7 @@ double find_probe_radius(std::string_view method) {
 }
 
 int find_set_size(std::string_view method) {
-  constexpr int kUsual = 64;
+  constexpr int kUsual = 64;  // triangles in a local set, the default of MethodSettings
   const double size = find_method_number(method, "set_size=");
   return size >= 1.0 && size <= 1e4 ? static_cast<int>(size) : kUsual;
 }

@@ -16,7 +16,7 @@ struct CurvePoint {
 // Memory is constant. Times: any one monotonic clock, ns. RT: add yes; points no.
 class RecentCurve {
  public:
-  static constexpr std::int64_t kSpanNs = 20'000'000;
+  static constexpr std::int64_t kSpanNs = 20'000'000;  // a point of the curve; with kSpans of them it shows 5 s
   static constexpr std::size_t kSpans = 250;
   static constexpr double kSeconds = 1e-9 * static_cast<double>(kSpanNs) * kSpans;
 

@@ -87,7 +87,7 @@ Result<void> RecordedSession::take_moment() {
 
 // Draws it, after waiting for the teaching view and for carved objects, which other threads compute.
 Result<void> RecordedSession::complete_moment() {
-  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
+  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other threads; a free choice
   window_.finish_teaching();
   while (carved_ != nullptr && !carved_->is_up_to_date()) {
     show_carved();

@@ -8,7 +8,7 @@ namespace hapton {
 // stops. Units: seconds of the recording; ns of any one monotonic clock. RT: no.
 class SessionPlayer {
  public:
-  static constexpr double kSlowest = 0.1;
+  static constexpr double kSlowest = 0.1;  // times the speed of the recording; this and the next: free choices
   static constexpr double kFastest = 8.0;
 
   // Pre: begin_s <= end_s.

@@ -10,7 +10,7 @@ namespace hapton {
 // no.
 class ShownNotice {
  public:
-  static constexpr std::int64_t kShownNs = 10'000'000'000;
+  static constexpr std::int64_t kShownNs = 10'000'000'000;  // 10 s to read it; a free choice
 
   // newest: empty if there is none. True: line() is another one.
   bool update(std::string newest, std::int64_t now_ns) {

@@ -33,7 +33,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kScreenshotSamples = 8;
+constexpr int kScreenshotSamples = 8;  // a pixel; a free choice, as a screenshot may take longer than a frame
 
 }  // namespace
 

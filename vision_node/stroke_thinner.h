@@ -14,7 +14,7 @@ namespace hapton {
 // the window.
 class StrokeThinner {
  public:
-  static constexpr std::size_t kMostWindow = 256;
+  static constexpr std::size_t kMostWindow = 256;  // points; bounds the work for each new one. A free choice
 
   // Pre: above 0, finite.
   explicit StrokeThinner(double bound_m) : bound_m_(bound_m) {}

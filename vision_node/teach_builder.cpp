@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kTeachNiceness = 10;
+constexpr int kTeachNiceness = 10;  // as for levels of detail: nodes and frames come first
 
 TeachShapes make_notice(std::string text) {
   TeachShapes nothing;

@@ -11,7 +11,7 @@ namespace hapton {
 enum class TeachView { off, contact, local_set, tree, grid, curvature };
 
 struct TeachChoice {
-  static constexpr int kDeepest = 20;
+  static constexpr int kDeepest = 20;  // level of the tree that may be given; a free choice
 
   TeachView view = TeachView::off;
   int level = 2;  // of the tree: 0 is that below the root

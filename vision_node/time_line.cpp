@@ -18,7 +18,7 @@ int column_of(const SessionIndex& index, double t_s) {
 std::vector<TimeLineShown::Band> make_bands(const SessionIndex& index) {
   std::vector<TimeLineShown::Band> bands;
   int last = -2;
-  constexpr double kWidth = 1.0 / kTimeLineColumns;
+  constexpr double kWidth = 1.0 / kTimeLineColumns;  // of a column, as a share of the line
   for (const SessionSpan& span : index.spans()) {
     if (!span.is_contact) continue;
     const double from_s = SessionIndex::kSpanS * static_cast<double>(span.number);

@@ -29,7 +29,7 @@ double compute_eye_motion_m(const Head& from, const Head& to, double ipd_m) {
 }
 
 std::string describe_head(const Head& head, const Head& home) {
-  constexpr double kShownM = 0.01;
+  constexpr double kShownM = 0.01;  // unit of the shown position; less than half of it is not shown
   if ((head.p_RH - home.p_RH).norm() < 0.5 * kShownM) return {};
   // A zero has no sign.
   const auto cm = [](double length_m) { return std::round(100.0 * length_m) + 0.0; };

@@ -102,7 +102,7 @@ std::optional<TeachProbe> ViewerWindow::find_teach_probe() const {
 
 // Views of the whole scene follow the probe in strides, because they are large.
 bool ViewerWindow::wants_teach(const TeachProbe& probe) const {
-  constexpr double kStrideShare = 0.05;
+  constexpr double kStrideShare = 0.05;  // of the scene's radius (decision 163)
   if (teach_ != teach_requested_) return true;
   const bool is_large = teach_.view == TeachView::tree || teach_.view == TeachView::grid || teach_.view == TeachView::curvature;
   const double moved_m = (probe.p_SP - teach_probe_.p_SP).norm();
@@ -128,7 +128,7 @@ void ViewerWindow::teach() {
 void ViewerWindow::finish_teaching() {
   if (teacher_ == nullptr || teach_.view == TeachView::off) return;
   teach();
-  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;
+  constexpr std::int64_t kPauseNs = 5 * kNanosecondsPerMillisecond;  // between two checks of the other thread; a free choice
   while (teacher_->is_busy()) clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   teach();
 }

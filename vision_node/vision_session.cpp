@@ -19,6 +19,7 @@ namespace {
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;  // from a look of one node at the file to one of the other
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
+// the longest wait for the hub, so that input is not handled later; a free choice
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -343,6 +344,7 @@ class BenchProbe {
   std::int64_t sample_ns() const { return sample_ns_; }
 
  private:
+  // in which the simulated probe goes round once; a free choice
   static constexpr std::int64_t kRoundNs = 1000 * kNanosecondsPerMillisecond;
   double radius_m_;
   std::int64_t sample_ns_ = 0;

@@ -31,8 +31,8 @@ vtkSmartPointer<vtkPolyData> make_poly_data(const TriangleMesh& mesh) {
 }
 
 vtkSmartPointer<vtkPolyData> make_lathe(const std::vector<std::pair<double, double>>& profile) {
-  constexpr int kSides = 28;
-  constexpr double kCreaseDegrees = 35.0;
+  constexpr int kSides = 28;               // of a round shape; a free choice
+  constexpr double kCreaseDegrees = 35.0;  // edges that turn by more are drawn sharp; a free choice
   TriangleMesh mesh;
   for (const auto& [radius, height] : profile) {
     for (int i = 0; i < kSides; ++i) {

@@ -16,9 +16,9 @@
 namespace hapton {
 namespace {
 
-constexpr PictureSize kWindow{1280, 720};
-constexpr double kDegreesPerFrame = 3.0;
-constexpr std::int64_t kLongestWaitNs = 120 * kNanosecondsPerSecond;
+constexpr PictureSize kWindow{1280, 720};                             // pixels; a free choice
+constexpr double kDegreesPerFrame = 3.0;                              // of the dial y; a free choice
+constexpr std::int64_t kLongestWaitNs = 120 * kNanosecondsPerSecond;  // for the levels of detail; a free choice
 
 std::int64_t cpu_time_ns() {
   std::timespec t = {};

@@ -108,7 +108,7 @@ double at_quantile(const std::vector<double>& sorted_ns, double q) {
 // Once through all pairs to load the cache, as in a haptic loop; then timed repetitions for a few
 // milliseconds.
 void take_turn(PairCollider& collider, const Stopwatch& watch, const HaptonRunSettings& settings, std::vector<double>& batch_ns) {
-  constexpr double kTurnNs = 5e6;
+  constexpr double kTurnNs = 5e6;  // 5 ms; a free choice
   collider.collide(0, settings.pairs.count);
   const std::uint64_t start = Stopwatch::ticks();
   do {

@@ -21,7 +21,7 @@ class FacetLocator {
   // bound.
   std::uint64_t count_crossed(const Vec3& from, const Vec3& to) const;
 
-  static constexpr int kSamples = 8;
+  static constexpr int kSamples = 8;  // of a path: the nearest triangle is found at each eighth
 
  private:
   const TriangleMesh& mesh_;

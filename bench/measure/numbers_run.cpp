@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Peers = std::vector<std::pair<std::string, double>>;
 
-constexpr double kExtent_m = 0.1;
+constexpr double kExtent_m = 0.1;  // every mesh is scaled to 100 mm
 
 std::shared_ptr<const TriangleMesh> make_bumpy(std::size_t triangles, std::uint64_t seed) {
   TriangleMesh mesh = make_bumpy_sphere(0.045, 0.25, triangles, seed);

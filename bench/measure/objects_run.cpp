@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kRing_m = 0.035;
+constexpr double kRing_m = 0.035;  // of each torus, with the next: 100 mm across
 constexpr double kTube_m = 0.015;
 constexpr double kSpacing_m = 0.14;  // 40 mm between neighbours: the free trajectory goes 11 mm away
 

@@ -33,7 +33,7 @@ struct ObjectsReport {
   std::vector<ObjectsRow> rows;
 };
 
-// Tori in a cubic lattice, with gaps wider than the device's motion round the middle one, which alone is touched: the cost of the other
+// Tori in a cubic lattice, with gaps wider than the device's motion. Only the middle one is touched, so the rows show the cost of the other
 // objects. Error: see make_method. RT: set-up only.
 Result<ObjectsReport> measure_objects(const ObjectsSettings& settings, const Stopwatch& watch, const Progress& progress);
 

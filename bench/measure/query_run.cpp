@@ -9,10 +9,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kReachShare = 0.025;   // of the extent: radius of the queries
-constexpr double kAgreeShare = 1e-4;    // of the extent: by how much single precision and brute force may differ
-constexpr double kTriangleTests = 4e7;  // budget of brute force for comparison
-constexpr std::size_t kLeastQueries = 16;
+constexpr double kReachShare = 0.025;      // of the extent: radius of the queries
+constexpr double kAgreeShare = 1e-4;       // of the extent: by how much single precision and brute force may differ
+constexpr double kTriangleTests = 4e7;     // budget of brute force for comparison
+constexpr std::size_t kLeastQueries = 16;  // to time a query, and of every measurement; a free choice
 
 std::size_t stride_for(std::size_t queries, std::size_t most) {
   return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most));

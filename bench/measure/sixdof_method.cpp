@@ -39,7 +39,7 @@ class ForceTask final : public SixdofMethod {
   Placement placement(const ToolStep&) const override { return held_.tool().proxy().placement(); }
 
  private:
-  static constexpr std::int64_t kSampleNs = 1'000'000;
+  static constexpr std::int64_t kSampleNs = 1'000'000;  // 1 kHz
 
   HeldTool held_;
   std::int64_t samples_ = 0;

@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};
+constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};  // of all scenarios; a free choice
 
 Pose pose_of(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
   Pose X = Pose::Identity();
@@ -63,7 +63,7 @@ double turn_about_y(const Pose& X) { return std::atan2(X.linear()(0, 2), X.linea
 
 // A cube of half side a over z = 0, turned about y by t, rests on z = a (|sin t| + cos t). The proxy's turn is that of least energy.
 SixdofScenario make_box_scenario(std::size_t steps, double tilt) {
-  constexpr double kHalf = 0.01;
+  constexpr double kHalf = 0.01;  // m, as all lengths here; sizes are free choices
   SixdofScenario made;
   made.name = tilt > 0.0 ? "tilted box on plane" : "box on plane";
   made.tool = shared(make_box(Vec3::Constant(2.0 * kHalf), 2));
@@ -122,7 +122,7 @@ SixdofScenario make_groove_scenario(std::size_t steps) {
 SixdofScenario make_slot_scenario(std::size_t steps) {
   constexpr double kHalfWidth = 0.005;
   constexpr double kHalfLength = 0.015;
-  constexpr double kHalfSlot = 0.0053;
+  constexpr double kHalfSlot = 0.0053;  // 0.3 mm of room on each side
   SixdofScenario made;
   made.name = "peg in slot";
   made.tool = shared(make_box({2.0 * kHalfWidth, 0.01, 2.0 * kHalfLength}, 3));
@@ -187,7 +187,7 @@ TriangleMesh make_cone(double height, double half_opening, int sides, bool with_
 SixdofScenario make_cone_scenario(std::size_t steps) {
   constexpr double kHalfOpening = kPi / 6.0;
   constexpr double kGrip = 0.012;  // above the apex
-  constexpr int kSides = 64;
+  constexpr int kSides = 64;       // of the cones; a free choice
   SixdofScenario made;
   made.name = "cone in cone";
   made.tool = shared(scaled_and_moved(make_cone(0.02, kHalfOpening, kSides, true), 1.0, Vec3(0.0, 0.0, -kGrip)));
@@ -220,7 +220,7 @@ std::vector<SixdofScenario> make_analytic_scenarios(std::size_t steps) {
 
 SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed) {
   constexpr double kSide = 0.01;
-  constexpr double kClearance = 20e-6;
+  constexpr double kClearance = 20e-6;  // on each side: the narrowest hole of scenes/pegs.toml
   SixdofScenario made;
   made.name = "peg, 20 um clearance";
   made.tool = shared(make_box({kSide, kSide, 0.03}, 4));

@@ -9,6 +9,7 @@
 namespace hapton {
 namespace {
 
+// In which ticks of the counter are compared with the clock; a free choice
 constexpr std::int64_t kWindowNs = 30 * kNanosecondsPerMillisecond;
 
 double measure_ns_per_tick() {

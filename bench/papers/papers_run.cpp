@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMemoDivision = 32;
+constexpr int kMemoDivision = 32;  // cells along each axis, as in the memo
 constexpr std::array kRatesHz = {1000.0, 3000.0, 10000.0};
 
 void fill_in(PapersReport& report, std::string_view key, double ours, std::string how) {

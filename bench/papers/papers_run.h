@@ -19,14 +19,15 @@ struct PapersMesh {
 
 struct PapersSettings {
   std::uint64_t seed = 1;
-  std::size_t steps = 12000;    // of the slides for force rates and hulls
-  double touch_seconds = 12.0;  // of the two tasks, at each rate
+  std::size_t steps = 12000;    // of the sliding trajectory for force rates and hulls
+  double touch_seconds = 12.0;  // how long the fast and the slow task run, at each rate
   double hapton_seconds = 5.0;
-  TimingBudget budget{.repetitions = 5, .seconds = 3.0};  // of one figure
+  TimingBudget budget{.repetitions = 5, .seconds = 3.0};  // of one measured value
 };
 
-// Fills in all rows but those of the nodes. Car: the memo's object of 3,300 polygons; paper_mesh: the FDH paper's of some 20,000 triangles.
-// Error: a mesh or method that cannot be used; a slow task that gave no set. A row that cannot be measured says why. RT: set-up only.
+// Fills in all rows but those that need the nodes. car: a car body of 3,300 triangles, as many as the HP memo's object has polygons;
+// paper_mesh: a mesh of some 20,000 triangles, as in the FDH paper. Error: a mesh or method that cannot be used; a slow task that gave no
+// set of triangles. A row that cannot be measured says why. RT: set-up only.
 Result<void> measure_papers(const PapersSettings& settings, const Stopwatch& watch, const PapersMesh& car, const PapersMesh& paper_mesh,
                             const std::function<void(const std::string&)>& progress, PapersReport& report);
 

@@ -4,12 +4,12 @@
 
 namespace hapton {
 
-// Workers that run one function at the same time. Code in core shares its work out through this and knows no threads; those are
-// WorkerThreads (runtime/worker_threads.h).
-// Threads: run is called by one thread at a time. RT: run is bounded if the function is, but waits for threads: not for a force step.
+// Workers that run one function at the same time. Code in core divides its work through this interface and knows no threads;
+// WorkerThreads (runtime/worker_threads.h) implements it with threads.
+// Threads: run is called by one thread at a time. RT: no force step may call run: it waits for other threads.
 class WorkerTeam {
  public:
-  // More threads than the CPUs that share one scene. A choice.
+  // Workers, the calling thread included. A free choice.
   static constexpr int kMost = 64;
 
   virtual ~WorkerTeam() = default;

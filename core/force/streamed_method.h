@@ -14,19 +14,19 @@ namespace hapton {
 template <class Surface>
 class RidingProxy;
 
-// The method `proxy` for one surface whose shapes are not known beforehand: a program gives one after the other, and the vertices move
-// straight from each to the next. It is what DeformingMethod does for keyframes with these shapes.
+// The method `proxy` for one surface whose shapes are not known beforehand: a program sends one after the other, and the vertices move
+// in straight lines from each to the next. The forces are those of DeformingMethod with these shapes as keyframes.
 //
 // A shape is prepared outside of the step (stager()), and handed over (offer()) as a stage from the shape that the present stage leads to.
 // If the present stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
 // kMostSurfaceSpeed: a stage that would be faster takes longer.
 //
-// Frame: S. RT: step, reset, set_materials and offer yes: linear in the vertices, a few ns each, where the hand is near. Threads: as
-// ForceMethod; stager() any, beside the steps.
+// Frame: S. RT: step, reset, set_materials and offer yes: linear in the vertices, a few ns each, while the hand is near the surface.
+// Threads: as ForceMethod; stager() any, beside the steps.
 class StreamedMethod final : public ForceMethod {
  public:
-  // reach_m: no vertex will ever be farther than that from where it is in the mesh. Error: a mesh without triangles; a reach that is not
-  // finite or not above 0; what DeformingMethod rejects.
+  // reach_m: the largest distance of a vertex from its place in the mesh. Error: a mesh without triangles; a reach_m that is
+  // not finite or not above 0; what DeformingMethod rejects.
   static Result<std::unique_ptr<StreamedMethod>> make(const MethodSettings& settings, std::shared_ptr<const TriangleMesh> mesh,
                                                       const Material& material, double reach_m);
 
@@ -42,15 +42,15 @@ class StreamedMethod final : public ForceMethod {
   // The stage that moves at the time of the last step, or has ended.
   const ShapeStage& present() const noexcept;
   std::uint64_t serial() const noexcept;
-  // The stage comes after the present one, and takes the place of one that waits. over_s: how long it shall take. Returned: stages that are
-  // used no more, to be destroyed outside of the loop. Pre: it begins where the present stage ends; over_s 0 or more.
+  // The stage follows the present one, and replaces one that waits. over_s: how long it is to take. Returned: stages that are no longer
+  // used, to be destroyed outside of the loop. Pre: it begins where the present stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
-  // The same, with its time: it begins at start_s and takes over_s. Pre: no stage waits; start_s is after the last step, and not before the
-  // present stage ends; over_s is not below compute_time_s.
+  // The same at a given time: the stage begins at start_s and takes over_s. Pre: no stage waits; start_s is after the last step, and not
+  // before the present stage ends; over_s is not below compute_time_s.
   StreamedGeometry::Released offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
-  // A stage waits for its beginning.
+  // Whether a stage waits for its start.
   bool has_waiting() const noexcept;
-  // How long a stage takes.
+  // How long a stage takes: over_s, or longer where a vertex would be faster than kMostSurfaceSpeed.
   static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
 
   // The shape at the time of the last step. RT: no.

@@ -10,13 +10,13 @@
 
 namespace hapton {
 
-// Where the vertices of a mesh are displaced to, in part or wholly (a morph target of glTF 2.0).
+// Displacements of some vertices of a mesh: a morph target of glTF 2.0.
 struct MorphTarget {
   std::vector<std::uint32_t> vertices;  // of the mesh, ascending; the others stay
   std::vector<Vec3> displacements;      // of these, at a weight of 1
 };
 
-// How much of each target there is at a time.
+// The weight of each target at one time.
 struct MorphKey {
   double time_s = 0.0;
   std::vector<double> weights;  // one for each target
@@ -30,7 +30,7 @@ struct MorphKey {
 // and most_displacement yes, the rest set-up only. Threads: const calls from any number.
 class MeshDeformation {
  public:
-  // A choice: the time of a step is linear in the targets that have a weight.
+  // A free choice: the time of a step is linear in the targets that have a weight.
   static constexpr std::size_t kMostTargets = 16;
   using Weights = std::array<double, kMostTargets>;  // unused ones are 0
 
@@ -40,12 +40,12 @@ class MeshDeformation {
 
   // Pre: a finite time. Before 0 it is as at 0.
   Weights weights_at(double time_s) const noexcept;
-  // The time within the first round, or before the last key.
+  // The time since the motion last began again; if it does not loop, at most the time of the last key.
   double time_in_round(double time_s) const noexcept;
 
   // All vertices that any target moves, ascending.
   std::span<const std::uint32_t> moved() const { return moved_; }
-  // Of moved()[i], which is at `rest`.
+  // The position of moved()[i], whose position at rest is `rest`.
   Vec3 position_of(std::size_t i, const Vec3& rest, const Weights& weights) const noexcept {
     Vec3 p = rest;
     for (std::size_t j = 0; j < targets_.size(); ++j) {
@@ -53,18 +53,18 @@ class MeshDeformation {
     }
     return p;
   }
-  // All vertices of the mesh.
+  // The positions of all vertices of the mesh.
   std::vector<Vec3> vertices_at(std::span<const Vec3> rest, const Weights& weights) const;
 
   // No vertex is farther than this from where it is with the other weights.
   double most_displacement(const Weights& a, const Weights& b) const noexcept;
-  // Of any vertex, between keys i and i + 1. Pre: i + 1 is a key.
+  // The largest speed of a vertex between keys i and i + 1. Pre: i + 1 is a key.
   double fastest_per_s(std::size_t i) const;
 
   const std::vector<MorphTarget>& targets() const { return targets_; }
   const std::vector<MorphKey>& keys() const { return keys_; }
   bool loops() const { return loops_; }
-  // Until it ends or begins again.
+  // The time until the motion ends or begins again.
   double duration_s() const { return keys_.back().time_s; }
 
  private:
@@ -76,7 +76,7 @@ class MeshDeformation {
   std::vector<double> longest_;      // displacement of each target
 };
 
-// Same numbers.
+// Whether all numbers are the same.
 bool operator==(const MeshDeformation& a, const MeshDeformation& b);
 
 }  // namespace hapton

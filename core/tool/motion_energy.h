@@ -13,7 +13,7 @@ class MotionEnergy {
   // Pre: 0 < turn_length.
   explicit MotionEnergy(double turn_length) : turn_length_(turn_length) { set_plain(); }
 
-  // That of the coupling alone from now on.
+  // From now on the energy is that of the coupling alone.
   void set_plain() noexcept;
   // The second derivative, by shift and turn: that of the coupling, less what contacts add. It is kept within bounds of the coupling's own.
   void set_curvature(const Mat6& curvature) noexcept;
@@ -23,9 +23,9 @@ class MotionEnergy {
   double length(const RigidMotion& motion) const noexcept;
   Vec6 to_coordinates(const RigidMotion& motion) const noexcept;
   RigidMotion to_motion(const Placement& from, const Vec6& y) const noexcept;
-  // Where the coupling pulls to, if it lacks this motion.
+  // The coordinates of the pose that the coupling pulls to. wanted: the motion from the present pose to that of the device.
   Vec6 goal_of(const RigidMotion& wanted) const noexcept;
-  // In these coordinates, from one by shift and turn.
+  // A gradient by shift and turn, in these coordinates.
   Vec6 to_row(const Vec6& row) const noexcept { return inverse_root_.transpose() * row; }
 
   double turn_length() const { return turn_length_; }

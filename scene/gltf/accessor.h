@@ -9,7 +9,7 @@
 
 namespace hapton::gltf {
 
-// What a file's parts refer to.
+// A parsed glTF file. Numbers in brackets here are sections of the glTF 2.0 specification.
 struct Document {
   const Json& root;
   Buffers& buffers;
@@ -22,19 +22,21 @@ struct Accessor {
   std::size_t stride = 0;
   std::size_t component_type = 0;
   bool normalized = false;
-  std::string where;
-  std::shared_ptr<const std::string> own;  // where first points to when the values stand nowhere in the file as they are (sparse ones)
+  std::string where;                       // the accessor's path in the JSON, for error texts
+  std::shared_ptr<const std::string> own;  // holds the values of a sparse accessor, which are nowhere in the file as they are
 
-  // KHR_mesh_quantization allows integers for positions; normalised ones by [3.6.2.2]. Pre: item < count, k below the type's components.
+  // One number of one item. KHR_mesh_quantization allows integers for positions; normalised ones are converted as [3.6.2.2] says.
+  // Pre: item < count, k below the number of components of the type.
   double component(std::size_t item, std::size_t k) const;
 };
 
-// The accessor of that number, if it has this type ("VEC3" ...) and number of components. A sparse one is read with its substitutions.
-// Error: what does not fit or lies outside the file's bytes; an accessor without a buffer view with more items than the file has bytes.
+// The accessor with the index that index_json holds. A sparse one is read with its substitutions. where: the place in the JSON, for errors.
+// Error: its type ("VEC3" ...) or number of components is another; its values lie outside the file's bytes; it has no buffer view and more
+// items than the file has bytes.
 Result<Accessor> read_accessor(const Document& document, const Json& index_json, const std::string& where, std::string_view type,
                                std::size_t components);
 
-// Only its count, of one that a compressed primitive describes and that need not have bytes of its own.
+// Only the count of an accessor: a compressed primitive describes its data with one that need not have bytes of its own.
 Result<std::size_t> accessor_count(const Document& document, const Json& index_json, const std::string& where);
 
 }  // namespace hapton::gltf

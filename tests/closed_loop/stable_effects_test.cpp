@@ -1,5 +1,5 @@
-// A virtual mass and a viscosity in the closed loop: the limits that find_stable_mass and find_stable_viscosity give against the effects
-// themselves, as the haptics node steps them.
+// A virtual mass and a viscosity in the closed loop: the limits that find_stable_mass and find_stable_viscosity give, compared with
+// simulations of the effects, stepped as the haptics node steps them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ SampledPlant plant_of(const EffectLoop& loop) {
   return SampledPlant(make_axis_plant(loop.device, loop.hand), 1e-9 * static_cast<double>(loop.period_ns), 1e-3 * loop.delay_ms);
 }
 
-// Whether the force of the effect grows over a while, once a push of 10 ms has set the device going.
+// Whether, after a push of 10 ms, the largest force of the effect in the interval from 4 to 6 s is above that from 2 to 4 s.
 bool effect_loop_grows(const EffectLoop& loop, const SpaceEffect& effect) {
   EffectLaw law(effect);
   ForceChain::Options link;
@@ -98,8 +98,8 @@ TEST(StableViscosity, IsWhereTheEffectItselfBeginsToGrow) {
   }
 }
 
-// What docs/effects.md says of the default: on every device of the laboratory, in any hand or none, with the forces up to 5 ms late, at 1
-// kHz and faster, twice its mass is stable.
+// What docs/effects.md says of the default mass: twice of it is stable on every preset device, in every preset hand, with forces up to 5 ms
+// late, at 1 kHz and faster.
 TEST(StableMass, TheDefaultHasAGainMarginOfTwoOnEveryDevice) {
   for (const DevicePreset& device : device_presets()) {
     for (const HandPreset& hand : hand_presets()) {
@@ -114,7 +114,7 @@ TEST(StableMass, TheDefaultHasAGainMarginOfTwoOnEveryDevice) {
   }
 }
 
-// However late: a rigid device that weighs more is stable.
+// However late the force is: a virtual mass below that of a rigid device is stable.
 TEST(StableMass, LessThanTheMassOfARigidDeviceIsStableAtAnyDelay) {
   for (const double delay_ms : {0.0, 3.0, 20.0, 100.0, 500.0}) {
     for (const double filter_s : {0.005, 0.02, 0.2}) {
@@ -124,7 +124,7 @@ TEST(StableMass, LessThanTheMassOfARigidDeviceIsStableAtAnyDelay) {
   }
 }
 
-// An overloaded one stays within its bound.
+// A virtual mass above the stable one oscillates, and its force stays within max_force_n.
 TEST(StableMass, BeyondItTheForceIsStillBounded) {
   const EffectLoop loop{.device = find_device_preset("touch")->model, .hand = *find_hand_preset("light"), .delay_ms = 10.0};
   EffectLaw law(MassEffect{.mass_kg = 5.0, .filter_s = 0.005, .max_force_n = 2.0});

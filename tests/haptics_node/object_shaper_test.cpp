@@ -1,4 +1,4 @@
-// Shapes from programs, in the step of the haptics node: without the loop and the hub.
+// Objects that programs deform, in the step of the haptics node, without its loop and a hub.
 #include "haptics_node/object_shaper.h"
 
 #include <gtest/gtest.h>
@@ -100,7 +100,7 @@ TEST_F(ObjectShaperTest, ForcesAndTheAnnouncedShapesAgree) {
   EXPECT_EQ(shaper_.counts().rejected, 0U);
 }
 
-// A program that sends as fast as it can: shapes are left out, and the surface moves from one to the next without a stop.
+// A program that sends as fast as it can: some shapes are left out, and the surface moves from one to the next without a stop.
 TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeItStop) {
   std::uint32_t shape = 0;
   for (int n = 0; n < 1000; ++n) {
@@ -112,7 +112,7 @@ TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeItStop) {
   for (std::size_t s = 1; s < starts_.size(); ++s) EXPECT_EQ(starts_[s].start_ns, starts_[s - 1].end_ns) << s;
 }
 
-// One after the other, whatever the other does: a slow one does not keep a fast one.
+// Each object moves on its own: a slow motion of one does not delay fast motions of the other.
 TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
   give(0, 1, raised(169, 0.005), 5.0);
   for (int n = 0; n < 20; ++n) cycle();
@@ -127,7 +127,7 @@ TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
   EXPECT_EQ(force_.shape_serial, starts_.size());
 }
 
-// A device that is gone stops scene time, and with it the surface: one motion waits at most.
+// Without a device scene time stops, and so does the surface: at most one motion waits.
 TEST_F(ObjectShaperTest, WithoutSamplesNoMoreThanOneMotionWaits) {
   for (int n = 0; n < 10; ++n) cycle();
   for (std::uint32_t shape = 1; shape < 50; ++shape) {

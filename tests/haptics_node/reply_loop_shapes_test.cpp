@@ -47,7 +47,7 @@ class ReplyLoopShapes : public ReplyLoopStage {
     cycle();
   }
 
-  // A sample, a turn of the loop, what the hub receives in a millisecond, and the work of the task.
+  // Sends a sample, runs the loop once, receives at the hub for a millisecond, and does the work of the shaper's slow task.
   ForceCommand cycle(const Vec3& hand = kHandOverSkin) {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = hand});
     loop_.turn(clock_.now_ns() + kMs);
@@ -109,7 +109,7 @@ class ReplyLoopShapes : public ReplyLoopStage {
   bool has_task_ = true;
 };
 
-// The announced shapes, evaluated at the scene time of each reply, are what the forces are of.
+// Each force is that of the announced shape at the scene time of its reply.
 TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
   ASSERT_TRUE(shaper_.has_objects());
   double most_n = 0.0;
@@ -122,7 +122,7 @@ TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
     }
     const ForceCommand force = cycle();
     ASSERT_NEAR(force.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSkin.z()), 2e-3) << n;
-    // At most 2 ms from sample to sample.
+    // 1000 N/m, the largest speed of a surface 0.25 m/s, at most 2.1 ms from sample to sample.
     ASSERT_LE(std::abs(force.force_n.z() - before_n), 1000.0 * 0.25 * 0.0021) << n;
     before_n = force.force_n.z();
     most_n = std::max(most_n, before_n);
@@ -136,7 +136,7 @@ TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
   }
 }
 
-// The twin: the same shapes, at the times that were announced, as keyframes of a scene that is known beforehand.
+// The reference: the same shapes as keyframes of a scene, at the times that were announced.
 TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
   constexpr std::uint64_t kSeed = 5;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
@@ -144,15 +144,15 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   constexpr std::uint32_t kShapes = MeshDeformation::kMostTargets;
   std::vector<Displacements> given;
-  struct Felt {
+  struct Cycle {
     Vec3 hand;
     ForceCommand force;
   };
-  std::vector<Felt> felt;
+  std::vector<Cycle> cycles;
   known_ = KnownShapes({0, 169});
   while (starts_.empty() || starts_.back().serial < kShapes || force_.scene_time_ns < starts_.back().end_ns + 20 * kMs) {
-    ASSERT_LT(felt.size(), 5000U);
-    if (given.size() < kShapes && felt.size() % 60 == 0) {
+    ASSERT_LT(cycles.size(), 5000U);
+    if (given.size() < kShapes && cycles.size() % 60 == 0) {
       Displacements shape = raised(0.0);
       const Vec3 at(0.02 * unit(random), 0.02 * unit(random), 0.0);
       const double high = 0.004 * unit(random);
@@ -163,10 +163,10 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
       given.push_back(shape);
       give(static_cast<std::uint32_t>(given.size()), shape, 0.04);
     }
-    const double t = 2e-3 * static_cast<double>(felt.size());
+    const double t = 2e-3 * static_cast<double>(cycles.size());
     const Vec3 hand(0.01 * std::sin(3.0 * t), 0.01 * std::cos(2.0 * t), 0.001 - 0.002 * std::sin(5.0 * t));
     cycle(hand);
-    felt.push_back({hand, force_});
+    cycles.push_back({hand, force_});
   }
   ASSERT_EQ(step_.counts().shapes_taken, kShapes) << "none was left out";
   std::vector<MorphTarget> targets;
@@ -199,19 +199,19 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
   TouchStep twin(std::move(*method), known);
   int touched = 0;
   TouchInput input;
-  for (std::size_t n = 0; n < felt.size(); ++n) {
-    input.p_WD = felt[n].hand;
-    input.time_s = 1e-9 * static_cast<double>(felt[n].force.scene_time_ns);
+  for (std::size_t n = 0; n < cycles.size(); ++n) {
+    input.p_WD = cycles[n].hand;
+    input.time_s = 1e-9 * static_cast<double>(cycles[n].force.scene_time_ns);
     if (n == 0) twin.reset(input);
     const TouchOutput expected = twin.step(input);
-    ASSERT_LT((felt[n].force.force_n - expected.force_n).norm(), 1e-5 * (1.0 + expected.force_n.norm())) << "step " << n;
-    ASSERT_LT((felt[n].force.visual_offset_m - expected.visual_offset_m).norm(), 1e-8) << "step " << n;
+    ASSERT_LT((cycles[n].force.force_n - expected.force_n).norm(), 1e-5 * (1.0 + expected.force_n.norm())) << "step " << n;
+    ASSERT_LT((cycles[n].force.visual_offset_m - expected.visual_offset_m).norm(), 1e-8) << "step " << n;
     touched += expected.contact ? 1 : 0;
   }
   EXPECT_GT(touched, 200);
 }
 
-// A vision node has the whole shape, and its times, before the first sample that is felt with it.
+// A vision node has the whole shape and its times before the first force computed with it.
 TEST_F(ReplyLoopShapes, TheShapeIsAnnouncedBeforeTheFirstForceWithIt) {
   give(1, raised(0.005));
   std::size_t start_at = 0;
@@ -226,7 +226,7 @@ TEST_F(ReplyLoopShapes, TheShapeIsAnnouncedBeforeTheFirstForceWithIt) {
   }
   ASSERT_GT(start_at, 0U);
   const auto start = std::find_if(starts_.begin(), starts_.end(), [](const ShapeStart& one) { return one.serial == 1; });
-  EXPECT_LT(forces[start_at - 2].scene_time_ns, start->start_ns) << "what was felt stays so";
+  EXPECT_LT(forces[start_at - 2].scene_time_ns, start->start_ns) << "a force already given does not change";
   ASSERT_EQ(shapes_.size(), 3U);
   EXPECT_EQ(shapes_[2].serial, 1U);
   ASSERT_EQ(replies_.size(), 1U);
@@ -263,7 +263,7 @@ TEST_F(ReplyLoopShapes, WhoJoinsLateGetsTheNewestShape) {
   EXPECT_TRUE(shapes_.empty()) << "of another process, shape or object";
 }
 
-// A shape that lacks a part is left out, and the next one counts.
+// A shape that lacks a part is left out; the next one is used.
 TEST_F(ReplyLoopShapes, AShapeThatLostAPartIsLeftOut) {
   give(1, raised(0.005), 0.0, 7, "skin", 64);
   for (int n = 0; n < 50; ++n) cycle();
@@ -276,7 +276,7 @@ TEST_F(ReplyLoopShapes, AShapeThatLostAPartIsLeftOut) {
   EXPECT_NEAR(announced_height(), 0.004, 1e-8);
 }
 
-// While the surface moves, of the shapes that come the newest counts.
+// Of the shapes that arrive while the surface moves, only the newest is used.
 TEST_F(ReplyLoopShapes, OfThoseThatWaitTheNewestCounts) {
   give(1, raised(0.005), 0.5);
   for (int n = 0; n < 20; ++n) cycle();
@@ -334,7 +334,7 @@ TEST_F(ReplyLoopShapes, TheMethodStays) {
   EXPECT_EQ(step_.counts().methods_taken, 0U);
 }
 
-// However many parts come: each sample has its reply first, little is sent after it, and nothing is taken from the heap. Shapes that jump
+// However many parts arrive: the reply to a sample is sent first, few datagrams follow it, and the loop allocates nothing. Shapes that jump
 // as far as they may do not make the force jump.
 TEST_F(ReplyLoopShapes, AFloodNeverComesBeforeAForce) {
   has_task_ = false;

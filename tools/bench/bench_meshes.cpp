@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kExtent_m = 0.1;
+constexpr double kExtent_m = 0.1;  // every mesh is scaled to 100 mm, a size for the hand
 constexpr std::string_view kBumpy = "bumpy:";
 constexpr std::size_t kMostBumpy = 20'971'520;  // icosphere level 10
 

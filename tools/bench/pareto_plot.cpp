@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kPanelWidth = 640;
+constexpr int kPanelWidth = 640;  // pixels; this and the next: free choices
 constexpr int kPanelHeight = 620;
 // About the width of the axes, and of a label in font 8.
 constexpr double kAxesWidth = 540.0;

@@ -20,12 +20,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kJoinS = 2.0;       // for the nodes to find each other, besides round trips and lost greetings
-constexpr double kJoinTrips = 8.0;   // round trips
-constexpr double kSceneShare = 1.5;  // of the time that the scene takes in simulation
-constexpr double kGraceS = 20.0;     // for the hub to write its report
-constexpr double kLateShare = 1.5;   // of the round trip: the most that a force is taken to be late by
-constexpr double kLeastLateS = 0.03;
+constexpr double kJoinS = 2.0;        // for the nodes to find each other, besides round trips and lost greetings
+constexpr double kJoinTrips = 8.0;    // round trips
+constexpr double kSceneShare = 1.5;   // of the time that the scene takes in simulation
+constexpr double kGraceS = 20.0;      // for the hub to write its report
+constexpr double kLateShare = 1.5;    // of the round trip: the most that a force is taken to be late by
+constexpr double kLeastLateS = 0.03;  // s, at short round trips: above the 20 ms for which a force is used
 
 // A mesh as a scene file that all programs read, and the same scene for the comparison.
 struct ProcessScene {

@@ -220,7 +220,7 @@ namespace {
 
 constexpr std::array kColors = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
 constexpr double kLeastDrawnPercent = 1e-4;  // %
-constexpr double kLeastShownMs = 1.0;
+constexpr double kLeastShownMs = 1.0;        // a round trip of 0 is drawn there: the axis is logarithmic
 
 // Lines of "round trip, value", one block.
 template <class Value>

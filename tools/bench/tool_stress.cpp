@@ -17,7 +17,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint64_t kEpisodeSteps = 250;
+constexpr std::uint64_t kEpisodeSteps = 250;  // of one motion; a free choice
 
 // The names are part of it, so that a body alone goes through what it went through among others. FNV-1a.
 std::uint64_t seed_of(std::uint64_t seed, const std::string& body, const std::string& tool) {
@@ -112,6 +112,7 @@ class ToolEpisodes {
     count.unconverged += out.proxy.converged ? 0 : 1;
     count.squeezed += out.proxy.is_squeezed ? 1 : 0;
     for (std::size_t p = 0; p < checks_.size(); ++p) {
+      // The smallest gap that ToolProxy allows, less 2^-12 of it
       constexpr double kLeast = (1.0 - 0x1p-12) * ToolProxy::kLeastGap * ToolProxy::kContactOffset;
       if (checks_[p]->penetrates(own(p))) {
         ++count.penetrations;

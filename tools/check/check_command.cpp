@@ -17,8 +17,8 @@ namespace hapton {
 namespace {
 
 constexpr const char* kDevice = "model-a";  // that of the simulated device
-constexpr int kFound = 1;
-constexpr int kCannotCheck = 2;  // as for a command line that cannot be read
+constexpr int kFound = 1;                   // exit code: findings
+constexpr int kCannotCheck = 2;             // as for a command line that cannot be read
 
 struct CheckOptions {
   std::string file;

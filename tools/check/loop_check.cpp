@@ -96,7 +96,7 @@ SurfaceEffects with_lower_bumps(SurfaceEffects effects, double share) {
 double find_share_of_height(const SceneObject& object, double most_n_per_m, double pressed_n) {
   double low = 0.0;
   double high = 1.0;
-  constexpr int kHalvings = 16;
+  constexpr int kHalvings = 16;  // the height of bumps is found to 2^-16 of the given one
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (low + high);
     const Stiffest felt = stiffest_by_place_of(object.material, with_lower_bumps(object.effects, middle), pressed_n);

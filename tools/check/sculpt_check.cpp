@@ -9,8 +9,8 @@ namespace hapton {
 namespace {
 
 // A wall between two layers of nodes without one inside it is not there.
-constexpr double kLeastWall = 1.75;  // in voxels: the diagonal of one
-constexpr double kLeastRadius = 3.0;
+constexpr double kLeastWall = 1.75;   // in voxels: the diagonal of one
+constexpr double kLeastRadius = 3.0;  // in voxels; a smaller ball is reported as coarse
 
 }  // namespace
 

@@ -25,7 +25,7 @@ struct StepCostSettings {
   std::size_t steps = 6000;  // of all objects together; each of the largest kMostSlideObjects has its share, at least kLeastSlideS
   std::size_t repeat = 3;    // the least time of each step counts: what else the machine does is no cost of the scene
 };
-constexpr std::size_t kMostSlideObjects = 12;
+constexpr std::size_t kMostSlideObjects = 12;  // the largest objects stand for all, to bound the time of the check; a free choice
 // A slide begins with an approach of 0.2 s in free space.
 constexpr double kLeastSlideS = 1.0;
 // A faster loop is measured with the steps of this one, which are longer.

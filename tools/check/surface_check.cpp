@@ -75,7 +75,7 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
 // Where a thousand triangles meet, a step of a point takes 0.1 ms, and a sphere crosses so many edges of a cone in a step that a part of
 // its motion is carried into the next ones.
 void check_fans(const SceneObject& object, CheckFindings& findings) {
-  constexpr std::uint32_t kMost = 1000;
+  constexpr std::uint32_t kMost = 1000;  // triangles at a vertex, as docs/checking.md says
   std::vector<std::uint32_t> valence(object.mesh->vertices.size(), 0);
   for (const Triangle& triangle : object.mesh->triangles) {
     for (const std::uint32_t vertex : triangle) ++valence[vertex];

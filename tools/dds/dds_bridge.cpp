@@ -24,7 +24,7 @@ constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
 
 // The time of day minus the clock's. Again, if this thread was held up between the two.
 std::int64_t day_offset_ns(const Clock& clock) {
-  constexpr std::int64_t kAtOnceNs = 10'000;
+  constexpr std::int64_t kAtOnceNs = 10'000;  // two readings of the clock no farther apart: the thread was not held up
   std::int64_t offset_ns = 0;
   std::int64_t least_ns = std::numeric_limits<std::int64_t>::max();
   for (int i = 0; i < 3 && least_ns > kAtOnceNs; ++i) {

@@ -7,7 +7,8 @@
 namespace hapton::dds {
 namespace {
 
-constexpr double kReplierPatienceS = 5.0;
+constexpr double kReplierPatienceS = 5.0;  // how long to wait for the hub; a free choice
+// The longest wait for a datagram, before a stop is noticed; a free choice
 constexpr std::int64_t kReplierTurnNs = 20 * kNanosecondsPerMillisecond;
 
 }  // namespace

@@ -27,7 +27,7 @@ using Transform = geometry_msgs_msg_dds__TransformStamped_;
 using Transforms = tf2_msgs_msg_dds__TFMessage_;
 using Joy = sensor_msgs_msg_dds__Joy_;
 
-constexpr std::size_t kButtons = 32;
+constexpr std::size_t kButtons = 32;               // bits of ProbeState::buttons
 constexpr std::int64_t kJoyEveryNs = 100'000'000;  // without a change, for who comes later
 constexpr std::size_t kMostForces = 16;            // taken at a time
 constexpr int kSensorDepth = 5;                    // of rmw_qos_profile_sensor_data
@@ -52,7 +52,7 @@ class EngineLog {
   }
 
  private:
-  static constexpr std::size_t kMost = 400;
+  static constexpr std::size_t kMost = 400;  // characters; no line is added beyond; a free choice
   std::mutex mutex_;
   std::string text_;
 };

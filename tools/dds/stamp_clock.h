@@ -10,7 +10,7 @@ namespace hapton::dds {
 // Units: ns; times of day since 1970. RT: yes. Threads: one.
 class StampClock {
  public:
-  static constexpr std::int64_t kWindowNs = 10'000'000'000;
+  static constexpr std::int64_t kWindowNs = 10'000'000'000;  // in which the shortest delay of a datagram is searched for; a free choice
   // The time of day is set back by more: stamps follow it. Otherwise they wait.
   static constexpr std::int64_t kSetBackNs = 1'000'000'000;
 

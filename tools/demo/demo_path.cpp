@@ -13,8 +13,8 @@ namespace {
 // The hand is a spring of 400 N/m, a hard surface one of 1,000: 8 mm behind the surface is 2.3 N, pressed firmly.
 constexpr double kPressM = 0.008;
 constexpr double kAheadM = 0.035;  // in front of the next object
-constexpr double kComeS = 0.8;
-constexpr double kRowS = 0.01;
+constexpr double kComeS = 0.8;     // from in front of an object to its surface; durations and lengths of paths are free choices
+constexpr double kRowS = 0.01;     // between two rows of a path
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 void add(DemoPath& path, double after_s, const Vec3& p_WD) {
@@ -41,8 +41,8 @@ std::optional<Vec3> find_front(const Scene& scene, double x_m, double y_m) {
 }
 
 Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, double hold_s) {
-  constexpr double kCircleM = 0.004;
-  constexpr double kCircleS = 3.0;
+  constexpr double kCircleM = 0.004;  // radius of the slow circle on the surface
+  constexpr double kCircleS = 3.0;    // for one round
   const auto middle = find_front(scene, x_m, y_m);
   if (!middle) return fail("the scene has nothing in front of x = {} m, y = {} m", x_m, y_m);
   DemoPath path;
@@ -61,8 +61,8 @@ Result<DemoPath> make_rest_path(const Scene& scene, double x_m, double y_m, doub
 }
 
 DemoPath make_groove_path() {
-  constexpr double kReachM = 0.075;
-  constexpr double kThereS = 4.0;
+  constexpr double kReachM = 0.075;  // to each side: three quarters of the groove's half length
+  constexpr double kThereS = 4.0;    // from one end to the other
   const double bottom_m = demo_groove::kFrontM - demo_groove::kDepthM - 1.25 * kPressM;
   DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, demo_groove::kFrontM + kAheadM));
@@ -75,12 +75,12 @@ DemoPath make_groove_path() {
 }
 
 DemoPath make_tap_path() {
-  constexpr double kTapS = 0.5;
-  constexpr double kHoldS = 0.7;
+  constexpr double kTapS = 0.5;                     // one tap
+  constexpr double kHoldS = 0.7;                    // behind the wall
   constexpr double kRoundS = 4.0 * kTapS + kHoldS;  // three taps, and one that stays behind the wall
-  constexpr int kRounds = 4;
-  constexpr double kMiddleM = 0.0275;
-  constexpr double kSwingM = 0.0425;  // 15 mm behind the wall: 4 N
+  constexpr int kRounds = 4;                        // of the whole path
+  constexpr double kMiddleM = 0.0275;               // of the motion across the wall, from 70 mm in front of it to 15 mm behind
+  constexpr double kSwingM = 0.0425;                // 15 mm behind the wall: 4 N
   DemoPath path;
   for (double t = 0.0; t < kRounds * kRoundS; t += kRowS) {
     const double in_round = std::fmod(t, kRoundS);
@@ -92,7 +92,7 @@ DemoPath make_tap_path() {
 }
 
 DemoPath make_arc_path(double radius_m) {
-  constexpr double kArcS = 6.0;
+  constexpr double kArcS = 6.0;  // for one round of the motion over the ball
   const double inside_m = radius_m - kPressM;
   DemoPath path;
   add(path, 0.0, Vec3(0.0, 0.0, radius_m + kAheadM));

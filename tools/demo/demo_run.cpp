@@ -13,11 +13,11 @@ namespace {
 
 // Factor on its seconds that a scripted step waits for its picture: a large mesh, a busy machine.
 constexpr double kPictureShare = 5.0;
-constexpr double kKillShare = 0.6;   // share of a scripted step: the hand is at rest by then
-constexpr double kSilentS = 1.0;     // the picture is taken after this time without force
-constexpr double kKillAfterS = 5.0;  // in a window, again and again
-constexpr double kRestartAfterS = 8.0;
-constexpr double kKillEveryS = 12.0;
+constexpr double kKillShare = 0.6;      // share of a scripted step: the hand is at rest by then
+constexpr double kSilentS = 1.0;        // the picture is taken after this time without force
+constexpr double kKillAfterS = 5.0;     // in a window, again and again
+constexpr double kRestartAfterS = 8.0;  // since the beginning of the cycle; leaves 3 s without force to look at
+constexpr double kKillEveryS = 12.0;    // then the next cycle begins; free choices
 
 class Stopwatch {
  public:

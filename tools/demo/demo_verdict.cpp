@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kMostShare = 0.5;     // "most of the time" since the first contact
 constexpr double kBehindM = 0.0005;    // pressed, not brushed
 constexpr double kReleasedMs = 100.0;  // the bound is 20 ms and a cycle; a machine with other work to do may be late with the cycle
-constexpr double kPeriodUs = 1000.0;
+constexpr double kPeriodUs = 1000.0;   // of 1 kHz: a step must take less
 
 struct Contact {
   std::size_t steps = 0;  // since the first contact

@@ -12,7 +12,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kLongestS = 10.0;
+constexpr double kLongestS = 10.0;  // for the process that opens the display; a free choice
 constexpr const char* kVirtual = "xvfb-run -a -s '-screen 0 1280x1024x24' vision_node   # draws where nobody sees it";
 
 bool is_drawn_by_cpu(const std::string& renderer) {

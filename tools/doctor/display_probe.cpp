@@ -15,7 +15,7 @@ struct FbConfig;
 struct GlContext;
 using XId = unsigned long;
 
-constexpr int kGlxDoubleBuffer = 5;
+constexpr int kGlxDoubleBuffer = 5;  // this and the next ones: of GLX (glx.h)
 constexpr int kGlxStereo = 6;
 constexpr int kGlxDrawableType = 0x8010;
 constexpr int kGlxWindowBit = 0x1;

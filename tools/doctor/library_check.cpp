@@ -12,7 +12,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr double kLongestLoadS = 10.0;
+constexpr double kLongestLoadS = 10.0;  // for the process that loads a library; a free choice
 
 // The loader's message if the file itself is missing, not one of its dependencies.
 bool is_absent(const LibraryFailure& failure) { return failure.error.starts_with(failure.file + ": cannot open shared object file"); }

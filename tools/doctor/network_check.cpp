@@ -10,7 +10,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr int kVrpnPort = 3883;
+constexpr int kVrpnPort = 3883;  // assigned by IANA
 
 std::string describe(const PortOwner& owner) {
   return owner.program.empty() ? "another user's program" : fmt::format("{} (process {})", owner.program, owner.pid);

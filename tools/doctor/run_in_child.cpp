@@ -16,7 +16,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr auto kLookEvery = std::chrono::milliseconds(2);
+constexpr auto kLookEvery = std::chrono::milliseconds(2);  // between two checks whether the child has ended; a free choice
 
 bool write_all(int file, std::string_view text) {
   while (!text.empty()) {

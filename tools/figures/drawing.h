@@ -17,7 +17,7 @@ namespace hapton::figures {
 
 using Outline = std::vector<Eigen::Vector2d>;
 
-constexpr double kSlice = 0.0013;
+constexpr double kSlice = 0.0013;  // m; see above
 constexpr double kPi = 3.14159265358979323846;
 
 constexpr const char* kBlue = "#0050c8";

@@ -73,7 +73,7 @@ Result<Figure> draw_algorithm_1() {
     outline.emplace_back(0.02 * std::cos(degree * kPi / 180), 0.02 * std::sin(degree * kPi / 180) - 0.008);
   const auto scene = SmoothScene::build(scene_of(make_prism(outline, 0.05, 1)), {});
   if (!scene) return tl::unexpected(scene.error());
-  constexpr double kRadius = 0.006;
+  constexpr double kRadius = 0.006;  // m: RADIUS of the FDH paper, for this figure
   Points planes, smooth, probes, vcps, flat;
   for (std::size_t i = 1; i + 1 < outline.size(); ++i) {  // R_i in the cross-section: the line from an edge along its n_i
     const Eigen::Vector2d n = ((outline[i] - outline[i - 1]).normalized() + (outline[i + 1] - outline[i]).normalized()).normalized();

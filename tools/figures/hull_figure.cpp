@@ -57,7 +57,7 @@ struct Hulls {
 
 Result<Figure> draw_hulls() {
   const TriangleMesh mesh = make_torus(0.03, 0.009, 96, 40);
-  constexpr int kParts = 12;
+  constexpr int kParts = 12;  // pieces of the torus that are drawn
   std::array<Hulls, kParts> parts;
   Points cut;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -13,10 +13,10 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kNasty[] = {
     kNan,    kInf, -kInf,  1e300, -1e300, std::numeric_limits<double>::max(), std::numeric_limits<double>::lowest(), 5e-324,
     -5e-324, 1e9,  -1e154, 0.0,   -0.0};
-constexpr double kMassKg = 0.15;
+constexpr double kMassKg = 0.15;  // of device and hand; these three are within the ranges of a stylus grip (docs/loop.md)
 constexpr double kHandNPerM = 300.0;
 constexpr double kHandNSPerM = 4.0;
-constexpr std::int64_t kHourNs = 3'600'000'000'000;
+constexpr std::int64_t kHourNs = 3'600'000'000'000;  // by which its clock jumps back or ahead
 
 }  // namespace
 
@@ -102,7 +102,7 @@ void HostileProgram::move_as_matter(const Vec3& force_n, double passed_s) noexce
   for (int axis = 0; axis < 3; ++axis) {
     if (std::abs(hand_m_[axis]) > 0.2) hand_m_per_s_[axis] = -std::copysign(hand_m_per_s_[axis], hand_m_[axis]);
   }
-  constexpr int kParts = 4;
+  constexpr int kParts = 4;  // in which a step is integrated; a free choice
   const double h = passed_s / kParts;
   for (int part = 0; part < kParts; ++part) {
     const Vec3 pull_n = kHandNPerM * (hand_m_ - p_m_) + kHandNSPerM * (hand_m_per_s_ - v_m_per_s_);

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // a larger file is no latency.csv; a free choice
 constexpr std::string_view kHeader = "hop,lower_ns,upper_ns,count";
 
 bool is_hop_name(std::string_view name) {

@@ -29,9 +29,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kGraceSeconds = 15.0;  // for the hub to write its report
-constexpr double kLongestTimerSeconds = 5.0;
-constexpr double kTrialSeconds = 0.75;  // on each of the choices of CPUs
+constexpr double kGraceSeconds = 15.0;        // for the hub to write its report
+constexpr double kLongestTimerSeconds = 5.0;  // for the bare timer, before and after the nodes; a free choice
+constexpr double kTrialSeconds = 0.75;        // on each of the choices of CPUs
 
 Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus) {
   const auto echo_at = find_free_address();

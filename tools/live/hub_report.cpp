@@ -11,10 +11,11 @@
 namespace hapton {
 namespace {
 
+// For the hub to accept this tool, and for each part of its report; a free choice
 constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
-constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;
-constexpr int kMostTries = 20;                  // of parts that were lost
+constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;            // the longest wait for one datagram; a free choice
+constexpr int kMostTries = 20;                                               // of parts that were lost
 constexpr std::uint32_t kMostParts = 1U << 14;  // 15 MB: a report has about 30; a broken hub may announce any number
 
 }  // namespace

@@ -25,7 +25,7 @@ struct MarkOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kJoinPatienceS = 2.0;
+constexpr double kJoinPatienceS = 2.0;  // how long to wait for the hub; this and the next: free choices
 constexpr std::int64_t kMarkPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatMarkNs = 100 * kNanosecondsPerMillisecond;  // a datagram may be lost
 

@@ -25,7 +25,7 @@ struct MoveOptions {
   HubConnection::Settings hub;
 };
 
-constexpr double kMoveJoinS = 2.0;
+constexpr double kMoveJoinS = 2.0;  // how long to wait for the hub; this and the next: free choices
 constexpr double kMoveReplyS = 5.0;
 // More than requested, by which a time is not only rounded.
 constexpr double kSlowed = 1e-6;

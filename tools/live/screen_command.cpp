@@ -23,7 +23,7 @@ struct ScreenOptions {
   std::filesystem::path out = "screen.toml";
 };
 
-constexpr double kScreenJoinS = 2.0;
+constexpr double kScreenJoinS = 2.0;  // how long to wait for the hub; these three: free choices
 constexpr std::int64_t kScreenTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kNoSampleNs = 5 * kNanosecondsPerSecond;
 

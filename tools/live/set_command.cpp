@@ -36,11 +36,13 @@ struct SetOptions {
   bool reset_faults = false;
 };
 
-constexpr int kResetLooks = 5;
-constexpr std::int64_t kReplyPatienceNs = 2 * kNanosecondsPerSecond;
+// Times the hub's faults are read after a reset, 0.1 s apart. A free choice.
+constexpr int kFaultReads = 5;
+// How long a hub may take to accept this program. A free choice.
+constexpr std::int64_t kJoinTimeoutNs = 2 * kNanosecondsPerSecond;
 
 bool wait_until_joined(HubClient& client, const Clock& clock) {
-  const std::int64_t end_ns = clock.now_ns() + kReplyPatienceNs;
+  const std::int64_t end_ns = clock.now_ns() + kJoinTimeoutNs;
   Datagram datagram;
   while (client.state() != JoinState::joined && clock.now_ns() < end_ns) {
     client.receive(datagram, clock.now_ns() + 20 * kNanosecondsPerMillisecond);
@@ -91,7 +93,7 @@ Result<std::string> confirm_reset(const SetOptions& options) {
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
   std::string what;
-  for (int look = 0; look < kResetLooks; ++look) {
+  for (int reading = 0; reading < kFaultReads; ++reading) {
     const auto texts = (*reader)->read();
     if (!texts) return tl::unexpected(texts.error());
     const auto report = nlohmann::json::parse(texts->json, nullptr, false);
@@ -132,7 +134,7 @@ Result<std::string> set(const SetOptions& options, const SettingsRequest& reques
   return reset ? Result<std::string>(*text + "; " + *reset) : reset;
 }
 
-// As for any other command line that is invalid.
+// Exit code, as for any other invalid command line.
 constexpr int kBadSetting = 2;
 
 int run(const SetOptions& options) {

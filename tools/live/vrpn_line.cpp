@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostButton = 31;
-constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;
+constexpr int kMostButton = 31;                               // the highest of the 32 bits of a tracker link's buttons
+constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;  // for the server to accept the connection; a free choice
 
 class VrpnLine : public DigitalLine {
  public:

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostNumbers = 1'000'000;
+constexpr std::size_t kMostNumbers = 1'000'000;  // in one list; a free choice
 
 template <class Presets>
 Result<std::vector<std::string>> names_of(const std::string& flag, const std::string& list, const Presets& presets) {
@@ -39,9 +39,9 @@ std::optional<double> number_of(std::string_view word) {
   return value;
 }
 
-constexpr double kLeastAmplifierHz = 0.1;  // a slower one follows no hand
-constexpr double kLeastJointKg = 1e-4;     // lighter and stiffer ones only take time
-constexpr double kMostJointStiffness = 1e7;
+constexpr double kLeastAmplifierHz = 0.1;    // a slower one follows no hand
+constexpr double kLeastJointKg = 1e-4;       // lighter and stiffer ones only take time
+constexpr double kMostJointStiffness = 1e7;  // N/m; far above any joint, as is the next, Ns/m
 constexpr double kMostJointDamping = 1e3;
 
 // Replaces the device's joints: the masses beyond them are part of its mass.

@@ -163,7 +163,7 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
   }
 }
 
-constexpr double kDeepestM = 10.0;
+constexpr double kDeepestM = 10.0;  // a deeper press is a mistake in its arguments; a free choice
 
 Result<void> run(const PressOptions& options) {
   const auto loops = loops_of(options.loop);

@@ -60,7 +60,7 @@ LinkFaults link_of(const ZWidthRow& row, bool is_there) {
 
 // Simulated for each stiffness: 20 s, and 90 delays at least.
 double simulated_s(const ZWidthRow& row) {
-  constexpr double kDelays = 90.0;
+  constexpr double kDelays = 90.0;  // decision 225: with fewer, long delays end before the first forces come back
   return std::max(RandomLoop().seconds, kDelays * 1e-3 * (row.delay_ms + 2.0 * row.jitter_ms));
 }
 
@@ -97,7 +97,7 @@ void simulate(ZWidthRow& row) {
 }
 
 void press(ZWidthRow& row) {
-  constexpr double kMost = 1e6;
+  constexpr double kMost = 1e6;  // N/m: the stiffest wall tried
   row.rest_n_per_m = find_rest_stiffness({.device = row.inputs.device,
                                           .hand = row.inputs.hand,
                                           .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),

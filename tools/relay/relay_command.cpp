@@ -23,8 +23,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kLongestDelayMs = 60'000.0;
-constexpr std::int64_t kLookEveryNs = 50 * kNanosecondsPerMillisecond;
+constexpr double kLongestDelayMs = 60'000.0;                            // a minute; a free choice
+constexpr std::int64_t kLookEveryNs = 50 * kNanosecondsPerMillisecond;  // between two checks whether to end; a free choice
 
 struct RelayOptions {
   std::string listen = "127.0.0.1:0";

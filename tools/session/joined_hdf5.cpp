@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr hsize_t kBlock = 4096;  // rows that are written at once, and a chunk of the file
-constexpr unsigned kDeflate = 4;
+constexpr unsigned kDeflate = 4;  // level of compression, 1 to 9; a free choice
 
 // An object of HDF5, closed with this one.
 class Handle {

@@ -16,7 +16,8 @@
 
 namespace hapton {
 
-// What a shape of an object means in the scene that a setup names. Null: programs do not deform the object, or the scene is unknown.
+// The settings of an object that programs deform, in the scene that a setup names. Null: programs do not deform the object, or the scene is
+// unknown.
 using FindProgramShape = std::function<std::shared_ptr<const ProgramShape>(const HapticsSetup& setup, std::int32_t object)>;
 
 // The shapes of objects that haptics nodes announced in a recording, as its entries come: vertices first, then the start. Kept until they
@@ -25,7 +26,7 @@ class RecordedShapes {
  public:
   using FindShape = std::function<std::shared_ptr<const ProgramShape>(std::int32_t object)>;
 
-  // What was begun before. Pre: nothing was added yet.
+  // The shapes that were in use when the recording began. Pre: nothing was added yet.
   void use_first(FirstShapes first) { first_ = std::move(first); }
 
   // sender: of the datagram. One that was applied before is left out.

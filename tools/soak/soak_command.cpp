@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kFewestLooks = 10.0;
+constexpr double kFewestLooks = 10.0;  // observations, without which no trend can be found; a free choice
 constexpr double kSecondsAnHour = 3600.0;
 
 int run(const SoakOptions& options) {

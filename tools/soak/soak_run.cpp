@@ -26,12 +26,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLooks = 120.0;  // in a run, whatever its length
-constexpr double kShortestInterval_s = 2.0;
-constexpr double kTurn_s = 0.1;
-constexpr double kProgressEvery_s = 10.0;  // least interval of progress lines, s
-constexpr double kMostProgressLines = 60.0;
-constexpr double kFirstForce_s = 30.0;  // patience until the first force: large meshes
+constexpr double kLooks = 120.0;             // in a run, whatever its length
+constexpr double kShortestInterval_s = 2.0;  // between observations, s; a free choice
+constexpr double kTurn_s = 0.1;              // the longest sleep before a stop is noticed, s; a free choice
+constexpr double kProgressEvery_s = 10.0;    // least interval of progress lines, s
+constexpr double kMostProgressLines = 60.0;  // in a run, whatever its length; a free choice
+constexpr double kFirstForce_s = 30.0;       // patience until the first force: large meshes
 
 // The nodes of this run.
 struct Nodes {

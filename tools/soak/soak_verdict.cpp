@@ -16,14 +16,14 @@ namespace {
 constexpr double kWarmUpShare = 0.1;
 constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
 constexpr double kMostWarmUpShare = 0.5;
-constexpr double kMemoryShare = 0.01;  // of the memory, plus kMemoryKib: growth that is no leak
-constexpr double kMemoryKib = 1024.0;
-constexpr double kHalf = 0.5;  // a whole descriptor or thread is more than that
-constexpr double kRateShare = 0.99;
-constexpr double kDriftMs = 100.0;    // a look's own uncertainty: the report and the clock are not read at the same instant
-constexpr double kDriftShare = 1e-4;  // more than any quartz is off
-constexpr std::size_t kFewLooks = 5;  // a median of thirds says nothing of less
-constexpr std::size_t kMostPoints = 512;
+constexpr double kMemoryShare = 0.01;     // of the memory, plus kMemoryKib: growth that is no leak
+constexpr double kMemoryKib = 1024.0;     // KiB: 1 MiB
+constexpr double kHalf = 0.5;             // a whole descriptor or thread is more than that
+constexpr double kRateShare = 0.99;       // of the requested rate, which the median observation must have
+constexpr double kDriftMs = 100.0;        // a look's own uncertainty: the report and the clock are not read at the same instant
+constexpr double kDriftShare = 1e-4;      // more than any quartz is off
+constexpr std::size_t kFewLooks = 5;      // a median of thirds says nothing of less
+constexpr std::size_t kMostPoints = 512;  // of which the trend is found, as its work grows with their square; a free choice
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

@@ -24,7 +24,7 @@ struct SoakLook {
   double round_trip_p50_us = 0.0;  // 0: no force in this time
   double round_trip_p99_us = 0.0;
   double round_trip_max_us = 0.0;
-  double drift_ms = 0.0;  // the servo's ticks (cycles run and missed, by their period) ahead of the steady clock
+  double drift_ms = 0.0;  // servo cycles, run or missed, times their period, minus the time on the steady clock
   std::vector<ProcessStats> processes;
 };
 
@@ -39,7 +39,8 @@ struct SoakRun {
 
 // How far a figure rose from the beginning of a series to its end: by Theil and Sen's trend (the median of all slopes; H. Theil,
 // Indagationes Mathematicae 12, 1950; P. K. Sen, JASA 63, 1968) or from the median of the first third to that of the last, whichever is
-// more. The first sees what creeps, the second what jumps once, neither heeds a single look. Pre: as many times as values, rising. RT: no.
+// more. The first detects slow growth, the second a single step; an outlier changes neither. Pre: as many times as values; times rise. RT:
+// no.
 double find_rise(std::span<const double> times, std::span<const double> values);
 
 // One quantity that was checked.
@@ -57,11 +58,11 @@ struct SoakVerdict {
   std::vector<SoakFinding> findings;
 };
 
-// The rule. Samples in the first tenth of the time, or the first 30 s if that is more (but at most half), are warm-up and count only for
-// lost forces. After them, for each process, resident memory rises by no more than 1 % and 1 MiB, descriptors and threads do not change; no
-// force is lost; the median sample has 99 % of the rate in samples and forces; ticks keep to the clock within 100 ms and 100 ppm; no
-// process ends and nobody stops the run early. Late and missed cycles are reported but do not count: they depend on the machine as much as
-// on Hapton (`hapton latency run` evaluates them).
+// Warm-up is the first tenth of the time, or 30 s if that is more, but at most half the time: its samples count only for lost forces. A run
+// passes if, after it, resident memory of each process rises by no more than 1 % and 1 MiB and its descriptors and threads do not change,
+// no force is lost, the median sample has 99 % of the rate in samples and forces, servo cycles keep to the clock within 100 ms and 100 ppm,
+// no process ends, and nobody stops the run early. Late and missed cycles are reported but do not count: they depend on the machine as much
+// as on Hapton (`hapton latency run` evaluates them).
 SoakVerdict evaluate_soak(const SoakRun& run);
 
 // soak.json and the closing line.

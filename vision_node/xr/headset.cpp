@@ -43,7 +43,7 @@ T make_struct(XrStructureType type) {
 
 // None: the pose is not rigid, or not finite. OpenXR has unit quaternions of single precision.
 std::optional<Pose> to_pose(const XrPosef& pose) {
-  constexpr double kOffUnit = 0.01;
+  constexpr double kOffUnit = 0.01;  // far above the rounding of single precision
   const Quat q(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z);
   const Vec3 p(pose.position.x, pose.position.y, pose.position.z);
   if (!(std::abs(q.norm() - 1.0) < kOffUnit) || !p.allFinite()) return std::nullopt;

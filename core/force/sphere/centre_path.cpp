@@ -16,7 +16,7 @@ double rate_error(const ContactTriangle& triangle, const Separation& at, const V
   if (at.feature != Feature::edge || most <= kSmall * std::fabs(at.normal.dot(velocity))) return most;
   const int k = triangle.boundary(at.nearest).edge;
   const Vec3 along = triangle.edge(k) / triangle.length(k);
-  constexpr double kDirectionError = 0x1p-51;
+  constexpr double kDirectionError = 0x1p-51;  // rounding of a unit direction
   return normal_error(at) * (velocity - along.dot(velocity) * along).norm() + kDirectionError * velocity.norm();
 }
 
@@ -84,7 +84,7 @@ Vec3 CentrePath::at(double time) const noexcept {
 // Newton's method. One step is exact on one guide. On two guides the first step leaves an error of the square of the cubic's error over
 // their radius, which is above rounding.
 void CentrePath::project_onto_guides(Vec3& p) const noexcept {
-  constexpr int kMostRounds = 3;
+  constexpr int kMostRounds = 3;          // a bound; see above
   constexpr double kConverged = 0x1p-30;  // an error this small leaves less than rounding
   for (int round = 0; round < kMostRounds; ++round) {
     if (project_once(p) <= kConverged || guide_count_ == 1) return;
@@ -114,7 +114,7 @@ double CentrePath::project_once(Vec3& p) const noexcept {
     p += short_by[0] * normal[0];
     return std::fabs(short_by[0]);
   }
-  constexpr double kParallel = 0x1p-24;
+  constexpr double kParallel = 0x1p-24;  // of sine^2: normals within 0.014 degrees count as parallel
   const double cosine = normal[0].dot(normal[1]);
   const double sine_squared = (1.0 - cosine) * (1.0 + cosine);
   if (!(sine_squared > kParallel)) return 0.0;
@@ -200,8 +200,8 @@ double CentrePath::find_crossing(const Plane& plane, Range range) const noexcept
 
 // The time at which the cubic crosses, which is near that of the path.
 double CentrePath::guess_crossing(const Plane& plane, Range range) const noexcept {
-  constexpr int kMostRounds = 12;
-  constexpr double kNearEnough = 0x1p-24;
+  constexpr int kMostRounds = 12;          // a bound on the work: the time is a guess
+  constexpr double kNearEnough = 0x1p-24;  // of the whole path
   auto [low, high, at_low, at_high] = range;
   double time = low + (high - low) * (at_low / (at_low - at_high));
   for (int i = 0; i < kMostRounds; ++i) {
@@ -218,7 +218,7 @@ double CentrePath::guess_crossing(const Plane& plane, Range range) const noexcep
 // The time at which the path is farthest along the direction, if that is inside the interval; else `high`.
 double CentrePath::find_turning_point(const Vec3& direction, double low, double high) const noexcept {
   if (is_straight() || !(direction.dot(slope(low)) > 0.0) || !(direction.dot(slope(high)) < 0.0)) return high;
-  constexpr int kRounds = 24;
+  constexpr int kRounds = 24;  // halvings: to 2^-24 of the interval
   double before = low;
   double after = high;
   for (int i = 0; i < kRounds; ++i) {
@@ -264,7 +264,7 @@ double CentrePath::step_past_corner(const ContactTriangle& triangle, const Level
 
 // How long the centre stays on the inner side of a plane, at least. `inwards`: unit.
 double CentrePath::time_within(const Vec3& origin, const Vec3& inwards, const Place& here) const noexcept {
-  constexpr double kRounding = 0x1p-50;
+  constexpr double kRounding = 0x1p-50;  // of a height over a plane, local units
   const double room = inwards.dot(here.point - origin);
   return room >= -kRounding ? time_above(room, inwards.dot(here.velocity), bend_) : 0.0;
 }
@@ -299,7 +299,7 @@ double CentrePath::time_at_corner(const ContactTriangle& triangle, int corner, c
 //
 //   f'' = n' . c'' + (|P' c'|^2 - (n' . c')^2) / f  >=  -2 D / f |c''| - |c'|^2 / f (|P' - P| + D / |r| + (2 D / f)^2)
 double CentrePath::time_beside(const Guide& guide, const Vec3& off, double turned, const Level& level, const Place& here) const noexcept {
-  constexpr double kRounding = 0x1p-50;
+  constexpr double kRounding = 0x1p-50;  // of a position, local units
   const double distance = off.norm();
   if (!(distance > level.distance)) return 0.0;
   Vec3 normal;
@@ -354,8 +354,8 @@ double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Lev
 // When the distance falls to `level`, within a tolerance.
 CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                                          int& tests) const noexcept {
-  constexpr int kMostRounds = 64;
-  constexpr int kFewRounds = 32;  // decide all ordinary cases
+  constexpr int kMostRounds = 64;  // then the path is known to be free up to there, and no farther
+  constexpr int kFewRounds = 32;   // decide all ordinary cases
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
   double time = from;
   for (int i = 0; i < kMostRounds; ++i) {

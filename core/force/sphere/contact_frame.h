@@ -19,7 +19,7 @@ struct ContactFrame {
 
   // Computes the duals. False if two normals are parallel, or three in one plane, within rounding.
   bool prepare() noexcept {
-    constexpr double kParallel = 0x1p-48;
+    constexpr double kParallel = 0x1p-48;  // of a sine or a volume: 16 times the rounding of a unit vector, 2^-52
     if (count == 1) dual[0] = normal[0];
     if (count == 2) {
       const Vec3 line = accurate_cross(normal[0], normal[1]);

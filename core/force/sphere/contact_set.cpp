@@ -77,7 +77,7 @@ bool ContactSet::is_held_twice(int i) const noexcept {
 }
 
 bool ContactSet::touches_all(const Vec3& c) const noexcept {
-  constexpr double kTouches = 0x1p-36;
+  constexpr double kTouches = 0x1p-36;  // local units: far above rounding, 2^-51, and far below the contact offset, 2^-30
   return std::all_of(contacts_.begin(), contacts_.begin() + count_,
                      [&](const OffsetContact& contact) { return contact.proximity(c).distance <= clearance_.offset + kTouches; });
 }
@@ -105,7 +105,7 @@ bool ContactSet::restore_to_frame(Vec3& c, ContactFrame& frame, int& work) const
 
 // `has_normals`: whether the frame's normals are those there.
 bool ContactSet::restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& work) const noexcept {
-  constexpr int kMostRounds = 8;
+  constexpr int kMostRounds = 8;  // of Newton's method; then the tolerance decides
   frame.count = active_count_;
   for (int round = 0; round < kMostRounds; ++round) {
     std::array<double, 3> short_by{};

@@ -19,7 +19,7 @@ namespace hapton {
 // Frame and units: TouchGeometry's local ones. RT: yes. `work`: is raised by the units of work (step_work.h).
 class ContactSet {
  public:
-  static constexpr int kMost = 8;
+  static constexpr int kMost = 8;  // three that hold the centre, and others at the same position; a free choice
 
   explicit ContactSet(const Clearance& clearance) : clearance_(clearance) {}
 

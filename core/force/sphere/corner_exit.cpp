@@ -17,7 +17,7 @@ constexpr double kWedge = 4096.0;  // offsets; so far from its tip a wedge of 0.
 // The position nearest to the planes, lines and points of contacts on faces, edges and vertices: the sum of the squared distances from them
 // is least. False: it is not unique within rounding, or farther than `within` from one of them.
 bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, double within, Vec3& meeting) {
-  constexpr double kLeastVolume = 0x1p-44;
+  constexpr double kLeastVolume = 0x1p-44;  // of unit vectors: below it they count as lying in one plane
   Mat3 sum = Mat3::Zero();
   Vec3 right = Vec3::Zero();
   for (const OffsetContact& contact : contacts) {
@@ -109,7 +109,7 @@ bool CornerExit::find_cone(double moved) noexcept {
 // in the ball around the centre that no triangle reaches. False: there is none.
 bool CornerExit::find_beside(const Vec3& apex, Vec3& beside) noexcept {
   constexpr double kClear = 0x1p-4;  // offsets from a plane
-  constexpr int kMostFaces = 48;
+  constexpr int kMostFaces = 48;     // with more of them there is no such position; a free choice
   const double near = kThrough * contacts_.offset();
   std::array<ContactPlane, kMostFaces> planes;
   int count = 0;

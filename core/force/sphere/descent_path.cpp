@@ -74,8 +74,8 @@ bool DescentPath::descend_along_curve(const Vec3& device, const Vec3& hint, bool
 
 bool DescentPath::make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable,
                                    CentrePath& path) const noexcept {
-  constexpr int kMostHalvings = 24;
-  constexpr double kRounding = 0x1p-50;
+  constexpr int kMostHalvings = 24;      // of the first length; a shorter piece is none
+  constexpr double kRounding = 0x1p-50;  // of a position, local units
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   ContactFrame here;
   if (!contacts_.find_frame(centre_, here)) return false;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeast = OffsetDrag::kLeastPull;
-constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
-constexpr double kPositionRounding = 0x1p-52;
+constexpr double kNearZero = 0x1p-51;          // rounding of a value that crosses zero
+constexpr double kPositionRounding = 0x1p-52;  // of a coordinate, local units
 // How far the middle of a piece may be off its cubic: a share of the offset, and of the length. Events are found on the cubic and placed on
 // the exact path: an offset away from everything, so a centre that moves by a small part of the offset meets nothing.
 constexpr double kUneven = 0x1p-16;
@@ -37,7 +37,7 @@ double DragLegs::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
 
 bool DragLegs::make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished,
                          SlipPath& slip) noexcept {
-  constexpr int kMostRounds = 8;
+  constexpr int kMostRounds = 8;  // of Newton's method; then the slip goes as far as it may
   const double excess = pull.excess();
   const double stability = drag.find_stability(pull);
   slip.waits = false;
@@ -124,9 +124,9 @@ DragOutcome DragLegs::make(const OffsetDrag& drag, const Vec3& from, const Vec3&
 }
 
 DragOutcome DragLegs::make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
-  constexpr int kMostHalvings = 40;
-  constexpr int kTries = 3;
-  constexpr double kLeastTime = 0x1p-44;
+  constexpr int kMostHalvings = 40;             // then the centre jumps
+  constexpr int kTries = 3;                     // on a curved part; then the leg is integrated
+  constexpr double kLeastTime = 0x1p-44;        // of the step
   constexpr double kLeastExcessRate = 0x1p-46;  // of the motion
   const Vec3 device = on_path(from, to, time);
   const Vec3 motion = to - from;
@@ -237,10 +237,10 @@ DragOutcome DragLegs::make_drag_leg(const OffsetDrag& drag, const Vec3& from, co
 
 // On curved parts the equilibrium on the cone may vanish: there the centre jumps.
 DragOutcome DragLegs::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
-  constexpr int kMostHalvings = 40;
-  constexpr int kFewHalvings = 3;
-  constexpr int kMostRounds = 8;
-  constexpr double kMostShrunk = 0x1p-10;
+  constexpr int kMostHalvings = 40;             // then the centre jumps
+  constexpr int kFewHalvings = 3;               // then the shortest leg is tried first
+  constexpr int kMostRounds = 8;                // to get from the end of the leg to the target; a bound on the work
+  constexpr double kMostShrunk = 0x1p-10;       // of the length, at once
   constexpr double kLeastExcessRate = 0x1p-46;  // of the motion
   const Vec3 motion = to - from;
   const double speed = motion.norm();

@@ -18,7 +18,7 @@ bool GatheredTriangles::is_clear_here(const Vec3& c, double short_by, int& work)
 }
 
 bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) noexcept {
-  constexpr int kMostHalvings = 40;
+  constexpr int kMostHalvings = 40;  // of the path; then it cannot be covered
   const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
   const Vec3 end = path.at(until);
   if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
@@ -37,7 +37,8 @@ bool GatheredTriangles::are_slivers(double radius) const noexcept { return near_
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
   constexpr double kSamePlace = 0.25;  // offsets
   if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
-  constexpr int kMostGuesses = 2;
+  constexpr int kMostGuesses = 2;  // gatherings that end at kMostFew triangles; then one may fill the cache
+  // Triangles: with fewer the next radius is larger, with three times as many smaller; this and the next: free choices
   constexpr int kFew = 24;
   constexpr int kMostFew = 256;
   constexpr double kWidest = 0.25;  // local units
@@ -46,7 +47,7 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
   constexpr double kWider = 1.4;
   constexpr double kLess = 0.7;
   constexpr double kWidestOfSlivers = 4.0;  // offsets
-  constexpr int kMostHalvings = 2;
+  constexpr int kMostHalvings = 2;          // of the radius, among slivers; then it may fall below the least one
   const double least = least_radius_;
   if (!(radius_ > 0.0)) radius_ = std::max(least, 0.5 * clearance_.offset);
   const double given = radius_;

@@ -28,7 +28,7 @@ bool LargeFan::is_hollow_fan(const OffsetContact& face) const noexcept { return 
 // not be found out in each step. Pre: the face is in a fan.
 bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, const Vec3& towards) noexcept {
   constexpr double kLeastRoom = 0x1p-8;  // offsets
-  constexpr int kPlanesInUnit = 4;
+  constexpr int kPlanesInUnit = 4;       // this and the next: how many cost one unit of work (step_work.h)
   constexpr int kSlotsInUnit = 16;
   const double least = kLeastRoom * on.contacts.offset();
   const int face_corner = fan_corner(face);
@@ -102,7 +102,7 @@ LargeFan::Crossing LargeFan::cross(SphereOnFan on, const Vec3& from, const Vec3&
 // small the angle is, and goes on over the next face with the device held. Stops, at the latest, where the sphere leaves the fan or its
 // room, or is released; events go on from there. False: that is here.
 bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept {
-  constexpr int kFacesInUnit = 4;
+  constexpr int kFacesInUnit = 4;  // how many cost one unit of work (step_work.h)
   OffsetContact face = on.contacts[0];
   const auto at_minimum = [&](const OffsetContact& over, const Vec3& device) {
     return Vec3(device + (on.contacts.offset() - over.normal.dot(device - over.shape.corner(0))) * over.normal);
@@ -218,7 +218,7 @@ void LargeFan::move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, boo
 
 // The constrained minimum over all planes: the one that is violated most joins those that are active, until none is.
 bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept {
-  constexpr int kMostRounds = 32;
+  constexpr int kMostRounds = 32;  // a bound on the work; then events go on
   std::array<ContactPlane, 4> planes;
   std::array<int, 4> of{};
   std::size_t count = 0;
@@ -264,7 +264,7 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
 
 // The plane that a centre is least above, and its height there above the position in contact.
 int LargeFan::find_lowest_plane(SphereOnFan& on, const Vec3& c, double& height) noexcept {
-  constexpr int kPlanesInUnit = 64;
+  constexpr int kPlanesInUnit = 64;  // how many cost one unit of work (step_work.h)
   const Vec3 off = c - room_.tip;
   int lowest = -1;
   double least = std::numeric_limits<double>::infinity();

@@ -55,7 +55,7 @@ double LocalMinimum::find_turn(const Vec3& displacement) const noexcept {
 }
 
 bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept {
-  constexpr double kLeastOff = 0x1p-40;
+  constexpr double kLeastOff = 0x1p-40;  // local units: a device nearer to the edge or vertex has no direction from it
   if (contacts_.active_count() > 1) return contacts_.active_count() == 3 || solve_on_curve(device, c, work);
   const OffsetContact& contact = contacts_[0];
   if (contact.part == Part::face) {
@@ -69,7 +69,7 @@ bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept 
 }
 
 bool LocalMinimum::solve_on_curve(const Vec3& device, Vec3& c, int& work) const noexcept {
-  constexpr int kMostRounds = 16;
+  constexpr int kMostRounds = 16;      // of Newton's method; a bound on the work
   constexpr double kMostSheer = 64.0;  // faces at a larger angle reach their common line in one step
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   Vec3 along = Vec3::Zero();

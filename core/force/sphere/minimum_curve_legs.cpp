@@ -43,8 +43,8 @@ double MinimumLegs::time_on_curve(const Vec3& from, const Vec3& to) const noexce
 // As far as a piece may turn, until the device arrives, or to where the minimum vanishes or a multiplier reaches zero. False: the device
 // moves across the curve, or the curve is too sharp.
 bool MinimumLegs::make_on_curve(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
-  constexpr int kMostHalvings = 8;
-  constexpr int kMostGrowing = 8;
+  constexpr int kMostHalvings = 8;        // then the curve is too sharp
+  constexpr int kMostGrowing = 8;         // quarterings of the piece, to find where a new multiplier has risen
   constexpr double kLeastPace = 0x1p-10;  // of the device's speed, along the curve
   constexpr double kNearZero = 0x1p-30;   // of a share of what is left
   constexpr double kNearNone = 0x1p-50;   // rounding of a multiplier

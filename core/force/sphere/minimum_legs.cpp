@@ -16,8 +16,8 @@ constexpr double kAtMinimum = LocalMinimum::kAtMinimum;
 }  // namespace
 
 bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
-  constexpr int kMostHalvings = 40;
-  constexpr double kLeastTime = 0x1p-44;
+  constexpr int kMostHalvings = 40;         // then there is no leg
+  constexpr double kLeastTime = 0x1p-44;    // of the step
   constexpr double kUneven = 0x1p-20;       // of the offset
   constexpr double kUnevenShare = 0x1p-24;  // of the length of the piece
   const Vec3 device = on_path(from, to, time);
@@ -86,7 +86,7 @@ void MinimumLegs::make_on_axis(const Vec3& from, const Vec3& to, double time, Mi
 // The first multiplier that reaches zero ends the leg. `end`: the centre there.
 bool MinimumLegs::end_at_release(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg, Vec3& end) const noexcept {
   constexpr double kNearZero = 0x1p-50;  // rounding of a multiplier
-  constexpr int kMostGrowing = 8;
+  constexpr int kMostGrowing = 8;        // quarterings of the leg, to find where a new multiplier has risen
   const auto multiplier = [&](const Vec3& c, const Vec3& at, int i) {
     ContactFrame frame;
     return contacts_.find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;

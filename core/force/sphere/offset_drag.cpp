@@ -10,8 +10,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostError = 0x1p-36;  // error of one step of the integration
-constexpr double kConverged = 0x1p-50;
+constexpr double kMostError = 0x1p-36;   // error of one step of the integration
+constexpr double kConverged = 0x1p-50;   // local units: a step of Newton's method that is within rounding
 constexpr double kRestored = 0x1p-51;    // distance from the offset surface that rounding may leave
 constexpr int kFewRounds = 4;            // from then on Newton's method at least halves what is left, where there is a solution
 constexpr double kFirstPiece = 0x1p-18;  // share of the offset
@@ -115,7 +115,7 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
 
 // Two parts that face each other across a slit may have no point in common; then it ends where it no longer comes nearer.
 bool OffsetDrag::restore(Vec3& c, int& tests) const noexcept {
-  constexpr int kMostRounds = 8;
+  constexpr int kMostRounds = 8;  // a bound on the work; see kFewRounds
   double most_before = std::numeric_limits<double>::infinity();
   for (int round = 0; round < kMostRounds; ++round) {
     ++tests;
@@ -189,7 +189,7 @@ double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, i
 // Removes the integration error: projects onto the surface, and onto the cone by a change of position or, where the cone hardly depends on
 // the position, of time.
 void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) const noexcept {
-  constexpr double kSteep = 0.125;
+  constexpr double kSteep = 0.125;  // below it the cone hardly depends on the position
   restore(at.centre);
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kLeastPull) || !(pull.depth > 0.0)) return;
@@ -250,7 +250,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
 
 // Where the curve of two contacts meets the plane normal to `ahead` at that distance.
 bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
-  constexpr int kMostRounds = 16;
+  constexpr int kMostRounds = 16;  // a bound on the work; see kFewRounds
   const Vec3 start = c;
   c += length * ahead;
   double most_before = std::numeric_limits<double>::infinity();
@@ -280,7 +280,7 @@ bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int
 
 // The position on the curve, and the time at which |w| = mu d there.
 bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
-  constexpr int kMostRounds = 16;
+  constexpr int kMostRounds = 16;  // of Newton's method; a bound on the work
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
   const Vec3 ahead = direction_of(pull, motion);
@@ -326,7 +326,7 @@ bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const
 }
 
 bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
-  constexpr int kMostRounds = 24;
+  constexpr int kMostRounds = 24;     // of Newton's method; a bound on the work
   constexpr double kMostTurn = 0.25;  // rad, in one step
   Pull before;
   if (!find_pull(c, from, before)) return false;

@@ -97,7 +97,7 @@ void PathEvents::find_first_exit(const CentrePath& path, int contact, CentrePath
 // Over an edge where the next face lies in the same plane nothing changes but the triangle. Follows the path over such faces, from the exit
 // in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
 bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
-  constexpr int kMostFaces = 1024;
+  constexpr int kMostFaces = 1024;  // a bound on the work; then the last exit is the event
   for (int n = 0; n < kMostFaces; ++n) {
     work_ += path.is_straight() ? n % 2 : 2;
     OffsetContact level;
@@ -181,6 +181,7 @@ bool PathEvents::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexc
 // Over a face both planes are its own. Over an edge the plane turns about it, to one side only where the path does not turn back: that is
 // checked for the cubic, with room for what the curve differs.
 void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const noexcept {
+  // Share of the mean pace. A cubic does not turn back if at both ends it has 0 to 3 of it (Fritsch & Carlson 1980)
   constexpr double kLeastPace = 0.25;
   constexpr double kMostPace = 2.5;
   tangents.count = 0;
@@ -220,7 +221,7 @@ bool PathEvents::is_below(const Tangents& tangents, const ContactTriangle& shape
 // Collects the triangles that may come that near to the beginning of the path. Where they are many because the ball of gathered triangles
 // lies elsewhere, it is gathered again around the start. False: that cannot be done.
 bool PathEvents::find_candidates(const CentrePath& path, double near, CentrePath::Prefix& prefix) noexcept {
-  constexpr int kMany = 32;
+  constexpr int kMany = 32;  // triangles; a free choice
   note_candidates(path.start(), prefix.end, near);
   if (space_.count <= kMany || near_.is_central(path.start())) return true;
   double until = prefix.until;
@@ -280,8 +281,8 @@ bool PathEvents::is_past_needle(const ContactTriangle& shape, int edge, const Ve
 }
 
 double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, double most) noexcept {
-  constexpr double kBeyond = 1.25;
-  constexpr double kLeastDistance = 0x1p-10;                                                             // of the offset
+  constexpr double kBeyond = 1.25;            // of the distance, so that a leg of that length passes the boundary
+  constexpr double kLeastDistance = 0x1p-10;  // of the offset
   if (contacts_[0].is_curved()) note_candidates(c, c, contacts_.offset() + contacts_.clearance().slop);  // for visit_exits
   const CentrePath path = CentrePath::straight(c, c + most * direction);
   CentrePath::Prefix prefix = path.prefix(1.0);

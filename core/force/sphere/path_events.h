@@ -108,7 +108,7 @@ class PathEvents {
 
 template <class Place>
 void PathEvents::place(const CentrePath& path, Event& event, const Vec3& centre, Place&& place) noexcept {
-  constexpr int kMostRounds = 6;
+  constexpr int kMostRounds = 6;  // of Newton's method; then the event stays where it is
   place(event.time);
   const bool is_hit = event.slot >= 0;
   if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;

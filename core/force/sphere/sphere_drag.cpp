@@ -162,8 +162,8 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
 // A pull that is much shorter than the motion, and stays so, as along an edge that the device only just passes, is followed in pieces of a
 // few times its length. After many of them sweeps go on.
 bool SphereFollower::creeps(double gone) noexcept {
-  constexpr double kShort = 0x1p-24;
-  constexpr int kMany = 256;
+  constexpr double kShort = 0x1p-24;  // local units, of the device
+  constexpr int kMany = 256;          // drags; a free choice
   short_drags_ = gone < kShort ? short_drags_ + 1 : 0;
   return short_drags_ > kMany;
 }

@@ -21,7 +21,7 @@ constexpr double kHigher = (CornerExit::kAbove + CornerExit::kThrough) / CornerE
 // In the steepest direction that has room: a slit between sheets that touch has none. Where no direction on the boundary leads nearer, the
 // pull itself may be free: the sphere is in a fold of the corner, and the point at the apex is not.
 bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
-  constexpr int kMostDirections = 8;
+  constexpr int kMostDirections = 8;  // that are tried; a free choice
   const Vec3 pull = device - corner_.cone.apex();
   TangentCone::Steepest steepest = corner_.cone.find_steepest(pull);
   // At the end of a groove that leads neither in nor out, the point stays.
@@ -174,7 +174,7 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 // if work has run out. An escape that had half of a step's work is not tried again.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
-  constexpr int kMostEvents = 256;
+  constexpr int kMostEvents = 256;  // of one escape; a bound on the work
   if (has_escapes_left_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
   const Vec3 centre = centre_;
@@ -212,7 +212,7 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
 
 // The shortest displacement that is `height` above everything near.
 Vec3 SphereFollower::find_lift(double height) noexcept {
-  constexpr int kMostNear = 48;
+  constexpr int kMostNear = 48;  // planes; further ones are left out
   std::array<ContactPlane, kMostNear> planes;
   int count = 0;
   const double near = 2.0 * height;

@@ -216,7 +216,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
 bool SphereFollower::has_lingered() noexcept {
-  constexpr int kMany = 64;
+  constexpr int kMany = 64;  // events; a free choice
   if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kLeastMotion) return ++lingering_ > 0;
   if ((centre_ - lingered_at_).norm() > LocalMinimum::kLeastMotion) {
     lingered_at_ = centre_;
@@ -254,7 +254,7 @@ void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
 
 // The path is clear of everything by an offset. A centre farther from it than a part of that may be on the other side of a face.
 bool SphereFollower::is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept {
-  constexpr double kNear = 0.25;
+  constexpr double kNear = 0.25;  // of the offset
   return (centre - path.at(share)).norm() <= kNear * clearance().offset;
 }
 

@@ -22,7 +22,7 @@ void TangentCone::begin(const Vec3& apex) {
 }
 
 Vec3 TangentCone::at_known_end(const Vec3& direction) const {
-  constexpr double kSame = 4.0 * kSameDirection * kSameDirection;
+  constexpr double kSame = 4.0 * kSameDirection * kSameDirection;  // a squared distance: that of twice kSameDirection
   for (int i = 0; i < arc_count_; ++i) {
     const Arc& arc = arcs_[static_cast<std::size_t>(i)];
     if ((arc.a - direction).squaredNorm() <= kSame) return arc.a;

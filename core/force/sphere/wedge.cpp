@@ -14,7 +14,7 @@ bool Wedge::holds() noexcept {
     if (!find_wall(contacts_[i], held_by[static_cast<std::size_t>(i)])) return false;
   }
   const std::span<const Wall> walls(held_by.data(), static_cast<std::size_t>(contacts_.count()));
-  constexpr int kMostNear = 64;
+  constexpr int kMostNear = 64;  // triangles; with more it is no wedge
   std::array<int, kMostNear> near;
   int count = 0;
   bool is_wedge = true;

@@ -32,7 +32,7 @@ std::shared_ptr<const std::vector<MappedTriangle>> square() {
   return std::make_shared<const std::vector<MappedTriangle>>(two);
 }
 
-// The square without end.
+// The place on the square's map, which goes on beyond its sides.
 MapPlace place_of(const Vec3& p) { return {.texcoord = p.head<2>() / kSide, .du = Vec3::UnitX() / kSide, .dv = Vec3::UnitY() / kSide}; }
 
 struct MappedPlane {
@@ -94,7 +94,7 @@ TEST(SurfaceMaps, ARampPushesDownhillByTheFormula) {
   }
 }
 
-// An image of a wave feels as the same bumps by their formula, but for the height that the spline takes from 64 texels a wave.
+// An image of a wave gives the force of the same bumps by their formula, up to the height that the spline smooths away at 64 texels a wave.
 TEST(SurfaceMaps, AWaveFeelsAsBumpsByTheFormula) {
   constexpr double kHeight = 1e-3;
   const SurfaceBumps bumps = {.pattern = SurfaceBumps::Pattern::ridges, .height_m = kHeight, .length_m = kSide / 8.0};
@@ -107,7 +107,7 @@ TEST(SurfaceMaps, AWaveFeelsAsBumpsByTheFormula) {
   for (double x = 0.0; x < kSide; x += 0.00037) {
     const Vec3 p(x, 0.02, -0.003);
     const Vec3 expected = formula.step(p, 1e-3, {.force_n = {0, 0, 3.0}, .p_SP = {x, 0.02, 0}, .object = 0, .contact = true}).force_n;
-    // Of the height kSpring * height / 2, and of the slope as well.
+    // That share of the spring force kMapSpring * kHeight / 2 = 0.5 N, and of the force along the slope, 3 N times the slope.
     EXPECT_LT((plane.force_at(p) - expected).norm(), share * (0.5 + 3.0 * bumps.slope()) + 1e-3) << x;
   }
   EXPECT_NEAR(height.steepest(*square()), bumps.slope(), 0.01 * bumps.slope());
@@ -141,7 +141,7 @@ TEST(SurfaceMaps, HeightAndStiffnessGiveNoEnergyOverAClosedPath) {
   }
 }
 
-// From stiction on the one half to ice on the other, with one step of force at the change and none elsewhere.
+// Friction coefficient 0.8 on one half and 0.1 on the other: the force changes at the border of the halves and nowhere else.
 TEST(SurfaceMaps, FrictionIsThatOfThePlace) {
   const ImageMap friction = {
       .image = shared_image(256, [](double u, double) { return u < 0.5 ? 1.0 : 0.0; }), .at_black = 0.1, .at_white = 0.8};
@@ -156,7 +156,7 @@ TEST(SurfaceMaps, FrictionIsThatOfThePlace) {
       EXPECT_NEAR(force_n.x(), -0.2, 1e-6) << x;
     }
   }
-  // Lifted off and put down again, nothing is pulled.
+  // Lifted off and put down again elsewhere: no friction force is left over.
   plane.force_at({0.02, 0.05, 0.001});
   EXPECT_NEAR(plane.force_at({0.021, 0.05, -0.002}).x(), 0.0, 1e-12);
 }
@@ -172,16 +172,16 @@ TEST(SurfaceMaps, TheSteepestSlopeIsNeverExceeded) {
   EXPECT_GT(found, 0.3 * most);
 }
 
-// Honey that gets thicker to the right: -b(u) v along the surface, no more than the contact force.
+// Viscosity that rises to the right: the force is -b(u) v along the surface, at most the contact force.
 TEST(SurfaceMaps, ViscosityIsThatOfThePlace) {
   const ImageMap viscosity = {.image = shared_image(256, [](double u, double) { return u; }), .at_black = 0.0, .at_white = 20.0};
   MappedPlane plane({.triangles = square(), .viscosity = viscosity});
   for (int n = 0; n < 160; ++n) {
     const double x = 0.01 + 5e-4 * n;
-    const Vec3 felt = plane.force_at({x, 0.05, -0.003});
+    const Vec3 force_n = plane.force_at({x, 0.05, -0.003});
     if (n < 10) continue;  // the velocity is a mean of eight differences
-    EXPECT_NEAR(felt.x(), -std::min(20.0 * x / kSide * 0.5, 3.0), 2e-3) << x;
-    EXPECT_NEAR(felt.z(), 3.0, 1e-9);
+    EXPECT_NEAR(force_n.x(), -std::min(20.0 * x / kSide * 0.5, 3.0), 2e-3) << x;
+    EXPECT_NEAR(force_n.z(), 3.0, 1e-9);
   }
 }
 

@@ -64,7 +64,8 @@ TEST(CarvedField, OfABallIsItsDistance) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 p(place(random), place(random), place(random));
     const double exact = p.norm() - 0.03;
-    // The icosphere is flat between its vertices, the field between its nodes. Where the band ends the distance has a kink.
+    // The tolerance is for the flat faces of the icosphere and for interpolation. Nodes near the band's end are left out: the values stop
+    // there.
     if (std::abs(exact) > field.band_m() - 2.0 * kVoxelM) continue;
     EXPECT_NEAR(field.value(p), exact, 0.05 * kVoxelM) << p.transpose();
     EXPECT_NEAR((field.gradient(p) - p.normalized()).norm(), 0.0, 0.1) << p.transpose();
@@ -115,7 +116,7 @@ TEST(CarvedField, CarveIsTheMaximumByBruteForce) {
   }
 }
 
-// A ball of 31 m, with carves 1024 times as large: no length is built in.
+// A ball of 31 m, with carves 1024 times as large: the code contains no absolute length.
 TEST(CarvedField, LargeBodiesAreCarvedAsSmallOnesAre) {
   constexpr double kScale = 1024.0;
   CarvedField small = ball_of_clay(), large = ball_of_clay(0.03 * kScale, kVoxelM * kScale);
@@ -203,7 +204,7 @@ TEST(CarvedField, CarveAndQueriesUseNoHeap) {
   EXPECT_TRUE(std::isfinite(sum));
 }
 
-// The mesh, and four nodes on each side; along x up to a multiple of eight. The mesh is in the middle.
+// The cells of the mesh and four on each side; along x the number of nodes is a multiple of eight. The mesh is in the middle.
 TEST(CarvedField, TheGridIsAsLargeAsTheMeshAndItsMargins) {
   const TriangleMesh box = scaled_and_moved(make_box(Vec3(0.096, 0.046, 0.016)), 1.0, Vec3(1.0, 2.0, 3.0));
   const auto grid = CarvedField::plan(box, 0.01);
@@ -217,7 +218,7 @@ TEST(CarvedField, TheGridIsAsLargeAsTheMeshAndItsMargins) {
   EXPECT_DOUBLE_EQ(field->band_m(), 0.03);
 }
 
-// The largest grid that is possible is, and the error names a voxel that is possible.
+// A grid of the voxel size that the error advises can be made; one of somewhat smaller voxels cannot.
 TEST(CarvedField, TheVoxelsAdvisedArePossible) {
   const TriangleMesh box = make_box(Vec3::Constant(0.1));
   EXPECT_EQ(CarvedField::plan(box, 1.1e-4).error().what,
