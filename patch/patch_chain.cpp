@@ -124,16 +124,15 @@ class PatchChain::Felt final : public FeltParts {
   Felt(PatchChain& chain, const TouchInput& input) : chain_(chain), input_(input) {}
 
   Pose pose(std::size_t part) const noexcept override { return chain_.pose_of(part, input_.time_s); }
-  void reset(std::size_t part, const Vec3& p_S) noexcept override { (void)resume(part, p_S); }
-  bool resume(std::size_t part, const Vec3& p_S) noexcept override {
+  void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { (void)resume(part, X_SO, p_S); }
+  bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
     // Where its proxy was before this sample is not known.
     if (!chain_.had_force_[part] || chain_.touches_[part].is_beyond()) return false;
-    chain_.touches_[part].go_on_from(to_frame(pose(part), p_S));
+    chain_.touches_[part].go_on_from(to_frame(X_SO, p_S));
     return true;
   }
-  MethodOutput feel(std::size_t part, const Vec3& p_S, const Turn& turn) noexcept override {
+  MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
     PatchTouch& touch = chain_.touches_[part];
-    const Pose X_SO = pose(part);
     if (!turn.is_correction) chain_.p_OD_[part] = to_frame(X_SO, p_S);
     touch.set_shared(turn.is_shared);
     const std::optional<PatchOutput> felt =

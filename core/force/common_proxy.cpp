@@ -35,29 +35,28 @@ void CommonProxy::begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept {
   const std::optional<Vec3> start = std::exchange(start_, std::nullopt);
   const std::optional<Vec3> place = start ? start : place_;
   place_.reset();
+  holding_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
+    part.X_before = part.X_SO;
     part.X_SO = felt.pose(i);
+    part.p_before = part.p_SP;
+    part.lift_before = part.lift;
+    part.is_felt = part.begins_again = false;
     if (place) {
-      part.p_OP = part.X_SO.inverse(Eigen::Isometry) * *place;
-      part.held_O.setZero();
-      part.lift.setZero();
+      part.X_before = part.X_SO;
+      part.p_before = *place;
+      part.held.setZero();
+      part.lift_before = part.lift = Vec3::Zero();
     }
-    if (start) felt.reset(i, *start);
-    part.held = part.X_SO.linear() * part.held_O;
-    part.begins_again = false;
-    part.p_SP = part.X_SO * part.p_OP;
-    part.start = part.p_SP - part.lift;
-    part.was_held = !part.held.isZero(0.0);
-    part.is_felt = false;
+    if (start) felt.reset(i, part.X_SO, *start);
+    part.was_held = part.holds();
+    if (!part.was_held) continue;
+    ++holding_;
+    part.held = part.X_SO.linear() * (part.X_before.linear().transpose() * part.held);
+    part.p_SP = part.start();
   }
-  if (held_count() > 1) share_out(p_SD);
-}
-
-int CommonProxy::held_count() const noexcept {
-  int held = 0;
-  for (std::size_t i = 0; i < count_; ++i) held += parts_[i].held.isZero(0.0) ? 0 : 1;
-  return held;
+  if (holding_ > 1) share_out(p_SD);
 }
 
 // The shares of the planes that hold the proxy, for a device there.
@@ -94,17 +93,21 @@ Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
 // Returns whether the part was felt: its device point is another one than the last time in this sample.
 bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   Part& part = parts_[i];
-  const Vec3 lift = lift_of(i);
+  const Vec3 lift = holding_ > 0 ? lift_of(i) : Vec3(Vec3::Zero());
   const Vec3 follow = common_ + part.held + lift;
-  const double agree = std::max(kAgree * largest_m_ + kRounding * follow.cwiseAbs().maxCoeff(), kAgreeLifts * lift_m_);
-  if (part.is_felt && !part.begins_again && (follow - part.followed).norm() <= agree) return false;
-  part.output = felt.feel(i, follow, {.is_correction = part.is_felt, .is_shared = is_shared_});
+  if (part.is_felt && !part.begins_again) {
+    const double agree = std::max(kAgree * largest_m_ + kRounding * follow.cwiseAbs().maxCoeff(), kAgreeLifts * lift_m_);
+    if ((follow - part.followed).norm() <= agree) return false;
+  }
+  const bool held_before = part.holds();
+  part.output = felt.feel(i, part.X_SO, follow, {.is_correction = part.is_felt, .is_shared = is_shared_});
   part.is_felt = true;
   part.begins_again = false;
   part.followed = follow;
   part.lift = lift;
   part.p_SP = part.output.p_SP;
   part.held = follow - part.p_SP;
+  holding_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
   common_ = part.p_SP - lift;
   return true;
 }
@@ -112,11 +115,14 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
 void CommonProxy::begin_round(const Vec3& p_SD) noexcept {
   common_ = p_SD;
   largest_m_ = 0.0;
+  holding_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
+    if (!parts_[i].holds()) continue;
+    ++holding_;
     common_ -= parts_[i].held;
     largest_m_ = std::max(largest_m_, parts_[i].held.norm());
   }
-  is_shared_ = held_count() > 1;
+  is_shared_ = holding_ > 1;
 }
 
 // A part has come into contact in this sample, and another one was in contact before it, or is now.
@@ -124,9 +130,9 @@ bool CommonProxy::has_met_another() const noexcept {
   bool is_new = false;
   int touched = 0;
   for (std::size_t i = 0; i < count_; ++i) {
-    const bool is_held = !parts_[i].held.isZero(0.0);
-    is_new = is_new || (is_held && !parts_[i].was_held);
-    touched += is_held || parts_[i].was_held ? 1 : 0;
+    const Part& part = parts_[i];
+    is_new = is_new || (part.holds() && !part.was_held);
+    touched += part.holds() || part.was_held ? 1 : 0;
   }
   return is_new && touched > 1;
 }
@@ -136,10 +142,12 @@ void CommonProxy::begin_again(FeltParts& felt) noexcept {
   is_shared_ = true;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    if (part.held.isZero(0.0) && !part.was_held) continue;
+    if (!part.holds() && !part.was_held) continue;
     part.was_held = true;
-    part.begins_again = felt.resume(i, part.X_SO * part.p_OP);
-    if (part.begins_again) (void)felt.feel(i, part.start + lift_of(i), {.is_correction = true, .is_shared = true});
+    const Vec3 start = part.start();
+    part.begins_again = felt.resume(i, part.X_SO, start);
+    if (!part.begins_again) continue;
+    (void)felt.feel(i, part.X_SO, start - part.lift_before + lift_of(i), {.is_correction = true, .is_shared = true});
   }
 }
 
@@ -148,10 +156,10 @@ void CommonProxy::follow(FeltParts& felt, const Vec3& p_SD) noexcept {
     begin_round(p_SD);
     bool any = false;
     for (std::size_t i = 0; i < count_; ++i) any = visit(felt, i) || any;
-    if (!any) return;
+    if (!any || (round == 0 && holding_ == 0)) return;
     const bool has_met = has_met_another();
     if (has_met) begin_again(felt);
-    if ((has_met || round == 0) && held_count() > 1) share_out(p_SD);
+    if ((has_met || round == 0) && holding_ > 1) share_out(p_SD);
   }
   if (has_still_) (void)visit(felt, 0);
 }
@@ -184,8 +192,6 @@ MethodOutput CommonProxy::sum(const Vec3& p_SD) noexcept {
   double most_n = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    part.p_OP = part.X_SO.inverse(Eigen::Isometry) * part.p_SP;
-    part.held_O = part.X_SO.linear().transpose() * part.held;
     if (!part.output.contact) continue;
     output.contact = true;
     output.p_SP = common_;
@@ -203,6 +209,7 @@ MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_stil
   has_still_ = has_still;
   begin_sample(felt, p_SD);
   follow(felt, p_SD);
+  if (holding_ == 0) return {.force_n = Vec3::Zero(), .p_SP = p_SD};
   begin_round(p_SD);
   is_squeezed_ = largest_m_ > kMostShare * (p_SD - common_).norm() + kMostLifts * lift_m_;
   if (is_squeezed_) settle_squeezed(p_SD);

@@ -18,18 +18,19 @@ class FeltParts {
   virtual ~FeltParts() = default;
   // X_SO at this sample.
   virtual Pose pose(std::size_t part) const noexcept = 0;
+  // X_SO: the same.
   // It starts there, in free space.
-  virtual void reset(std::size_t part, const Vec3& p_S) noexcept = 0;
+  virtual void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept = 0;
   // It goes on from exactly there, as ForceMethod::resume has it. False: its shape has changed since its proxy was there, and it goes on
   // from where it is.
-  virtual bool resume(std::size_t part, const Vec3& p_S) noexcept = 0;
+  virtual bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept = 0;
   // is_correction: as MethodInput has it. is_shared: other parts hold the proxy as well.
   struct Turn {
     bool is_correction = false;
     bool is_shared = false;
   };
   // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
-  virtual MethodOutput feel(std::size_t part, const Vec3& p_S, const Turn& turn) noexcept = 0;
+  virtual MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept = 0;
 };
 
 // One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.
@@ -76,17 +77,21 @@ class CommonProxy {
  private:
   struct Part {
     Pose X_SO = Pose::Identity();
-    Vec3 held_O = Vec3::Zero();    // from its proxy to the device point that it followed; zero: no contact. Own frame
-    Vec3 p_OP = Vec3::Zero();      // its proxy after the last sample, own frame
-    Vec3 held = Vec3::Zero();      // the same in this sample, frame S
-    Vec3 followed = Vec3::Zero();  // the device point that it followed last
-    Vec3 p_SP = Vec3::Zero();
-    Vec3 lift = Vec3::Zero();   // by which it follows above the common proxy
-    Vec3 start = Vec3::Zero();  // the common proxy at the beginning of this sample
+    Pose X_before = Pose::Identity();  // X_SO in the sample before
+    Vec3 held = Vec3::Zero();          // from its proxy to the device point that it followed; zero: it holds nothing
+    Vec3 followed = Vec3::Zero();      // the device point that it followed last
+    Vec3 p_SP = Vec3::Zero();          // its proxy
+    Vec3 lift = Vec3::Zero();          // by which it follows above the common proxy
+    Vec3 p_before = Vec3::Zero();      // its proxy after the sample before, as it was then
+    Vec3 lift_before = Vec3::Zero();
     bool is_felt = false;       // in this sample
-    bool was_held = false;      // before this sample
+    bool was_held = false;      // it held the proxy before this sample
     bool begins_again = false;  // it was resumed in this sample, and not felt since
     MethodOutput output = {};
+
+    bool holds() const noexcept { return !held.isZero(0.0); }
+    // Its proxy after the sample before, on the part where that is now.
+    Vec3 start() const noexcept { return X_SO * (X_before.inverse(Eigen::Isometry) * p_before); }
   };
 
   void begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept;
@@ -95,7 +100,6 @@ class CommonProxy {
   bool visit(FeltParts& felt, std::size_t i) noexcept;
   Vec3 lift_of(std::size_t i) const noexcept;
   void share_out(const Vec3& p_SD) noexcept;
-  int held_count() const noexcept;
   bool has_met_another() const noexcept;
   void begin_again(FeltParts& felt) noexcept;
   void settle_squeezed(const Vec3& p_SD) noexcept;
@@ -107,6 +111,7 @@ class CommonProxy {
   std::size_t count_ = 0;
   bool has_still_ = false;
   double lift_m_;
+  int holding_ = 0;             // parts that hold the proxy
   bool is_shared_ = false;      // in this round
   double largest_m_ = 0.0;      // of the shares, at the beginning of the round
   Vec3 common_ = Vec3::Zero();  // the proxy

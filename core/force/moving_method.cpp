@@ -58,20 +58,23 @@ class MovingMethod::Felt final : public FeltParts {
   Felt(std::vector<Group>& groups, const MethodInput& input) : groups_(groups), input_(input) {}
 
   Pose pose(std::size_t part) const noexcept override { return groups_[part].pose_at(input_); }
-  void reset(std::size_t part, const Vec3& p_S) noexcept override { groups_[part].method->reset(to_frame(pose(part), p_S)); }
-  bool resume(std::size_t part, const Vec3& p_S) noexcept override {
+  void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { groups_[part].method->reset(to_frame(X_SO, p_S)); }
+  bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
     if (groups_[part].is_deforming) return false;
-    groups_[part].method->resume(to_frame(pose(part), p_S));
+    groups_[part].method->resume(to_frame(X_SO, p_S));
     return true;
   }
-  MethodOutput feel(std::size_t part, const Vec3& p_S, const Turn& turn) noexcept override {
+  MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
     Group& group = groups_[part];
     if (std::exchange(group.is_shared, turn.is_shared) != turn.is_shared) group.set_materials();
-    const Pose X_SO = pose(part);
     const Vec3 p_O = to_frame(X_SO, p_S);
     MethodOutput felt =
         group.method->step({.p_SD = p_O, .dt_s = input_.dt_s, .time_s = input_.time_s, .is_correction = turn.is_correction});
-    felt.p_SP = felt.p_SP == p_O ? p_S : Vec3(X_SO * felt.p_SP);
+    if (felt.p_SP == p_O) {
+      felt.p_SP = p_S;
+      return felt;
+    }
+    felt.p_SP = X_SO * felt.p_SP;
     felt.force_n = X_SO.linear() * felt.force_n;
     if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
     return felt;
