@@ -90,7 +90,8 @@ Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
   return lift;
 }
 
-// Returns whether the part was felt: its device point is another one than the last time in this sample.
+// Feels the part, where its device point is another one than the last time in this sample. Returns whether that may matter to others: it
+// holds the proxy, or did.
 bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   Part& part = parts_[i];
   const Vec3 lift = holding_ > 0 ? lift_of(i) : Vec3(Vec3::Zero());
@@ -109,7 +110,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   part.held = follow - part.p_SP;
   holding_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
   common_ = part.p_SP - lift;
-  return true;
+  return held_before || part.holds();
 }
 
 void CommonProxy::begin_round(const Vec3& p_SD) noexcept {

@@ -24,6 +24,8 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "shape-alone";
     case SceneFault::overlaps:
       return "overlaps";
+    case SceneFault::softer_than_device:
+      return "softer-than-device";
     case SceneFault::stiffer_than_device:
       return "stiffer-than-device";
     case SceneFault::stiffer_than_loop:

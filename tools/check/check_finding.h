@@ -12,16 +12,17 @@ namespace hapton {
 
 // What can be wrong with a scene before anyone touches it.
 enum class SceneFault : std::uint8_t {
-  thin_wall,      // thinner than the ball of the probe
-  opening,        // a hole that the probe fits through
-  crack,          // a gap that was not sealed
-  large_fan,      // more triangles at a vertex than a step can follow
-  flipped,        // triangles whose fronts are on the wrong side
-  inside_out,     // a closed body with its fronts inside
-  coarse_voxels,  // of what can be carved, for its walls or for the tool
-  no_inertia,     // a body to push whose surface is not closed
-  shape_alone,    // effects that a rigid tool does not feel
-  overlaps,       // a movable object that overlaps or touches another one where it lies
+  thin_wall,           // thinner than the ball of the probe
+  opening,             // a hole that the probe fits through
+  crack,               // a gap that was not sealed
+  large_fan,           // more triangles at a vertex than a step can follow
+  flipped,             // triangles whose fronts are on the wrong side
+  inside_out,          // a closed body with its fronts inside
+  coarse_voxels,       // of what can be carved, for its walls or for the tool
+  no_inertia,          // a body to push whose surface is not closed
+  shape_alone,         // effects that a rigid tool does not feel
+  overlaps,            // a movable object that overlaps or touches another one where it lies
+  softer_than_device,  // less force than the friction of the device
   stiffer_than_device,
   stiffer_than_loop,
   more_damped_than_loop,

@@ -209,6 +209,20 @@ CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> l
            "set its mass_kg to that or less, or its filter_s to more (hapton loop zwidth --mass-filter)"}};
 }
 
+CheckFindings check_softness(const SceneObject& object, std::span<const NamedLoop> loops) {
+  constexpr double kDepthM = 0.02;  // deeper than a hand presses into what is meant to be touched; a free choice
+  const NamedLoop* smoothest = nullptr;
+  for (const NamedLoop& loop : loops) {
+    if (smoothest == nullptr || loop.device_model.friction_n < smoothest->device_model.friction_n) smoothest = &loop;
+  }
+  const double n_per_m = object.material.stiffness_n_per_m;
+  if (smoothest == nullptr || object.effects.layers.is_on() || n_per_m * kDepthM >= smoothest->device_model.friction_n) return {};
+  return {{SceneFault::softer_than_device, object.name, std::nullopt,
+           fmt::format("{:.6g} N/m is {:.3g} N at a depth of {:g} mm, less than the friction of {} ({:.3g} N): nobody feels it", n_per_m,
+                       n_per_m * kDepthM, 1e3 * kDepthM, smoothest->device, smoothest->device_model.friction_n),
+           fmt::format("set stiffness_n_per_m to some hundreds; {0:.6g} N/mm is {1:.6g} N/m", n_per_m, 1e3 * n_per_m)}};
+}
+
 CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops) {
   const NamedLoop* weakest = nullptr;
   for (const NamedLoop& loop : loops) {

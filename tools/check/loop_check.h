@@ -29,6 +29,10 @@ CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, 
 // A spring, a snap or a gravity well in free space.
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
 
+// An object that nobody feels: at a depth of 20 mm its spring has less force than the friction of every device, usually because its
+// stiffness is meant in N/mm. RT: set-up only.
+CheckFindings check_softness(const SceneObject& object, std::span<const NamedLoop> loops);
+
 // A damped or viscous surface, layers with drag, or a viscous volume, of more than that. is_touched_by_tool: by a rigid tool, or by an
 // object that the stylus has picked up, whose contacts use the smoothed velocity of viscosity for damping, too. RT: set-up only.
 CheckFindings check_damping(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s, bool is_touched_by_tool);

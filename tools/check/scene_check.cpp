@@ -94,6 +94,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     CheckFindings found = check_surface(object, settings.probe_radius_m);
     append(check_inertia(object), found);
     append(check_sculpt(object), found);
+    append(check_softness(object, settings.loops), found);
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), found);
     append(check_damping(object, held, settings.rate_hz, settings.delay_s, has_tool), found);
     append(check_frequency(object, settings.rate_hz), found);

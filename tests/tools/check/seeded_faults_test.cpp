@@ -121,6 +121,7 @@ std::vector<SeededFault> seeded_faults() {
       {"VoxelsThatLoseAWall", good_block(), "sculpt = true\nvoxel_mm = 40\ntool_radius_mm = 200\n", "", {}, "coarse-voxels"},
       {"AToolOfFewVoxels", good_ball(), "sculpt = true\nvoxel_mm = 1\ntool_radius_mm = 2.5\n", "", {}, "coarse-voxels"},
       {"OneSidedToPickUp", good_ball(), "movable = true\n", one_sided, {}, "shape-alone"},
+      {"NewtonsPerMillimetre", good_ball(), "", "stiffness_n_per_m = 1.0\n", {}, "softer-than-device"},
       {"StifferThanTheDevice", good_ball(), "", "stiffness_n_per_m = 5000.0\n", {}, "stiffer-than-device", {}, 0.0, {"stiffer-than-loop"}},
       {"StifferThanAWeakerDevice",
        good_ball(),
