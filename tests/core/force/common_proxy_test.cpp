@@ -59,6 +59,8 @@ class MadeParts final : public FeltParts {
             .object = static_cast<int>(part)};
   }
 
+  StiffnessRange stiffness(std::size_t part) const noexcept override { return {spaces[part].stiffness, spaces[part].stiffness}; }
+
   std::vector<HalfSpace> spaces;
   std::vector<Vec3> resumed;  // where
   std::vector<Vec3> begun;
@@ -100,7 +102,8 @@ Vec3 project(const std::vector<HalfSpace>& parts, const Vec3& p_SD) {
 struct WavyLoop {
   WavyLoop(std::mt19937_64& random, const Vec3& about, double size) : centre(about) {
     std::normal_distribution<double> normal(0.0, size);
-    for (auto& wave : waves) wave = {Vec3(normal(random), normal(random), normal(random)), Vec3(normal(random), normal(random), normal(random))};
+    for (auto& wave : waves)
+      wave = {Vec3(normal(random), normal(random), normal(random)), Vec3(normal(random), normal(random), normal(random))};
   }
   Vec3 at(double turn) const {
     Vec3 p = centre;
@@ -327,6 +330,81 @@ TEST(CommonProxy, StepsWithoutHeap) {
   }
   EXPECT_EQ(guard.count(), 0U);
   EXPECT_TRUE(has_been_squeezed);
+}
+
+// A plane comes down upon a hand on another one until there is no room, and goes up again, three times. Facing, or at a small angle, where
+// the nearest point of both is far away.
+struct Squeeze {
+  double tilt = 0.0;
+  bool has_still = true;
+  double stiffness = 1000.0;        // of the first
+  double other_stiffness = 1000.0;  // of the one that moves
+  double hand_m = 0.0;              // above the first
+
+  struct Worst {
+    double jump_n = 0.0;
+    double stiffness = 0.0;  // of force over the distance from device to proxy
+    double deep_m = 0.0;     // of the proxy in the first
+    int squeezed = 0;
+  };
+  Worst follow() const {
+    MadeParts parts({{.normal = Vec3::UnitZ(), .stiffness = stiffness},
+                     {.normal = Vec3(std::sin(tilt), 0, -std::cos(tilt)), .stiffness = other_stiffness}});
+    CommonProxy proxy(2, kExtent);
+    Worst worst;
+    Vec3 last = Vec3::Zero();
+    for (int i = 0; i <= 8000; ++i) {
+      parts.spaces[1].X_SO.translation().z() = 0.002 + 0.004 * std::cos(6.0 * std::numbers::pi * i / 8000.0);
+      const Vec3 hand(0, 0, hand_m + 0.001 * std::sin(0.003 * i));
+      const MethodOutput felt = proxy.step(parts, 2, has_still, hand);
+      if (i > 0) worst.jump_n = std::max(worst.jump_n, (felt.force_n - last).norm());
+      const double length = (felt.p_SP - hand).norm();
+      if (length > 64.0 * kLiftM) worst.stiffness = std::max(worst.stiffness, felt.force_n.norm() / length);
+      worst.deep_m = std::max(worst.deep_m, -felt.p_SP.z());
+      worst.squeezed += proxy.is_squeezed() ? 1 : 0;
+      last = felt.force_n;
+    }
+    return worst;
+  }
+};
+
+TEST(CommonProxy, WithoutRoomTheForceIsContinuousAndWhatStandsStillHoldsTheProxy) {
+  for (const double tilt : {0.0, 0.02, 0.1}) {
+    for (const bool has_still : {true, false}) {
+      for (const double hand_m : {-0.002, 0.0005, 0.004}) {
+        SCOPED_TRACE(testing::Message() << "tilt " << tilt << " has_still " << has_still << " hand " << hand_m);
+        const Squeeze::Worst worst = Squeeze{.tilt = tilt, .has_still = has_still, .hand_m = hand_m}.follow();
+        // The plane moves by 9.4 um in a step, and the proxy by a multiple where the angle is small.
+        EXPECT_LT(worst.jump_n, 0.45);
+        EXPECT_LT(worst.stiffness, 1001.0);
+        EXPECT_LT(worst.deep_m, has_still ? kLiftM : 3e-4);
+        EXPECT_GT(worst.squeezed, 2000);
+      }
+    }
+  }
+}
+
+TEST(CommonProxy, NoForceIsLargerThanTheStiffestAllows) {
+  for (const double tilt : {0.0, 0.02, 0.1, 0.2, 0.5, 1.0, 2.0}) {
+    for (const auto& [first, other] : {std::pair(100.0, 10000.0), std::pair(10000.0, 100.0)}) {
+      for (const double hand_m : {-0.002, 0.0005, 0.004}) {
+        SCOPED_TRACE(testing::Message() << "tilt " << tilt << " stiffness " << first << ' ' << other << " hand " << hand_m);
+        const Squeeze::Worst worst = Squeeze{tilt, true, first, other, hand_m}.follow();
+        EXPECT_LT(worst.stiffness, 10010.0);
+        EXPECT_LT(worst.deep_m, kLiftM);
+      }
+    }
+  }
+}
+
+// As between objects of one method: the mean by share.
+TEST(CommonProxy, PartsOfDifferentStiffnessHaveTheirMean) {
+  MadeParts parts({{.normal = Vec3::UnitZ(), .stiffness = 100.0}, {.normal = Vec3::UnitX(), .stiffness = 1000.0}});
+  CommonProxy proxy(2, kExtent);
+  const MethodOutput felt = proxy.step(parts, 2, true, Vec3(-0.001, 0, -0.003));
+  EXPECT_LT((felt.force_n - 325.0 * Vec3(0.001, 0, 0.003)).norm(), 1e-6);
+  EXPECT_EQ(felt.object, 1);
+  EXPECT_NEAR(proxy.step(parts, 2, true, Vec3(0.001, 0, -0.003)).force_n.z(), 0.3, 1e-6);
 }
 
 }  // namespace
