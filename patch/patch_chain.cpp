@@ -159,6 +159,8 @@ class PatchChain::Felt final : public FeltParts {
 
   PatchOutput sum;
 
+  StiffnessRange stiffness(std::size_t part) const noexcept override { return chain_.touches_[part].stiffness(); }
+
  private:
   PatchChain& chain_;
   const TouchInput& input_;

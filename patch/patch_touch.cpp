@@ -136,6 +136,12 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   return output;
 }
 
+StiffnessRange PatchTouch::stiffness() const noexcept {
+  if (is_beyond_ || patch_ == nullptr || patch_->materials.empty()) return {stiffness_n_per_m_, stiffness_n_per_m_};
+  const auto [least, most] = std::ranges::minmax_element(patch_->materials, {}, &Material::stiffness_n_per_m);
+  return {least->stiffness_n_per_m, most->stiffness_n_per_m};
+}
+
 // No patch takes over meanwhile.
 std::optional<PatchOutput> PatchTouch::correct(const TouchInput& input, const Vec3& p_SD) noexcept {
   newest_p_SD_ = p_SD;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/force/common_proxy.h"
 #include "core/force/touch_step.h"
 #include "core/math/types.h"
 #include "patch/device_path.h"
@@ -135,6 +136,8 @@ class PatchTouch {
   const Vec3& proxy() const noexcept { return p_SP_; }
   const Vec3& device() const noexcept { return newest_p_SD_; }  // of the last step
   bool is_beyond() const noexcept { return is_beyond_; }
+  // Of the materials of its patch, or of the plane past its edge.
+  StiffnessRange stiffness() const noexcept;
   const Vec3& outward() const noexcept { return outward_S_; }
   // Where the hand is, for whoever makes the next patch.
   PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;

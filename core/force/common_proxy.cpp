@@ -28,10 +28,9 @@ CommonProxy::CommonProxy(std::size_t most, double extent_m) : parts_(most), plan
 void CommonProxy::go_on_from(const Vec3& p_S) noexcept {
   place_ = p_S;
   start_.reset();
-  is_squeezed_ = false;
 }
 
-void CommonProxy::begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept {
+void CommonProxy::begin_sample(FeltParts& felt) noexcept {
   const std::optional<Vec3> start = std::exchange(start_, std::nullopt);
   const std::optional<Vec3> place = start ? start : place_;
   place_.reset();
@@ -46,8 +45,8 @@ void CommonProxy::begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept {
     if (place) {
       part.X_before = part.X_SO;
       part.p_before = *place;
-      part.held.setZero();
-      part.lift_before = part.lift = Vec3::Zero();
+      part.held = part.lift = part.lift_before = Vec3::Zero();
+      part.is_limited = false;
     }
     if (start) felt.reset(i, part.X_SO, *start);
     part.was_held = part.holds();
@@ -56,11 +55,14 @@ void CommonProxy::begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept {
     part.held = part.X_SO.linear() * (part.X_before.linear().transpose() * part.held);
     part.p_SP = part.start();
   }
-  if (holding_ > 1) share_out(p_SD);
+  if (holding_ > 1) share_out();
 }
 
-// The shares of the planes that hold the proxy, for a device there.
-void CommonProxy::share_out(const Vec3& p_SD) noexcept {
+// Of the shares of all but the first part. whole_m: from the proxy to the device.
+double CommonProxy::limit_m(double whole_m) const noexcept { return kMostShare * whole_m + kMostLifts * lift_m_; }
+
+// The shares of the planes that hold the proxy, if there is room.
+void CommonProxy::share_out() noexcept {
   std::size_t planes = 0;
   const Vec3 origin = common_;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -71,8 +73,12 @@ void CommonProxy::share_out(const Vec3& p_SD) noexcept {
     planes_[planes] = {normal, normal.dot(part.p_SP - part.lift - origin)};
     plane_of_[planes++] = i;
   }
-  const ConstrainedMotion held = constrain_motion(p_SD - origin, std::span(planes_).first(planes));
+  const ConstrainedMotion held = constrain_motion(p_SD_ - origin, std::span(planes_).first(planes));
   if (!held.solved) return;
+  const double most_m = limit_m((held.motion - (p_SD_ - origin)).norm());
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (held.active[k] > 0 && held.multipliers[k] > most_m) return;
+  }
   for (std::size_t n = 0; n < planes; ++n) parts_[plane_of_[n]].held.setZero();
   for (int k = 0; k < held.active_count; ++k) {
     const auto n = static_cast<std::size_t>(held.active[static_cast<std::size_t>(k)]);
@@ -108,13 +114,37 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   part.lift = lift;
   part.p_SP = part.output.p_SP;
   part.held = follow - part.p_SP;
+  part.is_limited = false;
   holding_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
+  const Vec3 before = common_;
   common_ = part.p_SP - lift;
+  if (holding_ > 1 && first_held() < i) limit_share(part, std::max((p_SD_ - before).norm(), (p_SD_ - common_).norm()));
   return held_before || part.holds();
 }
 
-void CommonProxy::begin_round(const Vec3& p_SD) noexcept {
-  common_ = p_SD;
+bool CommonProxy::is_limited() const noexcept {
+  return std::any_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count_),
+                     [](const Part& part) { return part.is_limited; });
+}
+
+std::size_t CommonProxy::first_held() const noexcept {
+  std::size_t i = 0;
+  while (i < count_ && !parts_[i].holds()) ++i;
+  return i;
+}
+
+void CommonProxy::limit_share(Part& part, double whole_m) noexcept {
+  const double most_m = limit_m(whole_m);
+  const double length_m = part.held.norm();
+  if (!(length_m > most_m)) return;
+  part.held *= most_m / length_m;
+  part.output.force_n *= most_m / length_m;
+  common_ = part.followed - part.lift - part.held;
+  part.is_limited = true;
+}
+
+void CommonProxy::begin_round() noexcept {
+  common_ = p_SD_;
   largest_m_ = 0.0;
   holding_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -152,51 +182,57 @@ void CommonProxy::begin_again(FeltParts& felt) noexcept {
   }
 }
 
-void CommonProxy::follow(FeltParts& felt, const Vec3& p_SD) noexcept {
-  for (int round = 0; round < kRounds; ++round) {
-    begin_round(p_SD);
-    bool any = false;
+void CommonProxy::follow(FeltParts& felt) noexcept {
+  bool any = true;
+  for (int round = 0; any && round < kRounds; ++round) {
+    begin_round();
+    any = false;
     for (std::size_t i = 0; i < count_; ++i) any = visit(felt, i) || any;
-    if (!any || (round == 0 && holding_ == 0)) return;
+    if (!any) break;
     const bool has_met = has_met_another();
     if (has_met) begin_again(felt);
-    if ((has_met || round == 0) && holding_ > 1) share_out(p_SD);
+    if ((has_met || round == 0) && holding_ > 1) share_out();
   }
-  if (has_still_) (void)visit(felt, 0);
+  is_squeezed_ = is_limited();
+  const std::size_t first = has_still_ ? 0 : first_held();
+  if (any && first < count_ && (has_still_ || is_squeezed_)) (void)visit(felt, first);
 }
 
-// There is no nearest point that all allow, and shares have grown in vain. The proxy is where what stands still has it, or else the first
-// part that holds it, and that holds it alone. Its force has the mean stiffness of all that do.
-void CommonProxy::settle_squeezed(const Vec3& p_SD) noexcept {
-  double shares = 0.0;
-  double forces_n = 0.0;
-  Part* holding = nullptr;
+// Of all that hold the proxy, weighted by their shares. The mean is updated by differences, so equal values are kept exactly.
+double CommonProxy::find_mean_stiffness(const FeltParts& felt) noexcept {
+  double mean = 0.0;
+  double shares_m = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
-    if (part.held.isZero(0.0)) continue;
-    if (holding == nullptr) holding = &part;
-    shares += part.held.norm();
-    forces_n += part.output.force_n.norm();
+    const double share_m = part.held.norm();
+    if (!(share_m > 0.0) || !part.output.contact) continue;
+    const StiffnessRange range = felt.stiffness(i);
+    part.stiffness = std::clamp(part.output.force_n.norm() / share_m, range.least, range.most);
+    shares_m += share_m;
+    mean += (share_m / shares_m) * (part.stiffness - mean);
   }
-  if (holding == nullptr) return;
-  common_ = holding->p_SP - holding->lift;
-  for (std::size_t i = 0; i < count_; ++i) {
-    parts_[i].held.setZero();
-    parts_[i].output.force_n.setZero();
-  }
-  holding->held = p_SD - common_;
-  holding->output.force_n = -(forces_n / shares) * holding->held;
+  return mean;
 }
 
-MethodOutput CommonProxy::sum(const Vec3& p_SD) noexcept {
-  MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_SD};
+// The force of a part, with the mean stiffness in place of its own. Its damping stays, but never makes the force attractive.
+Vec3 CommonProxy::force_with(const Part& part, double stiffness) noexcept {
+  if (!(part.stiffness > 0.0)) return part.output.force_n;
+  if (stiffness <= part.stiffness) return part.output.force_n * (stiffness / part.stiffness);
+  const double force_n = part.output.force_n.norm();
+  const Vec3 direction = force_n > 0.0 ? Vec3(part.output.force_n / force_n) : Vec3(-part.held.normalized());
+  return part.output.force_n + (stiffness - part.stiffness) * part.held.norm() * direction;
+}
+
+MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
+  MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_SD_};
+  const double stiffness = is_shared_ ? find_mean_stiffness(felt) : 0.0;
   double most_n = 0.0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
     if (!part.output.contact) continue;
     output.contact = true;
     output.p_SP = common_;
-    output.force_n += part.output.force_n;
+    output.force_n += is_shared_ ? force_with(part, stiffness) : part.output.force_n;
     if (const double pushes = part.output.force_n.norm(); part.output.object >= 0 && pushes >= most_n) {
       most_n = pushes;
       output.object = part.output.object;
@@ -208,13 +244,12 @@ MethodOutput CommonProxy::sum(const Vec3& p_SD) noexcept {
 MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD) noexcept {
   count_ = count;
   has_still_ = has_still;
-  begin_sample(felt, p_SD);
-  follow(felt, p_SD);
+  p_SD_ = p_SD;
+  begin_sample(felt);
+  follow(felt);
   if (holding_ == 0) return {.force_n = Vec3::Zero(), .p_SP = p_SD};
-  begin_round(p_SD);
-  is_squeezed_ = largest_m_ > kMostShare * (p_SD - common_).norm() + kMostLifts * lift_m_;
-  if (is_squeezed_) settle_squeezed(p_SD);
-  return sum(p_SD);
+  begin_round();
+  return sum(felt);
 }
 
 }  // namespace hapton

@@ -11,14 +11,19 @@
 
 namespace hapton {
 
+// The least and the largest stiffness of several objects, N/m.
+struct StiffnessRange {
+  double least = 0.0;
+  double most = 0.0;
+};
+
 // The parts of a scene that each feel it in a frame of their own: what stands still, which is part 0 if there is any, and each motion.
 // All of them have a proxy that never crosses their surface. Frame of the arguments: S. RT: all.
 class FeltParts {
  public:
   virtual ~FeltParts() = default;
-  // X_SO at this sample.
+  // X_SO at this sample; the others get it.
   virtual Pose pose(std::size_t part) const noexcept = 0;
-  // X_SO: the same.
   // It starts there, in free space.
   virtual void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept = 0;
   // It goes on from exactly there, as ForceMethod::resume has it. False: its shape has changed since its proxy was there, and it goes on
@@ -31,6 +36,8 @@ class FeltParts {
   };
   // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
   virtual MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept = 0;
+  // Of its objects.
+  virtual StiffnessRange stiffness(std::size_t part) const noexcept = 0;
 };
 
 // One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.
@@ -43,8 +50,11 @@ class FeltParts {
 //
 // In a sample in which a second part comes into contact, the first has followed the hand without it, maybe to where the second does not let
 // it go, such as below a wall that stands on a floor. So both begin the sample again from where their proxies were, and know what the other
-// one holds. Where there is no room between two parts, their shares grow without end: then what stands still holds the proxy alone, and the
-// proxy is never pressed into that.
+// one holds. Where there is no room between two parts, their shares would grow without end. So no share is longer than kMostShare times
+// the whole but that of the first part that holds the proxy, which is never pressed into that one: what stands still, if it does.
+//
+// Between parts of different stiffness all shares have the mean stiffness, weighted by the shares, as between objects of one method
+// (ContactMaterial). So the force is no larger than the stiffness of the stiffest allows, however acute the angle between two of them.
 //
 // Where several parts hold the proxy, static friction is dynamic friction: a part that breaks away would slide farther than the others let
 // it, within its own step.
@@ -71,7 +81,7 @@ class CommonProxy {
   // Pre: count is the same as in the step before, or go_on_from or reset was called since; at most as many as at construction.
   MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD) noexcept;
 
-  // No room in the last step, see above.
+  // There was no room in the last step, see above.
   bool is_squeezed() const noexcept { return is_squeezed_; }
 
  private:
@@ -86,7 +96,9 @@ class CommonProxy {
     Vec3 lift_before = Vec3::Zero();
     bool is_felt = false;       // in this sample
     bool was_held = false;      // it held the proxy before this sample
+    bool is_limited = false;    // its share, as it was felt last
     bool begins_again = false;  // it was resumed in this sample, and not felt since
+    double stiffness = 0.0;     // in this sample, N/m
     MethodOutput output = {};
 
     bool holds() const noexcept { return !held.isZero(0.0); }
@@ -94,16 +106,21 @@ class CommonProxy {
     Vec3 start() const noexcept { return X_SO * (X_before.inverse(Eigen::Isometry) * p_before); }
   };
 
-  void begin_sample(FeltParts& felt, const Vec3& p_SD) noexcept;
-  void follow(FeltParts& felt, const Vec3& p_SD) noexcept;
-  void begin_round(const Vec3& p_SD) noexcept;
+  void begin_sample(FeltParts& felt) noexcept;
+  void follow(FeltParts& felt) noexcept;
+  void begin_round() noexcept;
   bool visit(FeltParts& felt, std::size_t i) noexcept;
+  void limit_share(Part& part, double whole_m) noexcept;
+  double limit_m(double whole_m) const noexcept;
+  bool is_limited() const noexcept;
+  std::size_t first_held() const noexcept;
   Vec3 lift_of(std::size_t i) const noexcept;
-  void share_out(const Vec3& p_SD) noexcept;
+  void share_out() noexcept;
   bool has_met_another() const noexcept;
   void begin_again(FeltParts& felt) noexcept;
-  void settle_squeezed(const Vec3& p_SD) noexcept;
-  MethodOutput sum(const Vec3& p_SD) noexcept;
+  double find_mean_stiffness(const FeltParts& felt) noexcept;
+  static Vec3 force_with(const Part& part, double stiffness) noexcept;
+  MethodOutput sum(const FeltParts& felt) noexcept;
 
   std::vector<Part> parts_;
   std::vector<ContactPlane> planes_;
@@ -111,13 +128,14 @@ class CommonProxy {
   std::size_t count_ = 0;
   bool has_still_ = false;
   double lift_m_;
+  Vec3 p_SD_ = Vec3::Zero();
   int holding_ = 0;             // parts that hold the proxy
-  bool is_shared_ = false;      // in this round
+  bool is_shared_ = false;      // several do, at the beginning of this round
   double largest_m_ = 0.0;      // of the shares, at the beginning of the round
   Vec3 common_ = Vec3::Zero();  // the proxy
-  bool is_squeezed_ = false;
-  std::optional<Vec3> start_;  // reset() was called
-  std::optional<Vec3> place_;  // go_on_from() was called
+  bool is_squeezed_ = false;    // a share is limited
+  std::optional<Vec3> start_;   // reset() was called
+  std::optional<Vec3> place_;   // go_on_from() was called
 };
 
 }  // namespace hapton

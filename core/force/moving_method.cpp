@@ -16,6 +16,11 @@ Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpos
 
 }  // namespace
 
+void MovingMethod::Group::note_stiffness() noexcept {
+  const auto [least, most] = std::ranges::minmax_element(materials, {}, &Material::stiffness_n_per_m);
+  stiffness = {least->stiffness_n_per_m, most->stiffness_n_per_m};
+}
+
 Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene) {
   TouchScene part;
   part.part_of = scene.part_of;
@@ -27,6 +32,7 @@ Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodS
     group.materials.push_back(own.material);
     group.shared.push_back(without_static_friction(own.material));
   }
+  group.note_stiffness();
   if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
     auto streamed = StreamedMethod::make(settings, only.mesh, only.material, *only.stream_reach_m);
     if (!streamed) return tl::unexpected(streamed.error());
@@ -79,6 +85,7 @@ class MovingMethod::Felt final : public FeltParts {
     if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
     return felt;
   }
+  StiffnessRange stiffness(std::size_t part) const noexcept override { return groups_[part].stiffness; }
 
  private:
   std::vector<Group>& groups_;
@@ -99,6 +106,7 @@ void MovingMethod::set_materials(std::span<const Material> materials) noexcept {
       group.materials[i] = materials[object];
       group.shared[i] = without_static_friction(materials[object]);
     }
+    group.note_stiffness();
     group.set_materials();
   }
 }

@@ -47,8 +47,10 @@ class MovingMethod final : public ForceMethod {
     std::vector<Material> materials = {};  // of the objects
     std::vector<Material> shared = {};     // the same without static friction (CommonProxy)
     bool is_shared = false;                // the method has these
+    StiffnessRange stiffness = {};
 
     void set_materials() noexcept { method->set_materials(is_shared ? shared : materials); }
+    void note_stiffness() noexcept;
   };
 
   class Felt;  // the groups, in one sample
