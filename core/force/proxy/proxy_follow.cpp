@@ -68,16 +68,33 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  if (!swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && follow_offset(last, device, time)) return;
+  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0);
+  if (may_follow && follow_offset(last, device, time)) return;
   ++counters_.swept;
+  if (may_follow && sphere_.is_in_slit()) return sweep_from_slit(device);
   active_offset_ = kContactOffset;
   if (proxy_.is_free && is_point_) clear_start();
   const Vec3 there = on_path(last, device, time);
   if (!proxy_.is_free && time > 0.0 && !sweep_to(there)) return carry(there);
   if (!sweep_to(device)) return carry(device);
+  follow_after_sweep(device);
+}
+
+// Where a sweep gets no nearer to the device, the proxy stays in the slit.
+void ProxyMethod::sweep_from_slit(const Vec3& device) noexcept {
+  swept_.keep_only(sphere_.offset());
+  const bool has_settled = sweep_to(device);
+  if (has_settled && !((proxy_.position - device).norm() < (sphere_.centre() - device).norm())) return copy_sphere_state(device);
+  sphere_.stop_tracking();
+  if (!has_settled) return carry(device);
+  follow_after_sweep(device);
+}
+
+// Without work left it could only be interrupted, and would lose the contacts.
+void ProxyMethod::follow_after_sweep(const Vec3& device) noexcept {
   double here = 0.0;
-  // Without work left it could only be interrupted, and would lose the contacts.
-  if (work_left_ > 0 && !proxy_.is_free && !swept_.is_shrunk()) follow_offset(device, device, here);
+  if (work_left_ <= 0 || proxy_.is_free || swept_.is_shrunk()) return;
+  if (!follow_offset(device, device, here) && sphere_.is_in_slit()) copy_sphere_state(device);
 }
 
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {

@@ -120,6 +120,8 @@ class ProxyMethod final : public ForceMethod {
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool sweep_to(const Vec3& device) noexcept;
+  void sweep_from_slit(const Vec3& device) noexcept;
+  void follow_after_sweep(const Vec3& device) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
   void carry(const Vec3& device) noexcept;
   void clear_start() noexcept;
