@@ -236,6 +236,7 @@ void ProxyMethod::lift_off_surface() noexcept {
     if (!is_in_the_way(from.point, lifted, from.triangle)) break;
   }
   const bool slides = surface_.slides();
+  lifted_ = {surface_.lifted(kContactOffset), (lifted - surface_.lifted(kContactOffset)).norm()};
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
@@ -248,8 +249,10 @@ void ProxyMethod::lift_off_surface() noexcept {
   contact.separation = {clearance_.offset, from.normal, from.point, Feature::face};
 }
 
-// Puts a proxy that sweeps have settled on walkable faces back onto the surface.
+// Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where this motion has lifted it off and was then
+// out of work: it would be lifted off again, and what that takes may leave no work to get farther.
 bool ProxyMethod::land_on_surface() noexcept {
+  if ((proxy_.position - lifted_.from).norm() <= 2.0 * lifted_.by) return false;
   const auto active = proxy_.active();
   if (active.empty() || active.size() > 2) return false;
   for (const ProxyContact& contact : active) {

@@ -127,6 +127,10 @@ class ProxyMethod final : public ForceMethod {
   void clear_start() noexcept;
   std::optional<std::uint32_t> find_nearest(const Vec3& p, double reach, Separation& at) const noexcept;
   bool is_beside_surface(const Vec3& p) const noexcept;
+  struct Lifted {
+    Vec3 from = Vec3::Zero();
+    double by = -1.0;  // below 0: it was not lifted
+  };
   void lift_off_surface() noexcept;
   bool land_on_surface() noexcept;
   void hold_by_surface(const Vec3& device) noexcept;
@@ -150,6 +154,7 @@ class ProxyMethod final : public ForceMethod {
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
   bool unconverged_ = false;          // the last step ran out of work
+  Lifted lifted_;                     // last, in the motion that is carried
   bool sweeps_finish_ = false;        // a flight among too many triangles has given up: none starts again while the sphere touches nothing
   int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;
