@@ -238,7 +238,7 @@ void ProxyMethod::lift_off_surface() noexcept {
     if (!is_in_the_way(from.point, lifted, from.triangle)) break;
   }
   const bool slides = surface_.slides();
-  lifted_ = {surface_.lifted(kContactOffset), (lifted - surface_.lifted(kContactOffset)).norm()};
+  lifted_ = {surface_.point(), (lifted - surface_.point()).norm()};
   is_lifted_ = true;
   surface_.leave();
   sphere_.stop_tracking();
