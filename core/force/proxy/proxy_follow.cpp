@@ -68,16 +68,35 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  if (!swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && follow_offset(last, device, time)) return;
+  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0);
+  if (may_follow && follow_offset(last, device, time)) return;
   ++counters_.swept;
+  if (may_follow && sphere_.is_in_slit()) return sweep_from_slit(last, device);
   active_offset_ = kContactOffset;
   if (proxy_.is_free && is_point_) clear_start();
   const Vec3 there = on_path(last, device, time);
   if (!proxy_.is_free && time > 0.0 && !sweep_to(there)) return carry(there);
   if (!sweep_to(device)) return carry(device);
+  follow_after_sweep(last, device);
+}
+
+// Where a sweep gets no nearer to the device, the proxy stays in the slit.
+void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept {
+  swept_.keep_only(sphere_.offset());
+  const bool has_settled = sweep_to(device);
+  if (has_settled && !((proxy_.position - device).norm() < (sphere_.centre() - device).norm())) return copy_sphere_state(device);
+  sphere_.stop_tracking();
+  if (!has_settled) return carry(device);
+  follow_after_sweep(last, device);
+}
+
+// Without work left it could only be interrupted, and would lose the contacts. A point is then carried, once for each sample: where sweeps
+// settle, it is farther from surfaces than the sphere that stands for it.
+void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexcept {
+  if (proxy_.is_free || swept_.is_shrunk()) return;
+  if (work_left_ <= 0 && is_point_ && last != device) return carry(device);
   double here = 0.0;
-  // Without work left it could only be interrupted, and would lose the contacts.
-  if (work_left_ > 0 && !proxy_.is_free && !swept_.is_shrunk()) follow_offset(device, device, here);
+  if (work_left_ > 0 && !follow_offset(device, device, here) && sphere_.is_in_slit()) copy_sphere_state(device);
 }
 
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
@@ -219,6 +238,8 @@ void ProxyMethod::lift_off_surface() noexcept {
     if (!is_in_the_way(from.point, lifted, from.triangle)) break;
   }
   const bool slides = surface_.slides();
+  lifted_ = {surface_.point(), (lifted - surface_.point()).norm()};
+  is_lifted_ = true;
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
@@ -231,8 +252,10 @@ void ProxyMethod::lift_off_surface() noexcept {
   contact.separation = {clearance_.offset, from.normal, from.point, Feature::face};
 }
 
-// Puts a proxy that sweeps have settled on walkable faces back onto the surface.
+// Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where this motion has lifted it off and was then
+// out of work: it would be lifted off again, and what that takes may leave no work to get farther.
 bool ProxyMethod::land_on_surface() noexcept {
+  if (is_lifted_ && (proxy_.position - lifted_.from).norm() <= 2.0 * lifted_.by) return false;
   const auto active = proxy_.active();
   if (active.empty() || active.size() > 2) return false;
   for (const ProxyContact& contact : active) {

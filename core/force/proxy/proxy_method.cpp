@@ -110,6 +110,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   carried_from_.reset();
   unconverged_ = false;
   sweeps_finish_ = false;
+  is_lifted_ = false;
   touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
@@ -155,7 +156,10 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   sample_skipped_ = counters_.skipped;
   const double displacement = (device - last).norm();
   last_device_ = device;
-  if (!carried_from_) sweeps_finish_ = false;
+  if (!carried_from_) {
+    sweeps_finish_ = false;
+    is_lifted_ = false;
+  }
   const Vec3 from = carried_from_.value_or(last);
   carried_from_.reset();
   work_left_ = StepWork::kMost;

@@ -120,11 +120,17 @@ class ProxyMethod final : public ForceMethod {
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool sweep_to(const Vec3& device) noexcept;
+  void sweep_from_slit(const Vec3& last, const Vec3& device) noexcept;
+  void follow_after_sweep(const Vec3& last, const Vec3& device) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
   void carry(const Vec3& device) noexcept;
   void clear_start() noexcept;
   std::optional<std::uint32_t> find_nearest(const Vec3& p, double reach, Separation& at) const noexcept;
   bool is_beside_surface(const Vec3& p) const noexcept;
+  struct Lifted {
+    Vec3 from = Vec3::Zero();
+    double by = 0.0;
+  };
   void lift_off_surface() noexcept;
   bool land_on_surface() noexcept;
   void hold_by_surface(const Vec3& device) noexcept;
@@ -150,6 +156,8 @@ class ProxyMethod final : public ForceMethod {
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
   bool unconverged_ = false;          // the last step ran out of work
+  Lifted lifted_;                     // the last time
+  bool is_lifted_ = false;            // in the motion that is carried
   bool sweeps_finish_ = false;        // a flight among too many triangles has given up: none starts again while the sphere touches nothing
   int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;

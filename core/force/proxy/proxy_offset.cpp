@@ -20,7 +20,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   if (outcome == SphereFollower::Outcome::failed) {
     sweeps_finish_ |= sphere_.has_given_up_flight();
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
-    sphere_.stop_tracking();
+    if (!sphere_.is_in_slit()) sphere_.stop_tracking();
     active_offset_ = kContactOffset;
     if (is_point_) clear_start();
     return false;

@@ -25,8 +25,13 @@ bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) 
   device_ = device;
   proxy.active_count = 0;  // until it has settled
   has_settled_ = settle(proxy, device);
+  if (is_point_ && !sweep_.is_interrupted()) keep_ = clearance_;
   if (!has_settled_) ++counters_.unconverged;
   return has_settled_;
+}
+
+void SweptMotion::keep_only(double offset) noexcept {
+  keep_ = {.offset = offset, .slop = 0x1p-3 * offset, .tolerance = 0x1p-9 * offset};
 }
 
 void SweptMotion::forget_progress() noexcept {
@@ -46,7 +51,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
       return true;
     }
   }
-  if (is_shrunk()) grow_to_room(proxy.position);
+  if (is_shrunk() && !is_point_) grow_to_room(proxy.position);
   const double least_motion = keep_.tolerance;  // shorter motions are below the tolerance of the clearance
   bool has_forgotten = false;
   for (int i = 0; i < kMostMotions && work_ <= most_work_; ++i) {

@@ -51,6 +51,9 @@ class SweptMotion {
   // forget().
   bool must_go_on() const { return is_shrunk() || sweep_.is_interrupted(); }
   bool is_shrunk() const { return keep_.offset < clearance_.offset; }
+  // The next call, until it has settled, keeps a point only that far from surfaces: in a slit that something else has put it into. With the
+  // clearance of sweeps the slit would push it out, in a narrow wedge far away.
+  void keep_only(double offset) noexcept;
   void forget() noexcept {
     keep_ = clearance_;
     sweep_.drop();

@@ -68,9 +68,11 @@ bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept
 }
 
 // Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
-// out before all were tried.
+// out before all were tried. Where the last call has left some, what led to them is not repeated: it may take most of a call's work.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
-  if (!is_point_ || contacts_.is_empty() || wedge().holds()) return false;
+  if (!is_point_ || contacts_.is_empty()) return false;
+  goes_on_ = escapes_left_at_ == centre_;
+  if (!goes_on_ && wedge().holds()) return false;
   escapes_ = 0;
   // The way out begins where the centre is.
   bool has_left = corner().find_cone(0.0) && leave_corner(device, motion);
@@ -78,6 +80,7 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
     has_left = leave_by_flight(device, motion);
     if (!has_escapes_left_) last_fly_over_ = motion_;
   }
+  if (has_escapes_left_) escapes_left_at_ = centre_;
   if (!has_escapes_left_) failed_escapes_ = 0;
   return has_left;
 }
@@ -171,12 +174,15 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 
 // Moves along the path of `go`, then descends with the device held, until the centre is nearer to the device than before; a descent never
 // moves away from the device. Returns false, with the state restored, if the centre does not come nearer, if this escape failed before, or
-// if work has run out. An escape that had half of a step's work is not tried again.
+// if work has run out. An escape that had half of a step's work, or is the first of a call that goes on, is not tried again: the next call
+// might have no more work for it.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMostEvents = 256;  // of one escape; a bound on the work
   if (has_escapes_left_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
+  const bool is_last_try = goes_on_;
+  goes_on_ = false;
   const Vec3 centre = centre_;
   const auto contacts = contacts_;
   const double distance = (device - centre_).norm();
@@ -184,7 +190,7 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   const auto end = [&](bool is_better) {
     idle_ = 0;
     if (is_better) return true;
-    has_escapes_left_ = work_ > most_work_ && 2 * work_before > most_work_;
+    has_escapes_left_ = work_ > most_work_ && 2 * work_before > most_work_ && !is_last_try;
     failed_escapes_ += has_escapes_left_ ? 0 : 1;
     centre_ = centre;
     contacts_ = contacts;

@@ -70,6 +70,7 @@ void SphereFollower::forget() noexcept {
   has_lost_minimum_ = false;
   corner_.has_cone = false;
   has_escapes_left_ = false;
+  escapes_left_at_.reset();
   failed_escapes_ = 0;
   motion_ = 1;
   last_fly_over_ = 0;
@@ -101,6 +102,7 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
   work_ = 0;
   most_work_ = most_work;
   has_given_up_flight_ = false;
+  is_in_slit_ = false;
   if (!is_carried_) {
     idle_ = 0;
     ++motion_;
@@ -109,11 +111,15 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     short_drags_ = 0;
     lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
-  if (!has_escapes_left_) failed_escapes_ = 0;
+  if (!has_escapes_left_) {
+    failed_escapes_ = 0;
+    escapes_left_at_.reset();
+  }
   has_escapes_left_ = false;
   const Outcome outcome = from.allFinite() && to.allFinite() ? follow_finite(from, to, time) : Outcome::failed;
   is_carried_ = outcome == Outcome::exhausted;
   const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
+  is_in_slit_ &= time >= 1.0 && !is_far;
   if (is_carried_ && is_far) {  // places out there are too coarse to go on from
     time = 1.0;
     is_descending_ = !contacts_.is_empty();
@@ -205,8 +211,10 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (next == Next::failed || idle_ > kMostIdle) return Outcome::failed;
   contacts_.note_multipliers(centre_, to);
   if (has_escapes_left_) return Outcome::exhausted;
-  if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to))
+  if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to)) {
+    is_in_slit_ = true;
     return Outcome::failed;
+  }
   Vec3 direction;
   if (next == Next::settled)
     return !is_point_ && !(has_friction_ && has_friction_here()) && minimum().is_shallow(centre_, to, direction) ? Outcome::failed

@@ -91,6 +91,9 @@ class SphereFollower {
   bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
   Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMost) noexcept;
+  // After a call that failed: the centre is at a local minimum for the device at the end, in a slit as wide as the sphere, and a sweep may
+  // get a point nearer.
+  bool is_in_slit() const { return is_in_slit_; }
   int work() const { return work_; }  // units, of the last call of start or follow
   // Whether a flight of the last call ended among too many triangles.
   bool has_given_up_flight() const { return has_given_up_flight_; }
@@ -221,6 +224,7 @@ class SphereFollower {
   bool has_given_up_flight_ = false;
   Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
   std::optional<Vec3> slit_at_;      // where a slit was last left to sweeps
+  bool is_in_slit_ = false;          // the last call left one to sweeps
   int short_drags_ = 0;              // one after another in this motion
   int lingering_ = 0;                // their number, above those that are usual
   bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
@@ -233,12 +237,14 @@ class SphereFollower {
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
   CornerExit::Memory corner_;
-  int corner_tries_ = 0;           // in this motion
-  int skips_ = 0;                  // in this motion
-  std::uint64_t motion_ = 1;       // its number
-  bool has_escapes_left_ = false;  // out of work before all ways out of a minimum were tried: the next call goes on with them
-  int escapes_ = 0;                // tried at this minimum
-  int failed_escapes_ = 0;         // tried there by the calls before
+  int corner_tries_ = 0;                 // in this motion
+  int skips_ = 0;                        // in this motion
+  std::uint64_t motion_ = 1;             // its number
+  bool has_escapes_left_ = false;        // out of work before all ways out of a minimum were tried: the next call goes on with them
+  std::optional<Vec3> escapes_left_at_;  // where that minimum is; none: the last call has left none
+  bool goes_on_ = false;                 // with ways out, and has not tried one in this call
+  int escapes_ = 0;                      // tried at this minimum
+  int failed_escapes_ = 0;               // tried there by the calls before
   std::uint64_t last_fly_over_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };

@@ -240,5 +240,60 @@ TEST_P(NarrowTube, TheSphereStaysNear) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NarrowTube, testing::Range(1U, 9U));
 
+// Two sheets that cross at a very small angle, in the y axis; the lower one consists of many faces. The point is between them, x > 0.
+class NarrowWedge : public ::testing::TestWithParam<unsigned> {
+ protected:
+  static constexpr double kAngle = 0x1p-22;
+  static constexpr double kHalfWidth = 0.05;
+  static constexpr double kSphere = 0x1p-31;  // radius of the sphere that stands for the point; the scene's unit is one metre
+  static constexpr std::uint32_t kStrips = 150;
+
+  static TriangleMesh make_sheets() {
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i <= kStrips + 2; ++i) {
+      const double x = i == 0 ? -0.5 : i > kStrips + 1 ? 0.5 : 0.4 * (i - 1) / kStrips;
+      for (const double y : {-kHalfWidth, kHalfWidth}) mesh.vertices.emplace_back(x, y, 0.0);
+    }
+    for (std::uint32_t i = 0; i < 2 * (kStrips + 2); i += 2) {
+      mesh.triangles.push_back({i, i + 2, i + 3});
+      mesh.triangles.push_back({i, i + 3, i + 1});
+    }
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const auto& [x, y] : {std::pair(-0.5, -kHalfWidth), {0.5, -kHalfWidth}, {0.5, kHalfWidth}, {-0.5, kHalfWidth}})
+      mesh.vertices.emplace_back(x, y, kAngle * x);
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+    return mesh;
+  }
+};
+
+// It stays where the sphere fits, although the sphere fills the wedge there and a sweep looks whether there is a way on: also if no work is
+// left to go back, and far from the open ends of the sheets.
+TEST_P(NarrowWedge, APointStaysWhereASweepGetsNoNearer) {
+  std::mt19937_64 random(GetParam());
+  RecordProperty("seed", std::to_string(GetParam()));
+  const auto uniform = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
+  const auto along = [&] { return uniform(-0.8 * kHalfWidth, 0.8 * kHalfWidth); };
+  const auto method = make_method({.name = "proxy"}, {.objects = {{made::shared(make_sheets()), {}}}}).value();
+  for (int trial = 0; trial < 100; ++trial) {
+    const double from = uniform(0.02, 0.49);
+    method->reset({from, along(), 0.5 * kAngle * from});
+    for (int i = static_cast<int>(random() % 6); i > 0; --i) {
+      const double x = uniform(0.02, 0.49);
+      (void)method->step({.p_SD = {x, along(), -0.1}});
+    }
+    const double x = uniform(-0.4, -0.01);
+    const double y = along();
+    const Vec3 device(x, y, uniform(-0.3, -0.01));
+    MethodOutput output = method->step({.p_SD = device});
+    for (int k = 0; method->carried_from() && k < 64; ++k) output = method->step({.p_SD = device});
+    EXPECT_NEAR(output.p_SP.x(), 2.0 * kSphere / kAngle, 1e-5) << "trial " << trial;
+    EXPECT_NEAR(output.p_SP.y(), device.y(), 1e-5) << "trial " << trial;
+    EXPECT_NEAR(output.p_SP.z(), kSphere, 0.01 * kSphere) << "trial " << trial;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, NarrowWedge, testing::Range(1U, 5U));
+
 }  // namespace
 }  // namespace hapton

@@ -61,5 +61,29 @@ INSTANTIATE_TEST_SUITE_P(Gaps, UnderAPlate,
                                          Notch{1.9, std::numbers::pi / 3.0}, Notch{1.5, 0.3}, Notch{1.8, 0.3}, Notch{1.5, 2.0},
                                          Notch{1.9, 2.0}));
 
+// The same with little work a call. To find that no wedge of planes holds the point takes a part of it, which may leave too little for a way
+// out: the next call goes on with the ways out, and each call tries one at least.
+TEST(APointInANotch, ComesToAnEndHoweverLittleWorkACallHas) {
+  const TriangleMesh mesh = make_notch_under_plate(1.5 * kPointOffset, std::numbers::pi / 3.0);
+  for (int most_work = 10; most_work <= 160; most_work += 5) {
+    SCOPED_TRACE(testing::Message() << most_work << " units a call");
+    Stage stage(mesh, kPointOffset);
+    stage.follower = std::make_unique<SphereFollower>(stage.geometry, stage.materials, stage.offset, true);
+    stage.put(Vec3(0.001, 0.1, -0.1));
+    for (const double z : {0.05, -0.05}) {
+      const Vec3 device = stage.geometry.to_local(Vec3(0.0003, -0.05, z));
+      Outcome outcome = Outcome::exhausted;
+      int calls = 0;
+      for (; calls < 400 && outcome == Outcome::exhausted; ++calls) {
+        double time = 0.0;
+        outcome = stage.follower->follow(stage.device, device, time, most_work);
+        stage.device = outcome == Outcome::exhausted ? on_path(stage.device, device, time) : device;
+      }
+      EXPECT_EQ(outcome, Outcome::settled);
+    }
+    EXPECT_LT((stage.centre() - Vec3(0.0, 0.0, -0.05)).norm(), 20.0 * kPointOffset) << stage.centre().transpose();
+  }
+}
+
 }  // namespace
 }  // namespace hapton
