@@ -160,6 +160,7 @@ class PatchChain::Felt final : public FeltParts {
   PatchOutput sum;
 
   StiffnessRange stiffness(std::size_t part) const noexcept override { return chain_.touches_[part].stiffness(); }
+  double damping(std::size_t part, int object) const noexcept override { return chain_.touches_[part].damping_of(object); }
 
  private:
   PatchChain& chain_;
@@ -173,7 +174,7 @@ std::optional<PatchOutput> PatchChain::step_chain(const TouchInput& input) noexc
   has_all_ = true;
   had_force_ = has_force_;
   Felt bodies(*this, input);
-  const MethodOutput felt = proxy_.step(bodies, body_count(), true, p_SD);
+  const MethodOutput felt = proxy_.step(bodies, body_count(), true, p_SD, input.dt_s);
   PatchOutput& sum = bodies.sum;
   if (!has_all_ || !is_ready()) {
     has_arrived_ = false;

@@ -102,7 +102,7 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
   if (!piece.scene.objects.empty()) {
     for (const TouchObject& object : piece.scene.objects) patch->materials.push_back(object.material);
     patch->shared = patch->materials;
-    for (Material& material : patch->shared) material = without_static_friction(material);
+    for (Material& material : patch->shared) material = shared_material(material);
     MethodSettings settings;
     settings.probe_radius_m = store.begin().probe_radius_m;
     auto method = make_method(settings, piece.scene);

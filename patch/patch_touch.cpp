@@ -53,7 +53,7 @@ bool PatchTouch::tune(Patch& patch, const PatchMaterials& materials) noexcept {
     Material tuned = found->second;
     tuned.two_sided = patch.materials[i].two_sided;
     patch.materials[i] = tuned;
-    if (i < patch.shared.size()) patch.shared[i] = without_static_friction(tuned);
+    if (i < patch.shared.size()) patch.shared[i] = shared_material(tuned);
     any = true;
   }
   if (any) patch.set_materials();
@@ -140,6 +140,14 @@ StiffnessRange PatchTouch::stiffness() const noexcept {
   if (is_beyond_ || patch_ == nullptr || patch_->materials.empty()) return {stiffness_n_per_m_, stiffness_n_per_m_};
   const auto [least, most] = std::ranges::minmax_element(patch_->materials, {}, &Material::stiffness_n_per_m);
   return {least->stiffness_n_per_m, most->stiffness_n_per_m};
+}
+
+double PatchTouch::damping_of(int object) const noexcept {
+  if (is_beyond_ || patch_ == nullptr) return 0.0;
+  const auto found = std::lower_bound(patch_->objects.begin(), patch_->objects.end(), object);
+  const auto n = static_cast<std::size_t>(found - patch_->objects.begin());
+  if (found == patch_->objects.end() || *found != object || n >= patch_->materials.size()) return 0.0;
+  return patch_->materials[n].damping_ns_per_m;
 }
 
 // No patch takes over meanwhile.

@@ -29,7 +29,7 @@ struct Patch {
   double lift_m = 0.0;           // distance off the surface at which a proxy starts that no patch has held: above the rounding of the grid
   std::uint32_t generation = 0;  // of its scene
   std::vector<Material> materials = {};  // of the objects; room for use_materials
-  std::vector<Material> shared = {};     // the same without static friction (CommonProxy); empty: as materials
+  std::vector<Material> shared = {};     // the same as CommonProxy has them; empty: as materials
   std::uint32_t material_version = 0;    // PatchMaterials::version that they are of
   bool is_shared = false;                // the step has `shared`
   bool is_path_incomplete = false;       // parts of the scene between the last proxy within a patch and the hand are missing
@@ -138,6 +138,8 @@ class PatchTouch {
   bool is_beyond() const noexcept { return is_beyond_; }
   // Of the materials of its patch, or of the plane past its edge.
   StiffnessRange stiffness() const noexcept;
+  // Of an object of the scene, N s/m, by its patch.
+  double damping_of(int object) const noexcept;
   const Vec3& outward() const noexcept { return outward_S_; }
   // Where the hand is, for whoever makes the next patch.
   PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;

@@ -34,6 +34,7 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
   const std::optional<Vec3> start = std::exchange(start_, std::nullopt);
   const std::optional<Vec3> place = start ? start : place_;
   place_.reset();
+  if (place) p_SD_before_.reset();
   holding_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
@@ -109,6 +110,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   const bool held_before = part.holds();
   part.output = felt.feel(i, part.X_SO, follow, {.is_correction = part.is_felt, .is_shared = is_shared_});
   part.is_felt = true;
+  part.is_shared = is_shared_;
   part.begins_again = false;
   part.followed = follow;
   part.lift = lift;
@@ -214,13 +216,22 @@ double CommonProxy::find_mean_stiffness(const FeltParts& felt) noexcept {
   return mean;
 }
 
-// The force of a part, with the mean stiffness in place of its own. Its damping stays, but never makes the force attractive.
-Vec3 CommonProxy::force_with(const Part& part, double stiffness) noexcept {
-  if (!(part.stiffness > 0.0)) return part.output.force_n;
-  if (stiffness <= part.stiffness) return part.output.force_n * (stiffness / part.stiffness);
+// Of the device.
+Vec3 CommonProxy::velocity_past(const Part& part) const noexcept {
+  if (!p_SD_before_ || !(dt_s_ > 0.0)) return Vec3::Zero();
+  return (p_SD_ - part.X_SO * (part.X_before.inverse(Eigen::Isometry) * *p_SD_before_)) / dt_s_;
+}
+
+// The force of a part, with the mean stiffness in place of its own. Damping never makes it attractive.
+Vec3 CommonProxy::force_with(const Part& part, double stiffness, double damping) const noexcept {
   const double force_n = part.output.force_n.norm();
-  const Vec3 direction = force_n > 0.0 ? Vec3(part.output.force_n / force_n) : Vec3(-part.held.normalized());
-  return part.output.force_n + (stiffness - part.stiffness) * part.held.norm() * direction;
+  const double share_m = part.held.norm();
+  if (!(share_m > 0.0)) return part.output.force_n;
+  const double drag_n = damping > 0.0 ? damping * velocity_past(part).dot(part.held) / share_m : 0.0;
+  const double more_n = (stiffness - part.stiffness) * share_m + drag_n;
+  if (more_n == 0.0) return part.output.force_n;
+  const Vec3 direction = force_n > 0.0 ? Vec3(part.output.force_n / force_n) : Vec3(-part.held / share_m);
+  return std::max(0.0, force_n + more_n) * direction;
 }
 
 MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
@@ -232,7 +243,9 @@ MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
     if (!part.output.contact) continue;
     output.contact = true;
     output.p_SP = common_;
-    output.force_n += is_shared_ ? force_with(part, stiffness) : part.output.force_n;
+    const double damping = part.is_shared && part.output.object >= 0 ? felt.damping(i, part.output.object) : 0.0;
+    output.force_n +=
+        is_shared_ || damping > 0.0 ? force_with(part, is_shared_ ? stiffness : part.stiffness, damping) : part.output.force_n;
     if (const double pushes = part.output.force_n.norm(); part.output.object >= 0 && pushes >= most_n) {
       most_n = pushes;
       output.object = part.output.object;
@@ -241,7 +254,10 @@ MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
   return output;
 }
 
-MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD) noexcept {
+MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD, double dt_s) noexcept {
+  dt_s_ = dt_s;
+  p_SD_before_ = has_sample_ ? std::optional(p_SD_) : std::nullopt;
+  has_sample_ = true;
   count_ = count;
   has_still_ = has_still;
   p_SD_ = p_SD;

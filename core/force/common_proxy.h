@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,7 +15,7 @@ namespace hapton {
 // The least and the largest stiffness of several objects, N/m.
 struct StiffnessRange {
   double least = 0.0;
-  double most = 0.0;
+  double most = std::numeric_limits<double>::infinity();
 };
 
 // The parts of a scene that each feel it in a frame of their own: what stands still, which is part 0 if there is any, and each motion.
@@ -37,7 +38,16 @@ class FeltParts {
   // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
   virtual MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept = 0;
   // Of its objects.
-  virtual StiffnessRange stiffness(std::size_t part) const noexcept = 0;
+  virtual StiffnessRange stiffness(std::size_t part) const noexcept {
+    (void)part;
+    return {};
+  }
+  // Of that object, N s/m, if feel() leaves the damping out where the proxy is shared. 0: it does not.
+  virtual double damping(std::size_t part, int object) const noexcept {
+    (void)part;
+    (void)object;
+    return 0.0;
+  }
 };
 
 // One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.
@@ -59,6 +69,9 @@ class FeltParts {
 // Where several parts hold the proxy, static friction is dynamic friction: a part that breaks away would slide farther than the others let
 // it, within its own step.
 //
+// Damping is that of the device's own motion against each part, along what the part holds. A part by itself would see changes of what the
+// others hold as motion of the device.
+//
 // A part is felt kLift above what else holds the proxy, so that a probe between two surfaces that just touch is on its own side of both.
 //
 // MovingMethod and PatchChain (patch/patch_chain.h) feel their parts like this, and so give the same forces. Frame: S. RT: all but
@@ -79,7 +92,8 @@ class CommonProxy {
   void go_on_from(const Vec3& p_S) noexcept;
 
   // Pre: count is the same as in the step before, or go_on_from or reset was called since; at most as many as at construction.
-  MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD) noexcept;
+  // dt_s: since the step before; 0: there is no damping.
+  MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD, double dt_s = 0.0) noexcept;
 
   // There was no room in the last step, see above.
   bool is_squeezed() const noexcept { return is_squeezed_; }
@@ -94,6 +108,7 @@ class CommonProxy {
     Vec3 lift = Vec3::Zero();          // by which it follows above the common proxy
     Vec3 p_before = Vec3::Zero();      // its proxy after the sample before, as it was then
     Vec3 lift_before = Vec3::Zero();
+    bool is_shared = false;     // it was felt so
     bool is_felt = false;       // in this sample
     bool was_held = false;      // it held the proxy before this sample
     bool is_limited = false;    // its share, as it was felt last
@@ -119,7 +134,8 @@ class CommonProxy {
   bool has_met_another() const noexcept;
   void begin_again(FeltParts& felt) noexcept;
   double find_mean_stiffness(const FeltParts& felt) noexcept;
-  static Vec3 force_with(const Part& part, double stiffness) noexcept;
+  Vec3 velocity_past(const Part& part) const noexcept;
+  Vec3 force_with(const Part& part, double stiffness, double damping) const noexcept;
   MethodOutput sum(const FeltParts& felt) noexcept;
 
   std::vector<Part> parts_;
@@ -129,6 +145,9 @@ class CommonProxy {
   bool has_still_ = false;
   double lift_m_;
   Vec3 p_SD_ = Vec3::Zero();
+  std::optional<Vec3> p_SD_before_;  // in the sample before
+  double dt_s_ = 0.0;
+  bool has_sample_ = false;     // there was a step
   int holding_ = 0;             // parts that hold the proxy
   bool is_shared_ = false;      // several do, at the beginning of this round
   double largest_m_ = 0.0;      // of the shares, at the beginning of the round

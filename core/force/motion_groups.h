@@ -29,9 +29,11 @@ struct MotionGroup {
 // What stands still first, if anything does; the others in the order of the scene. RT: no.
 std::vector<MotionGroup> group_by_motion(const TouchScene& scene);
 
-// Of a part of the scene while others hold the proxy as well (CommonProxy). RT: yes.
-inline Material without_static_friction(Material material) noexcept {
+// Of a part of the scene while others hold the proxy as well (CommonProxy): without static friction, and damping is left to the common
+// proxy. RT: yes.
+inline Material shared_material(Material material) noexcept {
   material.friction_static = material.friction_dynamic;
+  material.damping_ns_per_m = 0.0;
   return material;
 }
 

@@ -30,7 +30,7 @@ Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodS
     own.motion = nullptr;
     own.command_pivot.reset();
     group.materials.push_back(own.material);
-    group.shared.push_back(without_static_friction(own.material));
+    group.shared.push_back(shared_material(own.material));
   }
   group.note_stiffness();
   if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
@@ -56,12 +56,14 @@ Result<std::unique_ptr<ForceMethod>> MovingMethod::make(Make make, const MethodS
   for (const TouchObject& object : scene.objects) {
     for (const Vec3& vertex : object.mesh->vertices) bounds.grow(vertex);
   }
-  return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(groups), bounds.diagonal()));
+  std::unique_ptr<MovingMethod> moving(new MovingMethod(std::move(groups), bounds.diagonal()));
+  for (const TouchObject& object : scene.objects) moving->damping_.push_back(object.material.damping_ns_per_m);
+  return moving;
 }
 
 class MovingMethod::Felt final : public FeltParts {
  public:
-  Felt(std::vector<Group>& groups, const MethodInput& input) : groups_(groups), input_(input) {}
+  Felt(MovingMethod& method, const MethodInput& input) : groups_(method.groups_), damping_(method.damping_), input_(input) {}
 
   Pose pose(std::size_t part) const noexcept override { return groups_[part].pose_at(input_); }
   void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { groups_[part].method->reset(to_frame(X_SO, p_S)); }
@@ -86,25 +88,28 @@ class MovingMethod::Felt final : public FeltParts {
     return felt;
   }
   StiffnessRange stiffness(std::size_t part) const noexcept override { return groups_[part].stiffness; }
+  double damping(std::size_t, int object) const noexcept override { return damping_[static_cast<std::size_t>(object)]; }
 
  private:
   std::vector<Group>& groups_;
+  const std::vector<double>& damping_;
   const MethodInput& input_;
 };
 
 MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-  Felt felt(groups_, input);
-  return proxy_.step(felt, groups_.size(), !groups_.front().moves(), input.p_SD);
+  Felt felt(*this, input);
+  return proxy_.step(felt, groups_.size(), !groups_.front().moves(), input.p_SD, input.dt_s);
 }
 
 void MovingMethod::set_materials(std::span<const Material> materials) noexcept {
+  for (std::size_t i = 0; i < std::min(materials.size(), damping_.size()); ++i) damping_[i] = materials[i].damping_ns_per_m;
   for (Group& group : groups_) {
     for (std::size_t i = 0; i < group.objects.size(); ++i) {
       const auto object = static_cast<std::size_t>(group.objects[i]);
       if (object >= materials.size()) continue;
       group.materials[i] = materials[object];
-      group.shared[i] = without_static_friction(materials[object]);
+      group.shared[i] = shared_material(materials[object]);
     }
     group.note_stiffness();
     group.set_materials();

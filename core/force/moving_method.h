@@ -45,7 +45,7 @@ class MovingMethod final : public ForceMethod {
     std::unique_ptr<ForceMethod> method = nullptr;
     StreamedMethod* streamed = nullptr;    // *method, where a program deforms the object
     std::vector<Material> materials = {};  // of the objects
-    std::vector<Material> shared = {};     // the same without static friction (CommonProxy)
+    std::vector<Material> shared = {};     // the same as CommonProxy has them
     bool is_shared = false;                // the method has these
     StiffnessRange stiffness = {};
 
@@ -60,6 +60,7 @@ class MovingMethod final : public ForceMethod {
 
   std::vector<Group> groups_;  // as group_by_motion orders them
   CommonProxy proxy_;
+  std::vector<double> damping_;  // by object of the scene
 };
 
 }  // namespace hapton

@@ -49,10 +49,10 @@ TEST(MotionGroups, WhereEverythingMovesNothingStandsStill) {
   EXPECT_TRUE(groups[0].moves());
 }
 
-TEST(MotionGroups, WithoutStaticFrictionIsOtherwiseTheSame) {
-  const Material shared = without_static_friction({700.0, 3.0, 0.5, 0.4, false});
+TEST(MotionGroups, SharedMaterialHasNeitherStaticFrictionNorDamping) {
+  const Material shared = shared_material({700.0, 3.0, 0.5, 0.4, false});
   EXPECT_EQ(shared.stiffness_n_per_m, 700.0);
-  EXPECT_EQ(shared.damping_ns_per_m, 3.0);
+  EXPECT_EQ(shared.damping_ns_per_m, 0.0);
   EXPECT_EQ(shared.friction_static, 0.4);
   EXPECT_EQ(shared.friction_dynamic, 0.4);
   EXPECT_FALSE(shared.two_sided);
