@@ -43,6 +43,7 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
     part.p_before = part.p_SP;
     part.lift_before = part.lift;
     part.is_felt = part.begins_again = false;
+    part.was_with_others = part.with_others && !place;
     if (place) {
       part.X_before = part.X_SO;
       part.p_before = *place;
@@ -108,9 +109,11 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
     if ((follow - part.followed).norm() <= agree) return false;
   }
   const bool held_before = part.holds();
-  part.output = felt.feel(i, part.X_SO, follow, {.is_correction = part.is_felt, .is_shared = is_shared_});
+  // What the others held in the last sample would be motion of the device as well.
+  part.with_others = is_shared_;
+  part.is_shared = is_shared_ || part.was_with_others;
+  part.output = felt.feel(i, part.X_SO, follow, {.is_correction = part.is_felt, .is_shared = part.is_shared});
   part.is_felt = true;
-  part.is_shared = is_shared_;
   part.begins_again = false;
   part.followed = follow;
   part.lift = lift;

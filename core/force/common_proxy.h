@@ -108,12 +108,14 @@ class CommonProxy {
     Vec3 lift = Vec3::Zero();          // by which it follows above the common proxy
     Vec3 p_before = Vec3::Zero();      // its proxy after the sample before, as it was then
     Vec3 lift_before = Vec3::Zero();
-    bool is_shared = false;     // it was felt so
-    bool is_felt = false;       // in this sample
-    bool was_held = false;      // it held the proxy before this sample
-    bool is_limited = false;    // its share, as it was felt last
-    bool begins_again = false;  // it was resumed in this sample, and not felt since
-    double stiffness = 0.0;     // in this sample, N/m
+    bool is_shared = false;        // it was felt as one of several that hold the proxy
+    bool with_others = false;      // others did, when it was felt last
+    bool was_with_others = false;  // in the last sample
+    bool is_felt = false;          // in this sample
+    bool was_held = false;         // it held the proxy before this sample
+    bool is_limited = false;       // its share, as it was felt last
+    bool begins_again = false;     // it was resumed in this sample, and not felt since
+    double stiffness = 0.0;        // in this sample, N/m
     MethodOutput output = {};
 
     bool holds() const noexcept { return !held.isZero(0.0); }

@@ -407,5 +407,56 @@ TEST(CommonProxy, PartsOfDifferentStiffnessHaveTheirMean) {
   EXPECT_NEAR(proxy.step(parts, 2, true, Vec3(0.001, 0, -0.003)).force_n.z(), 0.3, 1e-6);
 }
 
+// Half spaces with damping of their own, as a force method has it: the motion of the point that it is felt with.
+class DampedParts final : public FeltParts {
+ public:
+  explicit DampedParts(std::vector<MadeSpace> spaces) : made(std::move(spaces)), from(made.spaces.size()), last(made.spaces.size()) {}
+
+  Pose pose(std::size_t part) const noexcept override { return made.pose(part); }
+  void reset(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override { last[part] = p_S; }
+  bool resume(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override {
+    last[part] = p_S;
+    return true;
+  }
+  MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
+    MethodOutput output = made.feel(part, X_SO, p_S, turn);
+    if (!turn.is_correction) from[part] = last[part];
+    last[part] = p_S;
+    const double force_n = output.force_n.norm();
+    if (turn.is_shared || force_n == 0.0) return output;
+    const Vec3 normal = output.force_n / force_n;
+    output.force_n = std::max(0.0, force_n - kDamping * normal.dot(p_S - from[part]) / kSeconds) * normal;
+    return output;
+  }
+  StiffnessRange stiffness(std::size_t part) const noexcept override { return made.stiffness(part); }
+  double damping(std::size_t, int) const noexcept override { return kDamping; }
+
+  static constexpr double kDamping = 2.0;
+  static constexpr double kSeconds = 1e-3;
+  MadeParts made;
+  std::vector<Vec3> from;
+  std::vector<Vec3> last;
+};
+
+// However the shares change: a plane in an acute corner comes and goes while the hand moves slowly.
+TEST(CommonProxy, DampsTheMotionOfTheDeviceOnly) {
+  DampedParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3(0.8, 0, -0.6)}});
+  CommonProxy proxy(2, kExtent);
+  Vec3 last(0.05, 0, 0.01);
+  proxy.reset(last);
+  double most = 0.0;
+  for (int i = 0; i < 3000; ++i) {
+    parts.made.spaces[1].height = i % 500 < 250 ? 0.0 : -0.01;
+    const Vec3 hand(0.002 * std::cos(0.002 * i), 0, -0.003 + 0.001 * std::sin(0.003 * i));
+    const MethodOutput felt = proxy.step(parts, 2, true, hand, DampedParts::kSeconds);
+    const double moved = i > 0 ? (hand - last).norm() : 0.06;
+    const Vec3 spring = 1000.0 * (felt.p_SP - hand);
+    ASSERT_LT((felt.force_n - spring).norm(), 2.0 * DampedParts::kDamping * moved / DampedParts::kSeconds + 1e-3) << i;
+    most = std::max(most, i > 0 ? (felt.force_n - spring).norm() : 0.0);
+    last = hand;
+  }
+  EXPECT_GT(most, 0.005);
+}
+
 }  // namespace
 }  // namespace hapton
