@@ -20,6 +20,7 @@ std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodie
   has_arrived_ = false;
   are_new_ = true;
   proxy_.set_extent(bodies_->extent_m);
+  proxy_.forget();
   for (std::size_t b = 0; b < body_count(); ++b) {
     const PatchBodyMotion& body = bodies_->bodies[b];
     commanded_[b] = AnnouncedMotion(body.pivot_S, body.radius_m);
@@ -58,6 +59,7 @@ std::unique_ptr<Patch> PatchChain::offer(std::size_t link, std::unique_ptr<Patch
 
 void PatchChain::forget() noexcept {
   for (PatchTouch& touch : touches_) touch.forget();
+  proxy_.forget();
   has_arrived_ = false;
   start_.reset();
 }

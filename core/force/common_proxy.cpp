@@ -30,6 +30,13 @@ void CommonProxy::go_on_from(const Vec3& p_S) noexcept {
   start_.reset();
 }
 
+void CommonProxy::forget() noexcept {
+  for (Part& part : parts_) part = {};
+  start_.reset();
+  place_.reset();
+  has_sample_ = false;
+}
+
 void CommonProxy::begin_sample(FeltParts& felt) noexcept {
   const std::optional<Vec3> start = std::exchange(start_, std::nullopt);
   const std::optional<Vec3> place = start ? start : place_;

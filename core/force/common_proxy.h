@@ -83,15 +83,17 @@ class CommonProxy {
 
   // most: parts. extent_m: of the scene.
   CommonProxy(std::size_t most, double extent_m);
-  // Another scene. Then reset or go_on_from.
+  // Another scene. Then reset, go_on_from or forget.
   void set_extent(double extent_m) noexcept { lift_m_ = kLift * extent_m; }
 
   // The next step begins there: each part is reset.
   void reset(const Vec3& p_S) noexcept { start_ = p_S; }
   // The proxy is known to be there, and the parts are: nothing holds it yet.
   void go_on_from(const Vec3& p_S) noexcept;
+  // The parts are others, or begin anew by themselves: nothing holds the proxy.
+  void forget() noexcept;
 
-  // Pre: count is the same as in the step before, or go_on_from or reset was called since; at most as many as at construction.
+  // Pre: count is the same as in the step before, or reset, go_on_from or forget was called since; at most as many as at construction.
   // dt_s: since the step before; 0: there is no damping.
   MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD, double dt_s = 0.0) noexcept;
 

@@ -100,7 +100,8 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
       ASSERT_NO_FATAL_FAILURE(compare(stage.step(chain_hand(stage.time_s())), compared)) << n;
     }
     // Parts agree to 2^-26 of what holds the proxy (CommonProxy).
-    EXPECT_LT(compared.worst, 0x1p-26) << friction;
+    // With friction they may be felt once more or once less where that is close.
+    EXPECT_LT(compared.worst, friction == 0.0 ? 1e-9 : 0x1p-26) << friction;
     EXPECT_GT(compared.in_contact, 3000);
     EXPECT_GT(compared.on_object[0], 40);
     EXPECT_GT(compared.on_object[1], 300);

@@ -38,7 +38,8 @@ struct MadeSpace {
 // Half spaces without friction. A feel whose proxy ends below the surface it came from is impossible, so paths need no state.
 class MadeParts final : public FeltParts {
  public:
-  explicit MadeParts(std::vector<MadeSpace> made) : spaces(std::move(made)), resumed(spaces.size()), begun(spaces.size()) {}
+  explicit MadeParts(std::vector<MadeSpace> made)
+      : spaces(std::move(made)), resumed(spaces.size()), begun(spaces.size()), followed(spaces.size()) {}
 
   Pose pose(std::size_t part) const noexcept override { return spaces[part].X_SO; }
   void reset(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S) noexcept override { begun[part] = p_S; }
@@ -49,6 +50,7 @@ class MadeParts final : public FeltParts {
   }
   MethodOutput feel(std::size_t part, const Pose& /*X_SO*/, const Vec3& p_S, const Turn& turn) noexcept override {
     ++feels;
+    followed[part] = p_S;
     is_shared = turn.is_shared;
     const MadeSpace space = spaces[part].in_scene();
     const double depth = space.height - space.normal.dot(p_S);
@@ -64,6 +66,7 @@ class MadeParts final : public FeltParts {
   std::vector<MadeSpace> spaces;
   std::vector<Vec3> resumed;  // where
   std::vector<Vec3> begun;
+  std::vector<Vec3> followed;  // the last device point of each
   int feels = 0;
   int resumes = 0;
   bool is_shared = false;
@@ -456,6 +459,20 @@ TEST(CommonProxy, DampsTheMotionOfTheDeviceOnly) {
     last = hand;
   }
   EXPECT_GT(most, 0.005);
+}
+
+// Otherwise each part would begin beside the device, by what the others held before.
+TEST(CommonProxy, NothingHoldsItOnceItHasForgotten) {
+  MadeParts parts({{.normal = Vec3::UnitZ()}, {.normal = Vec3::UnitX()}});
+  CommonProxy proxy(2, kExtent);
+  proxy.reset(Vec3(0.01, 0, 0.01));
+  EXPECT_TRUE(proxy.step(parts, 2, true, Vec3(-0.003, 0, 0.01)).contact) << "by the second alone";
+  proxy.forget();
+  parts.feels = 0;
+  const Vec3 hand(0.02, 0.01, 0.03);
+  EXPECT_FALSE(proxy.step(parts, 2, true, hand).contact);
+  for (const Vec3& p_S : parts.followed) EXPECT_EQ(p_S, hand);
+  EXPECT_EQ(parts.feels, 2);
 }
 
 }  // namespace
