@@ -31,7 +31,7 @@ DeviceStatus status_of(const hapton_hid::State& state) noexcept {
 
 }  // namespace
 
-Result<void> HaptonHidBackend::begin(HidTransport& transport) {
+Result<void> HaptonHidBackend::on_open(HidTransport& transport) {
   const std::string& path = transport.description().path;
   std::array<std::uint8_t, 256> report = {hapton_hid::kLimitsId};
   const auto limits_size = transport.get_feature(report);

@@ -14,7 +14,7 @@ namespace hapton {
 // comes back with other limits is another one and is not driven.
 class HaptonHidBackend final : public HidBackend {
  public:
-  Result<void> begin(HidTransport& transport) override;
+  Result<void> on_open(HidTransport& transport) override;
   bool decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept override;
   std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept override;
   std::string_view advice() const noexcept override { return "it requests calibration; follow its manual"; }

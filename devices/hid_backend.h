@@ -12,14 +12,14 @@
 namespace hapton {
 
 // One kind of HID force-feedback device: what its reports mean. HidDevice does what all kinds have in common.
-// RT: all calls but begin; they do no input or output. Threads: one call at a time.
+// RT: all calls but on_open; they do no input or output. Threads: one call at a time.
 class HidBackend {
  public:
   virtual ~HidBackend() = default;
 
   // Called when the device was opened, at first or again after it was unplugged. Error, one line: it cannot be driven, or it is another
-  // device than at the first begin.
-  virtual Result<void> begin(HidTransport& transport) = 0;
+  // device than at the first on_open.
+  virtual Result<void> on_open(HidTransport& transport) = 0;
 
   // Reads one report, with its id in front if the device numbers its reports. False: it has no reading or is damaged, and `reading` is
   // unchanged.
@@ -32,7 +32,7 @@ class HidBackend {
   // What the user has to do while the device is calibrating.
   virtual std::string_view advice() const noexcept { return "wait until it has finished calibrating"; }
 
-  // Known from the first begin on.
+  // Known from the first on_open on.
   virtual std::string_view name() const noexcept = 0;
   virtual const DeviceLimits& limits() const noexcept = 0;
   virtual DeviceCondition condition() const noexcept = 0;

@@ -61,7 +61,7 @@ DeviceCondition HidDevice::condition() const noexcept {
 Result<void> HidDevice::on_opened(HidTransport& transport) {
   // The writer has nothing to write to yet: it may as well wait.
   const std::lock_guard lock(driver_mutex_);
-  if (auto begun = backend_->begin(transport); !begun) return begun;
+  if (auto begun = backend_->on_open(transport); !begun) return begun;
   reading_.status = DeviceStatus::calibrating;
   reading_.sample.time_ns = clock_.now_ns();
   exchange_.publish(reading_);

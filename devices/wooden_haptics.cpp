@@ -58,7 +58,7 @@ double find_share(const Vec3& held, const Vec3& added, double limit) noexcept {
 
 }  // namespace
 
-Result<void> WoodenHapticsBackend::begin(HidTransport& transport) {
+Result<void> WoodenHapticsBackend::on_open(HidTransport& transport) {
   const HidDescription& device = transport.description();
   const HidLayout::Report* report = device.layout.find_report(0);
   std::size_t bytes = static_cast<std::size_t>(settings_.report_bytes);

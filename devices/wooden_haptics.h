@@ -28,7 +28,7 @@ class WoodenHapticsBackend final : public HidBackend {
 
   explicit WoodenHapticsBackend(const WoodenSettings& settings) : settings_(settings), kinematics_(settings.arm) {}
 
-  Result<void> begin(HidTransport& transport) override;
+  Result<void> on_open(HidTransport& transport) override;
   bool decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept override;
   std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept override;
   std::string_view name() const noexcept override { return "WoodenHaptics"; }

@@ -98,12 +98,12 @@ ForceCommand HapticsStep::reply() noexcept {
   reply.echo_sample_time_ns = state_.sample_time_ns;
   reply.skipped_samples = std::exchange(skipped_, 0U);
   reply.view_revision = view_.revision;
-  reply.method_serial = static_cast<std::uint32_t>(counts_.methods_taken);
+  reply.method_serial = static_cast<std::uint32_t>(counts_.method_changes);
   reply.replied_before = replied_before_;
   reply.material_serial = static_cast<std::uint32_t>(counts_.materials_taken);
   reply.scene_time_ns = scene_time_ns_;
   reply.move_serial = static_cast<std::uint32_t>(counts_.moves_taken);
-  reply.shape_serial = static_cast<std::uint32_t>(counts_.shapes_taken);
+  reply.shape_serial = static_cast<std::uint32_t>(counts_.shapes_applied);
   return reply;
 }
 
@@ -115,7 +115,7 @@ bool HapticsStep::command(int object, const CommandedMove& move) noexcept {
 
 StreamedGeometry::Released HapticsStep::deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns,
                                                std::int64_t end_ns) noexcept {
-  ++counts_.shapes_taken;
+  ++counts_.shapes_applied;
   return touch_->find_streamed(object)->offer_at(std::move(stage), 1e-9 * static_cast<double>(start_ns),
                                                  1e-9 * static_cast<double>(end_ns - start_ns));
 }
@@ -168,7 +168,7 @@ void HapticsStep::update_grasp() noexcept {
   fade_.begin();
   torque_fade_.begin();
   // To a recording it is another method.
-  if (change == Grasp::Change::picked_up || change == Grasp::Change::returned) ++counts_.methods_taken;
+  if (change == Grasp::Change::picked_up || change == Grasp::Change::returned) ++counts_.method_changes;
   output_ = {};
   if (change == Grasp::Change::returned) return_probe();
 }
@@ -323,7 +323,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
     ++counts_.views_rejected;
     return false;
   }
-  ++counts_.views_taken;
+  ++counts_.views_applied;
   p_WP_.reset();
   X_WS_ = *pose;
   view_ = view;
@@ -331,7 +331,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
 }
 
 std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch) noexcept {
-  ++counts_.methods_taken;
+  ++counts_.method_changes;
   std::swap(touch_, touch);
   touch_->follow_commands(*touch);
   touch_->follow_carves(*touch);

@@ -22,12 +22,12 @@ struct HapticsCounts {
   std::uint64_t replied = 0;
   std::uint64_t contact_steps = 0;
   std::uint64_t skipped = 0;  // states superseded before the reply
-  std::uint64_t views_taken = 0;
+  std::uint64_t views_applied = 0;
   std::uint64_t views_rejected = 0;  // not rigid
-  std::uint64_t methods_taken = 0;   // changes while running
+  std::uint64_t method_changes = 0;  // changes while running
   std::uint64_t materials_taken = 0;
-  std::uint64_t moves_taken = 0;   // of objects, by programs
-  std::uint64_t shapes_taken = 0;  // likewise
+  std::uint64_t moves_taken = 0;     // of objects, by programs
+  std::uint64_t shapes_applied = 0;  // likewise
   double max_force_n = 0.0;
   // Of a rigid tool:
   double max_torque_nm = 0.0;

@@ -132,7 +132,7 @@ void add_tool_options(CLI::App& app, HapticsOptions& options, HapticsWords& word
       ->capture_default_str();
   app.add_option("--tool-threads", options.tool_threads,
                  "Threads that share a tool's search for contacts, in addition to the force's thread; the pose is the same with any number")
-      ->check(between(1, WorkerTeam::kMost))
+      ->check(between(1, WorkerTeam::kMaxWorkers))
       ->capture_default_str();
   app.add_option("--grasp-button", options.grasp_button,
                  "Button of the stylus that picks up an object that the scene marks movable, and puts it down when released (docs/tool.md)")

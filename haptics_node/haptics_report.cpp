@@ -44,11 +44,11 @@ std::string make_haptics_report(const HapticsStep& step, const HubClient& hub, c
       describe_joins(hub.counts().joins));
   text += describe_times("step", step_times);
   text += describe_times("arrival to reply", compute_times);
-  if (counts.views_taken + counts.views_rejected > 0) {
-    text += fmt::format("view transforms: {} applied, {} rejected (not rigid)\n", counts.views_taken, counts.views_rejected);
+  if (counts.views_applied + counts.views_rejected > 0) {
+    text += fmt::format("view transforms: {} applied, {} rejected (not rigid)\n", counts.views_applied, counts.views_rejected);
   }
-  if (counts.methods_taken > 0) {
-    text += fmt::format("methods changed while running: {}\n", counts.methods_taken);
+  if (counts.method_changes > 0) {
+    text += fmt::format("methods changed while running: {}\n", counts.method_changes);
   }
   if (step.holds_tool()) {
     const double mean = static_cast<double>(counts.haptons) / static_cast<double>(std::max<std::uint64_t>(1, counts.contact_steps));

@@ -316,7 +316,7 @@ void ReplyLoop::send_setup() noexcept {
   setup_sent_ns_ = now_ns;
   next_setup_ns_ = now_ns + (setup_repeats_ > 0 ? kSetupAgainNs : kSetupEveryNs);
   setup_repeats_ -= setup_repeats_ > 0 ? 1 : 0;
-  setup_.method_serial = static_cast<std::uint32_t>(step_.counts().methods_taken);
+  setup_.method_serial = static_cast<std::uint32_t>(step_.counts().method_changes);
   setup_.view_revision = step_.view().revision;
   setup_.X_WS = step_.view().X_WS;
   hub_.send(setup_);

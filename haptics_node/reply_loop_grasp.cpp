@@ -21,7 +21,7 @@ void ReplyLoop::withdraw_parts() noexcept {
   const bool is_leaving = grasp->is_leaving(!patches_->is_requested(hub_.session()));
   const bool is_placed = patches_->revision() == scene_revision_;
   const bool is_safe = patches_->has_numbered_requests();
-  patches_->set_withdrawn(is_leaving || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().methods_taken));
+  patches_->set_withdrawn(is_leaving || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().method_changes));
   grasp->set_free(patches_->is_withdrawn(hub_.session()));
 }
 

@@ -81,15 +81,15 @@ void SceneWatcher::run() {
 }
 
 SceneWatcher::Look SceneWatcher::look() {
-  switch (file_.look()) {
-    case FileWatch::Look::gone:
+  switch (file_.check()) {
+    case FileWatch::State::gone:
       log_warning("{} is gone; the present scene stays in use, and the file is read once it is back", options_.path.string());
       return Look::unchanged;
-    case FileWatch::Look::unchanged:
+    case FileWatch::State::unchanged:
       return Look::unchanged;
-    case FileWatch::Look::waiting:
+    case FileWatch::State::waiting:
       return Look::waiting;
-    case FileWatch::Look::changed:
+    case FileWatch::State::changed:
       break;
   }
   file_.accept();

@@ -17,7 +17,7 @@ WantedShape make_rest(std::size_t vertices) {
 }  // namespace
 
 ShapeMaker::ShapeMaker(const StreamedMethod& method, const ProgramShape& shape)
-    : stager_(method.stager()), shape_(shape), wanted_(make_rest(stager_.rest().size())), base_(method.present().to) {}
+    : stager_(method.stager()), shape_(shape), wanted_(make_rest(stager_.rest().size())), base_(method.current_stage().to) {}
 
 ShapeMaker::~ShapeMaker() {
   delete made_.load();

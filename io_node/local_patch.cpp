@@ -93,7 +93,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
                     output->difference_n, output->object,          scene_ns};
 }
 
-bool LocalPatch::take_hand(PatchHand& hand, std::size_t link) noexcept {
+bool LocalPatch::read_hand_state(PatchHandState& hand, std::size_t link) noexcept {
   if (!hands_[link].take()) return false;
   hand = hands_[link].value();
   return true;

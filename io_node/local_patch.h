@@ -65,7 +65,7 @@ class LocalPatch final : public LocalTouch {
 
   // --- the builder
   // The newest place of the hand in the frame of a link (PatchChain); false: none came since the last call.
-  bool take_hand(PatchHand& hand, std::size_t link = 0) noexcept;
+  bool read_hand_state(PatchHandState& hand, std::size_t link = 0) noexcept;
   // Replaces one that was not taken yet. Pre: the bodies of its generation were offered before.
   void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(built_[link], std::move(patch)); }
   void offer(std::unique_ptr<PatchBodies> bodies) noexcept { exchange(bodies_, std::move(bodies)); }
@@ -99,7 +99,7 @@ class LocalPatch final : public LocalTouch {
 
   Mailbox<PatchOrders> orders_;
   Mailbox<MoveTable> moves_;
-  std::array<Mailbox<PatchHand>, kLinks> hands_;
+  std::array<Mailbox<PatchHandState>, kLinks> hands_;
   Mailbox<PatchTouch::Counts> counts_;
   std::array<std::atomic<Patch*>, kLinks> built_ = {};
   std::array<std::atomic<Patch*>, kLinks> retired_ = {};

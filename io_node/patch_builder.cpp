@@ -104,8 +104,8 @@ bool PatchBuilder::is_in_use(std::size_t link) const noexcept {
 bool PatchBuilder::build_where_due() {
   bool has_hand = false;
   for (std::size_t link = 0; link < makers_.size(); ++link) {
-    PatchHand hand;
-    if (!local_.take_hand(hand, link)) continue;
+    PatchHandState hand;
+    if (!local_.read_hand_state(hand, link)) continue;
     has_hand = true;
     if (!is_in_use(link)) continue;
     makers_[link].note_hand(hand);

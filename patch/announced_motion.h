@@ -19,7 +19,7 @@ class AnnouncedMotion {
 
   // A newer move, while nothing is felt: as it is. If earlier moves are missing, the body is assumed at rest at the start of the first
   // known move. False: it is not newer.
-  bool take(const CommandedMove& move) noexcept {
+  bool accept(const CommandedMove& move) noexcept {
     if (move.serial <= serial()) return false;
     if (serial() == 0 && move.serial > 1) {
       CommandedMove before{.serial = move.serial - 1, .from = move.from, .to = move.from};
@@ -30,7 +30,7 @@ class AnnouncedMotion {
   }
 
   // A newer move, while the body is felt. False: it is not newer. now_s: scene time of the last step.
-  bool follow(const CommandedMove& move, double now_s) noexcept {
+  bool accept_in_contact(const CommandedMove& move, double now_s) noexcept {
     if (move.serial <= serial()) return false;
     const bool is_as_announced = now_s <= move.from.time_s && is_same_place(motion_.keyframe_at(move.from.time_s), move.from) &&
                                  compute_move_time_s(move.from, move.to, 0.0, radius_m_, kMostSurfaceSpeed) <= announced_duration_s(move);

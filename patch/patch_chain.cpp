@@ -40,7 +40,7 @@ void PatchChain::note_move(const ObjectMove& move) noexcept {
     if (!bodies_->bodies[b].is_commanded || bodies_->bodies[b].object != move.object) continue;
     AnnouncedMotion& motion = commanded_[b];
     const std::uint64_t late = motion.late();
-    (void)(has_arrived_ ? motion.follow(to_command(move), time_s_) : motion.take(to_command(move)));
+    (void)(has_arrived_ ? motion.accept_in_contact(to_command(move), time_s_) : motion.accept(to_command(move)));
     late_moves_ += motion.late() - late;
   }
 }

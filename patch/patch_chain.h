@@ -62,7 +62,7 @@ class PatchChain {
     for (std::size_t link = 0; link < most_bodies_; ++link) visit(link);
   }
   // Where the hand is for a link, in its frame, since the last step.
-  PatchHand hand_of(std::size_t link, std::int64_t time_ns) const noexcept { return touches_[link].hand_at(p_OD_[link], time_ns); }
+  PatchHandState hand_of(std::size_t link, std::int64_t time_ns) const noexcept { return touches_[link].hand_at(p_OD_[link], time_ns); }
   // X_SO of a body at a scene time.
   Pose pose_of(std::size_t body, double time_s) const noexcept;
 

@@ -26,9 +26,9 @@ constexpr std::int64_t kPatienceNs = 50 * kNanosecondsPerMillisecond;  // until 
 
 }  // namespace
 
-void PatchMaker::note_hand(const PatchHand& hand) noexcept {
+void PatchMaker::note_hand(const PatchHandState& hand) noexcept {
   if (!hand.p_SD.allFinite() || !hand.path.p_SC.allFinite()) return;
-  const PatchHand before = std::exchange(hand_, hand);
+  const PatchHandState before = std::exchange(hand_, hand);
   const double dt_s = 1e-9 * static_cast<double>(hand.time_ns - before.time_ns);
   if (has_hand_ && dt_s > 0.0) v_SD_ += std::min(dt_s / kVelocityS, 1.0) * ((hand.p_SD - before.p_SD) / dt_s - v_SD_);
   has_hand_ = true;

@@ -25,7 +25,7 @@ class PatchMaker {
   explicit PatchMaker(std::size_t few = kFewTriangles, std::uint32_t body = 0) : few_(few), body_(body) {}
 
   // Takes the position of the hand. Pre: times of one clock, in ascending order.
-  void note_hand(const PatchHand& hand) noexcept;
+  void note_hand(const PatchHandState& hand) noexcept;
   // Takes the duration from the request of the newest patch until the device loop got it.
   void note_made(double seconds) noexcept;
   // Forgets the newest patch, for a new scene.
@@ -49,7 +49,7 @@ class PatchMaker {
 
   std::size_t few_;
   std::uint32_t body_;
-  PatchHand hand_;
+  PatchHandState hand_;
   Vec3 v_SD_ = Vec3::Zero();
   bool has_hand_ = false;
   // Of the newest patch:
@@ -58,7 +58,7 @@ class PatchMaker {
   std::size_t triangles_ = 0;
   bool is_limited_ = false;          // there was no time for all triangles that were known
   std::uint64_t made_from_ = 0;      // PatchStore::revision() then
-  std::int64_t made_ns_ = 0;         // PatchHand::time_ns then
+  std::int64_t made_ns_ = 0;         // PatchHandState::time_ns then
   bool is_path_incomplete_ = false;  // Patch::is_path_incomplete
   double widening_ = 1.0;            // power of kWiden
   double triangle_s_ = kFirstMakeS;  // mean time to make a patch, for each triangle

@@ -74,7 +74,7 @@ void PatchTouch::use_materials(const PatchMaterials& materials) noexcept {
   if (patch_ != nullptr && tune(*patch_, materials)) is_retuned_ = true;
 }
 
-PatchHand PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
+PatchHandState PatchTouch::hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept {
   return {p_SD, time_ns, is_beyond_, is_beyond_ ? path_ball() : PathBall()};
 }
 

@@ -56,7 +56,7 @@ struct PathBall {
 };
 
 // Where the device is, for whoever makes the next patch. Frame S.
-struct PatchHand {
+struct PatchHandState {
   Vec3 p_SD = Vec3::Zero();
   std::int64_t time_ns = 0;
   bool is_beyond = false;  // past the edge of its patch: the next one has to cover `path`
@@ -142,7 +142,7 @@ class PatchTouch {
   double damping_of(int object) const noexcept;
   const Vec3& outward() const noexcept { return outward_S_; }
   // Where the hand is, for whoever makes the next patch.
-  PatchHand hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
+  PatchHandState hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;
 
  private:
   PathBall path_ball() const noexcept;

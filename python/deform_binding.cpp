@@ -52,7 +52,7 @@ Result<double> PythonDeform::hand_over(const std::vector<Vec3>& shape, double ov
     std::uint64_t serial = 0;
     {
       const std::scoped_lock lock(step_mutex_);
-      from = method_->present().to;
+      from = method_->current_stage().to;
       serial = method_->serial();
     }
     auto stage = method_->stager().make(from, shape);

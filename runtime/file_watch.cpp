@@ -15,19 +15,19 @@ std::optional<FileWatch::Stamp> FileWatch::stamp_of_file() const {
   return error ? std::nullopt : std::optional(Stamp{time, bytes});
 }
 
-FileWatch::Look FileWatch::look() {
+FileWatch::State FileWatch::check() {
   const std::optional<Stamp> now = stamp_of_file();
   if (!now) {
     seen_.reset();
-    return ++looks_without_file_ == 2 ? Look::gone : Look::unchanged;
+    return ++checks_without_file_ == 2 ? State::gone : State::unchanged;
   }
-  looks_without_file_ = 0;
+  checks_without_file_ = 0;
   if (*now == known_) {
     seen_.reset();
-    return Look::unchanged;
+    return State::unchanged;
   }
-  if (std::exchange(seen_, now) != now) return Look::waiting;
-  return Look::changed;
+  if (std::exchange(seen_, now) != now) return State::waiting;
+  return State::changed;
 }
 
 void FileWatch::accept() {

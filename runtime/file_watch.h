@@ -6,21 +6,21 @@
 
 namespace hapton {
 
-// Notices that a file was saved: by its time and size, whenever it is asked to look. RT: no. Threads: one.
+// Notices that a file was saved: by its time and size, whenever it is asked to check. RT: no. Threads: one.
 class FileWatch {
  public:
   // The file as it is now is known.
   explicit FileWatch(std::filesystem::path path);
 
-  enum class Look : std::uint8_t {
+  enum class State : std::uint8_t {
     unchanged,
     waiting,  // it has just changed, and may be being written
-    changed,  // it has changed and was the same for two looks; reported until accept()
-    gone      // there was no file for two looks; reported once, as editors remove a file for a moment
+    changed,  // it has changed and was the same for two checks; reported until accept()
+    gone      // there was no file for two checks; reported once, as editors remove a file for a moment
   };
-  Look look();
+  State check();
 
-  // The file as the last look found it is known from now on. Pre: that look was `changed`.
+  // The file as the last check found it is known from now on. Pre: that check was `changed`.
   void accept();
 
  private:
@@ -34,8 +34,8 @@ class FileWatch {
 
   std::filesystem::path path_;
   Stamp known_;
-  std::optional<Stamp> seen_;  // changed at the look before
-  int looks_without_file_ = 0;
+  std::optional<Stamp> seen_;  // changed at the check before
+  int checks_without_file_ = 0;
 };
 
 }  // namespace hapton

@@ -14,7 +14,7 @@ namespace hapton {
 // allocates nothing; waking a sleeping worker takes a system call.
 class WorkerThreads final : public WorkerTeam {
  public:
-  // size: including the calling thread. Pre: 1 <= size <= kMost.
+  // size: including the calling thread. Pre: 1 <= size <= kMaxWorkers.
   explicit WorkerThreads(int size);
   ~WorkerThreads() override;
   WorkerThreads(const WorkerThreads&) = delete;

@@ -79,26 +79,26 @@ double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const Det
   if (!paint(0).has_same_finish(wanted)) return kBeyondU;
   const Vec3 weights = closest_point(corners[0], corners[1], corners[2], p).barycentric;
   Vec3 tint = Vec3::Zero();
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  Eigen::Vector2d texcoord = Eigen::Vector2d::Zero();
   double longest = 0.0;
   double alpha = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const double weight = weights[static_cast<int>(k)];
     for (int c = 0; c < 3; ++c) tint[c] += weight * paint(k).tint[static_cast<std::size_t>(c)];
     alpha += weight * paint(k).alpha;
-    place += weight * paint(k).place.cast<double>();
+    texcoord += weight * paint(k).texcoord.cast<double>();
     longest = std::max(longest, (corners[(k + 1) % 3] - corners[k]).norm());
   }
   double slip = difference(wanted, tint, alpha) * longest;
-  const Eigen::Vector2d away = wanted.place.cast<double>() - place;
+  const Eigen::Vector2d away = wanted.texcoord.cast<double>() - texcoord;
   if (wanted.layer == 0 || away.isZero()) return slip;
-  // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (place b - place a, place c - place a).
-  Eigen::Matrix2d places;
-  places << (paint(1).place - paint(0).place).cast<double>(), (paint(2).place - paint(0).place).cast<double>();
+  // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (b - a, c - a of the texture coordinates).
+  Eigen::Matrix2d edges;
+  edges << (paint(1).texcoord - paint(0).texcoord).cast<double>(), (paint(2).texcoord - paint(0).texcoord).cast<double>();
   Eigen::Matrix<double, 3, 2> edges;
   edges << corners[1] - corners[0], corners[2] - corners[0];
-  const Eigen::Vector2d steps = places.fullPivLu().solve(away);
-  const bool is_there = steps.allFinite() && (places * steps - away).norm() <= kRelativeResidual * away.norm();
+  const Eigen::Vector2d steps = edges.fullPivLu().solve(away);
+  const bool is_there = steps.allFinite() && (edges * steps - away).norm() <= kRelativeResidual * away.norm();
   return slip + (is_there ? (edges * steps).norm() : kBeyondU);
 }
 

@@ -37,7 +37,7 @@ struct DetailCluster {
 struct VertexPaint {
   std::array<std::uint8_t, 3> tint = {255, 255, 255};  // sRGB
   std::uint8_t layer = 0;                              // of the mesh's texture layers, from 1, tinted; 0: none. One for all of a triangle
-  Eigen::Vector2f place = Eigen::Vector2f::Zero();     // in the layer, from its upper left corner
+  Eigen::Vector2f texcoord = Eigen::Vector2f::Zero();  // in the layer, from its upper left corner
   std::uint8_t alpha = 255;                            // multiplies the layer's; 255: opaque
   // One for all of a triangle. What has less alpha than the cutoff is not drawn; 0: everything is, and its alpha does not matter unless it
   // is blended.
@@ -54,7 +54,7 @@ struct VertexPaint {
     return layer == other.layer && cutoff == other.cutoff && is_blended == other.is_blended && wraps == other.wraps;
   }
   friend bool operator==(const VertexPaint& a, const VertexPaint& b) {
-    return a.tint == b.tint && a.place == b.place && a.alpha == b.alpha && a.has_same_finish(b);
+    return a.tint == b.tint && a.texcoord == b.texcoord && a.alpha == b.alpha && a.has_same_finish(b);
   }
 };
 

@@ -16,7 +16,7 @@ GLuint upload_paints(const std::vector<VertexPaint>& paints) {
   glEnableVertexAttribArray(2);
   glVertexAttribPointer(2, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), nullptr);
   glEnableVertexAttribArray(3);
-  glVertexAttribPointer(3, 2, GL_FLOAT, GL_FALSE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, place)));
+  glVertexAttribPointer(3, 2, GL_FLOAT, GL_FALSE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, texcoord)));
   glEnableVertexAttribArray(4);
   glVertexAttribPointer(4, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(VertexPaint), reinterpret_cast<const void*>(offsetof(VertexPaint, alpha)));
   return buffer;

@@ -38,18 +38,18 @@ void SceneReload::run() {
 }
 
 void SceneReload::look() {
-  switch (file_.look()) {
-    case FileWatch::Look::gone:
+  switch (file_.check()) {
+    case FileWatch::State::gone:
       is_reading_.store(false);
       log_warning("{} is gone; the present picture stays, and the file is read once it is back", path_.string());
       return;
-    case FileWatch::Look::unchanged:
+    case FileWatch::State::unchanged:
       is_reading_.store(false);
       return;
-    case FileWatch::Look::waiting:
+    case FileWatch::State::waiting:
       is_reading_.store(true);
       return;
-    case FileWatch::Look::changed:
+    case FileWatch::State::changed:
       file_.accept();
       read();
       is_reading_.store(false);

@@ -31,7 +31,7 @@ VertexPaint compute_paint(const MeshLook& look, const TriangleLook& triangle, co
   for (int k = 0; k < 3; ++k)
     paint.tint[static_cast<std::size_t>(k)] = to_byte(tint[k] * corner.colour[static_cast<std::size_t>(k)] / 255.0);
   if (paint.layer > 0) {
-    paint.place = corner.texcoord;
+    paint.texcoord = corner.texcoord;
     paint.set_wrap(material.wrap);
   }
   set_alpha(material, corner, paint);

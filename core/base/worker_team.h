@@ -10,11 +10,11 @@ namespace hapton {
 class WorkerTeam {
  public:
   // Workers, the calling thread included. A free choice.
-  static constexpr int kMost = 64;
+  static constexpr int kMaxWorkers = 64;
 
   virtual ~WorkerTeam() = default;
 
-  virtual int size() const noexcept = 0;  // with the calling thread: 1 to kMost
+  virtual int size() const noexcept = 0;  // with the calling thread: 1 to kMaxWorkers
 
   // Calls work(worker) for each worker, 0 to size() - 1, at the same time, and returns when all have returned.
   template <class Work>

@@ -27,14 +27,14 @@ Result<std::unique_ptr<ForceMethod>> DeformingMethod::make(const MethodSettings&
 }
 
 DeformingMethod::DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object)
-    : riding_(std::move(method), object.mesh, object.deformation) {}
+    : carried_(std::move(method), object.mesh, object.deformation) {}
 
 std::string DeformingMethod::describe() const {
-  const DeformingGeometry& surface = riding_.surface().geometry();
+  const DeformingGeometry& surface = carried_.surface().geometry();
   return fmt::format("deforms for {:g} s{}: {} vertices move, {} trees of {:.3g} MB\n", surface.deformation().duration_s(),
                      surface.deformation().loops() ? ", repeated" : "", surface.deformation().moved().size(), surface.tree_count(),
                      static_cast<double>(surface.bytes()) * 1e-6) +
-         riding_.method().describe();
+         carried_.method().describe();
 }
 
 }  // namespace hapton

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "core/collision/deforming_geometry.h"
+#include "core/force/carried_proxy.h"
 #include "core/force/force_method.h"
-#include "core/force/riding_proxy.h"
 
 namespace hapton {
 
-// A deformation that is known beforehand, as RidingProxy takes it.
+// A deformation that is known beforehand, as CarriedProxy takes it.
 class PresetSurface {
  public:
   PresetSurface(TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, std::shared_ptr<const MeshDeformation> deformation)
@@ -39,7 +39,7 @@ class PresetSurface {
 };
 
 // The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample,
-// and takes the probe along (RidingProxy).
+// and takes the probe along (CarriedProxy).
 //
 // Frame: S. RT: step and reset yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as ForceMethod.
 class DeformingMethod final : public ForceMethod {
@@ -48,16 +48,16 @@ class DeformingMethod final : public ForceMethod {
   // walkable at rest (check_shapes tells of the other shapes).
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
-  MethodOutput step(const MethodInput& input) noexcept override { return riding_.step(input); }
-  void reset(const Vec3& p_SD) noexcept override { riding_.reset(p_SD); }
-  void set_materials(std::span<const Material> materials) noexcept override { riding_.method().set_materials(materials); }
-  std::optional<SurfacePlace> find_place(int /*object*/) const noexcept override { return riding_.find_place(); }
+  MethodOutput step(const MethodInput& input) noexcept override { return carried_.step(input); }
+  void reset(const Vec3& p_SD) noexcept override { carried_.reset(p_SD); }
+  void set_materials(std::span<const Material> materials) noexcept override { carried_.method().set_materials(materials); }
+  std::optional<SurfacePlace> find_place(int /*object*/) const noexcept override { return carried_.find_place(); }
   std::string describe() const override;
 
  private:
   DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object);
 
-  RidingProxy<PresetSurface> riding_;
+  CarriedProxy<PresetSurface> carried_;
 };
 
 // ProxyMethod of one object whose vertices will move within all_shapes. Pre: the object has a deformation. Error: as DeformingMethod::make.

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/force/carried_proxy.h"
 #include "core/force/deforming_method.h"
-#include "core/force/riding_proxy.h"
 #include "core/math/commanded_motion.h"
 
 namespace hapton {
@@ -30,25 +30,25 @@ Result<std::unique_ptr<StreamedMethod>> StreamedMethod::make(const MethodSetting
 }
 
 StreamedMethod::StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager)
-    : stager_(std::move(stager)), riding_(std::make_unique<RidingProxy<StreamedGeometry>>(std::move(method), stager_->make_rest())) {}
+    : stager_(std::move(stager)), carried_(std::make_unique<CarriedProxy<StreamedGeometry>>(std::move(method), stager_->make_rest())) {}
 
 StreamedMethod::~StreamedMethod() = default;
 
-MethodOutput StreamedMethod::step(const MethodInput& input) noexcept { return riding_->step(input); }
+MethodOutput StreamedMethod::step(const MethodInput& input) noexcept { return carried_->step(input); }
 
-void StreamedMethod::reset(const Vec3& p_SD) noexcept { riding_->reset(p_SD); }
+void StreamedMethod::reset(const Vec3& p_SD) noexcept { carried_->reset(p_SD); }
 
-void StreamedMethod::set_materials(std::span<const Material> materials) noexcept { riding_->method().set_materials(materials); }
+void StreamedMethod::set_materials(std::span<const Material> materials) noexcept { carried_->method().set_materials(materials); }
 
-std::optional<SurfacePlace> StreamedMethod::find_place(int /*object*/) const noexcept { return riding_->find_place(); }
+std::optional<SurfacePlace> StreamedMethod::find_place(int /*object*/) const noexcept { return carried_->find_place(); }
 
-const ShapeStage& StreamedMethod::present() const noexcept { return riding_->surface().present(); }
+const ShapeStage& StreamedMethod::current_stage() const noexcept { return carried_->surface().present(); }
 
-std::uint64_t StreamedMethod::serial() const noexcept { return riding_->surface().serial(); }
+std::uint64_t StreamedMethod::serial() const noexcept { return carried_->surface().serial(); }
 
-bool StreamedMethod::has_waiting() const noexcept { return riding_->surface().has_next(); }
+bool StreamedMethod::has_waiting() const noexcept { return carried_->surface().has_next(); }
 
-std::vector<Vec3> StreamedMethod::vertices() const { return riding_->surface().vertices_at(riding_->last_time_s()); }
+std::vector<Vec3> StreamedMethod::vertices() const { return carried_->surface().vertices_at(carried_->last_time_s()); }
 
 double StreamedMethod::compute_time_s(const ShapeStage& stage, double over_s) noexcept {
   return std::max(over_s, stage.most_m / kMostSurfaceSpeed);
@@ -56,17 +56,17 @@ double StreamedMethod::compute_time_s(const ShapeStage& stage, double over_s) no
 
 StreamedGeometry::Released StreamedMethod::offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept {
   const double seconds = compute_time_s(*stage, over_s);
-  return riding_->surface().offer(std::move(stage), seconds, riding_->last_time_s());
+  return carried_->surface().offer(std::move(stage), seconds, carried_->last_time_s());
 }
 
 StreamedGeometry::Released StreamedMethod::offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
-  return riding_->surface().offer(std::move(stage), over_s, start_s);
+  return carried_->surface().offer(std::move(stage), over_s, start_s);
 }
 
 std::string StreamedMethod::describe() const {
   return fmt::format("a program gives its shapes: {} vertices, {:.3g} MB\n", stager_->rest().size(),
-                     static_cast<double>(riding_->surface().bytes()) * 1e-6) +
-         riding_->method().describe();
+                     static_cast<double>(carried_->surface().bytes()) * 1e-6) +
+         carried_->method().describe();
 }
 
 }  // namespace hapton

@@ -12,13 +12,13 @@
 namespace hapton {
 
 template <class Surface>
-class RidingProxy;
+class CarriedProxy;
 
 // The method `proxy` for one surface whose shapes are not known beforehand: a program sends one after the other, and the vertices move
 // in straight lines from each to the next. The forces are those of DeformingMethod with these shapes as keyframes.
 //
-// A shape is prepared outside of the step (stager()), and handed over (offer()) as a stage from the shape that the present stage leads to.
-// If the present stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
+// A shape is prepared outside of the step (stager()), and handed over (offer()) as a stage from the shape that the current stage leads to.
+// If the current stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
 // kMostSurfaceSpeed: a stage that would be faster takes longer.
 //
 // Frame: S. RT: step, reset, set_materials and offer yes: linear in the vertices, a few ns each, while the hand is near the surface.
@@ -40,13 +40,13 @@ class StreamedMethod final : public ForceMethod {
 
   const ShapeStager& stager() const { return *stager_; }
   // The stage that moves at the time of the last step, or has ended.
-  const ShapeStage& present() const noexcept;
+  const ShapeStage& current_stage() const noexcept;
   std::uint64_t serial() const noexcept;
-  // The stage follows the present one, and replaces one that waits. over_s: how long it is to take. Returned: stages that are no longer
-  // used, to be destroyed outside of the loop. Pre: it begins where the present stage ends; over_s 0 or more.
+  // The stage follows the current one, and replaces one that waits. over_s: how long it is to take. Returned: stages that are no longer
+  // used, to be destroyed outside of the loop. Pre: it begins where the current stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
   // The same at a given time: the stage begins at start_s and takes over_s. Pre: no stage waits; start_s is after the last step, and not
-  // before the present stage ends; over_s is not below compute_time_s.
+  // before the current stage ends; over_s is not below compute_time_s.
   StreamedGeometry::Released offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
   // Whether a stage waits for its start.
   bool has_waiting() const noexcept;
@@ -60,7 +60,7 @@ class StreamedMethod final : public ForceMethod {
   StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager);
 
   std::unique_ptr<ShapeStager> stager_;
-  std::unique_ptr<RidingProxy<StreamedGeometry>> riding_;
+  std::unique_ptr<CarriedProxy<StreamedGeometry>> carried_;
 };
 
 }  // namespace hapton

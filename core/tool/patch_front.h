@@ -284,7 +284,7 @@ bool PatchFront::descend(Turn turn, const ToolSweep& motion, double distance, Vi
 
 template <class Workers, class ListOf, class Use>
 void PatchFront::for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept {
-  std::array<std::size_t, WorkerTeam::kMost> at = {};
+  std::array<std::size_t, WorkerTeam::kMaxWorkers> at = {};
   for (;;) {
     // The worker whose next item comes first has all items of that place.
     std::size_t first = workers.size();

@@ -58,7 +58,7 @@ Result<Accessor> in_view(Buffers& buffers, const Json& view_index, const Layout&
   const Result<Buffers::View> view = buffers.view(view_index, where + ".bufferView");
   if (!view) return tl::unexpected(view.error());
   Accessor result;
-  result.where = where;
+  result.json_path = where;
   result.stride = view->stride == 0 ? layout.item_bytes : view->stride;
   if (result.stride < layout.item_bytes) return fail("{}: its items overlap (stride {}): {}", where, view->stride, kExportAgain);
   const std::size_t size = view->bytes.size();
@@ -139,9 +139,9 @@ Result<Accessor> in_own_values(Buffers& buffers, const Json& json, const Layout&
     if (auto error = replace_items(buffers, sparse, layout, where, *values)) return tl::unexpected(std::move(*error));
   }
   Accessor result;
-  result.where = where;
-  result.own = std::make_shared<const std::string>(std::move(*values));
-  result.first = result.own->data();
+  result.json_path = where;
+  result.storage = std::make_shared<const std::string>(std::move(*values));
+  result.first = result.storage->data();
   result.count = layout.count;
   result.stride = layout.item_bytes;
   result.component_type = layout.component_type;

@@ -22,8 +22,8 @@ struct Accessor {
   std::size_t stride = 0;
   std::size_t component_type = 0;
   bool normalized = false;
-  std::string where;                       // the accessor's path in the JSON, for error texts
-  std::shared_ptr<const std::string> own;  // holds the values of a sparse accessor, which are nowhere in the file as they are
+  std::string json_path;                       // the accessor's path in the JSON, for error texts
+  std::shared_ptr<const std::string> storage;  // holds the values of a sparse accessor, which are nowhere in the file as they are
 
   // One number of one item. KHR_mesh_quantization allows integers for positions; normalised ones are converted as [3.6.2.2] says.
   // Pre: item < count, k below the number of components of the type.

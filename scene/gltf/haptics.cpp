@@ -249,20 +249,20 @@ Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document
   const auto values = read_accessor(document, index, fmt::format("{}.attributes.{}", where, name), "VEC2", 2);
   if (!values) return tl::unexpected(values.error());
   if (values->count != vertices)
-    return fail("{}: {} texture coordinates for {} vertices: {}", values->where, values->count, vertices, kExportAgain);
+    return fail("{}: {} texture coordinates for {} vertices: {}", values->json_path, values->count, vertices, kExportAgain);
   std::vector<Eigen::Vector2f> places;
   places.reserve(vertices);
   for (std::size_t i = 0; i < vertices; ++i) {
     const Eigen::Vector2f given(static_cast<float>(values->component(i, 0)), static_cast<float>(values->component(i, 1)));
     places.push_back(place.texture.place * given);
     const Eigen::Vector2f& made = places.back();
-    if (!made.allFinite()) return fail("{}: texture coordinate {} is not finite: {}", values->where, i, kExportAgain);
+    if (!made.allFinite()) return fail("{}: texture coordinate {} is not finite: {}", values->json_path, i, kExportAgain);
     for (int k = 0; k < 2; ++k) {
       if (place.repeats[static_cast<std::size_t>(k)] || (made[k] >= 0.0F && made[k] <= 1.0F)) continue;
       return fail(
           "{}: texture coordinate {} is {:.6g}, and the sampler of its haptic texture does not repeat: haptic textures only repeat, "
           "so keep the coordinates within 0 to 1",
-          values->where, i, made[k]);
+          values->json_path, i, made[k]);
     }
   }
   return places;

@@ -28,7 +28,7 @@ std::optional<Error> read_positions(const Accessor& accessor, Primitive& primiti
   primitive.positions.reserve(accessor.count);
   for (std::size_t i = 0; i < accessor.count; ++i) {
     primitive.positions.push_back(vector_at(accessor, i));
-    if (!primitive.positions.back().allFinite()) return not_finite(accessor.where, i);
+    if (!primitive.positions.back().allFinite()) return not_finite(accessor.json_path, i);
   }
   return std::nullopt;
 }
@@ -93,12 +93,12 @@ Result<std::vector<std::uint32_t>> read_corners(const Document& document, const 
   }
   const auto values = read_accessor(document, indices, where + ".indices", "SCALAR", 1);
   if (!values) return tl::unexpected(values.error());
-  if (values->component_type == 5126) return fail("{} are not whole numbers: {}", values->where, kExportAgain);
+  if (values->component_type == 5126) return fail("{} are not whole numbers: {}", values->json_path, kExportAgain);
   corners.reserve(values->count);
   for (std::size_t i = 0; i < values->count; ++i) {
     const double index = values->component(i, 0);
     if (!(index >= 0 && index < static_cast<double>(vertex_count))) {
-      return fail("{}: index {} is {}, out of range: there are {} vertices; {}", values->where, i, index, vertex_count, kExportAgain);
+      return fail("{}: index {} is {}, out of range: there are {} vertices; {}", values->json_path, i, index, vertex_count, kExportAgain);
     }
     corners.push_back(static_cast<std::uint32_t>(index));
   }

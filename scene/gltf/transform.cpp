@@ -18,14 +18,14 @@ constexpr std::array kInstanceAttributes = {InstanceAttribute{"TRANSLATION", "VE
 Result<Quat> rotation_of(const Accessor& accessor, std::size_t i) {
   const Quat rotation(accessor.component(i, 3), accessor.component(i, 0), accessor.component(i, 1), accessor.component(i, 2));
   if (!rotation.coeffs().allFinite() || !(rotation.norm() > 0)) {
-    return fail("{}: the rotation of instance {} is zero or not finite: {}", accessor.where, i, kExportAgain);
+    return fail("{}: the rotation of instance {} is zero or not finite: {}", accessor.json_path, i, kExportAgain);
   }
   return rotation.normalized();
 }
 
 Result<Vec3> vector_of(const Accessor& accessor, std::size_t i) {
   const Vec3 vector(accessor.component(i, 0), accessor.component(i, 1), accessor.component(i, 2));
-  if (!vector.allFinite()) return fail("{}: instance {} is not finite: {}", accessor.where, i, kExportAgain);
+  if (!vector.allFinite()) return fail("{}: instance {} is not finite: {}", accessor.json_path, i, kExportAgain);
   return vector;
 }
 

@@ -51,7 +51,7 @@ class HaptonHid : public ::testing::Test {
   }
   Result<void> begin() {
     auto transport = hid_.opener()();
-    return backend_.begin(**transport);
+    return backend_.on_open(**transport);
   }
   std::uint32_t now_us() const { return static_cast<std::uint32_t>(now_ns_ / 1000); }
   // One cycle of a millisecond in each direction; returns the motors' force after it, N.

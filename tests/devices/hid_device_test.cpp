@@ -15,7 +15,7 @@ namespace {
 // In: {position in mm, status}; out: {0, whether it may exert force, force x in N}.
 class PlainBackend final : public HidBackend {
  public:
-  Result<void> begin(HidTransport&) override { return {}; }
+  Result<void> on_open(HidTransport&) override { return {}; }
   bool decode(std::span<const std::uint8_t> report, std::int64_t, DeviceExchange::Reading& reading) noexcept override {
     if (report.size() != 2) return false;
     reading.sample.p_WD = Vec3(1e-3 * report[0], 0, 0);

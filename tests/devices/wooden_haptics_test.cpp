@@ -51,7 +51,7 @@ class Wooden : public ::testing::Test {
   }
   void begin_again() {
     auto transport = hid_.opener()();
-    const auto begun = backend_->begin(**transport);
+    const auto begun = backend_->on_open(**transport);
     ASSERT_TRUE(begun) << begun.error().what;
   }
   Reading receive(const std::vector<int>& numbers) {

@@ -203,7 +203,7 @@ TEST(HapticsStep, ATurnedSceneChangesTheForceAndAnInvalidOneIsIgnored) {
   scaled.X_WS[0] = 2.0F;
   EXPECT_FALSE(step.turn_scene(scaled));
   EXPECT_NEAR(reply_to(step, states.at({0.01, 0.001, 0.001})).force_n[2], 2.0, 1e-6);
-  EXPECT_EQ(step.counts().views_taken, 1U);
+  EXPECT_EQ(step.counts().views_applied, 1U);
   EXPECT_EQ(step.counts().views_rejected, 1U);
 }
 

@@ -172,7 +172,7 @@ TEST_F(ObjectShaperTest, TheLoopUsesNoHeap) {
     }
   }
   EXPECT_EQ(allocations, 0U);
-  EXPECT_GT(step_.counts().shapes_taken, 20U);
+  EXPECT_GT(step_.counts().shapes_applied, 20U);
 }
 
 }  // namespace

@@ -125,12 +125,12 @@ TEST_F(GraspLoopTest, ASceneWithAnObjectPutDownIsDescribedOnceThatIsKnown) {
   EXPECT_EQ(setup_.scene_hash, 42U) << "not in use yet";
   ASSERT_TRUE(put_down(1));
   for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.05}, 0);
-  EXPECT_EQ(step_.counts().methods_taken, 1U);
+  EXPECT_EQ(step_.counts().method_changes, 1U);
   EXPECT_EQ(setup_.scene_hash, 43U);
   EXPECT_EQ(scene_.given_hash, 7U);
   ASSERT_TRUE(put_down(2));
   for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.05}, 0);
-  EXPECT_EQ(step_.counts().methods_taken, 2U);
+  EXPECT_EQ(step_.counts().method_changes, 2U);
   EXPECT_EQ(setup_.scene_hash, 0U) << "not known yet: that of before is another scene's";
   EXPECT_EQ(setup_.method_serial, 2U);
   link_.placed.publish({2, 44, facts});
@@ -168,7 +168,7 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
     press(1);
     ASSERT_NEAR(force_n_, 1500.0 * kDepth, 1e-4) << n;
   }
-  ASSERT_EQ(step_.counts().methods_taken, 1U);
+  ASSERT_EQ(step_.counts().method_changes, 1U);
   EXPECT_GT(materials_.serial, before);
   ASSERT_EQ(materials_.object_count, 1U) << "for recordings and tools";
   EXPECT_EQ(materials_.objects[0].change.stiffness_n_per_m, 1500.0);

@@ -129,7 +129,7 @@ TEST_F(ReplyLoopShapes, ForcesAndTheAnnouncedShapesAgree) {
   }
   EXPECT_GT(most_n, 3.0);
   EXPECT_GT(force_.shape_serial, 8U);
-  EXPECT_EQ(force_.shape_serial, step_.counts().shapes_taken);
+  EXPECT_EQ(force_.shape_serial, step_.counts().shapes_applied);
   for (const ShapeReply& reply : replies_) {
     EXPECT_STREQ(reply.rejection.data(), "");
     EXPECT_GE(reply.over_s, 0.05 - 1e-9);
@@ -168,7 +168,7 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
     cycle(hand);
     cycles.push_back({hand, force_});
   }
-  ASSERT_EQ(step_.counts().shapes_taken, kShapes) << "none was left out";
+  ASSERT_EQ(step_.counts().shapes_applied, kShapes) << "none was left out";
   std::vector<MorphTarget> targets;
   std::vector<MorphKey> keys;
   const auto key = [&](std::int64_t at_ns, std::uint32_t shape) {
@@ -267,11 +267,11 @@ TEST_F(ReplyLoopShapes, WhoJoinsLateGetsTheNewestShape) {
 TEST_F(ReplyLoopShapes, AShapeThatLostAPartIsLeftOut) {
   give(1, raised(0.005), 0.0, 7, "skin", 64);
   for (int n = 0; n < 50; ++n) cycle();
-  EXPECT_EQ(step_.counts().shapes_taken, 0U);
+  EXPECT_EQ(step_.counts().shapes_applied, 0U);
   give(2, raised(0.004));
   give(1, raised(0.005));  // comes late
   for (int n = 0; n < 50; ++n) cycle();
-  EXPECT_EQ(step_.counts().shapes_taken, 1U);
+  EXPECT_EQ(step_.counts().shapes_applied, 1U);
   EXPECT_EQ(shaper_.counts().incomplete, 1U);
   EXPECT_NEAR(announced_height(), 0.004, 1e-8);
 }
@@ -285,7 +285,7 @@ TEST_F(ReplyLoopShapes, OfThoseThatWaitTheNewestCounts) {
     cycle();
   }
   for (int n = 0; n < 1200; ++n) cycle();
-  EXPECT_EQ(step_.counts().shapes_taken, 2U);
+  EXPECT_EQ(step_.counts().shapes_applied, 2U);
   EXPECT_NEAR(announced_height(), 0.006, 1e-8);
 }
 
@@ -295,7 +295,7 @@ TEST_F(ReplyLoopShapes, AShapeThatIsRepeatedOnlyGetsItsReplyAgain) {
   give(1, raised(0.005));
   for (int n = 0; n < 40; ++n) cycle();
   EXPECT_EQ(replies_.size(), 2U);
-  EXPECT_EQ(step_.counts().shapes_taken, 1U);
+  EXPECT_EQ(step_.counts().shapes_applied, 1U);
 }
 
 TEST_F(ReplyLoopShapes, WhatCannotBeIsRejectedInOneLine) {
@@ -303,7 +303,7 @@ TEST_F(ReplyLoopShapes, WhatCannotBeIsRejectedInOneLine) {
     for (int n = 0; n < 150; ++n) cycle();
     ASSERT_FALSE(replies_.empty()) << why;
     EXPECT_NE(std::string(replies_.back().rejection.data()).find(why), std::string::npos) << replies_.back().rejection.data();
-    EXPECT_EQ(step_.counts().shapes_taken, 0U);
+    EXPECT_EQ(step_.counts().shapes_applied, 0U);
     replies_.clear();
   };
   give(1, raised(0.001), 0.0, 7, "skim");
@@ -323,7 +323,7 @@ TEST_F(ReplyLoopShapes, WhatCannotBeIsRejectedInOneLine) {
   for (int n = 0; n < 1200; ++n) cycle();
   give(1, raised(0.001), 0.0, 9);
   for (int n = 0; n < 40; ++n) cycle();
-  EXPECT_EQ(step_.counts().shapes_taken, 1U) << "the first program is silent";
+  EXPECT_EQ(step_.counts().shapes_applied, 1U) << "the first program is silent";
   EXPECT_NEAR(announced_height(), 0.001, 1e-8);
 }
 
@@ -331,7 +331,7 @@ TEST_F(ReplyLoopShapes, TheMethodStays) {
   send(Settings{.method = {'r', 'e', 'f', 'e', 'r', 'e', 'n', 'c', 'e'}, .method_request = 3});
   for (int n = 0; n < 40; ++n) cycle();
   EXPECT_NE(rejection_.find("the method proxy"), std::string::npos);
-  EXPECT_EQ(step_.counts().methods_taken, 0U);
+  EXPECT_EQ(step_.counts().method_changes, 0U);
 }
 
 // However many parts arrive: the reply to a sample is sent first, few datagrams follow it, and the loop allocates nothing. Shapes that jump
@@ -346,7 +346,7 @@ TEST_F(ReplyLoopShapes, AFloodNeverComesBeforeAForce) {
     for (int k = 0; k < 4; ++k) give(++shape, raised((n / 50) % 2 == 0 ? 0.019 : -0.019), 0.0, 7);
     give(shape, raised(0.0), 0.0, 8);
     give(shape, raised(0.0), 0.0, 7, "nothing");
-    send(ShapeStatus{.source = 42, .serial = step_.counts().shapes_taken > 0 ? force_.shape_serial : 1U, .object = kSkinObject});
+    send(ShapeStatus{.source = 42, .serial = step_.counts().shapes_applied > 0 ? force_.shape_serial : 1U, .object = kSkinObject});
     const std::uint64_t echoed = sample_ + 1;
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = kHandOverSkin});
     {
@@ -364,7 +364,7 @@ TEST_F(ReplyLoopShapes, AFloodNeverComesBeforeAForce) {
     ASSERT_LE(std::abs(force_.force_n.z() - before_n), 1000.0 * 0.25 * 0.0021) << n;
     before_n = force_.force_n.z();
   }
-  EXPECT_GT(step_.counts().shapes_taken, 4U);
+  EXPECT_GT(step_.counts().shapes_applied, 4U);
   if (AllocationGuard::is_available()) {
     EXPECT_LT(allocations, datagrams + 60) << "the network of the test keeps each datagram, and the log";
   }

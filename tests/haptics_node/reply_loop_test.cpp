@@ -115,7 +115,7 @@ TEST_F(ReplyLoopTest, AToolIsFeltAndRejectsWhatIsOfAProbe) {
   }
   EXPECT_EQ(setups_.back().method_request, 9U);
   EXPECT_NE(std::string_view(setups_.back().rejection.data()).find("rigid tool"), std::string_view::npos);
-  EXPECT_EQ(step_.counts().methods_taken, 0U);
+  EXPECT_EQ(step_.counts().method_changes, 0U);
 }
 
 TEST_F(ReplyLoopTest, ABacklogGetsOneReplyToItsNewest) {
@@ -147,13 +147,13 @@ TEST_F(ReplyLoopTest, AMethodChangesWhileInContact) {
   const std::string_view name = "sweep";
   std::copy(name.begin(), name.end(), settings.method.begin());
   send(settings);
-  for (int i = 0; i < 6000 && step_.counts().methods_taken == 0; ++i) {
+  for (int i = 0; i < 6000 && step_.counts().method_changes == 0; ++i) {
     const auto command = exchange({0.01, 0.01, -0.002});
     ASSERT_TRUE(command);
     ASSERT_NEAR(command->force_n[2], 2.0, 1e-9);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
   }
-  EXPECT_EQ(step_.counts().methods_taken, 1U);
+  EXPECT_EQ(step_.counts().method_changes, 1U);
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 2.0, 1e-9);
 }
 
@@ -172,7 +172,7 @@ TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
   const HapticsSetup rejected = request_method("magic", 7);
   EXPECT_EQ(rejected.method_request, 7U);
   EXPECT_NE(std::string_view(rejected.rejection.data()).find("'magic' is not known"), std::string_view::npos) << rejected.rejection.data();
-  EXPECT_EQ(step_.counts().methods_taken, 0U);
+  EXPECT_EQ(step_.counts().method_changes, 0U);
 
   const HapticsSetup taken = request_method("proxy", 8);
   EXPECT_EQ(taken.method_request, 8U);
@@ -183,7 +183,7 @@ TEST_F(ReplyLoopTest, ARequesterOfAMethodIsNotifiedOfTheResult) {
     exchange({0.01, 0.01, 0.001});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  EXPECT_EQ(step_.counts().methods_taken, 1U) << "asked again and again, built once";
+  EXPECT_EQ(step_.counts().method_changes, 1U) << "asked again and again, built once";
 }
 
 TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMethodChanges) {
@@ -198,7 +198,7 @@ TEST_F(ReplyLoopTest, TheHubGetsTheSetupAtOnceSoonAgainOnceASecondAndWhenTheMeth
   const std::string_view name = "sweep";
   std::copy(name.begin(), name.end(), settings.method.begin());
   send(settings);
-  for (int i = 0; i < 6000 && step_.counts().methods_taken == 0; ++i) {
+  for (int i = 0; i < 6000 && step_.counts().method_changes == 0; ++i) {
     exchange({0.01, 0.01, 0.001});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the builder lives in real time
   }
@@ -387,7 +387,7 @@ TEST_F(TunedLoopTest, AnotherMethodTakesOverWithTheMaterialsInUse) {
   const std::string_view name = "proxy";
   std::copy(name.begin(), name.end(), settings.method.begin());
   send(settings);
-  for (int i = 0; i < 6000 && step_.counts().methods_taken == 0; ++i) {
+  for (int i = 0; i < 6000 && step_.counts().method_changes == 0; ++i) {
     exchange({0.01, 0.01, -0.002});
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -456,7 +456,7 @@ TEST_F(ReplyLoopTest, EffectsFromFilesAreInTheSetupAlsoAfterAChangeOfMethodAndWh
   MethodBuilder::MethodName name = {};
   std::copy_n("proxy", 5, name.begin());
   builder_.request(name);
-  for (int n = 0; n < 3000 && step_.counts().methods_taken == 0; ++n) {
+  for (int n = 0; n < 3000 && step_.counts().method_changes == 0; ++n) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     turn(1 * kMs);
   }

@@ -99,10 +99,10 @@ TEST(LocalPatch, TheDevicesThreadAllocatesAndFreesNothing) {
   for (int n = 1; n < 2000; ++n) {
     if (n % 100 == 1) local.offer(sheet_patch(0.0, n % 300 == 1 ? 0.02 : 1.0));
     local.free_retired();
-    PatchHand hand;
+    PatchHandState hand;
     AllocationGuard guard;
     (void)local.step(sample_at(Vec3(0.04 * std::sin(0.01 * n), 0.0, -0.002), n * kMs));
-    (void)local.take_hand(hand);
+    (void)local.read_hand_state(hand);
     taken += guard.count();
   }
   EXPECT_EQ(taken, 0U);

@@ -26,13 +26,13 @@ TEST(AnnouncedMotion, AMoveThatIsKnownBeforeItBeginsIsTheMoveItself) {
     const CommandedMove move = announced(serial, begin_s, begin_s + 1.0, whole.keyframe_at(begin_s),
                                          kAnnouncedPivot + Vec3(0.01 * serial, 0, 0), serial % 2 == 0 ? 0.5 : 0.0);
     ASSERT_TRUE(whole.begin(move));
-    ASSERT_TRUE(motion.follow(move, begin_s - 0.1));
+    ASSERT_TRUE(motion.accept_in_contact(move, begin_s - 0.1));
     for (double t = begin_s - 0.1; t < begin_s + 0.4; t += 0.01) {
       ASSERT_EQ(motion.pose_at(t).matrix(), whole.pose_at(t).matrix()) << serial << " " << t;
     }
   }
   EXPECT_EQ(motion.late(), 0U);
-  EXPECT_FALSE(motion.follow(announced(19, 10.0, 11.0, {}, Vec3::Zero()), 10.0)) << "not newer";
+  EXPECT_FALSE(motion.accept_in_contact(announced(19, 10.0, 11.0, {}, Vec3::Zero()), 10.0)) << "not newer";
 }
 
 // However late each comes, no point of the body jumps, and it ends where the move ends.
@@ -55,7 +55,7 @@ TEST(AnnouncedMotion, AMoveThatComesLateGoesToTheSameEndWithoutAJump) {
       under_way.emplace_back(t + late_s(random), move);
     }
     for (auto& [due_s, move] : under_way) {
-      if (due_s <= t && due_s > t - kStepS) (void)motion.follow(move, t);
+      if (due_s <= t && due_s > t - kStepS) (void)motion.accept_in_contact(move, t);
     }
     const Vec3 now = motion.pose_at(t) * corner;
     ASSERT_LE((now - last).norm(), kMostSurfaceSpeed * kStepS * (1.0 + 1e-9)) << t;
@@ -67,7 +67,8 @@ TEST(AnnouncedMotion, AMoveThatComesLateGoesToTheSameEndWithoutAJump) {
 
 TEST(AnnouncedMotion, AMoveThatIsTooFastIsSlowed) {
   AnnouncedMotion motion(kAnnouncedPivot, kRadius);
-  ASSERT_TRUE(motion.follow(announced(1, 1.0, 1.001, {0.0, kAnnouncedPivot, Quat::Identity()}, kAnnouncedPivot + Vec3(1, 0, 0)), 0.5));
+  ASSERT_TRUE(
+      motion.accept_in_contact(announced(1, 1.0, 1.001, {0.0, kAnnouncedPivot, Quat::Identity()}, kAnnouncedPivot + Vec3(1, 0, 0)), 0.5));
   EXPECT_EQ(motion.late(), 1U);
   EXPECT_NEAR(motion.pose_at(2.0).translation().x(), kMostSurfaceSpeed, 1e-9);
   EXPECT_NEAR(motion.pose_at(100.0).translation().x(), 1.0, 1e-12);
@@ -77,11 +78,11 @@ TEST(AnnouncedMotion, AMoveThatIsTooFastIsSlowed) {
 TEST(AnnouncedMotion, BeforeTheFirstKnownMoveItStandsWhereThatBegan) {
   AnnouncedMotion motion(kAnnouncedPivot, kRadius);
   const Keyframe from{5.0, kAnnouncedPivot + Vec3(0.2, 0, 0), Quat::Identity()};
-  ASSERT_TRUE(motion.take(announced(17, 5.0, 6.0, from, kAnnouncedPivot)));
+  ASSERT_TRUE(motion.accept(announced(17, 5.0, 6.0, from, kAnnouncedPivot)));
   EXPECT_EQ(motion.serial(), 17U);
   EXPECT_NEAR(motion.pose_at(4.0).translation().x(), 0.2, 1e-12);
   EXPECT_NEAR(motion.pose_at(5.5).translation().x(), 0.1, 1e-12);
-  EXPECT_FALSE(motion.take(announced(17, 5.0, 6.0, from, kAnnouncedPivot)));
+  EXPECT_FALSE(motion.accept(announced(17, 5.0, 6.0, from, kAnnouncedPivot)));
 }
 
 }  // namespace

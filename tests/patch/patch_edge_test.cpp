@@ -171,7 +171,7 @@ TEST_F(PatchEdge, TheWayHoldsTheLastProxyAndThePlacesSince) {
   EXPECT_EQ(touch.hand_at(hand, 7).p_SD, hand);
   EXPECT_EQ(touch.hand_at(hand, 7).time_ns, 7);
   (void)go_past_the_edge();
-  const PatchHand at = touch.hand_at(hand, 8);
+  const PatchHandState at = touch.hand_at(hand, 8);
   ASSERT_TRUE(at.is_beyond);
   const Vec3 far = Vec3(0.012, 0.0005, -kHeldDepth);
   EXPECT_LE((far - at.path.p_SC).norm(), at.path.radius_m + 1e-9);

@@ -49,7 +49,7 @@ class LatePatches {
 
  private:
   std::unique_ptr<Patch> make(const Vec3& p_SD) const {
-    const PatchHand hand = touch_.hand_at(p_SD, 0);
+    const PatchHandState hand = touch_.hand_at(p_SD, 0);
     const PathBall ball = hand.is_beyond ? hand.path : PathBall{p_SD, 0.0};
     auto patch = std::make_unique<Patch>();
     patch->step = std::make_unique<TouchStep>(*make_method({}, scene_));

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-using Look = FileWatch::Look;
+using State = FileWatch::State;
 
 struct FileWatchTest : testing::Test {
   void write(const std::string& text) {
@@ -26,15 +26,15 @@ struct FileWatchTest : testing::Test {
 TEST_F(FileWatchTest, AChangeCountsOnceTheFileWasTheSameForTwoLooks) {
   write("one");
   FileWatch watch(file);
-  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.check(), State::unchanged);
   write("two");
-  EXPECT_EQ(watch.look(), Look::waiting);
+  EXPECT_EQ(watch.check(), State::waiting);
   write("three");
-  EXPECT_EQ(watch.look(), Look::waiting) << "being written";
-  EXPECT_EQ(watch.look(), Look::changed);
-  EXPECT_EQ(watch.look(), Look::changed) << "until it is accepted";
+  EXPECT_EQ(watch.check(), State::waiting) << "being written";
+  EXPECT_EQ(watch.check(), State::changed);
+  EXPECT_EQ(watch.check(), State::changed) << "until it is accepted";
   watch.accept();
-  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.check(), State::unchanged);
 }
 
 TEST_F(FileWatchTest, AFileThatIsGoneIsReportedOnceAndNotForAMoment) {
@@ -42,23 +42,23 @@ TEST_F(FileWatchTest, AFileThatIsGoneIsReportedOnceAndNotForAMoment) {
   FileWatch watch(file);
   const auto aside = folder.path() / "aside";
   std::filesystem::rename(file, aside);
-  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.check(), State::unchanged);
   std::filesystem::rename(aside, file);
-  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.check(), State::unchanged);
   std::filesystem::rename(file, aside);
-  EXPECT_EQ(watch.look(), Look::unchanged);
-  EXPECT_EQ(watch.look(), Look::gone);
-  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.check(), State::unchanged);
+  EXPECT_EQ(watch.check(), State::gone);
+  EXPECT_EQ(watch.check(), State::unchanged);
   std::filesystem::rename(aside, file);
-  EXPECT_EQ(watch.look(), Look::unchanged) << "the same as before";
+  EXPECT_EQ(watch.check(), State::unchanged) << "the same as before";
 }
 
 TEST_F(FileWatchTest, AFileThatAppearsLaterIsAChange) {
   FileWatch watch(file);
-  EXPECT_EQ(watch.look(), Look::unchanged);
+  EXPECT_EQ(watch.check(), State::unchanged);
   write("one");
-  EXPECT_EQ(watch.look(), Look::waiting);
-  EXPECT_EQ(watch.look(), Look::changed);
+  EXPECT_EQ(watch.check(), State::waiting);
+  EXPECT_EQ(watch.check(), State::changed);
 }
 
 }  // namespace

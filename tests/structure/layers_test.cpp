@@ -345,7 +345,7 @@ TEST(Headers, ComeFirstInTheSourceOfTheirName) {
 const std::map<std::string, std::string> kTestedElsewhere = {
     {"core/effects/effect_sample.h", "plain data"},
     {"core/force/force_method.h", "an interface and plain settings: each method has its own test"},
-    {"core/force/riding_proxy.h", "what deforming_method and streamed_method share: each has its own test"},
+    {"core/force/carried_proxy.h", "what deforming_method and streamed_method share: each has its own test"},
     {"core/force/touch_scene.h", "plain data"},
     {"core/geometry/shaded_mesh.h", "plain data: corner_normals and split_large fill it"},
     {"core/geometry/triangle_mesh.h", "plain data"},

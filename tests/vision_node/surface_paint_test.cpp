@@ -54,7 +54,7 @@ TEST(SurfacePaint, HasAVertexForEachPlaceAndPaint) {
   const DetailLevel level = paint(mesh, look);
   EXPECT_EQ(level.positions.size(), mesh.vertices.size() + 3) << "the last cell has four corners, one of them its alone";
   EXPECT_EQ(level.paints.size(), level.positions.size());
-  EXPECT_EQ(level.paints[level.indices.back()].place, look.triangles.back().corners[2].texcoord);
+  EXPECT_EQ(level.paints[level.indices.back()].texcoord, look.triangles.back().corners[2].texcoord);
 }
 
 TEST(SurfacePaint, ComposesTheColoursThatMultiply) {
@@ -140,8 +140,8 @@ TEST(SurfacePaint, TextureCoordinatesSurviveSimplification) {
   ASSERT_EQ(coarser->paints.size(), coarser->positions.size());
   for (std::size_t i = 0; i < coarser->positions.size(); ++i) {
     const Vec3f& p = coarser->positions[i];
-    EXPECT_NEAR(coarser->paints[i].place.x(), 0.5F * (p.x() + 1.0F), 1e-5);
-    EXPECT_NEAR(coarser->paints[i].place.y(), 0.5F * (p.y() + 1.0F), 1e-5);
+    EXPECT_NEAR(coarser->paints[i].texcoord.x(), 0.5F * (p.x() + 1.0F), 1e-5);
+    EXPECT_NEAR(coarser->paints[i].texcoord.y(), 0.5F * (p.y() + 1.0F), 1e-5);
   }
   EXPECT_LT(measure_level_error(*coarser, full, 4000), 1e-4);
   DetailLevel divided = *coarser;
@@ -149,7 +149,7 @@ TEST(SurfacePaint, TextureCoordinatesSurviveSimplification) {
   const FlatLevel flat = make_flat(divided);
   ASSERT_EQ(flat.paints.size(), flat.vertices.size());
   for (std::size_t i = 0; i < flat.vertices.size(); ++i) {
-    EXPECT_NEAR(flat.paints[i].place.x(), 0.5F * (flat.vertices[i].position.x() + 1.0F), 1e-5);
+    EXPECT_NEAR(flat.paints[i].texcoord.x(), 0.5F * (flat.vertices[i].position.x() + 1.0F), 1e-5);
   }
 }
 

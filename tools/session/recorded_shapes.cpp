@@ -72,7 +72,7 @@ bool RecordedShapes::apply(std::uint64_t sender, std::uint32_t serial, HapticsSt
   if (method == nullptr || program_shape == nullptr || method->has_waiting()) return false;
   const auto rest = method->stager().rest();
   if (rest.size() != begun->shape->total()) return false;
-  return begin_stage(step, begun->start, method->present().to, program_shape->vertices_of(rest, begun->shape->displacements_m()));
+  return begin_stage(step, begun->start, method->current_stage().to, program_shape->vertices_of(rest, begun->shape->displacements_m()));
 }
 
 std::optional<RecordedShapes::Motion> RecordedShapes::find_motion(const Sender& own, int object, std::int64_t scene_time_ns) {

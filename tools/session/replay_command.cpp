@@ -264,7 +264,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command
       .add_option("--tool-threads", options->tool_threads,
                   "With --tool: threads that share the search for contacts; the result is the same")
-      .between(1, WorkerTeam::kMost)
+      .between(1, WorkerTeam::kMaxWorkers)
       .shows_default();
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
   add_method_flags(command, options->method);

@@ -50,11 +50,12 @@ std::string soak_csv_header(const std::vector<std::string>& processes) {
   return text + "\n";
 }
 
-std::string soak_csv_row(const SoakLook& look) {
-  std::string text = fmt::format("{:.3f},{:.2f},{:.2f},{:.2f},{:.2f},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f}", look.seconds,
-                                 look.samples_hz, look.forces_hz, look.contacts_hz, look.drawn_hz, look.lost, look.late, look.superseded,
-                                 look.missed_cycles, look.round_trip_p50_us, look.round_trip_p99_us, look.round_trip_max_us, look.drift_ms);
-  for (const ProcessStats& process : look.processes) {
+std::string soak_csv_row(const SoakSample& sample) {
+  std::string text =
+      fmt::format("{:.3f},{:.2f},{:.2f},{:.2f},{:.2f},{},{},{},{},{:.2f},{:.2f},{:.2f},{:.3f}", sample.seconds, sample.samples_hz,
+                  sample.forces_hz, sample.contacts_hz, sample.drawn_hz, sample.lost, sample.late, sample.superseded, sample.missed_cycles,
+                  sample.round_trip_p50_us, sample.round_trip_p99_us, sample.round_trip_max_us, sample.drift_ms);
+  for (const ProcessStats& process : sample.processes) {
     text += fmt::format(",{},{},{}", process.resident_kib, process.descriptors, process.threads);
   }
   return text + "\n";

@@ -9,10 +9,10 @@
 
 namespace hapton {
 
-// A look as a row of soak.csv, and the header above: t_s, rates, counts, round trip, drift, then NAME_resident_kib, NAME_descriptors and
+// A sample as a row of soak.csv, and the header above: t_s, rates, counts, round trip, drift, then NAME_resident_kib, NAME_descriptors and
 // NAME_threads of each process. RT: no.
 std::string soak_csv_header(const std::vector<std::string>& processes);
-std::string soak_csv_row(const SoakLook& look);
+std::string soak_csv_row(const SoakSample& sample);
 
 // The gnuplot script that draws soak.csv: memory, descriptors and threads, round trip, drift, each over time.
 std::string make_soak_plot(const std::vector<std::string>& processes, const std::string& picture);

@@ -121,38 +121,38 @@ class Watch {
   double seconds() const { return now_s() - first_->time_s; }
   void idle(double seconds) { reader_->idle(seconds); }
 
-  Result<SoakLook> look() {
+  Result<SoakSample> sample() {
     auto reading = read();
     if (!reading) return tl::unexpected(reading.error());
-    SoakLook look;
-    look.seconds = reading->time_s - first_->time_s;
+    SoakSample sample;
+    sample.seconds = reading->time_s - first_->time_s;
     const double passed_s = reading->look.report.value("seconds", 0.0) - last_->look.report.value("seconds", 0.0);
     const auto rate = [&](const char* name) {
       return passed_s > 0.0 ? static_cast<double>(counter(reading->look.report, name) - counter(last_->look.report, name)) / passed_s : 0.0;
     };
     const auto since_first = [&](const char* name) { return counter(reading->look.report, name) - counter(first_->look.report, name); };
-    look.samples_hz = rate("samples");
-    look.forces_hz = rate("forces");
-    look.contacts_hz = rate("contact_samples");
-    look.drawn_hz = rate("drawn");
-    look.lost = since_first("lost");
-    look.late = since_first("late");
-    look.superseded = since_first("superseded");
-    look.missed_cycles = since_first("missed_cycles");
-    look.drift_ms = 1e3 * (static_cast<double>(since_first("samples") + look.missed_cycles) / rate_hz_ - look.seconds);
+    sample.samples_hz = rate("samples");
+    sample.forces_hz = rate("forces");
+    sample.contacts_hz = rate("contact_samples");
+    sample.drawn_hz = rate("drawn");
+    sample.lost = since_first("lost");
+    sample.late = since_first("late");
+    sample.superseded = since_first("superseded");
+    sample.missed_cycles = since_first("missed_cycles");
+    sample.drift_ms = 1e3 * (static_cast<double>(since_first("samples") + sample.missed_cycles) / rate_hz_ - sample.seconds);
     for (const HopCounts& hop : subtract_hops(reading->look.hops, last_->look.hops)) {
       if (hop.name != "round_trip" || hop.total() == 0) continue;
-      look.round_trip_p50_us = hop.quantile_us(0.5);
-      look.round_trip_p99_us = hop.quantile_us(0.99);
-      look.round_trip_max_us = hop.quantile_us(1.0);
+      sample.round_trip_p50_us = hop.quantile_us(0.5);
+      sample.round_trip_p99_us = hop.quantile_us(0.99);
+      sample.round_trip_max_us = hop.quantile_us(1.0);
     }
     for (LocalNode* node : nodes_.all()) {
       const auto figures = read_process_figures(node->pid());
       if (!figures) return tl::unexpected(figures.error());
-      look.processes.push_back(*figures);
+      sample.processes.push_back(*figures);
     }
     last_ = std::move(*reading);
-    return look;
+    return sample;
   }
 
  private:
@@ -181,15 +181,15 @@ class Watch {
 };
 
 void print_progress(const SoakRun& run) {
-  const SoakLook& look = run.looks.back();
+  const SoakSample& sample = run.samples.back();
   std::string memory;
   for (std::size_t i = 0; i < run.processes.size(); ++i) {
-    memory += fmt::format(", {} {:.1f} MiB {} fd", run.processes[i], static_cast<double>(look.processes[i].resident_kib) / 1024.0,
-                          look.processes[i].descriptors);
+    memory += fmt::format(", {} {:.1f} MiB {} fd", run.processes[i], static_cast<double>(sample.processes[i].resident_kib) / 1024.0,
+                          sample.processes[i].descriptors);
   }
   fmt::print("soak: {:.0f} of {:.0f} s: {:.0f} forces/s, {} lost, {} late, {} missed, round trip p50 {:.0f} p99 {:.0f} max {:.0f} us{}\n",
-             look.seconds, run.seconds, look.forces_hz, look.lost, look.late, look.missed_cycles, look.round_trip_p50_us,
-             look.round_trip_p99_us, look.round_trip_max_us, memory);
+             sample.seconds, run.seconds, sample.forces_hz, sample.lost, sample.late, sample.missed_cycles, sample.round_trip_p50_us,
+             sample.round_trip_p99_us, sample.round_trip_max_us, memory);
   std::fflush(stdout);
 }
 
@@ -208,14 +208,14 @@ Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch,
       if (stop.stop_requested()) run.ended = "stopped early";
     }
     if (!run.ended.empty()) return {};
-    auto look = watch.look();
-    if (!look) {
+    auto sample = watch.sample();
+    if (!sample) {
       const auto running = nodes.check_running();
-      run.ended = running ? look.error().what : running.error().what;
+      run.ended = running ? sample.error().what : running.error().what;
       return {};
     }
-    run.looks.push_back(std::move(*look));
-    if (!(csv << soak_csv_row(run.looks.back()) << std::flush)) return fail("{}: cannot be written", table.string());
+    run.samples.push_back(std::move(*sample));
+    if (!(csv << soak_csv_row(run.samples.back()) << std::flush)) return fail("{}: cannot be written", table.string());
     if (due_s >= next_progress_s) {
       print_progress(run);
       next_progress_s = due_s + std::max(kProgressEvery_s, options.seconds / kMostProgressLines);
@@ -233,7 +233,7 @@ Result<SoakRun> soak(const SoakOptions& options) {
   if (!reader) return tl::unexpected(reader.error());
   Watch watch(options, nodes, std::move(*reader));
   if (const auto force = watch.wait_for_force(stop); !force) return tl::unexpected(force.error());
-  SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .looks = {}, .ended = {}};
+  SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .samples = {}, .ended = {}};
   for (const LocalNode* node : nodes.all()) run.processes.push_back(node->name());
   if (const auto watched = watch_nodes(options, nodes, watch, stop, run); !watched) return tl::unexpected(watched.error());
   if (const auto stopped = nodes.stop(); !stopped && run.ended.empty()) run.ended = stopped.error().what;
@@ -258,8 +258,8 @@ Result<SoakEnd> run_soak(const SoakOptions& options) {
       !written) {
     return tl::unexpected(written.error());
   }
-  const auto picture = run->looks.empty() ? Result<std::filesystem::path>(fail("no observation was made, so no plot is drawn"))
-                                          : draw_soak_plot(options.out, run->processes);
+  const auto picture = run->samples.empty() ? Result<std::filesystem::path>(fail("no observation was made, so no plot is drawn"))
+                                            : draw_soak_plot(options.out, run->processes);
   return SoakEnd{fmt::format("soak: observations in {}, {}\n{}\n", (options.out / "soak.csv").string(),
                              picture ? "plot in " + picture->string() : picture.error().what, to_text(*run, verdict)),
                  verdict.flat};

@@ -20,9 +20,9 @@ constexpr double kMemoryShare = 0.01;     // of the memory, plus kMemoryKib: gro
 constexpr double kMemoryKib = 1024.0;     // KiB: 1 MiB
 constexpr double kHalf = 0.5;             // a whole descriptor or thread is more than that
 constexpr double kRateShare = 0.99;       // of the requested rate, which the median observation must have
-constexpr double kDriftMs = 100.0;        // a look's own uncertainty: the report and the clock are not read at the same instant
+constexpr double kDriftMs = 100.0;        // a sample's own uncertainty: the report and the clock are not read at the same instant
 constexpr double kDriftShare = 1e-4;      // more than any quartz is off
-constexpr std::size_t kFewLooks = 5;      // a median of thirds says nothing of less
+constexpr std::size_t kFewSamples = 5;    // a median of thirds says nothing of less
 constexpr std::size_t kMostPoints = 512;  // of which the trend is found, as its work grows with their square; a free choice
 
 double median(std::vector<double> values) {
@@ -58,28 +58,28 @@ double median_slope(const std::vector<double>& times, const std::vector<double>&
 class Series {
  public:
   explicit Series(const SoakRun& run) {
-    for (const SoakLook& look : run.looks) {
-      if (look.seconds >= warm_up_s(run.seconds)) looks_.push_back(&look);
+    for (const SoakSample& sample : run.samples) {
+      if (sample.seconds >= warm_up_s(run.seconds)) samples_.push_back(&sample);
     }
-    times_ = of([](const SoakLook& look) { return look.seconds; });
+    times_ = of([](const SoakSample& sample) { return sample.seconds; });
   }
 
-  std::size_t size() const { return looks_.size(); }
+  std::size_t size() const { return samples_.size(); }
   double seconds() const { return times_.back() - times_.front(); }
-  std::vector<double> of(const std::function<double(const SoakLook&)>& figure) const {
+  std::vector<double> of(const std::function<double(const SoakSample&)>& figure) const {
     std::vector<double> values;
-    for (const SoakLook* look : looks_) values.push_back(figure(*look));
+    for (const SoakSample* sample : samples_) values.push_back(figure(*sample));
     return values;
   }
   double rise(const std::vector<double>& values) const { return find_rise(times_, values); }
 
  private:
-  std::vector<const SoakLook*> looks_;
+  std::vector<const SoakSample*> samples_;
   std::vector<double> times_;
 };
 
 SoakFinding check_memory(const Series& series, const std::string& process, std::size_t index) {
-  const auto kib = series.of([&](const SoakLook& look) { return static_cast<double>(look.processes[index].resident_kib); });
+  const auto kib = series.of([&](const SoakSample& sample) { return static_cast<double>(sample.processes[index].resident_kib); });
   const double rise = series.rise(kib);
   const double limit = kMemoryShare * median(kib) + kMemoryKib;
   return {"memory", process,       rise,
@@ -92,8 +92,8 @@ SoakFinding check_count(const Series& series, const std::string& process, const 
 }
 
 SoakFinding check_rate(const Series& series, double rate_hz) {
-  const double samples_hz = median(series.of([](const SoakLook& look) { return look.samples_hz; }));
-  const double forces_hz = median(series.of([](const SoakLook& look) { return look.forces_hz; }));
+  const double samples_hz = median(series.of([](const SoakSample& sample) { return sample.samples_hz; }));
+  const double forces_hz = median(series.of([](const SoakSample& sample) { return sample.forces_hz; }));
   const double least = std::min(samples_hz, forces_hz);
   const double limit = kRateShare * rate_hz;
   return {"rate",         "",
@@ -102,32 +102,32 @@ SoakFinding check_rate(const Series& series, double rate_hz) {
 }
 
 SoakFinding check_drift(const Series& series) {
-  const double drift_ms = series.rise(series.of([](const SoakLook& look) { return look.drift_ms; }));
+  const double drift_ms = series.rise(series.of([](const SoakSample& sample) { return sample.drift_ms; }));
   const double limit = kDriftMs + 1e3 * kDriftShare * series.seconds();
   return {"drift", "", drift_ms, limit, std::abs(drift_ms) <= limit, fmt::format("ticks drifted {:+.1f} ms from the clock", drift_ms)};
 }
 
 SoakFinding check_lost(const SoakRun& run) {
-  const std::int64_t lost = run.looks.back().lost;
+  const std::int64_t lost = run.samples.back().lost;
   return {"lost", "", static_cast<double>(lost), 0.0, lost == 0, fmt::format("forces lost: {}", lost)};
 }
 
-SoakFinding check_length(const SoakRun& run, std::size_t looks) {
-  const double reached_s = run.looks.empty() ? 0.0 : run.looks.back().seconds;
-  const bool is_enough = run.ended.empty() && looks >= kFewLooks;
+SoakFinding check_length(const SoakRun& run, std::size_t samples) {
+  const double reached_s = run.samples.empty() ? 0.0 : run.samples.back().seconds;
+  const bool is_enough = run.ended.empty() && samples >= kFewSamples;
   const std::string why = run.ended.empty() ? "too few observations" : run.ended;
   return {"run", "", reached_s, run.seconds, is_enough, is_enough ? "ran its time" : fmt::format("{}, after {:.0f} s", why, reached_s)};
 }
 
 double worst_round_trip_us(const SoakRun& run) {
   double worst = 0.0;
-  for (const SoakLook& look : run.looks) worst = std::max(worst, look.round_trip_max_us);
+  for (const SoakSample& sample : run.samples) worst = std::max(worst, sample.round_trip_max_us);
   return worst;
 }
 
 nlohmann::ordered_json process_json(const SoakRun& run, std::size_t index) {
-  const ProcessStats& first = run.looks.front().processes[index];
-  const ProcessStats& last = run.looks.back().processes[index];
+  const ProcessStats& first = run.samples.front().processes[index];
+  const ProcessStats& last = run.samples.back().processes[index];
   return {{"name", run.processes[index]},
           {"resident_kib", {{"first", first.resident_kib}, {"last", last.resident_kib}}},
           {"descriptors", {{"first", first.descriptors}, {"last", last.descriptors}}},
@@ -149,18 +149,18 @@ SoakVerdict evaluate_soak(const SoakRun& run) {
   const Series series(run);
   SoakVerdict verdict;
   verdict.findings.push_back(check_length(run, series.size()));
-  if (series.size() >= kFewLooks) {
+  if (series.size() >= kFewSamples) {
     verdict.findings.push_back(check_lost(run));
     verdict.findings.push_back(check_rate(series, run.rate_hz));
     verdict.findings.push_back(check_drift(series));
     for (std::size_t i = 0; i < run.processes.size(); ++i) {
       const std::string& name = run.processes[i];
       verdict.findings.push_back(check_memory(series, name, i));
-      verdict.findings.push_back(check_count(series, name, "descriptors", series.of([&](const SoakLook& look) {
-        return static_cast<double>(look.processes[i].descriptors);
+      verdict.findings.push_back(check_count(series, name, "descriptors", series.of([&](const SoakSample& sample) {
+        return static_cast<double>(sample.processes[i].descriptors);
       })));
       verdict.findings.push_back(check_count(
-          series, name, "threads", series.of([&](const SoakLook& look) { return static_cast<double>(look.processes[i].threads); })));
+          series, name, "threads", series.of([&](const SoakSample& sample) { return static_cast<double>(sample.processes[i].threads); })));
     }
   }
   verdict.flat = std::all_of(verdict.findings.begin(), verdict.findings.end(), [](const SoakFinding& finding) { return finding.flat; });
@@ -177,10 +177,10 @@ nlohmann::ordered_json to_json(const SoakRun& run, const SoakVerdict& verdict) {
     json["findings"].push_back(
         {{"what", f.what}, {"process", f.process}, {"value", f.value}, {"limit", f.limit}, {"flat", f.flat}, {"text", f.text}});
   }
-  if (run.looks.empty()) return json;
-  const SoakLook& last = run.looks.back();
+  if (run.samples.empty()) return json;
+  const SoakSample& last = run.samples.back();
   json["seconds"] = last.seconds;
-  json["looks"] = run.looks.size();
+  json["looks"] = run.samples.size();
   json["counters"] = {{"lost", last.lost}, {"late", last.late}, {"superseded", last.superseded}, {"missed_cycles", last.missed_cycles}};
   json["round_trip_max_us"] = worst_round_trip_us(run);
   json["processes"] = nlohmann::ordered_json::array();
@@ -199,7 +199,7 @@ std::string to_text(const SoakRun& run, const SoakVerdict& verdict) {
     }
     return text;
   }
-  const SoakLook& last = run.looks.back();
+  const SoakSample& last = run.samples.back();
   std::string text = fmt::format("soak: flat over {:.0f} s: {} late, {} missed cycles, slowest round trip {:.0f} us", last.seconds,
                                  last.late, last.missed_cycles, worst_round_trip_us(run));
   for (const SoakFinding& finding : verdict.findings) {

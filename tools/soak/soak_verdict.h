@@ -11,7 +11,7 @@
 namespace hapton {
 
 // A sample of a system under soak. Counts and drift are since the first sample, rates and latencies since the previous one.
-struct SoakLook {
+struct SoakSample {
   double seconds = 0.0;
   double samples_hz = 0.0;
   double forces_hz = 0.0;
@@ -32,8 +32,8 @@ struct SoakLook {
 struct SoakRun {
   double seconds = 0.0;
   double rate_hz = 0.0;
-  std::vector<std::string> processes;  // names, in the order of SoakLook::processes
-  std::vector<SoakLook> looks;
+  std::vector<std::string> processes;  // names, in the order of SoakSample::processes
+  std::vector<SoakSample> samples;
   std::string ended;  // the process that ended, or what else cut the run short; empty: nothing did
 };
 

@@ -36,7 +36,7 @@ std::unique_ptr<StreamedMethod> make_streamed(std::shared_ptr<const TriangleMesh
 }
 
 void give(StreamedMethod& method, const Shape& shape, double over_s) {
-  auto stage = method.stager().make(method.present().to, shape);
+  auto stage = method.stager().make(method.current_stage().to, shape);
   ASSERT_TRUE(stage) << stage.error().what;
   (void)method.offer(std::move(*stage), over_s);
 }
@@ -100,7 +100,7 @@ void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t frames, doubl
   std::size_t given = 0;
   for (int i = 0; i < 1500; ++i) {
     if (given < shapes.size() && streamed->serial() == given) {
-      auto stage = streamed->stager().make(streamed->present().to, shapes[given]);
+      auto stage = streamed->stager().make(streamed->current_stage().to, shapes[given]);
       ASSERT_TRUE(stage) << stage.error().what;
       if (bound == TravelBound::of_keyframes) {
         (*stage)->most_m = longest_of(targets[given]) + (given > 0 ? longest_of(targets[given - 1]) : 0.0);

@@ -49,7 +49,7 @@ struct SessionReplayTest : testing::Test {
   }
 
   void send_setup(const char* method) {
-    const auto serial = static_cast<std::uint32_t>(live.counts().methods_taken);
+    const auto serial = static_cast<std::uint32_t>(live.counts().method_changes);
     HapticsSetup setup;
     setup.method_serial = serial;
     setup.view_revision = live.view().revision;

@@ -44,7 +44,7 @@ struct ShapesReplayTest : SessionReplayTest {
     for (const Vec3& p : rest) {
       shape.push_back({static_cast<float>(wider * p.x()), static_cast<float>(0.5 * wider * p.y()), static_cast<float>(-wider * p.z())});
     }
-    auto stage = method->stager().make(method->present().to, program_shape.vertices_of(rest, shape));
+    auto stage = method->stager().make(method->current_stage().to, program_shape.vertices_of(rest, shape));
     ASSERT_TRUE(stage) << stage.error().what;
     ++serial;
     for (std::uint32_t first = 0; first < shape.size(); first += ShapePart::kMostHere) {

@@ -15,11 +15,11 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 const std::vector<std::string> kNodes = {"haptics_node", "io_node"};
-const SoakLook kLook = {.seconds = 2.0, .samples_hz = 1000.0, .round_trip_max_us = 90.0, .processes = {{2000, 9, 3}, {1000, 12, 2}}};
+const SoakSample kSample = {.seconds = 2.0, .samples_hz = 1000.0, .round_trip_max_us = 90.0, .processes = {{2000, 9, 3}, {1000, 12, 2}}};
 
 TEST(SoakPlot, ARowHasAsManyColumnsAsTheHeader) {
   const std::string header = soak_csv_header(kNodes);
-  const std::string row = soak_csv_row(kLook);
+  const std::string row = soak_csv_row(kSample);
   EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
   EXPECT_THAT(header, HasSubstr(",io_node_resident_kib,io_node_descriptors,io_node_threads\n"));
   EXPECT_THAT(row, StartsWith("2.000,1000.00,"));
@@ -28,9 +28,9 @@ TEST(SoakPlot, ARowHasAsManyColumnsAsTheHeader) {
 
 TEST(SoakPlot, IsDrawnFromTheTable) {
   const ScratchFolder folder;
-  SoakLook later = kLook;
+  SoakSample later = kSample;
   later.seconds = 4.0;
-  folder.write("soak.csv", soak_csv_header(kNodes) + soak_csv_row(kLook) + soak_csv_row(later));
+  folder.write("soak.csv", soak_csv_header(kNodes) + soak_csv_row(kSample) + soak_csv_row(later));
   const auto picture = draw_soak_plot(folder.path(), kNodes);
   if (!picture && picture.error().what.find("gnuplot-nox") != std::string::npos) GTEST_SKIP() << picture.error().what;
   ASSERT_TRUE(picture) << picture.error().what;

@@ -18,19 +18,19 @@ using ::testing::Not;
 
 // An hour without an event, looked at every 30 s: some jitter in each figure, as a real one has.
 SoakRun an_hour() {
-  SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .looks = {}, .ended = {}};
+  SoakRun run{.seconds = 3600.0, .rate_hz = 1000.0, .processes = {"haptics_node", "io_node"}, .samples = {}, .ended = {}};
   for (int i = 1; i <= 120; ++i) {
     const int jitter = (i * 37) % 11 - 5;
-    run.looks.push_back({.seconds = 30.0 * i,
-                         .samples_hz = 1000.0 + 0.1 * jitter,
-                         .forces_hz = 999.9 + 0.1 * jitter,
-                         .late = i / 40,
-                         .missed_cycles = i / 30,
-                         .round_trip_p50_us = 40.0,
-                         .round_trip_p99_us = 90.0 + jitter,
-                         .round_trip_max_us = i == 70 ? 5000.0 : 300.0,
-                         .drift_ms = 4.0 * jitter,
-                         .processes = {{20'000 + 8 * jitter, 9, 3}, {8'000 + 4 * jitter, 12, 2}}});
+    run.samples.push_back({.seconds = 30.0 * i,
+                           .samples_hz = 1000.0 + 0.1 * jitter,
+                           .forces_hz = 999.9 + 0.1 * jitter,
+                           .late = i / 40,
+                           .missed_cycles = i / 30,
+                           .round_trip_p50_us = 40.0,
+                           .round_trip_p99_us = 90.0 + jitter,
+                           .round_trip_max_us = i == 70 ? 5000.0 : 300.0,
+                           .drift_ms = 4.0 * jitter,
+                           .processes = {{20'000 + 8 * jitter, 9, 3}, {8'000 + 4 * jitter, 12, 2}}});
   }
   return run;
 }
@@ -62,7 +62,7 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
 
 TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.processes[0].resident_kib += static_cast<std::int64_t>(look.seconds);
+  for (SoakSample& sample : run.samples) sample.processes[0].resident_kib += static_cast<std::int64_t>(sample.seconds);
   const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_FALSE(verdict.flat);
   EXPECT_EQ(count_bad(verdict), 1U);
@@ -73,28 +73,28 @@ TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {
 
 TEST(SoakVerdict, MemoryThatJumpsOnceIsNotFlat) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.processes[1].resident_kib += look.seconds > 2200.0 ? 4096 : 0;
+  for (SoakSample& sample : run.samples) sample.processes[1].resident_kib += sample.seconds > 2200.0 ? 4096 : 0;
   EXPECT_FALSE(finding(evaluate_soak(run), "memory", "io_node").flat);
 }
 
 TEST(SoakVerdict, MemoryThatGrowsInTheFirstTenthOnlyOrShrinksIsFlat) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.processes[0].resident_kib -= look.seconds < 300.0 ? 10'000 : 0;
-  for (SoakLook& look : run.looks) look.processes[1].resident_kib -= static_cast<std::int64_t>(look.seconds);
+  for (SoakSample& sample : run.samples) sample.processes[0].resident_kib -= sample.seconds < 300.0 ? 10'000 : 0;
+  for (SoakSample& sample : run.samples) sample.processes[1].resident_kib -= static_cast<std::int64_t>(sample.seconds);
   EXPECT_TRUE(evaluate_soak(run).flat);
 }
 
 TEST(SoakVerdict, OneLookThatIsOffIsNotHeeded) {
   SoakRun run = an_hour();
-  run.looks.back().processes[0] = {90'000, 40, 12};
-  run.looks[60].processes[1].descriptors = 13;
-  run.looks[61].samples_hz = 400.0;
+  run.samples.back().processes[0] = {90'000, 40, 12};
+  run.samples[60].processes[1].descriptors = 13;
+  run.samples[61].samples_hz = 400.0;
   EXPECT_TRUE(evaluate_soak(run).flat) << to_text(run, evaluate_soak(run));
 }
 
 TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.processes[1].descriptors += look.seconds > 2200.0 ? 1 : 0;
+  for (SoakSample& sample : run.samples) sample.processes[1].descriptors += sample.seconds > 2200.0 ? 1 : 0;
   const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_EQ(count_bad(verdict), 1U);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("io_node descriptors +1.0 of 12"));
@@ -102,13 +102,13 @@ TEST(SoakVerdict, ADescriptorMoreIsNotFlat) {
 
 TEST(SoakVerdict, AThreadLessIsNotFlat) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.processes[0].threads -= look.seconds > 1800.0 ? 1 : 0;
+  for (SoakSample& sample : run.samples) sample.processes[0].threads -= sample.seconds > 1800.0 ? 1 : 0;
   EXPECT_FALSE(finding(evaluate_soak(run), "threads", "haptics_node").flat);
 }
 
 TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.lost = 1;
+  for (SoakSample& sample : run.samples) sample.lost = 1;
   const SoakVerdict verdict = evaluate_soak(run);
   EXPECT_EQ(count_bad(verdict), 1U);
   EXPECT_THAT(to_text(run, verdict), HasSubstr("forces lost: 1"));
@@ -116,7 +116,7 @@ TEST(SoakVerdict, ALostForceIsNotFlatEvenInTheWarmUp) {
 
 TEST(SoakVerdict, ARateThatIsNotHeldIsNotFlat) {
   SoakRun run = an_hour();
-  for (SoakLook& look : run.looks) look.forces_hz = 960.0;
+  for (SoakSample& sample : run.samples) sample.forces_hz = 960.0;
   EXPECT_EQ(finding(evaluate_soak(run), "rate").value, 960.0);
   EXPECT_FALSE(evaluate_soak(run).flat);
 }
@@ -124,7 +124,7 @@ TEST(SoakVerdict, ARateThatIsNotHeldIsNotFlat) {
 TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
   for (const double ppm : {-300.0, 300.0}) {
     SoakRun run = an_hour();
-    for (SoakLook& look : run.looks) look.drift_ms += 1e-3 * ppm * look.seconds;
+    for (SoakSample& sample : run.samples) sample.drift_ms += 1e-3 * ppm * sample.seconds;
     const SoakVerdict verdict = evaluate_soak(run);
     EXPECT_EQ(count_bad(verdict), 1U) << ppm;
     EXPECT_NEAR(finding(verdict, "drift").value, 3.24 * ppm, 20.0);
@@ -134,14 +134,14 @@ TEST(SoakVerdict, TicksThatDriftFromTheClockAreNotFlatWhicheverWay) {
 TEST(SoakVerdict, ARunCutShortIsNotFlatAndSaysWhy) {
   SoakRun run = an_hour();
   run.ended = "io_node ended with 139: Segmentation fault";
-  run.looks.resize(40);
+  run.samples.resize(40);
   EXPECT_FALSE(evaluate_soak(run).flat);
   EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("not flat: io_node ended with 139: Segmentation fault, after 1200 s"));
 }
 
 TEST(SoakVerdict, TooFewObservationsAreNoProof) {
   SoakRun run = an_hour();
-  run.looks.clear();
+  run.samples.clear();
   EXPECT_FALSE(evaluate_soak(run).flat);
   EXPECT_EQ(to_json(run, evaluate_soak(run))["flat"], false);
   EXPECT_THAT(to_text(run, evaluate_soak(run)), HasSubstr("too few observations"));

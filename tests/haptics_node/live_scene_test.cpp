@@ -1,4 +1,4 @@
-#include "haptics_node/felt_scene.h"
+#include "haptics_node/live_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ struct FeltSceneTest : testing::Test {
   InsideWatch inside{two_boxes_felt(1000.0)};
   double gain_n_per_m = 0.0;
   std::uint32_t request = 1;
-  FeltScene felt{two_boxes_felt(1000.0),
+  LiveScene felt{two_boxes_felt(1000.0),
                  [this](const TouchScene& scene) {
                    gain_n_per_m = scene.objects[1].material.stiffness_n_per_m;
                    return find_largest_gains(scene);

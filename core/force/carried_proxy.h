@@ -29,11 +29,11 @@ namespace hapton {
 //
 // Frame: S. RT: step and reset yes. Threads: one.
 template <class Surface>
-class RidingProxy {
+class CarriedProxy {
  public:
   // Pre: the method is a ProxyMethod of one object that deforms.
   template <class... Arguments>
-  explicit RidingProxy(std::unique_ptr<ForceMethod> method, Arguments&&... of_surface)
+  explicit CarriedProxy(std::unique_ptr<ForceMethod> method, Arguments&&... of_surface)
       : method_(std::move(method)),
         proxy_(static_cast<ProxyMethod&>(*method_)),
         surface_(proxy_.deforming_geometry(), std::forward<Arguments>(of_surface)...) {}
