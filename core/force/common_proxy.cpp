@@ -23,7 +23,8 @@ constexpr double kMostLifts = 64.0;
 
 }  // namespace
 
-CommonProxy::CommonProxy(std::size_t most, double extent_m) : parts_(most), planes_(most), plane_of_(most), lift_m_(kLift * extent_m) {}
+CommonProxy::CommonProxy(std::size_t most, double extent_m, bool in_series)
+    : parts_(most), planes_(most), plane_of_(most), in_series_(in_series), lift_m_(kLift * extent_m) {}
 
 void CommonProxy::go_on_from(const Vec3& p_S) noexcept {
   place_ = p_S;
@@ -50,6 +51,8 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
     part.p_before = part.p_SP;
     part.lift_before = part.lift;
     part.is_felt = part.begins_again = false;
+    part.turns = 0;
+    part.force_n.setZero();
     part.was_with_others = part.with_others && !place;
     if (place) {
       part.X_before = part.X_SO;
@@ -58,13 +61,31 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
       part.is_limited = false;
     }
     if (start) felt.reset(i, part.X_SO, *start);
+    part.gives_way = felt.gives_way(i);
+    if (part.gives_way) part.held.setZero();
     part.was_held = part.holds();
     if (!part.was_held) continue;
     ++holding_;
     part.held = part.X_SO.linear() * (part.X_before.linear().transpose() * part.held);
     part.p_SP = part.start();
   }
+  lead(felt);
   if (holding_ > 1) share_out();
+}
+
+// Each of several parts that give way follows the one before it.
+void CommonProxy::lead(FeltParts& felt) noexcept {
+  goal_ = p_SD_;
+  is_led_ = false;
+  for (std::size_t i = 0; i < count_; ++i) {
+    Part& part = parts_[i];
+    if (!part.gives_way) continue;
+    part.output = felt.feel(i, part.X_SO, goal_, {});
+    part.is_felt = true;
+    part.held = goal_ - part.output.p_SP;
+    is_led_ = is_led_ || !part.held.isZero(0.0);
+    goal_ = part.output.p_SP;
+  }
 }
 
 // Of the shares of all but the first part. whole_m: from the proxy to the device.
@@ -82,9 +103,9 @@ void CommonProxy::share_out() noexcept {
     planes_[planes] = {normal, normal.dot(part.p_SP - part.lift - origin)};
     plane_of_[planes++] = i;
   }
-  const ConstrainedMotion held = constrain_motion(p_SD_ - origin, std::span(planes_).first(planes));
+  const ConstrainedMotion held = constrain_motion(goal_ - origin, std::span(planes_).first(planes));
   if (!held.solved) return;
-  const double most_m = limit_m((held.motion - (p_SD_ - origin)).norm());
+  const double most_m = limit_m((held.motion - (goal_ - origin)).norm());
   for (std::size_t k = 0; k < 3; ++k) {
     if (held.active[k] > 0 && held.multipliers[k] > most_m) return;
   }
@@ -112,6 +133,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   const Vec3 lift = holding_ > 0 ? lift_of(i) : Vec3(Vec3::Zero());
   const Vec3 follow = common_ + part.held + lift;
   if (part.is_felt && !part.begins_again) {
+    if (part.turns >= felt.most_turns(i)) return false;
     const double agree = std::max(kAgree * largest_m_ + kRounding * follow.cwiseAbs().maxCoeff(), kAgreeLifts * lift_m_);
     if ((follow - part.followed).norm() <= agree) return false;
   }
@@ -121,6 +143,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   part.is_shared = is_shared_ || part.was_with_others;
   part.output = felt.feel(i, part.X_SO, follow, {.is_correction = part.is_felt, .is_shared = part.is_shared});
   part.is_felt = true;
+  ++part.turns;
   part.begins_again = false;
   part.followed = follow;
   part.lift = lift;
@@ -130,7 +153,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   holding_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
   const Vec3 before = common_;
   common_ = part.p_SP - lift;
-  if (holding_ > 1 && first_held() < i) limit_share(part, std::max((p_SD_ - before).norm(), (p_SD_ - common_).norm()));
+  if (holding_ > 1 && first_held() < i) limit_share(part, std::max((goal_ - before).norm(), (goal_ - common_).norm()));
   return held_before || part.holds();
 }
 
@@ -156,7 +179,7 @@ void CommonProxy::limit_share(Part& part, double whole_m) noexcept {
 }
 
 void CommonProxy::begin_round() noexcept {
-  common_ = p_SD_;
+  common_ = goal_;
   largest_m_ = 0.0;
   holding_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
@@ -165,7 +188,7 @@ void CommonProxy::begin_round() noexcept {
     common_ -= parts_[i].held;
     largest_m_ = std::max(largest_m_, parts_[i].held.norm());
   }
-  is_shared_ = holding_ > 1;
+  is_shared_ = holding_ > 1 || (holding_ > 0 && is_led_);
 }
 
 // A part has come into contact in this sample, and another one was in contact before it, or is now.
@@ -199,7 +222,7 @@ void CommonProxy::follow(FeltParts& felt) noexcept {
   for (int round = 0; any && round < kRounds; ++round) {
     begin_round();
     any = false;
-    for (std::size_t i = 0; i < count_; ++i) any = visit(felt, i) || any;
+    for (std::size_t i = 0; i < count_; ++i) any = (!parts_[i].gives_way && visit(felt, i)) || any;
     if (!any) break;
     const bool has_met = has_met_another();
     if (has_met) begin_again(felt);
@@ -208,6 +231,44 @@ void CommonProxy::follow(FeltParts& felt) noexcept {
   is_squeezed_ = is_limited();
   const std::size_t first = has_still_ ? 0 : first_held();
   if (any && first < count_ && (has_still_ || is_squeezed_)) (void)visit(felt, first);
+}
+
+void CommonProxy::follow_in_series(FeltParts& felt) noexcept {
+  for (std::size_t i = 0; i < count_; ++i) parts_[i].held.setZero();
+  begin_round();
+  for (std::size_t i = 0; i < count_; ++i) {
+    Part& part = parts_[i];
+    part.output = felt.feel(i, part.X_SO, common_, {});
+    part.held = common_ - part.output.p_SP;
+    common_ = part.p_SP = part.output.p_SP;
+    holding_ += part.holds() ? 1 : 0;
+  }
+}
+
+// The parts that do not give way hold the proxy against it with a small part of what they would hold it with against a surface.
+void CommonProxy::share_with_giving(const FeltParts& felt) noexcept {
+  const Vec3 whole = p_SD_ - common_;
+  const Vec3 held = goal_ - common_;
+  const double squared = held.squaredNorm();
+  const double factor = squared > 0.0 ? std::max(1.0, whole.dot(held) / squared) : 1.0;
+  double given_m = 0.0;
+  for (std::size_t i = 0; i < count_; ++i) {
+    Part& part = parts_[i];
+    if (part.gives_way) {
+      given_m += part.held.norm();
+    } else {
+      part.held *= factor;
+      part.output.force_n *= factor;
+    }
+  }
+  const Vec3 rest = whole - factor * held;
+  for (std::size_t i = 0; i < count_; ++i) {
+    Part& part = parts_[i];
+    if (!part.gives_way || !(given_m > 0.0)) continue;
+    part.held = (part.held.norm() / given_m) * rest;
+    part.output.force_n = -felt.stiffness(i).least * part.held;
+    part.is_shared = true;
+  }
 }
 
 // Of all that hold the proxy, weighted by their shares. The mean is updated by differences, so equal values are kept exactly.
@@ -254,14 +315,29 @@ MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
     output.contact = true;
     output.p_SP = common_;
     const double damping = part.is_shared && part.output.object >= 0 ? felt.damping(i, part.output.object) : 0.0;
-    output.force_n +=
-        is_shared_ || damping > 0.0 ? force_with(part, is_shared_ ? stiffness : part.stiffness, damping) : part.output.force_n;
+    part.force_n = is_shared_ || damping > 0.0 ? force_with(part, is_shared_ ? stiffness : part.stiffness, damping) : part.output.force_n;
+    output.force_n += part.force_n;
     if (const double pushes = part.output.force_n.norm(); part.output.object >= 0 && pushes >= most_n) {
       most_n = pushes;
       output.object = part.output.object;
     }
   }
   return output;
+}
+
+MethodOutput CommonProxy::conclude(FeltParts& felt) noexcept {
+  begin_round();
+  if (is_led_) {
+    for (std::size_t i = 0; i < count_; ++i) {
+      Part& part = parts_[i];
+      part.is_shared = part.is_shared && !part.gives_way;
+      if (!part.gives_way) continue;
+      felt.settle(i, common_);
+      part.p_SP = common_;
+    }
+    if (holding_ > 0) share_with_giving(felt);
+  }
+  return sum(felt);
 }
 
 MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD, double dt_s) noexcept {
@@ -272,10 +348,13 @@ MethodOutput CommonProxy::step(FeltParts& felt, std::size_t count, bool has_stil
   has_still_ = has_still;
   p_SD_ = p_SD;
   begin_sample(felt);
+  if (in_series_) {
+    follow_in_series(felt);
+    return sum(felt);
+  }
   follow(felt);
-  if (holding_ == 0) return {.force_n = Vec3::Zero(), .p_SP = p_SD};
-  begin_round();
-  return sum(felt);
+  if (holding_ == 0 && !is_led_) return {.force_n = Vec3::Zero(), .p_SP = p_SD};
+  return conclude(felt);
 }
 
 }  // namespace hapton

@@ -37,6 +37,22 @@ class FeltParts {
   };
   // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
   virtual MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept = 0;
+  // It gives way: in this sample it is felt once, at the device point, and the other parts follow its proxy in place of the device. settle:
+  // where they let that proxy be.
+  virtual bool gives_way(std::size_t part) const noexcept {
+    (void)part;
+    return false;
+  }
+  virtual void settle(std::size_t part, const Vec3& p_S) noexcept {
+    (void)part;
+    (void)p_S;
+  }
+  // How often it may be felt in a sample, at least once; after that the others follow its last proxy. A bound for a part whose steps cost
+  // much.
+  virtual int most_turns(std::size_t part) const noexcept {
+    (void)part;
+    return std::numeric_limits<int>::max();
+  }
   // Of its objects.
   virtual StiffnessRange stiffness(std::size_t part) const noexcept {
     (void)part;
@@ -72,17 +88,22 @@ class FeltParts {
 // Damping is that of the device's own motion against each part, along what the part holds. A part by itself would see changes of what the
 // others hold as motion of the device.
 //
+// A part that gives way (material that is being cut) is no surface to project on: it moves the proxy a share of the way to the device, from
+// where it was. The nearest point to that which the other parts allow is what a spring in place of the material would give. What holds the
+// proxy against the device is then each part's share as if it were a surface: of the others, the extension along what they hold.
+//
 // A part is felt kLift above what else holds the proxy, so that a probe between two surfaces that just touch is on its own side of both.
 //
-// MovingMethod and PatchChain (patch/patch_chain.h) feel their parts like this, and so give the same forces. Frame: S. RT: all but
-// construction. Threads: one.
+// MovingMethod, SculptMethod and PatchChain (patch/patch_chain.h) feel their parts like this, and so give the same forces. Frame: S. RT:
+// all but construction. Threads: one.
 class CommonProxy {
  public:
   // 0x1p-24 of the scene's extent: 64 contact offsets, 6 nm in a scene of 100 mm.
   static constexpr double kLift = 0x1p-24;
 
-  // most: parts. extent_m: of the scene.
-  CommonProxy(std::size_t most, double extent_m);
+  // most: parts. extent_m: of the scene. in_series: for parts that cannot feel a sample twice. Each then feels it once, and follows the
+  // proxy of the part before it in place of the device. That is one proxy only where one part is touched, or two at right angles.
+  CommonProxy(std::size_t most, double extent_m, bool in_series = false);
   // Another scene. Then reset, go_on_from or forget.
   void set_extent(double extent_m) noexcept { lift_m_ = kLift * extent_m; }
 
@@ -94,11 +115,15 @@ class CommonProxy {
   void forget() noexcept;
 
   // Pre: count is the same as in the step before, or reset, go_on_from or forget was called since; at most as many as at construction.
-  // dt_s: since the step before; 0: there is no damping.
+  // has_still: part 0 stands still, or is to be as exact: where the parts do not agree in time, it is felt last. dt_s: since the step
+  // before; 0: there is no damping.
   MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD, double dt_s = 0.0) noexcept;
 
   // There was no room in the last step, see above.
   bool is_squeezed() const noexcept { return is_squeezed_; }
+  // Of the last step: the force of a part, and from its proxy to the device point that it followed. Zero: it holds nothing.
+  const Vec3& force_of(std::size_t part) const noexcept { return parts_[part].force_n; }
+  const Vec3& share_of(std::size_t part) const noexcept { return parts_[part].held; }
 
  private:
   struct Part {
@@ -114,19 +139,26 @@ class CommonProxy {
     bool with_others = false;      // others did, when it was felt last
     bool was_with_others = false;  // in the last sample
     bool is_felt = false;          // in this sample
+    int turns = 0;                 // how often it was, without new beginnings
     bool was_held = false;         // it held the proxy before this sample
     bool is_limited = false;       // its share, as it was felt last
     bool begins_again = false;     // it was resumed in this sample, and not felt since
+    bool gives_way = false;        // in this sample
     double stiffness = 0.0;        // in this sample, N/m
     MethodOutput output = {};
+    Vec3 force_n = Vec3::Zero();  // what it adds to the force of this sample
 
-    bool holds() const noexcept { return !held.isZero(0.0); }
+    bool holds() const noexcept { return !gives_way && !held.isZero(0.0); }
     // Its proxy after the sample before, on the part where that is now.
     Vec3 start() const noexcept { return X_SO * (X_before.inverse(Eigen::Isometry) * p_before); }
   };
 
   void begin_sample(FeltParts& felt) noexcept;
   void follow(FeltParts& felt) noexcept;
+  void follow_in_series(FeltParts& felt) noexcept;
+  void lead(FeltParts& felt) noexcept;
+  void share_with_giving(const FeltParts& felt) noexcept;
+  MethodOutput conclude(FeltParts& felt) noexcept;
   void begin_round() noexcept;
   bool visit(FeltParts& felt, std::size_t i) noexcept;
   void limit_share(Part& part, double whole_m) noexcept;
@@ -147,8 +179,11 @@ class CommonProxy {
   std::vector<std::size_t> plane_of_;  // the part of each plane
   std::size_t count_ = 0;
   bool has_still_ = false;
+  bool in_series_;
   double lift_m_;
   Vec3 p_SD_ = Vec3::Zero();
+  Vec3 goal_ = Vec3::Zero();         // what the proxy follows: the device point, or the proxy of what gives way
+  bool is_led_ = false;              // it is the latter
   std::optional<Vec3> p_SD_before_;  // in the sample before
   double dt_s_ = 0.0;
   bool has_sample_ = false;     // there was a step

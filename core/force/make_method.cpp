@@ -59,16 +59,17 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
     return fail("method {}: a virtual coupling of {} N/m; give a stiffness above 0, or 0 for none", settings.name,
                 settings.coupling_n_per_m);
   }
-  if (scene.has_sculpt() && is_method_name(settings.name)) return SculptMethod::make(settings, scene);
   for (const Entry& entry : kMethods) {
     if (entry.name != settings.name) continue;
     const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);
-    if (!scene.has_motion()) return entry.make(settings, coupled);
     if (scene.has_deformation() && !entry.feels_deformation) {
       return fail("method {}: objects of the scene deform, which it does not support; choose proxy", settings.name);
     }
-    if (entry.feels_motion) return MovingMethod::make(entry.make, settings, coupled);
-    return fail("method {}: objects of the scene move, which it does not support; choose proxy or reference", settings.name);
+    if (scene.has_motion() && !entry.feels_motion) {
+      return fail("method {}: objects of the scene move, which it does not support; choose proxy or reference", settings.name);
+    }
+    if (scene.has_sculpt()) return SculptMethod::make(entry.make, entry.feels_motion, settings, coupled);
+    return scene.has_motion() ? MovingMethod::make(entry.make, settings, coupled) : entry.make(settings, coupled);
   }
   return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());
 }

@@ -1,162 +1,19 @@
 #include "core/force/moving_method.h"
 
-#include <fmt/core.h>
-
-#include <algorithm>
 #include <cmath>
-#include <utility>
-
-#include "core/force/deforming_method.h"
-#include "core/force/streamed_method.h"
 
 namespace hapton {
-namespace {
 
-Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpose() * (p_S - X_SO.translation()); }
-
-}  // namespace
-
-void MovingMethod::Group::note_stiffness() noexcept {
-  const auto [least, most] = std::ranges::minmax_element(materials, {}, &Material::stiffness_n_per_m);
-  stiffness = {least->stiffness_n_per_m, most->stiffness_n_per_m};
+Result<std::unique_ptr<ForceMethod>> MovingMethod::make(SceneParts::Make make, const MethodSettings& settings, const TouchScene& scene) {
+  auto parts = SceneParts::make(make, settings, scene);
+  if (!parts) return tl::unexpected(parts.error());
+  return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(*parts)));
 }
-
-Result<void> MovingMethod::make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene) {
-  TouchScene part;
-  part.part_of = scene.part_of;
-  for (const int object : group.objects) {
-    part.objects.push_back(scene.objects[static_cast<std::size_t>(object)]);
-    TouchObject& own = part.objects.back();
-    own.motion = nullptr;
-    own.command_pivot.reset();
-    group.materials.push_back(own.material);
-    group.shared.push_back(shared_material(own.material));
-  }
-  group.note_stiffness();
-  if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
-    auto streamed = StreamedMethod::make(settings, only.mesh, only.material, *only.stream_reach_m);
-    if (!streamed) return tl::unexpected(streamed.error());
-    group.streamed = streamed->get();
-    group.method = std::move(*streamed);
-    return {};
-  }
-  auto method = group.is_deforming ? DeformingMethod::make(settings, part) : make(settings, part);
-  if (!method) return tl::unexpected(method.error());
-  group.method = std::move(*method);
-  return {};
-}
-
-Result<std::unique_ptr<ForceMethod>> MovingMethod::make(Make make, const MethodSettings& settings, const TouchScene& scene) {
-  std::vector<Group> groups;
-  for (MotionGroup& group : group_by_motion(scene)) {
-    groups.push_back({std::move(group)});
-    if (const auto made = make_method_of(groups.back(), make, settings, scene); !made) return tl::unexpected(made.error());
-  }
-  Box bounds;
-  for (const TouchObject& object : scene.objects) {
-    for (const Vec3& vertex : object.mesh->vertices) bounds.grow(vertex);
-  }
-  std::unique_ptr<MovingMethod> moving(new MovingMethod(std::move(groups), bounds.diagonal()));
-  for (const TouchObject& object : scene.objects) moving->damping_.push_back(object.material.damping_ns_per_m);
-  return moving;
-}
-
-class MovingMethod::Felt final : public FeltParts {
- public:
-  Felt(MovingMethod& method, const MethodInput& input) : groups_(method.groups_), damping_(method.damping_), input_(input) {}
-
-  Pose pose(std::size_t part) const noexcept override { return groups_[part].pose_at(input_); }
-  void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { groups_[part].method->reset(to_frame(X_SO, p_S)); }
-  bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
-    if (groups_[part].is_deforming) return false;
-    groups_[part].method->resume(to_frame(X_SO, p_S));
-    return true;
-  }
-  MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
-    Group& group = groups_[part];
-    if (std::exchange(group.is_shared, turn.is_shared) != turn.is_shared) group.set_materials();
-    const Vec3 p_O = to_frame(X_SO, p_S);
-    MethodOutput felt =
-        group.method->step({.p_SD = p_O, .dt_s = input_.dt_s, .time_s = input_.time_s, .is_correction = turn.is_correction});
-    if (felt.p_SP == p_O) {
-      felt.p_SP = p_S;
-      return felt;
-    }
-    felt.p_SP = X_SO * felt.p_SP;
-    felt.force_n = X_SO.linear() * felt.force_n;
-    if (felt.object >= 0) felt.object = group.objects[static_cast<std::size_t>(felt.object)];
-    return felt;
-  }
-  StiffnessRange stiffness(std::size_t part) const noexcept override { return groups_[part].stiffness; }
-  double damping(std::size_t, int object) const noexcept override { return damping_[static_cast<std::size_t>(object)]; }
-
- private:
-  std::vector<Group>& groups_;
-  const std::vector<double>& damping_;
-  const MethodInput& input_;
-};
 
 MethodOutput MovingMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-  Felt felt(*this, input);
-  return proxy_.step(felt, groups_.size(), !groups_.front().moves(), input.p_SD, input.dt_s);
-}
-
-void MovingMethod::set_materials(std::span<const Material> materials) noexcept {
-  for (std::size_t i = 0; i < std::min(materials.size(), damping_.size()); ++i) damping_[i] = materials[i].damping_ns_per_m;
-  for (Group& group : groups_) {
-    for (std::size_t i = 0; i < group.objects.size(); ++i) {
-      const auto object = static_cast<std::size_t>(group.objects[i]);
-      if (object >= materials.size()) continue;
-      group.materials[i] = materials[object];
-      group.shared[i] = shared_material(materials[object]);
-    }
-    group.note_stiffness();
-    group.set_materials();
-  }
-}
-
-StreamedMethod* MovingMethod::find_streamed(int object) noexcept {
-  const auto own = [object](const Group& group) { return group.streamed != nullptr && group.objects.front() == object; };
-  const auto found = std::find_if(groups_.begin(), groups_.end(), own);
-  return found != groups_.end() ? found->streamed : nullptr;
-}
-
-std::optional<SurfacePlace> MovingMethod::find_place(int object) const noexcept {
-  const auto own = [object](const Group& group) { return group.is_deforming && group.objects.front() == object; };
-  const auto found = std::find_if(groups_.begin(), groups_.end(), own);
-  return found != groups_.end() ? found->method->find_place(0) : std::nullopt;
-}
-
-std::vector<int> MovingMethod::list_streamed() const {
-  std::vector<int> objects;
-  for (const Group& group : groups_) {
-    if (group.streamed != nullptr) objects.push_back(group.objects.front());
-  }
-  std::ranges::sort(objects);
-  return objects;
-}
-
-bool MovingMethod::prepare() {
-  bool any = false;
-  for (Group& group : groups_) any = group.method->prepare() || any;
-  return any;
-}
-
-std::string MovingMethod::describe() const {
-  std::string text;
-  for (const Group& group : groups_) {
-    if (group.motion != nullptr) {
-      text += fmt::format("{} of the objects move by themselves for {:g} s{}:\n", group.objects.size(), group.motion->duration_s(),
-                          group.motion->loops() ? ", repeated" : "");
-    } else if (group.commanded >= 0) {
-      text += "1 of the objects moves where programs command it:\n";
-    } else if (!group.is_deforming) {
-      text += fmt::format("{} of the objects stand still:\n", group.objects.size());
-    }
-    text += group.method->describe();
-  }
-  return text;
+  parts_.begin(input);
+  return proxy_.step(parts_, parts_.size(), parts_.has_still(), input.p_SD, input.dt_s);
 }
 
 }  // namespace hapton

@@ -28,9 +28,12 @@ class CarvingBall {
   explicit CarvingBall(const SculptSettings& settings);
 
   struct Input {
-    Vec3 goal = Vec3::Zero();  // the device point, or the proxy of the method or body before this one (SculptMethod)
+    Vec3 goal = Vec3::Zero();  // the device point, less what other parts of the scene hold (CommonProxy)
     double dt_s = 1e-3;        // since the last step
     bool is_down = false;      // the button that carves
+    // The sample of the step before once more, with another goal: time does not pass again, and the ball goes on from where that step left
+    // it. Pre: it does not cut.
+    bool is_correction = false;
   };
   // The proxy: the goal itself in free space.
   struct Felt {
@@ -40,29 +43,43 @@ class CarvingBall {
   // One step: moves the ball on the body with this number, and carves that body if it cuts. Pre: body < sculpture.bodies().size().
   Felt step(const Input& input, const Material& material, Sculpture& sculpture, std::size_t body) noexcept;
 
+  // It cuts in the next step with this button: it gives way to the device.
+  bool cuts(bool is_down, const Sculpture& sculpture) const noexcept { return is_down && !now_.is_inside && !sculpture.is_full(); }
+  // After a step in which it cut: other parts of the scene let the proxy be here, at most half a voxel away. The ball goes there, unless
+  // that is inside the material. goal: the device point.
+  void settle(const CarvedField& field, const Vec3& p_S, const Vec3& goal) noexcept;
+  // The next correction starts where the ball was before the sample.
+  void restart_sample() noexcept { now_ = before_; }
+
   // Material came back (SculptMethod::restore_sculpture). A ball that is now inside it is released, as one that began there.
   void meet_restored(const CarvedField& field) noexcept;
 
-  // Starts anew at this position, without contact.
+  // Starts anew at this position, without contact, and has not had the sample before.
   void reset(const Vec3& p_S) noexcept;
 
  private:
+  void begin_sample(bool is_correction) noexcept;
   Vec3 touch(const CarvedField& field, const Input& input, const Material& material) noexcept;
   Vec3 catch_up(const Input& input, const Vec3& free) const noexcept;
   Vec3 cut(const Input& input, Sculpture& sculpture, std::size_t body) noexcept;
   Vec3 find_friction_goal(const Vec3& goal, const Vec3& normal, const Material& material) noexcept;
 
+  struct State {
+    Vec3 centre = Vec3::Zero();
+    Vec3 normal = Vec3::Zero();     // of the contact of the last step, unit; zero: none
+    Vec3 ease = Vec3::Zero();       // shown proxy minus centre: decays after the button was released
+    std::optional<Vec3> carved_to;  // end of the last carve; none: the next one begins at the centre
+    double lag_m = 0.0;             // distance to the goal after the last step
+    bool has_begun = false;         // it has had a step since reset()
+    bool is_inside = false;         // it began inside the material, or material came back around it, and it has not left it
+    bool is_cutting = false;        // the button was down in the last step
+    bool is_sliding = false;        // friction: slip, not stick
+  };
+
   SculptSettings settings_;
   FieldBall ball_;
-  Vec3 centre_ = Vec3::Zero();
-  Vec3 normal_ = Vec3::Zero();     // of the contact of the last step, unit; zero: none
-  Vec3 ease_ = Vec3::Zero();       // shown proxy minus centre_: decays after the button was released
-  std::optional<Vec3> carved_to_;  // end of the last carve; none: the next one begins at the centre
-  double lag_m_ = 0.0;             // distance to the goal after the last step
-  bool has_begun_ = false;         // it has had a step since reset()
-  bool is_inside_ = false;         // it began inside the material, or material came back around it, and it has not left it
-  bool is_cutting_ = false;        // the button was down in the last step
-  bool is_sliding_ = false;        // friction: slip, not stick
+  State now_;
+  State before_;  // before the sample of the last step
 };
 
 }  // namespace hapton

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <utility>
 
-#include "core/force/virtual_coupling.h"
-
 namespace hapton {
 namespace {
+
+// Of a body in a sample: one that does not agree with the others by then goes on in the next sample. Bounds the time of a step (decision
+// 246 has the times).
+constexpr int kMostTurns = 2;
 
 // Hooke's law, less damping along the extension; damping never makes the force attractive.
 Vec3 force_of(const Material& material, const Vec3& extension_m, const Vec3& change_m, double dt_s) {
@@ -22,88 +24,133 @@ Vec3 force_of(const Material& material, const Vec3& extension_m, const Vec3& cha
 
 }  // namespace
 
-Result<std::unique_ptr<ForceMethod>> SculptMethod::make(const MethodSettings& settings, const TouchScene& scene) {
-  std::unique_ptr<SculptMethod> made(new SculptMethod());
-  TouchScene rest{.objects = {}, .effects = scene.effects, .part_of = scene.part_of};
-  const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);
+SculptMethod::SculptMethod(SceneParts others, std::size_t bodies, bool has_proxy)
+    : others_(std::move(others)), proxy_(others_.size() + bodies, others_.extent_m(), !has_proxy) {
+  bodies_.reserve(bodies);
+}
+
+Result<std::unique_ptr<ForceMethod>> SculptMethod::make(SceneParts::Make make, bool has_proxy, const MethodSettings& settings,
+                                                        const TouchScene& scene) {
+  auto others = SceneParts::make(make, settings, scene);
+  if (!others) return tl::unexpected(others.error());
+  const auto bodies = std::ranges::count_if(scene.objects, [](const TouchObject& object) { return object.sculpt.has_value(); });
+  std::unique_ptr<SculptMethod> made(new SculptMethod(std::move(*others), static_cast<std::size_t>(bodies), has_proxy));
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const TouchObject& object = scene.objects[o];
-    if (!object.sculpt) {
-      rest.objects.push_back(object);
-      made->other_objects_.push_back(static_cast<int>(o));
-      made->other_materials_.push_back(object.material);
-      continue;
-    }
+    if (!object.sculpt) continue;
     if (auto added = made->sculpture_->add(static_cast<int>(o), *object.sculpt, *object.mesh); !added) {
       return fail("object {} cannot be carved: {}", o, added.error().what);
     }
     made->carve_buttons_ |= object.sculpt->button;
-    made->bodies_.push_back({.ball = CarvingBall(*object.sculpt), .material = coupled.objects[o].material});
+    made->bodies_.push_back({.ball = CarvingBall(*object.sculpt), .material = object.material});
   }
-  if (!rest.objects.empty()) {
-    auto others = make_method(settings, rest);
-    if (!others) return tl::unexpected(others.error());
-    made->others_ = std::move(*others);
-    if (!made->others_->drag_left_out().empty()) made->left_out_.resize(scene.objects.size());
-    made->note_left_out();
+  for (std::size_t part = 0; part < made->others_.size(); ++part) {
+    if (!made->others_.method(part).drag_left_out().empty()) made->left_out_.resize(scene.objects.size());
   }
+  made->note_left_out();
   return std::unique_ptr<ForceMethod>(std::move(made));
 }
 
 void SculptMethod::note_left_out() noexcept {
   if (left_out_.empty()) return;
-  const std::span<const Material> others = others_->drag_left_out();
-  for (std::size_t i = 0; i < others.size(); ++i) left_out_[static_cast<std::size_t>(other_objects_[i])] = others[i];
+  for (std::size_t part = 0; part < others_.size(); ++part) {
+    const std::span<const Material> own = others_.method(part).drag_left_out();
+    for (std::size_t i = 0; i < own.size(); ++i) left_out_[static_cast<std::size_t>(others_.objects(part)[i])] = own[i];
+  }
 }
 
-void SculptMethod::feel(std::size_t body, const MethodInput& input, MethodOutput& output, double& most_n) noexcept {
+class SculptMethod::Parts final : public FeltParts {
+ public:
+  Parts(SculptMethod& method, const MethodInput& input) : method_(method), input_(input) { method.others_.begin(input); }
+
+  Pose pose(std::size_t part) const noexcept override { return is_other(part) ? others().pose(part) : Pose(Pose::Identity()); }
+  void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
+    if (is_other(part)) return others().reset(part, X_SO, p_S);
+    Body& own = method_.bodies_[body(part)];
+    own.ball.reset(p_S);
+    own.extension_m.setZero();
+  }
+  // A body was there before the sample.
+  bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
+    if (is_other(part)) return others().resume(part, X_SO, p_S);
+    method_.bodies_[body(part)].ball.restart_sample();
+    return true;
+  }
+  MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
+    return is_other(part) ? others().feel(part, X_SO, p_S, turn) : method_.feel(body(part), input_, p_S, turn);
+  }
+  bool gives_way(std::size_t part) const noexcept override { return !is_other(part) && method_.cuts(body(part), input_); }
+  void settle(std::size_t part, const Vec3& p_S) noexcept override {
+    const CarvedField& field = method_.sculpture_->bodies()[body(part)].field;
+    method_.bodies_[body(part)].ball.settle(field, p_S, input_.p_SD);
+  }
+  int most_turns(std::size_t part) const noexcept override { return is_other(part) ? FeltParts::most_turns(part) : kMostTurns; }
+  StiffnessRange stiffness(std::size_t part) const noexcept override {
+    if (is_other(part)) return others().stiffness(part);
+    const double own = method_.bodies_[body(part)].material.stiffness_n_per_m;
+    return {own, own};
+  }
+  double damping(std::size_t part, int object) const noexcept override {
+    return is_other(part) ? others().damping(part, object) : method_.bodies_[body(part)].material.damping_ns_per_m;
+  }
+
+ private:
+  SceneParts& others() const noexcept { return method_.others_; }
+  bool is_other(std::size_t part) const noexcept { return part < others().size(); }
+  std::size_t body(std::size_t part) const noexcept { return part - others().size(); }
+
+  SculptMethod& method_;
+  const MethodInput& input_;
+};
+
+bool SculptMethod::cuts(std::size_t body, const MethodInput& input) const noexcept {
+  return bodies_[body].ball.cuts((input.buttons & sculpture_->bodies()[body].settings.button) != 0, *sculpture_);
+}
+
+MethodOutput SculptMethod::feel(std::size_t body, const MethodInput& input, const Vec3& goal, const FeltParts::Turn& turn) noexcept {
   Body& own = bodies_[body];
-  const Vec3 goal = output.p_SP;
   const bool is_down = (input.buttons & sculpture_->bodies()[body].settings.button) != 0;
-  const CarvingBall::Felt felt = own.ball.step({.goal = goal, .dt_s = input.dt_s, .is_down = is_down}, own.material, *sculpture_, body);
-  const Vec3 extension = felt.p_SP - goal;
-  const Vec3 force = force_of(own.material, extension, extension - own.extension_m, input.dt_s);
-  own.extension_m = extension;
-  if (!felt.contact) return;
-  output.p_SP = felt.p_SP;
-  output.force_n += force;
-  const double pushes = force.norm();
-  if (!(pushes > 0.0)) return;
-  output.contact = true;
-  if (pushes < most_n) return;
-  most_n = pushes;
-  output.object = sculpture_->bodies()[body].object;
+  const Material material = turn.is_shared ? shared_material(own.material) : own.material;
+  const CarvingBall::Felt felt = own.ball.step({.goal = goal, .dt_s = input.dt_s, .is_down = is_down, .is_correction = turn.is_correction},
+                                               material, *sculpture_, body);
+  if (!turn.is_correction) own.extension_before_m = own.extension_m;
+  own.extension_m = felt.p_SP - goal;
+  const Vec3 force = force_of(material, own.extension_m, own.extension_m - own.extension_before_m, input.dt_s);
+  if (!felt.contact) return {.force_n = Vec3::Zero(), .p_SP = goal};
+  const bool pushes = !force.isZero(0.0);
+  return {.force_n = force, .p_SP = felt.p_SP, .contact = pushes, .object = pushes ? sculpture_->bodies()[body].object : -1};
 }
 
 MethodOutput SculptMethod::step(const MethodInput& input) noexcept {
   sculpture_->begin_step();
   body_push_ = {};
-  MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
-  if (!input.p_SD.allFinite() || !std::isfinite(input.dt_s)) return output;
+  if (!input.p_SD.allFinite() || !std::isfinite(input.dt_s) || !std::isfinite(input.time_s)) {
+    return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
+  }
   if (!std::exchange(has_begun_, true)) {
     for (Body& body : bodies_) body.ball.reset(input.p_SD);
   }
   sculpture_->note_buttons(input.buttons, carve_buttons_);
-  double most_n = 0.0;
-  if (others_ != nullptr) {
-    output = others_->step(input);
-    most_n = output.force_n.norm();
-    if (output.object >= 0) output.object = other_objects_[static_cast<std::size_t>(output.object)];
+  Parts parts(*this, input);
+  const std::size_t others = others_.size();
+  // Part 0 has the last word also where all others move: they are hard, and the bodies are not.
+  const MethodOutput output = proxy_.step(parts, others + bodies_.size(), true, input.p_SD, input.dt_s);
+  if (output.object >= 0 && !is_body(output.object)) {
+    for (std::size_t body = 0; body < bodies_.size(); ++body) {
+      body_push_.force_n += proxy_.force_of(others + body);
+      body_push_.extension_m -= proxy_.share_of(others + body);
+    }
   }
-  const MethodOutput of_others = output;
-  for (std::size_t body = 0; body < bodies_.size(); ++body) feel(body, input, output, most_n);
-  if (of_others.object >= 0 && output.object == of_others.object)
-    body_push_ = {.force_n = output.force_n - of_others.force_n, .extension_m = output.p_SP - of_others.p_SP};
   held_at_ = output.contact ? std::optional(output.p_SP) : std::nullopt;
   return output;
 }
 
+bool SculptMethod::is_body(int object) const noexcept {
+  return std::ranges::any_of(sculpture_->bodies(), [&](const Sculpture::Body& body) { return body.object == object; });
+}
+
 void SculptMethod::reset(const Vec3& p_SD) noexcept {
-  if (others_ != nullptr) others_->reset(p_SD);
-  for (Body& body : bodies_) {
-    body.ball.reset(p_SD);
-    body.extension_m.setZero();
-  }
+  proxy_.reset(p_SD);
   has_begun_ = true;
   held_at_.reset();
   sculpture_->begin_step();
@@ -111,23 +158,20 @@ void SculptMethod::reset(const Vec3& p_SD) noexcept {
 
 void SculptMethod::resume(const Vec3& p_SP) noexcept {
   reset(p_SP);
-  if (others_ != nullptr) others_->resume(p_SP);
-}
-
-std::optional<SurfacePlace> SculptMethod::find_place(int object) const noexcept {
-  const auto other = std::find(other_objects_.begin(), other_objects_.end(), object);
-  if (other == other_objects_.end()) return std::nullopt;
-  return others_->find_place(static_cast<int>(other - other_objects_.begin()));
+  if (others_.size() != 1 || !others_.has_still()) return;
+  // Where nothing moves, the other objects go on from exactly there.
+  others_.resume(0, Pose::Identity(), p_SP);
+  for (Body& body : bodies_) {
+    body.ball.reset(p_SP);
+    body.extension_m.setZero();
+  }
+  proxy_.go_on_from(p_SP);
 }
 
 std::optional<Vec3> SculptMethod::held_at() const noexcept { return held_at_; }
 
 void SculptMethod::set_materials(std::span<const Material> materials) noexcept {
-  for (std::size_t i = 0; i < other_objects_.size(); ++i) {
-    const auto object = static_cast<std::size_t>(other_objects_[i]);
-    if (object < materials.size()) other_materials_[i] = materials[object];
-  }
-  if (others_ != nullptr) others_->set_materials(other_materials_);
+  others_.set_materials(materials);
   note_left_out();
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
     const auto object = static_cast<std::size_t>(sculpture_->bodies()[body].object);
@@ -159,7 +203,7 @@ bool SculptMethod::repeat_carve(int object, const Carve& carve) noexcept {
 }
 
 std::string SculptMethod::describe() const {
-  std::string text = others_ != nullptr ? others_->describe() : std::string();
+  std::string text = others_.describe();
   for (const Sculpture::Body& body : sculpture_->bodies()) {
     const std::array<int, 3>& nodes = body.field.nodes();
     text +=

@@ -1,29 +1,35 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/force/common_proxy.h"
 #include "core/force/force_method.h"
+#include "core/force/scene_parts.h"
 #include "core/force/sculpt/carving_ball.h"
 #include "core/sculpt/sculpture.h"
 
 namespace hapton {
 
 // The force method of a scene with objects that can be carved (TouchObject::sculpt, here: bodies). Each body has a ball (CarvingBall),
-// whatever the probe of the method is; all other objects have a force method of their own. They are connected in series: the method first,
-// then the bodies in the order of the scene. Each follows the proxy of the one before it in place of the device, and the force is the sum
-// of theirs. So it equals the force of one common proxy where one of them is touched, and where two meet at right angles.
+// whatever the probe of the method is; the other objects are felt as in a scene without bodies (SceneParts). All of them have one proxy
+// (CommonProxy). With methods that cannot feel a sample twice (smooth, sweep) they are connected in series: the method first, then the
+// bodies in the order of the scene.
 //
 // Frame: S. Units: SI. RT: step, reset, resume, held_at, set_materials, exchange_sculpture and restore_sculpture yes. Threads: as
 // ForceMethod.
 class SculptMethod final : public ForceMethod {
  public:
-  // Pre: the scene has a body. Error: that of make_method for the other objects; a body whose mesh is not closed, or too large for its
+  // make: for the other objects. has_proxy: MethodOutput::p_SP of what it makes is a proxy, and it knows MethodInput::is_correction. Pre:
+  // the scene has a body; its materials are coupled. Error: that of SceneParts::make; a body whose mesh is not closed, or too large for its
   // voxels.
-  static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
+  static Result<std::unique_ptr<ForceMethod>> make(SceneParts::Make make, bool has_proxy, const MethodSettings& settings,
+                                                   const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
@@ -36,27 +42,33 @@ class SculptMethod final : public ForceMethod {
   void exchange_sculpture(ForceMethod& other) noexcept override;
   bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept override;
   bool repeat_carve(int object, const Carve& carve) noexcept override;
-  std::optional<SurfacePlace> find_place(int object) const noexcept override;
-  bool prepare() override { return others_ != nullptr && others_->prepare(); }
+  StreamedMethod* find_streamed(int object) noexcept override { return others_.find_streamed(object); }
+  std::optional<SurfacePlace> find_place(int object) const noexcept override { return others_.find_place(object); }
+  std::vector<int> list_streamed() const override { return others_.list_streamed(); }
+  bool prepare() override { return others_.prepare(); }
   std::string describe() const override;
 
  private:
   struct Body {
     CarvingBall ball;
     Material material;
-    Vec3 extension_m = Vec3::Zero();  // proxy minus goal in the last step, for damping
+    Vec3 extension_m = Vec3::Zero();         // proxy minus goal in the last step, for damping
+    Vec3 extension_before_m = Vec3::Zero();  // in the sample before
   };
 
-  SculptMethod() = default;
-  void note_left_out() noexcept;
-  void feel(std::size_t body, const MethodInput& input, MethodOutput& output, double& most_n) noexcept;
+  class Parts;  // in one sample: the other objects, then the bodies
 
-  std::unique_ptr<ForceMethod> others_;    // for all objects that are no body; null: there are none
-  std::vector<int> other_objects_;         // their numbers in the scene
-  std::vector<Material> other_materials_;  // in the same order
-  std::vector<Material> left_out_;         // by object of the scene, without drag for the bodies; empty: the method renders all
-  std::vector<Body> bodies_;               // in the order of Sculpture::bodies()
-  std::uint32_t carve_buttons_ = 0;        // those of all bodies
+  SculptMethod(SceneParts others, std::size_t bodies, bool has_proxy);
+  void note_left_out() noexcept;
+  bool is_body(int object) const noexcept;
+  bool cuts(std::size_t body, const MethodInput& input) const noexcept;
+  MethodOutput feel(std::size_t body, const MethodInput& input, const Vec3& goal, const FeltParts::Turn& turn) noexcept;
+
+  SceneParts others_;
+  std::vector<Material> left_out_;  // by object of the scene, without drag for the bodies; empty: the methods render all
+  std::vector<Body> bodies_;        // in the order of Sculpture::bodies()
+  CommonProxy proxy_;
+  std::uint32_t carve_buttons_ = 0;  // those of all bodies
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();
   BodyPush body_push_;
   std::optional<Vec3> held_at_;  // as held_at() returns it
