@@ -93,12 +93,12 @@ double measure_slip(const Vec3& p, const std::array<Vec3, 3>& corners, const Det
   const Eigen::Vector2d away = wanted.texcoord.cast<double>() - texcoord;
   if (wanted.layer == 0 || away.isZero()) return slip;
   // J maps texture coordinates to positions on the triangle: (b - a, c - a) = J * (b - a, c - a of the texture coordinates).
-  Eigen::Matrix2d edges;
-  edges << (paint(1).texcoord - paint(0).texcoord).cast<double>(), (paint(2).texcoord - paint(0).texcoord).cast<double>();
+  Eigen::Matrix2d texcoord_edges;
+  texcoord_edges << (paint(1).texcoord - paint(0).texcoord).cast<double>(), (paint(2).texcoord - paint(0).texcoord).cast<double>();
   Eigen::Matrix<double, 3, 2> edges;
   edges << corners[1] - corners[0], corners[2] - corners[0];
-  const Eigen::Vector2d steps = edges.fullPivLu().solve(away);
-  const bool is_there = steps.allFinite() && (edges * steps - away).norm() <= kRelativeResidual * away.norm();
+  const Eigen::Vector2d steps = texcoord_edges.fullPivLu().solve(away);
+  const bool is_there = steps.allFinite() && (texcoord_edges * steps - away).norm() <= kRelativeResidual * away.norm();
   return slip + (is_there ? (edges * steps).norm() : kBeyondU);
 }
 

@@ -244,22 +244,22 @@ TEST(WoodenVariants, AreKnownByTheirReportDescriptors) {
   for (const std::size_t bytes : {8U, 14U}) {
     FakeHid hid(description(bytes));
     WoodenHapticsBackend backend(WoodenSettings::make_default());
-    ASSERT_TRUE(backend.begin(**hid.opener()()));
+    ASSERT_TRUE(backend.on_open(**hid.opener()()));
     Bytes into(64);
     EXPECT_EQ(backend.encode({}, false, 0, into), bytes + 1);
     EXPECT_EQ(backend.encode({}, false, 0, std::span(into).first(bytes)), 0U);
   }
   FakeHid other(description(64));
   WoodenHapticsBackend backend(WoodenSettings::make_default());
-  EXPECT_THAT(backend.begin(**other.opener()()).error().what, HasSubstr("64 bytes; WoodenHaptics has 8 or 14"));
+  EXPECT_THAT(backend.on_open(**other.opener()()).error().what, HasSubstr("64 bytes; WoodenHaptics has 8 or 14"));
 }
 
 TEST(WoodenVariants, MayBeNamedWhereTheDescriptorCannotBeRead) {
   FakeHid hid(description(0));
   WoodenSettings settings = WoodenSettings::make_default();
-  EXPECT_THAT(WoodenHapticsBackend(settings).begin(**hid.opener()()).error().what, HasSubstr("report_bytes"));
+  EXPECT_THAT(WoodenHapticsBackend(settings).on_open(**hid.opener()()).error().what, HasSubstr("report_bytes"));
   settings.report_bytes = 14;
-  EXPECT_TRUE(WoodenHapticsBackend(settings).begin(**hid.opener()()));
+  EXPECT_TRUE(WoodenHapticsBackend(settings).on_open(**hid.opener()()));
 }
 
 class LaterWooden : public Wooden {

@@ -46,7 +46,7 @@ void drive_wooden(std::span<const std::uint8_t> bytes, std::size_t report_bytes)
   const FakeHid hid(description);
   const auto transport = hid.opener()();
   WoodenHapticsBackend backend(WoodenSettings::make_default());
-  fuzz::require(backend.begin(**transport).has_value());
+  fuzz::require(backend.on_open(**transport).has_value());
   drive(backend, bytes, 3000.0);
 }
 
@@ -61,7 +61,7 @@ void drive_hapton_hid(std::span<const std::uint8_t> bytes) {
   }
   const auto transport = hid.opener()();
   HaptonHidBackend backend;
-  if (const auto begun = backend.begin(**transport); !begun) return fuzz::require(begun.error().what.find('\n') == std::string::npos);
+  if (const auto begun = backend.on_open(**transport); !begun) return fuzz::require(begun.error().what.find('\n') == std::string::npos);
   fuzz::require(backend.limits().max_force_n > 0.0 && backend.limits().max_force_n <= 200.0);
   drive(backend, bytes.subspan(used), 0.0);
 }
