@@ -143,7 +143,6 @@ void set_up_grasp(const HapticsOptions& options, const StartScene& start, bool h
   for (const PutDown& each : start.put_down) grasp->place(each.object, each.pose());
   log_info("button {} of the stylus picks up movable objects while they are touched", options.grasp_button);
   if (obstacles.leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
-  if (obstacles.is_rougher_than_steady()) log_warning("while one is held: {}", kToolTooRough);
 }
 
 // Of a scene whose objects can be carved.

@@ -36,7 +36,6 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   if (options.is_radius_given && options.method.probe_radius_m > 0.0)
     return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
-  const bool is_rough = obstacles.is_rougher_than_steady();
   auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
                              std::move(obstacles.friction), make_worker_team(options.tool_threads), obstacles.part_of);
@@ -46,7 +45,6 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);
   if (obstacles.leaves_out) log_warning("{}", kToolLeavesOut);
-  if (is_rough) log_warning("{}", kToolTooRough);
   return std::make_unique<HeldTool>(std::move(*step));
 }
 

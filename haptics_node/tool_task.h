@@ -19,12 +19,6 @@ inline constexpr std::string_view kToolLeavesOut =
     "two_sided = false, images and effects of surfaces but viscosity_ns_per_m are ignored: a rigid tool supports stiffness, friction, "
     "damping and viscosity";
 
-// For the log where ToolObstacles::is_rougher_than_steady.
-inline constexpr std::string_view kToolTooRough =
-    "a surface has friction_static above 0.4: the force of a tool that touches it with an edge or a corner may change by tenths of a "
-    "newton "
-    "while the hand holds still (see docs/tool.md)";
-
 // The rigid tool that the options or the scene name; null: the stylus is a probe. The tool feels friction, damping and viscosity of the
 // materials. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);

@@ -10,10 +10,6 @@ bool ToolObstacles::has_friction() const {
   return std::any_of(friction.begin(), friction.end(), [](const CoulombFriction& one) { return one.friction_static > 0.0; });
 }
 
-bool ToolObstacles::is_rougher_than_steady() const {
-  return std::any_of(friction.begin(), friction.end(), [](const CoulombFriction& one) { return one.friction_static > kSteadyFriction; });
-}
-
 bool ToolObstacles::has_damping() const {
   return std::any_of(damping.begin(), damping.end(), [](const ContactDamping& one) { return one.is_on(); });
 }

@@ -32,11 +32,6 @@ struct ToolObstacles {
   double stiffness_n_per_m = 0.0;                           // of the stiffest surface of the whole scene
   bool leaves_out = false;  // surfaces have images, other effects or one side only, which a tool does not feel
 
-  // Above this coefficient of static friction the force of a tool that touches with an edge or a corner may change by tenths of a newton
-  // while the hand holds still: friction acts along the slide of frictionless contacts, and its normal forces are theirs. Measured with a
-  // cube and a rod at all angles (docs/tool.md).
-  static constexpr double kSteadyFriction = 0.4;
-  bool is_rougher_than_steady() const;
   bool has_friction() const;
   bool has_damping() const;
 };

@@ -32,7 +32,6 @@ TEST(ToolObstacles, AreTheObjectsWithTheirFriction) {
     EXPECT_EQ(obstacles.friction[o].friction_dynamic, scene.objects[o].material.friction_dynamic);
   }
   EXPECT_EQ(obstacles.stiffness_n_per_m, 300.0);
-  EXPECT_FALSE(obstacles.is_rougher_than_steady()) << "0.4 at most";
 }
 
 TEST(ToolObstacles, LeaveOutTheHeldObjectButNotItsStiffness) {

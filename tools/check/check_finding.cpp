@@ -22,8 +22,6 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "no-inertia";
     case SceneFault::shape_alone:
       return "shape-alone";
-    case SceneFault::rough_for_tool:
-      return "rough-for-tool";
     case SceneFault::overlaps:
       return "overlaps";
     case SceneFault::softer_than_device:

@@ -21,7 +21,6 @@ enum class SceneFault : std::uint8_t {
   coarse_voxels,       // of what can be carved, for its walls or for the tool
   no_inertia,          // a body to push whose surface is not closed
   shape_alone,         // effects that a rigid tool does not feel
-  rough_for_tool,      // more friction than a rigid tool has steadily
   overlaps,            // a movable object that overlaps or touches another one where it lies
   softer_than_device,  // less force than the friction of the device
   stiffer_than_device,

@@ -34,14 +34,6 @@ CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
                    : "leave out its other effects, images and two_sided = false where what is picked up should feel them"};
 }
 
-CheckFinding name_too_rough(const std::string& name, double friction_static, bool has_tool) {
-  return {SceneFault::rough_for_tool, name, std::nullopt,
-          fmt::format("friction_static is {:g}: the force of {} that touches it with an edge or a corner may change by tenths of a newton "
-                      "while the hand holds still",
-                      friction_static, has_tool ? "a rigid tool" : "an object that is picked up and"),
-          fmt::format("give at most {:g} (docs/tool.md)", ToolObstacles::kSteadyFriction)};
-}
-
 }  // namespace
 
 CheckFindings check_tool(const Scene& scene) {
@@ -53,9 +45,6 @@ CheckFindings check_tool(const Scene& scene) {
     const SceneObject& object = scene.objects[o];
     if (has_effects_beyond_tool(touched.objects[o])) {
       findings.push_back(name_shape_alone(object.name, scene.tool.has_value()));
-    }
-    if (const double rough = touched.objects[o].material.friction_static; rough > ToolObstacles::kSteadyFriction) {
-      findings.push_back(name_too_rough(object.name, rough, scene.tool.has_value()));
     }
     if (!object.is_movable) continue;
     const CheckFindings place = check_place(touched, o, object.name);

@@ -168,11 +168,6 @@ Result<Replay> replay_tool(const ReplayOptions& options, const Scene& scene, con
     fmt::print("tool: effects of surfaces but viscosity_ns_per_m, images, and two_sided = false of {} are left out: {:g} N/m everywhere\n",
                options.scene, coupling.stiffness_n_per_m);
   }
-  if (obstacles.is_rougher_than_steady() && options.tool_voxel_m == 0.0) {
-    fmt::print(
-        "tool: a surface has static friction above {:g}: the force may change while an edge or a corner rests on it (docs/tool.md)\n",
-        ToolObstacles::kSteadyFriction);
-  }
   const auto felt = [&](const auto& tool, const auto&... parts) -> Result<Replay> {
     if (!tool) return tl::unexpected(tool.error());
     Replay done = run_replay(**tool, trajectory, options.replay, SteadyClock(), parts...);

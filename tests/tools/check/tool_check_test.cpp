@@ -48,21 +48,6 @@ TEST(ToolCheck, TheOnlyObjectOverlapsNothing) {
   EXPECT_TRUE(check_tool(scene).empty());
 }
 
-TEST(ToolCheck, MoreFrictionThanAToolHasSteadilyIsNamed) {
-  Scene scene;
-  scene.objects = {block_at("rubber", Vec3::Zero(), false)};
-  scene.objects[0].material.friction_static = 0.41;
-  EXPECT_TRUE(check_tool(scene).empty()) << "a probe has it at any coefficient";
-  scene.tool = SceneTool{.name = "peg", .mesh = scene.objects[0].mesh};
-  const CheckFindings found = check_tool(scene);
-  ASSERT_EQ(found.size(), 1U);
-  EXPECT_EQ(found[0].fault, SceneFault::rough_for_tool);
-  EXPECT_EQ(found[0].object, "rubber");
-  EXPECT_NE(found[0].what.find("0.41"), std::string::npos) << found[0].what;
-  scene.objects[0].material.friction_static = 0.4;
-  EXPECT_TRUE(check_tool(scene).empty());
-}
-
 TEST(ToolCheck, WhatAToolDoesNotFeelIsNamedWhereThereIsATool) {
   Scene scene;
   scene.objects = {block_at("sheet", Vec3::Zero(), false)};
