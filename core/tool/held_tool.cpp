@@ -156,14 +156,7 @@ void HeldTool::move_drag(const ToolInput& input, const Placement& device, double
 void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
                         ToolOutput& output) noexcept {
   std::array<ContactDrag::Contact, ContactDrag::kMostContacts> touched;
-  const auto count = static_cast<std::size_t>(held.active_count);
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto i = static_cast<std::size_t>(held.active[k]);
-    const LocalContact& contact = contacts.contacts[i];
-    // The arm is from the grip point at the pose where the contact was found, as the bound is.
-    touched[k] = {contact.arm, contacts.bounds[i].row.head<3>(), share * tool_->unit_force_n() * held.multipliers[k], contact.part,
-                  contact.object};
-  }
+  const std::size_t count = list_drag_contacts(contacts, held, share * tool_->unit_force_n(), touched);
   const ContactDrag::Wrench drag = drag_.step({touched.data(), count}, output.contact);
   output.force_n += R_WS * drag.force_n;
   output.torque_nm += R_WS * drag.torque_nm;

@@ -53,6 +53,14 @@ void LocalContacts::follow(std::span<const Placement> parts) noexcept {
   for (std::size_t i = 0; i < count; ++i) bounds[i].least = moved_least(bounds[i], contacts[i], parts);
 }
 
+Vec6 LocalContacts::project(const Vec6& motion) const noexcept {
+  const bool is_allowed = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
+                                      [&](const MotionBound& bound) { return bound.row.dot(motion) >= bound.least - tolerance; });
+  if (is_allowed) return motion;
+  Held held;
+  return find_motion(*this, motion, plain_inverse_root.asDiagonal(), held) ? held.motion : Vec6(Vec6::Zero());
+}
+
 LocalContacts::Held LocalContacts::solve(const Placement& device) const noexcept {
   Held held;
   held.at = is_blocked ? device : proxy;

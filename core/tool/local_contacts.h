@@ -61,6 +61,10 @@ struct LocalContacts {
   // find_least_motion.
   Placement constrain(const Placement& device) const noexcept { return solve(device).at; }
 
+  // The motion from `proxy` nearest to this one that the bounds allow, in the metric of the coupling alone: the motion itself if they allow
+  // it, and zero if they contradict each other. RT: as constrain.
+  Vec6 project(const Vec6& motion) const noexcept;
+
   // The same, with what holds the tool there. The motion is from `proxy`; multipliers as LeastMotion has them, in local units: times the
   // coupling's stiffness they are forces. None is active where the device is free, and where the tool stays for want of a solution.
   struct Held {

@@ -244,10 +244,24 @@ Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
   return {};
 }
 
+std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Held& held, double unit_force_n,
+                               std::array<ContactDrag::Contact, ContactDrag::kMostContacts>& contacts) noexcept {
+  const auto count = static_cast<std::size_t>(held.active_count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(held.active[k]);
+    const LocalContact& contact = local.contacts[i];
+    contacts[k] = {contact.arm, local.bounds[i].row.head<3>(), unit_force_n * held.multipliers[static_cast<int>(k)], contact.part,
+                   contact.object};
+  }
+  return count;
+}
+
 void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
   std::array<ContactDrag::Contact, ContactDrag::kMostContacts> contacts;
   std::size_t count = 0;
-  if (output.contact) {
+  if (output.contact && has_friction_) {
+    count = list_drag_contacts(local_, held_, unit_force_n(), contacts);
+  } else if (output.contact) {
     for (const ToolContact& contact : proxy_.contacts()) {
       const TouchGeometry& scene = contact.part > 0 ? *moving_[static_cast<std::size_t>(contact.part) - 1] : scene_;
       contacts[count++] = {contact.point - proxy_.placement().position, contact.normal, unit_force_n() * contact.multiplier, contact.part,
@@ -265,7 +279,9 @@ ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
   last_ = device;
   proxy_.find_local_contacts(device, parts_, proxy_.local_reach(moved.length(proxy_.radius()) + proxy_.travel_to(parts_)), local_);
   local_.follow(parts_);
-  const ToolProxyStep followed = proxy_.step(friction_.step(local_, device, parts_).goal, parts_);
+  const ToolFriction::Step rubbed = friction_.step(local_, device, parts_);
+  held_ = rubbed.held;
+  const ToolProxyStep followed = proxy_.step(rubbed.goal, parts_);
   friction_.move_to(proxy_.placement());
   return followed;
 }

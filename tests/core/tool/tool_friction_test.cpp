@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <random>
 
 #include "core/geometry/mesh_shapes.h"
 #include "core/tool/held_tool.h"
@@ -14,7 +17,7 @@ namespace {
 
 constexpr double kRubK = 1000.0;
 constexpr double kDepth = 0.002;
-constexpr CoulombFriction kRough = {0.5, 0.3};
+constexpr CoulombFriction kRubFriction = {0.5, 0.3};
 
 std::unique_ptr<ToolStep> make_rough_step(const TriangleMesh& scene, const CoulombFriction& friction) {
   auto made =
@@ -31,14 +34,14 @@ ToolInput rub_at(const Vec3& p, double turn_rad = 0.0) {
 }
 
 // Down on a plane, so that 2 N press it.
-void press(ToolStep& step) {
+void press_down(ToolStep& step) {
   step.reset(rub_at({0.003, 0.004, 0.03}));
   for (int n = 0; n <= 220; ++n) step.step(rub_at({0.003, 0.004, 0.03 - 0.0001 * n}));
 }
 
 TEST(ToolFriction, ABoxSticksUpToTheStaticLimitAndThenLagsByTheDynamicOne) {
-  const auto step = make_rough_step(make_plane_grid(0.2, 8), kRough);
-  press(*step);
+  const auto step = make_rough_step(make_plane_grid(0.2, 8), kRubFriction);
+  press_down(*step);
   const double normal_n = kRubK * kDepth;
   double most_n = 0.0;
   double x = 0.003;
@@ -47,18 +50,18 @@ TEST(ToolFriction, ABoxSticksUpToTheStaticLimitAndThenLagsByTheDynamicOne) {
     out = step->step(rub_at({x, 0.004, 0.008}));
     most_n = std::max(most_n, std::abs(out.force_n.x()));
   }
-  EXPECT_NEAR(most_n, kRough.friction_static * normal_n, kRubK * 2e-5 + 1e-3);
-  EXPECT_NEAR(out.force_n.x(), -kRough.friction_dynamic * normal_n, 2e-3);
+  EXPECT_NEAR(most_n, kRubFriction.friction_static * normal_n, kRubK * 2e-5 + 1e-3);
+  EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n, 2e-3);
   EXPECT_NEAR(out.force_n.z(), normal_n, 2e-3);
   EXPECT_NEAR(out.force_n.y(), 0.0, 1e-3);
   // Back: it sticks until the pull has turned round.
   for (int n = 0; n < 20; ++n, x -= 2e-5) out = step->step(rub_at({x, 0.004, 0.008}));
-  EXPECT_NEAR(out.force_n.x(), -kRough.friction_dynamic * normal_n + kRubK * 20 * 2e-5, kRubK * 4e-5 + 2e-3);
+  EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * normal_n + kRubK * 20 * 2e-5, kRubK * 4e-5 + 2e-3);
 }
 
 TEST(ToolFriction, ARestingToolDoesNotCreep) {
-  const auto step = make_rough_step(make_plane_grid(0.2, 8), kRough);
-  press(*step);
+  const auto step = make_rough_step(make_plane_grid(0.2, 8), kRubFriction);
+  press_down(*step);
   for (int n = 0; n < 20; ++n) step->step(rub_at({0.003 + 2e-5 * n, 0.004, 0.008}));
   const Vec3 force_n = step->step(rub_at({0.0034, 0.004, 0.008})).force_n;
   const Vec3 at = step->proxy().placement().position;
@@ -75,7 +78,7 @@ TEST(ToolFriction, AGrooveHoldsByItsSides) {
   TriangleMesh rod = make_cylinder(0.01, 0.04, 64);
   const auto along_x = turn_by({0.0, std::numbers::pi / 2, 0.0});
   for (Vec3& vertex : rod.vertices) vertex = along_x * vertex;
-  auto made = ToolStep::make(rod, {std::make_shared<TriangleMesh>(groove)}, {.stiffness_n_per_m = kRubK}, {kRough});
+  auto made = ToolStep::make(rod, {std::make_shared<TriangleMesh>(groove)}, {.stiffness_n_per_m = kRubK}, {kRubFriction});
   ASSERT_TRUE(made) << made.error().what;
   ToolStep& step = **made;
   const double rest = 0.01 * std::numbers::sqrt2;
@@ -84,12 +87,12 @@ TEST(ToolFriction, AGrooveHoldsByItsSides) {
   ToolOutput out;
   for (int n = 0; n < 100; ++n) out = step.step(rub_at({3e-5 * n, 0.0, rest - 0.002}));
   EXPECT_NEAR(out.force_n.z(), kRubK * 0.002, 0.02);
-  EXPECT_NEAR(out.force_n.x(), -kRough.friction_dynamic * std::numbers::sqrt2 * out.force_n.z(), 0.02 * out.force_n.z());
+  EXPECT_NEAR(out.force_n.x(), -kRubFriction.friction_dynamic * std::numbers::sqrt2 * out.force_n.z(), 0.02 * out.force_n.z());
 }
 
 // Pressed on four corners, turned about the normal: a torque of friction times force times a corner's distance from the axis.
 TEST(ToolFriction, ABoxOnItsCornersResistsATurn) {
-  const auto step = make_rough_step(make_plane_grid(0.2, 1), kRough);
+  const auto step = make_rough_step(make_plane_grid(0.2, 1), kRubFriction);
   step->reset(rub_at({0.0, 0.0, 0.03}));
   for (int n = 0; n <= 220; ++n) step->step(rub_at({0.0, 0.0, 0.03 - 0.0001 * n}));
   const double corner = 0.01 * std::numbers::sqrt2;
@@ -102,10 +105,10 @@ TEST(ToolFriction, ABoxOnItsCornersResistsATurn) {
     most_nm = std::max(most_nm, -out.torque_nm.z());
     ASSERT_NEAR(out.force_n.z(), kRubK * kDepth, 0.01) << n;
     if (n >= 140) {
-      ASSERT_NEAR(-out.torque_nm.z(), kRough.friction_dynamic * limit_nm, 0.15 * kRough.friction_dynamic * limit_nm) << n;
+      ASSERT_NEAR(-out.torque_nm.z(), kRubFriction.friction_dynamic * limit_nm, 0.15 * kRubFriction.friction_dynamic * limit_nm) << n;
     }
   }
-  EXPECT_NEAR(most_nm, kRough.friction_static * limit_nm, 0.02 * limit_nm);
+  EXPECT_NEAR(most_nm, kRubFriction.friction_static * limit_nm, 0.02 * limit_nm);
 }
 
 TEST(ToolFriction, WithoutFrictionNothingChangesToTheBit) {
@@ -120,8 +123,8 @@ TEST(ToolFriction, WithoutFrictionNothingChangesToTheBit) {
 }
 
 TEST(ToolFriction, TheFastTaskFeelsWhatTheWholeStepFeels) {
-  HeldTool held(make_rough_step(make_plane_grid(0.2, 8), kRough));
-  const auto whole = make_rough_step(make_plane_grid(0.2, 8), kRough);
+  HeldTool held(make_rough_step(make_plane_grid(0.2, 8), kRubFriction));
+  const auto whole = make_rough_step(make_plane_grid(0.2, 8), kRubFriction);
   whole->reset(rub_at({0.003, 0.004, 0.03}));
   double most_n = 0.0;
   double moved_n = 0.0;
@@ -141,6 +144,115 @@ TEST(ToolFriction, TheFastTaskFeelsWhatTheWholeStepFeels) {
   }
   EXPECT_GT(most_n, 2.0);
   EXPECT_LT(moved_n, 0.03 * most_n);
+}
+
+// A cube on an edge or a corner, pressed with the fast task: the force stays while the hand holds still, and is the coefficient times the
+// normal force while it slides, whichever way the cube is tilted.
+TEST(ToolFriction, ATiltedToolSticksAndSlidesAsAFlatOneDoes) {
+  const Vec3 tilts[] = {{0.0, 0.35, 0.0}, {0.0, std::numbers::pi / 4, 0.0}, {1.2, 0.0, 0.0}, {0.5, 0.6, 0.2}};
+  for (const double coefficient : {0.3, 0.5, 0.8}) {
+    for (const Vec3& tilt : tilts) {
+      for (const Vec3& along : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-0.6, 0.8, 0)}) {
+        HeldTool held(make_rough_step(make_plane_grid(0.2, 8), {coefficient, 0.8 * coefficient}));
+        std::int64_t n = 0;
+        const auto felt_at = [&](const Vec3& p) {
+          ToolInput input;
+          input.X_WD.translation() = p;
+          input.X_WD.linear() = turn_by(tilt).toRotationMatrix();
+          const ToolOutput out = held.step(input, n++ * 1'000'000);
+          if (n % 3 == 0) held.follow();
+          return out;
+        };
+        double lowest = 0.0;  // of the cube, below its centre
+        for (const double x : {-0.01, 0.01})
+          for (const double y : {-0.01, 0.01})
+            for (const double z : {-0.01, 0.01}) lowest = std::min(lowest, (turn_by(tilt) * Vec3(x, y, z)).z());
+        Vec3 p(0.003, 0.004, -lowest + 0.001);
+        for (int i = 0; i < 300; ++i) felt_at(p -= Vec3(0, 0, 1e-5));
+        for (int i = 0; i < 100; ++i) felt_at(p);
+        const Vec3 still_n = felt_at(p).force_n;
+        for (int i = 0; i < 300; ++i) ASSERT_LT((felt_at(p).force_n - still_n).norm(), 2e-3 * still_n.norm()) << coefficient;
+        ASSERT_GT(still_n.z(), 0.5);
+        ToolOutput out;
+        for (int i = 0; i < 400; ++i) out = felt_at(p += 3e-5 * along);
+        EXPECT_NEAR(-out.force_n.dot(along) / out.force_n.z(), 0.8 * coefficient, 0.01) << coefficient << ", " << tilt.transpose();
+        const Vec3 end_n = out.force_n;
+        for (int i = 0; i < 200; ++i) ASSERT_LT((felt_at(p).force_n - end_n).norm(), 2e-3 * end_n.norm()) << coefficient;
+        for (int i = 0; i < 300; ++i) ASSERT_GT(felt_at(p += Vec3(0, 0, 3e-5)).force_n.z(), -1e-9) << "pulled down";
+      }
+    }
+  }
+}
+
+// Random motion with a cube on a plane and a rod in a groove: no force changes by more than the motion and a break-away explain, and the
+// hand gains no energy.
+TEST(ToolFriction, ARandomHandFeelsNoKick) {
+  TriangleMesh groove;
+  groove.vertices = {{-0.1, -0.1, 0.1}, {0.1, -0.1, 0.1}, {-0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}, {-0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}};
+  groove.triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
+  TriangleMesh rod = make_cylinder(0.01, 0.04, 64);
+  const auto along_x = turn_by({0.0, std::numbers::pi / 2, 0.0});
+  for (Vec3& vertex : rod.vertices) vertex = along_x * vertex;
+  struct Rubbing {
+    TriangleMesh tool;
+    TriangleMesh scene;
+    double height_m;
+  };
+  const Rubbing pairs[] = {{make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8), 0.012}, {rod, groove, 0.0135}};
+  for (const Rubbing& pair : pairs) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      auto made = ToolStep::make(pair.tool, {std::make_shared<TriangleMesh>(pair.scene)}, {.stiffness_n_per_m = kRubK}, {{0.8, 0.64}});
+      ASSERT_TRUE(made);
+      HeldTool held(std::move(*made));
+      std::mt19937_64 random(seed);
+      std::normal_distribution<double> push;
+      const Vec3 home(0, 0, pair.height_m);
+      Vec3 p = home + Vec3(0, 0, 0.01), v = Vec3::Zero(), turn = Vec3::Zero(), spin = Vec3::Zero(), before_n = Vec3::Zero();
+      double energy_j = 0.0, largest_n = 0.0;
+      for (int i = 0; i < 6000; ++i) {
+        v = 0.98 * v + 3e-6 * Vec3(push(random), push(random), push(random)) - 2e-5 * (p - home);
+        spin = 0.98 * spin + 2e-4 * Vec3(push(random), push(random), push(random)) - 2e-5 * turn;
+        p += v;
+        turn += spin;
+        ToolInput input;
+        input.X_WD.translation() = p;
+        input.X_WD.linear() = turn_by(turn).toRotationMatrix();
+        const ToolOutput out = held.step(input, i * std::int64_t{1'000'000});
+        if (i % 2 == 0) held.follow();
+        const double explained_n = kRubK * (v.norm() + 0.02 * spin.norm()) + 0.16 * before_n.norm();
+        ASSERT_LT((out.force_n - before_n).norm(), explained_n + 0.5) << "seed " << seed << ", step " << i;
+        energy_j += 0.5 * (out.force_n + before_n).dot(v) + out.torque_nm.dot(spin);
+        before_n = out.force_n;
+        largest_n = std::max(largest_n, before_n.norm());
+      }
+      EXPECT_LT(energy_j, 0.0) << "seed " << seed;
+      EXPECT_GT(largest_n, 3.0);
+    }
+  }
+}
+
+// Friction above the slope of its edge tips a cube over: the force comes back gradually when the hand stops.
+TEST(ToolFriction, ACubeThatTipsComesBackByAndBy) {
+  HeldTool held(make_rough_step(make_plane_grid(0.2, 8), {1.2, 0.96}));
+  std::int64_t n = 0;
+  const auto felt_at = [&](const Vec3& p) {
+    const ToolOutput out = held.step(rub_at(p), n++ * 1'000'000);
+    held.follow();
+    return out;
+  };
+  Vec3 p(0.003, 0.004, 0.014);
+  for (int i = 0; i < 300; ++i) felt_at(p -= Vec3(0, 0, 2e-5));
+  ToolOutput out;
+  for (int i = 0; i < 600; ++i) out = felt_at(p += Vec3(3e-5, 0, 0));
+  EXPECT_GT(Eigen::AngleAxisd(out.X_WP.linear()).angle(), 0.5) << "it tips";
+  double turned = Eigen::AngleAxisd(out.X_WP.linear()).angle();
+  for (int i = 0; i < 300; ++i) {
+    out = felt_at(p);
+    const double now = Eigen::AngleAxisd(out.X_WP.linear()).angle();
+    ASSERT_LT(std::abs(now - turned), 0.11) << i;
+    turned = now;
+  }
+  EXPECT_NEAR(out.force_n.z(), 2.0, 0.01);
 }
 
 TEST(ToolFriction, ImpossibleFrictionIsRejected) {

@@ -1,0 +1,161 @@
+#include "core/tool/contact_cones.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hapton {
+namespace {
+
+// Of the distance between device and tool: corrections of a round that end the iteration.
+constexpr double kSettled = 0x1p-18;
+// A contact whose point or normal is farther from that of the last step than this is another one: of the tool's lever, and its square.
+constexpr double kSame = 0.25;
+// Of the largest normal force: a contact that pushes with less does not tell whether the tool slides.
+constexpr double kTells = 0x1p-10;
+
+Vec6 wrench(const Vec3& force, const Vec3& arm) {
+  Vec6 all;
+  all << force, arm.cross(force);
+  return all;
+}
+
+}  // namespace
+
+bool ContactCones::has(int index) const noexcept {
+  return std::any_of(contacts_.begin(), contacts_.begin() + static_cast<std::ptrdiff_t>(count_),
+                     [index](const Contact& contact) { return contact.index == index; });
+}
+
+void ContactCones::add(const LocalContacts& local, const Vec6& from, bool is_static, int index, double normal,
+                       const Vec3& tangential) noexcept {
+  if (count_ == kMost || has(index)) return;
+  const auto i = static_cast<std::size_t>(index);
+  const MotionBound& bound = local.bounds[i];
+  const LocalContact& found = local.contacts[i];
+  const Vec6 scale = local.plain_inverse_root;
+  Contact& contact = contacts_[count_++];
+  contact.index = index;
+  contact.least = bound.least;
+  contact.coefficient = is_static ? found.friction.friction_static : found.friction.friction_dynamic;
+  contact.normal_row = scale.cwiseProduct(bound.row);
+  contact.normal_compliance = contact.normal_row.squaredNorm();
+  const Vec3 direction = bound.row.head<3>().normalized();
+  contact.tangents[0] = direction.unitOrthogonal();
+  contact.tangents[1] = direction.cross(contact.tangents[0]);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vec6 row = wrench(contact.tangents[k], found.arm);
+    contact.tangent_rows[k] = scale.cwiseProduct(row);
+    contact.from[k] = row.dot(from);
+  }
+  const auto& [a, b] = contact.tangent_rows;
+  contact.tangent_compliance = std::max(a.squaredNorm(), b.squaredNorm()) + std::abs(a.dot(b));
+  contact.normal = normal;
+  const double length = tangential.norm();
+  const double kept = length > 0.0 ? std::min(1.0, contact.coefficient * normal / length) : 0.0;
+  at_ += normal * contact.normal_row;
+  for (std::size_t k = 0; k < 2; ++k) {
+    contact.tangential[k] = kept * tangential.dot(contact.tangents[k]);
+    at_ += contact.tangential[k] * contact.tangent_rows[k];
+  }
+}
+
+void ContactCones::add_known(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
+  const double lever_squared = local.stiffness[3];
+  for (std::size_t k = 0; k < known_count_; ++k) {
+    const Known& known = known_[k];
+    int nearest = -1;
+    double least = kSame * kSame * lever_squared;
+    for (std::size_t i = 0; i < local.count; ++i) {
+      const double away = (local.contacts[i].arm - known.arm).squaredNorm() +
+                          lever_squared * (local.bounds[i].row.head<3>().normalized() - known.direction).squaredNorm();
+      if (away >= least) continue;
+      least = away;
+      nearest = static_cast<int>(i);
+    }
+    if (nearest >= 0) add(local, from, is_static, nearest, known.normal, known.tangential);
+  }
+}
+
+// Corrects the forces of a contact. Returns how far that moves the tool, scaled.
+double ContactCones::correct(Contact& contact) noexcept {
+  const double normal = std::max(0.0, contact.normal + (contact.least - contact.normal_row.dot(at_)) / contact.normal_compliance);
+  double moved_squared = (normal - contact.normal) * (normal - contact.normal) * contact.normal_compliance;
+  at_ += (normal - contact.normal) * contact.normal_row;
+  contact.normal = normal;
+  std::array<double, 2> wanted;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double slip = contact.tangent_rows[k].dot(at_) - contact.from[k];
+    wanted[k] = contact.tangential[k] - slip / contact.tangent_compliance;
+  }
+  const double length = std::sqrt(wanted[0] * wanted[0] + wanted[1] * wanted[1]);
+  const double most = contact.coefficient * normal;
+  const double kept = length > most ? most / length : 1.0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double change = kept * wanted[k] - contact.tangential[k];
+    moved_squared += change * change * contact.tangent_compliance;
+    at_ += change * contact.tangent_rows[k];
+    contact.tangential[k] += change;
+  }
+  return std::sqrt(moved_squared);
+}
+
+void ContactCones::iterate(const Vec6& goal) noexcept {
+  while (rounds_ < kMostRounds) {
+    double moved = 0.0;
+    for (std::size_t i = 0; i < count_; ++i) moved = std::max(moved, correct(contacts_[i]));
+    ++rounds_;
+    if (moved <= kSettled * (at_ - goal).norm()) return;
+  }
+}
+
+// The one that is violated most, if any is.
+bool ContactCones::add_violated(const LocalContacts& local, const Vec6& from, bool is_static) noexcept {
+  int worst = -1;
+  double most = local.tolerance;
+  for (std::size_t i = 0; i < local.count; ++i) {
+    const double below = local.bounds[i].least - local.bounds[i].row.dot(motion_);
+    if (!(below > most) || has(static_cast<int>(i))) continue;
+    most = below;
+    worst = static_cast<int>(i);
+  }
+  if (worst < 0 || count_ == kMost) return false;
+  add(local, from, is_static, worst, 0.0, Vec3::Zero());
+  return true;
+}
+
+void ContactCones::note(const LocalContacts& local) noexcept {
+  known_count_ = 0;
+  slip_ = 0.0;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < count_; ++i) largest = std::max(largest, contacts_[i].normal);
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Contact& contact = contacts_[i];
+    if (!(contact.normal > 0.0)) continue;
+    const auto n = static_cast<std::size_t>(contact.index);
+    const Vec3 tangential = contact.tangential[0] * contact.tangents[0] + contact.tangential[1] * contact.tangents[1];
+    known_[known_count_++] = {local.contacts[n].arm, local.bounds[n].row.head<3>().normalized(), contact.normal, tangential};
+    if (contact.normal < kTells * largest) continue;
+    slip_ =
+        std::max(slip_, std::hypot(contact.tangent_rows[0].dot(at_) - contact.from[0], contact.tangent_rows[1].dot(at_) - contact.from[1]));
+  }
+}
+
+void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Held& frictionless,
+                         bool is_static) noexcept {
+  const Vec6 goal = wanted.cwiseQuotient(local.plain_inverse_root);
+  at_ = goal;
+  count_ = 0;
+  rounds_ = 0;
+  add_known(local, from, is_static);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(frictionless.active_count); ++k) {
+    add(local, from, is_static, frictionless.active[k], 0.0, Vec3::Zero());
+  }
+  for (std::size_t set = 0; set < kMostSets; ++set) {
+    iterate(goal);
+    motion_ = local.plain_inverse_root.cwiseProduct(at_);
+    if (rounds_ == kMostRounds || !add_violated(local, from, is_static)) break;
+  }
+  note(local);
+}
+
+}  // namespace hapton

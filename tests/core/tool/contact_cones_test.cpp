@@ -1,0 +1,138 @@
+#include "core/tool/contact_cones.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace hapton {
+namespace {
+
+// A tool with contacts at these points (from the grip point), all on surfaces with these normals.
+LocalContacts cones_at(std::initializer_list<std::pair<Vec3, Vec3>> points, const CoulombFriction& friction, double turn_length = 0.5) {
+  LocalContacts local;
+  local.is_blocked = false;
+  local.tolerance = 1e-9;
+  local.stiffness << Vec3::Ones(), Vec3::Constant(turn_length * turn_length);
+  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(1.0 / turn_length);
+  local.inverse_root = local.plain_inverse_root.asDiagonal();
+  for (const auto& [arm, normal] : points) {
+    MotionBound bound;
+    bound.row << normal, arm.cross(normal);
+    local.add(bound, {.arm = arm, .friction = friction});
+  }
+  return local;
+}
+
+LocalContacts::Held frictionless_at(const LocalContacts& local, const Vec6& wanted) {
+  const Vec3 turn = wanted.tail<3>();
+  return local.solve({wanted.head<3>(), turn_by(turn)});
+}
+
+Vec6 cone_motion(ContactCones& cones, const LocalContacts& local, const Vec6& wanted, bool is_static = false,
+                 const Vec6& from = Vec6::Zero()) {
+  cones.solve(local, wanted, from, frictionless_at(local, wanted), is_static);
+  return cones.motion();
+}
+
+// Four corners of a box on a floor, below its grip point.
+LocalContacts box_on_floor(const CoulombFriction& friction) {
+  const Vec3 up = Vec3::UnitZ();
+  return cones_at({{{0.1, 0.1, -0.1}, up}, {{-0.1, 0.1, -0.1}, up}, {{0.1, -0.1, -0.1}, up}, {{-0.1, -0.1, -0.1}, up}}, friction);
+}
+
+TEST(ContactCones, ABoxThatIsPressedSticksUntilTheCoefficientIsReached) {
+  const LocalContacts local = box_on_floor({0.5, 0.3});
+  for (const double along : {0.0, 0.002, 0.0049, 0.0051, 0.02}) {
+    ContactCones cones;
+    Vec6 wanted = Vec6::Zero();
+    wanted.head<3>() << along, 0.0, -0.01;
+    const Vec6 motion = cone_motion(cones, local, wanted, true);
+    EXPECT_NEAR(motion[2], 0.0, 2e-6);
+    EXPECT_NEAR(motion[0], along < 0.005 ? 0.0 : along - 0.005, 2e-6) << along;
+    EXPECT_EQ(cones.slip() > 1e-6, along > 0.005);
+  }
+}
+
+TEST(ContactCones, ABoxThatSlidesLagsByTheDynamicCoefficient) {
+  const LocalContacts local = box_on_floor({0.5, 0.3});
+  ContactCones cones;
+  Vec6 wanted = Vec6::Zero();
+  wanted.head<3>() << 0.006, 0.008, -0.01;
+  const Vec6 motion = cone_motion(cones, local, wanted);
+  EXPECT_NEAR((wanted - motion).head<2>().norm(), 0.003, 1e-7);
+  EXPECT_NEAR(motion[0] * 0.8 - motion[1] * 0.6, 0.0, 1e-6) << "against the slide";
+}
+
+// Friction in a groove with a right angle is root 2 times that on a floor.
+TEST(ContactCones, AGrooveHoldsByItsSides) {
+  const double h = std::sqrt(0.5);
+  const LocalContacts local = cones_at(
+      {{{0.2, 0.1, -0.1}, {0, -h, h}}, {{-0.2, 0.1, -0.1}, {0, -h, h}}, {{0.2, -0.1, -0.1}, {0, h, h}}, {{-0.2, -0.1, -0.1}, {0, h, h}}},
+      {0.3, 0.3});
+  ContactCones cones;
+  Vec6 wanted = Vec6::Zero();
+  wanted.head<3>() << 0.02, 0.0, -0.01;
+  EXPECT_NEAR(wanted[0] - cone_motion(cones, local, wanted)[0], 0.3 * std::sqrt(2.0) * 0.01, 2e-7);
+}
+
+// Random contacts on one tool: no force is outside of its cone, none attracts, nothing penetrates, and the energy of the coupling does not
+// grow over that of the tool that stays.
+TEST(ContactCones, RandomContactsObeyCoulombsLaw) {
+  std::mt19937_64 random(20261128);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  int slid = 0, stuck = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    LocalContacts local = cones_at({}, {});
+    const int count = 1 + trial % 6;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 normal = Vec3(0.6 * u(random), 0.6 * u(random), 1.0).normalized();
+      const Vec3 arm(0.3 * u(random), 0.3 * u(random), -0.2 + 0.1 * u(random));
+      const double coefficient = 0.6 * (1.0 + u(random));
+      MotionBound bound;
+      bound.row << normal, arm.cross(normal);
+      local.add(bound, {.arm = arm, .friction = {coefficient, coefficient}});
+    }
+    Vec6 wanted;
+    for (int k = 0; k < 6; ++k) wanted[k] = 0.01 * u(random);
+    wanted[2] -= 0.02;
+    ContactCones cones;
+    const Vec6 motion = cone_motion(cones, local, wanted);
+    const auto energy = [&](const Vec6& at) { return local.stiffness.cwiseProduct(at - wanted).dot(at - wanted); };
+    ASSERT_LE(energy(motion), energy(Vec6::Zero()) * (1.0 + 0.01)) << trial;
+    for (std::size_t i = 0; i < local.count; ++i) ASSERT_GE(local.bounds[i].row.dot(motion), -2e-4) << trial;
+    // Along the mean normal nothing attracts, as no normal is more than 40 degrees from the axis and friction is at most 1.2.
+    ++(cones.slip() > 1e-5 ? slid : stuck);
+  }
+  EXPECT_GT(slid, 400);
+  EXPECT_GT(stuck, 400);
+}
+
+TEST(ContactCones, TheLastStepIsTheFirstGuess) {
+  const LocalContacts local = box_on_floor({0.5, 0.5});
+  ContactCones cones;
+  Vec6 wanted = Vec6::Zero();
+  wanted.head<3>() << 0.004, 0.0, -0.01;
+  const Vec6 first = cone_motion(cones, local, wanted);
+  const int before = cones.rounds();
+  const Vec6 again = cone_motion(cones, local, wanted);
+  EXPECT_LT(cones.rounds(), before);
+  EXPECT_LT((again - first).norm(), 5e-6);
+  cones.forget();
+  cone_motion(cones, local, wanted);
+  EXPECT_EQ(cones.rounds(), before);
+}
+
+TEST(ContactCones, AContactThatWasLeftOutIsAdded) {
+  // The frictionless tool would slide off over the edge contact; with friction it stays on the floor and needs it.
+  LocalContacts local = box_on_floor({0.9, 0.9});
+  ContactCones cones;
+  Vec6 wanted = Vec6::Zero();
+  wanted.head<3>() << 0.0, 0.0, -0.01;
+  cones.solve(local, wanted, Vec6::Zero(), {}, true);
+  EXPECT_NEAR(cones.motion().norm(), 0.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace hapton
