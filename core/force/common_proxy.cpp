@@ -61,7 +61,7 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
       part.is_limited = false;
     }
     if (start) felt.reset(i, part.X_SO, *start);
-    part.gives_way = felt.gives_way(i);
+    part.gives_way = !in_series_ && felt.gives_way(i);
     if (part.gives_way) part.held.setZero();
     part.was_held = part.holds();
     if (!part.was_held) continue;

@@ -226,6 +226,25 @@ TEST(SculptMethod, CarvesByItsButtonOnlyAndNamesTheObject) {
 }
 
 // The same samples give the same forces and carves to the last bit, and a field that only gets the list is the same.
+// Another object beside the clay, out of reach, changes nothing, whatever the method: a step of a ball that cuts is one step.
+TEST(SculptMethod, CutsTheSameBesideAnObjectThatIsFar) {
+  TouchObject far = table_object();
+  far.mesh = std::make_shared<const TriangleMesh>(scaled_and_moved(make_box(Vec3(0.02, 0.02, 0.02)), 1.0, Vec3(0, 0, -0.4)));
+  for (const char* name : {"proxy", "reference", "smooth", "sweep"}) {
+    const auto alone = step_of({.objects = {clay_object(Vec3::Zero())}}, {.name = name});
+    const auto beside = step_of({.objects = {far, clay_object(Vec3::Zero())}}, {.name = name});
+    int cut = 0;
+    for (const TouchInput& input : carving_hand(7, 1500)) {
+      const TouchOutput a = alone->step(input), b = beside->step(input);
+      ASSERT_EQ(a.force_n, b.force_n) << name;
+      ASSERT_LT((a.visual_offset_m - b.visual_offset_m).norm(), 1e-15);
+      cut += a.contact && input.buttons != 0 ? 1 : 0;
+    }
+    EXPECT_GT(cut, 100) << name;
+    EXPECT_EQ(alone->method().sculpture()->newest(), beside->method().sculpture()->newest()) << name;
+  }
+}
+
 TEST(SculptMethod, RepeatsToTheLastBit) {
   const TouchScene scene{.objects = {clay_object(Vec3::Zero()), table_object(), clay_object(Vec3(0.05, 0.01, 0.0), 0.02)}};
   const auto one = step_of(scene), other = step_of(scene);
