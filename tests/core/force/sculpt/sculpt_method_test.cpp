@@ -374,6 +374,15 @@ TEST(SculptMethod, MaterialsOfBothKindsCanBeChanged) {
   EXPECT_NEAR(step->step({.p_WD = {0.08, 0, -0.051}}).force_n.z(), 0.2, 1e-3);
 }
 
+TEST(SculptMethod, KnowsWhatProgramsDeformBesideIt) {
+  TouchObject skin = table_object();
+  skin.stream_reach_m = 0.01;
+  const auto step = step_of({.objects = {clay_object(Vec3::Zero()), skin}});
+  EXPECT_EQ(step->find_streamed(0), nullptr);
+  EXPECT_NE(step->find_streamed(1), nullptr);
+  EXPECT_EQ(step->method().list_streamed(), std::vector<int>{1});
+}
+
 TEST(SculptMethod, RejectsAnOpenMesh) {
   TouchObject sheet = clay_object(Vec3::Zero());
   sheet.mesh = std::make_shared<const TriangleMesh>(make_plane_grid(0.05, 3));
