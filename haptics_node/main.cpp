@@ -15,10 +15,10 @@
 #include "haptic_step/object_mover.h"
 #include "haptic_step/scene_facts.h"
 #include "haptics_node/grasp_task.h"
+#include "haptics_node/haptic_scene.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
 #include "haptics_node/inside_watch.h"
-#include "haptics_node/live_scene.h"
 #include "haptics_node/object_shaper.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
@@ -232,7 +232,7 @@ int run(const HapticsOptions& options) {
   loop.set_stiffness_adviser(&adviser);
   InsideWatch inside(felt_first);
   loop.set_inside_watch(&inside);
-  LiveScene felt(felt_first, gains_of, adviser, inside, patches);
+  HapticScene felt(felt_first, gains_of, adviser, inside, patches);
   MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); });
   loop.set_material_tuner(&tuner);
   const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;

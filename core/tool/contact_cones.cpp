@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 // Of the distance between device and tool: corrections of a round that end the iteration.
-constexpr double kSettled = 0x1p-18;
+constexpr double kSettled = 0x1p-20;
 // A contact whose point or normal is farther from that of the last step than this is another one: of the tool's lever, and its square.
 constexpr double kSame = 0.25;
 // Of the largest normal force: a contact that pushes with less does not tell whether the tool slides.

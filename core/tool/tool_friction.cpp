@@ -9,8 +9,10 @@ namespace {
 
 // Of the device's motion: what moves the tool by less is no slide.
 constexpr double kLeastPull = 0x1p-10;
-// Of the same: what a tool that sticks moves by at most, as the iteration leaves some. One that slides moves by all of it.
+// Of the same: what a tool that sticks moves by at most. One that slides moves by all of it.
 constexpr double kSticks = 0.125;
+// Of the distance between device and tool: what the iteration leaves of a slip, 16 times what ends it (ContactCones).
+constexpr double kLeftSlip = 0x1p-16;
 
 // Rotation in a step, rad, of a tool that was in contact. A tool that friction has turned far from the device is where the contacts, which
 // are known where it is, tell nothing of the way back: it goes on from where it gets. 100 rad/s at 1 kHz, twice what a hand turns at.
@@ -81,7 +83,9 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   const Vec6 slide = held.motion - here;
   cones_.solve(local, wanted, here, held, sticks_);
   const double moved_length = moved.head<3>().norm() + std::sqrt(local.stiffness[3]) * moved.tail<3>().norm();
-  const bool slides = cones_.slip() > std::max(kSticks * moved_length, local.tolerance);
+  const Vec6 extension = wanted - cones_.motion();
+  const double left = kLeftSlip * std::sqrt(local.stiffness.cwiseProduct(extension).dot(extension));
+  const bool slides = cones_.slip() > std::max({kSticks * moved_length, left, local.tolerance});
   const Vec6 pulled = local.stiffness.cwiseProduct(moved);
   const bool pulls_onward = pulled.dot(slide) > kLeastPull * pulled.dot(moved);
   slides_ = slides || (slides_ && pulls_onward);

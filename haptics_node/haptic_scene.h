@@ -15,12 +15,12 @@ namespace hapton {
 
 // The scene as it is felt now, coupled, for whoever needs to know beside the step: the advice on stiffness, the watch over a hand inside a
 // body, and the parts for the hub. RT: no. Threads: any.
-class LiveScene {
+class HapticScene {
  public:
   using FindGains = std::function<LargestGains(const TouchScene&)>;
 
   // Pre: the others outlive this, and have this scene.
-  LiveScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideWatch& inside, PatchSender& patches);
+  HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideWatch& inside, PatchSender& patches);
 
   // Its materials have changed. Pre: one for each object.
   void tune(const std::vector<Material>& materials);

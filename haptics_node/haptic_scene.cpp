@@ -1,4 +1,4 @@
-#include "haptics_node/live_scene.h"
+#include "haptics_node/haptic_scene.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-LiveScene::LiveScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideWatch& inside, PatchSender& patches)
+HapticScene::HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideWatch& inside, PatchSender& patches)
     : find_gains_(std::move(find_gains)), adviser_(adviser), inside_(inside), patches_(patches), scene_(std::move(scene)) {}
 
-void LiveScene::tune(const std::vector<Material>& materials) {
+void HapticScene::tune(const std::vector<Material>& materials) {
   const std::scoped_lock lock(mutex_);
   tuned_ = materials;
   for (std::size_t o = 0; o < std::min(tuned_.size(), scene_.objects.size()); ++o) scene_.objects[o].material = tuned_[o];
@@ -19,14 +19,14 @@ void LiveScene::tune(const std::vector<Material>& materials) {
   patches_.set_materials(tuned_);
 }
 
-void LiveScene::follow(const TouchScene& scene) {
+void HapticScene::follow(const TouchScene& scene) {
   const std::scoped_lock lock(mutex_);
   tuned_.clear();
   note(scene);
   patches_.set_scene(scene_, hash_scene(scene_));
 }
 
-void LiveScene::place(const TouchScene& scene, std::uint32_t revision) {
+void HapticScene::place(const TouchScene& scene, std::uint32_t revision) {
   const std::scoped_lock lock(mutex_);
   note(scene);
   // Parts need meshes and materials only, and their hash takes too long here.
@@ -36,7 +36,7 @@ void LiveScene::place(const TouchScene& scene, std::uint32_t revision) {
   patches_.set_scene(std::move(meshes), 0, revision);
 }
 
-void LiveScene::note(const TouchScene& scene) {
+void HapticScene::note(const TouchScene& scene) {
   scene_ = scene;
   for (std::size_t o = 0; o < std::min(tuned_.size(), scene_.objects.size()); ++o) scene_.objects[o].material = tuned_[o];
   adviser_.set_gains(find_gains_(scene_));

@@ -1,4 +1,4 @@
-#include "haptics_node/live_scene.h"
+#include "haptics_node/haptic_scene.h"
 
 #include <gtest/gtest.h>
 
@@ -54,12 +54,12 @@ struct FeltSceneTest : testing::Test {
   InsideWatch inside{two_boxes_felt(1000.0)};
   double gain_n_per_m = 0.0;
   std::uint32_t request = 1;
-  LiveScene felt{two_boxes_felt(1000.0),
-                 [this](const TouchScene& scene) {
-                   gain_n_per_m = scene.objects[1].material.stiffness_n_per_m;
-                   return find_largest_gains(scene);
-                 },
-                 adviser, inside, patches};
+  HapticScene felt{two_boxes_felt(1000.0),
+                   [this](const TouchScene& scene) {
+                     gain_n_per_m = scene.objects[1].material.stiffness_n_per_m;
+                     return find_largest_gains(scene);
+                   },
+                   adviser, inside, patches};
 };
 
 // A change that comes while the scene is built with the object where it was put down is not in that scene.
