@@ -129,37 +129,46 @@ class ToolEpisodes {
   std::mt19937_64 random_;
 };
 
+Result<void> stress_tool(const StressBody& body, const StressTool& tool, double scale, const CoulombFriction& friction,
+                         std::uint64_t episodes, const ToolStressPlan& plan, ToolStressCount& count) {
+  const double side = compute_bounds(body.touched).extent();
+  std::vector<std::shared_ptr<const TriangleMesh>> scene = {
+      std::make_shared<TriangleMesh>(scaled_and_moved(body.touched, scale, Vec3::Zero()))};
+  std::vector<int> parts;
+  if (plan.moving) {
+    const Vec3 beside = 1.2 * scale * side * Vec3::UnitX();
+    scene.push_back(std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.4 * scale * side, 2), 1.0, beside)));
+    parts = {1, 0};
+  }
+  const std::vector<CoulombFriction> frictions(scene.size(), friction);
+  auto step = ToolStep::make(scaled_and_moved(tool.mesh, scale * side, Vec3::Zero()), std::move(scene), {}, frictions, nullptr, parts);
+  if (!step) return tl::unexpected(step.error());
+  const std::uint64_t seed = seed_of(plan.seed, body.name, tool.name);
+  ToolEpisodes run(**step, scale * side, seed);
+  for (std::uint64_t episode = 0; episode < episodes; ++episode) {
+    const std::uint64_t before = count.faults();
+    run.run((episode + seed) % kInsideEvery == 0, count);
+    if (before > 0 || count.faults() == 0) continue;
+    count.first_fault = fmt::format("tool {}, scale {:g}, friction {:g}, episode {}", tool.name, scale, friction.friction_static, episode);
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBody>& bodies, const ToolStressPlan& plan,
                                                       const std::function<void(const ToolStressResult&)>& progress) {
   const std::vector<StressTool> tools = make_tools();
-  const std::uint64_t runs = bodies.size() * tools.size() * plan.scales.size();
+  const std::uint64_t runs = bodies.size() * tools.size() * plan.scales.size() * plan.frictions.size();
   const std::uint64_t episodes = std::max<std::uint64_t>(1, (plan.steps + runs * kEpisodeSteps - 1) / (runs * kEpisodeSteps));
   std::vector<ToolStressResult> results;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     ToolStressResult result{.body = bodies[b].name, .count = {}};
-    const double side = compute_bounds(bodies[b].touched).extent();
     for (std::size_t t = 0; t < tools.size(); ++t) {
       for (const double scale : plan.scales) {
-        const TriangleMesh tool = scaled_and_moved(tools[t].mesh, scale * side, Vec3::Zero());
-        std::vector<std::shared_ptr<const TriangleMesh>> scene = {
-            std::make_shared<TriangleMesh>(scaled_and_moved(bodies[b].touched, scale, Vec3::Zero()))};
-        std::vector<int> parts;
-        if (plan.moving) {
-          const Vec3 beside = 1.2 * scale * side * Vec3::UnitX();
-          scene.push_back(std::make_shared<TriangleMesh>(scaled_and_moved(make_icosphere(0.4 * scale * side, 2), 1.0, beside)));
-          parts = {1, 0};
-        }
-        auto step = ToolStep::make(tool, std::move(scene), {}, {}, nullptr, parts);
-        if (!step) return tl::unexpected(step.error());
-        const std::uint64_t seed = seed_of(plan.seed, bodies[b].name, tools[t].name);
-        ToolEpisodes run(**step, scale * side, seed);
-        for (std::uint64_t episode = 0; episode < episodes; ++episode) {
-          const std::uint64_t before = result.count.faults();
-          run.run((episode + seed) % kInsideEvery == 0, result.count);
-          if (before == 0 && result.count.faults() > 0) {
-            result.count.first_fault = fmt::format("tool {}, scale {:g}, episode {}", tools[t].name, scale, episode);
+        for (const CoulombFriction& friction : plan.frictions) {
+          if (const auto run = stress_tool(bodies[b], tools[t], scale, friction, episodes, plan, result.count); !run) {
+            return tl::unexpected(run.error());
           }
         }
       }

@@ -7,6 +7,7 @@
 
 #include "core/base/result.h"
 #include "core/force/evaluation/stress_body.h"
+#include "core/tool/local_contacts.h"
 
 namespace hapton {
 
@@ -14,6 +15,8 @@ struct ToolStressPlan {
   std::uint64_t seed = 1;
   std::uint64_t steps = 100'000;  // in all, at least; shared by bodies, tools and scales
   std::vector<double> scales = {1e-6, 1e-3, 1.0, 1e3, 1e6};
+  // Of all surfaces; each has its share of the steps.
+  std::vector<CoulombFriction> frictions = {{0.0, 0.0}, {0.8, 0.6}};
   bool moving = false;  // the body moves and turns, beside a ball that stands still
 };
 
@@ -39,8 +42,8 @@ struct ToolStressResult {
 };
 
 // Seeded tools (ball, box, plate, wedge of 3 degrees, rod, bracket) pressed, slid, jittered and turned at up to 50 rad/s on each body, at
-// each scale; every fourth episode begins in an overlap. With `moving` the body is part of the walk, and is checked where the tool feels
-// it. `progress` is called after each body. Error: see ToolStep::make. RT: no.
+// each scale, with each friction; every fourth episode begins in an overlap. With `moving` the body is part of the walk, and is checked
+// where the tool feels it. `progress` is called after each body. Error: see ToolStep::make. RT: no.
 Result<std::vector<ToolStressResult>> run_tool_stress(const std::vector<StressBody>& bodies, const ToolStressPlan& plan,
                                                       const std::function<void(const ToolStressResult&)>& progress);
 
