@@ -44,6 +44,7 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
   place_.reset();
   if (place) p_SD_before_.reset();
   holding_ = 0;
+  const bool any_gives = !in_series_ && felt.may_give_way();
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
     part.X_before = part.X_SO;
@@ -52,7 +53,6 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
     part.lift_before = part.lift;
     part.is_felt = part.begins_again = false;
     part.turns = 0;
-    part.force_n.setZero();
     part.was_with_others = part.with_others && !place;
     if (place) {
       part.X_before = part.X_SO;
@@ -61,7 +61,7 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
       part.is_limited = false;
     }
     if (start) felt.reset(i, part.X_SO, *start);
-    part.gives_way = !in_series_ && felt.gives_way(i);
+    part.gives_way = any_gives && felt.gives_way(i);
     if (part.gives_way) part.held.setZero();
     part.was_held = part.holds();
     if (!part.was_held) continue;
@@ -69,14 +69,14 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
     part.held = part.X_SO.linear() * (part.X_before.linear().transpose() * part.held);
     part.p_SP = part.start();
   }
-  lead(felt);
+  goal_ = p_SD_;
+  is_led_ = false;
+  if (any_gives) lead(felt);
   if (holding_ > 1) share_out();
 }
 
 // Each of several parts that give way follows the one before it.
 void CommonProxy::lead(FeltParts& felt) noexcept {
-  goal_ = p_SD_;
-  is_led_ = false;
   for (std::size_t i = 0; i < count_; ++i) {
     Part& part = parts_[i];
     if (!part.gives_way) continue;

@@ -37,6 +37,8 @@ class FeltParts {
   };
   // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
   virtual MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept = 0;
+  // A part may give way in this sample.
+  virtual bool may_give_way() const noexcept { return false; }
   // It gives way: in this sample it is felt once, at the device point, and the other parts follow its proxy in place of the device. settle:
   // where they let that proxy be.
   virtual bool gives_way(std::size_t part) const noexcept {
@@ -122,7 +124,7 @@ class CommonProxy {
   // There was no room in the last step, see above.
   bool is_squeezed() const noexcept { return is_squeezed_; }
   // Of the last step: the force of a part, and from its proxy to the device point that it followed. Zero: it holds nothing.
-  const Vec3& force_of(std::size_t part) const noexcept { return parts_[part].force_n; }
+  Vec3 force_of(std::size_t part) const noexcept { return parts_[part].output.contact ? parts_[part].force_n : Vec3(Vec3::Zero()); }
   const Vec3& share_of(std::size_t part) const noexcept { return parts_[part].held; }
 
  private:
@@ -146,7 +148,7 @@ class CommonProxy {
     bool gives_way = false;        // in this sample
     double stiffness = 0.0;        // in this sample, N/m
     MethodOutput output = {};
-    Vec3 force_n = Vec3::Zero();  // what it adds to the force of this sample
+    Vec3 force_n = Vec3::Zero();  // what it adds to the force of this sample, if it is in contact
 
     bool holds() const noexcept { return !gives_way && !held.isZero(0.0); }
     // Its proxy after the sample before, on the part where that is now.

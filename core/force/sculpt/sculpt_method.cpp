@@ -79,6 +79,7 @@ class SculptMethod::Parts final : public FeltParts {
   MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override {
     return is_other(part) ? others().feel(part, X_SO, p_S, turn) : method_.feel(body(part), input_, p_S, turn);
   }
+  bool may_give_way() const noexcept override { return (input_.buttons & method_.carve_buttons_) != 0; }
   bool gives_way(std::size_t part) const noexcept override { return !is_other(part) && method_.cuts(body(part), input_); }
   void settle(std::size_t part, const Vec3& p_S) noexcept override {
     const CarvedField& field = method_.sculpture_->bodies()[body(part)].field;
