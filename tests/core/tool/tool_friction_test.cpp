@@ -26,6 +26,21 @@ std::unique_ptr<ToolStep> make_rough_step(const TriangleMesh& scene, const Coulo
   return std::move(*made);
 }
 
+// With a right angle, along x.
+TriangleMesh make_right_groove() {
+  TriangleMesh groove;
+  groove.vertices = {{-0.1, -0.1, 0.1}, {0.1, -0.1, 0.1}, {-0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}, {-0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}};
+  groove.triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
+  return groove;
+}
+
+TriangleMesh make_rod_along_x() {
+  TriangleMesh rod = make_cylinder(0.01, 0.04, 64);
+  const auto along_x = turn_by({0.0, std::numbers::pi / 2, 0.0});
+  for (Vec3& vertex : rod.vertices) vertex = along_x * vertex;
+  return rod;
+}
+
 ToolInput rub_at(const Vec3& p, double turn_rad = 0.0) {
   ToolInput input;
   input.X_WD.translation() = p;
@@ -72,13 +87,8 @@ TEST(ToolFriction, ARestingToolDoesNotCreep) {
 
 // Of a groove with a right angle each side carries the force over root 2, so that the friction along it is root 2 times that on a plane.
 TEST(ToolFriction, AGrooveHoldsByItsSides) {
-  TriangleMesh groove;
-  groove.vertices = {{-0.1, -0.1, 0.1}, {0.1, -0.1, 0.1}, {-0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}, {-0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}};
-  groove.triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
-  TriangleMesh rod = make_cylinder(0.01, 0.04, 64);
-  const auto along_x = turn_by({0.0, std::numbers::pi / 2, 0.0});
-  for (Vec3& vertex : rod.vertices) vertex = along_x * vertex;
-  auto made = ToolStep::make(rod, {std::make_shared<TriangleMesh>(groove)}, {.stiffness_n_per_m = kRubK}, {kRubFriction});
+  auto made = ToolStep::make(make_rod_along_x(), {std::make_shared<TriangleMesh>(make_right_groove())}, {.stiffness_n_per_m = kRubK},
+                             {kRubFriction});
   ASSERT_TRUE(made) << made.error().what;
   ToolStep& step = **made;
   const double rest = 0.01 * std::numbers::sqrt2;
@@ -187,18 +197,13 @@ TEST(ToolFriction, ATiltedToolSticksAndSlidesAsAFlatOneDoes) {
 // Random motion with a cube on a plane and a rod in a groove: no force changes by more than the motion and a break-away explain, and the
 // hand gains no energy.
 TEST(ToolFriction, ARandomHandFeelsNoKick) {
-  TriangleMesh groove;
-  groove.vertices = {{-0.1, -0.1, 0.1}, {0.1, -0.1, 0.1}, {-0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}, {-0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}};
-  groove.triangles = {{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
-  TriangleMesh rod = make_cylinder(0.01, 0.04, 64);
-  const auto along_x = turn_by({0.0, std::numbers::pi / 2, 0.0});
-  for (Vec3& vertex : rod.vertices) vertex = along_x * vertex;
   struct Rubbing {
     TriangleMesh tool;
     TriangleMesh scene;
     double height_m;
   };
-  const Rubbing pairs[] = {{make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8), 0.012}, {rod, groove, 0.0135}};
+  const Rubbing pairs[] = {{make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8), 0.012},
+                           {make_rod_along_x(), make_right_groove(), 0.0135}};
   for (const Rubbing& pair : pairs) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       auto made = ToolStep::make(pair.tool, {std::make_shared<TriangleMesh>(pair.scene)}, {.stiffness_n_per_m = kRubK}, {{0.8, 0.64}});
