@@ -109,5 +109,35 @@ TEST(LocalContacts, BlockedFollowsTheDeviceAndHeldStays) {
   EXPECT_EQ(local.constrain(device).position, local.proxy.position);
 }
 
+// The nearest allowed motion: that of a search over all sets of bounds that may be active.
+TEST(LocalContacts, ProjectAMotionOntoTheirBounds) {
+  LocalContacts local;
+  local.is_blocked = false;
+  local.tolerance = 1e-12;
+  local.stiffness << Vec3::Ones(), Vec3::Constant(0.25);
+  local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(2.0);
+  MotionBound floor, wall;
+  floor.row << 0, 0, 1, 0, 0, 0;
+  floor.least = 0.25;
+  wall.row << 1, 0, 0, 0, 1, 0;
+  local.add(floor);
+  local.add(wall);
+  Vec6 free = Vec6::Zero();
+  free.head<3>() << 0.5, 0.1, 0.3;
+  EXPECT_EQ(local.project(free), free);
+  Vec6 below = free;
+  below[2] = -0.5;
+  Vec6 expected = below;
+  expected[2] = 0.25;
+  EXPECT_LT((local.project(below) - expected).norm(), 1e-12);
+  // Into the wall by 0.5: shared between shift and turn by their compliances, 1 and 4.
+  Vec6 within = free;
+  within[0] = -0.5;
+  expected = within;
+  expected[0] += 0.1;
+  expected[4] += 0.4;
+  EXPECT_LT((local.project(within) - expected).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -262,6 +262,34 @@ TEST(ToolFriction, ACubeThatTipsComesBackGradually) {
   EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
 }
 
+// Whatever the iteration leaves, the tool is not within a contact that is known.
+TEST(ToolFriction, NoKnownContactIsViolated) {
+  std::mt19937_64 random(20261129);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (int trial = 0; trial < 1000; ++trial) {
+    LocalContacts local;
+    local.is_blocked = false;
+    local.tolerance = 1e-9;
+    local.stiffness << Vec3::Ones(), Vec3::Constant(0.25);
+    local.plain_inverse_root << Vec3::Ones(), Vec3::Constant(2.0);
+    local.inverse_root = local.plain_inverse_root.asDiagonal();
+    for (int i = 0; i < 6; ++i) {
+      const Vec3 normal = Vec3(0.6 * u(random), 0.6 * u(random), 1.0).normalized();
+      const Vec3 arm(0.3 * u(random), 0.3 * u(random), -0.2 + 0.1 * u(random));
+      MotionBound bound;
+      bound.row << normal, arm.cross(normal);
+      local.add(bound, {.arm = arm, .friction = {1.2, 1.2}});
+    }
+    ToolFriction friction;
+    friction.reset({});
+    const Placement device{0.01 * Vec3(u(random), u(random), -3.0), turn_by(0.02 * Vec3(u(random), u(random), u(random)))};
+    const Placement at = friction.step(local, device).at;
+    Vec6 motion;
+    motion << at.position, turn_between(Quat::Identity(), at.orientation);
+    for (std::size_t i = 0; i < local.count; ++i) ASSERT_GE(local.bounds[i].row.dot(motion), -1e-8) << trial;
+  }
+}
+
 TEST(ToolFriction, ImpossibleFrictionIsRejected) {
   for (const CoulombFriction bad : {CoulombFriction{0.1, 0.2}, {-0.1, -0.1}, {std::nan(""), 0.0}, {1.0, std::nan("")}}) {
     const auto made = ToolStep::make(make_box({0.02, 0.02, 0.02}), {std::make_shared<TriangleMesh>(make_plane_grid(0.2, 2))}, {}, {bad});
