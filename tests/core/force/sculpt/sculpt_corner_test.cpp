@@ -138,6 +138,43 @@ TEST(SculptCorner, AHandLiftedAlongAWallIsFree) {
   }
 }
 
+// In one sample the hand goes past the edge of the clay, which is behind the wall: the ball stays on top, as the wall does not let it go
+// there.
+TEST(SculptCorner, AJumpPastAnEdgeBehindTheWallIsHeldOnThisSide) {
+  for (const bool wall_moves : {false, true}) {
+    TouchScene scene = clay_with_wall(90.0, 0.005, wall_moves);
+    scene.objects[1] = corner_box(Vec3(0.04, 0.04, 0.02), Pose(Eigen::Translation3d(0.019, 0.0, -0.01)));
+    scene.objects[1].sculpt = kCornerClay;
+    const auto touch = touch_of(scene);
+    const double top = resting_height(*touch);
+    touch->reset({.p_WD = {0.004, 0, 0.005}});
+    for (int i = 0; i < 10; ++i) touch->step({.p_WD = {0.004, 0, 0.005}, .dt_s = 1e-3});
+    TouchOutput felt;
+    for (int i = 0; i < 5; ++i) felt = touch->step({.p_WD = {-0.006, 0, -0.003}, .dt_s = 1e-3});
+    EXPECT_NEAR(felt.force_n.x(), 800.0 * 0.006, 0.02);
+    EXPECT_NEAR(felt.force_n.z(), 800.0 * (top + 0.003), 0.3) << "voxels round the edge";
+  }
+}
+
+// Beside a wall that is touched as well the clay damps once, by the motion of the hand.
+TEST(SculptCorner, DampsOnce) {
+  for (const double damping : {0.0, 5.0}) {
+    TouchScene scene = clay_with_wall(90.0);
+    scene.objects[1].material.damping_ns_per_m = damping;
+    const auto touch = touch_of(scene);
+    const double top = resting_height(*touch);
+    touch->reset({.p_WD = {0.004, 0, 0.005}});
+    for (int i = 0; i < 250; ++i) {
+      const double s = 1e-3 * i;
+      const double x = std::max(-0.002, 0.004 - 0.1 * s), z = 0.005 - 0.02 * s;
+      const TouchOutput felt = touch->step({.p_WD = {x, 0, z}, .dt_s = 1e-3});
+      if (i < 150) continue;
+      ASSERT_NEAR(felt.force_n.x(), 800.0 * 0.002, 0.01) << i;
+      ASSERT_NEAR(felt.force_n.z(), 800.0 * (top - z) + damping * 0.02, 0.015) << i;
+    }
+  }
+}
+
 // A groove is cut along the foot of the wall: the ball sinks into the clay, never into the wall, and no force changes faster than by the
 // lag of the cut, also as the button is pressed and released.
 TEST(SculptCorner, CutsAlongAWallWithoutEnteringIt) {
