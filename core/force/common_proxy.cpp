@@ -62,7 +62,10 @@ void CommonProxy::begin_sample(FeltParts& felt) noexcept {
     }
     if (start) felt.reset(i, part.X_SO, *start);
     part.gives_way = any_gives && felt.gives_way(i);
-    if (part.gives_way) part.held.setZero();
+    if (part.gives_way) {
+      part.held.setZero();
+      part.is_limited = false;
+    }
     part.was_held = part.holds();
     if (!part.was_held) continue;
     ++holding_;
@@ -98,7 +101,7 @@ void CommonProxy::share_out() noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     const Part& part = parts_[i];
     const double length = part.held.norm();
-    if (!(length > 0.0)) continue;
+    if (part.gives_way || !(length > 0.0)) continue;
     const Vec3 normal = -part.held / length;
     planes_[planes] = {normal, normal.dot(part.p_SP - part.lift - origin)};
     plane_of_[planes++] = i;

@@ -207,6 +207,31 @@ TEST(SculptCorner, CutsAlongAWallWithoutEnteringIt) {
   }
 }
 
+// Cut in the corner of a wall that programs may move and a table: what the three hold is together the extension, at any angle.
+TEST(SculptCorner, CutsBetweenAWallAndATableWithoutAJump) {
+  for (const double angle_deg : {60.0, 80.0, 90.0, 110.0}) {
+    TouchScene scene = clay_with_wall(angle_deg, 0.025, true);
+    scene.objects.push_back(corner_box(Vec3(0.2, 0.2, 0.02), Pose(Eigen::Translation3d(0.0, 0.0, -0.016))));
+    const auto touch = touch_of(scene);
+    const double on_wall = -0.006 / std::tan(angle_deg * M_PI / 180.0);
+    touch->reset({.p_WD = {0.012, -0.01, 0.006}});
+    Vec3 before_n = Vec3::Zero();
+    int at_both = 0;
+    for (int i = 0; i <= 6000; ++i) {
+      const double s = 1e-3 * i;
+      const Vec3 hand(0.012 + (on_wall - 0.015) * std::clamp(s - 1.0, 0.0, 1.0), -0.01 + 0.02 * std::clamp((s - 2.0) / 3.0, 0.0, 1.0),
+                      0.006 - 0.015 * std::min(1.0, s));
+      const TouchOutput felt = touch->step({.p_WD = hand, .dt_s = 1e-3, .buttons = s < 5.5 ? 1U : 0U});
+      const Vec3 proxy = hand + felt.visual_offset_m;
+      at_both += proxy.z() < -0.0059 && felt.visual_offset_m.x() > 1e-4 ? 1 : 0;
+      ASSERT_LT((felt.force_n - 800.0 * felt.visual_offset_m).norm(), 1e-3) << angle_deg << " degrees, at " << s << " s";
+      ASSERT_LT((felt.force_n - before_n).norm(), 0.06 * before_n.norm() + 0.05) << angle_deg << " degrees, at " << s << " s";
+      before_n = felt.force_n;
+    }
+    EXPECT_GT(at_both, 1000) << angle_deg << " degrees";
+  }
+}
+
 // A random hand that presses the button now and then, where a wall stands in the clay that programs move: never in the wall where that is
 // now, and no force beyond the stiffest spring. Friction of the clay holds the shares against each other for a few samples, so that the
 // proxy is up to some hundredths of a millimetre beside the wall's face.
