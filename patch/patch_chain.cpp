@@ -162,6 +162,7 @@ class PatchChain::Felt final : public FeltParts {
   PatchOutput sum;
 
   StiffnessRange stiffness(std::size_t part) const noexcept override { return chain_.touches_[part].stiffness(); }
+  bool is_frictionless(std::size_t part) const noexcept override { return chain_.touches_[part].is_frictionless(); }
   double damping(std::size_t part, int object) const noexcept override { return chain_.touches_[part].damping_of(object); }
 
  private:

@@ -142,6 +142,11 @@ StiffnessRange PatchTouch::stiffness() const noexcept {
   return {least->stiffness_n_per_m, most->stiffness_n_per_m};
 }
 
+bool PatchTouch::is_frictionless() const noexcept {
+  if (is_beyond_ || patch_ == nullptr) return false;
+  return std::ranges::all_of(patch_->materials, [](const Material& material) { return material.friction_dynamic == 0.0; });
+}
+
 double PatchTouch::damping_of(int object) const noexcept {
   if (is_beyond_ || patch_ == nullptr) return 0.0;
   const auto found = std::lower_bound(patch_->objects.begin(), patch_->objects.end(), object);

@@ -138,6 +138,8 @@ class PatchTouch {
   bool is_beyond() const noexcept { return is_beyond_; }
   // Of the materials of its patch, or of the plane past its edge.
   StiffnessRange stiffness() const noexcept;
+  // No surface of the patch has dynamic friction.
+  bool is_frictionless() const noexcept;
   // Of an object of the scene, N s/m, by its patch.
   double damping_of(int object) const noexcept;
   const Vec3& outward() const noexcept { return outward_S_; }

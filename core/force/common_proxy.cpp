@@ -11,6 +11,10 @@ namespace {
 // Rounds through all parts in a sample. Two planes at an angle converge by its squared cosine in each, and the quadratic program makes that
 // exact where the surfaces are planes; what is left converges over the next samples.
 constexpr int kRounds = 6;
+// Without friction. A part that changes the face that it holds the proxy with, as in the sample in which a hand slides off an edge, changes
+// the planes: then the program is solved again in each second round. With friction what a part holds is no plane, and more rounds make the
+// force less steady.
+constexpr int kFrictionlessRounds = 12;
 // A part whose device point has moved by less than this goes on as it is: of the largest share, of the coordinates, whose rounding is
 // 2^-53, and of the lift.
 constexpr double kAgree = 0x1p-26;
@@ -220,16 +224,25 @@ void CommonProxy::begin_again(FeltParts& felt) noexcept {
   }
 }
 
+// All that hold the proxy can be felt again, and have no friction.
+bool CommonProxy::is_exact(const FeltParts& felt) const noexcept {
+  for (std::size_t i = 0; i < count_; ++i) {
+    if (parts_[i].holds() && (!felt.is_frictionless(i) || parts_[i].turns >= felt.most_turns(i))) return false;
+  }
+  return true;
+}
+
 void CommonProxy::follow(FeltParts& felt) noexcept {
   bool any = true;
-  for (int round = 0; any && round < kRounds; ++round) {
+  const auto goes_on = [&](int round) { return round < kRounds || (round < kFrictionlessRounds && is_exact(felt)); };
+  for (int round = 0; any && goes_on(round); ++round) {
     begin_round();
     any = false;
     for (std::size_t i = 0; i < count_; ++i) any = (!parts_[i].gives_way && visit(felt, i)) || any;
     if (!any) break;
     const bool has_met = has_met_another();
     if (has_met) begin_again(felt);
-    if ((has_met || round == 0) && holding_ > 1) share_out();
+    if (holding_ > 1 && (has_met || round == 0 || (round % 2 == 0 && is_exact(felt)))) share_out();
   }
   is_squeezed_ = is_limited();
   const std::size_t first = has_still_ ? 0 : first_held();

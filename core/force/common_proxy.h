@@ -60,6 +60,11 @@ class FeltParts {
     (void)part;
     return {};
   }
+  // Where it is felt as shared, none of its objects has friction: it holds the proxy along its normal.
+  virtual bool is_frictionless(std::size_t part) const noexcept {
+    (void)part;
+    return false;
+  }
   // Of that object, N s/m, if feel() leaves the damping out where the proxy is shared. 0: it does not.
   virtual double damping(std::size_t part, int object) const noexcept {
     (void)part;
@@ -166,6 +171,7 @@ class CommonProxy {
   void limit_share(Part& part, double whole_m) noexcept;
   double limit_m(double whole_m) const noexcept;
   bool is_limited() const noexcept;
+  bool is_exact(const FeltParts& felt) const noexcept;
   std::size_t first_held() const noexcept;
   Vec3 lift_of(std::size_t i) const noexcept;
   void share_out() noexcept;

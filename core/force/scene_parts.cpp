@@ -15,9 +15,10 @@ Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpos
 
 }  // namespace
 
-void SceneParts::Group::note_stiffness() noexcept {
+void SceneParts::Group::note_materials() noexcept {
   const auto [least, most] = std::ranges::minmax_element(materials, {}, &Material::stiffness_n_per_m);
   stiffness = {least->stiffness_n_per_m, most->stiffness_n_per_m};
+  is_frictionless = std::ranges::all_of(shared, [](const Material& material) { return material.friction_dynamic == 0.0; });
 }
 
 Result<void> SceneParts::make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene) {
@@ -31,7 +32,7 @@ Result<void> SceneParts::make_method_of(Group& group, Make make, const MethodSet
     group.materials.push_back(own.material);
     group.shared.push_back(shared_material(own.material));
   }
-  group.note_stiffness();
+  group.note_materials();
   if (const TouchObject& only = part.objects.front(); only.stream_reach_m) {
     auto streamed = StreamedMethod::make(settings, only.mesh, only.material, *only.stream_reach_m);
     if (!streamed) return tl::unexpected(streamed.error());
@@ -95,7 +96,7 @@ void SceneParts::set_materials(std::span<const Material> materials) noexcept {
       group.materials[i] = materials[object];
       group.shared[i] = shared_material(materials[object]);
     }
-    group.note_stiffness();
+    group.note_materials();
     group.set_materials();
   }
 }

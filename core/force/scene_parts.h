@@ -46,6 +46,7 @@ class SceneParts final : public FeltParts {
   bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override;
   MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept override;
   StiffnessRange stiffness(std::size_t part) const noexcept override { return groups_[part].stiffness; }
+  bool is_frictionless(std::size_t part) const noexcept override { return groups_[part].is_frictionless; }
   double damping(std::size_t, int object) const noexcept override { return damping_[static_cast<std::size_t>(object)]; }
 
   // As ForceMethod has them; objects are numbers of the scene.
@@ -65,9 +66,10 @@ class SceneParts final : public FeltParts {
     std::vector<Material> shared = {};     // the same as CommonProxy has them
     bool is_shared = false;                // the method has these
     StiffnessRange stiffness = {};
+    bool is_frictionless = false;
 
     void set_materials() noexcept { method->set_materials(is_shared ? shared : materials); }
-    void note_stiffness() noexcept;
+    void note_materials() noexcept;
   };
 
   static Result<void> make_method_of(Group& group, Make make, const MethodSettings& settings, const TouchScene& scene);

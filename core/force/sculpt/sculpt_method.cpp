@@ -91,6 +91,9 @@ class SculptMethod::Parts final : public FeltParts {
     const double own = method_.bodies_[body(part)].material.stiffness_n_per_m;
     return {own, own};
   }
+  bool is_frictionless(std::size_t part) const noexcept override {
+    return is_other(part) ? others().is_frictionless(part) : method_.bodies_[body(part)].material.friction_dynamic == 0.0;
+  }
   double damping(std::size_t part, int object) const noexcept override {
     return is_other(part) ? others().damping(part, object) : method_.bodies_[body(part)].material.damping_ns_per_m;
   }

@@ -65,6 +65,19 @@ TEST(SceneParts, AreFeltWhereTheyAreAndNameTheObject) {
   EXPECT_EQ(feel(0, 0.0095, 0.1).object, 2);
 }
 
+TEST(SceneParts, AreFrictionlessWithoutDynamicFriction) {
+  TouchScene scene = parted_scene();
+  scene.objects[0].material.friction_static = 0.5;
+  SceneParts parts = parts_of(scene);
+  EXPECT_TRUE(parts.is_frictionless(0));
+  EXPECT_TRUE(parts.is_frictionless(1)) << "static friction is dynamic friction where the proxy is shared";
+  std::vector<Material> materials(4);
+  materials[3].friction_dynamic = 0.2;
+  parts.set_materials(materials);
+  EXPECT_FALSE(parts.is_frictionless(0));
+  EXPECT_TRUE(parts.is_frictionless(1));
+}
+
 TEST(SceneParts, WithoutMotionAreOneMethod) {
   TouchScene scene{.objects = {part_box(Vec3(0, 0, 0), 500.0), part_box(Vec3(0.1, 0, 0), 600.0)}};
   SceneParts parts = parts_of(scene);
