@@ -2,7 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <charconv>
+#include <cmath>
 #include <optional>
+#include <string_view>
+#include <system_error>
 
 #include "runtime/writable_path.h"
 
@@ -44,6 +48,28 @@ CLI::Validator zero_or_more(const std::string& what) {
     return value >= 0.0 ? "" : "is not a number";
   };
   return check_number(rejection, what + ", zero or more", "NONNEGATIVE");
+}
+
+CLI::Validator whole_number(std::int64_t least, std::uint64_t most) {
+  return CLI::Validator(
+      [least, most](std::string& text) -> std::string {
+        const auto number = find_number(text);
+        if (!number || !std::isfinite(*number)) return {};
+        const bool below = text.starts_with('-');
+        std::string_view digits = std::string_view(text).substr(below || text.starts_with('+') ? 1 : 0);
+        const bool hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
+        if (hexadecimal) digits.remove_prefix(2);
+        std::uint64_t size = 0;
+        const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), size, hexadecimal ? 16 : 10);
+        const std::string advice = fmt::format("give a whole number from {} to {}", least, most);
+        if (end != digits.data() + digits.size()) return fmt::format("{} is not a whole number in digits; {}", text, advice);
+        if (!hexadecimal && digits.size() > 1 && digits.front() == '0')
+          return fmt::format("{} begins with a zero; {}, without it", text, advice);
+        const std::uint64_t most_size = below ? std::uint64_t{0} - static_cast<std::uint64_t>(least) : most;
+        const bool fits = error == std::errc() && size <= most_size;
+        return fits ? std::string() : fmt::format("{} is out of range; {}", text, advice);
+      },
+      "");
 }
 
 CLI::Validator folder_to_write() {

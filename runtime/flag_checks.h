@@ -2,6 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 namespace hapton {
@@ -13,6 +15,15 @@ namespace hapton {
 CLI::Validator between(double least, double most);
 CLI::Validator above_zero(const std::string& what = "a number");
 CLI::Validator zero_or_more(const std::string& what = "a number");
+
+// A whole number, in decimal or after 0x, from `least` to `most`. CLI11 alone takes -1 for the largest unsigned number, one with too many
+// digits for the nearest that fits, and 010 for 8. Text that is no finite number is left to the option's other checks.
+CLI::Validator whole_number(std::int64_t least, std::uint64_t most);
+template <class T>
+CLI::Validator whole_number() {
+  return whole_number(std::numeric_limits<T>::is_signed ? static_cast<std::int64_t>(std::numeric_limits<T>::min()) : 0,
+                      static_cast<std::uint64_t>(std::numeric_limits<T>::max()));
+}
 
 // Folders and files that can be written to or made (runtime/writable_path.h).
 CLI::Validator folder_to_write();

@@ -108,6 +108,7 @@ const std::vector<BadCall> kIoNode = {
     {"UnknownDevice", "io_node", {"--bind", "127.0.0.1:0", "--device", "spoon"}, "spoon"},
     {"RateTooLow", "io_node", {"--bind", "127.0.0.1:0", "--rate", "10"}, "10"},
     {"RateTooHigh", "io_node", {"--bind", "127.0.0.1:0", "--rate", "1000000"}, "1000000"},
+    {"SeedBelowZero", "io_node", {"--bind", "127.0.0.1:0", "--seed=-1"}, "--seed: -1 is out of range; give a whole number from 0"},
     {"RateIsText", "io_node", {"--bind", "127.0.0.1:0", "--rate", "fast"}, "--rate: fast is not a number; give 250 to 10000"},
     {"RateIsNan", "io_node", {"--bind", "127.0.0.1:0", "--rate", "nan"}, "rate"},
     {"SecondsNegative", "io_node", {"--bind", "127.0.0.1:0", "--seconds", "-1"}, "seconds"},

@@ -10,6 +10,20 @@ namespace {
 // Empty when the text is taken.
 std::string rejection(const CLI::Validator& check, std::string text) { return check(text); }
 
+TEST(FlagChecks, RejectWhatIsNotAWholeNumberOfTheType) {
+  const CLI::Validator seed = whole_number<std::uint64_t>();
+  for (const char* good : {"0", "7", "0x10", "18446744073709551615", "abc", "nan"}) EXPECT_EQ(rejection(seed, good), "") << good;
+  const std::string advice = "; give a whole number from 0 to 18446744073709551615";
+  EXPECT_EQ(rejection(seed, "-1"), "-1 is out of range" + advice);
+  EXPECT_EQ(rejection(seed, "99999999999999999999"), "99999999999999999999 is out of range" + advice);
+  EXPECT_EQ(rejection(seed, "0x1ffffffffffffffff"), "0x1ffffffffffffffff is out of range" + advice);
+  EXPECT_EQ(rejection(seed, "1e9"), "1e9 is not a whole number in digits" + advice);
+  EXPECT_EQ(rejection(seed, "010"), "010 begins with a zero" + advice + ", without it");
+  const CLI::Validator cpu = whole_number<int>();
+  for (const char* good : {"-1", "+3", "-2147483648", "2147483647"}) EXPECT_EQ(rejection(cpu, good), "") << good;
+  EXPECT_EQ(rejection(cpu, "-2147483649"), "-2147483649 is out of range; give a whole number from -2147483648 to 2147483647");
+}
+
 TEST(FlagChecks, BetweenTakesItsEndsAndNamesThemInShort) {
   const CLI::Validator rate = between(250.0, 10'000.0);
   EXPECT_EQ(rejection(rate, "250"), "");

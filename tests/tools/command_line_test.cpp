@@ -87,6 +87,15 @@ TEST_F(CommandLineTest, SaysWhatAnOptionTakesWhenItIsRejected) {
   EXPECT_EQ(rejection("--cpu -1 --share 1 --stiffness 1e-9 --friction 0 --mode off --folder /"), "");
 }
 
+TEST_F(CommandLineTest, NeverTakesAWholeNumberForAnother) {
+  std::size_t steps = 0;
+  std::optional<std::uint64_t> seed;
+  line_.add_option("--steps", steps, "");
+  line_.add_option("--seed", seed, "");
+  EXPECT_THAT(rejection("--steps 99999999999999999999"), HasSubstr("--steps: 99999999999999999999 is out of range"));
+  EXPECT_THAT(rejection("--seed=-1"), HasSubstr("--seed: -1 is out of range"));
+}
+
 TEST_F(CommandLineTest, HoldsOptionsTogetherAndApart) {
   std::string needed;
   std::string key;
