@@ -90,8 +90,10 @@ SessionRecorder::Options recording_of(const IoOptions& options) {
 
 void print_recording(const IoOptions& options, const SessionRecorder::Counts& counts) {
   if (!options.record.empty()) {
-    fmt::print("recorded {} entries, {:.1f} MB, {} dropped: {}\n", counts.file_entries, 1e-6 * static_cast<double>(counts.file_bytes),
-               counts.dropped, options.record);
+    // A recording that stopped lacks what came after it too.
+    const std::string all = counts.file_entries < counts.entries ? fmt::format(" of {}", counts.entries) : "";
+    fmt::print("recorded {}{} entries, {:.1f} MB, {} dropped: {}\n", counts.file_entries, all,
+               1e-6 * static_cast<double>(counts.file_bytes), counts.dropped, options.record);
   }
   if (const std::string missing = describe_lost_samples(options, counts.lost_samples); !missing.empty()) log_warning("{}", missing);
   if (counts.flights + counts.flights_left_out > 0) {

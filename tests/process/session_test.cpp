@@ -1,8 +1,10 @@
 // Whole sessions, recorded, inspected and replayed.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -172,6 +174,25 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   EXPECT_EQ(text.exit_code, 0) << text.err;
   EXPECT_THAT(text.out, HasSubstr("flight record: command-timeout"));
   system.end("io_node");
+}
+
+// A limit on the size of files stands for a full disk; a program inherits it.
+TEST(SessionsOnAFullDisk, SayHowMuchIsInTheRecording) {
+  const ScratchFolder scratch;
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit lower{64 * 1024, before.rlim_max};
+  const auto on_signal = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &lower), 0);
+  const auto ended =
+      run("io_node", {"--bind", "127.0.0.1:0", "--rt", "off", "--flight", "off", "--seconds", "1.5", "--record", "full.hapton"},
+          scratch.path());
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, on_signal);
+  ASSERT_TRUE(ended);
+  EXPECT_EQ(ended->exit_code, 1) << ended->err;
+  EXPECT_THAT(ended->err, HasSubstr("recording stopped"));
+  EXPECT_THAT(ended->out, ::testing::ContainsRegex("recorded [0-9]+ of [0-9]+ entries"));
 }
 
 }  // namespace
