@@ -49,11 +49,11 @@ struct MovableBesideMotion : MovableTouch {
     system->device.led = kPressed + moved + Vec3(0, 0, 0.02);
     system->run_for_ns(1'500 * kMs);
     system->device.led = kOverPost;
-    system->run_for_ns(2'500 * kMs);
+    system->run_slowly_for_ns(2'500 * kMs);
     ASSERT_TRUE(system->wait_for_patches());
     const std::size_t first = system->touched.size();
     system->device.led = kOnPost;
-    system->run_for_ns(2'000 * kMs);
+    system->run_slowly_for_ns(2'000 * kMs);
     ASSERT_TRUE(system->wait_for_patches());
     std::size_t in_contact = 0;
     double least_m = 1.0;

@@ -293,6 +293,16 @@ class SimulatedSystem {
     while (clock.now_ns() < end_ns) servo->step();
   }
 
+  // The same, with time for the threads that build patches, which take their own: simulated time runs ahead of them on a busy machine, and
+  // the hand would outrun its patches.
+  void run_slowly_for_ns(std::int64_t duration_ns) {
+    const std::int64_t end_ns = clock.now_ns() + duration_ns;
+    while (clock.now_ns() < end_ns) {
+      run_for_ns(5 * kMs);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
   bool wants_patches() const { return patch_link_ != nullptr && patch_link_->is_wanted(); }
   const LinkKey& key() const { return key_; }
   const ServoStats& stats() { return servo->collect_stats(); }
