@@ -224,7 +224,7 @@ void CommonProxy::begin_again(FeltParts& felt) noexcept {
   }
 }
 
-// All that hold the proxy can be felt again, and have no friction.
+// Each part that holds the proxy may have another turn in this sample, and has no friction.
 bool CommonProxy::is_exact(const FeltParts& felt) const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     if (parts_[i].holds() && (!felt.is_frictionless(i) || parts_[i].turns >= felt.most_turns(i))) return false;

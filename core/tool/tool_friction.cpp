@@ -14,8 +14,9 @@ constexpr double kSticks = 0.125;
 // Of the distance between device and tool: what the iteration leaves of a slip, 16 times what ends it (ContactCones).
 constexpr double kLeftSlip = 0x1p-16;
 
-// Rotation in a step, rad, of a tool that was in contact. A tool that friction has turned far from the device is where the contacts, which
-// are known where it is, tell nothing of the way back: it goes on from where it gets. 100 rad/s at 1 kHz, twice what a hand turns at.
+// Largest rotation in a step, rad, of a tool that was in contact. Where friction has turned it far from the device, the bounds of contacts,
+// which are linear about the tool's pose, do not hold along the path back: the next step continues with contacts found on that path. 100
+// rad/s at 1 kHz, twice what a hand turns at.
 constexpr double kMostTurn = 0.1;
 
 Vec6 motion_between(const Placement& from, const Placement& to) {
@@ -72,11 +73,11 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   if (held.active_count == 0 && was_held && turn_between(at_.orientation, held.at.orientation).norm() > kMostTurn) {
     const Vec6 back = motion_between(at_, held.at);
     at_ = displaced(at_, (kMostTurn / back.tail<3>().norm()) * back);
-    return {at_, at_, false, held};
+    return {at_, at_, held};
   }
   if (!is_placed_ || held.active_count == 0) {
     reset(held.at);
-    return {held.at, device, false, held};
+    return {held.at, device, held};
   }
   const Vec6 here = motion_between(local.proxy, at_);
   const Vec6 wanted = motion_between(local.proxy, device);
@@ -91,7 +92,6 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   slides_ = slides || (slides_ && pulls_onward);
   sticks_ = !slides && !slides_;
   Step step;
-  step.sticks = !slides;
   step.held = held;
   const Vec6 ahead = cones_.motion() - here;
   const double turn = ahead.tail<3>().norm();

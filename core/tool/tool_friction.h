@@ -34,9 +34,8 @@ class ToolFriction {
   void move_to(const Placement& at) noexcept { at_ = at; }
 
   struct Step {
-    Placement at;    // pose of the tool, with friction
-    Placement goal;  // of the slow task: the same, or the device without contact
-    bool sticks = false;
+    Placement at;              // pose of the tool, with friction
+    Placement goal;            // of the slow task: the same, or the device without contact
     LocalContacts::Held held;  // without friction
   };
   // Where the device is at `device` and `local` holds the tool. Without contact: at the device. parts: as LocalContacts::follow has them.
