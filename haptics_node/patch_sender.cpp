@@ -31,17 +31,31 @@ constexpr const char* kTooLarge = "the scene has more triangles than the hub kee
 const char* find_scene_obstacle(const TouchScene& scene) {
   if (scene.has_effects()) return "the scene has effects";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
-  if (scene.has_deformation()) return "objects of the scene deform";
+  if (scene.has_streamed()) return "programs deform objects of the scene";
   std::size_t triangles = 0;
   for (const TouchObject& object : scene.objects) triangles += object.mesh->triangles.size();
   if (triangles > PatchStore::kMostTiles * PatchTile::kMostTriangles) return kTooLarge;
   if (!scene.has_motion()) return "";
   const std::vector<MotionGroup> groups = group_by_motion(scene);
   if (groups.size() >= PatchBody::kMostBodies) return "more than 31 objects of the scene move";
+  const auto has_many_weights = [](const TouchObject& object) {
+    return object.deformation != nullptr && object.deformation->keys().size() > PatchDeformation::kMostAllKeys;
+  };
+  if (std::any_of(scene.objects.begin(), scene.objects.end(), has_many_weights))
+    return "an object of the scene has more than 4,096 keys of its shape";
   const auto is_long = [](const MotionGroup& group) {
     return group.motion != nullptr && group.motion->keyframes().size() > PatchBody::kMostAllKeys;
   };
   return std::any_of(groups.begin(), groups.end(), is_long) ? "an object of the scene has more than 1,536 keyframes" : "";
+}
+
+// Why the parts cannot hold all of the scene; empty: they can.
+const char* find_obstacle(const TiledScene& tiles, double probe_radius_m) {
+  if (tiles.tiles.size() > PatchStore::kMostTiles) return kTooLarge;
+  if (tiles.has_unlisted) return "too many triangles of the scene overlap in one place";
+  if (tiles.displaced.size() > PatchStore::kMostDisplaced) return "the shapes of the objects that deform are more than the hub keeps";
+  if (tiles.has_parting) return "an object of the scene deforms and comes apart";
+  return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object of the scene deforms that cannot be felt on the grid of its parts";
 }
 
 TiledScene make_no_tiles() {
@@ -232,9 +246,8 @@ Pose PatchSender::pose_of(std::size_t body, double time_s) const noexcept {
 // False: the parts cannot hold all of the scene.
 bool PatchSender::make_parts() {
   auto tiles = std::make_unique<TiledScene>(make_tiles(scene_));
-  if (tiles->tiles.size() > PatchStore::kMostTiles || tiles->has_unlisted) {
+  if (const char* const why = find_obstacle(*tiles, probe_radius_m_); *why != '\0') {
     const std::scoped_lock lock(scene_mutex_);
-    const char* const why = tiles->has_unlisted ? "too many triangles of the scene overlap in one place" : kTooLarge;
     if (!next_scene_) scene_obstacle_.store(why, std::memory_order_release);
     return false;
   }

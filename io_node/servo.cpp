@@ -17,7 +17,8 @@ constexpr std::int64_t kStatisticsNs = 250 * kNanosecondsPerMillisecond;
 bool is_part(const Message& message) noexcept {
   return std::holds_alternative<PatchTile>(message) || std::holds_alternative<PatchCell>(message) ||
          std::holds_alternative<PatchBegin>(message) || std::holds_alternative<PatchBody>(message) ||
-         std::holds_alternative<PatchMaterial>(message);
+         std::holds_alternative<PatchMaterial>(message) || std::holds_alternative<PatchDeformation>(message) ||
+         std::holds_alternative<PatchDisplacements>(message);
 }
 
 }  // namespace

@@ -125,12 +125,17 @@ constexpr std::tuple kMessageKinds{
                                               &wire::Envelope::mutable_shape_start},
     MessageKind<ShapeStatus, wire::ShapeStatus>{&wire::Envelope::has_shape_status, &wire::Envelope::shape_status,
                                                 &wire::Envelope::mutable_shape_status},
+    MessageKind<PatchDeformation, wire::PatchDeformation>{&wire::Envelope::has_patch_deformation, &wire::Envelope::patch_deformation,
+                                                          &wire::Envelope::mutable_patch_deformation},
+    MessageKind<PatchDisplacements, wire::PatchDisplacements>{
+        &wire::Envelope::has_patch_displacements, &wire::Envelope::patch_displacements, &wire::Envelope::mutable_patch_displacements},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kShapeStatusFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kPatchDisplacementsFieldNumber == 15 + kKindCount,
+              "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -259,6 +264,8 @@ void reserve(wire::PatchBody& m) {
   reserve_field(*m.mutable_pivot_m());
   reserve_field(*m.mutable_keys());
 }
+void reserve(wire::PatchDeformation& m) { reserve_field(*m.mutable_keys()); }
+void reserve(wire::PatchDisplacements& m) { reserve_field(*m.mutable_by_m()); }
 void reserve(wire::PatchMaterial&) {}
 void reserve(wire::PatchStatus& m) { m.mutable_received()->reserve(kMaxDatagramBytes); }
 void reserve(wire::MaterialRequest& m) { m.mutable_object()->reserve(kMaxDatagramBytes); }

@@ -20,7 +20,8 @@ bool may_send(NodeRole role, const Message& message) {
            std::holds_alternative<ObjectMove>(message) || std::holds_alternative<Carves>(message) ||
            std::holds_alternative<PatchBody>(message) || std::holds_alternative<PatchMaterial>(message) ||
            std::holds_alternative<ShapeReply>(message) || std::holds_alternative<ObjectShape>(message) ||
-           std::holds_alternative<ShapeStart>(message);
+           std::holds_alternative<ShapeStart>(message) || std::holds_alternative<PatchDeformation>(message) ||
+           std::holds_alternative<PatchDisplacements>(message);
   }
   if (std::holds_alternative<MoveRequest>(message) || std::holds_alternative<ShapeRequest>(message)) return true;
   if (role == NodeRole::tool) {

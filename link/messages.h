@@ -8,6 +8,7 @@
 #include "core/math/keyframe_motion.h"
 #include "core/math/types.h"
 #include "link/marker_text.h"
+#include "link/patch_messages.h"
 #include "link/shape_messages.h"
 
 namespace hapton {
@@ -257,114 +258,6 @@ struct ReportPart {
   std::array<char, 896> text = {};
 };
 
-// --- ContactPatch: the scene's surface in parts, from which the hub computes forces itself (docs/decisions/0116-contact-patch.md).
-// Positions lie on a grid of the static scene: p_S = origin_m + step_m * (x, y, z), each a whole number below 2^kPatchGridBits. The content
-// of a part stays valid within its epoch; a new epoch begins without parts. A serial counts the parts sent within an epoch, repeats
-// included, from 1.
-
-constexpr int kPatchGridBits = 24;      // three bytes for a coordinate
-constexpr int kPatchDeepestLevel = 14;  // cubes of 2^10 steps
-
-// haptics -> hub: what the parts of this epoch have in common.
-struct PatchBegin {
-  std::uint32_t epoch = 0;
-  std::uint32_t serial = 0;
-  Vec3 origin_m = Vec3::Zero();
-  double step_m = 0.0;
-  double probe_radius_m = 0.0;
-  std::uint64_t scene_hash = 0;
-  std::uint32_t body_count = 1;     // bodies, each announced by PatchBody; 1: nothing moves, and no PatchBody comes
-  std::uint32_t request = 0;        // PatchStatus::request that it replies to: the epoch is of no use to a later one. 0: any
-  std::uint32_t method_serial = 0;  // a patch begins where a reply with this one or a later one has the probe. 0: any
-};
-
-// haptics -> hub: objects that move together, or what stands still (body 0). Positions of its parts are those of the scene at rest; where
-// it is, its motion says. A motion with more keyframes than one message holds takes several.
-struct PatchBody {
-  static constexpr std::size_t kMostBodies = 32;
-  static constexpr std::size_t kMostKeys = 12;          // in a message
-  static constexpr std::uint32_t kMostAllKeys = 1'536;  // of a body
-  enum class Motion : std::uint8_t { still = 0, keyframes = 1, commanded = 2 };
-
-  std::uint32_t epoch = 0;
-  std::uint32_t serial = 0;
-  std::uint32_t body = 0;
-  Motion motion = Motion::still;
-  // All its triangles are between these points of the grid; lowest above highest: it has none.
-  std::array<std::uint32_t, 3> lowest = {1, 1, 1};
-  std::array<std::uint32_t, 3> highest = {};
-  // Of one that moves:
-  Vec3 pivot_m = Vec3::Zero();  // as in ObjectMove, at rest
-  double radius_m = 0.0;        // no point is farther from the pivot
-  // Of a commanded one: the object in ObjectMove, and the newest move of it when this was sent, 0: none.
-  std::int32_t object = 0;
-  std::uint32_t move_serial = 0;
-  // Of one with keyframes (KeyframeMotion):
-  bool loops = false;
-  std::uint32_t all_keys = 0;   // of the motion
-  std::uint32_t first_key = 0;  // of those here
-  std::uint32_t key_count = 0;
-  std::array<Keyframe, kMostKeys> keys = {};
-};
-
-// haptics -> hub: an object has another material than its tiles say. Of several the one of the highest serial counts.
-struct PatchMaterial {
-  std::uint32_t epoch = 0;
-  std::uint32_t serial = 0;
-  std::uint32_t object = 0;
-  double stiffness_n_per_m = 0.0;
-  double damping_ns_per_m = 0.0;
-  double friction_static = 0.0;
-  double friction_dynamic = 0.0;
-};
-
-// haptics -> hub: all tiles that have a triangle in one cube of the octree over the grid: at level n it is 2^-n of the whole wide.
-struct PatchCell {
-  static constexpr std::size_t kMostTiles = 128;  // a scene with more in one place is not sent in parts (decision 197)
-  std::uint32_t epoch = 0;
-  std::uint32_t serial = 0;
-  std::uint32_t level = 0;
-  std::array<std::uint32_t, 3> index = {};
-  // Of the cubes around it, the whole one first: bit x + 2 y + 4 z: that child of it has no triangle.
-  std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
-  std::uint32_t tile_count = 0;
-  std::array<std::uint32_t, kMostTiles> tiles = {};
-  std::uint32_t body = 0;
-};
-
-// haptics -> hub: a cluster of triangles of one object.
-struct PatchTile {
-  static constexpr std::size_t kMostVertices = 88;  // with kMostTriangles 984 bytes: a part is one datagram
-  static constexpr std::size_t kMostTriangles = 64;
-  static constexpr std::size_t kVertexBytes = 9;  // x, y, z, 3 bytes each, lowest first
-  std::uint32_t epoch = 0;
-  std::uint32_t serial = 0;
-  std::uint32_t tile = 0;
-  std::uint32_t object = 0;
-  double stiffness_n_per_m = 0.0;
-  double damping_ns_per_m = 0.0;
-  double friction_static = 0.0;
-  double friction_dynamic = 0.0;
-  bool two_sided = true;
-  std::uint8_t vertex_count = 0;
-  std::uint8_t triangle_count = 0;
-  std::array<std::uint8_t, kMostVertices* kVertexBytes> vertices = {};
-  std::array<std::uint8_t, kMostTriangles* 3> triangles = {};  // vertex numbers in this tile
-};
-
-// hub -> haptics, while it wants parts: which it has received.
-struct PatchStatus {
-  static constexpr std::size_t kSerials = 512;  // 64 bytes: parts of a tenth of a second at 5 MB/s
-  bool is_wanted = false;
-  std::uint32_t epoch = 0;                               // of the newest part received; 0: none
-  std::uint32_t newest_serial = 0;                       // received in that epoch
-  std::array<std::uint8_t, kSerials / 8> received = {};  // bit i, from the lowest of byte 0: newest_serial - i
-  float round_trip_s = 0.0F;                             // as the hub measures it
-  std::uint32_t newest_move = 0;                         // serial of ObjectMove; 0: none
-  std::uint64_t moves_received = 0;                      // bit i: newest_move - i
-  std::uint32_t request = 0;                             // another one whenever the hub has dropped all parts
-};
-
 // hub -> haptics, once a second, while the force comes from there: the loop that the scene's stiffness has to suit.
 struct LoopFacts {
   std::array<char, 16> device = {};  // NUL-padded name of the kind of device (Device::name)
@@ -478,11 +371,11 @@ struct CarveUndo {
   std::uint32_t serial = 0;  // of any carve of that press
 };
 
-using Message =
-    std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings, HapticsSetup,
-                 ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile, PatchStatus, LoopFacts,
-                 MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest, MoveReply, ObjectMove, Carves, CarveStatus,
-                 PatchBody, PatchMaterial, CarveUndo, ShapeRequest, ShapeReply, ObjectShape, ShapeStart, ShapeStatus>;
+using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, ViewTransform, ProbeState, FrameAck, HandTarget, Settings,
+                             HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
+                             PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest,
+                             MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial, CarveUndo, ShapeRequest, ShapeReply,
+                             ObjectShape, ShapeStart, ShapeStatus, PatchDeformation, PatchDisplacements>;
 
 // In front of every message.
 struct Header {

@@ -13,6 +13,8 @@
 namespace hapton {
 namespace {
 
+constexpr std::uint32_t kDeforms = 4;  // in PatchBody.motion: it deforms as well
+
 // Its size in records of that many bytes; none when it is not whole, is empty or has too many.
 std::size_t count_records(const std::string& bytes, std::size_t each, std::size_t most) {
   return bytes.size() % each == 0 && bytes.size() / each <= most ? bytes.size() / each : 0;
@@ -48,6 +50,23 @@ bool read_keys(const Field& field, PatchBody& to) {
     if (!is_amount(key.time_s) || key.time_s <= before_s || !key.p_S.allFinite() || key.p_S.cwiseAbs().maxCoeff() > kMaxWireMagnitude)
       return false;
     if (!(std::abs(key.turn.norm() - 1.0) <= kUnitTolerance)) return false;
+  }
+  return true;
+}
+
+// Some of a deformation's weights over time: each key later than the one before.
+bool read_weights(const wire::PatchDeformation& from, PatchDeformation& to) {
+  const std::size_t each = PatchDeformation::numbers_of_key(to.target_count);
+  const auto count = static_cast<std::size_t>(from.keys().size());
+  if (count == 0 || count > to.keys.size() || count % each != 0) return false;
+  to.key_count = static_cast<std::uint32_t>(count / each);
+  if (to.first_key >= to.all_keys || to.key_count > to.all_keys - to.first_key) return false;
+  std::copy(from.keys().begin(), from.keys().end(), to.keys.begin());
+  double before_s = -1.0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const bool is_time = i % each == 0;
+    if (is_time ? !is_amount(to.keys[i]) || to.keys[i] <= before_s : !is_amount(std::abs(to.keys[i]))) return false;
+    if (is_time) before_s = to.keys[i];
   }
   return true;
 }
@@ -124,7 +143,7 @@ void write(const PatchBody& from, wire::PatchBody& to) {
   to.set_epoch(from.epoch);
   to.set_serial(from.serial);
   to.set_body(from.body);
-  to.set_motion(static_cast<std::uint32_t>(from.motion));
+  to.set_motion(static_cast<std::uint32_t>(from.motion) + (from.deforms ? kDeforms : 0U));
   to.mutable_bounds()->Clear();
   if (from.lowest[0] <= from.highest[0]) {
     add_numbers(from.lowest, *to.mutable_bounds());
@@ -151,6 +170,31 @@ void write(const PatchMaterial& from, wire::PatchMaterial& to) {
   to.set_serial(from.serial);
   to.set_object(from.object);
   write_material(from, to);
+}
+
+void write(const PatchDeformation& from, wire::PatchDeformation& to) {
+  to.set_epoch(from.epoch);
+  to.set_serial(from.serial);
+  to.set_body(from.body);
+  to.set_first_tile(from.first_tile);
+  to.set_tile_count(from.tile_count);
+  to.set_displaced_count(from.displaced_count);
+  to.set_target_count(from.target_count);
+  to.set_loops(from.loops);
+  to.set_all_keys(from.all_keys);
+  to.set_first_key(from.first_key);
+  const std::size_t numbers = from.key_count * PatchDeformation::numbers_of_key(from.target_count);
+  to.mutable_keys()->Clear();
+  add_numbers(std::span(from.keys).first(std::min(numbers, from.keys.size())), *to.mutable_keys());
+}
+
+void write(const PatchDisplacements& from, wire::PatchDisplacements& to) {
+  to.set_epoch(from.epoch);
+  to.set_serial(from.serial);
+  to.set_tile(from.tile);
+  to.set_target(from.target);
+  to.mutable_by_m()->Clear();
+  add_numbers(std::span(from.by_m).first(std::min<std::size_t>(3 * std::size_t{from.vertex_count}, from.by_m.size())), *to.mutable_by_m());
 }
 
 bool read(const wire::PatchBegin& from, PatchBegin& to) {
@@ -206,14 +250,16 @@ bool read(const wire::PatchBody& from, PatchBody& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
   to.body = from.body();
-  to.motion = static_cast<PatchBody::Motion>(from.motion());
+  to.deforms = from.motion() >= kDeforms;
+  const std::uint32_t motion = from.motion() - (to.deforms ? kDeforms : 0U);
+  to.motion = static_cast<PatchBody::Motion>(motion);
   to.radius_m = from.radius_m();
   to.object = static_cast<std::int32_t>(from.object());
   to.move_serial = from.move_serial();
   to.loops = from.loops();
   to.all_keys = from.all_keys();
   to.first_key = from.first_key();
-  if (to.body >= PatchBody::kMostBodies || from.motion() > static_cast<std::uint32_t>(PatchBody::Motion::commanded)) return false;
+  if (to.body >= PatchBody::kMostBodies || motion > static_cast<std::uint32_t>(PatchBody::Motion::commanded)) return false;
   if (!is_amount(to.radius_m) || to.object < 0 || !read_bounds(from.bounds(), to)) return false;
   if (to.motion != PatchBody::Motion::still && !read_vector(from.pivot_m(), to.pivot_m)) return false;
   return read_keys(from.keys(), to);
@@ -224,6 +270,36 @@ bool read(const wire::PatchMaterial& from, PatchMaterial& to) {
   to.serial = from.serial();
   to.object = from.object();
   return read_material(from, to);
+}
+
+bool read(const wire::PatchDeformation& from, PatchDeformation& to) {
+  to = {};
+  to.epoch = from.epoch();
+  to.serial = from.serial();
+  to.body = from.body();
+  to.first_tile = from.first_tile();
+  to.tile_count = from.tile_count();
+  to.displaced_count = from.displaced_count();
+  to.target_count = from.target_count();
+  to.loops = from.loops();
+  to.all_keys = from.all_keys();
+  to.first_key = from.first_key();
+  if (to.body >= PatchBody::kMostBodies || to.tile_count == 0) return false;
+  if (to.target_count == 0 || to.target_count > PatchDeformation::kMostTargets) return false;
+  if (to.all_keys == 0 || to.all_keys > PatchDeformation::kMostAllKeys) return false;
+  return read_weights(from, to);
+}
+
+bool read(const wire::PatchDisplacements& from, PatchDisplacements& to) {
+  to.epoch = from.epoch();
+  to.serial = from.serial();
+  to.tile = from.tile();
+  to.target = from.target();
+  const auto count = static_cast<std::size_t>(from.by_m().size());
+  if (to.target >= PatchDeformation::kMostTargets || count == 0 || count % 3 != 0 || count > to.by_m.size()) return false;
+  to.vertex_count = static_cast<std::uint8_t>(count / 3);
+  std::copy(from.by_m().begin(), from.by_m().end(), to.by_m.begin());
+  return std::all_of(from.by_m().begin(), from.by_m().end(), [](float by_m) { return is_amount(std::abs(static_cast<double>(by_m))); });
 }
 
 bool read(const wire::PatchStatus& from, PatchStatus& to) {

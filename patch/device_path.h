@@ -17,7 +17,8 @@ class DevicePath {
 
   struct Place {
     Vec3 p_SD = Vec3::Zero();
-    double dt_s = 0.0;  // since the one before
+    double dt_s = 0.0;    // since the one before
+    double time_s = 0.0;  // scene time
   };
 
   bool empty() const noexcept { return size_ == 0; }
@@ -43,7 +44,7 @@ class DevicePath {
   void replace_newest(const Vec3& p_SD) noexcept { at(size_ - 1).p_SD = p_SD; }
   void push(const Place& place) noexcept {
     if (size_ >= 2 && (place.p_SD - at(size_ - 2).p_SD).norm() <= spacing_m_) {
-      at(size_ - 1) = {place.p_SD, at(size_ - 1).dt_s + place.dt_s};
+      at(size_ - 1) = {place.p_SD, at(size_ - 1).dt_s + place.dt_s, place.time_s};
       return;
     }
     if (size_ == kMost) thin_out();
@@ -58,7 +59,7 @@ class DevicePath {
     double length_m = 0.0;
     for (std::size_t i = 1; i < size_; ++i) length_m += (at(i).p_SD - at(i - 1).p_SD).norm();
     spacing_m_ = 2.0 * std::max(spacing_m_, length_m / static_cast<double>(size_));
-    for (std::size_t i = 0; i < size_ / 2; ++i) at(i) = {at(2 * i + 1).p_SD, at(2 * i).dt_s + at(2 * i + 1).dt_s};
+    for (std::size_t i = 0; i < size_ / 2; ++i) at(i) = {at(2 * i + 1).p_SD, at(2 * i).dt_s + at(2 * i + 1).dt_s, at(2 * i + 1).time_s};
     size_ /= 2;
   }
 

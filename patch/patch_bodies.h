@@ -14,12 +14,13 @@ namespace hapton {
 struct PatchBodyMotion {
   std::shared_ptr<const KeyframeMotion> keyframes = nullptr;  // null: by commands, or not at all
   bool is_commanded = false;
+  bool deforms = false;           // before its motion: a patch of it is all of it
   std::int32_t object = -1;       // of a commanded one, as in ObjectMove
   Vec3 pivot_S = Vec3::Zero();    // ... on it at rest
   double radius_m = 0.0;          // ... no point is farther from there
   std::uint32_t move_serial = 0;  // ... of a move that has to be known before it can be felt; 0: none
 
-  bool moves() const noexcept { return keyframes != nullptr || is_commanded; }
+  bool moves() const noexcept { return keyframes != nullptr || is_commanded || deforms; }
 };
 
 // All bodies of a scene, in the order of PatchChain: body 0 is what stands still. Of a scene where nothing moves, there is one.

@@ -128,8 +128,8 @@ class PatchChain::Felt final : public FeltParts {
   Pose pose(std::size_t part) const noexcept override { return chain_.pose_of(part, input_.time_s); }
   void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override { (void)resume(part, X_SO, p_S); }
   bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept override {
-    // Where its proxy was before this sample is not known.
-    if (!chain_.had_force_[part] || chain_.touches_[part].is_beyond()) return false;
+    // Where its proxy was before this sample is not known, or may be inside its present shape.
+    if (chain_.deforms(part) || !chain_.had_force_[part] || chain_.touches_[part].is_beyond()) return false;
     chain_.touches_[part].go_on_from(to_frame(X_SO, p_S));
     return true;
   }
@@ -138,7 +138,7 @@ class PatchChain::Felt final : public FeltParts {
     if (!turn.is_correction) chain_.p_OD_[part] = to_frame(X_SO, p_S);
     touch.set_shared(turn.is_shared);
     const std::optional<PatchOutput> felt =
-        touch.step({.p_WD = p_S, .X_WS = X_SO, .dt_s = input_.dt_s, .is_correction = turn.is_correction});
+        touch.step({.p_WD = p_S, .X_WS = X_SO, .dt_s = input_.dt_s, .time_s = input_.time_s, .is_correction = turn.is_correction});
     MethodOutput output{.force_n = Vec3::Zero(), .p_SP = p_S};
     chain_.has_force_[part] = felt.has_value();
     if (!felt) {

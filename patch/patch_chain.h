@@ -83,6 +83,7 @@ class PatchChain {
 
   void note_move(const ObjectMove& move) noexcept;
   bool is_ready() const noexcept;
+  bool deforms(std::size_t body) const noexcept { return bodies_->bodies[body].deforms; }
   void start_new_bodies() noexcept;
   void start_body(std::size_t body, const Start& start, double age_s) noexcept;
   void note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept;

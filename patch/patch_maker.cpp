@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/force/deforming_method.h"
 #include "core/force/force_method.h"
 #include "runtime/clock.h"
 
@@ -105,10 +106,11 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     for (Material& material : patch->shared) material = shared_material(material);
     MethodSettings settings;
     settings.probe_radius_m = store.begin().probe_radius_m;
-    auto method = make_method(settings, piece.scene);
+    auto method = piece.scene.has_deformation() ? DeformingMethod::make(settings, piece.scene) : make_method(settings, piece.scene);
     if (!method) return nullptr;
     patch->step = std::make_unique<TouchStep>(std::move(*method));
     patch->objects = std::move(piece.objects);
+    patch->deforms = piece.scene.has_deformation();
     patch->material_version = store.material_version();
   }
   p_SC_ = p_SC;

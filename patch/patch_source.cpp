@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <queue>
 
+#include "core/force/deforming_method.h"
 #include "core/math/commanded_motion.h"
 #include "patch/patch_store.h"
 
@@ -37,7 +39,14 @@ double bytes_of(const PatchBody& body) { return kOverheadBytes + 100.0 + 64.0 * 
 double bytes_of(const PatchMaterial&) { return kOverheadBytes; }
 double bytes_of(const ObjectMove&) { return kOverheadBytes + 150.0; }
 
+double bytes_of(const PatchDeformation& deformation) {
+  return kOverheadBytes + 8.0 * deformation.key_count * static_cast<double>(PatchDeformation::numbers_of_key(deformation.target_count));
+}
+double bytes_of(const PatchDisplacements& displaced) { return kOverheadBytes + 12.0 * displaced.vertex_count; }
+
 double bytes_of(const Message& message) {
+  if (const auto* deformation = std::get_if<PatchDeformation>(&message)) return bytes_of(*deformation);
+  if (const auto* displaced = std::get_if<PatchDisplacements>(&message)) return bytes_of(*displaced);
   if (const auto* body = std::get_if<PatchBody>(&message)) return bytes_of(*body);
   if (const auto* material = std::get_if<PatchMaterial>(&message)) return bytes_of(*material);
   if (const auto* move = std::get_if<ObjectMove>(&message)) return bytes_of(*move);
@@ -61,6 +70,14 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
     const KeyframeMotion* motion = scene_.bodies[b].group.motion.get();
     const std::size_t keys = motion != nullptr ? motion->keyframes().size() : 1;
     for (std::uint32_t first = 0; first < keys; first += PatchBody::kMostKeys) body_parts_.push_back({b, first});
+  }
+  for (std::uint32_t b = 0; b < scene_.bodies.size(); ++b) {
+    const MeshDeformation* deformation = scene_.bodies[b].deformation.get();
+    if (deformation == nullptr) continue;
+    const std::size_t in_message = PatchDeformation::kMostNumbers / (1 + deformation->targets().size());
+    for (std::size_t first = 0; first < deformation->keys().size(); first += in_message) {
+      weight_parts_.push_back({b, static_cast<std::uint32_t>(first)});
+    }
   }
   items_.resize(item_of_material(0));
   for (const PatchTile& tile : scene_.tiles) {
@@ -136,9 +153,8 @@ void PatchSource::set_materials(const std::vector<Material>& materials) {
 }
 
 // Of a box to where the hand is; what lies ahead counts as farther away by half of how far ahead it is.
-double PatchSource::distance_of(const TileNode& node) const noexcept {
-  const Box bounds = node.key.bounds();
-  const std::array<Vec3, 3>& ahead = ahead_[node.body];
+double PatchSource::distance_of(const Box& bounds, std::uint32_t body) const noexcept {
+  const std::array<Vec3, 3>& ahead = ahead_[body];
   double nearest = std::sqrt(bounds.distance_squared(ahead[0]));
   for (std::size_t i = 1; i < ahead.size(); ++i) {
     nearest = std::min(nearest, std::sqrt(bounds.distance_squared(ahead[i])) + 0.5 * (ahead[i] - ahead[0]).norm());
@@ -147,8 +163,8 @@ double PatchSource::distance_of(const TileNode& node) const noexcept {
 }
 
 // How near a part has to be to be sent: what moves may come towards the hand, too.
-double PatchSource::reach_of(const TileNode& node) const noexcept {
-  const double moves = scene_.bodies[node.body].moves() ? kMostSurfaceSpeed : 0.0;
+double PatchSource::reach_of(std::uint32_t body) const noexcept {
+  const double moves = scene_.bodies[body].moves() ? kMostSurfaceSpeed : 0.0;
   return (options_.least_reach_m + 2.0 * (0.1 + round_trip_s_) * (options_.fastest_m_per_s + moves)) / scene_.grid.step_m;
 }
 
@@ -170,6 +186,17 @@ void PatchSource::plan_bodies(std::int64_t now_ns) {
   }
 }
 
+// One that deforms is felt when all of it is there.
+template <class Add>
+void PatchSource::plan_deforming(std::uint32_t body, Add&& add) {
+  for (std::size_t part = 0; part < weight_parts_.size(); ++part) {
+    if (weight_parts_[part].body == body) add(item_of_weights(part));
+  }
+  const TileBody& own = scene_.bodies[body];
+  for (std::size_t n = 0; n < own.tile_count; ++n) add(item_of_tile(own.first_tile + n));
+  for (std::size_t n = 0; n < own.displaced_count; ++n) add(item_of_displaced(own.first_displaced + n));
+}
+
 // The cells nearest to the hand first, each before its tiles: without its cell a tile is of no use.
 void PatchSource::plan_tiles(std::int64_t now_ns) {
   const double lead_s = 0.1 + round_trip_s_;
@@ -180,24 +207,33 @@ void PatchSource::plan_tiles(std::int64_t now_ns) {
   }
   using Near = std::pair<double, std::size_t>;
   std::priority_queue<Near, std::vector<Near>, std::greater<>> nearest;
-  const auto consider = [&](std::size_t node) {
-    const double distance = distance_of(scene_.nodes[node]);
-    if (distance <= reach_of(scene_.nodes[node])) nearest.emplace(distance, node);
+  const auto consider = [&](const Box& bounds, std::uint32_t body, std::size_t key) {
+    const double distance = distance_of(bounds, body);
+    if (distance <= reach_of(body)) nearest.emplace(distance, key);
   };
-  for (const TileBody& body : scene_.bodies) {
-    if (body.root >= 0) consider(static_cast<std::size_t>(body.root));
+  const auto consider_node = [&](std::size_t node) { consider(scene_.nodes[node].key.bounds(), scene_.nodes[node].body, node); };
+  const std::size_t first_body = scene_.nodes.size();
+  for (std::uint32_t b = 0; b < scene_.bodies.size(); ++b) {
+    const TileBody& body = scene_.bodies[b];
+    if (body.deformation != nullptr) consider(body.bounds, b, first_body + b);
+    if (body.root >= 0) consider_node(static_cast<std::size_t>(body.root));
   }
   // What has not been sent comes before what may have arrived.
   std::vector<std::size_t> again;
   const auto add = [&](std::size_t item) {
-    if (items_[item].state == State::missing) planned_.push_back(item);
+    if (items_[item].state == State::missing && planned_.size() < kPlanned) planned_.push_back(item);
     if (items_[item].state == State::sent && again.size() < kPlanned && is_due(items_[item], now_ns)) again.push_back(item);
   };
   while (!nearest.empty() && planned_.size() < kPlanned) {
-    const TileNode node = scene_.nodes[nearest.top().second];
+    const std::size_t key = nearest.top().second;
     nearest.pop();
+    if (key >= first_body) {
+      plan_deforming(static_cast<std::uint32_t>(key - first_body), add);
+      continue;
+    }
+    const TileNode node = scene_.nodes[key];
     if (node.first_child >= 0) {
-      for (std::size_t octant = 0; octant < 8; ++octant) consider(static_cast<std::size_t>(node.first_child) + octant);
+      for (std::size_t octant = 0; octant < 8; ++octant) consider_node(static_cast<std::size_t>(node.first_child) + octant);
     } else if (node.cell >= 0) {
       const auto cell = static_cast<std::size_t>(node.cell);
       add(item_of_cell(cell));
@@ -216,6 +252,7 @@ PatchBody PatchSource::make_body(const BodyPart& part) const {
       message.highest[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(body.bounds.high[axis]);
     }
   }
+  message.deforms = body.deformation != nullptr;
   message.pivot_m = body.pivot_m;
   message.radius_m = body.radius_m;
   if (body.group.commanded >= 0) {
@@ -232,6 +269,27 @@ PatchBody PatchSource::make_body(const BodyPart& part) const {
     message.first_key = part.first_key;
     message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchBody::kMostKeys));
     std::copy_n(keys.begin() + part.first_key, message.key_count, message.keys.begin());
+  }
+  return message;
+}
+
+PatchDeformation PatchSource::make_deformation(const WeightPart& part) const {
+  const TileBody& body = scene_.bodies[part.body];
+  const std::vector<MorphKey>& keys = body.deformation->keys();
+  PatchDeformation message{.epoch = begin_.epoch, .serial = serial_, .body = part.body};
+  message.first_tile = body.first_tile;
+  message.tile_count = body.tile_count;
+  message.displaced_count = static_cast<std::uint32_t>(body.displaced_count);
+  message.target_count = static_cast<std::uint32_t>(body.deformation->targets().size());
+  message.loops = body.deformation->loops();
+  message.all_keys = static_cast<std::uint32_t>(keys.size());
+  message.first_key = part.first_key;
+  const std::size_t each = PatchDeformation::numbers_of_key(message.target_count);
+  message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchDeformation::kMostNumbers / each));
+  for (std::size_t n = 0; n < message.key_count; ++n) {
+    const MorphKey& key = keys[part.first_key + n];
+    message.keys[n * each] = key.time_s;
+    std::copy(key.weights.begin(), key.weights.end(), message.keys.begin() + static_cast<std::ptrdiff_t>(n * each + 1));
   }
   return message;
 }
@@ -266,6 +324,13 @@ Message PatchSource::make_message(std::size_t item) {
                          material.friction_static,
                          material.friction_dynamic};
   }
+  if (item >= item_of_displaced(0)) {
+    PatchDisplacements displaced = scene_.displaced[item - item_of_displaced(0)];
+    displaced.epoch = begin_.epoch;
+    displaced.serial = serial_;
+    return displaced;
+  }
+  if (item >= item_of_weights(0)) return make_deformation(weight_parts_[item - item_of_weights(0)]);
   if (item < item_of_tile(0)) return to_message(scene_.cells[item - item_of_cell(0)], begin_.epoch, serial_);
   PatchTile tile = scene_.tiles[item - item_of_tile(0)];
   tile.epoch = begin_.epoch;
@@ -303,6 +368,28 @@ std::optional<Message> PatchSource::take(std::int64_t now_ns) {
   item = {State::sent, serial_, now_ns};
   in_flight_[serial_ % kSerials] = static_cast<std::uint32_t>(at);
   return message;
+}
+
+bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m) {
+  const auto deforms = [](const TileBody& body) { return body.deformation != nullptr; };
+  if (std::none_of(scene.bodies.begin(), scene.bodies.end(), deforms)) return true;
+  // As over a link without delay, loss or limit.
+  PatchSource source(scene, probe_radius_m, 0, 1, {.bits_per_s = 1e15, .least_reach_m = 1e6});
+  PatchStore store;
+  std::int64_t now_ns = kPlanEveryNs;
+  for (bool any = true; any; now_ns += kPlanEveryNs) {
+    any = false;
+    while (auto part = source.take(now_ns += 1000)) any = store.accept(*part) || any;
+    source.accept(store.status());
+  }
+  MethodSettings settings;
+  settings.probe_radius_m = probe_radius_m;
+  for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) {
+    if (!deforms(scene.bodies[b])) continue;
+    const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 1, b);
+    if (!piece.scene.has_deformation() || !DeformingMethod::make(settings, piece.scene)) return false;
+  }
+  return true;
 }
 
 }  // namespace hapton

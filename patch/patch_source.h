@@ -82,6 +82,11 @@ class PatchSource {
     std::uint32_t body = 0;
     std::uint32_t first_key = 0;
   };
+  // A message of the weights of one that deforms.
+  struct WeightPart {
+    std::uint32_t body = 0;
+    std::uint32_t first_key = 0;
+  };
   struct MoveItem {
     ObjectMove move;
     bool is_held = false;
@@ -96,16 +101,21 @@ class PatchSource {
   void begin_again() noexcept;
   std::size_t item_of_cell(std::size_t cell) const noexcept { return 1 + body_parts_.size() + cell; }
   std::size_t item_of_tile(std::size_t tile) const noexcept { return item_of_cell(scene_.cells.size()) + tile; }
-  std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_tile(scene_.tiles.size()) + tuned; }
+  std::size_t item_of_weights(std::size_t part) const noexcept { return item_of_tile(scene_.tiles.size()) + part; }
+  std::size_t item_of_displaced(std::size_t at) const noexcept { return item_of_weights(weight_parts_.size()) + at; }
+  std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_displaced(scene_.displaced.size()) + tuned; }
   bool is_due(const Item& item, std::int64_t now_ns) const noexcept;
   std::int64_t patience_ns() const noexcept;
   void plan(std::int64_t now_ns);
   void plan_bodies(std::int64_t now_ns);
   void plan_tiles(std::int64_t now_ns);
-  double distance_of(const TileNode& node) const noexcept;
-  double reach_of(const TileNode& node) const noexcept;
+  template <class Add>
+  void plan_deforming(std::uint32_t body, Add&& add);
+  double distance_of(const Box& bounds, std::uint32_t body) const noexcept;
+  double reach_of(std::uint32_t body) const noexcept;
   Message make_message(std::size_t item);
   PatchBody make_body(const BodyPart& part) const;
+  PatchDeformation make_deformation(const WeightPart& part) const;
   std::optional<Message> take_move(std::int64_t now_ns);
   bool pay(const Message& message, std::int64_t now_ns) noexcept;
 
@@ -114,10 +124,11 @@ class PatchSource {
   Options options_;
   std::vector<HandMotion> hands_;         // by body
   std::vector<BodyPart> body_parts_;      // none where nothing moves
+  std::vector<WeightPart> weight_parts_;  // by body
   std::vector<MoveItem> moves_;           // by object
   std::vector<TunedObject> tuned_;        // other materials than tiles have
   std::vector<Material> of_tiles_;        // by object
-  std::vector<Item> items_;               // the beginning, bodies, cells, tiles, materials
+  std::vector<Item> items_;               // the beginning, bodies, cells, tiles, weights, displacements, materials
   std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
   std::uint32_t serial_ = 0;
   double round_trip_s_ = 0.0;
@@ -128,5 +139,8 @@ class PatchSource {
   std::vector<std::array<Vec3, 3>> ahead_;  // by body, in steps: where the hand is and may come to
   Counts counts_;
 };
+
+// Whether each body that deforms can be felt from its parts: its surface is walkable on their grid. RT: no.
+bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m);
 
 }  // namespace hapton

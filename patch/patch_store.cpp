@@ -5,7 +5,9 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <span>
 
+#include "core/collision/deforming_geometry.h"
 #include "core/math/commanded_motion.h"
 
 namespace hapton {
@@ -20,8 +22,8 @@ constexpr double kSpeedRounding = 1e-6;
 constexpr double kUnitRounding = 1e-9;  // of the length of a quaternion of doubles
 
 bool is_same_body(const PatchBody& a, const PatchBody& b) {
-  return a.motion == b.motion && a.all_keys == b.all_keys && a.loops == b.loops && a.lowest == b.lowest && a.highest == b.highest &&
-         a.pivot_m == b.pivot_m && a.radius_m == b.radius_m && a.object == b.object;
+  return a.motion == b.motion && a.deforms == b.deforms && a.all_keys == b.all_keys && a.loops == b.loops && a.lowest == b.lowest &&
+         a.highest == b.highest && a.pivot_m == b.pivot_m && a.radius_m == b.radius_m && a.object == b.object;
 }
 
 Vec3 to_vector(const std::array<std::uint32_t, 3>& g) {
@@ -48,7 +50,8 @@ class ObjectJoiner {
  public:
   explicit ObjectJoiner(const PatchGrid& grid) : grid_(grid), mesh_(std::make_shared<TriangleMesh>()) {}
 
-  void add(const PatchTile& tile) {
+  // Returns the numbers of the tile's vertices in the mesh.
+  std::array<std::uint32_t, PatchTile::kMostVertices> add(const PatchTile& tile) {
     material_ = material_of(tile);
     std::array<std::uint32_t, PatchTile::kMostVertices> number = {};
     for (std::size_t v = 0; v < tile.vertex_count; ++v) {
@@ -62,6 +65,7 @@ class ObjectJoiner {
       const std::uint8_t* corner = tile.triangles.data() + 3 * t;
       mesh_->triangles.push_back({number[corner[0]], number[corner[1]], number[corner[2]]});
     }
+    return number;
   }
   TouchObject take() { return {std::move(mesh_), material_}; }
 
@@ -86,6 +90,7 @@ void PatchStore::clear() {
   material_serials_.clear();
   cells_.clear();
   tiles_.clear();
+  displaced_.clear();
   status_ = {};
 }
 
@@ -127,6 +132,7 @@ void PatchStore::accept(const PatchBegin& begin) {
   if (!begin_) {
     begin_ = begin;
     grid_ = {begin.origin_m, begin.step_m};
+    for (Body& body : bodies_) (void)complete_deforming(body);
   }
   confirm(begin.serial);
 }
@@ -157,8 +163,100 @@ void PatchStore::accept(const PatchTile& tile) {
     ++counts_.rejected;
     return;
   }
-  tiles_.try_emplace(tile.tile, tile);
+  if (tiles_.try_emplace(tile.tile, tile).second) {
+    if (Body* const body = find_deforming(tile.tile)) {
+      body->parts.note_tile();
+      if (!complete_deforming(*body)) return;
+    }
+  }
   confirm(tile.serial);
+}
+
+PatchStore::Body* PatchStore::find_deforming(std::uint32_t tile) noexcept {
+  const auto has_tile = [tile](const Body& body) { return body.parts.has_tile(tile); };
+  Body* const found = std::find_if(bodies_.begin(), bodies_.end(), has_tile);
+  return found != bodies_.end() ? found : nullptr;
+}
+
+// Tiles and displacements may have come before.
+void PatchStore::accept(const PatchDeformation& deformation) {
+  if (!adopt(deformation.epoch, deformation.serial)) return;
+  const std::uint64_t end = std::uint64_t{deformation.first_tile} + deformation.tile_count;
+  if (deformation.body >= bodies_.size() || deformation.tile_count > kMostTiles || end > std::numeric_limits<std::uint32_t>::max()) {
+    ++counts_.rejected;
+    return;
+  }
+  DeformingParts& parts = bodies_[deformation.body].parts;
+  const bool is_first = !parts.has_begun();
+  if (!parts.accept(deformation)) {
+    ++counts_.rejected;
+    return;
+  }
+  for (std::uint32_t n = 0; is_first && n < deformation.tile_count; ++n) {
+    if (tiles_.contains(deformation.first_tile + n)) parts.note_tile();
+    for (std::uint32_t target = 0; target < deformation.target_count; ++target) {
+      if (displaced_.contains({deformation.first_tile + n, target})) parts.note_displaced();
+    }
+  }
+  if (complete_deforming(bodies_[deformation.body])) confirm(deformation.serial);
+}
+
+void PatchStore::accept(const PatchDisplacements& displaced) {
+  if (!adopt(displaced.epoch, displaced.serial)) return;
+  const std::pair key(displaced.tile, displaced.target);
+  if (!displaced_.contains(key) && displaced_.size() >= kMostDisplaced) {
+    ++counts_.rejected;
+    return;
+  }
+  if (displaced_.try_emplace(key, displaced).second) {
+    Body* const body = find_deforming(displaced.tile);
+    if (body != nullptr && displaced.target < body->parts.target_count()) {
+      body->parts.note_displaced();
+      if (!complete_deforming(*body)) return;
+    }
+  }
+  confirm(displaced.serial);
+}
+
+// False: it deforms as nothing may, and what came of its deformation is dropped.
+bool PatchStore::complete_deforming(Body& body) {
+  if (body.whole.mesh != nullptr || !body.is_known || !begin_ || !body.parts.is_whole()) return true;
+  TouchObject whole = join_deforming(body);
+  if (whole.deformation == nullptr || !is_within_bounds(body, whole)) {
+    ++counts_.rejected;
+    body.parts = {};
+    return false;
+  }
+  body.whole = std::move(whole);
+  return true;
+}
+
+TouchObject PatchStore::join_deforming(const Body& body) const {
+  const DeformingParts& parts = body.parts;
+  ObjectJoiner joiner(grid_);
+  std::vector<std::array<std::uint32_t, PatchTile::kMostVertices>> numbers(parts.tile_count());
+  std::vector<DeformingParts::DisplacedTile> displaced;
+  for (std::uint32_t n = 0; n < parts.tile_count(); ++n) {
+    const PatchTile& tile = tiles_.at(parts.first_tile() + n);
+    numbers[n] = joiner.add(tile);
+    for (std::uint32_t target = 0; target < parts.target_count(); ++target) {
+      const auto found = displaced_.find({tile.tile, target});
+      if (found == displaced_.end()) continue;
+      const std::size_t count = std::min(found->second.vertex_count, tile.vertex_count);
+      displaced.push_back({std::span(numbers[n]).first(count), &found->second});
+    }
+  }
+  TouchObject whole = joiner.take();
+  whole.deformation = parts.make(displaced);
+  return whole;
+}
+
+// In all shapes, but for the rounding of displacements.
+bool PatchStore::is_within_bounds(const Body& body, const TouchObject& whole) const {
+  const Box shapes = bounds_of_all_shapes(*whole.mesh, *whole.deformation);
+  const Box bounds = {to_vector(body.head.lowest), to_vector(body.head.highest)};
+  const Box in_steps = {grid_.to_steps(shapes.low), grid_.to_steps(shapes.high)};
+  return (in_steps.low.array() >= bounds.low.array() - 1.0).all() && (in_steps.high.array() <= bounds.high.array() + 1.0).all();
 }
 
 void PatchStore::accept(const PatchBody& body) {
@@ -169,7 +267,10 @@ void PatchStore::accept(const PatchBody& body) {
   }
   Body& own = bodies_[body.body];
   if (!own.has_begun) {
-    own = {.head = body, .keys = std::vector<Keyframe>(body.all_keys), .has_key = std::vector<bool>(body.all_keys), .has_begun = true};
+    own.head = body;
+    own.keys.assign(body.all_keys, Keyframe());
+    own.has_key.assign(body.all_keys, false);
+    own.has_begun = true;
   }
   const bool fits = is_same_body(own.head, body) && body.first_key + body.key_count <= own.keys.size();
   if (fits) {
@@ -181,7 +282,7 @@ void PatchStore::accept(const PatchBody& body) {
     ++counts_.rejected;
     return;
   }
-  confirm(body.serial);
+  if (complete_deforming(own)) confirm(body.serial);
 }
 
 // False: it moves as nothing may, and all that came of it is dropped.
@@ -197,7 +298,7 @@ bool PatchStore::complete(Body& body) const {
 
 bool PatchStore::is_possible(const Body& body) const {
   const PatchBody& head = body.head;
-  const bool moves = head.motion != PatchBody::Motion::still;
+  const bool moves = head.motion != PatchBody::Motion::still || head.deforms;
   if (moves != (head.body != 0)) return false;
   return head.motion != PatchBody::Motion::keyframes || is_possible_motion(body.keys, head);
 }
@@ -230,6 +331,10 @@ bool PatchStore::accept(const Message& part) {
     accept(*body);
   } else if (const auto* material = std::get_if<PatchMaterial>(&part)) {
     accept(*material);
+  } else if (const auto* deformation = std::get_if<PatchDeformation>(&part)) {
+    accept(*deformation);
+  } else if (const auto* displaced = std::get_if<PatchDisplacements>(&part)) {
+    accept(*displaced);
   } else if (const auto* begin = std::get_if<PatchBegin>(&part)) {
     accept(*begin);
   } else {
@@ -263,9 +368,11 @@ std::unique_ptr<PatchBodies> PatchStore::make_bodies(std::uint32_t generation) c
     body.pivot_S = head.pivot_m;
     body.radius_m = head.radius_m;
     body.is_commanded = head.motion == PatchBody::Motion::commanded;
+    body.deforms = head.deforms;
     body.object = body.is_commanded ? head.object : -1;
     body.move_serial = head.move_serial;
-    if (!body.is_commanded) body.keyframes = std::make_shared<const KeyframeMotion>(head.pivot_m, bodies_[b].keys, head.loops);
+    if (head.motion == PatchBody::Motion::keyframes)
+      body.keyframes = std::make_shared<const KeyframeMotion>(head.pivot_m, bodies_[b].keys, head.loops);
   }
   return made;
 }
@@ -297,6 +404,9 @@ double PatchStore::find_unknown(const CellKey& key, const Search& search, double
 }
 
 double PatchStore::known_radius(const Vec3& p_S, std::uint32_t body) const {
+  if (bodies_[body].is_known && bodies_[body].head.deforms) {
+    return bodies_[body].whole.mesh != nullptr ? kInfinity : grid_.step_m * search_at(p_S, body).least;
+  }
   return grid_.step_m * find_unknown(CellKey(), search_at(p_S, body), kInfinity);
 }
 
@@ -311,9 +421,28 @@ void PatchStore::find_tiles(const CellKey& key, const Search& search, double rad
   }
 }
 
+void PatchStore::use_material_of(std::uint32_t object, Material& material) const {
+  const auto tuned = materials_.find(object);
+  if (tuned != materials_.end()) material = with_numbers_of(material, tuned->second);
+}
+
+// All of it, or what is known before: that it is nowhere nearer.
+PatchStore::Piece PatchStore::make_deforming(const Body& body, double radius_m) const {
+  Piece piece;
+  piece.radius_m = radius_m;
+  if (body.whole.mesh == nullptr) return piece;
+  const std::uint32_t object = tiles_.at(body.parts.first_tile()).object;
+  piece.scene.objects.push_back(body.whole);
+  use_material_of(object, piece.scene.objects.front().material);
+  piece.objects.push_back(static_cast<int>(object));
+  piece.triangles = body.whole.mesh->triangles.size();
+  return piece;
+}
+
 PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body) const {
   Piece piece;
   piece.radius_m = std::min(known_radius(p_S, body), most_m);
+  if (bodies_[body].head.deforms) return make_deforming(bodies_[body], piece.radius_m);
   const Search search = search_at(p_S, body);
   std::unordered_set<std::uint32_t> near;
   const auto find = [&](double radius_m) {
@@ -340,10 +469,7 @@ PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::si
   }
   for (auto& [number, object] : objects) {
     piece.scene.objects.push_back(object.take());
-    if (const auto tuned = materials_.find(number); tuned != materials_.end()) {
-      Material& material = piece.scene.objects.back().material;
-      material = with_numbers_of(material, tuned->second);
-    }
+    use_material_of(number, piece.scene.objects.back().material);
     piece.objects.push_back(static_cast<int>(number));
   }
   piece.scene.part_of = grid_.box();

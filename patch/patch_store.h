@@ -8,10 +8,12 @@
 #include <optional>
 #include <unordered_map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
 
 #include "core/force/touch_scene.h"
 #include "link/messages.h"
+#include "patch/deforming_parts.h"
 #include "patch/patch_bodies.h"
 #include "patch/patch_grid.h"
 
@@ -39,8 +41,9 @@ inline Material with_numbers_of(const Material& surface, Material numbers) noexc
 // Frame: that of the body, S where it stands still. Units: m. RT: no. Threads: one.
 class PatchStore {
  public:
-  static constexpr std::size_t kMostTiles = 8192;   // bounds the memory for triangles
-  static constexpr std::size_t kMostCells = 32768;  // ... and for the tree of cells above the tiles
+  static constexpr std::size_t kMostTiles = 8192;      // bounds the memory for triangles
+  static constexpr std::size_t kMostCells = 32768;     // ... and for the tree of cells above the tiles
+  static constexpr std::size_t kMostDisplaced = 8192;  // ... and for displacements
 
   // The triangles near a point, as a scene of their own, and how far from the point none is missing.
   struct Piece {
@@ -61,6 +64,8 @@ class PatchStore {
   void accept(const PatchTile& tile);
   void accept(const PatchBody& body);
   void accept(const PatchMaterial& material);
+  void accept(const PatchDeformation& deformation);
+  void accept(const PatchDisplacements& displaced);
   // Any of these. False: another message.
   bool accept(const Message& part);
   // Drops everything, for another sender, whose epochs start again.
@@ -73,11 +78,12 @@ class PatchStore {
   std::uint64_t revision() const noexcept { return counts_.parts; }
   const Counts& counts() const noexcept { return counts_; }
 
-  // The radius around a point within which no triangle of the scene is missing here; infinity if none is missing. Pre: has_begun().
+  // The radius around a point within which no triangle of the scene is missing here; infinity if none is missing. Of a body that deforms,
+  // all is missing until all is there. Pre: has_begun().
   double known_radius(const Vec3& p_S, std::uint32_t body = 0) const;
 
   // The triangles around a point, up to its known radius and most_m. The radius is reduced until there are at most most_triangles, or twice
-  // as many as the tiles at the point itself have, if that is more. Pre: has_begun().
+  // as many as the tiles at the point itself have, if that is more. Of a body that deforms: the whole of it, or nothing. Pre: has_begun().
   Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body = 0) const;
 
   // All bodies are announced. Before that nothing can be felt: something that moves may be anywhere.
@@ -99,7 +105,10 @@ class PatchStore {
     std::vector<Keyframe> keys;
     std::vector<bool> has_key;
     bool has_begun = false;
-    bool is_known = false;  // all of it
+    bool is_known = false;  // all of its motion
+    // Of one that deforms: what has come, and all of it once that is whole.
+    DeformingParts parts;
+    TouchObject whole;
   };
   struct Search {
     std::uint32_t body = 0;
@@ -113,6 +122,12 @@ class PatchStore {
   bool complete(Body& body) const;
   bool is_possible(const Body& body) const;
   bool is_wide_enough(const PatchBody& body) const noexcept;
+  Body* find_deforming(std::uint32_t tile) noexcept;
+  bool complete_deforming(Body& body);
+  TouchObject join_deforming(const Body& body) const;
+  bool is_within_bounds(const Body& body, const TouchObject& whole) const;
+  Piece make_deforming(const Body& body, double radius_m) const;
+  void use_material_of(std::uint32_t object, Material& material) const;
   Search search_at(const Vec3& p_S, std::uint32_t body) const;
   double find_unknown(const CellKey& key, const Search& search, double best) const;
   void find_tiles(const CellKey& key, const Search& search, double radius, std::unordered_set<std::uint32_t>& found) const;
@@ -126,6 +141,7 @@ class PatchStore {
   std::uint32_t material_version_ = 0;
   std::unordered_map<std::uint64_t, Cell> cells_;  // by body and cell
   std::unordered_map<std::uint32_t, PatchTile> tiles_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, PatchDisplacements> displaced_;  // by tile and target
   PatchStatus status_;
   Counts counts_;
 };

@@ -118,16 +118,17 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   }
   sample_from_ = std::exchange(newest_p_SD_, p_SD);
   const Vec3 velocity = (p_SD - sample_from_) / input.dt_s;
-  path_.push({p_SD, input.dt_s});
+  path_.push({p_SD, input.dt_s, input.time_s});
   const bool was_beyond = is_beyond_;
   bool could_go_on = !was_beyond && is_over_ && reaches_next();
-  take_offered({p_SD, input.dt_s});
+  take_offered({p_SD, input.dt_s, input.time_s});
   PatchOutput output;
   for (int n = 0; n < kMostFollowed && reaches_next(); ++n) {
     const DevicePath::Place place = path_.front();
     path_.pop();
     counts_.followed += path_.empty() ? 0 : 1;
-    output = step_patch({input.X_WS * place.p_SD, input.X_WS, place.dt_s}, place.p_SD, std::exchange(could_go_on, false));
+    output = step_patch({.p_WD = input.X_WS * place.p_SD, .X_WS = input.X_WS, .dt_s = place.dt_s, .time_s = place.time_s}, place.p_SD,
+                        std::exchange(could_go_on, false));
   }
   if (!path_.empty()) return step_plane(input, p_SD, velocity);
   is_beyond_ = false;
@@ -160,7 +161,7 @@ std::optional<PatchOutput> PatchTouch::correct(const TouchInput& input, const Ve
   newest_p_SD_ = p_SD;
   if (path_.empty() && patch_ != nullptr && reaches(*patch_, p_SD)) return step_patch(input, p_SD, false);
   if (path_.empty()) {
-    path_.push({p_SD, input.dt_s});
+    path_.push({p_SD, input.dt_s, input.time_s});
   } else {
     path_.replace_newest(p_SD);
   }
@@ -207,6 +208,12 @@ void PatchTouch::hand_over(const TouchInput& input) noexcept {
     patch_->step->resume(start);
   } else {
     patch_->step->reset(start);
+  }
+  // Where a surface deforms, the proxy was there as it was before this sample.
+  if (patch_->deforms) {
+    start.time_s -= input.dt_s;
+    start.is_correction = false;
+    (void)patch_->step->step(start);
   }
   // The hand did not go from there to the device: damping must not see that motion.
   (void)patch_->step->step(input);

@@ -32,6 +32,7 @@ struct Patch {
   std::vector<Material> shared = {};     // the same as CommonProxy has them; empty: as materials
   std::uint32_t material_version = 0;    // PatchMaterials::version that they are of
   bool is_shared = false;                // the step has `shared`
+  bool deforms = false;                  // as a function of the scene time; it is all of its body
   bool is_path_incomplete = false;       // parts of the scene between the last proxy within a patch and the hand are missing
 
   void set_materials() noexcept { step->set_materials(is_shared && !shared.empty() ? shared : materials); }

@@ -1,7 +1,9 @@
 #include "patch/tile_partition.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
+#include <map>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -62,6 +64,18 @@ bool fill_tile(std::span<const GridTriangle> triangles, PatchTile& tile, Box& bo
   tile.vertex_count = static_cast<std::uint8_t>(count);
   tile.triangle_count = static_cast<std::uint8_t>(triangles.size());
   return true;
+}
+
+// Calls visit with each vertex in all shapes between which the others are: vertices move straight from key to key.
+template <class Visit>
+void visit_shapes(const TouchObject& object, Visit&& visit) {
+  for (const Vec3& vertex : object.mesh->vertices) visit(vertex);
+  if (object.deformation == nullptr) return;
+  for (const MorphKey& key : object.deformation->keys()) {
+    for (const Vec3& vertex : object.deformation->vertices_at(object.mesh->vertices, object.deformation->weights_at(key.time_s))) {
+      visit(vertex);
+    }
+  }
 }
 
 int longest_axis(std::span<const GridTriangle> triangles) {
@@ -171,10 +185,72 @@ class CellDivider {
   std::deque<Open> open_;
 };
 
-double radius_about(const Vec3& point, const TriangleMesh& mesh) {
+double radius_about(const Vec3& point, const TouchObject& object) {
   double most = 0.0;
-  for (const Vec3& vertex : mesh.vertices) most = std::max(most, (vertex - point).norm());
+  visit_shapes(object, [&](const Vec3& vertex) { most = std::max(most, (vertex - point).norm()); });
   return most;
+}
+
+// How far each target moves the vertices of the tiles of a body.
+class Displacer {
+ public:
+  Displacer(const TouchObject& object, TiledScene& tiled) : deformation_(*object.deformation), tiled_(tiled) {
+    const std::vector<MorphTarget>& targets = deformation_.targets();
+    moved_.resize(object.mesh->vertices.size() * targets.size(), Vec3::Zero());
+    for (std::size_t j = 0; j < targets.size(); ++j) {
+      for (std::size_t k = 0; k < targets[j].vertices.size(); ++k) {
+        moved_[targets[j].vertices[k] * targets.size() + j] = targets[j].displacements[k];
+      }
+    }
+    for (std::size_t v = 0; v < object.mesh->vertices.size(); ++v) {
+      const auto [known, is_new] = vertices_.try_emplace(tiled.grid.round(object.mesh->vertices[v]), v);
+      if (!is_new && !is_same_motion(known->second, v)) tiled.has_parting = true;
+    }
+  }
+
+  void add(const PatchTile& tile) {
+    for (std::uint32_t j = 0; j < deformation_.targets().size(); ++j) {
+      PatchDisplacements displaced{.tile = tile.tile, .target = j, .vertex_count = tile.vertex_count};
+      bool any = false;
+      for (std::size_t v = 0; v < tile.vertex_count; ++v) {
+        const Vec3& by = moved(vertices_.at(read_vertex(tile, v)), j);
+        any = any || !by.isZero(0.0);
+        for (int axis = 0; axis < 3; ++axis) displaced.by_m[3 * v + static_cast<std::size_t>(axis)] = static_cast<float>(by[axis]);
+      }
+      if (any) tiled_.displaced.push_back(displaced);
+    }
+  }
+
+ private:
+  const Vec3& moved(std::size_t vertex, std::size_t target) const { return moved_[vertex * deformation_.targets().size() + target]; }
+  bool is_same_motion(std::size_t a, std::size_t b) const {
+    for (std::size_t j = 0; j < deformation_.targets().size(); ++j) {
+      if (moved(a, j) != moved(b, j)) return false;
+    }
+    return true;
+  }
+
+  const MeshDeformation& deformation_;
+  TiledScene& tiled_;
+  std::vector<Vec3> moved_;  // by vertex and target
+  std::map<GridPoint, std::size_t> vertices_;
+};
+
+// Bounds of all shapes: whole steps, and one more for the rounding of displacements.
+Box bounds_in_steps(const TouchObject& object, const PatchGrid& grid) {
+  Box bounds;
+  visit_shapes(object, [&](const Vec3& vertex) { bounds.grow(grid.to_steps(vertex)); });
+  const double highest = std::ldexp(1.0, kPatchGridBits) - 1.0;
+  return {(bounds.low.array().floor() - 1.0).max(0.0), (bounds.high.array().ceil() + 1.0).min(highest)};
+}
+
+void add_deformation(const TouchObject& object, TileBody& body, TiledScene& tiled) {
+  body.deformation = object.deformation;
+  body.first_displaced = tiled.displaced.size();
+  body.bounds = bounds_in_steps(object, tiled.grid);
+  Displacer displacer(object, tiled);
+  for (std::uint32_t n = 0; n < body.tile_count; ++n) displacer.add(tiled.tiles[body.first_tile + n]);
+  body.displaced_count = tiled.displaced.size() - body.first_displaced;
 }
 
 void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
@@ -185,7 +261,7 @@ void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
   if (leader != nullptr && leader->command_pivot) body.pivot_m = *leader->command_pivot;
   for (const int object : group.objects) {
     const TouchObject& own = scene.objects[static_cast<std::size_t>(object)];
-    if (group.moves()) body.radius_m = std::max(body.radius_m, radius_about(body.pivot_m, *own.mesh));
+    if (group.moves()) body.radius_m = std::max(body.radius_m, radius_about(body.pivot_m, own));
     std::vector<GridTriangle> triangles = to_grid(*own.mesh, tiled.grid);
     part(triangles, tile_of(static_cast<std::size_t>(object), own.material), tiled);
   }
@@ -193,9 +269,13 @@ void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
     body.bounds.grow(tiled.tile_bounds[tile].low);
     body.bounds.grow(tiled.tile_bounds[tile].high);
   }
+  body.first_tile = static_cast<std::uint32_t>(first);
+  body.tile_count = static_cast<std::uint32_t>(tiled.tiles.size() - first);
+  const bool deforms = group.is_deforming;
+  if (deforms) add_deformation(*leader, body, tiled);
   body.group = std::move(group);
   tiled.bodies.push_back(std::move(body));
-  if (first < tiled.tiles.size()) CellDivider(tiled, static_cast<std::uint32_t>(tiled.bodies.size() - 1)).divide(first);
+  if (first < tiled.tiles.size() && !deforms) CellDivider(tiled, static_cast<std::uint32_t>(tiled.bodies.size() - 1)).divide(first);
 }
 
 }  // namespace
@@ -204,7 +284,7 @@ TiledScene make_tiles(const TouchScene& scene) {
   TiledScene tiled;
   Box bounds;
   for (const TouchObject& object : scene.objects) {
-    for (const Vec3& v : object.mesh->vertices) bounds.grow(v);
+    visit_shapes(object, [&](const Vec3& vertex) { bounds.grow(vertex); });
   }
   if (bounds.is_empty()) return tiled;
   tiled.grid = PatchGrid::around(bounds);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "core/force/motion_groups.h"
@@ -35,6 +36,13 @@ struct TileBody {
   Vec3 pivot_m = Vec3::Zero();
   double radius_m = 0.0;  // no point of it is farther from the pivot
 
+  // Of one that deforms: in no cell, bounds are those of all its shapes.
+  std::shared_ptr<const MeshDeformation> deformation = nullptr;
+  std::uint32_t first_tile = 0;
+  std::uint32_t tile_count = 0;
+  std::size_t first_displaced = 0;  // of TiledScene::displaced
+  std::size_t displaced_count = 0;
+
   bool moves() const { return group.moves(); }
 };
 
@@ -42,11 +50,13 @@ struct TileBody {
 struct TiledScene {
   PatchGrid grid;
   std::vector<PatchTile> tiles;
-  std::vector<Box> tile_bounds;  // in steps of the grid
-  std::vector<TileBody> bodies;  // the first one stands still, and may be empty
-  std::vector<TileNode> nodes;   // each body's root before the others of it
-  std::vector<TileCell> cells;   // the leaves with triangles, each with no more tiles than one datagram lists
-  bool has_unlisted = false;     // so many tiles overlap somewhere that no datagram can list them: that place is never known
+  std::vector<Box> tile_bounds;               // in steps of the grid
+  std::vector<TileBody> bodies;               // the first one stands still, and may be empty
+  std::vector<TileNode> nodes;                // each body's root before the others of it
+  std::vector<TileCell> cells;                // the leaves with triangles, each with no more tiles than one datagram lists
+  bool has_unlisted = false;                  // so many tiles overlap somewhere that no datagram can list them: that place is never known
+  std::vector<PatchDisplacements> displaced;  // of the bodies that deform; epoch and serial are left to the sender
+  bool has_parting = false;                   // vertices of one that are one on the grid move apart: it cannot be sent
 };
 
 // The message of a cell.
@@ -59,8 +69,8 @@ inline PatchCell to_message(const TileCell& cell, std::uint32_t epoch, std::uint
 
 // Divides the scene's triangles into compact tiles, each of one object and small enough for one datagram, and space into cells with few
 // tiles. Triangles without area on the grid, because two corners coincide, are left out: their neighbours meet there. There are at most
-// PatchStore::kMostCells nodes: where many tiles overlap, cells stay larger. Each body has tiles and cells of its own. Pre: nothing
-// deforms. Time: n log n. RT: no. Threads: one.
+// PatchStore::kMostCells nodes: where many tiles overlap, cells stay larger. Each body has tiles and cells of its own; one that deforms has
+// no cells, as it is felt only when all of it is there. Pre: no program deforms anything. Time: n log n. RT: no. Threads: one.
 TiledScene make_tiles(const TouchScene& scene);
 
 }  // namespace hapton

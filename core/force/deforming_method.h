@@ -50,6 +50,7 @@ class DeformingMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override { return carried_.step(input); }
   void reset(const Vec3& p_SD) noexcept override { carried_.reset(p_SD); }
+  std::optional<Vec3> held_at() const noexcept override { return carried_.held_at(); }
   void set_materials(std::span<const Material> materials) noexcept override { carried_.method().set_materials(materials); }
   std::optional<SurfacePlace> find_place(int /*object*/) const noexcept override { return carried_.find_place(); }
   std::string describe() const override;

@@ -148,6 +148,10 @@ class RandomDatagrams {
         return draw_shape_start();
       case 37:
         return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape().first};
+      case 38:
+        return draw_deformation();
+      case 39:
+        return draw_displacements();
       default:
         return LoopFacts{{'s', 'i', 'm'}, number(kMinServoRateHz, kMaxServoRateHz), static_cast<float>(number(0, 1))};
     }
@@ -285,6 +289,7 @@ class RandomDatagrams {
         body.highest[axis] = body.lowest[axis] + (bits32() >> 9);
       }
     }
+    body.deforms = flag();
     body.radius_m = number(0, 1);
     body.object = number_of_object();
     body.move_serial = bits32();
@@ -297,6 +302,30 @@ class RandomDatagrams {
     double time_s = number(0, 1);
     for (std::size_t n = 0; n < body.key_count; ++n) body.keys[n] = {time_s += number(1e-3, 1), vector(), rotation()};
     return body;
+  }
+
+  PatchDeformation draw_deformation() {
+    PatchDeformation deformation{bits32(), bits32(), draw_body_number(), bits32(), bits32() | 1U, bits32()};
+    deformation.target_count = static_cast<std::uint32_t>(1 + bits32() % PatchDeformation::kMostTargets);
+    deformation.loops = flag();
+    const std::size_t each = PatchDeformation::numbers_of_key(deformation.target_count);
+    deformation.key_count = static_cast<std::uint32_t>(1 + bits32() % (PatchDeformation::kMostNumbers / each));
+    deformation.first_key = bits32() % 1000;
+    deformation.all_keys = deformation.first_key + deformation.key_count + bits32() % 100;
+    double time_s = number(0, 1);
+    for (std::size_t i = 0; i < deformation.key_count * each; ++i) {
+      deformation.keys[i] = i % each == 0 ? time_s += number(1e-3, 1) : number(-2, 2);
+    }
+    return deformation;
+  }
+
+  PatchDisplacements draw_displacements() {
+    PatchDisplacements displacements{bits32(), bits32(), bits32(), static_cast<std::uint32_t>(bits32() % PatchDeformation::kMostTargets)};
+    displacements.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
+    for (std::size_t i = 0; i < 3 * std::size_t{displacements.vertex_count}; ++i) {
+      displacements.by_m[i] = static_cast<float>(number(-0.01, 0.01));
+    }
+    return displacements;
   }
 
   PatchStatus draw_status() {

@@ -360,6 +360,46 @@ TEST_F(CodecTest, RejectsBadBodies) {
   EXPECT_EQ(round_trip(PatchMaterial{.stiffness_n_per_m = -1.0}), DecodeStatus::bad_value);
 }
 
+TEST_F(CodecTest, RejectsBadDeformations) {
+  PatchDeformation good{.epoch = 1, .serial = 2, .body = 3, .tile_count = 4, .displaced_count = 8, .target_count = 2, .all_keys = 5};
+  good.first_key = 3;
+  good.key_count = 2;
+  good.keys = {0.5, 1.0, -1.0, 0.75, 0.0, 0.0};
+  EXPECT_EQ(round_trip(good), DecodeStatus::ok);
+  const auto with = [&](auto&& change) {
+    PatchDeformation bad = good;
+    change(bad);
+    return round_trip(bad);
+  };
+  EXPECT_EQ(with([](PatchDeformation& m) { m.body = PatchBody::kMostBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.tile_count = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.target_count = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.target_count = PatchDeformation::kMostTargets + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.all_keys = 4; }), DecodeStatus::bad_value) << "more than there are";
+  EXPECT_EQ(with([](PatchDeformation& m) { m.all_keys = PatchDeformation::kMostAllKeys + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.first_key = ~0U; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.key_count = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.keys[0] = -0.1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.keys[3] = 0.5; }), DecodeStatus::bad_value) << "not after the one before";
+  EXPECT_EQ(with([](PatchDeformation& m) { m.keys[4] = kNotANumber; }), DecodeStatus::bad_value);
+
+  PatchDisplacements moved{.epoch = 1, .serial = 2, .tile = 3, .target = 1, .vertex_count = 2};
+  EXPECT_EQ(round_trip(moved), DecodeStatus::ok);
+  moved.target = PatchDeformation::kMostTargets;
+  EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
+  moved.target = 1;
+  moved.vertex_count = 0;
+  EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
+  moved.vertex_count = 2;
+  moved.by_m[4] = std::numeric_limits<float>::infinity();
+  EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
+
+  PatchBody body{.epoch = 1, .serial = 2, .body = 3, .deforms = true};
+  EXPECT_EQ(round_trip(body), DecodeStatus::ok);
+  body.motion = static_cast<PatchBody::Motion>(3);
+  EXPECT_EQ(round_trip(body), DecodeStatus::bad_value);
+}
+
 TEST_F(CodecTest, ASampleHasASceneTimeOnlyFromAHubThatComputesTheForce) {
   EXPECT_EQ(round_trip(DeviceState{.sample = 1}), DecodeStatus::ok);
   EXPECT_LT(std::get<DeviceState>(decoded_.message).scene_time_ns, 0);

@@ -242,16 +242,26 @@ inline void expect_equal(const PatchStatus& a, const PatchStatus& b) {
             std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s, b.newest_move, b.moves_received, b.request));
 }
 inline void expect_equal(const PatchBody& a, const PatchBody& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.motion, a.lowest, a.highest, a.radius_m, a.object, a.move_serial, a.loops, a.all_keys,
-                     a.first_key, a.key_count),
-            std::tie(b.epoch, b.serial, b.body, b.motion, b.lowest, b.highest, b.radius_m, b.object, b.move_serial, b.loops, b.all_keys,
-                     b.first_key, b.key_count));
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.motion, a.deforms, a.lowest, a.highest, a.radius_m, a.object, a.move_serial, a.loops,
+                     a.all_keys, a.first_key, a.key_count),
+            std::tie(b.epoch, b.serial, b.body, b.motion, b.deforms, b.lowest, b.highest, b.radius_m, b.object, b.move_serial, b.loops,
+                     b.all_keys, b.first_key, b.key_count));
   EXPECT_EQ(a.pivot_m, b.pivot_m);
   for (std::size_t n = 0; n < a.keys.size(); ++n) EXPECT_EQ(a.keys[n], b.keys[n]) << n;
 }
 inline void expect_equal(const PatchMaterial& a, const PatchMaterial& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.object, a.stiffness_n_per_m, a.damping_ns_per_m, a.friction_static, a.friction_dynamic),
             std::tie(b.epoch, b.serial, b.object, b.stiffness_n_per_m, b.damping_ns_per_m, b.friction_static, b.friction_dynamic));
+}
+inline void expect_equal(const PatchDeformation& a, const PatchDeformation& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.first_tile, a.tile_count, a.displaced_count, a.target_count, a.loops, a.all_keys,
+                     a.first_key, a.key_count, a.keys),
+            std::tie(b.epoch, b.serial, b.body, b.first_tile, b.tile_count, b.displaced_count, b.target_count, b.loops, b.all_keys,
+                     b.first_key, b.key_count, b.keys));
+}
+inline void expect_equal(const PatchDisplacements& a, const PatchDisplacements& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.target, a.vertex_count, a.by_m),
+            std::tie(b.epoch, b.serial, b.tile, b.target, b.vertex_count, b.by_m));
 }
 
 inline void expect_equal(const Datagram& a, const Datagram& b) {

@@ -93,6 +93,16 @@ void lengthen(PatchTile& m) {
   m.triangle_count = PatchTile::kMostTriangles;
   m.vertices.fill(0xFF);
 }
+void lengthen(PatchDeformation& m) {
+  m = {kMost32, kMost32, PatchBody::kMostBodies - 1, kMost32, kMost32, kMost32, 1, true, PatchDeformation::kMostAllKeys};
+  m.key_count = PatchDeformation::kMostNumbers / PatchDeformation::numbers_of_key(m.target_count);
+  m.first_key = m.all_keys - m.key_count;
+  for (std::size_t i = 0; i < m.keys.size(); ++i) m.keys[i] = static_cast<double>(i) + 1.0 / 3.0;
+}
+void lengthen(PatchDisplacements& m) {
+  m = {kMost32, kMost32, kMost32, PatchDeformation::kMostTargets - 1, PatchTile::kMostVertices};
+  m.by_m.fill(1.0F / 3.0F);
+}
 void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64}; }
 constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 void lengthen(MaterialRequest& m) {
