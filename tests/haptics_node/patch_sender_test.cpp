@@ -224,6 +224,13 @@ std::shared_ptr<const KeyframeMotion> slow_motion(std::size_t keys = 2) {
   return std::make_shared<const KeyframeMotion>(Vec3::Zero(), std::move(keyframes), false);
 }
 
+std::shared_ptr<const MeshDeformation> slow_deformation(std::size_t keys) {
+  std::vector<MorphKey> weights;
+  for (std::size_t n = 0; n < keys; ++n) weights.push_back({0.1 * static_cast<double>(n), {0.1 * static_cast<double>(n % 2)}});
+  const MorphTarget target{.vertices = {0, 1}, .displacements = {Vec3(0, 0, 0.002), Vec3(0, 0.001, 0)}};
+  return std::make_shared<const MeshDeformation>(std::vector{target}, std::move(weights), false);
+}
+
 // Each body is announced before it can be felt, with all its keyframes.
 TEST(PatchSender, ASceneThatMovesIsOfferedWithItsBodies) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
@@ -285,8 +292,30 @@ TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
   scene.objects[0].motion = slow_motion(1537);
   EXPECT_EQ(obstacle_of(scene), "an object of the scene has more than 1,536 keyframes");
   scene = scene_of(made::sheet(0.05, 0.0, 20));
-  scene.objects[0].deformation = std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{}, std::vector<MorphKey>{}, false);
-  EXPECT_EQ(obstacle_of(scene), "objects of the scene deform");
+  scene.objects[0].stream_reach_m = 0.01;
+  EXPECT_EQ(obstacle_of(scene), "programs deform objects of the scene");
+  scene.objects[0].stream_reach_m.reset();
+  scene.objects[0].deformation = slow_deformation(4097);
+  EXPECT_EQ(obstacle_of(scene), "an object of the scene has more than 4,096 keys of its shape");
+}
+
+// What deforms is sent whole; what cannot be felt on the grid of its parts, not at all.
+TEST(PatchSender, ASceneThatDeformsIsOfferedIfItCanBeFelt) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
+  scene.objects.push_back({made::shared(made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02))), {}});
+  scene.objects[1].deformation = slow_deformation(100);
+  SenderStage stage(true, scene);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_bodies() && std::isinf(stage.store.known_radius(Vec3::Zero(), 1)); }));
+  EXPECT_TRUE(stage.store.make_bodies(0)->bodies[1].deforms);
+  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.objects.front().deformation->keys().size(), 100U);
+  // Three triangles at an edge: not walkable.
+  TriangleMesh mesh = made::box(Vec3(0, 0, 0.01), Vec3(0.01, 0.01, 0.02));
+  mesh.vertices.emplace_back(0.03, 0.03, 0.03);
+  mesh.triangles.push_back({mesh.triangles[0][0], mesh.triangles[0][1], static_cast<std::uint32_t>(mesh.vertices.size() - 1)});
+  scene.objects[1].mesh = made::shared(std::move(mesh));
+  SenderStage other(true, scene);
+  ASSERT_TRUE(other.receive_until([&] { return other.store.has_begun(); }));
+  EXPECT_EQ(other.sender.obstacle(), "an object of the scene deforms that cannot be felt on the grid of its parts");
 }
 
 TEST(PatchSender, ASceneThatCanBeCarvedIsNeverOffered) {

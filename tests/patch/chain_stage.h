@@ -61,13 +61,14 @@ class ChainStage {
     TouchOutput whole;
   };
 
-  Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity()) {
+  // may_make: patches that are due.
+  Felt step(const Vec3& p_WD, const Pose& X_WS = Pose::Identity(), bool may_make = true) {
     time_s_ += kStepS;
     const TouchInput input{.p_WD = p_WD, .X_WS = X_WS, .dt_s = kStepS, .time_s = time_s_};
     if (is_first_) whole_->reset(input);
     // Before the first step there is no hand: patches that are there then are made where it will be.
     if (std::exchange(is_first_, false)) (void)chain_.step(input);
-    make_patches();
+    if (may_make) make_patches();
     return {chain_.step(input), whole_->step(input)};
   }
 
@@ -80,6 +81,8 @@ class ChainStage {
   const CommandedMotion* find_commanded(int object) const { return whole_->find_commanded(object); }
 
   double time_s() const { return time_s_; }
+  // Before the first step.
+  void skip_to(double time_s) { time_s_ = time_s; }
   PatchChain& chain() { return chain_; }
   TouchStep& whole() { return *whole_; }
   PatchStore& store() { return store_; }

@@ -228,6 +228,25 @@ TEST(PatchTouch, AnotherMaterialDoesNotChangeFromWhichSidesASurfaceIsFelt) {
   }
 }
 
+// As its materials are now; past the edge of a patch it is not known.
+TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
+  PatchTouch touch;
+  EXPECT_FALSE(touch.is_frictionless()) << "without a patch";
+  auto patch = patch_of(scene_of(made::sheet(kSheetHalf, 0.0, 10), Material()), Vec3::Zero(), 1.0);
+  patch->objects = {0};
+  patch->materials = {Material()};
+  (void)touch.offer(std::move(patch));
+  (void)touch.step({.p_WD = Vec3(0.001, 0.0, 0.001)});
+  EXPECT_TRUE(touch.is_frictionless());
+  touch.use_materials({.objects = {{0, {.friction_static = 0.2, .friction_dynamic = 0.1}}}, .version = 1});
+  EXPECT_FALSE(touch.is_frictionless());
+  touch.use_materials({.objects = {{0, {.friction_static = 0.2}}}, .version = 2});
+  EXPECT_TRUE(touch.is_frictionless());
+  (void)touch.step({.p_WD = Vec3(2.0, 0.0, 0.001)});
+  EXPECT_TRUE(touch.is_beyond());
+  EXPECT_FALSE(touch.is_frictionless());
+}
+
 // No step follows more places than it may.
 TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
   LatePatches patches(500);

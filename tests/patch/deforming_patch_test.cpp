@@ -1,0 +1,252 @@
+// Touch of surfaces that deform, from their parts, against touch of the whole scene.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/force/deforming_method.h"
+#include "patch/deforming_parts.h"
+#include "tests/patch/chain_stage.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+// How far a cushion rises or bulges there, exact as a float.
+Vec3 rounded_to_floats(const Vec3& v) { return v.cast<float>().cast<double>(); }
+
+template <class Displacement>
+MorphTarget cushion_target(const TriangleMesh& mesh, Displacement&& displacement) {
+  MorphTarget target;
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    const Vec3 by = rounded_to_floats(displacement(mesh.vertices[v]));
+    if (by.isZero(0.0)) continue;
+    target.vertices.push_back(v);
+    target.displacements.push_back(by);
+  }
+  return target;
+}
+
+// A sheet of 40 mm whose middle rises by 4 mm in one target, and which leans to a side in another, again and again.
+TouchObject cushion(double friction = 0.0) {
+  TouchObject object{made::shared(made::sheet(0.02, 0.002, 24)),
+                     {.stiffness_n_per_m = 800.0, .friction_static = friction, .friction_dynamic = 0.8 * friction}};
+  const auto hump = [](const Vec3& p) {
+    const double r = p.head<2>().norm() / 0.012;
+    return r < 1.0 ? Vec3(0, 0, 0.004 * (1.0 - r * r) * (1.0 - r * r)) : Vec3(Vec3::Zero());
+  };
+  const auto lean = [](const Vec3& p) { return Vec3(0.05 * (p.z() + p.x()), 0.0, 0.06 * p.x()); };
+  object.deformation = std::make_shared<const MeshDeformation>(
+      std::vector{cushion_target(*object.mesh, hump), cushion_target(*object.mesh, lean)},
+      std::vector<MorphKey>{{0.0, {0.0, 0.0}}, {0.1, {1.0, 0.0}}, {0.25, {0.5, 1.0}}, {0.4, {0.0, 0.0}}}, true);
+  return object;
+}
+
+// A floor beneath, and a cushion on it that deforms; it may slide as well.
+TouchScene cushion_on_floor(double friction = 0.0, bool slides = false) {
+  TouchScene scene;
+  scene.objects.push_back({made::shared(made::sheet(0.05, 0.0, 10)), cushion(friction).material});
+  scene.objects.push_back(cushion(friction));
+  if (slides) {
+    scene.objects.back().motion = std::make_shared<const KeyframeMotion>(
+        Vec3::Zero(),
+        std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()},
+                              {0.3, Vec3(0.006, 0, 0.001), Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ()))},
+                              {0.7, Vec3::Zero(), Quat::Identity()}},
+        true);
+  }
+  return on_patch_grid(scene);
+}
+
+// Pressed in, to and fro, up and down, and off the edge of the cushion now and then.
+Vec3 cushion_hand(double t_s) { return {0.03 * std::sin(2.1 * t_s), 0.009 * std::cos(1.3 * t_s), 0.0045 + 0.0055 * std::cos(5.0 * t_s)}; }
+
+TEST(DeformingPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
+  for (const bool slides : {false, true}) {
+    for (const double friction : {0.0, 0.5}) {
+      ChainStage stage(cushion_on_floor(friction, slides));
+      double worst = 0.0;
+      int on_cushion = 0;
+      int on_floor = 0;
+      for (int n = 0; n < 8000; ++n) {
+        const ChainStage::Felt felt = stage.step(cushion_hand(stage.time_s()));
+        ASSERT_TRUE(felt.patch.has_value()) << n;
+        ASSERT_EQ(felt.patch->contact, felt.whole.contact) << n;
+        ASSERT_EQ(felt.patch->object, felt.whole.object) << n;
+        on_cushion += felt.whole.object == 1 ? 1 : 0;
+        on_floor += felt.whole.object == 0 ? 1 : 0;
+        worst = std::max(worst, (felt.patch->force_n - felt.whole.force_n).norm() / std::max(felt.whole.force_n.norm(), 1e-3));
+      }
+      EXPECT_LT(worst, friction == 0.0 ? 1e-9 : 0x1p-20) << friction << " " << slides;
+      EXPECT_GT(on_cushion, 2000);
+      EXPECT_GT(on_floor, 20);
+    }
+  }
+}
+
+// Its parts come while the hand presses on it: where contact was, and when, is known from the replies.
+TEST(DeformingPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
+  for (const double friction : {0.0, 0.3}) {
+    for (const double age_s : {0.0, 0.02, 0.15}) {
+      const TouchScene scene = cushion_on_floor(friction);
+      ChainStage stage(scene);
+      const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
+      const Vec3 still(0.003, 0.002, 0.003);
+      TouchInput input{.p_WD = Vec3(0.003, 0.002, 0.01)};
+      whole->reset(input);
+      TouchOutput felt;
+      for (int n = 0; n <= 300; ++n) {
+        input.time_s = 1e-3 * n;
+        input.p_WD = Vec3(0.003, 0.002, 0.01) + std::min(1.0, n / 100.0) * Vec3(0, 0, still.z() - 0.01);
+        felt = whole->step(input);
+      }
+      ASSERT_TRUE(felt.contact);
+      // The chain has followed the hand without parts since; then they are there.
+      PatchChain& chain = stage.chain();
+      stage.skip_to(0.3);
+      chain.start_at(still + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, 0.3);
+      double worst_n = 0.0;
+      for (int n = 1; n <= 500; ++n) {
+        const double time_s = 0.3 + 1e-3 * n;
+        const bool has_parts = time_s > 0.3 + age_s;
+        const ChainStage::Felt both = stage.step(still, Pose::Identity(), has_parts);
+        input.time_s = time_s;
+        felt = whole->step(input);
+        if (!has_parts) continue;
+        ASSERT_TRUE(both.patch.has_value()) << n;
+        worst_n = std::max(worst_n, (both.patch->force_n - felt.force_n).norm());
+      }
+      // What friction held before the parts came is not known.
+      EXPECT_LT(worst_n, friction == 0.0 ? 1e-9 : 0.2) << friction << " " << age_s;
+    }
+  }
+}
+
+TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
+  const TiledScene tiled = make_tiles(cushion_on_floor());
+  std::vector<Message> parts = parts_of(tiled);
+  std::mt19937_64 random(58);
+  std::shuffle(parts.begin(), parts.end(), random);
+  const auto is_of_cushion = [&](const Message& part) {
+    if (const auto* tile = std::get_if<PatchTile>(&part)) return tile->object == 1;
+    return std::holds_alternative<PatchDeformation>(part) || std::holds_alternative<PatchDisplacements>(part);
+  };
+  const Vec3 above(0.0, 0.0, 0.02);
+  PatchStore store;
+  std::size_t missing = static_cast<std::size_t>(std::count_if(parts.begin(), parts.end(), is_of_cushion));
+  ASSERT_GT(missing, 30U);
+  std::vector<Message> of_cushion;
+  for (const Message& part : parts) {
+    if (is_of_cushion(part)) {
+      of_cushion.push_back(part);
+    } else {
+      (void)store.accept(part);
+    }
+  }
+  for (const Message& part : of_cushion) {
+    // No shape is nearer than its highest one.
+    const double known_m = store.known_radius(above, 1);
+    EXPECT_GT(known_m, 0.0125);
+    EXPECT_LT(known_m, 0.0142);
+    EXPECT_TRUE(store.make_piece(above, 1.0, 100, 1).scene.objects.empty());
+    (void)store.accept(part);
+  }
+  EXPECT_TRUE(std::isinf(store.known_radius(above, 1)));
+  const PatchStore::Piece piece = store.make_piece(above, 1.0, 1, 1);
+  ASSERT_EQ(piece.scene.objects.size(), 1U);
+  const TouchObject& whole = piece.scene.objects.front();
+  EXPECT_EQ(whole.mesh->triangles.size(), 2U * 24 * 24);
+  ASSERT_TRUE(whole.deformation);
+  EXPECT_EQ(store.counts().rejected, 0U);
+  EXPECT_EQ(piece.objects, std::vector<int>{1});
+}
+
+// Every vertex of the joined mesh is at all times where that of the scene is which has its place at rest.
+TEST(DeformingPatch, HasTheShapesOfTheScene) {
+  const TouchScene scene = cushion_on_floor();
+  PatchStore store;
+  for (const Message& part : parts_of(make_tiles(scene))) (void)store.accept(part);
+  const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), 1.0, 1, 1);
+  ASSERT_EQ(piece.scene.objects.size(), 1U);
+  const TouchObject& joined = piece.scene.objects.front();
+  const TouchObject& own = scene.objects[1];
+  EXPECT_EQ(joined.deformation->keys(), own.deformation->keys());
+  for (const double time_s : {0.0, 0.07, 0.1, 0.2, 0.33, 1.21}) {
+    const auto shape = joined.deformation->vertices_at(joined.mesh->vertices, joined.deformation->weights_at(time_s));
+    const auto expected = own.deformation->vertices_at(own.mesh->vertices, own.deformation->weights_at(time_s));
+    for (std::size_t v = 0; v < joined.mesh->vertices.size(); ++v) {
+      const auto at = std::find(own.mesh->vertices.begin(), own.mesh->vertices.end(), joined.mesh->vertices[v]);
+      ASSERT_NE(at, own.mesh->vertices.end());
+      EXPECT_LT((shape[v] - expected[static_cast<std::size_t>(at - own.mesh->vertices.begin())]).norm(), 1e-15);
+    }
+  }
+}
+
+TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
+  EXPECT_TRUE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.0));
+  EXPECT_FALSE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.001)) << "a ball cannot feel what deforms";
+  EXPECT_FALSE(make_tiles(cushion_on_floor()).has_parting);
+
+  // Two sheets that share an edge at rest only.
+  TouchScene parting;
+  TriangleMesh two = made::sheet(0.01, 0.0, 2);
+  const auto first = static_cast<std::uint32_t>(two.vertices.size());
+  for (std::size_t v = 0; v < first; ++v) two.vertices.push_back(two.vertices[v] + Vec3(0.02, 0, 0));
+  const std::size_t triangles = two.triangles.size();
+  for (std::size_t t = 0; t < triangles; ++t) {
+    two.triangles.push_back({two.triangles[t][0] + first, two.triangles[t][1] + first, two.triangles[t][2] + first});
+  }
+  MorphTarget up;
+  for (std::uint32_t v = first; v < two.vertices.size(); ++v) {
+    up.vertices.push_back(v);
+    up.displacements.emplace_back(0, 0, 0.01);
+  }
+  parting.objects.push_back({made::shared(std::move(two)), Material()});
+  parting.objects.back().deformation =
+      std::make_shared<const MeshDeformation>(std::vector{up}, std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
+  EXPECT_TRUE(make_tiles(parting).has_parting);
+}
+
+// What no scene may do is never felt, and never confirmed.
+TEST(DeformingPatch, ImpossibleDeformationsAreRejected) {
+  const TiledScene tiled = make_tiles(cushion_on_floor());
+  const auto is_felt = [&](auto&& change) {
+    PatchStore store;
+    for (Message part : parts_of(tiled)) {
+      if (auto* deformation = std::get_if<PatchDeformation>(&part)) change(*deformation);
+      (void)store.accept(part);
+    }
+    return store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_deformation();
+  };
+  EXPECT_TRUE(is_felt([](PatchDeformation&) {}));
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) {
+    for (std::size_t n = 0; n < m.key_count; ++n) m.keys[3 * n] *= 0.1;
+  })) << "ten times as fast";
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) { m.keys[1] = 0.1; })) << "no round";
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) {
+    for (std::size_t n = 0; n < m.key_count; ++n) m.keys[3 * n + 1] += 3.0;
+  })) << "beyond its bounds";
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) { ++m.displaced_count; })) << "one is missing";
+  EXPECT_FALSE(is_felt([](PatchDeformation& m) { m.tile_count = ~0U; }));
+}
+
+TEST(DeformingPatch, StepsUseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  ChainStage stage(cushion_on_floor(0.4, true));
+  for (int n = 0; n < 50; ++n) (void)stage.step(cushion_hand(stage.time_s()));
+  PatchChain& chain = stage.chain();
+  const double from_s = stage.time_s();
+  const AllocationGuard guard;
+  for (int n = 1; n <= 2000; ++n) {
+    const double time_s = from_s + 1e-3 * n;
+    (void)chain.step({.p_WD = cushion_hand(time_s), .dt_s = 1e-3, .time_s = time_s});
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton
