@@ -54,7 +54,7 @@ std::size_t PatchMaker::affordable() const noexcept {
 bool PatchMaker::can_grow() const noexcept { return is_limited_ && affordable() >= kMoreTriangles * triangles_; }
 
 std::unique_ptr<Patch> PatchMaker::make_if_due(const PatchStore& store, std::uint32_t generation) {
-  if (!has_hand_ || !store.has_begun()) return nullptr;
+  if (!has_hand_ || !store.has_begun() || failed_at_ == store.revision()) return nullptr;
   return hand_.is_beyond ? make_over_path(store, generation) : make_if_left(store, generation);
 }
 
@@ -107,7 +107,10 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     MethodSettings settings;
     settings.probe_radius_m = store.begin().probe_radius_m;
     auto method = piece.scene.has_deformation() ? DeformingMethod::make(settings, piece.scene) : make_method(settings, piece.scene);
-    if (!method) return nullptr;
+    if (!method) {
+      failed_at_ = store.revision();
+      return nullptr;
+    }
     patch->step = std::make_unique<TouchStep>(std::move(*method));
     patch->objects = std::move(piece.objects);
     patch->deforms = piece.scene.has_deformation();

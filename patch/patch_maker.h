@@ -29,7 +29,10 @@ class PatchMaker {
   // Takes the duration from the request of the newest patch until the device loop got it.
   void note_made(double seconds) noexcept;
   // Forgets the newest patch, for a new scene.
-  void forget() noexcept { p_SC_.reset(); }
+  void forget() noexcept {
+    p_SC_.reset();
+    failed_at_.reset();
+  }
   // Makes a patch if one is due. Null: the newest one suffices, or no part of the scene is known there.
   std::unique_ptr<Patch> make_if_due(const PatchStore& store, std::uint32_t generation);
 
@@ -56,12 +59,13 @@ class PatchMaker {
   std::optional<Vec3> p_SC_;  // centre; none: there is no patch
   double radius_m_ = 0.0;
   std::size_t triangles_ = 0;
-  bool is_limited_ = false;          // there was no time for all triangles that were known
-  std::uint64_t made_from_ = 0;      // PatchStore::revision() then
-  std::int64_t made_ns_ = 0;         // PatchHandState::time_ns then
-  bool is_path_incomplete_ = false;  // Patch::is_path_incomplete
-  double widening_ = 1.0;            // power of kWiden
-  double triangle_s_ = kFirstMakeS;  // mean time to make a patch, for each triangle
+  bool is_limited_ = false;                 // there was no time for all triangles that were known
+  std::uint64_t made_from_ = 0;             // PatchStore::revision() then
+  std::int64_t made_ns_ = 0;                // PatchHandState::time_ns then
+  bool is_path_incomplete_ = false;         // Patch::is_path_incomplete
+  std::optional<std::uint64_t> failed_at_;  // PatchStore::revision() then: of these parts none can be made
+  double widening_ = 1.0;                   // power of kWiden
+  double triangle_s_ = kFirstMakeS;         // mean time to make a patch, for each triangle
 };
 
 }  // namespace hapton

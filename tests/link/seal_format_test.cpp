@@ -95,7 +95,7 @@ void lengthen(PatchTile& m) {
 }
 void lengthen(PatchDeformation& m) {
   m = {kMost32, kMost32, PatchBody::kMostBodies - 1, kMost32, kMost32, kMost32, 1, true, PatchDeformation::kMostAllKeys};
-  m.key_count = PatchDeformation::kMostNumbers / PatchDeformation::numbers_of_key(m.target_count);
+  m.key_count = static_cast<std::uint32_t>(PatchDeformation::kMostNumbers / PatchDeformation::numbers_of_key(m.target_count));
   m.first_key = m.all_keys - m.key_count;
   for (std::size_t i = 0; i < m.keys.size(); ++i) m.keys[i] = static_cast<double>(i) + 1.0 / 3.0;
 }

@@ -112,6 +112,7 @@ class Parts {
   Message body() {
     PatchBody body{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % PatchBody::kMostBodies)};
     body.motion = static_cast<PatchBody::Motion>(random_() % 3);
+    body.deforms = one_in(3);
     if (one_in(2)) {
       body.lowest = {0, 0, 0};
       for (auto& most : body.highest) most = static_cast<std::uint32_t>(random_() >> (64 - kPatchGridBits));
@@ -128,6 +129,32 @@ class Parts {
     double time_s = 0.0;
     for (std::size_t n = 0; n < body.key_count; ++n) body.keys[n] = {time_s += 1e-3 + std::min(std::abs(any()), 1e6), place(), turn()};
     return body;
+  }
+  // Of few tiles, so that some deformations become whole.
+  Message deformation() {
+    PatchDeformation deformation{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % 4)};
+    deformation.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() : random_() % 600);
+    deformation.tile_count = static_cast<std::uint32_t>(one_in(10) ? random_() | 1U : 1 + random_() % 3);
+    deformation.displaced_count = static_cast<std::uint32_t>(one_in(10) ? random_() : random_() % 3);
+    deformation.target_count = static_cast<std::uint32_t>(1 + random_() % PatchDeformation::kMostTargets);
+    deformation.loops = one_in(3);
+    const std::size_t each = PatchDeformation::numbers_of_key(deformation.target_count);
+    deformation.key_count = static_cast<std::uint32_t>(1 + random_() % (PatchDeformation::kMostNumbers / each));
+    deformation.first_key = one_in(4) ? static_cast<std::uint32_t>(random_() % 100) : 0U;
+    deformation.all_keys = deformation.first_key + deformation.key_count;
+    double time_s = 0.0;
+    for (std::size_t i = 0; i < deformation.key_count * each; ++i) {
+      deformation.keys[i] = i % each == 0 ? time_s += 1e-3 + std::min(std::abs(any()), 1e6) : std::clamp(any(), -1e6, 1e6);
+    }
+    return deformation;
+  }
+  Message displacements() {
+    PatchDisplacements displacements{.epoch = epoch_, .serial = ++serial_};
+    displacements.tile = static_cast<std::uint32_t>(one_in(50) ? random_() : random_() % 600);
+    displacements.target = static_cast<std::uint32_t>(random_() % PatchDeformation::kMostTargets);
+    displacements.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostVertices);
+    for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(any(), -1e6, 1e6));
+    return displacements;
   }
   Message move() {
     ObjectMove move{.source = one_in(50) ? 8U : 7U, .serial = ++moves_, .object = static_cast<std::int32_t>(random_() % 3)};
@@ -195,6 +222,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       }
       for (int n = 0; n < 60; ++n) hostile.send(parts.one_in(5) ? parts.cell() : parts.tile());
       for (int n = 0; n < 6; ++n) hostile.send(parts.body());
+      for (int n = 0; n < 20; ++n) hostile.send(parts.one_in(4) ? parts.deformation() : parts.displacements());
       for (int n = 0; n < 3; ++n) hostile.send(parts.move());
       hostile.send(parts.material());
       hostile.send(parts.force(hostile.state()));
