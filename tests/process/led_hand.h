@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,11 @@ namespace hapton::process {
 
 // A hand that a trajectory leads over a scene: io_node with a simulated device and haptics_node, as real programs, recorded.
 struct LedHand {
-  // scene: a file of scenes/. more: of io_node.
+  // scene: a file of scenes/, or an absolute path. more: of io_node.
   LedHand(const std::string& device, const std::string& way_csv, const std::string& scene, const std::vector<std::string>& more = {})
       : io("io_node", io_arguments(device, way_csv, more), scratch.path()),
-        haptics("haptics_node", {"--hub", hub, "--scene", HAPTON_SOURCE_DIR "/scenes/" + scene}, scratch.path()) {}
+        haptics("haptics_node", {"--hub", hub, "--scene", (std::filesystem::path(HAPTON_SOURCE_DIR "/scenes") / scene).string()},
+                scratch.path()) {}
 
   // The report's note has gone above `least`.
   testing::AssertionResult goes_above(const std::string& note, double least) {

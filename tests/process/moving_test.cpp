@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <memory>
 #include <regex>
@@ -198,6 +199,26 @@ TEST(MovingObjects, PushAHandThatFeelsThemFromPatches) {
                {"--touch", "patch"});
   EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
   EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 2000; })) << hand.haptics.err();
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+  EXPECT_EQ(hand.haptics.err().find("this node computes the forces"), std::string::npos) << hand.haptics.err();
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+}
+
+// A block that heaves, without the bumps of the fish of scenes/deforming.toml, which keep the force remote.
+TEST(DeformingObjects, PushAHandThatFeelsThemFromPatches) {
+  const ScratchFolder folder;
+  const std::string scene = (folder.path() / "heaving.toml").string();
+  std::ofstream(scene) << "[[object]]\nname = \"block\"\nmesh = \"" HAPTON_SOURCE_DIR
+                          "/meshes/supple_block.obj\"\nunit = \"mm\"\nrotation_deg = [-90, 0, 0]\nloop = true\n"
+                          "[[object.morph]]\npush_m = [0, 0, 0.012]\ncenter_m = [-0.045, 0.005, 0.02]\nradius_m = 0.035\n"
+                          "keys = [[0.0, 0.0], [0.8, 1.0], [1.6, 0.0]]\n";
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.045,0.06,-0.005\n0.5,-0.045,0.025,-0.005\n600,-0.045,0.025,-0.005\n", scene,
+               {"--touch", "patch"});
+  EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 3000; })) << hand.haptics.err();
   EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
   EXPECT_EQ(hand.haptics.err().find("this node computes the forces"), std::string::npos) << hand.haptics.err();
   hand.end();
