@@ -92,9 +92,7 @@ void add_run_options(CLI::App& app, IoOptions& options) {
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool requests it")
       ->check(folder_to_write());
-  app.add_option("--seed", options.device.seed, "Seed of the simulated hand's script")
-      ->check(whole_number<std::uint64_t>())
-      ->capture_default_str();
+  app.add_option("--seed", options.device.seed, "Seed of the simulated hand's script")->capture_default_str();
 }
 
 void add_limit_options(CLI::App& app, IoOptions& options) {

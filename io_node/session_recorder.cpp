@@ -169,8 +169,14 @@ Result<void> SessionRecorder::start() {
     const auto kept = keep_earlier_file(options_.record);
     if (!kept) return tl::unexpected(kept.error());
     if (!kept->empty()) log_warning("{}: an earlier file of this name is kept as {}", options_.record.string(), kept->string());
+    // A folder that cannot be made shows in the file that cannot be opened.
+    std::error_code not_made;
+    if (options_.record.has_parent_path()) std::filesystem::create_directories(options_.record.parent_path(), not_made);
     file_.reset(open_file_for(options_.record, FileReaders::owner));
-    if (!file_) return fail("{}: the session cannot be recorded there: {}", options_.record.string(), std::strerror(errno));
+    if (!file_) {
+      return fail("{}: the session cannot be recorded there: {}; give another file with --record", options_.record.string(),
+                  std::strerror(errno));
+    }
     unwritten_ = kSessionMagic;
     codec_.append(header_, unwritten_);
     write_entries(true);

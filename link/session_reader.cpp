@@ -33,7 +33,9 @@ Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
   SessionReader reader;
   reader.path_ = path;
   reader.file_ = std::make_unique<std::ifstream>(path, std::ios::binary);
-  if (!*reader.file_) return fail("{}: cannot be read: {}", path.string(), std::strerror(errno));
+  if (!*reader.file_) {
+    return fail("{}: cannot be read: {}; give a file that io_node --record made", path.string(), std::strerror(errno));
+  }
   reader.refill();
   const std::string_view bytes = reader.buffer_;
   constexpr std::string_view kStem = kSessionMagic.substr(0, kSessionMagic.find('/') + 1);

@@ -13,6 +13,7 @@
 #include "core/base/near_miss.h"
 #include "core/base/result.h"
 #include "runtime/build_id.h"
+#include "runtime/flag_checks.h"
 #include "runtime/regular_file.h"
 #include "runtime/toml_reader.h"
 
@@ -190,6 +191,14 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
   return std::string(path.substr(path.rfind('/') + 1));
 }
 
+// As an option of hapton has it (CommandLine::add_option).
+void require_whole_numbers(CLI::App& app) {
+  const auto begins = [](const CLI::Option* option, std::string_view type) { return option->get_type_name().starts_with(type); };
+  for (CLI::Option* option : app.get_options([&](const CLI::Option* o) { return begins(o, "INT") || begins(o, "UINT"); })) {
+    option->check(begins(option, "INT") ? whole_number<std::int64_t>() : whole_number<std::uint64_t>());
+  }
+}
+
 }  // namespace
 
 std::string suggest_flag(const CLI::App& app) {
@@ -242,6 +251,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), from_file->begin(), from_file->end());
   }
   require_finite_numbers(app);
+  require_whole_numbers(app);
   try {
     std::reverse(arguments.begin(), arguments.end());  // the order CLI11 wants
     app.parse(arguments);

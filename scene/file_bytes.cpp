@@ -36,6 +36,7 @@ Result<std::string> read_file_bytes(const std::filesystem::path& path, std::size
   // Not blocking, so that a pipe without a writer is rejected rather than waited for.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file < 0) {
+    if (path.empty()) return fail("no file is named: give its path");
     if (errno == ENOENT) return fail("{}: no such file: check the path", path.string());
     return fail("{}: cannot open: {}", path.string(), std::strerror(errno));
   }

@@ -253,8 +253,17 @@ TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
   const auto started = recorder.start();
   ASSERT_FALSE(started);
   EXPECT_NE(started.error().what.find("/proc/nowhere"), std::string::npos);
+  EXPECT_NE(started.error().what.find("give another file with --record"), std::string::npos);
   auto other = make({{}, "/proc/nowhere/flight"});
   EXPECT_FALSE(other.start());
+}
+
+TEST_F(Recorders, TheFolderOfARecordingIsMade) {
+  const std::filesystem::path recording = flights / "deep" / "session.hapton";
+  auto recorder = make({recording, {}});
+  ASSERT_TRUE(recorder.start());
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_TRUE(std::filesystem::is_regular_file(recording));
 }
 
 TEST_F(Recorders, ADefaultFolderIsMadeWhenThereIsSomethingToWrite) {

@@ -168,6 +168,21 @@ TEST_F(ConfigTest, ABadCommandLineIsOneLineAndExitCodeTwo) {
   expect_one_error("--config");
 }
 
+// CLI11 takes 010 for 8, and -1 of an unsigned number for the largest one.
+TEST_F(ConfigTest, AWholeNumberIsNeverTakenForAnother) {
+  std::uint64_t seed = 5;
+  app_.add_option("--seed", seed);
+  EXPECT_EQ(parse({"--count", "010"}), 2);
+  expect_one_error("--count: 010 begins with a zero");
+  EXPECT_EQ(parse({"--seed=-1"}), 2);
+  expect_one_error("--seed: -1");
+  EXPECT_EQ(parse({"--seed", "18446744073709551616"}), 2);
+  expect_one_error("--seed: 18446744073709551616");
+  EXPECT_EQ(parse({"--count=-3", "--seed", "0x10"}), -1);
+  EXPECT_EQ(count_, -3);
+  EXPECT_EQ(seed, 16U);
+}
+
 TEST_F(ConfigTest, VersionIsOneLineOnStdoutAndNoKeyOfAFile) {
   EXPECT_EQ(parse({"--version"}), 0);
   EXPECT_THAT(output_, testing::MatchesRegex("io_node [0-9]+\\.[0-9]+\\.[0-9]+\n"));

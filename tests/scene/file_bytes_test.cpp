@@ -25,6 +25,7 @@ TEST(FileBytes, RejectsWithTheReason) {
   EXPECT_THAT(read_file_bytes(folder.write("b", ""), 4).error().what, HasSubstr("empty"));
   EXPECT_THAT(read_file_bytes(folder.path(), 4).error().what, HasSubstr("is a folder"));
   EXPECT_THAT(read_file_bytes(folder.path() / "c", 4).error().what, HasSubstr("no such file"));
+  EXPECT_THAT(read_file_bytes("", 4).error().what, HasSubstr("no file is named"));
   EXPECT_THAT(read_file_bytes(folder.path() / "a" / "b", 4).error().what, HasSubstr("cannot open"));
   EXPECT_THAT(read_file_bytes("/dev/zero", 4).error().what, HasSubstr("not a regular file"));
   std::filesystem::create_symlink("loop", folder.path() / "loop");
