@@ -216,7 +216,7 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
 }
 
 bool ToolProxy::is_at_rest() const noexcept {
-  return least_.solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(radius()) <= kConverged * kOffset;
+  return least_.solved && least_.active_count > 0 && energy_.to_motion(proxy_, least_.y).length(rest_radius()) <= kConverged * kOffset;
 }
 
 void ToolProxy::note_known() noexcept {
@@ -333,7 +333,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const double length = motion.length(radius);
   if (least_.solved) update_curvature();
   report.converged = false;
-  if (length <= kConverged * kOffset) {
+  if (motion.length(rest_radius()) <= kConverged * kOffset) {
     // The bounds of a long motion leave none: those of a shorter one are better.
     reach_ = kShrinkage * reach;
     return reach_ > kOffset;

@@ -44,7 +44,7 @@ struct ToolProxyStep {
 // the proxy nearest to the device with every local minimum of the distance kept at the contact offset (Gauss' principle of least
 // constraint; Ortega, Redon & Coquillart 2007, section 4), corrects it for the curvature of the rotation, and makes as much of it as
 // certainly keeps every pair at kFloor of the offset, over the whole motion (conservative advancement). It ends when the motion left is
-// below kConverged of the offset, after kMostRounds, or when its rounds get no nearer (RoundProgress).
+// below kConverged of the offset (rest_radius), after kMostRounds, or when its rounds get no nearer (RoundProgress).
 //
 // Nearest is meant in the energy of the coupling: the squared distance of the grip points plus the squared turn times turn_length^2. At the
 // end the coupling's force and torque are then exactly the sum of what frictionless contacts give.
@@ -148,7 +148,9 @@ class ToolProxy {
   // Ends early if the tool is at rest, unless the reach is infinite.
   bool extend_until_clear(const RigidMotion& wanted, double reach, double tried, RigidMotion& motion) noexcept;
   bool is_at_rest() const noexcept;  // the contacts let the proxy get no nearer to the device
-  void note_known() noexcept;        // the features that is_crossed leaves out
+  // At which a motion is measured against kConverged: a stiff turn has a large torque where the surface hardly moves.
+  double rest_radius() const noexcept { return std::max(radius(), energy_.turn_length()); }
+  void note_known() noexcept;  // the features that is_crossed leaves out
   bool is_crossed(const RigidMotion& motion) const noexcept;
   double find_safe_share(const RigidMotion& motion) const noexcept;
   void note_contacts(ToolProxyStep& report) noexcept;

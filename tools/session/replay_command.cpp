@@ -255,7 +255,7 @@ void add_replay_command(CommandLine app, int& exit_code) {
   command
       .add_option("--rotational-stiffness", options->rotational_stiffness_nm_per_rad,
                   "With --tool: rotational stiffness, Nm/rad; 0: from --stiffness and the tool's size")
-      .not_negative("Nm/rad")
+      .between(0.0, 1e6)
       .shows_default();
   command
       .add_option("--tool-voxels", options->tool_voxel_m,

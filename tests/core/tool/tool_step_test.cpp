@@ -72,6 +72,27 @@ TEST(ToolStep, FreeSpaceGivesNothingAtAll) {
   }
 }
 
+// However stiff the turn: a torque then takes a far smaller one than shifts are followed to.
+TEST(ToolStep, ACornerOnAPlaneHasTheTorqueOfItsForceHoweverStiffTheTurn) {
+  const TriangleMesh box = make_box({0.02, 0.02, 0.02});
+  for (const double nm_per_rad : {3.0, 300.0, 1e4, 1e5}) {
+    const auto step = make_step(box, make_plane_grid(0.2, 8), {.rotational_stiffness_nm_per_rad = nm_per_rad});
+    const Vec3 tilt(0.3, 0.2, 0.0);
+    step->reset({pose_at({0.0, 0.0, 0.03}, tilt)});
+    ToolOutput out;
+    for (int n = 0; n <= 250; ++n) out = step->step({pose_at({0.0, 0.0, 0.03 - 0.0001 * n}, tilt)});
+    Vec3 lowest = Vec3::Zero();
+    for (const Vec3& v : box.vertices) {
+      const Vec3 arm = out.X_WP.linear() * v;
+      if (arm.z() < lowest.z()) lowest = arm;
+    }
+    const Vec3 expected = lowest.cross(out.force_n);
+    ASSERT_GT(expected.norm(), 0.05);
+    EXPECT_LT((out.torque_nm - expected).norm(), 0.01 * expected.norm()) << nm_per_rad << " Nm/rad";
+    EXPECT_FALSE(penetrates(*step));
+  }
+}
+
 // A frictionless contact pushes along its normal: on a plane the force is vertical, and its torque about the grip point is that of a force
 // at the box's lowest edge.
 TEST(ToolStep, ATiltedBoxOnItsEdgeBalancesForceAndTorque) {
