@@ -12,7 +12,11 @@
 namespace hapton {
 namespace {
 
-constexpr std::array kColours = {"#0050c8", "#e69f00", "#d55e00", "#cc79a7", "#009e73", "#7f7f7f"};
+// Eight of each are drawn at most: no two methods may look alike.
+constexpr std::array kColours = {"#0050c8", "#e69f00", "#d55e00", "#cc79a7", "#009e73", "#7f7f7f", "#56b4e9", "#000000"};
+constexpr std::array kMarks = {7, 9, 11, 5, 13, 15, 4, 6};
+// The force of a sample takes less than a microsecond.
+constexpr double kLeastUs = 0.1;
 // The smallest error that is drawn, as the axis is logarithmic.
 constexpr double kLeastPercent = 1e-4;
 
@@ -43,18 +47,18 @@ std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::stri
       "set terminal pngcairo size {},{} font 'sans,10'\nset output '{}'\n"
       "set multiplot layout {},{} title 'Rigid tool: time of a step against force error'\n"
       "set xlabel 'step in contact, p50, us' offset 0,0.6\nset ylabel 'force error, RMS, %'\nset logscale xy\n"
-      "set xrange [1:1e5]\nset yrange [{:g}:1e4]\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"
-      "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 1 height 1\nset bmargin 6\n",
-      480 * columns, 420 * lines, picture, lines, columns, 0.1 * kLeastPercent);
+      "set xrange [{:g}:1e5]\nset yrange [{:g}:1e4]\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"
+      "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 1 height 1\nset bmargin 8\n",
+      480 * columns, 440 * lines, picture, lines, columns, kLeastUs, 0.1 * kLeastPercent);
   for (const std::string& scenario : scenarios) {
     script += fmt::format("set title '{}'\nplot ", scenario);
     std::string data;
     for (std::size_t m = 0; m < methods.size(); ++m) {
       script += fmt::format("{}'-' using 1:2 with points pointtype {} pointsize 1.6 linecolor rgb '{}' title '{}'", m > 0 ? ", " : "",
-                            m == 0 ? 7 : 5 + 2 * (m % 3), kColours[m % kColours.size()], methods[m]);
+                            kMarks[m % kMarks.size()], kColours[m % kColours.size()], methods[m]);
       for (const SixdofRow& row : shown) {
         if (row.name != scenario || row.method != methods[m]) continue;
-        fmt::format_to(std::back_inserter(data), "{:.6g} {:.6g}\n", 1e-3 * row.contact.p50_ns,
+        fmt::format_to(std::back_inserter(data), "{:.6g} {:.6g}\n", std::max(1e-3 * row.contact.p50_ns, kLeastUs),
                        std::max(row.force_error_percent, kLeastPercent));
       }
       data += "e\n";

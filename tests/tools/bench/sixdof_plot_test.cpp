@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
 
 #include "tests/support/scratch_folder.h"
 
@@ -34,6 +37,28 @@ TEST(SixdofPlot, HasAPanelForEachScenarioAndAMarkForEachMethod) {
   EXPECT_THAT(script, HasSubstr("title 'voxels, 1 mm'"));
   EXPECT_THAT(script, HasSubstr("\n50 0.01\ne\n90 12\ne\n"));
   EXPECT_THAT(script, HasSubstr("\n200 0.0001\ne\ne\n")) << "an error of nothing is drawn at the bottom, a missing mark not at all";
+}
+
+// Of all that the command compares: the force alone takes less than a microsecond.
+TEST(SixdofPlot, ShowsEachMethodByAMarkOfItsOwnAndTheFastestOne) {
+  std::vector<SixdofRow> rows;
+  for (const char* method : {"proxy", "force", "force, 5 ms", "voxels, 1 mm", "voxels, 0.5 mm", "voxels, 0.25 mm", "bullet", "fcl"}) {
+    rows.push_back(plot_row("box on plane", method, 800.0, 1.0));
+  }
+  const std::string script = make_sixdof_plot(rows, "p.png");
+  EXPECT_THAT(script, HasSubstr("set xrange [0.1:"));
+  std::set<std::string> marks;
+  std::set<std::string> colours;
+  const auto word_after = [&](const std::string& key, std::size_t from) {
+    const std::size_t begin = script.find(key, from) + key.size();
+    return script.substr(begin, script.find(' ', begin) - begin);
+  };
+  for (std::size_t at = script.find("pointtype"); at != std::string::npos; at = script.find("pointtype", at + 1)) {
+    marks.insert(word_after("pointtype ", at));
+    colours.insert(word_after("linecolor rgb ", at));
+  }
+  EXPECT_EQ(marks.size(), rows.size());
+  EXPECT_EQ(colours.size(), rows.size());
 }
 
 TEST(SixdofPlot, LeavesOutWhatHasNoKnownForce) {
