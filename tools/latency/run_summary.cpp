@@ -33,8 +33,11 @@ std::string touched_text(const Json& report, const std::string& what, double con
     return fmt::format("touched nothing of {} in {:.1f} s: the probe never met a surface; hapton info shows the object's size and place",
                        what, seconds);
   }
-  return fmt::format("touched {} for {:.1f} s: {:.0f} of {:.0f} samples in contact, at most {} N", what, seconds, contacts,
-                     json_number_of(report, "counters", "samples"), note(report, "max_force_written_n"));
+  const std::string torque = note(report, "max_torque_written_nm");
+  const bool has_torque = torque.find_first_of("123456789") != std::string::npos;
+  return fmt::format("touched {} for {:.1f} s: {:.0f} of {:.0f} samples in contact, at most {} N{}", what, seconds, contacts,
+                     json_number_of(report, "counters", "samples"), note(report, "max_force_written_n"),
+                     has_torque ? fmt::format(" and {} Nm", torque) : "");
 }
 
 // The problems, worst first.

@@ -35,6 +35,14 @@ TEST(RunSummary, OfAGoodRunSaysWhatWasTouchedAndThatItHeld) {
             "it ran without faults: 1999 samples a second, no force lost, 3 late, round trip 42 us (p50), 94 us (p99)\n");
 }
 
+TEST(RunSummary, HasTheTorqueWhereThereWasOne) {
+  Json report = make_report();
+  report["notes"]["max_torque_written_nm"] = "0.0000";
+  EXPECT_THAT(summarise_run(report, "pegs.toml").text, HasSubstr("at most 3.716 N\n"));
+  report["notes"]["max_torque_written_nm"] = "0.0412";
+  EXPECT_THAT(summarise_run(report, "pegs.toml").text, HasSubstr("at most 3.716 N and 0.0412 Nm\n"));
+}
+
 TEST(RunSummary, SaysWhenNothingWasTouched) {
   Json report = make_report();
   report["counters"]["contact_samples"] = 0;
