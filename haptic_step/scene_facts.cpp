@@ -19,6 +19,7 @@ SceneFacts::Point to_point(const Vec3& p) {
 SceneFacts make_scene_facts(const Scene& scene) {
   SceneFacts facts;
   facts.given_hash = scene.given_hash;
+  facts.tool_hash = scene.tool ? scene.tool->given_hash : SceneFacts::kNoTool;
   Eigen::AlignedBox3d box;
   for (const SceneObject& object : scene.objects) {
     for (const Vec3& vertex : object.mesh->vertices) box.extend(vertex);

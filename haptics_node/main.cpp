@@ -121,6 +121,11 @@ Result<StartScene> load_start_scene(const HapticsOptions& options, PluginEffects
   start.placed = place_objects(*loaded, *put_down);
   const bool has_tool = !options.tool.file.empty() || start.placed.tool;
   if (const auto checked = check_combination(start.path, start.placed, has_tool); !checked) return tl::unexpected(checked.error());
+  std::vector<std::string> tool_notes;
+  auto tool = find_tool(options.tool, start.placed, options.loading, tool_notes);
+  if (!tool) return tl::unexpected(tool.error());
+  for (const auto& note : tool_notes) log_info("tool: {}", note);
+  start.placed.tool = std::move(*tool);
   for (const auto& note : start.placed.notes) log_info("{}", note);
   for (const auto& warning : find_inside_out(start.placed)) log_warning("{}", warning);
   start.loaded = std::move(*loaded);

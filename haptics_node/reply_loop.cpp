@@ -88,6 +88,7 @@ void ReplyLoop::turn(std::int64_t deadline_ns) {
   send_setup();
   report_hub_state();
   report_scene();
+  report_shown_tool();
   report_tool();
   report_inside();
   report_plugins();
@@ -134,6 +135,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     if (!overtaken) step_.turn_scene(*view);
   } else if (const auto* scene = std::get_if<SceneFacts>(&message)) {
     scene_shown_ = scene->given_hash;
+    tool_shown_ = scene->tool_hash;
   } else if (const auto* facts = std::get_if<LoopFacts>(&message)) {
     // Parts of the scene that are on their way make the round trip irrelevant.
     const bool is_remote = !sends_parts(hub_.receive_time_ns()) || has_withdrawn();
@@ -261,6 +263,7 @@ void ReplyLoop::describe_scene(std::uint64_t hash, const SceneFacts& facts) noex
   scene_ = facts;
   scene_.preparing_s = before.preparing_s;
   scene_.is_hand_inside = before.is_hand_inside;
+  scene_.tool_hash = before.tool_hash;
 }
 
 // A requester repeats its request until the reply comes.
@@ -389,6 +392,20 @@ void ReplyLoop::report_scene() {
     log_warning("vision_node shows another scene than the one touched here; start both with the same --scene, --unit and --no-fit");
   } else if (was_other) {
     log_info("vision_node shows the same scene again");
+  }
+}
+
+void ReplyLoop::report_shown_tool() {
+  if (tool_shown_ == 0 || scene_.tool_hash == 0 || tool_shown_ == tool_reported_) return;
+  const bool was_other = tool_reported_ != 0 && tool_reported_ != scene_.tool_hash;
+  tool_reported_ = tool_shown_;
+  if (tool_shown_ != scene_.tool_hash) {
+    log_warning("vision_node draws {}; start both with the same --tool, --tool-unit and --tool-grip",
+                scene_.tool_hash == SceneFacts::kNoTool ? "a rigid tool, but the stylus is a probe here"
+                : tool_shown_ == SceneFacts::kNoTool    ? "a probe, but the stylus holds a rigid tool here"
+                                                        : "another rigid tool than the one held here");
+  } else if (was_other) {
+    log_info("vision_node draws the same tool again");
   }
 }
 

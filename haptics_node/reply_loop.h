@@ -92,6 +92,7 @@ class ReplyLoop {
   void send_setup() noexcept;
   void report_hub_state();
   void report_scene();
+  void report_shown_tool();
   void report_tool();
   void note_hand() noexcept;
   void report_inside() noexcept;
@@ -142,6 +143,8 @@ class ReplyLoop {
   MaterialState materials_;
   std::uint64_t scene_shown_ = 0;     // hash of the scene that a vision node last reported; 0: none
   std::uint64_t scene_reported_ = 0;  // of these, the one that the log spoke of
+  std::uint64_t tool_shown_ = 0;      // the same of its tool (SceneFacts::tool_hash)
+  std::uint64_t tool_reported_ = 0;
   bool builds_on_approach_;
   std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
   std::int64_t next_setup_ns_ = 0;

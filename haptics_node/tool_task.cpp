@@ -24,11 +24,7 @@ constexpr auto kLook = std::chrono::microseconds(100);
 }  // namespace
 
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene) {
-  std::vector<std::string> notes;
-  const auto tool = find_tool(options.tool, scene, options.loading, notes);
-  if (!tool) return tl::unexpected(tool.error());
-  for (const std::string& note : notes) log_info("tool: {}", note);
-  if (!*tool) return std::unique_ptr<HeldTool>();
+  if (!scene.tool) return std::unique_ptr<HeldTool>();
   if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
   if (options.is_method_given && options.method.name != MethodSettings().name) {
     return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);
@@ -36,12 +32,12 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   if (options.is_radius_given && options.method.probe_radius_m > 0.0)
     return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
-  auto step = ToolStep::make(*(*tool)->mesh, std::move(obstacles.meshes),
+  auto step = ToolStep::make(*scene.tool->mesh, std::move(obstacles.meshes),
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
                              std::move(obstacles.friction), make_worker_team(options.tool_threads), obstacles.part_of);
-  if (!step) return fail("tool {}: {}", (*tool)->name, step.error().what);
-  if (const auto damped = (*step)->damp(obstacles.damping); !damped) return fail("tool {}: {}", (*tool)->name, damped.error().what);
-  log_info("the stylus holds {}", (*tool)->name);
+  if (!step) return fail("tool {}: {}", scene.tool->name, step.error().what);
+  if (const auto damped = (*step)->damp(obstacles.damping); !damped) return fail("tool {}: {}", scene.tool->name, damped.error().what);
+  log_info("the stylus holds {}", scene.tool->name);
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);
   if (obstacles.leaves_out) log_warning("{}", kToolLeavesOut);

@@ -19,7 +19,7 @@ inline constexpr std::string_view kToolLeavesOut =
     "two_sided = false, images and effects of surfaces but viscosity_ns_per_m are ignored: a rigid tool supports stiffness, friction, "
     "damping and viscosity";
 
-// The rigid tool that the options or the scene name; null: the stylus is a probe. The tool feels friction, damping and viscosity of the
+// The rigid tool of the scene (find_tool); null: the stylus is a probe. The tool feels friction, damping and viscosity of the
 // materials. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);
 

@@ -201,6 +201,7 @@ void write(const SceneFacts& from, wire::SceneFacts& to) {
   }
   to.set_preparing_s(from.preparing_s);
   to.set_is_hand_inside(from.is_hand_inside);
+  to.set_tool_hash(from.tool_hash);
 }
 
 void write(const ReportRequest& from, wire::ReportRequest& to) {
@@ -368,6 +369,7 @@ bool read(const wire::SceneFacts& from, SceneFacts& to) {
   to.point_count = static_cast<std::uint32_t>(numbers / 3);
   to.preparing_s = from.preparing_s();
   to.is_hand_inside = from.is_hand_inside();
+  to.tool_hash = from.tool_hash();
   if (!(to.preparing_s >= 0.0F && std::isfinite(to.preparing_s))) return false;
   for (int i = 0; i < numbers / 3; ++i) {
     if (!read_point(from.points_m(), 3 * i, to.points_m[static_cast<std::size_t>(i)])) return false;

@@ -45,8 +45,7 @@ struct DeviceState {
   std::uint32_t buttons = 0;
   bool is_resumed = false;   // p_WP is set: until a new haptics node has replied
   Vec3 p_WP = Vec3::Zero();  // where the probe rested in the last contact of the previous node
-  // While the hub computes the force from parts of a scene that moves: the scene time of this sample, which the haptics node takes over.
-  // Below 0: the haptics node determines it.
+  // While the hub computes the force from parts of a scene that moves: the scene time of this sample. Below 0: haptics determines it.
   std::int64_t scene_time_ns = -1;
 };
 
@@ -123,8 +122,7 @@ struct ProbeState {
   float servo_rate_hz = 0.0F;  // measured, for the HUD
   float round_trip_p50_us = 0.0F;
   float round_trip_p99_us = 0.0F;
-  // Of the ViewTransform that the forces are computed with, by the haptics node's newest reply. While no haptics node replies, of the
-  // one that the hub keeps for it.
+  // Of the ViewTransform that the newest force was computed with. While no haptics node replies, of the one that the hub keeps for it.
   std::uint32_t view_revision = 0;
   ProbeStatus status = ProbeStatus::ok;
   // What the device has given the hand beyond what it took, in per cent of the energy budget; at 100 no force is left.
@@ -226,10 +224,11 @@ struct MaterialState {
 };
 
 // haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: identifies a node's scene, so
-// that two nodes notice if their scenes differ. From haptics also points of its surface, to which a simulated hand can go. Frame S, m.
+// that two nodes notice if their scenes or tools differ. From haptics also points of its surface, to which a simulated hand goes.
 struct SceneFacts {
   static constexpr std::size_t kMostPoints = 16;  // a choice: a hand finds a scene by a few of them
-  using Point = std::array<float, 3>;
+  static constexpr std::uint64_t kNoTool = 1;     // for tool_hash
+  using Point = std::array<float, 3>;             // frame S, m
 
   std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
   Point lowest_m = {};           // corners of its box
@@ -238,6 +237,7 @@ struct SceneFacts {
   std::array<Point, kMostPoints> points_m = {};  // spread over its surface
   float preparing_s = 0.0F;                      // above 0: haptics has been preparing its method for this long, and there is no force yet
   bool is_hand_inside = false;                   // of a body since haptics began: the body gives no force, or holds the hand inside
+  std::uint64_t tool_hash = 0;                   // SceneTool::given_hash; kNoTool: the stylus is a probe; 0: not known
 };
 
 // tool -> hub: a part of the hub's report.
@@ -338,7 +338,7 @@ struct Carves {
   static constexpr std::size_t kMost = 32;
   static constexpr float kMostRadiusM = 1000.0F;  // as scene files allow
   static constexpr float kMostLengthM = 1000.0F;
-  using Point = std::array<float, 3>;
+  using Point = std::array<float, 3>;  // frame S, m
   struct One {
     std::int32_t object = 0;  // of the scene
     Point from_m = {};

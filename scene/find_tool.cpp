@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "scene/scene_hash.h"
 #include "scene/touch_mesh.h"
 
 namespace hapton {
@@ -13,7 +14,8 @@ Result<std::optional<SceneTool>> find_tool(const ToolChoice& choice, const Scene
   if (!file) return tl::unexpected(file.error());
   for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", choice.file.string(), note));
   return SceneTool{.name = choice.file.stem().string(),
-                   .mesh = std::make_shared<const TriangleMesh>(from_grip(std::move(file->mesh), choice.grip, scene.fit_scale))};
+                   .mesh = std::make_shared<const TriangleMesh>(from_grip(std::move(file->mesh), choice.grip, scene.fit_scale)),
+                   .given_hash = hash_tool(hash_placed(file->given_hash, 1.0, Quat::Identity(), Vec3::Zero()), choice.grip)};
 }
 
 }  // namespace hapton

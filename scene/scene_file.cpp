@@ -156,10 +156,7 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .look = (*loaded)->look};
   if (object.has_colour) posed.look.reset();
   if (object.animated_morphs != nullptr) posed.in_file = posed.mesh.vertices;
-  const Vec3& p_SM = object.p_SM;
-  const std::array numbers = {object.scale,    object.q_SM.w(), object.q_SM.x(), object.q_SM.y(),
-                              object.q_SM.z(), p_SM.x(),        p_SM.y(),        p_SM.z()};
-  posed.given_hash = combine_hashes((*loaded)->given_hash, hash_numbers(numbers));
+  posed.given_hash = hash_placed((*loaded)->given_hash, object.scale, object.q_SM, object.p_SM);
   for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->vertices_before : posed.mesh.vertices) posed.box.extend(pose(vertex));
   for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
   posed.map = (*loaded)->map;
@@ -207,6 +204,7 @@ Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folde
   tool.name = !spec.name.empty() ? spec.name : !spec.part.empty() ? spec.part : std::filesystem::path(spec.mesh).stem().string();
   tool.mesh = std::make_shared<const TriangleMesh>(from_grip(std::move(posed->mesh), spec.grip, scene.fit_scale));
   if (spec.has_colour) tool.colour = spec.colour;
+  tool.given_hash = hash_tool(posed->given_hash, spec.grip);
   scene.given_hash = combine_hashes(scene.given_hash, posed->given_hash);
   scene.tool = std::move(tool);
   return {};

@@ -149,6 +149,11 @@ std::uint64_t hash_numbers(std::span<const double> numbers) {
   return hash.value();
 }
 
+std::uint64_t hash_placed(std::uint64_t mesh, double scale, const Quat& orientation, const Vec3& position) {
+  const Quat& q = orientation;
+  return combine_hashes(mesh, hash_numbers(std::array{scale, q.w(), q.x(), q.y(), q.z(), position.x(), position.y(), position.z()}));
+}
+
 std::uint64_t hash_motion(const KeyframeMotion& motion) {
   Hash hash;
   add_vector(hash, motion.pivot());

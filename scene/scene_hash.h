@@ -19,6 +19,8 @@ std::uint64_t hash_numbers(std::span<const double> numbers);
 std::uint64_t hash_motion(const KeyframeMotion& motion);
 std::uint64_t hash_sculpt(const SculptSettings& sculpt);
 std::uint64_t hash_deformation(const MeshDeformation& deformation);
+// Of a mesh that is placed: vertices v at position + orientation * (scale * v).
+std::uint64_t hash_placed(std::uint64_t mesh, double scale, const Quat& orientation, const Vec3& position);
 // Of two hashes in this order; never 0.
 std::uint64_t combine_hashes(std::uint64_t first, std::uint64_t second);
 

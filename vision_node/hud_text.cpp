@@ -124,6 +124,8 @@ std::string compose_hud(const HudFacts& facts) {
     text += "\nTHE RECORDING HAS ANOTHER SCENE than the one shown: name the one of the recording with --scene";
   } else if (facts.is_other_scene) {
     text += "\nhaptics_node HAS ANOTHER SCENE than the one shown: start both nodes with the same --scene";
+  } else if (facts.is_other_tool) {
+    text += "\nhaptics_node HAS ANOTHER TOOL than the one drawn: start both nodes with the same --tool";
   }
   return text;
 }
@@ -135,6 +137,9 @@ std::string compose_notice(const HudFacts& facts) {
   }
   if (facts.is_other_scene) {
     return "haptics_node has another scene than the one shown.\nStart both nodes with the same --scene, --unit and --no-fit.";
+  }
+  if (facts.is_other_tool) {
+    return "haptics_node has another tool than the one drawn.\nStart both nodes with the same --tool, --tool-unit and --tool-grip.";
   }
   if (facts.state.status == ProbeStatus::too_small) {
     return fmt::format(

@@ -18,6 +18,7 @@ struct HudFacts {
   double detail_progress = 1.0;  // of the levels of detail, 0 to 1
   double preparing_s = 0.0;      // haptics_node has been building its scene for this long; 0: it is not
   bool is_other_scene = false;   // haptics_node has another scene than the one shown
+  bool is_other_tool = false;    // its rigid tool is not the one drawn
   std::string touched;           // name and material of the object touched; empty: none, or not known
   std::string annotations;       // what is drawn and measured, a line of its own; empty: nothing
   std::string held;              // name and material of the object that the stylus has picked up; empty: none

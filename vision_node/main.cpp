@@ -145,6 +145,7 @@ int run(VisionOptions& options) {
   LiveScene live(**view, options, std::move(*scene));
   if (reload) live.watch(&*reload);
   session.set_live_scene(&live);
+  if (*tool) session.set_tool((*tool)->given_hash);
   auto annotator = Annotator::open(**view, live.scene(), options.scene_radius_m, options.annotations, !*tool);
   if (!annotator) return give_up(annotator.error());
   session.set_annotator(annotator->get());

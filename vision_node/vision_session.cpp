@@ -176,6 +176,22 @@ void VisionSession::take_scene(const SceneFacts& haptic_scene) {
   haptic_hash_ = haptic_scene.given_hash;
   if (live_ != nullptr) live_->set_felt(haptic_hash_);
   compare_scene();
+  compare_tool(haptic_scene.tool_hash);
+}
+
+void VisionSession::compare_tool(std::uint64_t held_hash) {
+  const bool is_other = held_hash != 0 && held_hash != tool_hash_;
+  if (is_other == is_other_tool_) return;
+  is_other_tool_ = is_other;
+  step_.set_other_tool(is_other);
+  if (is_other) {
+    log_warning("haptics_node {}; start both with the same --tool, --tool-unit and --tool-grip",
+                held_hash == SceneFacts::kNoTool    ? "touches with a probe, but a rigid tool is drawn"
+                : tool_hash_ == SceneFacts::kNoTool ? "holds a rigid tool, but a probe is drawn"
+                                                    : "holds another rigid tool than the one drawn");
+  } else {
+    log_info("haptics_node now holds the tool that is drawn");
+  }
 }
 
 void VisionSession::set_live_scene(LiveScene* scene) {
@@ -256,7 +272,7 @@ void VisionSession::send_pending() {
   if (hub_.state() != JoinState::joined) return;
   if (scene_hash_ != 0 && clock_.now_ns() >= next_scene_ns_) {
     next_scene_ns_ = clock_.now_ns() + kSceneEveryNs;
-    hub_.send(SceneFacts{.given_hash = scene_hash_});
+    hub_.send(SceneFacts{.given_hash = scene_hash_, .tool_hash = tool_hash_});
   }
   while (const auto message = step_.take_message(clock_.now_ns())) hub_.send(*message);
   if (moved_ != nullptr) {

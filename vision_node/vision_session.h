@@ -65,6 +65,9 @@ class VisionSession {
   // the session.
   void set_live_scene(LiveScene* scene);
 
+  // SceneTool::given_hash of the rigid tool that is drawn; without this call a probe is.
+  void set_tool(std::uint64_t given_hash) { tool_hash_ = given_hash; }
+
   // What is drawn on the scene and measured. Pre: it outlives the session.
   void set_annotator(Annotator* annotator) { annotator_ = annotator; }
 
@@ -86,6 +89,7 @@ class VisionSession {
   void take_scene(const SceneFacts& haptic_scene);
   void follow_scene();
   void compare_scene();
+  void compare_tool(std::uint64_t held_hash);
   Result<void> attend_window();
   void send_pending();
   Result<void> draw_if_wanted();
@@ -114,6 +118,8 @@ class VisionSession {
   std::uint64_t haptic_hash_ = 0;    // as haptics_node announced it last; 0: it did not
   std::int64_t other_since_ns_ = 0;  // since when it is another one; 0: it is not
   bool is_other_scene_ = false;      // as reported
+  std::uint64_t tool_hash_ = SceneFacts::kNoTool;
+  bool is_other_tool_ = false;  // as reported
   LiveScene* live_ = nullptr;
   std::int64_t next_scene_ns_ = 0;  // when ours is sent to the hub again
   std::uint64_t joins_ = 0;

@@ -124,6 +124,7 @@ HudFacts VisionStep::hud_facts() const {
   facts.detail_progress = detail_progress_;
   facts.preparing_s = preparing_s_;
   facts.is_other_scene = is_other_scene_;
+  facts.is_other_tool = is_other_tool_;
   // The numbers of another scene's objects mean nothing here.
   if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
   facts.annotations = annotations_;

@@ -161,6 +161,7 @@ class VisionStep {
   std::int32_t held_object() const { return held_object_; }
   // Whether haptics_node has another scene than the one shown.
   void set_other_scene(bool is_other) { is_other_scene_ = is_other; }
+  void set_other_tool(bool is_other) { is_other_tool_ = is_other; }
   const FrameLog& frames() const { return frames_; }
   const ViewTransformSender& view_transform() const { return sender_; }
   const Interaction& interaction() const { return interaction_; }
@@ -182,6 +183,7 @@ class VisionStep {
   std::optional<ProbeState> state_;
   bool connected_ = false;
   bool is_other_scene_ = false;
+  bool is_other_tool_ = false;
   std::int32_t held_object_ = -1;
   std::string annotations_;
   bool is_annotated_ = false;  // since the last frame

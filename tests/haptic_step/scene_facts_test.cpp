@@ -14,6 +14,9 @@ TEST(SceneFacts, SayWhereTheSceneIsAndWhichOneItIs) {
   scene.objects.push_back({.name = "ball", .mesh = made::shared(make_icosphere(0.1, 3)), .material = {}});
   const SceneFacts facts = make_scene_facts(scene);
   EXPECT_EQ(facts.given_hash, 77U);
+  EXPECT_EQ(facts.tool_hash, SceneFacts::kNoTool);
+  scene.tool = SceneTool{.name = "ball", .mesh = scene.objects[0].mesh, .given_hash = 78};
+  EXPECT_EQ(make_scene_facts(scene).tool_hash, 78U);
   EXPECT_NEAR(facts.lowest_m[0], -0.1, 1e-3);
   EXPECT_NEAR(facts.highest_m[2], 0.1, 1e-3);
   EXPECT_EQ(facts.point_count, SceneFacts::kMostPoints);

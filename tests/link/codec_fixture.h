@@ -344,6 +344,7 @@ class RandomDatagrams {
     for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
     facts.preparing_s = static_cast<float>(bits32() % 100);
     facts.is_hand_inside = flag();
+    facts.tool_hash = bits();
     return facts;
   }
 

@@ -22,12 +22,12 @@ TEST_F(CodecTest, RoundTripsEveryMessage) {
 
 // Of the name in a request and in a move, and of the reason of a rejection.
 std::size_t length_of_text(const Message& message) {
-  const HapticsSetup::Text* text = nullptr;
-  if (const auto* request = std::get_if<MoveRequest>(&message)) text = &request->object;
-  if (const auto* reply = std::get_if<MoveReply>(&message)) text = &reply->rejection;
-  if (const auto* reply = std::get_if<ShapeReply>(&message)) text = &reply->rejection;
-  if (const auto* move = std::get_if<ObjectMove>(&message)) text = &move->name;
-  return text != nullptr ? std::string_view(text->data()).size() : 0;
+  const auto length = [](const auto& text) { return std::string_view(text.data()).size(); };
+  if (const auto* request = std::get_if<MoveRequest>(&message)) return length(request->object);
+  if (const auto* reply = std::get_if<MoveReply>(&message)) return length(reply->rejection);
+  if (const auto* move = std::get_if<ObjectMove>(&message)) return length(move->name);
+  if (const auto* reply = std::get_if<ShapeReply>(&message)) return length(reply->rejection);
+  return 0;
 }
 
 // Two vectors, each with two bytes of tag and one of length, and a number with two bytes of tag, in sessions with a tool only.
@@ -38,10 +38,9 @@ std::size_t length_of_tool(const Message& message) {
 
 TEST_F(CodecTest, KeepsWithinTheByteBudget) {
   for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    // A setup, once a second, carries texts; so does a part of a report, on request. Scenes for a slow network and shapes fill datagrams.
-    const bool is_geometry = kind == 16 || kind == 17 || kind == 28 || kind == 30 || kind == 33 || kind == 35 || kind >= 38;
-    const bool is_materials = kind == 21;  // the changed ones of many objects, once a second
-    const std::size_t most = is_geometry || is_materials ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
+    // A setup and a part of a report carry texts. Scenes for a slow network, shapes and changed materials (21) fill datagrams.
+    const bool is_large = kind == 16 || kind == 17 || kind == 21 || kind == 28 || kind == 30 || kind == 33 || kind == 35 || kind >= 38;
+    const std::size_t most = is_large ? 1168U : kind == 10 ? 900U : kind == 12 ? 1000U : 300U;
     const Datagram drawn = random_.draw(kind);
     EXPECT_LE(encode(drawn).size(), most + length_of_text(drawn.message) + length_of_tool(drawn.message)) << "kind " << kind;
   }

@@ -216,6 +216,7 @@ inline void expect_equal(const SceneFacts& a, const SceneFacts& b) {
   EXPECT_EQ(a.points_m, b.points_m);
   EXPECT_EQ(a.preparing_s, b.preparing_s);
   EXPECT_EQ(a.is_hand_inside, b.is_hand_inside);
+  EXPECT_EQ(a.tool_hash, b.tool_hash);
 }
 
 inline void expect_equal(const ViewRejected& a, const ViewRejected& b) { EXPECT_EQ(a.revision, b.revision); }

@@ -81,6 +81,27 @@ TEST(SceneCheck, TwoNodesWithDifferentScenesSaySo) {
   EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("another scene") != std::string::npos; }));
 }
 
+TEST(SceneCheck, TwoNodesWithDifferentToolsSaySo) {
+  const std::string tool = HAPTON_SOURCE_DIR "/meshes/peg.obj";
+  System system;
+  system.start("io_node");
+  system.add_arguments("haptics_node", {"--tool", tool, "--tool-unit", "mm"});
+  system.start("haptics_node");
+  const VirtualDisplay display;
+  std::vector<std::string> arguments = {"--hub", system.hub(), "--size", "320x240"};
+  {
+    const Program vision("vision_node", arguments, system.folder(), display.name());
+    EXPECT_TRUE(System::wait_until([&] { return vision.err().find("holds a rigid tool, but a probe is drawn") != std::string::npos; }))
+        << vision.err();
+    EXPECT_TRUE(System::wait_until(
+        [&] { return system["haptics_node"].err().find("draws a probe, but the stylus holds a rigid tool") != std::string::npos; }));
+  }
+  arguments.insert(arguments.end(), {"--tool", tool, "--tool-unit", "mm"});
+  const Program vision("vision_node", arguments, system.folder(), display.name());
+  EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("draws the same tool again") != std::string::npos; }));
+  EXPECT_EQ(vision.err().find("tool"), std::string::npos) << vision.err();
+}
+
 TEST(SceneCheck, TwoNodesWithTheSameSceneSayNothing) {
   System system;
   for (const std::string& node : kNodes) system.start(node);

@@ -50,6 +50,25 @@ TEST_F(FindTool, IsAsLargeAsTheSceneIsShownAndHeldWhereAskedFor) {
   EXPECT_EQ((*own)->mesh, scene->tool->mesh);
 }
 
+// Two nodes may name the same tool in different ways.
+TEST_F(FindTool, HasAHashOfItsMeshItsPoseAndItsGrip) {
+  folder.write("b.obj", sample::obj(sample::tetrahedron()));
+  const auto scene = load(std::string(kObject) + "[tool]\nmesh = 'a.obj'\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  std::vector<std::string> notes;
+  const auto hash_of = [&](const ToolChoice& choice) { return find_tool(choice, *scene, {}, notes).value()->given_hash; };
+  const std::uint64_t own = hash_of({});
+  EXPECT_EQ(own, hash_of({.file = folder.path() / "a.obj"}));
+  EXPECT_EQ(own, hash_of({.file = folder.path() / "b.obj"})) << "the same mesh";
+  EXPECT_NE(own, hash_of({.file = folder.path() / "a.obj", .grip = ToolGrip::center}));
+  EXPECT_NE(own, hash_of({.file = folder.path() / "a.obj", .unit = Unit::mm}));
+  const auto turned = load(std::string(kObject) + "[tool]\nmesh = 'a.obj'\nrotation_deg = [0, 0, 90]\n");
+  const auto centred = load(std::string(kObject) + "[tool]\nmesh = 'a.obj'\ngrip = 'centre'\n");
+  ASSERT_TRUE(turned && centred);
+  EXPECT_NE(own, turned->tool->given_hash);
+  EXPECT_EQ(centred->tool->given_hash, hash_of({.file = folder.path() / "a.obj", .grip = ToolGrip::center}));
+}
+
 TEST(ToolGrips, KeepTheSpellingOfEarlierVersions) {
   EXPECT_EQ(parse_tool_grip("origin"), ToolGrip::origin);
   EXPECT_EQ(parse_tool_grip("centre"), ToolGrip::center);

@@ -185,6 +185,9 @@ TEST(Hud, WarnsOfASceneOutOfReachOrDifferentFromTheHapticOne) {
   const std::string text = compose_hud(facts);
   EXPECT_NE(text.find("ANOTHER SCENE"), std::string::npos);
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), lines + 1);
+  facts.is_other_scene = false;
+  facts.is_other_tool = true;
+  EXPECT_NE(compose_hud(facts).find("ANOTHER TOOL"), std::string::npos);
 }
 
 TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
@@ -203,6 +206,9 @@ TEST(HudNotice, SaysWhyNothingCanBeTouchedHowLargeTheSceneIsAndWhatToDo) {
   EXPECT_EQ(compose_notice(facts), "");
   facts.is_other_scene = true;
   EXPECT_NE(compose_notice(facts).find("another scene"), std::string::npos);
+  facts.is_other_scene = false;
+  facts.is_other_tool = true;
+  EXPECT_NE(compose_notice(facts).find("another tool"), std::string::npos);
 }
 
 TEST(HudNotice, IsEmptyWhereTheCornerSaysItAll) {
