@@ -195,7 +195,7 @@ int run(const HapticsOptions& options) {
       build_and_notify([&] { return make(settings, scene->touch_scene()); },
                        [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
-  log_method(**method);
+  if (!scene->tool) log_method(**method);  // nobody touches with it otherwise
   auto tool = make_held_tool(options, *scene);
   if (!tool) return give_up(tool.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);

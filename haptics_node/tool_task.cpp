@@ -2,6 +2,7 @@
 
 #include <pthread.h>
 
+#include <algorithm>
 #include <chrono>
 #include <sstream>
 #include <utility>
@@ -24,13 +25,20 @@ constexpr auto kLook = std::chrono::microseconds(100);
 }  // namespace
 
 Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene) {
-  if (!scene.tool) return std::unique_ptr<HeldTool>();
+  if (!scene.tool) {
+    const bool has_movable = std::ranges::any_of(scene.objects, [](const SceneObject& object) { return object.is_movable; });
+    if (!has_movable && options.tool_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with a rigid tool or movable objects");
+    if (!has_movable && options.tool_threads > 1) return fail("--tool-threads goes with a rigid tool or movable objects");
+    return std::unique_ptr<HeldTool>();
+  }
   if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
   if (options.is_method_given && options.method.name != MethodSettings().name) {
     return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);
   }
   if (options.is_radius_given && options.method.probe_radius_m > 0.0)
     return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
+  if (options.is_shading_given && options.method.shading > 0.0)
+    return fail("--shading is for a probe, and a rigid tool takes its place; leave out the tool or --shading");
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
   auto step = ToolStep::make(*scene.tool->mesh, std::move(obstacles.meshes),
                              {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},

@@ -93,6 +93,29 @@ TEST(HeldToolOfAScene, IsRejectedBesideWhatItDoesNotGoWith) {
   const auto with_method = make_held_tool(smooth, scene_with_tool());
   ASSERT_FALSE(with_method);
   EXPECT_THAT(with_method.error().what, HasSubstr("method smooth needs one"));
+  HapticsOptions shaded;
+  shaded.method.shading = 1.0;
+  EXPECT_TRUE(make_held_tool(shaded, scene_with_tool())) << "that of the scene's probe";
+  shaded.is_shading_given = true;
+  const auto with_shading = make_held_tool(shaded, scene_with_tool());
+  ASSERT_FALSE(with_shading);
+  EXPECT_THAT(with_shading.error().what, HasSubstr("--shading"));
+}
+
+TEST(HeldToolOfAScene, ItsOptionsAreRejectedWhereNothingIsHeld) {
+  Scene scene = scene_with_tool();
+  scene.tool.reset();
+  HapticsOptions stiff;
+  stiff.tool_nm_per_rad = 1.0;
+  HapticsOptions shared;
+  shared.tool_threads = 2;
+  ASSERT_FALSE(make_held_tool(stiff, scene));
+  ASSERT_FALSE(make_held_tool(shared, scene));
+  EXPECT_THAT(make_held_tool(stiff, scene).error().what, HasSubstr("--rotational-stiffness"));
+  EXPECT_THAT(make_held_tool(shared, scene).error().what, HasSubstr("--tool-threads"));
+  scene.objects[0].is_movable = true;
+  EXPECT_TRUE(make_held_tool(stiff, scene)) << "it is held with that stiffness";
+  EXPECT_TRUE(make_held_tool(shared, scene));
 }
 
 // A scene may have probes for those who hold no tool.
