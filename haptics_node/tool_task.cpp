@@ -46,6 +46,7 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
   if (!step) return fail("tool {}: {}", scene.tool->name, step.error().what);
   if (const auto damped = (*step)->damp(obstacles.damping); !damped) return fail("tool {}: {}", scene.tool->name, damped.error().what);
   log_info("the stylus holds {}", scene.tool->name);
+  for (const ToolFlaw& flaw : find_tool_flaws(*scene.tool->mesh, scene)) log_warning("{}; {}", flaw.what, flaw.fix);
   std::istringstream text((*step)->describe());
   for (std::string line; std::getline(text, line);) log_info("{}", line);
   if (obstacles.leaves_out) log_warning("{}", kToolLeavesOut);

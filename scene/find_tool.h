@@ -21,4 +21,13 @@ struct ToolChoice {
 Result<std::optional<SceneTool>> find_tool(const ToolChoice& choice, const Scene& scene, const SceneLoading& loading,
                                            std::vector<std::string>& notes);
 
+// What is odd about a tool, usually because of a wrong unit or origin, and what to do about it: half a line each.
+struct ToolFlaw {
+  std::string what;
+  std::string fix;
+};
+
+// Flaws of its size beside that of the scene, and of where it is held. tool: from the grip point, metres. RT: set-up only.
+std::vector<ToolFlaw> find_tool_flaws(const TriangleMesh& tool, const Scene& scene);
+
 }  // namespace hapton

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/effects/texture_models.h"
+#include "core/geometry/mesh_measures.h"
 #include "scene/mesh_counts_json.h"
 #include "scene/scene_layout.h"
 #include "scene/text_cursor.h"
@@ -101,6 +102,13 @@ std::string describe(const SceneLight& light) {
   return fmt::format("light: {}, colour times intensity {}\n", where, describe(light.colour));
 }
 
+std::string describe(const SceneTool& tool) {
+  const MeshBounds box = compute_bounds(*tool.mesh);
+  const Vec3 size = box.high - box.low;
+  return fmt::format("tool {}: {} triangles, {:.4g} x {:.4g} x {:.4g} m around {} from the grip point\n", tool.name,
+                     tool.mesh->triangles.size(), size.x(), size.y(), size.z(), describe(box.centre()));
+}
+
 // Fit or workspace, groups, instances, camera, lights and the tool.
 std::string describe_setting(const SceneReport& report) {
   const SceneLayout& layout = *report.layout;
@@ -115,7 +123,7 @@ std::string describe_setting(const SceneReport& report) {
   for (const ProbeSpec& probe : layout.probes) text += describe(probe) + "\n";
   if (report.scene.view.camera) text += describe(*report.scene.view.camera);
   for (const SceneLight& light : report.scene.view.lights) text += describe(light);
-  if (report.scene.tool) text += fmt::format("tool {}: {} triangles\n", report.scene.tool->name, report.scene.tool->mesh->triangles.size());
+  if (report.scene.tool) text += describe(*report.scene.tool);
   return text;
 }
 

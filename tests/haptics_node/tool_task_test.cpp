@@ -118,6 +118,12 @@ TEST(HeldToolOfAScene, ItsOptionsAreRejectedWhereNothingIsHeld) {
   EXPECT_TRUE(make_held_tool(shared, scene));
 }
 
+TEST(HeldToolOfAScene, AnOddSizeIsLogged) {
+  Scene scene = scene_with_tool();
+  scene.tool->mesh = made::shared(made::box(Vec3::Constant(-5e-6), Vec3::Constant(5e-6)));
+  EXPECT_THAT(log_of_task(scene), HasSubstr("the tool is 0.01 mm long, the scene 100 mm; check the units"));
+}
+
 // A scene may have probes for those who hold no tool.
 TEST(ToolTask, IgnoresWhatTheScenesProbeSays) {
   HapticsOptions of_the_probe;

@@ -20,6 +20,8 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "coarse-voxels";
     case SceneFault::no_inertia:
       return "no-inertia";
+    case SceneFault::odd_tool:
+      return "odd-tool";
     case SceneFault::shape_alone:
       return "shape-alone";
     case SceneFault::overlaps:

@@ -20,6 +20,7 @@ enum class SceneFault : std::uint8_t {
   inside_out,          // a closed body with its fronts inside
   coarse_voxels,       // of what can be carved, for its walls or for the tool
   no_inertia,          // a body to push whose surface is not closed
+  odd_tool,            // a rigid tool far smaller or larger than the scene, or far from where it is held
   shape_alone,         // effects that a rigid tool does not feel
   overlaps,            // a movable object that overlaps or touches another one where it lies
   softer_than_device,  // less force than the friction of the device

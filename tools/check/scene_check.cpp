@@ -109,7 +109,9 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_frequency(effect, settings.rate_hz), check.findings);
     for (const DevicePreset* device : reaching) append(check_reach(effect, *device), check.findings);
   }
-  append(check_tool(scene), check.findings);
+  auto tool = check_tool(scene);
+  if (!tool) return tl::unexpected(Error{fmt::format("{}: {}", path, tool.error().what)});
+  append(std::move(*tool), check.findings);
   for (const DevicePreset* device : reaching) append(check_size(scene, *device), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});

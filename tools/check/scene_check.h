@@ -34,7 +34,7 @@ struct SceneCheck {
   StepCost cost;
 };
 
-// Checks a loaded scene. Error: the force method rejects it. RT: no; some seconds for a large scene.
+// Checks a loaded scene. Error: the force method, or its rigid tool, rejects it. RT: no; some seconds for a large scene.
 Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, const SceneCheckSettings& settings);
 
 // For people: a line for each finding, "FILE: object 'NAME' at (x, y, z) m: WHAT; FIX", then the notes and a summary.

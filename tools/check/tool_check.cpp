@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "core/tool/tool_step.h"
+#include "scene/find_tool.h"
 #include "scene/tool_obstacles.h"
 
 namespace hapton {
@@ -36,11 +38,21 @@ CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
 
 }  // namespace
 
-CheckFindings check_tool(const Scene& scene) {
+Result<CheckFindings> check_tool(const Scene& scene) {
   CheckFindings findings;
   const TouchScene touched = scene.touch_scene();
   const bool has_movable = std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& o) { return o.is_movable; });
   if (!scene.tool && !has_movable) return findings;
+  if (scene.tool) {
+    ToolObstacles obstacles = make_tool_obstacles(touched);
+    const auto step = ToolStep::make(*scene.tool->mesh, std::move(obstacles.meshes),
+                                     {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = 0.0},
+                                     std::move(obstacles.friction), nullptr, obstacles.part_of);
+    if (!step) return fail("tool {}: {}", scene.tool->name, step.error().what);
+    for (ToolFlaw& flaw : find_tool_flaws(*scene.tool->mesh, scene)) {
+      findings.push_back({SceneFault::odd_tool, scene.tool->name, std::nullopt, std::move(flaw.what), std::move(flaw.fix)});
+    }
+  }
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     const SceneObject& object = scene.objects[o];
     if (has_effects_beyond_tool(touched.objects[o])) {

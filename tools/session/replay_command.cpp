@@ -87,6 +87,9 @@ Result<std::optional<SceneTool>> choose_tool(const ReplayOptions& options, const
   for (const std::string& note : notes) {
     fmt::print("tool: {}\n", note);
   }
+  if (tool && *tool) {
+    for (const ToolFlaw& flaw : find_tool_flaws(*(*tool)->mesh, scene)) fmt::print("warning: {}; {}\n", flaw.what, flaw.fix);
+  }
   return tool;
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <string>
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
@@ -22,13 +23,13 @@ TEST(ToolCheck, AMovableObjectThatOverlapsOrTouchesAnotherIsNamed) {
   for (const double gap_m : {-0.001, 0.0, 1e-9, 1e-4}) {
     Scene scene;
     scene.objects = {block_at("table", Vec3::Zero(), false), block_at("brick", Vec3(0.001, 0.002, 0.02 + gap_m), true)};
-    const CheckFindings found = check_tool(scene);
+    const CheckFindings found = check_tool(scene).value();
     ASSERT_EQ(found.size(), gap_m < 1e-6 ? 1U : 0U) << gap_m;
     if (found.empty()) continue;
     EXPECT_EQ(found[0].fault, SceneFault::overlaps);
     EXPECT_EQ(found[0].object, "brick");
     scene.objects[1].is_movable = false;
-    EXPECT_TRUE(check_tool(scene).empty()) << "nobody picks it up";
+    EXPECT_TRUE(check_tool(scene).value().empty()) << "nobody picks it up";
   }
 }
 
@@ -36,7 +37,7 @@ TEST(ToolCheck, WhatCannotBePickedUpIsNoCleanScene) {
   Scene scene;
   scene.objects = {block_at("table", Vec3::Zero(), false), block_at("nothing", Vec3::Zero(), true)};
   scene.objects[1].mesh = made::shared(TriangleMesh());
-  const CheckFindings found = check_tool(scene);
+  const CheckFindings found = check_tool(scene).value();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].object, "nothing");
   EXPECT_EQ(found[0].what.find("it cannot be picked up: "), 0U) << found[0].what;
@@ -45,23 +46,55 @@ TEST(ToolCheck, WhatCannotBePickedUpIsNoCleanScene) {
 TEST(ToolCheck, TheOnlyObjectOverlapsNothing) {
   Scene scene;
   scene.objects = {block_at("brick", Vec3::Zero(), true)};
-  EXPECT_TRUE(check_tool(scene).empty());
+  EXPECT_TRUE(check_tool(scene).value().empty());
 }
 
 TEST(ToolCheck, WhatAToolDoesNotFeelIsNamedWhereThereIsATool) {
   Scene scene;
   scene.objects = {block_at("sheet", Vec3::Zero(), false)};
   scene.objects[0].material.two_sided = false;
-  EXPECT_TRUE(check_tool(scene).empty()) << "a probe feels it";
+  EXPECT_TRUE(check_tool(scene).value().empty()) << "a probe feels it";
   scene.tool = SceneTool{.name = "peg", .mesh = scene.objects[0].mesh};
-  const CheckFindings found = check_tool(scene);
+  const CheckFindings found = check_tool(scene).value();
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].fault, SceneFault::shape_alone);
   EXPECT_EQ(found[0].object, "sheet");
   scene.tool.reset();
   scene.objects.push_back(block_at("brick", Vec3::Constant(0.05), true));
-  ASSERT_EQ(check_tool(scene).size(), 1U);
-  EXPECT_NE(check_tool(scene)[0].what.find("the probe feels all of it"), std::string::npos);
+  ASSERT_EQ(check_tool(scene).value().size(), 1U);
+  EXPECT_NE(check_tool(scene).value()[0].what.find("the probe feels all of it"), std::string::npos);
+}
+
+TEST(ToolCheck, AToolThatTheNodeRejectsIsRejected) {
+  Scene scene;
+  scene.objects = {block_at("table", Vec3::Zero(), false)};
+  TriangleMesh line = *scene.objects[0].mesh;
+  for (Vec3& p : line.vertices) p.setZero();
+  scene.tool = SceneTool{.name = "dot", .mesh = made::shared(line)};
+  const auto found = check_tool(scene);
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().what, "tool dot: the tool has no surface about its grip point");
+}
+
+TEST(ToolCheck, AToolInAnotherUnitOrFarFromItsGripIsNamed) {
+  Scene scene;
+  scene.objects = {block_at("table", Vec3::Zero(), false)};
+  const auto faults_of = [&](const Vec3& low_m, double size_m) {
+    scene.tool = SceneTool{.name = "peg", .mesh = made::shared(made::box(low_m, low_m + Vec3::Constant(size_m)))};
+    std::string faults;
+    const CheckFindings found = check_tool(scene).value();
+    for (const CheckFinding& finding : found) {
+      EXPECT_EQ(finding.fault, SceneFault::odd_tool);
+      EXPECT_EQ(finding.object, "peg");
+      faults += finding.what + "; ";
+    }
+    return faults;
+  };
+  EXPECT_EQ(faults_of(Vec3::Constant(-0.005), 0.01), "");
+  EXPECT_EQ(faults_of(Vec3(0.0, 0.0, 0.008), 0.001), "") << "a tip";
+  EXPECT_EQ(faults_of(Vec3::Constant(-5e-6), 1e-5), "the tool is 0.01 mm long, the scene 20 mm; ");
+  EXPECT_EQ(faults_of(Vec3::Constant(-5.0), 10.0), "the tool is 1e+04 mm long, the scene 20 mm; ");
+  EXPECT_EQ(faults_of(Vec3(0.15, 0.0, 0.0), 0.01), "the tool is 150 mm away from where the stylus holds it, and 10 mm long; ");
 }
 
 }  // namespace
