@@ -38,13 +38,13 @@ std::vector<ToolFlaw> find_tool_flaws(const TriangleMesh& tool, const Scene& sce
   const MeshBounds bounds = compute_bounds(tool);
   const double longest = bounds.extent();
   if (longest < kSmall * scene_longest_m || longest > kLarge * scene_longest_m) {
-    flaws.push_back({fmt::format("the tool is {:.3g} mm long, the scene {:.3g} mm", 1e3 * longest, 1e3 * scene_longest_m),
+    flaws.push_back({fmt::format("the tool is {:.5g} mm long, the scene {:.5g} mm", 1e3 * longest, 1e3 * scene_longest_m),
                      "check the units of both (--tool-unit, or unit in [tool])"});
   }
   const double away = bounds.low.cwiseMax(-bounds.high).cwiseMax(0.0).norm();
   if (away > kFar * longest && away > kFarOfScene * scene_longest_m) {
     flaws.push_back(
-        {fmt::format("the tool is {:.3g} mm away from where the stylus holds it, and {:.3g} mm long", 1e3 * away, 1e3 * longest),
+        {fmt::format("the tool is {:.5g} mm away from where the stylus holds it, and {:.5g} mm long", 1e3 * away, 1e3 * longest),
          "hold it in the middle (--tool-grip centre, or grip = \"centre\" in [tool]), or move its mesh to the origin"});
   }
   return flaws;

@@ -27,10 +27,12 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
   } tables[] = {
       {made.trajectory_, "trajectory.csv", "t_s,x_m,y_m,z_m,qw,qx,qy,qz,sample\n"},
       {made.forces_, "forces.csv",
-       "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_name,material\n"},
+       "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_name,material,tx_nm,ty_"
+       "nm,"
+       "tz_nm,turn_x_rad,turn_y_rad,turn_z_rad,haptons\n"},
       {made.cycles_, "cycles.csv",
        "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause,sample_t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons,local_x_n,local_y_n,"
-       "local_z_n,local_object\n"}};
+       "local_z_n,local_object,written_tx_nm,written_ty_nm,written_tz_nm\n"}};
   for (const auto& table : tables) {
     auto opened = PartFile::open(folder / table.name);
     if (!opened) return tl::unexpected(opened.error());
@@ -56,9 +58,10 @@ void SessionExport::add_cycle(const SessionEntry& entry) {
   } else {
     cycles_->check(std::fputs(",,,,,,,,,", file) >= 0);
   }
-  cycles_->check(c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g,%s\n", c.local->force_n.x(), c.local->force_n.y(), c.local->force_n.z(),
+  cycles_->check(c.local ? std::fprintf(file, ",%.17g,%.17g,%.17g,%s", c.local->force_n.x(), c.local->force_n.y(), c.local->force_n.z(),
                                         object_text(c.local->object).c_str()) > 0
-                         : std::fputs(",,,,\n", file) >= 0);
+                         : std::fputs(",,,,", file) >= 0);
+  cycles_->check(std::fprintf(file, ",%.17g,%.17g,%.17g\n", c.written_nm.x(), c.written_nm.y(), c.written_nm.z()) > 0);
   if (c.device) add_sample(c.sample, c.device->time_ns, c.device->p_WD, c.device->q_WT);
 }
 
@@ -81,13 +84,17 @@ void SessionExport::add(const SessionEntry& entry, const Datagram* datagram) {
   const auto* force = std::get_if<ForceCommand>(&datagram->message);
   if (force != nullptr && entry.kind == SessionEntry::Kind::received) {
     ++rows_.forces;
-    forces_->check(std::fprintf(forces_->get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s\n",
-                                seconds(entry.time_ns), static_cast<unsigned long long>(force->echo_sample), force->force_n.x(),
-                                force->force_n.y(), force->force_n.z(), force->contact ? 1 : 0, force->visual_offset_m.x(),
-                                force->visual_offset_m.y(), force->visual_offset_m.z(),
+    forces_->check(std::fprintf(forces_->get(), "%.9f,%llu,%.17g,%.17g,%.17g,%d,%.17g,%.17g,%.17g,%.3f,%.3f,%s,%s", seconds(entry.time_ns),
+                                static_cast<unsigned long long>(force->echo_sample), force->force_n.x(), force->force_n.y(),
+                                force->force_n.z(), force->contact ? 1 : 0, force->visual_offset_m.x(), force->visual_offset_m.y(),
+                                force->visual_offset_m.z(),
                                 1e-3 * static_cast<double>(ns_between(force->echo_sample_time_ns, entry.time_ns)),
                                 1e-3 * static_cast<double>(force->compute_ns), object_text(force->object).c_str(),
                                 csv_names(names_, force->object).c_str()) > 0);
+    const Vec3& torque = force->torque_nm;
+    const Vec3& turn = force->visual_turn;
+    forces_->check(std::fprintf(forces_->get(), ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%s\n", torque.x(), torque.y(), torque.z(), turn.x(),
+                                turn.y(), turn.z(), force->haptons ? std::to_string(*force->haptons).c_str() : "") > 0);
   }
 }
 

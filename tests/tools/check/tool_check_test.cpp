@@ -93,7 +93,7 @@ TEST(ToolCheck, AToolInAnotherUnitOrFarFromItsGripIsNamed) {
   EXPECT_EQ(faults_of(Vec3::Constant(-0.005), 0.01), "");
   EXPECT_EQ(faults_of(Vec3(0.0, 0.0, 0.008), 0.001), "") << "a tip";
   EXPECT_EQ(faults_of(Vec3::Constant(-5e-6), 1e-5), "the tool is 0.01 mm long, the scene 20 mm; ");
-  EXPECT_EQ(faults_of(Vec3::Constant(-5.0), 10.0), "the tool is 1e+04 mm long, the scene 20 mm; ");
+  EXPECT_EQ(faults_of(Vec3::Constant(-5.0), 10.0), "the tool is 10000 mm long, the scene 20 mm; ");
   EXPECT_EQ(faults_of(Vec3(0.15, 0.0, 0.0), 0.01), "the tool is 150 mm away from where the stylus holds it, and 10 mm long; ");
 }
 

@@ -50,6 +50,7 @@ TEST_F(ExportTest, CyclesHaveAllThatWasRecorded) {
   SessionEntry full = cycle_of(3);
   full.cycle.late_ns = 12'345;
   full.cycle.written_n = Vec3(1.0, -2.0, 0.5);
+  full.cycle.written_nm = Vec3(0.25, 0.0, -0.125);
   full.cycle.cause = MissCause::device_slow;
   full.cycle.device->p_WD = Vec3(0.25, -0.5, 1.0);
   full.cycle.device->q_WT = Quat(0.5, -0.5, 0.5, -0.5);
@@ -63,9 +64,9 @@ TEST_F(ExportTest, CyclesHaveAllThatWasRecorded) {
   ASSERT_EQ(lines.size(), 3U);
   EXPECT_EQ(lines[0],
             "t_s,sample,late_us,written_x_n,written_y_n,written_z_n,missed,cause,sample_t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons,local_x_n,"
-            "local_y_n,local_z_n,local_object");
-  EXPECT_EQ(lines[1], "0.003200000,3,12.345,1,-2,0.5,2,device slow,0.003000000,0.25,-0.5,1,0.5,-0.5,0.5,-0.5,5,0.125,0,-3,6");
-  EXPECT_EQ(lines[2], "0.004200000,4,3.000,0,0,0.5,0,none,,,,,,,,,,,,,") << "what was not recorded stays empty";
+            "local_y_n,local_z_n,local_object,written_tx_nm,written_ty_nm,written_tz_nm");
+  EXPECT_EQ(lines[1], "0.003200000,3,12.345,1,-2,0.5,2,device slow,0.003000000,0.25,-0.5,1,0.5,-0.5,0.5,-0.5,5,0.125,0,-3,6,0.25,0,-0.125");
+  EXPECT_EQ(lines[2], "0.004200000,4,3.000,0,0,0.5,0,none,,,,,,,,,,,,,,0,0,0") << "what was not recorded stays empty";
   EXPECT_EQ(exported.rows().cycles, 2U);
   EXPECT_EQ(exported.rows().trajectory, 1U);
 }
@@ -105,11 +106,25 @@ TEST_F(ExportTest, ForcesHaveTheirRoundTripAndTheNamesOfWhatTheyTouch) {
   ASSERT_TRUE(exported.close());
   const std::string numbers = "0.005250125,5,0.5,-1,2,";
   const std::string rest = ",0.25,0,-0.5,250.125,1.500,";
-  EXPECT_EQ(lines_of(folder / "forces.csv"),
-            (std::vector<std::string>{
-                "t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_name,material",
-                numbers + "1" + rest + "1,\"a, \"\"b\"\"\",clay", numbers + "0" + rest + ",,", numbers + "1" + rest + "7,,"}));
+  const std::string tool = ",0,0,0,0,0,0,";
+  EXPECT_EQ(
+      lines_of(folder / "forces.csv"),
+      (std::vector<std::string>{"t_s,sample,fx_n,fy_n,fz_n,contact,offset_x_m,offset_y_m,offset_z_m,round_trip_us,compute_us,object,object_"
+                                "name,material,tx_nm,ty_nm,tz_nm,turn_x_rad,turn_y_rad,turn_z_rad,haptons",
+                                numbers + "1" + rest + "1,\"a, \"\"b\"\"\",clay" + tool, numbers + "0" + rest + ",," + tool,
+                                numbers + "1" + rest + "7,," + tool}));
   EXPECT_EQ(exported.rows().forces, 3U);
+}
+
+TEST_F(ExportTest, ForcesOfARigidToolHaveItsTorqueItsTurnAndItsHaptons) {
+  ForceCommand force = force_of(5);
+  force.torque_nm = Vec3(0.5, 0.0, -0.25);
+  force.visual_turn = Vec3(0.125, -2.0, 0.0);
+  force.haptons = 12;
+  const auto [entry, datagram] = arrival_of(force, sample_ns(5));
+  exported.add(entry, &datagram);
+  ASSERT_TRUE(exported.close());
+  EXPECT_TRUE(lines_of(folder / "forces.csv").at(1).ends_with(",0.5,0,-0.25,0.125,-2,0,12")) << lines_of(folder / "forces.csv").at(1);
 }
 
 TEST_F(ExportTest, TimesOfAHostileFileDoNoHarm) {
