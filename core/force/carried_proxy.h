@@ -66,6 +66,7 @@ class CarriedProxy {
 
   // As ForceMethod::held_at.
   std::optional<Vec3> held_at() const noexcept { return clear_m_ > 0.0 ? std::nullopt : proxy_.held_at(); }
+
   // As ForceMethod::find_place.
   std::optional<SurfacePlace> find_place() const noexcept {
     const auto held = proxy_.find_held_place();
