@@ -61,6 +61,7 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       ++cycles_;
       lateness_.record(entry.cycle.late_ns);
       max_written_n_ = std::max(max_written_n_, entry.cycle.written_n.norm());
+      max_written_nm_ = std::max(max_written_nm_, entry.cycle.written_nm.norm());
       local_forces_ += entry.cycle.local ? 1 : 0;
       missed_ += entry.cycle.missed;
       if (entry.cycle.cause != MissCause::none) ++causes_[entry.cycle.cause];
@@ -96,6 +97,7 @@ void SessionSummary::add_force(std::uint64_t sender, const ForceCommand& force, 
   first_shapes_.add(sender, force);
   contact_ += force.contact ? 1 : 0;
   max_force_n_ = std::max(max_force_n_, force.force_n.norm());
+  max_torque_nm_ = std::max(max_torque_nm_, force.torque_nm.norm());
   round_trip_.record(ns_between(force.echo_sample_time_ns, time_ns));
 }
 
@@ -135,6 +137,8 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
   }
   text +=
       fmt::format("forces: {} in contact, maximum requested {:.3f} N, maximum written {:.3f} N\n", contact_, max_force_n_, max_written_n_);
+  if (max_torque_nm_ > 0.0)
+    text += fmt::format("torques: maximum requested {:.4f} Nm, maximum written {:.4f} Nm\n", max_torque_nm_, max_written_nm_);
   if (local_forces_ > 0) text += fmt::format("forces computed by io_node, from parts of the scene: {}\n", local_forces_);
   if (round_trip_.count() > 0) text += fmt::format("sample to force: {}\n", quantiles(round_trip_));
   if (lateness_.count() > 0) text += fmt::format("cycles: {}, late by {}\n", cycles_, quantiles(lateness_));

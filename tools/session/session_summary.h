@@ -60,6 +60,8 @@ class SessionSummary {
   std::uint64_t contact_ = 0;
   double max_force_n_ = 0.0;
   double max_written_n_ = 0.0;
+  double max_torque_nm_ = 0.0;
+  double max_written_nm_ = 0.0;
   std::uint64_t local_forces_ = 0;
   LatencyHistogram round_trip_;
   LatencyHistogram lateness_;

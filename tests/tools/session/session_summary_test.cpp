@@ -94,6 +94,15 @@ TEST_F(SessionSummaryTest, SaysWhatWasFelt) {
   add_cycle(11, {.sample = 2, .written_n = Vec3(1, 0, 0)});
   EXPECT_THAT(text(), HasSubstr("forces: 1 in contact, maximum requested 5.000 N, maximum written 2.000 N\n"));
   EXPECT_THAT(text(), HasSubstr("max 2000.0 us, n 2\n")) << "from the sample to its force";
+  EXPECT_THAT(text(), Not(HasSubstr("torque"))) << "there was none";
+}
+
+TEST_F(SessionSummaryTest, SaysWhichTorqueARigidToolHad) {
+  ForceCommand force;
+  force.torque_nm = Vec3(0.03, 0.0, 0.04);
+  add(SessionEntry::Kind::received, 10, force);
+  add_cycle(10, {.sample = 1, .written_nm = Vec3(0.0, 0.025, 0.0)});
+  EXPECT_THAT(text(), HasSubstr("torques: maximum requested 0.0500 Nm, maximum written 0.0250 Nm\n"));
 }
 
 TEST_F(SessionSummaryTest, TimesOfAHostileFileDoNoHarm) {
