@@ -27,16 +27,32 @@ std::string extension_of(const std::filesystem::path& path) {
 
 bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
 
+// Names of materials that the faces have and none of the libraries.
+void note_unknown_materials(RawMesh& raw) {
+  std::size_t count = 0;
+  std::string first;
+  for (const LookMaterial& material : raw.look.materials) {
+    if (raw.mtl_materials.contains(material.name)) continue;
+    if (++count == 1) first = printable(material.name);
+  }
+  if (count == 0) return;
+  raw.notes.push_back(fmt::format("material '{}'{} is in no material library that could be read: it has no colour", first,
+                                  count > 1 ? fmt::format(", as {} in all,", count) : ""));
+}
+
 // Reads the material libraries that an OBJ file names; one that cannot be read becomes a note.
 RawMesh with_materials(RawMesh raw, const std::filesystem::path& folder) {
+  bool is_any_read = false;
   for (const std::string& name : raw.mtl_files) {
     const Result<std::string> library = read_file_bytes(folder / name, kMaxMeshFileBytes);
+    is_any_read = is_any_read || library.has_value();
     if (library) {
       read_mtl(*library, (folder / name).parent_path(), raw);
     } else {
       raw.notes.push_back(fmt::format("a material library is missing: '{}' cannot be read", printable(name)));
     }
   }
+  if (is_any_read) note_unknown_materials(raw);
   return raw;
 }
 

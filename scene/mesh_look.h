@@ -29,14 +29,18 @@ enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
 struct LookMaterial {
   std::string name;
-  std::optional<Eigen::Vector3f> colour = {};  // sRGB, 0 to 1; multiplies the image. None: the file does not say
-  std::optional<std::size_t> image = {};       // of MeshLook::images
-  std::array<TextureWrap, 2> wrap = {};        // of the image, to the right and down
-  std::optional<std::size_t> normals = {};     // of MeshLook::images: its normal map, with the image's texture coordinates
-  float normal_scale = 1.0F;                   // multiplies the slopes of these
+  std::optional<Eigen::Vector3f> colour = {};           // sRGB, 0 to 1; multiplies the image. None: the file does not say
+  std::optional<Eigen::Vector3f> colour_no_image = {};  // sRGB, 0 to 1; in place of both where the image cannot be decoded. None: colour
+  std::optional<std::size_t> image = {};                // of MeshLook::images
+  std::array<TextureWrap, 2> wrap = {};                 // of the image, to the right and down
+  // The image's place at a corner is its texcoord, multiplied by this, plus that; both to the right and down.
+  Eigen::Vector2f image_scale = Eigen::Vector2f::Ones();
+  Eigen::Vector2f image_shift = Eigen::Vector2f::Zero();
+  std::optional<std::size_t> normals = {};  // of MeshLook::images: its normal map, with the image's texture coordinates
+  float normal_scale = 1.0F;                // multiplies the slopes of these
   AlphaMode alpha_mode = AlphaMode::opaque;
-  float alpha = 1.0F;         // 0 to 1; multiplies those of the image and of the corner
-  float alpha_cutoff = 0.5F;  // mask: what has less is not there; above 1, nothing is. Not negative
+  float alpha = 1.0F;            // 0 to 1; multiplies those of the image and of the corner
+  float alpha_cutoff = 0.5F;     // mask: what has less is not there; above 1, nothing is. Not negative
 };
 
 // One corner of one triangle.

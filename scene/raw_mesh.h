@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,7 @@ struct RawMesh {
   std::vector<MeshAnimation> animations = {};     // of glTF files
   std::map<std::size_t, MeshMorphs> morphs = {};  // of glTF files, by MeshPart::node
   std::vector<std::string> mtl_files = {};        // an OBJ file's material libraries, not read yet
+  std::set<std::string> mtl_materials = {};       // what those that were read define
 
   // Every triangle from here on belongs to a part of this name.
   void begin_part(std::string name);

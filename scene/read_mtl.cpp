@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -55,7 +56,20 @@ bool is_bump_map(std::string_view keyword) {
 struct ImageLine {
   std::string name;
   TextureWrap wrap = TextureWrap::repeat;
+  Eigen::Vector2f scale = Eigen::Vector2f::Ones();  // -s and -o, u and v, v upwards: u of the image = scale u + shift
+  Eigen::Vector2f shift = Eigen::Vector2f::Zero();
 };
+
+// "u [v [w]]" of -s and -o. The numbers that are left out stay as they are; w is of images with depth.
+void read_pair(TextCursor& options, Eigen::Vector2f& pair) {
+  for (int k = 0; k < 3; ++k) {
+    TextCursor ahead = options;
+    double value = 0.0;
+    if (!parse_number(ahead.word_in_line(), value)) return;
+    if (k < 2 && std::isfinite(value)) pair[k] = static_cast<float>(value);
+    options = ahead;
+  }
+}
 
 // After options such as "-s 1 1 1" the name is the last word; without, it may have blanks in it.
 ImageLine read_image_line(TextCursor& cursor) {
@@ -65,11 +79,20 @@ ImageLine read_image_line(TextCursor& cursor) {
     TextCursor options(line.name);
     for (std::string_view word = options.word_in_line(); !word.empty(); word = options.word_in_line()) {
       if (word == "-clamp") line.wrap = options.word_in_line() == "on" ? TextureWrap::clamp : TextureWrap::repeat;
+      if (word == "-s") read_pair(options, line.scale);
+      if (word == "-o") read_pair(options, line.shift);
     }
     line.name = line.name.substr(line.name.find_last_of(" \t") + 1);
   }
   std::replace(line.name.begin(), line.name.end(), '\\', '/');
   return line;
+}
+
+// Texcoords count downwards: down = 1 - v.
+void place_image(const ImageLine& line, LookMaterial& material) {
+  material.wrap = {line.wrap, line.wrap};
+  material.image_scale = line.scale;
+  material.image_shift = {line.shift.x(), 1.0F - line.scale.y() - line.shift.y()};
 }
 
 }  // namespace
@@ -95,7 +118,9 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
   for (TextCursor cursor(bytes); !cursor.at_end(); cursor.next_line()) {
     const std::string_view keyword = cursor.word_in_line();
     if (keyword == "newmtl") {
-      material = find_material(raw.look, cursor.rest_of_line());
+      const std::string name(cursor.rest_of_line());
+      raw.mtl_materials.insert(name);
+      material = find_material(raw.look, name);
       has_d = false;
     }
     if (material == nullptr) continue;
@@ -104,13 +129,13 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
       if (share) set_opacity(*material, keyword == "d" ? *share : 1.0F - *share);
       has_d = has_d || (share && keyword == "d");
     }
-    if (keyword == "Kd" && !material->image) material->colour = read_colour(cursor);
+    if (keyword == "Kd") (material->image ? material->colour_no_image : material->colour) = read_colour(cursor);
     bump_maps += is_bump_map(keyword) ? 1 : 0;
     if (keyword != "map_Kd") continue;
     const ImageLine line = read_image_line(cursor);
     material->image = add_image_file(folder / line.name, raw);
-    material->wrap = {line.wrap, line.wrap};
-    if (material->image) material->colour.reset();
+    place_image(line, *material);
+    if (material->image) material->colour_no_image = std::exchange(material->colour, std::nullopt);
   }
   if (bump_maps > 0) {
     raw.notes.push_back(

@@ -7,10 +7,10 @@
 
 namespace hapton {
 
-// Reads the colours (Kd), opacities (d, or Tr = 1 - d; d wins) and images (map_Kd, with -clamp on) of an OBJ file's material library into
-// the materials of raw.look that have these names. An image replaces the colour, since the colour that exporters write beside it is a
-// default. folder: paths of images are relative to it. raw.notes say which images are missing, and how
-// many images of bumps are ignored. RT: set-up only.
+// Reads the colours (Kd), opacities (d, or Tr = 1 - d; d wins) and images (map_Kd, with -clamp on, -s and -o) of an OBJ file's material
+// library into the materials of raw.look that have these names. An image replaces the colour, since the colour that exporters write beside
+// it is a default. The names of all materials are added to raw.mtl_materials. folder: paths of images are relative to it. raw.notes say
+// which images are missing, and how many images of bumps are ignored. RT: set-up only.
 void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMesh& raw);
 
 // Adds an image file to raw.look.images; returns its number there. None, and a line in raw.notes: it cannot be read. RT: set-up only.

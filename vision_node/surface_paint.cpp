@@ -28,10 +28,11 @@ VertexPaint compute_paint(const MeshLook& look, const TriangleLook& triangle, co
   if (material.image && *material.image < layer_of.size()) paint.layer = layer_of[*material.image];
   Vec3 tint = triangle.has_colours || paint.layer > 0 ? Vec3(Vec3::Ones()) : colour;
   if (material.colour) tint = material.colour->cast<double>();
+  if (material.image && paint.layer == 0 && material.colour_no_image) tint = material.colour_no_image->cast<double>();
   for (int k = 0; k < 3; ++k)
     paint.tint[static_cast<std::size_t>(k)] = to_byte(tint[k] * corner.colour[static_cast<std::size_t>(k)] / 255.0);
   if (paint.layer > 0) {
-    paint.texcoord = corner.texcoord;
+    paint.texcoord = corner.texcoord.cwiseProduct(material.image_scale) + material.image_shift;
     paint.set_wrap(material.wrap);
   }
   set_alpha(material, corner, paint);

@@ -79,7 +79,7 @@ TEST_F(MeshLooks, ImagesOfBumpsAreIgnoredWithANote) {
   folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nmap_Bump -bm 0.3 a.png\nnewmtl wood\nnorm n.png\nnewmtl other\nbump b.png\n");
   const MeshFile file = load("a.obj", kObj);
   EXPECT_THAT(file.notes, ElementsAre(HasSubstr("2 images of bumps or normals are neither drawn nor felt")));
-  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\n");
+  folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nnewmtl wood\n");
   EXPECT_THAT(load("b.obj", kObj).notes, IsEmpty());
 }
 
@@ -289,6 +289,44 @@ TEST_F(MeshLooks, OfAnObjFileAreOpacitiesAndClampedTextures) {
   EXPECT_EQ(wood("map_Kd oak.png\n").wrap[0], TextureWrap::repeat);
   EXPECT_EQ(wood("map_Kd -s 2 2 1 -clamp on oak.png\n").wrap, (std::array{TextureWrap::clamp, TextureWrap::clamp}));
   EXPECT_EQ(wood("map_Kd -clamp off oak.png\n").wrap[1], TextureWrap::repeat);
+}
+
+TEST_F(MeshLooks, OfAnObjFileAreThePlacesOfItsImages) {
+  folder_.write("oak.png", std::string(kPngBytes));
+  const auto wood = [&](const std::string& line) {
+    folder_.write("all.mtl", "newmtl red\nnewmtl wood\n" + line);
+    const MeshFile file = load("a.obj", kObj);
+    EXPECT_THAT(file.notes, IsEmpty());
+    return file.look.materials.at(1);
+  };
+  EXPECT_EQ(wood("map_Kd oak.png\n").image_scale, Eigen::Vector2f(1, 1));
+  EXPECT_EQ(wood("map_Kd oak.png\n").image_shift, Eigen::Vector2f(0, 0));
+  // The corner u 0.5, v 0.25 is (0.5, 0.75) downwards; u = 4 u + 0.125 and v = 2 v + 0.5 are 2.125 and 1, which is 0 downwards.
+  const LookMaterial tiled = wood("map_Kd -s 4 2 1 -o 0.125 0.5 0 oak.png\n");
+  const Eigen::Vector2f placed = Eigen::Vector2f(0.5F, 0.75F).cwiseProduct(tiled.image_scale) + tiled.image_shift;
+  EXPECT_EQ(placed, Eigen::Vector2f(2.125F, 0.0F));
+  EXPECT_TRUE(tiled.image);
+  EXPECT_EQ(wood("map_Kd -s 3 oak.png\n").image_scale, Eigen::Vector2f(3, 1)) << "what is left out stays";
+  EXPECT_EQ(wood("map_Kd -o 0.5 -s 3 2 oak.png\n").image_scale, Eigen::Vector2f(3, 2));
+  EXPECT_EQ(wood("map_Kd -s none oak.png\n").image_scale, Eigen::Vector2f(1, 1));
+}
+
+TEST_F(MeshLooks, TheColourBesideAnImageIsKeptForOneThatCannotBeDecoded) {
+  folder_.write("oak.png", std::string(kPngBytes));
+  for (const char* lines : {"Kd 0.25 0.5 1\nmap_Kd oak.png\n", "map_Kd oak.png\nKd 0.25 0.5 1\n"}) {
+    folder_.write("all.mtl", std::string("newmtl red\nnewmtl wood\n") + lines);
+    const LookMaterial wood = load("a.obj", kObj).look.materials.at(1);
+    EXPECT_FALSE(wood.colour);
+    EXPECT_EQ(wood.colour_no_image.value_or(Eigen::Vector3f::Zero()), Eigen::Vector3f(0.25F, 0.5F, 1.0F)) << lines;
+  }
+}
+
+TEST_F(MeshLooks, MaterialsThatNoLibraryHasAreNamed) {
+  folder_.write("all.mtl", "newmtl wood\nKd 1 1 1\n");
+  EXPECT_THAT(load("a.obj", kObj).notes, ElementsAre("material 'red' is in no material library that could be read: it has no colour"));
+  folder_.write("all.mtl", "newmtl Wood\nKd 1 1 1\n");
+  EXPECT_THAT(load("a.obj", kObj).notes,
+              ElementsAre("material 'red', as 2 in all, is in no material library that could be read: it has no colour"));
 }
 
 TEST(ReadMtl, FillsOnlyTheMaterialsThatTheMeshNames) {

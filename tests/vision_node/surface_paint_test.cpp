@@ -77,6 +77,20 @@ TEST(SurfacePaint, AnImageThatCannotBeReadLeavesTheObjectsColour) {
   const DetailLevel level = paint(mesh, lay_texture(mesh), {0});
   EXPECT_EQ(level.paints[0].tint, (std::array<std::uint8_t, 3>{51, 102, 153}));
   EXPECT_EQ(level.paints[0].layer, 0);
+  MeshLook look = lay_texture(mesh);
+  look.materials[0].colour_no_image = Eigen::Vector3f(1.0F, 0.0F, 1.0F);
+  EXPECT_EQ(paint(mesh, look, {0}).paints[0].tint, (std::array<std::uint8_t, 3>{255, 0, 255})) << "the file has a colour for that";
+  EXPECT_EQ(paint(mesh, look, {1}).paints[0].tint, (std::array<std::uint8_t, 3>{255, 255, 255}));
+}
+
+TEST(SurfacePaint, ShowsAnImageWhereItsMaterialPlacesIt) {
+  const TriangleMesh mesh = make_sheet(1);
+  MeshLook look = lay_texture(mesh);
+  look.materials[0].image_scale = {2.0F, 4.0F};
+  look.materials[0].image_shift = {0.5F, -1.0F};
+  const DetailLevel level = paint(mesh, look);
+  const Eigen::Vector2f corner = look.triangles[0].corners[2].texcoord;
+  EXPECT_EQ(level.paints[level.indices[2]].texcoord, Eigen::Vector2f(2.0F * corner.x() + 0.5F, 4.0F * corner.y() - 1.0F));
 }
 
 TEST(SurfacePaint, SaysHowATriangleIsSeenThrough) {
