@@ -13,7 +13,10 @@ namespace hapton {
 // "1 stroke", "2 strokes".
 std::string plural(std::size_t count, std::string_view noun);
 
-// "2 strokes, 1 measure, 300 carves".
+// "2 strokes, 1 measure".
+std::string describe_marks(const std::vector<Annotation>& entries);
+
+// The same with all else that a file has: "2 strokes, 1 measure, 1 object put down, 300 carves".
 std::string describe_entries(const Annotations& annotations);
 
 // The names of the objects, in their order.

@@ -424,7 +424,7 @@ std::string Annotator::describe() const {
   } else if (pen_.mode() != PenMode::draw) {
     add(pen_.mode() == PenMode::off ? "the pen is off" : "the pen measures");
   }
-  if (!entries.empty()) add(describe_entries(pen_.annotations()));
+  if (!entries.empty()) add(describe_marks(entries));
   const auto last =
       std::find_if(entries.rbegin(), entries.rend(), [](const Annotation& each) { return std::holds_alternative<Measure>(each); });
   if (last != entries.rend()) add("measured " + describe_length(compute_length_m(surfaces_.place(std::get<Measure>(*last)), X_SO_)));

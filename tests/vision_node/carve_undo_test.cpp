@@ -189,6 +189,20 @@ TEST_F(CarveUndoTest, WhatIsUndoneIsNotSaved) {
   EXPECT_NEAR(after[0].carves[0].from_m.y(), 0.002, 1e-9);
 }
 
+// As in a session that began without a file: they may be undone since.
+TEST_F(CarveUndoTest, TheCornerDoesNotCountCarvesOfTheFile) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  settle();
+  draw();
+  const std::string line = annotator->describe();
+  EXPECT_EQ(line, "1 stroke, 0 measures");
+  ASSERT_TRUE(annotator->finish());
+  open();
+  EXPECT_EQ(annotator->describe(), line);
+}
+
 // The file is not lost where haptics_node began without it.
 TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   ASSERT_TRUE(view);
