@@ -1,5 +1,6 @@
 #include "scene/screen_file.h"
 
+#include <algorithm>
 #include <array>
 
 #include "scene/file_bytes.h"
@@ -39,6 +40,15 @@ Result<ScreenRectangle> read_screen_table(const toml::table& table) {
 }
 
 }  // namespace
+
+Result<void> check_screen(const ScreenRectangle& screen) {
+  const double farthest_m = screen.X_WR.translation().cwiseAbs().maxCoeff();
+  if (std::max({screen.width_m, screen.height_m, farthest_m}) <= kMostScreenM) return {};
+  return fail(
+      "the picture would be {:.5g} x {:.5g} m, its centre up to {:.5g} m away along an axis, and {:.0f} m are the most: give the corners "
+      "in metres",
+      screen.width_m, screen.height_m, farthest_m, kMostScreenM);
+}
 
 std::string write_screen(const ScreenRectangle& screen) {
   const Vec3 p = screen.X_WR.translation();

@@ -11,6 +11,9 @@ namespace hapton {
 
 // A file with the pose and size of a screen (TOML, docs/formats.md): `hapton screen` writes it, `vision_node --screen` reads it.
 
+// Error: a screen larger or farther away than a file may have it, as corners in another unit than metres give; one line.
+Result<void> check_screen(const ScreenRectangle& screen);
+
 // As text: every number has all its digits.
 std::string write_screen(const ScreenRectangle& screen);
 

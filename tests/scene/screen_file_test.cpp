@@ -60,6 +60,20 @@ TEST(ScreenFile, WhatIsWrittenReadsBack) {
   }
 }
 
+TEST(ScreenFile, AScreenThatAFileMayNotHaveIsFoundBeforeItIsWritten) {
+  ScreenRectangle screen;
+  screen.width_m = 0.4;
+  screen.height_m = 0.3;
+  EXPECT_TRUE(check_screen(screen));
+  screen.X_WR = Eigen::Translation3d(0.0, -120.0, 0.0);
+  EXPECT_FALSE(check_screen(screen));
+  EXPECT_FALSE(parse_screen(write_screen(screen)));
+  screen.X_WR = Pose::Identity();
+  screen.height_m = 300.0;
+  EXPECT_FALSE(check_screen(screen));
+  EXPECT_FALSE(parse_screen(write_screen(screen)));
+}
+
 TEST(ScreenFile, ErrorsNameLineKeyAndAllowedValues) {
   EXPECT_EQ(screen_error(changed("0.52", "0")), "line 4: 'width_m' in the file is 0: it must be at least 0.02 and at most 100");
   EXPECT_EQ(screen_error(changed("0.29", "290")), "line 5: 'height_m' in the file is 290: it must be at least 0.02 and at most 100");

@@ -113,6 +113,7 @@ Result<void> measure_screen(const ScreenOptions& options) {
   if (!corners) return tl::unexpected(corners.error());
   const auto fit = fit_screen(*corners);
   if (!fit) return tl::unexpected(fit.error());
+  if (auto usable = check_screen(fit->screen); !usable) return usable;
   tell(describe_fit(*fit));
   if (auto written = write_file_atomically(options.out, write_screen(fit->screen)); !written) return written;
   tell(fmt::format("vision_node --screen {}", options.out.string()));

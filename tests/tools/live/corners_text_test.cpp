@@ -66,6 +66,10 @@ TEST(ScreenCommand, WrongCornersWriteNoFile) {
   EXPECT_NE(error_of("0.12,-0.075,0;-0.12,-0.075,0;-0.12,0.075,0;0.12,0.075,0").find("they go round the other way"), std::string::npos);
   EXPECT_NE(error_of("-0.12,-0.075,0;0.12,-0.075,0;0.12,0.075,0.03;-0.12,0.075,0").find("1 % is allowed; touch all corners again"),
             std::string::npos);
+  EXPECT_EQ(error_of("-120,-75,0;120,-75,0;120,75,0;-120,75,0"),
+            "hapton screen: the picture would be 240 x 150 m, its centre up to 0 m away along an axis, and 100 m are the most: give the "
+            "corners in metres\n")
+      << "they are in mm";
 }
 
 TEST(ScreenCommand, NoHubIsOneLine) {
