@@ -39,6 +39,7 @@ struct LookMaterial {
   std::optional<std::size_t> normals = {};  // of MeshLook::images: its normal map, with the image's texture coordinates
   float normal_scale = 1.0F;                // multiplies the slopes of these
   AlphaMode alpha_mode = AlphaMode::opaque;
+  bool is_double_sided = false;  // glTF: its triangles are drawn from behind, too
   float alpha = 1.0F;            // 0 to 1; multiplies those of the image and of the corner
   float alpha_cutoff = 0.5F;     // mask: what has less is not there; above 1, nothing is. Not negative
 };

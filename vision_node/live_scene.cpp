@@ -4,12 +4,15 @@
 
 #include "runtime/log.h"
 #include "vision_node/scene_framing.h"
+#include "vision_node/surface_backs.h"
 
 namespace hapton {
 
-std::vector<ShownObject> list_shown_objects(const Scene& scene) {
+std::vector<ShownObject> list_shown_objects(const Scene& scene, bool culls_open) {
   std::vector<ShownObject> objects;
-  for (const SceneObject& object : scene.objects) objects.push_back({object.mesh, Vec3(object.colour.data()), object.look});
+  for (const SceneObject& object : scene.objects) {
+    objects.push_back({object.mesh, Vec3(object.colour.data()), object.look, !culls_open && shows_backs(object)});
+  }
   return objects;
 }
 
@@ -34,7 +37,7 @@ std::unique_ptr<LiveScene::Change> LiveScene::follow(std::int64_t now_ns) {
   }
   auto next = follower_.take_due();
   if (!next) return nullptr;
-  if (const auto replaced = view_.replace_scene(list_shown_objects(*next), next->view.lights); !replaced) {
+  if (const auto replaced = view_.replace_scene(list_shown_objects(*next, options_.culls_open), next->view.lights); !replaced) {
     log_warning("{}: {}; the present picture stays", file_->path().string(), replaced.error().what);
     follower_.set_shown(parts_->scene.given_hash);
     return nullptr;

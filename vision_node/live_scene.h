@@ -61,8 +61,8 @@ struct LiveScene::Change {
   bool has_new_camera = false;  // [camera] of the file has changed: the view begins anew
 };
 
-// Objects with colours and textures, as the view takes them.
-std::vector<ShownObject> list_shown_objects(const Scene& scene);
+// Objects with colours and textures, as the view takes them. culls_open: none of them shows triangles seen from behind.
+std::vector<ShownObject> list_shown_objects(const Scene& scene, bool culls_open);
 
 // Sets what the options have of a scene: framing, lights, sphere and names.
 void describe_scene(const Scene& scene, VisionOptions& options);

@@ -10,7 +10,9 @@
 #include "vision_node/depth_cues.h"
 #include "vision_node/depth_order.h"
 #include "vision_node/detail_choice.h"
+#include "vision_node/drawn_side.h"
 #include "vision_node/flat_buffers.h"
+#include "vision_node/scene_colours.h"
 #include "vision_node/scene_lights.h"
 #include "vision_node/scene_shaders.h"
 #include "vision_node/surface_paint.h"
@@ -20,13 +22,6 @@
 namespace hapton {
 namespace {
 
-const Vec3 kLow(0.055, 0.07, 0.095);
-const Vec3 kHigh(0.30, 0.36, 0.44);
-const Vec3 kHaze(0.19, 0.23, 0.29);
-const Vec3 kEven(0.12, 0.15, 0.19);
-const Vec3 kGrid(0.20, 0.24, 0.30);
-const Vec3 kBox(0.34, 0.40, 0.48);
-const Vec3 kShadow(0.045, 0.05, 0.06);
 // Triangles of the preview of a large mesh, until its first level of detail is made.
 constexpr std::size_t kPreviewTriangles = 150'000;
 // A level with more triangles casts no shadow, since drawing one costs too much: a large mesh before its levels are made.
@@ -263,8 +258,8 @@ void ScenePainter::paint_background(const ScenePass& pass) const {
   glDisable(GL_BLEND);
   glDisable(GL_CULL_FACE);
   background_->use();
-  background_->set("low", pass.is_even ? kEven : kLow);
-  background_->set("high", pass.is_even ? kEven : kHigh);
+  background_->set("low", pass.is_even ? kSceneEven : kSceneLow);
+  background_->set("high", pass.is_even ? kSceneEven : kSceneHigh);
   glBindVertexArray(empty_vertices_);
   glDrawArrays(GL_TRIANGLES, 0, 3);
   if (pass.depth_cues) paint_lines(pass);
@@ -297,9 +292,9 @@ void ScenePainter::paint_lines(const ScenePass& pass) const {
   single_->set("to_clip", Mat4(compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye)));
   glBindVertexArray(line_vertices_);
   glLineWidth(1.0F);
-  single_->set("colour", kGrid);
+  single_->set("colour", kSceneGrid);
   glDrawArrays(GL_LINES, 0, grid_corners_);
-  single_->set("colour", kBox);
+  single_->set("colour", kSceneBox);
   // Except the three edges at the corner nearest to the viewer, in front of the scene.
   const auto edges = make_workspace_box();
   const Vec3 nearest = find_nearest_corner(compute_eye_position(pass.screen, Eye::centre));
@@ -323,7 +318,7 @@ void ScenePainter::paint_shadow(const ScenePass& pass) {
   const Mat4 to_ground = raise * compute_shadow_matrix(shadow_light()) * pass.X_WS.matrix();
   const Mat4 to_clip = compute_projection_matrix(pass.screen, pass.eye) * compute_view_matrix(pass.screen, pass.eye) * to_ground;
   single_->use();
-  single_->set("colour", kShadow);
+  single_->set("colour", kSceneShadow);
   for (const auto& object : objects_) {
     const std::size_t coarsest = object->facts.size() - 1;
     const FlatLevel& level = object->level(coarsest);
@@ -343,15 +338,13 @@ void ScenePainter::begin_objects(const ScenePass& pass) const {
   glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
   glFrontFace(GL_CCW);
-  glCullFace(GL_BACK);
-  pass.cull ? glEnable(GL_CULL_FACE) : glDisable(GL_CULL_FACE);
   // From the picture's centre to the far end of the scene, in eyes' distances; beyond every depth without haze.
   const bool is_hazy = pass.depth_cues && !pass.plain;
   for (const GlProgram* program : {finished_.get(), painted_.get(), shaded_.get()}) {
     program->use();
     set_lights(*program, lights_, pass.screen, pass.eye);
     program->set("plain", pass.plain ? 1 : 0);
-    program->set("haze", kHaze);
+    program->set("haze", kSceneHaze);
     program->set("haze_from", is_hazy ? 1.0 - 0.1 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 1e6);
     program->set("haze_to", is_hazy ? 1.0 + 1.0 * (pass.screen.far_m / pass.screen.distance_m - 1.0) : 2e6);
   }
@@ -415,13 +408,21 @@ std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, co
   const Mat4 X_EU = compute_view_matrix(pass.screen, pass.eye) * X_WU;
   const Mat4 clip = compute_projection_matrix(pass.screen, pass.eye) * X_EU;
   const Vec3 p_UE = (X_WU.inverse() * compute_eye_position(pass.screen, pass.eye).homogeneous()).head<3>();
-  gather(object, object.level(level), part, clip, p_UE, pass.cull);
-  if (visible_.empty()) return 0;
   // In eyes' distances, so that a scene of any size is in the range of single precision.
   Mat4 to_eye = X_EU;
   to_eye.topRows<3>() /= pass.screen.distance_m;
-  paint_visible(object, object.vertices(level), clip, to_eye);
-  return visible_.size() / 3;
+  const bool shows_backs = !pass.cull || object.shown.shows_backs;
+  const bool culls = !shows_backs || part.stage == PaintStage::solid;  // then first fronts, then backs
+  std::size_t sent = 0;
+  for (const bool backs : {false, true}) {
+    if (backs && !(shows_backs && culls)) break;
+    set_drawn_side(culls, backs);
+    gather(object, object.level(level), part, clip, p_UE, culls && !backs);
+    if (!visible_.empty()) paint_visible(object, object.vertices(level), clip, to_eye);
+    sent += visible_.size() / 3;
+  }
+  set_drawn_side(false, false);
+  return sent;
 }
 
 void ScenePainter::paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const {

@@ -19,6 +19,7 @@ struct ShownObject {
   std::shared_ptr<const TriangleMesh> mesh;
   Vec3 colour = {0.7, 0.7, 0.72};
   std::shared_ptr<const MeshLook> look = {};  // instead of the colour; null: none
+  bool shows_backs = false;                   // its triangles are drawn from behind, too, in a pass that culls
 };
 
 // One eye's picture of the scene, and its drawing options.
@@ -27,7 +28,7 @@ struct ScenePass {
   StereoScreen screen;
   PictureSize size;
   Pose X_WS = Pose::Identity();
-  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
+  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1), except of objects that show them
   bool plain = false;      // one dark colour behind, no light
   bool depth_cues = true;  // ground, shadow, workspace, haze; none where plain
   bool is_even = false;    // one colour behind, also where the picture turns with the viewer's head

@@ -34,7 +34,7 @@ struct ViewSettings {
   int width_px = 1280;
   int height_px = 720;
   int msaa = 0;            // samples a pixel; 0: none. Slow in software rendering
-  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1)
+  bool cull = true;        // leave out triangles seen from behind (memo 4.2.1), except of objects that show them
   bool offscreen = false;  // do not map a window; an X display is still needed
   bool plain = false;      // a dark background, no light, no HUD: for tests that measure pixels
   bool depth_cues = true;  // ground, shadow, workspace, haze and scale bar; none with plain

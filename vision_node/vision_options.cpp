@@ -254,7 +254,10 @@ void add_drawing_options(CLI::App& app, VisionOptions& options, VisionWords& wor
   app.add_option("--frames-per-second-limit", options.rate_limit_hz, "Maximum frames a second, 0: no limit (default: 60, in software 30)")
       ->check(between(0.0, 10000.0));
   app.add_option("--msaa", options.view.msaa, "Samples per pixel; slow in software")->check(between(0, 16))->capture_default_str();
-  app.add_flag("--no-cull", words.no_cull, "Draw triangles seen from behind as well");
+  app.add_flag("--no-cull", words.no_cull, "Draw triangles seen from behind of closed surfaces as well");
+  app.add_flag("--cull-open", options.culls_open,
+               "Leave out triangles seen from behind of open surfaces as well, though they can be felt: faster")
+      ->excludes("--no-cull");
   app.add_flag("--no-keys-help", words.no_help, "Do not show the help on keys (k shows it)");
   app.add_flag("--plots", options.plots, "Plot the force, and the age of the drawn state, over the last 5 s (c switches the plots)");
   app.add_option("--teach", words.teach,

@@ -38,6 +38,7 @@ struct VisionOptions {
   ToolChoice tool;
   AnnotatorOptions annotations;
   ViewSettings view;
+  bool culls_open = false;  // open surfaces show no triangles seen from behind either
   Vec3 dials_degrees = Vec3::Zero();
   std::vector<ObjectName> names;  // of the scene's objects
   Vec3 p_SO = Vec3::Zero();       // a sphere around the scene that was opened

@@ -29,7 +29,7 @@ Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions&
   if (const std::string_view flag = find_view_flag(options); scene.view.camera && !flag.empty()) {
     log_info("the scene's [camera] does not apply, because {} says from where it is seen", flag);
   }
-  auto view = StereoView::open(options.view, list_shown_objects(scene));
+  auto view = StereoView::open(options.view, list_shown_objects(scene, options.culls_open));
   if (!view) return view;
   const std::string renderer = (*view)->renderer_name();
   options.rate_limit_hz = choose_rate_limit(options, renderer);

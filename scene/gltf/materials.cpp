@@ -168,6 +168,7 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
     const Json& surface = member(materials[m], "pbrMetallicRoughness");
     LookMaterial material{.name = text_of(member(materials[m], "name"))};
     read_alpha(materials[m], fmt::format("materials[{}]", m), material, raw);
+    material.is_double_sided = member(materials[m], "doubleSided") == true;
     const Json& factor = member(surface, "baseColorFactor");
     if (const auto rgba = numbers_of<4>(factor, where); !factor.is_null() && rgba) {
       material.colour = Eigen::Vector3f(to_srgb((*rgba)[0]), to_srgb((*rgba)[1]), to_srgb((*rgba)[2]));

@@ -226,6 +226,9 @@ TEST_F(MeshLooks, OfAGlbFileAreAlphaModeAndCutoff) {
   EXPECT_EQ(mask.alpha, 1.0F);
   EXPECT_EQ(mask.alpha_cutoff, 0.5F);
   EXPECT_EQ(material(R"({"alphaMode":"MASK","alphaCutoff":0.75})").alpha_cutoff, 0.75F);
+  EXPECT_FALSE(material(R"({"alphaMode":"MASK"})").is_double_sided);
+  EXPECT_TRUE(material(R"({"alphaMode":"MASK","doubleSided":true})").is_double_sided);
+  EXPECT_FALSE(material(R"({"alphaMode":"MASK","doubleSided":"true"})").is_double_sided);
   EXPECT_GT(material(R"({"alphaMode":"MASK","alphaCutoff":1e300})").alpha_cutoff, 1.0F);
   EXPECT_TRUE(load("a.glb", textured_glb(R"({"alphaMode":"BLEND"})")).look.says_anything());
 }

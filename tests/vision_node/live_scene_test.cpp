@@ -31,7 +31,7 @@ struct LiveSceneTest : testing::Test {
     auto scene = load_scene(file, options.loading);
     EXPECT_TRUE(scene) << scene.error().what;
     describe_scene(*scene, options);
-    view = open_or_fail(options.view, list_shown_objects(*scene));
+    view = open_or_fail(options.view, list_shown_objects(*scene, false));
     if (view == nullptr) return;
     live.emplace(*view, options, std::move(*scene));
     live->watch(&*reload);

@@ -24,6 +24,7 @@ TEST(VisionOptions, DefaultsAreTheDocumentedOnes) {
   EXPECT_EQ(options.view.height_px, 720);
   EXPECT_EQ(options.view.msaa, 0);
   EXPECT_TRUE(options.view.cull);
+  EXPECT_FALSE(options.culls_open);
   EXPECT_FALSE(options.has_space_knobs);
   EXPECT_FALSE(options.plots);
   EXPECT_TRUE(std::get<VisionOptions>(parse({"--plots"})).plots);
@@ -47,6 +48,8 @@ TEST(VisionOptions, FlagsArrive) {
   EXPECT_EQ(options.hub, "box:5000");
   EXPECT_TRUE(options.has_space_knobs);
   EXPECT_EQ(std::get<VisionOptions>(parse({"--unit", "mm"})).loading.unit, Unit::mm);
+  EXPECT_TRUE(std::get<VisionOptions>(parse({"--cull-open"})).culls_open);
+  EXPECT_EQ(std::get<int>(parse({"--cull-open", "--no-cull"})), 2) << "they contradict each other";
 }
 
 TEST(VisionOptions, PicturesOfAVideoAreOfARecording) {

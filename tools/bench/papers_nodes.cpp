@@ -20,7 +20,7 @@ constexpr double kDrawSeconds = 300.0;  // for software rendering on a slow mach
 Result<double> draw_frames(const PapersNodesSettings& settings, bool culls, LocalVision& vision, std::string& line) {
   std::vector<std::string> arguments = {"--scene",      settings.scene.string(), "--stereo",
                                         "side_by_side", "--bench-frames",        fmt::format("{}", settings.frames)};
-  if (!culls) arguments.emplace_back("--no-cull");
+  arguments.emplace_back(culls ? "--cull-open" : "--no-cull");
   const auto folder = settings.out / (culls ? "stereo_culled" : "stereo_unculled");
   std::error_code error;
   std::filesystem::create_directories(folder, error);
@@ -40,7 +40,7 @@ void measure_stereo(const PapersNodesSettings& settings, LocalVision& vision, Pa
     const auto rate = draw_frames(settings, culls, vision, line);
     if (rate) row.ours = *rate;
     row.how =
-        rate ? fmt::format("vision_node {}; {}", culls ? "as it comes" : "--no-cull", line) : "could not be measured: " + rate.error().what;
+        rate ? fmt::format("vision_node {}; {}", culls ? "--cull-open" : "--no-cull", line) : "could not be measured: " + rate.error().what;
   }
 }
 
