@@ -88,57 +88,72 @@ TEST(DeformingPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
   }
 }
 
-// Its parts come while the hand presses on it: where contact was, and when, is known from the replies.
+// The largest difference to the whole scene's force, where the parts come age_s after that step, with the hand pressed in before.
+double find_worst_after(double friction, int begin, double age_s) {
+  const TouchScene scene = cushion_on_floor(friction);
+  ChainStage stage(scene);
+  const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
+  const Vec3 still(0.003, 0.002, 0.003);
+  TouchInput input{.p_WD = Vec3(0.003, 0.002, 0.01)};
+  whole->reset(input);
+  TouchOutput felt;
+  for (int n = 0; n <= begin; ++n) {
+    input.time_s = 1e-3 * n;
+    input.p_WD = Vec3(0.003, 0.002, 0.01) + std::min(1.0, n / 100.0) * Vec3(0, 0, still.z() - 0.01);
+    felt = whole->step(input);
+  }
+  EXPECT_TRUE(felt.contact);
+  const double begin_s = 1e-3 * begin;
+  stage.skip_to(begin_s);
+  stage.chain().start_at(still + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, begin_s);
+  double worst_n = 0.0;
+  for (int n = 1; n <= 500; ++n) {
+    const double time_s = begin_s + 1e-3 * n;
+    const bool has_parts = 1e-3 * n > age_s;
+    const ChainStage::Felt both = stage.step(still, Pose::Identity(), has_parts);
+    input.time_s = time_s;
+    felt = whole->step(input);
+    if (!has_parts) continue;
+    EXPECT_TRUE(both.patch.has_value()) << n;
+    if (both.patch) worst_n = std::max(worst_n, (both.patch->force_n - felt.force_n).norm());
+  }
+  return worst_n;
+}
+
+// Its parts come while the hand presses on it: where contact was, and when, is known from the replies. It sinks at 0.3 s and rises at 0.45
+// s.
 TEST(DeformingPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
   for (const double friction : {0.0, 0.3}) {
-    for (const double age_s : {0.0, 0.02, 0.15}) {
-      const TouchScene scene = cushion_on_floor(friction);
-      ChainStage stage(scene);
-      const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
-      const Vec3 still(0.003, 0.002, 0.003);
-      TouchInput input{.p_WD = Vec3(0.003, 0.002, 0.01)};
-      whole->reset(input);
-      TouchOutput felt;
-      for (int n = 0; n <= 300; ++n) {
-        input.time_s = 1e-3 * n;
-        input.p_WD = Vec3(0.003, 0.002, 0.01) + std::min(1.0, n / 100.0) * Vec3(0, 0, still.z() - 0.01);
-        felt = whole->step(input);
+    for (const int begin : {300, 450}) {
+      for (const double age_s : {0.0, 0.02, 0.15}) {
+        // What friction held before the parts came is not known.
+        EXPECT_LT(find_worst_after(friction, begin, age_s), friction == 0.0 ? 1e-9 : 0.3) << friction << " " << begin << " " << age_s;
       }
-      ASSERT_TRUE(felt.contact);
-      // The chain has followed the hand without parts since; then they are there.
-      PatchChain& chain = stage.chain();
-      stage.skip_to(0.3);
-      chain.start_at(still + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, 0.3);
-      double worst_n = 0.0;
-      for (int n = 1; n <= 500; ++n) {
-        const double time_s = 0.3 + 1e-3 * n;
-        const bool has_parts = time_s > 0.3 + age_s;
-        const ChainStage::Felt both = stage.step(still, Pose::Identity(), has_parts);
-        input.time_s = time_s;
-        felt = whole->step(input);
-        if (!has_parts) continue;
-        ASSERT_TRUE(both.patch.has_value()) << n;
-        worst_n = std::max(worst_n, (both.patch->force_n - felt.force_n).norm());
-      }
-      // What friction held before the parts came is not known.
-      EXPECT_LT(worst_n, friction == 0.0 ? 1e-9 : 0.2) << friction << " " << age_s;
     }
   }
 }
 
+// With so many keys that they take several messages, and another body that moves beside it, whose tiles follow.
+TouchScene busy_cushion() {
+  TouchScene scene = cushion_on_floor();
+  std::vector<MorphKey> keys;
+  for (int n = 0; n <= 100; ++n) keys.push_back({0.05 * n, {n % 2 == 0 ? 0.0 : 1.0, 0.01 * (n % 7)}});
+  scene.objects[1].deformation = std::make_shared<const MeshDeformation>(scene.objects[1].deformation->targets(), std::move(keys), false);
+  scene.objects.push_back({made::shared(made::box(Vec3(0.03, 0, 0.001), Vec3(0.04, 0.01, 0.01))), Material()});
+  scene.objects.back().command_pivot = Vec3(0.035, 0.005, 0.005);
+  return on_patch_grid(scene);
+}
+
 TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
-  const TiledScene tiled = make_tiles(cushion_on_floor());
-  std::vector<Message> parts = parts_of(tiled);
+  std::vector<Message> parts = parts_of(make_tiles(busy_cushion()));
   std::mt19937_64 random(58);
   std::shuffle(parts.begin(), parts.end(), random);
-  const auto is_of_cushion = [&](const Message& part) {
+  const auto is_of_cushion = [](const Message& part) {
     if (const auto* tile = std::get_if<PatchTile>(&part)) return tile->object == 1;
     return std::holds_alternative<PatchDeformation>(part) || std::holds_alternative<PatchDisplacements>(part);
   };
   const Vec3 above(0.0, 0.0, 0.02);
   PatchStore store;
-  std::size_t missing = static_cast<std::size_t>(std::count_if(parts.begin(), parts.end(), is_of_cushion));
-  ASSERT_GT(missing, 30U);
   std::vector<Message> of_cushion;
   for (const Message& part : parts) {
     if (is_of_cushion(part)) {
@@ -147,22 +162,65 @@ TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
       (void)store.accept(part);
     }
   }
+  ASSERT_GT(of_cushion.size(), 30U);
+  ASSERT_GT(
+      std::count_if(of_cushion.begin(), of_cushion.end(), [](const Message& m) { return std::holds_alternative<PatchDeformation>(m); }), 2);
   for (const Message& part : of_cushion) {
     // No shape is nearer than its highest one.
     const double known_m = store.known_radius(above, 1);
     EXPECT_GT(known_m, 0.0125);
     EXPECT_LT(known_m, 0.0142);
     EXPECT_TRUE(store.make_piece(above, 1.0, 100, 1).scene.objects.empty());
-    (void)store.accept(part);
+    for (int repeat = 0; repeat < 3; ++repeat) (void)store.accept(part);
   }
   EXPECT_TRUE(std::isinf(store.known_radius(above, 1)));
+  (void)store.accept(Message(PatchMaterial{.epoch = 1, .serial = 5000, .object = 1, .stiffness_n_per_m = 321.0}));
   const PatchStore::Piece piece = store.make_piece(above, 1.0, 1, 1);
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   const TouchObject& whole = piece.scene.objects.front();
   EXPECT_EQ(whole.mesh->triangles.size(), 2U * 24 * 24);
+  EXPECT_EQ(whole.material.stiffness_n_per_m, 321.0);
   ASSERT_TRUE(whole.deformation);
+  EXPECT_EQ(whole.deformation->keys().size(), 101U);
   EXPECT_EQ(store.counts().rejected, 0U);
   EXPECT_EQ(piece.objects, std::vector<int>{1});
+}
+
+// Whatever comes last; and again in the next epoch.
+TEST(DeformingPatch, IsKnownInWhateverOrderItsPartsCome) {
+  const TiledScene tiled = make_tiles(busy_cushion());
+  PatchStore store;
+  std::uint32_t epoch = 0;
+  const auto expect_known_with_last = [&](auto&& is_last) {
+    std::vector<Message> parts = parts_of(tiled, ++epoch);
+    std::stable_partition(parts.begin(), parts.end(), [&](const Message& part) { return !is_last(part); });
+    for (const Message& part : parts) (void)store.accept(part);
+    EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_deformation()) << epoch;
+  };
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBegin>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBody>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchTile>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchDeformation>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchDisplacements>(part); });
+}
+
+TEST(DeformingPatch, SeveralObjectsThatDeformAreEachSentWhole) {
+  TouchScene scene = cushion_on_floor();
+  TouchObject other = cushion();
+  TriangleMesh mesh = *other.mesh;
+  for (Vec3& vertex : mesh.vertices) vertex += Vec3(0, 0, 0.02);
+  other.mesh = made::shared(std::move(mesh));
+  scene.objects.push_back(std::move(other));
+  PatchStore store;
+  for (const Message& part : parts_of(make_tiles(on_patch_grid(scene)))) (void)store.accept(part);
+  for (const std::uint32_t body : {1U, 2U}) {
+    const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), 1.0, 1, body);
+    ASSERT_TRUE(piece.scene.has_deformation()) << body;
+    EXPECT_EQ(piece.objects, std::vector<int>{static_cast<int>(body)});
+    const MeshDeformation& deformation = *piece.scene.objects.front().deformation;
+    const MeshDeformation& own = *scene.objects[body].deformation;
+    EXPECT_EQ(deformation.moved().size(), own.moved().size());
+  }
 }
 
 // Every vertex of the joined mesh is at all times where that of the scene is which has its place at rest.
@@ -190,6 +248,23 @@ TEST(DeformingPatch, ASceneThatComesApartOrIsNotWalkableIsNotSent) {
   EXPECT_TRUE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.0));
   EXPECT_FALSE(can_feel_what_deforms(make_tiles(cushion_on_floor()), 0.001)) << "a ball cannot feel what deforms";
   EXPECT_FALSE(make_tiles(cushion_on_floor()).has_parting);
+
+  // Vertices at one place that move alike are one.
+  TouchScene doubled = cushion_on_floor();
+  TriangleMesh seam = *doubled.objects[1].mesh;
+  const MeshDeformation& own = *doubled.objects[1].deformation;
+  std::vector<MorphTarget> targets = own.targets();
+  const std::uint32_t moved = targets[0].vertices[0];
+  seam.vertices.push_back(seam.vertices[moved]);
+  for (MorphTarget& target : targets) {
+    const auto at = std::find(target.vertices.begin(), target.vertices.end(), moved);
+    if (at == target.vertices.end()) continue;
+    target.displacements.push_back(target.displacements[static_cast<std::size_t>(at - target.vertices.begin())]);
+    target.vertices.push_back(static_cast<std::uint32_t>(seam.vertices.size() - 1));
+  }
+  doubled.objects[1].deformation = std::make_shared<const MeshDeformation>(std::move(targets), own.keys(), own.loops());
+  doubled.objects[1].mesh = made::shared(std::move(seam));
+  EXPECT_FALSE(make_tiles(doubled).has_parting);
 
   // Two sheets that share an edge at rest only.
   TouchScene parting;
