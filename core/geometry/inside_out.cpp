@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <vector>
+
+#include "core/geometry/disjoint_sets.h"
 
 namespace hapton {
 namespace {
@@ -28,21 +29,20 @@ std::uint64_t scatter(std::uint32_t low, std::uint32_t high) {
   return z ^ z >> 31;
 }
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
+bool is_closed(const Body& body) {
+  return body.boundary == 0 && std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3);
 }
 
-// By the vertex that represents the piece; vertices that represent none have no triangles.
+// All pieces.
 std::vector<Body> find_bodies(const TriangleMesh& mesh) {
-  std::vector<std::uint32_t> parent(mesh.vertices.size());
-  std::iota(parent.begin(), parent.end(), 0U);
+  DisjointSets pieces(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    for (const int k : {1, 2}) parent[root_of(parent, t[0])] = root_of(parent, t[static_cast<std::size_t>(k)]);
+    for (const std::size_t k : {1U, 2U}) pieces.join(t[0], t[k]);
   }
+  // By the vertex that represents the piece; vertices that represent none have no triangles.
   std::vector<Body> bodies(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    Body& body = bodies[root_of(parent, t[0])];
+    Body& body = bodies[pieces.root(t[0])];
     ++body.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
@@ -52,14 +52,12 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
   }
   // Relative to a point of the body, so that a small one far away keeps its digits.
   for (const Triangle& t : mesh.triangles) {
-    Body& body = bodies[root_of(parent, t[0])];
+    Body& body = bodies[pieces.root(t[0])];
     const Vec3 centre = body.box.center();
     const Vec3 a = mesh.vertices[t[0]] - centre;
     body.volume += a.dot((mesh.vertices[t[1]] - centre).cross(mesh.vertices[t[2]] - centre)) / 6.0;
   }
-  std::erase_if(bodies, [](const Body& body) {
-    return body.triangles == 0 || body.boundary != 0 || !(std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3));
-  });
+  std::erase_if(bodies, [](const Body& body) { return body.triangles == 0; });
   return bodies;
 }
 
@@ -67,9 +65,10 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
 
 ClosedBodies count_closed_bodies(const TriangleMesh& mesh) {
   std::vector<Body> bodies = find_bodies(mesh);
+  const std::size_t others = std::erase_if(bodies, [](const Body& body) { return !is_closed(body); });
   // The largest first, so that containers come before their contents.
   std::sort(bodies.begin(), bodies.end(), [](const Body& a, const Body& b) { return a.box.volume() > b.box.volume(); });
-  ClosedBodies result{.count = bodies.size()};
+  ClosedBodies result{.count = bodies.size(), .others = others};
   for (auto body = bodies.begin(); body != bodies.end(); ++body) {
     if (body->volume > 0.0) continue;
     const bool is_cavity =

@@ -9,6 +9,7 @@ namespace hapton {
 // Closed bodies of a mesh: pieces that share no vertex, in which each edge is traversed equally often in both directions.
 struct ClosedBodies {
   std::size_t count = 0;
+  std::size_t others = 0;             // pieces that are open, or without volume
   std::size_t inside_out = 0;         // with the fronts inside; a cavity, inside the box of a body with its front outside, does not count
   Vec3 inside_out_at = Vec3::Zero();  // middle of the box of the largest of those; the mesh's frame. Zero: there is none
 };

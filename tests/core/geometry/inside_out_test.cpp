@@ -32,6 +32,20 @@ void expect(const TriangleMesh& mesh, std::size_t count, std::size_t inside_out)
   }
 }
 
+TEST(InsideOut, CountsThePiecesThatAreNoClosedBody) {
+  TriangleMesh open = make_icosphere(1.0, 1);
+  open.triangles.pop_back();
+  const TriangleMesh ball = moved(make_icosphere(1.0, 1), 1.0, Vec3(5, 0, 0));
+  EXPECT_EQ(count_closed_bodies(ball).others, 0U);
+  EXPECT_EQ(count_closed_bodies(open).others, 1U);
+  const ClosedBodies both = count_closed_bodies(put_beside(ball, open));
+  EXPECT_EQ(both.count, 1U);
+  EXPECT_EQ(both.others, 1U);
+  TriangleMesh lonely = ball;
+  lonely.vertices.emplace_back(9, 9, 9);
+  EXPECT_EQ(count_closed_bodies(lonely).others, 0U) << "a vertex without triangles is no piece";
+}
+
 TEST(InsideOut, DistinguishesAClosedBodyFromAFlippedOne) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
   expect(ball, 1, 0);
