@@ -193,18 +193,23 @@ TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
 }
 
-// The same from parts of the scene beside the device: the piston pushes, and the recording has the forces of the haptics node, 20 a second.
-TEST(MovingObjects, PushAHandThatFeelsThemFromPatches) {
-  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.068,0.05,0\n0.5,-0.068,0.033,0\n600,-0.068,0.033,0\n", "machine.toml",
-               {"--touch", "patch"});
+// From parts of the scene beside the device, after so many forces; the recording has those of the haptics node, 20 a second.
+void expect_pushed_from_patches(LedHand& hand, std::int64_t forces) {
   EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
-  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 2000; })) << hand.haptics.err();
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > forces; })) << hand.haptics.err();
   EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
   EXPECT_EQ(hand.haptics.err().find("this node computes the forces"), std::string::npos) << hand.haptics.err();
   hand.end();
   const Ended replayed = hand.replay();
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+}
+
+// The same from parts of the scene beside the device: the piston pushes.
+TEST(MovingObjects, PushAHandThatFeelsThemFromPatches) {
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.068,0.05,0\n0.5,-0.068,0.033,0\n600,-0.068,0.033,0\n", "machine.toml",
+               {"--touch", "patch"});
+  expect_pushed_from_patches(hand, 2000);
 }
 
 // A block that heaves, without the bumps of the fish of scenes/deforming.toml, which keep the force remote.
@@ -217,14 +222,7 @@ TEST(DeformingObjects, PushAHandThatFeelsThemFromPatches) {
                           "keys = [[0.0, 0.0], [0.8, 1.0], [1.6, 0.0]]\n";
   LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,-0.045,0.06,-0.005\n0.5,-0.045,0.025,-0.005\n600,-0.045,0.025,-0.005\n", scene,
                {"--touch", "patch"});
-  EXPECT_TRUE(System::wait_until([&] { return hand.io.out().find("hub on ") != std::string::npos; }));
-  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 3000; })) << hand.haptics.err();
-  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
-  EXPECT_EQ(hand.haptics.err().find("this node computes the forces"), std::string::npos) << hand.haptics.err();
-  hand.end();
-  const Ended replayed = hand.replay();
-  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
-  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+  expect_pushed_from_patches(hand, 3000);
 }
 
 // A program lifts the platform under a hand that feels it from patches, and softens it meanwhile.
