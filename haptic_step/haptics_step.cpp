@@ -31,7 +31,7 @@ std::optional<Vec3> find_own_start(const std::optional<Vec3>& p_WP, const Vec3& 
 
 HapticsStep::HapticsStep(std::unique_ptr<TouchStep> touch, double offset_m) : touch_(std::move(touch)), offset_m_(offset_m) {}
 
-void HapticsStep::hold(HeldTool* tool, std::vector<ToolPart> parts) {
+void HapticsStep::hold(StylusTool* tool, std::vector<ToolPart> parts) {
   tool_ = tool;
   set_parts(std::move(parts));
 }
@@ -313,7 +313,7 @@ void HapticsStep::remember_reply() noexcept {
 
 Vec3 HapticsStep::p_STouching() const noexcept {
   const bool is_made_of_a_mesh = tool_ != nullptr && grasp_ == nullptr;
-  const Vec3 p_W = is_made_of_a_mesh ? Vec3(input_.p_WD + input_.q_WT * tool_->tool().vertex_m()) : input_.p_WD;
+  const Vec3 p_W = is_made_of_a_mesh ? Vec3(input_.p_WD + input_.q_WT * tool_->vertex_m()) : input_.p_WD;
   return input_.X_WS.inverse(Eigen::Isometry) * p_W;
 }
 

@@ -9,7 +9,7 @@
 #include "core/force/force_fade.h"
 #include "core/force/streamed_method.h"
 #include "core/force/touch_step.h"
-#include "core/tool/held_tool.h"
+#include "core/tool/stylus_tool.h"
 #include "haptic_step/grasp.h"
 #include "link/messages.h"
 #include "plugin/plugin_effects.h"
@@ -44,7 +44,7 @@ class HapticsStep {
 
   // Before the first reply: the stylus holds a rigid tool, which is felt in place of the method's probe. parts: of the scene that move, as
   // the tool was made for. Pre: outlives this.
-  void hold(HeldTool* tool, std::vector<ToolPart> parts = {});
+  void hold(StylusTool* tool, std::vector<ToolPart> parts = {});
   bool holds_tool() const noexcept { return tool_ != nullptr; }
   // Before the first reply: what picks up movable objects with the stylus. parts: of the scene that move; each of its tools is made for
   // these. Pre: outlives this.
@@ -150,7 +150,7 @@ class HapticsStep {
   TouchInput make_start() noexcept;
 
   std::unique_ptr<TouchStep> touch_;
-  HeldTool* tool_ = nullptr;
+  StylusTool* tool_ = nullptr;
   std::vector<ToolPart> tool_parts_;
   std::vector<Pose> X_SO_;  // of these
   Grasp* grasp_ = nullptr;

@@ -88,9 +88,10 @@ Result<MethodSettings> parse_method_text(std::string_view text) {
   return settings;
 }
 
-std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles) {
-  return fmt::format("{} stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles={}", kToolName, coupling.stiffness_n_per_m,
-                     coupling.rotational_stiffness_nm_per_rad, tool_triangles);
+std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles, double voxel_m) {
+  return fmt::format("{} stiffness_n_per_m={} rotational_stiffness_nm_per_rad={} tool_triangles={}{}", kToolName,
+                     coupling.stiffness_n_per_m, coupling.rotational_stiffness_nm_per_rad, tool_triangles,
+                     voxel_m > 0.0 ? fmt::format(" voxel_m={}", voxel_m) : "");
 }
 
 std::optional<ToolCoupling> parse_tool_text(std::string_view text) {

@@ -17,8 +17,8 @@ std::string to_text(const MethodSettings& settings);
 // Error: a key that to_text does not write, a malformed value.
 Result<MethodSettings> parse_method_text(std::string_view text);
 
-// The same of a rigid tool, which takes the place of a method: "name=tool stiffness_n_per_m=800 ...".
-std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles);
+// The same of a rigid tool, which takes the place of a method: "name=tool stiffness_n_per_m=800 ...". voxel_m: 0: no voxels.
+std::string to_text(const ToolCoupling& coupling, std::size_t tool_triangles, double voxel_m = 0.0);
 
 // None: a method, or not written by to_text.
 std::optional<ToolCoupling> parse_tool_text(std::string_view text);

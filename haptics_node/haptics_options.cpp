@@ -134,6 +134,11 @@ void add_tool_options(CLI::App& app, HapticsOptions& options, HapticsWords& word
                  "Threads that share a tool's search for contacts, in addition to the force's thread; the pose is the same with any number")
       ->check(between(1, WorkerTeam::kMaxWorkers))
       ->capture_default_str();
+  app.add_option("--tool-voxels", options.tool_voxel_m,
+                 "Compute the rigid tool's force with voxels of that side, m, and a shell of points instead (McNeely et al. 1999), for "
+                 "comparison; 0: off")
+      ->check(between(0.0, 1.0))
+      ->capture_default_str();
   app.add_option("--grasp-button", options.grasp_button,
                  "Button of the stylus that picks up an object that the scene marks movable, and puts it down when released (docs/tool.md)")
       ->check(between(1, 32))

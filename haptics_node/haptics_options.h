@@ -36,6 +36,7 @@ struct HapticsOptions {
   ToolChoice tool;
   int tool_threads = 1;               // that share the search for contacts
   double tool_nm_per_rad = 0.0;       // rotational stiffness; 0: derived from its size
+  double tool_voxel_m = 0.0;          // voxels of that side compute its force; 0: the proxy does
   std::filesystem::path annotations;  // of vision_node: where movable objects lie at the start; empty: none
   int grasp_button = 1;               // of the stylus, from 1: picks up movable objects
   RealtimeSettings realtime;

@@ -196,7 +196,7 @@ int run(const HapticsOptions& options) {
                        [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
   if (!scene->tool) log_method(**method);  // nobody touches with it otherwise
-  auto tool = make_held_tool(options, *scene);
+  const auto tool = make_live_tool(options, *scene);
   if (!tool) return give_up(tool.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
@@ -212,15 +212,15 @@ int run(const HapticsOptions& options) {
   MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method(), make);
   HapticsSetup setup = make_haptics_setup(start->path, options.loading, hash_scene(scene->touch_scene()), settings);
   std::optional<ToolTask> tool_task;
-  if (*tool != nullptr) {
-    step.hold(tool->get(), make_tool_obstacles(scene->touch_scene()).parts);
-    setup.method = describe_tool(**tool);
-    tool_task.emplace(**tool);
+  if (*tool) {
+    step.hold(tool->felt.get(), make_tool_obstacles(scene->touch_scene()).parts);
+    setup.method = tool->method;
+    if (tool->followed != nullptr) tool_task.emplace(*tool->followed);
   }
   // Before the loop, which reads it.
   GraspLink grasp_link;
   std::optional<Grasp> grasp;
-  set_up_grasp(options, *start, *tool != nullptr, grasp_link, step, grasp);
+  set_up_grasp(options, *start, tool->felt != nullptr, grasp_link, step, grasp);
   const TouchScene felt_first = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
   PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
                       effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
@@ -230,7 +230,7 @@ int run(const HapticsOptions& options) {
   if (!effects.empty()) loop.set_effects(&effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   const auto gains_of = [&](const TouchScene& touched) {
-    if (*tool != nullptr) return find_tool_gains(touched);
+    if (*tool) return find_tool_gains(touched);
     return grasp ? find_largest_gains(touched).largest_of(find_tool_gains(touched)) : find_largest_gains(touched);
   };
   StiffnessAdviser adviser(gains_of(felt_first));
@@ -290,7 +290,7 @@ int run(const HapticsOptions& options) {
   if (tool_task) {
     tool_task->stop();
     fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
-    if (const std::string late = describe_late_tool((*tool)->lateness()); !late.empty()) log_warning("{}", late);
+    if (const std::string late = describe_late_tool(tool->followed->lateness()); !late.empty()) log_warning("{}", late);
   }
   if (grasp_task) {
     grasp_task->stop();

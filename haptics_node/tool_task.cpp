@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/force/virtual_coupling.h"
+#include "core/tool/held_voxels.h"
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/method_text.h"
 #include "runtime/clock.h"
@@ -22,15 +23,17 @@ namespace {
 // Between two checks for a new sample: little against a step of the pose, and a processor's thousandth.
 constexpr auto kLook = std::chrono::microseconds(100);
 
-}  // namespace
+// What goes with a rigid tool only, where there is none.
+Result<void> check_without_tool(const HapticsOptions& options, const Scene& scene) {
+  if (options.tool_voxel_m > 0.0) return fail("--tool-voxels goes with a rigid tool: --tool, or the scene's [tool]");
+  if (std::ranges::any_of(scene.objects, [](const SceneObject& object) { return object.is_movable; })) return {};
+  if (options.tool_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with a rigid tool or movable objects");
+  if (options.tool_threads > 1) return fail("--tool-threads goes with a rigid tool or movable objects");
+  return {};
+}
 
-Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene) {
-  if (!scene.tool) {
-    const bool has_movable = std::ranges::any_of(scene.objects, [](const SceneObject& object) { return object.is_movable; });
-    if (!has_movable && options.tool_nm_per_rad > 0.0) return fail("--rotational-stiffness goes with a rigid tool or movable objects");
-    if (!has_movable && options.tool_threads > 1) return fail("--tool-threads goes with a rigid tool or movable objects");
-    return std::unique_ptr<HeldTool>();
-  }
+// What a probe has, and a tool does not have, is said, not ignored.
+Result<void> check_with_tool(const HapticsOptions& options) {
   if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
   if (options.is_method_given && options.method.name != MethodSettings().name) {
     return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);
@@ -39,24 +42,66 @@ Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, 
     return fail("a rigid tool takes the place of the probe; leave out the tool or --probe-radius");
   if (options.is_shading_given && options.method.shading > 0.0)
     return fail("--shading is for a probe, and a rigid tool takes its place; leave out the tool or --shading");
+  if (options.tool_voxel_m > 0.0 && options.tool_threads > 1) return fail("--tool-threads does not go with --tool-voxels");
+  return {};
+}
+
+void log_lines(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) log_info("{}", line);
+}
+
+HapticsSetup::Text to_setup_text(const std::string& described) {
+  HapticsSetup::Text text = {};
+  put_text(described, text);
+  return text;
+}
+
+Result<LiveTool> make_voxels(const HapticsOptions& options, const TriangleMesh& mesh, const ToolObstacles& obstacles,
+                             const ToolCoupling& coupling) {
+  if (!obstacles.parts.empty()) return fail("objects of the scene move, which --tool-voxels does not support; leave it out");
+  auto voxels = VoxelTool::make(mesh, obstacles.meshes, coupling, options.tool_voxel_m);
+  if (!voxels) return tl::unexpected(voxels.error());
+  log_lines((*voxels)->describe());
+  if (obstacles.has_friction()) log_warning("voxels have no friction, so the scene's is left out");
+  if (obstacles.has_damping()) log_warning("voxels have no damping and viscosity, so the scene's are left out");
+  LiveTool made{.method = to_setup_text(to_text((*voxels)->coupling(), mesh.triangles.size(), options.tool_voxel_m))};
+  made.felt = std::make_unique<HeldVoxels>(std::move(*voxels), mesh.vertices.front());
+  return made;
+}
+
+Result<LiveTool> make_proxy(const HapticsOptions& options, const TriangleMesh& mesh, ToolObstacles obstacles,
+                            const ToolCoupling& coupling) {
+  auto step = ToolStep::make(mesh, std::move(obstacles.meshes), coupling, std::move(obstacles.friction),
+                             make_worker_team(options.tool_threads), obstacles.part_of);
+  if (!step) return tl::unexpected(step.error());
+  if (const auto damped = (*step)->damp(obstacles.damping); !damped) return tl::unexpected(damped.error());
+  log_lines((*step)->describe());
+  auto held = std::make_unique<HeldTool>(std::move(*step));
+  LiveTool made{.followed = held.get(), .method = describe_tool(*held)};
+  made.felt = std::move(held);
+  return made;
+}
+
+}  // namespace
+
+Result<LiveTool> make_live_tool(const HapticsOptions& options, const Scene& scene) {
+  const auto checked = scene.tool ? check_with_tool(options) : check_without_tool(options, scene);
+  if (!checked) return tl::unexpected(checked.error());
+  if (!scene.tool) return LiveTool();
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene.touch_scene(), options.method.coupling_n_per_m));
-  auto step = ToolStep::make(*scene.tool->mesh, std::move(obstacles.meshes),
-                             {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad},
-                             std::move(obstacles.friction), make_worker_team(options.tool_threads), obstacles.part_of);
-  if (!step) return fail("tool {}: {}", scene.tool->name, step.error().what);
-  if (const auto damped = (*step)->damp(obstacles.damping); !damped) return fail("tool {}: {}", scene.tool->name, damped.error().what);
+  const ToolCoupling coupling{.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad};
   log_info("the stylus holds {}", scene.tool->name);
   for (const ToolFlaw& flaw : find_tool_flaws(*scene.tool->mesh, scene)) log_warning("{}; {}", flaw.what, flaw.fix);
-  std::istringstream text((*step)->describe());
-  for (std::string line; std::getline(text, line);) log_info("{}", line);
   if (obstacles.leaves_out) log_warning("{}", kToolLeavesOut);
-  return std::make_unique<HeldTool>(std::move(*step));
+  auto made = options.tool_voxel_m > 0.0 ? make_voxels(options, *scene.tool->mesh, obstacles, coupling)
+                                         : make_proxy(options, *scene.tool->mesh, std::move(obstacles), coupling);
+  if (!made) return fail("tool {}: {}", scene.tool->name, made.error().what);
+  return made;
 }
 
 HapticsSetup::Text describe_tool(const HeldTool& tool) {
-  HapticsSetup::Text text = {};
-  put_text(to_text(tool.tool().coupling(), tool.tool().tool().triangle_count()), text);
-  return text;
+  return to_setup_text(to_text(tool.tool().coupling(), tool.tool().tool().triangle_count()));
 }
 
 ToolTask::ToolTask(HeldTool& tool) : tool_(tool), thread_(start_thread([this] { run(); })) {}

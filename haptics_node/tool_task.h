@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/tool/held_tool.h"
+#include "core/tool/stylus_tool.h"
 #include "haptics_node/haptics_options.h"
 #include "link/messages.h"
 #include "runtime/latency_histogram.h"
@@ -19,9 +20,18 @@ inline constexpr std::string_view kToolLeavesOut =
     "two_sided = false, images and effects of surfaces but viscosity_ns_per_m are ignored: a rigid tool supports stiffness, friction, "
     "damping and viscosity";
 
-// The rigid tool of the scene (find_tool); null: the stylus is a probe. The tool feels friction, damping and viscosity of the
-// materials. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one line.
-Result<std::unique_ptr<HeldTool>> make_held_tool(const HapticsOptions& options, const Scene& scene);
+// A rigid tool that the stylus holds all the time.
+struct LiveTool {
+  std::unique_ptr<StylusTool> felt = nullptr;  // null: the stylus is a probe
+  HeldTool* followed = nullptr;                // the same, if a slow task follows the device with it
+  HapticsSetup::Text method = {};              // as HapticsSetup has it
+  explicit operator bool() const noexcept { return felt != nullptr; }
+};
+
+// The rigid tool of the scene (find_tool), if there is one. The tool feels friction, damping and viscosity of the materials, with
+// --tool-voxels none of them. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one
+// line.
+Result<LiveTool> make_live_tool(const HapticsOptions& options, const Scene& scene);
 
 // What the hub gets in place of a method's description: "name=tool ...", with the coupling.
 HapticsSetup::Text describe_tool(const HeldTool& tool);

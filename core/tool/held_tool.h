@@ -7,22 +7,16 @@
 #include <vector>
 
 #include "core/base/mailbox.h"
-#include "core/tool/tool_step.h"
+#include "core/tool/stylus_tool.h"
 
 namespace hapton {
-
-// What the tool does to a part of the scene that moves. Frame W.
-struct ToolPush {
-  Vec3 force_n = Vec3::Zero();
-  Vec3 torque_nm = Vec3::Zero();  // about the grip point of the tool as it is drawn
-};
 
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
 // passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
 // Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If it stalls, the force fades.
 // Threads: step, restart and age in one, follow in one other. RT: step and restart yes, at most LocalContacts::kMost contacts; follow as
 // ToolStep::step.
-class HeldTool {
+class HeldTool final : public StylusTool {
  public:
   // Age of the contacts at which the force begins to fade, and at which it is zero.
   static constexpr double kFreshS = 0.05;
@@ -43,13 +37,14 @@ class HeldTool {
   HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP);
 
   // Fast: force, torque and drawn pose for one sample, with the contacts found last. output.proxy: the slow task's last step.
-  ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept;
+  ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
   // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
   void restart() noexcept { ++serial_; }
-  // Fast: the samples do not go on from the last one. The tool does, and its damping begins with the next motion.
-  void forget_motion() noexcept { drag_.reset(); }
-  // Fast: the slow task had found the tool's pose before the last step. Until then there is no force, and the tool is drawn at the device.
-  bool is_known() const noexcept { return is_known_; }
+  // Fast.
+  void forget_motion() noexcept override { drag_.reset(); }
+  // Fast: the slow task had found the tool's pose before the last step.
+  bool is_known() const noexcept override { return is_known_; }
+  Vec3 vertex_m() const noexcept override { return tool_->vertex_m(); }
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
 
@@ -62,9 +57,8 @@ class HeldTool {
   };
   const Lateness& lateness() const noexcept { return lateness_; }
 
-  // Fast: of the last step, what the contacts with a part that moves do to it. Friction is shared among all contacts by their dynamic
-  // friction. Pre: of the parts that move, from 0.
-  const ToolPush& push_on(std::size_t part) const noexcept { return pushes_[part]; }
+  // Fast. Friction is shared among all contacts by their dynamic friction.
+  const ToolPush& push_on(std::size_t part) const noexcept override { return pushes_[part]; }
 
   // Slow: follows the newest sample. False: there is no new one.
   bool follow() noexcept;

@@ -9,8 +9,7 @@
 
 namespace hapton {
 
-// A rigid tool by voxels and a shell of points, as in industry since 1999, for comparison: what `sweep` is to a point probe. Not for
-// the live node.
+// A rigid tool by voxels and a shell of points, as in industry since 1999, for comparison: what `sweep` is to a point probe.
 //
 // McNeely, Puterbaugh and Troy, "Six Degree-of-Freedom Haptic Rendering Using Voxel Sampling" (1999): the scene becomes the voxels that its
 // surface crosses, the tool the middles of such voxels of its own, with normals. A point in a voxel of the scene is pushed along the
@@ -39,6 +38,8 @@ class VoxelTool {
   // Where the tool is, frame S, metres.
   const Placement& placement() const { return proxy_; }
   std::size_t point_count() const { return points_.size(); }
+  double voxel_m() const { return grid_.voxel_m; }
+  const ToolCoupling& coupling() const { return coupling_; }  // with the rotational stiffness that is used
   // A line for people.
   std::string describe() const;
 

@@ -40,6 +40,8 @@ TEST(MethodText, GivesBackEverySettingToTheLastBit) {
 
 TEST(ToolText, IsReadAsItWasWritten) {
   const ToolCoupling coupling{.stiffness_n_per_m = 800.0 / 7.0, .rotational_stiffness_nm_per_rad = 1e-3 / 3.0};
+  EXPECT_EQ(to_text(coupling, 12, 0.0005), to_text(coupling, 12) + " voxel_m=0.0005");
+  EXPECT_TRUE(parse_tool_text(to_text(coupling, 12, 0.0005)));
   const auto read = parse_tool_text(to_text(coupling, 12));
   ASSERT_TRUE(read);
   EXPECT_EQ(read->stiffness_n_per_m, coupling.stiffness_n_per_m);

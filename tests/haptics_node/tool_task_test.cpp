@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/log.h"
+#include "scene/object_reader.h"
 #include "tests/support/made_meshes.h"
 #include "tests/support/patience.h"
 
@@ -33,7 +34,7 @@ Scene scene_with_tool() {
 std::string log_of_task(const Scene& scene) {
   testing::internal::CaptureStderr();
   start_log("haptics_node");
-  const auto tool = make_held_tool({}, scene);
+  const auto tool = make_live_tool({}, scene);
   const std::string log = testing::internal::GetCapturedStderr();
   EXPECT_TRUE(tool && *tool) << (tool ? "no tool" : tool.error().what);
   return log;
@@ -62,42 +63,42 @@ TEST(HeldToolOfAScene, NamesWhatOfTheSceneIsLeftOut) {
 
 TEST(HeldToolOfAScene, HasTheDampingOfTheMaterials) {
   Scene scene = scene_with_tool();
-  EXPECT_FALSE(make_held_tool({}, scene).value()->tool().drag().is_on());
+  EXPECT_FALSE(make_live_tool({}, scene).value().followed->tool().drag().is_on());
   scene.objects[0].material.damping_ns_per_m = 0.5;
-  EXPECT_TRUE(make_held_tool({}, scene).value()->tool().drag().is_on());
+  EXPECT_TRUE(make_live_tool({}, scene).value().followed->tool().drag().is_on());
 }
 
 TEST(HeldToolOfAScene, IsNoneWhereNoneIsNamed) {
   Scene scene = scene_with_tool();
   scene.tool.reset();
-  const auto tool = make_held_tool({}, scene);
+  const auto tool = make_live_tool({}, scene);
   ASSERT_TRUE(tool);
-  EXPECT_EQ(*tool, nullptr);
+  EXPECT_FALSE(*tool);
 }
 
 TEST(HeldToolOfAScene, IsRejectedBesideWhatItDoesNotGoWith) {
   HapticsOptions watched;
   watched.watch_scene = true;
-  const auto with_watch = make_held_tool(watched, scene_with_tool());
+  const auto with_watch = make_live_tool(watched, scene_with_tool());
   ASSERT_FALSE(with_watch);
   EXPECT_THAT(with_watch.error().what, HasSubstr("--watch-scene"));
   HapticsOptions ball;
   ball.method.probe_radius_m = 0.001;
   ball.is_radius_given = true;
-  const auto with_probe = make_held_tool(ball, scene_with_tool());
+  const auto with_probe = make_live_tool(ball, scene_with_tool());
   ASSERT_FALSE(with_probe);
   EXPECT_THAT(with_probe.error().what, HasSubstr("--probe-radius"));
   HapticsOptions smooth;
   smooth.method.name = "smooth";
   smooth.is_method_given = true;
-  const auto with_method = make_held_tool(smooth, scene_with_tool());
+  const auto with_method = make_live_tool(smooth, scene_with_tool());
   ASSERT_FALSE(with_method);
   EXPECT_THAT(with_method.error().what, HasSubstr("method smooth needs one"));
   HapticsOptions shaded;
   shaded.method.shading = 1.0;
-  EXPECT_TRUE(make_held_tool(shaded, scene_with_tool())) << "that of the scene's probe";
+  EXPECT_TRUE(make_live_tool(shaded, scene_with_tool())) << "that of the scene's probe";
   shaded.is_shading_given = true;
-  const auto with_shading = make_held_tool(shaded, scene_with_tool());
+  const auto with_shading = make_live_tool(shaded, scene_with_tool());
   ASSERT_FALSE(with_shading);
   EXPECT_THAT(with_shading.error().what, HasSubstr("--shading"));
 }
@@ -109,13 +110,13 @@ TEST(HeldToolOfAScene, ItsOptionsAreRejectedWhereNothingIsHeld) {
   stiff.tool_nm_per_rad = 1.0;
   HapticsOptions shared;
   shared.tool_threads = 2;
-  ASSERT_FALSE(make_held_tool(stiff, scene));
-  ASSERT_FALSE(make_held_tool(shared, scene));
-  EXPECT_THAT(make_held_tool(stiff, scene).error().what, HasSubstr("--rotational-stiffness"));
-  EXPECT_THAT(make_held_tool(shared, scene).error().what, HasSubstr("--tool-threads"));
+  ASSERT_FALSE(make_live_tool(stiff, scene));
+  ASSERT_FALSE(make_live_tool(shared, scene));
+  EXPECT_THAT(make_live_tool(stiff, scene).error().what, HasSubstr("--rotational-stiffness"));
+  EXPECT_THAT(make_live_tool(shared, scene).error().what, HasSubstr("--tool-threads"));
   scene.objects[0].is_movable = true;
-  EXPECT_TRUE(make_held_tool(stiff, scene)) << "it is held with that stiffness";
-  EXPECT_TRUE(make_held_tool(shared, scene));
+  EXPECT_TRUE(make_live_tool(stiff, scene)) << "it is held with that stiffness";
+  EXPECT_TRUE(make_live_tool(shared, scene));
 }
 
 TEST(HeldToolOfAScene, AnOddSizeIsLogged) {
@@ -124,26 +125,85 @@ TEST(HeldToolOfAScene, AnOddSizeIsLogged) {
   EXPECT_THAT(log_of_task(scene), HasSubstr("the tool is 0.01 mm long, the scene 100 mm; check the units"));
 }
 
+HapticsOptions with_voxels(double voxel_m) {
+  HapticsOptions options;
+  options.tool_voxel_m = voxel_m;
+  return options;
+}
+
+TEST(ToolByVoxels, IsFeltWithoutASlowTask) {
+  const auto tool = make_live_tool(with_voxels(0.0005), scene_with_tool());
+  ASSERT_TRUE(tool && *tool);
+  EXPECT_EQ(tool->followed, nullptr);
+  EXPECT_THAT(tool->method.data(), HasSubstr("name=tool"));
+  EXPECT_THAT(tool->method.data(), HasSubstr("voxel_m=0.0005"));
+  ToolInput input;
+  ToolOutput felt;
+  for (int n = 0; n < 400; ++n) {
+    input.X_WD.translation().z() = 0.06 - 2e-5 * n;  // the bottom of the cube meets the ball at 0.055
+    felt = tool->felt->step(input, 1'000'000 * n);
+  }
+  EXPECT_TRUE(felt.contact);
+  EXPECT_GT(felt.force_n.z(), 0.1);
+}
+
+TEST(ToolByVoxels, NamesWhatVoxelsDoNotHave) {
+  Scene scene = scene_with_tool();
+  scene.objects[0].material.friction_static = scene.objects[0].material.friction_dynamic = 0.3;
+  scene.objects[0].material.damping_ns_per_m = 0.5;
+  testing::internal::CaptureStderr();
+  start_log("haptics_node");
+  ASSERT_TRUE(make_live_tool(with_voxels(0.001), scene));
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(log, HasSubstr("voxels have no friction"));
+  EXPECT_THAT(log, HasSubstr("voxels have no damping"));
+  EXPECT_THAT(log, HasSubstr("tool by voxels of 1 mm"));
+}
+
+TEST(ToolByVoxels, IsRejectedWhereItCannotBe) {
+  Scene scene = scene_with_tool();
+  HapticsOptions shared = with_voxels(0.001);
+  shared.tool_threads = 2;
+  const auto with_threads = make_live_tool(shared, scene);
+  ASSERT_FALSE(with_threads);
+  EXPECT_THAT(with_threads.error().what, HasSubstr("--tool-threads"));
+  const auto too_fine = make_live_tool(with_voxels(1e-7), scene);
+  ASSERT_FALSE(too_fine);
+  EXPECT_THAT(too_fine.error().what, HasSubstr("fits"));
+  ObjectSpec spec;
+  spec.motion.by_program = true;
+  scene.objects[0].commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *scene.objects[0].mesh);
+  const auto moving = make_live_tool(with_voxels(0.001), scene);
+  ASSERT_FALSE(moving);
+  EXPECT_THAT(moving.error().what, HasSubstr("objects of the scene move"));
+  scene = scene_with_tool();
+  scene.tool.reset();
+  scene.objects[0].is_movable = true;
+  const auto without = make_live_tool(with_voxels(0.001), scene);
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().what, HasSubstr("--tool-voxels"));
+}
+
 // A scene may have probes for those who hold no tool.
 TEST(ToolTask, IgnoresWhatTheScenesProbeSays) {
   HapticsOptions of_the_probe;
   of_the_probe.method.name = "smooth";
   of_the_probe.method.probe_radius_m = 0.003;
-  const auto tool = make_held_tool(of_the_probe, scene_with_tool());
+  const auto tool = make_live_tool(of_the_probe, scene_with_tool());
   ASSERT_TRUE(tool) << tool.error().what;
   EXPECT_TRUE(*tool);
 }
 
 TEST(ToolTask, FollowsTheHandUntilItIsStopped) {
-  auto tool = make_held_tool({}, scene_with_tool());
+  auto tool = make_live_tool({}, scene_with_tool());
   ASSERT_TRUE(tool && *tool);
-  ToolTask task(**tool);
+  ToolTask task(*tool->followed);
   std::int64_t sample = 0;
   ToolInput input;
   const auto go_on = [&](int steps) {
     for (int n = 0; n < steps; ++n) {
       input.X_WD.translation().z() -= 1e-5;
-      (*tool)->step(input, 1'000'000 * ++sample);
+      tool->felt->step(input, 1'000'000 * ++sample);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   };
@@ -152,7 +212,7 @@ TEST(ToolTask, FollowsTheHandUntilItIsStopped) {
   // A step knows where the tool is once a pose has been followed.
   EXPECT_TRUE(wait_until([&] {
     go_on(1);
-    return (*tool)->is_known();
+    return tool->felt->is_known();
   }));
   task.stop();
   const auto poses = task.pose_times().count();

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "core/tool/stylus_tool.h"
+#include "core/tool/voxel_tool.h"
+
+namespace hapton {
+
+// VoxelTool in the haptic step, in one task: each sample computes the whole tool, however many points it has. It begins where the device is
+// at the first sample. A hand that is faster than half a voxel a sample leaves it behind; there is no force then until it meets something.
+// Nothing of the scene moves. RT: yes. Threads: one.
+class HeldVoxels final : public StylusTool {
+ public:
+  // vertex_m: as StylusTool has it.
+  HeldVoxels(std::unique_ptr<VoxelTool> tool, const Vec3& vertex_m) : tool_(std::move(tool)), vertex_m_(vertex_m) {}
+
+  ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
+  void forget_motion() noexcept override {}
+  bool is_known() const noexcept override { return is_known_; }
+  const ToolPush& push_on(std::size_t) const noexcept override { return no_push_; }
+  Vec3 vertex_m() const noexcept override { return vertex_m_; }
+
+  const VoxelTool& tool() const { return *tool_; }
+
+ private:
+  std::unique_ptr<VoxelTool> tool_;
+  Vec3 vertex_m_;
+  ToolPush no_push_;
+  bool has_begun_ = false;
+  bool is_known_ = false;
+};
+
+}  // namespace hapton

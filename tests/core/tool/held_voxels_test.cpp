@@ -1,0 +1,76 @@
+#include "core/tool/held_voxels.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kVoxelM = 0.0005;
+
+// A cube of 20 mm over a floor at z = 0, held in its middle.
+std::unique_ptr<VoxelTool> cube_over_floor() {
+  auto made = VoxelTool::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)),
+                              {made::shared(made::box({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}))},
+                              {.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2}, kVoxelM);
+  EXPECT_TRUE(made);
+  return std::move(*made);
+}
+
+ToolInput hand_at(double z) {
+  ToolInput input;
+  input.X_WD.translation().z() = z;
+  return input;
+}
+
+TEST(HeldVoxels, BeginsAtTheDeviceAndIsKnownFromTheNextStepOn) {
+  HeldVoxels held(cube_over_floor(), {0.01, 0.01, 0.01});
+  EXPECT_FALSE(held.is_known());
+  const ToolOutput first = held.step(hand_at(0.05), 0);
+  EXPECT_FALSE(first.contact);
+  EXPECT_FALSE(held.is_known());
+  EXPECT_EQ(held.tool().placement().position, Vec3(0.0, 0.0, 0.05)) << "not on its way there from the origin";
+  held.step(hand_at(0.05), 1'000'000);
+  EXPECT_TRUE(held.is_known());
+  EXPECT_EQ(held.vertex_m(), Vec3(0.01, 0.01, 0.01));
+}
+
+// It is the tool of hapton replay, sample by sample.
+TEST(HeldVoxels, GivesTheForceOfTheVoxels) {
+  HeldVoxels held(cube_over_floor(), Vec3::Zero());
+  const auto alone = cube_over_floor();
+  alone->reset(hand_at(0.02));
+  for (int n = 0; n < 1000; ++n) {
+    const ToolInput input = hand_at(0.02 - 1.3e-5 * n);
+    const ToolOutput felt = held.step(input, 1'000'000 * n);
+    const ToolOutput expected = alone->step(input);
+    ASSERT_EQ(felt.force_n, expected.force_n) << n;
+    ASSERT_EQ(felt.torque_nm, expected.torque_nm) << n;
+    ASSERT_EQ(felt.contact, expected.contact) << n;
+  }
+  EXPECT_TRUE(held.step(hand_at(0.007), 0).contact);
+  EXPECT_EQ(held.push_on(0).force_n, Vec3::Zero());
+}
+
+TEST(HeldVoxels, APoseThatIsNoneBeginsNothing) {
+  HeldVoxels held(cube_over_floor(), Vec3::Zero());
+  const ToolOutput felt = held.step(hand_at(std::numeric_limits<double>::quiet_NaN()), 0);
+  EXPECT_EQ(felt.force_n, Vec3::Zero());
+  held.step(hand_at(0.03), 1);
+  EXPECT_FALSE(held.is_known());
+  EXPECT_EQ(held.tool().placement().position, Vec3(0.0, 0.0, 0.03));
+}
+
+TEST(HeldVoxels, AStepTakesNothingFromTheHeap) {
+  HeldVoxels held(cube_over_floor(), Vec3::Zero());
+  const AllocationGuard guard;
+  for (int n = 0; n < 200; ++n) held.step(hand_at(0.02 - 1e-4 * n), n);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton
