@@ -46,6 +46,15 @@ DevicePreset model_a_preset() {
           true};
 }
 
+// The device simulated-6dof: motors turn the stylus, too (turning_axis.h).
+DevicePreset model_a_6dof_preset() {
+  DevicePreset preset = model_a_preset();
+  preset.name = "model-a-6dof";
+  preset.title = "PHANToM Model A with motors on its gimbals";
+  preset.limits = model_a::limits_with_torque();
+  return preset;
+}
+
 DevicePreset premium_preset() {
   return {"premium-1.5",
           "PHANToM Premium 1.5",
@@ -121,9 +130,9 @@ DevicePreset wooden_preset() {
           kBallM};
 }
 
-const std::array<DevicePreset, 6>& presets() noexcept {
-  static const std::array<DevicePreset, 6> all = {model_a_preset(), premium_preset(), touch_preset(),
-                                                  omega_preset(),   falcon_preset(),  wooden_preset()};
+const std::array<DevicePreset, 7>& presets() noexcept {
+  static const std::array<DevicePreset, 7> all = {model_a_preset(), model_a_6dof_preset(), premium_preset(), touch_preset(),
+                                                  omega_preset(),   falcon_preset(),       wooden_preset()};
   return all;
 }
 
@@ -153,7 +162,7 @@ std::vector<const DevicePreset*> presets_of_device(std::string_view kind) {
     std::string_view kind;
     std::string_view preset;
   };
-  constexpr std::array kKnown = {Known{"simulated", "model-a"},     Known{"simulated-6dof", "model-a"},
+  constexpr std::array kKnown = {Known{"simulated", "model-a"},     Known{"simulated-6dof", "model-a-6dof"},
                                  Known{"openhaptics", "model-a"},   Known{"openhaptics", "premium-1.5"},
                                  Known{"openhaptics", "touch"},     Known{"forcedimension", "omega.3"},
                                  Known{"forcedimension", "falcon"}, Known{"WoodenHaptics", "wooden"}};

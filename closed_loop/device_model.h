@@ -47,7 +47,7 @@ struct DevicePreset {
   double workspace_radius_m = 0.0;          // of a ball around the middle of W, which `limits` encloses; 0: the box of `limits`
 };
 
-// model-a, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.
+// model-a, model-a-6dof, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.
 std::span<const DevicePreset> device_presets() noexcept;
 // Null when there is none of that name. RT: yes.
 const DevicePreset* find_device_preset(std::string_view name) noexcept;

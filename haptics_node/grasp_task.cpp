@@ -130,6 +130,7 @@ void GraspTask::pick_up(const GraspOrder& order) {
     return;
   }
   tool_ = std::make_unique<HeldTool>(std::move(*step), order.X_SD);
+  if (options_.on_tool) options_.on_tool(tool_->tool().coupling());
   link_.replies.publish({order.serial, tool_.get(), describe_tool(*tool_)});
   const double seconds = 1e-9 * static_cast<double>(clock_.now_ns() - begin_ns);
   if (seconds > kNoticedS) {

@@ -34,6 +34,8 @@ class GraspTask {
     // Called once the scene is built; the step may have it before or after that. With the scene, coupled, and NewScene::revision, by which
     // that is known.
     std::function<void(const TouchScene&, std::uint32_t)> on_scene = {};
+    // Called when an object has become a tool.
+    std::function<void(const ToolCoupling&)> on_tool = {};
   };
 
   // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.

@@ -234,6 +234,7 @@ int run(const HapticsOptions& options) {
     return grasp ? find_largest_gains(touched).largest_of(find_tool_gains(touched)) : find_largest_gains(touched);
   };
   StiffnessAdviser adviser(gains_of(felt_first));
+  if (*tool) adviser.note_tool(tool->coupling.rotational_stiffness_nm_per_rad);
   loop.set_stiffness_adviser(&adviser);
   InsideWatch inside(felt_first);
   loop.set_inside_watch(&inside);
@@ -264,11 +265,13 @@ int run(const HapticsOptions& options) {
   std::optional<GraspTask> grasp_task;
   if (grasp) {
     const auto on_scene = [&](const TouchScene& now, std::uint32_t revision) { felt.place(now, revision); };
+    const auto on_tool = [&](const ToolCoupling& held) { adviser.note_tool(held.rotational_stiffness_nm_per_rad); };
     grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
                                           .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
                                           .threads = options.tool_threads,
                                           .shading_crease_rad = options.shading_crease_rad(),
-                                          .on_scene = on_scene},
+                                          .on_scene = on_scene,
+                                          .on_tool = on_tool},
                        start->loaded, start->put_down, grasp_link, tuner, builder, clock);
     grasp_task->start();
   }

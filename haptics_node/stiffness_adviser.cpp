@@ -10,6 +10,7 @@
 #include "closed_loop/device_model.h"
 #include "closed_loop/hand_model.h"
 #include "closed_loop/recommendation.h"
+#include "closed_loop/turning_axis.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "scene/scene_key.h"
@@ -88,6 +89,28 @@ void warn_of_places(const LargestGains& gains, const StiffnessAdvice& advice, co
                           : "set the two numbers of stiffness_map_n_per_m nearer to each other");
 }
 
+void warn_of_turning(double nm_per_rad, const StiffnessAdvice& advice, const LoopFacts& facts) {
+  if (!(advice.rotational_nm_per_rad > 0.0) || nm_per_rad <= advice.rotational_nm_per_rad) return;
+  log_warning(
+      "the stylus holds a tool with {:.3g} Nm/rad, but a stylus with motors at {:g} Hz with torques after {:.3g} ms is safe only up to "
+      "{:.2g} "
+      "Nm/rad (hand: {}); give haptics_node --rotational-stiffness {:.2g}, or shorten the delay (see hapton loop recommend)",
+      nm_per_rad, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice.rotational_nm_per_rad, advice.by_turning,
+      advice.rotational_nm_per_rad);
+}
+
+void add_turning(const LoopFacts& facts, StiffnessAdvice& advice) {
+  if (!(facts.max_torque_nm > 0.0F)) return;
+  for (const HandPreset& hand : hand_presets()) {
+    if (hand.name == "off") continue;
+    const double safe = recommend_rotational_stiffness(hand.model, static_cast<double>(facts.max_torque_nm), facts.servo_rate_hz,
+                                                       static_cast<double>(facts.round_trip_s));
+    if (!advice.by_turning.empty() && safe >= advice.rotational_nm_per_rad) continue;
+    advice.rotational_nm_per_rad = safe;
+    advice.by_turning = hand.name;
+  }
+}
+
 // 0 where it has not risen.
 double if_risen(double before, double now) { return now > before ? now : 0.0; }
 
@@ -113,7 +136,9 @@ std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
       keep_least_of(advice.viscosity_ns_per_m, *device, hand, least.viscosity_ns_per_m, least.by_viscosity);
     }
   }
-  return least.by_stiffness.device.empty() ? std::nullopt : std::optional(least);
+  if (least.by_stiffness.device.empty()) return std::nullopt;
+  add_turning(facts, least);
+  return least;
 }
 
 StiffnessAdviser::StiffnessAdviser(const LargestGains& gains)
@@ -124,6 +149,7 @@ StiffnessAdviser::StiffnessAdviser(const LargestGains& gains)
       place_cause_(gains.place_cause),
       damping_ns_per_m_(gains.damping_ns_per_m),
       viscosity_ns_per_m_(gains.viscosity_ns_per_m),
+      rotational_nm_per_rad_(gains.rotational_nm_per_rad),
       considered_gains_(gains),
       thread_(start_thread([this] { run(); })) {}
 
@@ -143,6 +169,10 @@ void StiffnessAdviser::set_gains(const LargestGains& gains) noexcept {
   viscosity_ns_per_m_.store(gains.viscosity_ns_per_m, std::memory_order_release);
 }
 
+void StiffnessAdviser::note_tool(double nm_per_rad) noexcept {
+  rotational_nm_per_rad_.store(std::max(nm_per_rad, rotational_nm_per_rad_.load(std::memory_order_relaxed)), std::memory_order_release);
+}
+
 LargestGains StiffnessAdviser::read_gains() const noexcept {
   LargestGains gains{.stiffness_n_per_m = stiffness_n_per_m_.load(std::memory_order_acquire)};
   gains.cause = cause_.load(std::memory_order_acquire);
@@ -151,6 +181,7 @@ LargestGains StiffnessAdviser::read_gains() const noexcept {
   gains.place_cause = place_cause_.load(std::memory_order_acquire);
   gains.damping_ns_per_m = damping_ns_per_m_.load(std::memory_order_acquire);
   gains.viscosity_ns_per_m = viscosity_ns_per_m_.load(std::memory_order_acquire);
+  gains.rotational_nm_per_rad = rotational_nm_per_rad_.load(std::memory_order_acquire);
   return gains;
 }
 
@@ -167,7 +198,8 @@ void StiffnessAdviser::run() {
                              .of_pressing_n_per_m = now.of_pressing_n_per_m,
                              .place_cause = now.place_cause,
                              .damping_ns_per_m = if_risen(before.damping_ns_per_m, now.damping_ns_per_m),
-                             .viscosity_ns_per_m = if_risen(before.viscosity_ns_per_m, now.viscosity_ns_per_m)};
+                             .viscosity_ns_per_m = if_risen(before.viscosity_ns_per_m, now.viscosity_ns_per_m),
+                             .rotational_nm_per_rad = if_risen(before.rotational_nm_per_rad, now.rotational_nm_per_rad)};
     if (risen.any()) advise(considered_, risen);
     looks_.fetch_add(1, std::memory_order_release);
     std::this_thread::sleep_for(kPeriod);
@@ -175,7 +207,8 @@ void StiffnessAdviser::run() {
 }
 
 void StiffnessAdviser::consider(const LoopFacts& facts) {
-  const bool is_same_loop = facts.device == considered_.device && facts.servo_rate_hz == considered_.servo_rate_hz;
+  const bool is_same_loop = facts.device == considered_.device && facts.servo_rate_hz == considered_.servo_rate_hz &&
+                            facts.max_torque_nm == considered_.max_torque_nm;
   if (is_same_loop && facts.round_trip_s < static_cast<float>(kMuchSlower) * considered_.round_trip_s) return;
   considered_ = facts;
   advise(facts, considered_gains_);
@@ -188,6 +221,7 @@ void StiffnessAdviser::advise(const LoopFacts& facts, const LargestGains& gains)
   warn_of_damping("viscosity", gains.viscosity_ns_per_m, advice->viscosity_ns_per_m, advice->by_viscosity, facts);
   warn_of_stiffness(gains, *advice, facts);
   warn_of_places(gains, *advice, facts);
+  warn_of_turning(gains.rotational_nm_per_rad, *advice, facts);
 }
 
 }  // namespace hapton

@@ -31,13 +31,15 @@ struct StiffnessAdvice {
   Loop by_damping;
   double viscosity_ns_per_m = 0.0;  // of effects
   Loop by_viscosity;
+  double rotational_nm_per_rad = 0.0;  // of a rigid tool's coupling (turning_axis.h); 0: no motor turns the stylus
+  std::string by_turning;              // name of the hand with the least
 };
 // None: no model of the device is known, or the facts are empty. RT: no; takes about 0.1 s.
 std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts);
 
-// Logs a warning if a scene has a larger stiffness or damping than the measured loop renders stably: once, and again for another loop, a
-// stiffer or more damped scene, or a round trip that has become longer by kMuchSlower. RT: note and set_gains yes; construction and
-// destruction set-up only.
+// Logs a warning if a scene, or a rigid tool, has a larger stiffness or damping than the measured loop renders stably: once, and again for
+// another loop, a stiffer or more damped scene, a tool that turns more stiffly, or a round trip that has become longer by kMuchSlower. RT:
+// note and the setters yes; construction and destruction set-up only.
 // Threads: one calls note; a thread of its own computes.
 class StiffnessAdviser {
  public:
@@ -49,8 +51,10 @@ class StiffnessAdviser {
   StiffnessAdviser& operator=(const StiffnessAdviser&) = delete;
 
   void note(const LoopFacts& facts) noexcept { facts_.publish(facts); }
-  // The materials of the scene have changed. Threads: any.
+  // The materials of the scene have changed; of rotational_nm_per_rad nothing is taken. Threads: any.
   void set_gains(const LargestGains& gains) noexcept;
+  // The stylus holds a rigid tool with this rotational stiffness. Of several the largest counts. Threads: one.
+  void note_tool(double nm_per_rad) noexcept;
   // How often its thread has looked for new facts and gains, and said what it had to. Threads: any.
   std::uint64_t looks() const noexcept { return looks_.load(std::memory_order_acquire); }
 
@@ -69,6 +73,7 @@ class StiffnessAdviser {
   std::atomic<StiffCause> place_cause_;
   std::atomic<double> damping_ns_per_m_;
   std::atomic<double> viscosity_ns_per_m_;
+  std::atomic<double> rotational_nm_per_rad_;
   Mailbox<LoopFacts> facts_;
   LoopFacts considered_;           // of the last advice; used by its own thread alone
   LargestGains considered_gains_;  // then; the same

@@ -65,7 +65,8 @@ Result<LiveTool> make_voxels(const HapticsOptions& options, const TriangleMesh& 
   log_lines((*voxels)->describe());
   if (obstacles.has_friction()) log_warning("voxels have no friction, so the scene's is left out");
   if (obstacles.has_damping()) log_warning("voxels have no damping and viscosity, so the scene's are left out");
-  LiveTool made{.method = to_setup_text(to_text((*voxels)->coupling(), mesh.triangles.size(), options.tool_voxel_m))};
+  LiveTool made{.coupling = (*voxels)->coupling(),
+                .method = to_setup_text(to_text((*voxels)->coupling(), mesh.triangles.size(), options.tool_voxel_m))};
   made.felt = std::make_unique<HeldVoxels>(std::move(*voxels), mesh.vertices.front());
   return made;
 }
@@ -78,7 +79,7 @@ Result<LiveTool> make_proxy(const HapticsOptions& options, const TriangleMesh& m
   if (const auto damped = (*step)->damp(obstacles.damping); !damped) return tl::unexpected(damped.error());
   log_lines((*step)->describe());
   auto held = std::make_unique<HeldTool>(std::move(*step));
-  LiveTool made{.followed = held.get(), .method = describe_tool(*held)};
+  LiveTool made{.followed = held.get(), .coupling = held->tool().coupling(), .method = describe_tool(*held)};
   made.felt = std::move(held);
   return made;
 }

@@ -24,7 +24,8 @@ inline constexpr std::string_view kToolLeavesOut =
 struct LiveTool {
   std::unique_ptr<StylusTool> felt = nullptr;  // null: the stylus is a probe
   HeldTool* followed = nullptr;                // the same, if a slow task follows the device with it
-  HapticsSetup::Text method = {};              // as HapticsSetup has it
+  ToolCoupling coupling = {};
+  HapticsSetup::Text method = {};  // as HapticsSetup has it
   explicit operator bool() const noexcept { return felt != nullptr; }
 };
 

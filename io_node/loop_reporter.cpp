@@ -4,7 +4,9 @@
 
 namespace hapton {
 
-LoopReporter::LoopReporter(HubPeers& peers, const ServoStats& stats, std::string_view device) noexcept : peers_(peers), stats_(stats) {
+LoopReporter::LoopReporter(HubPeers& peers, const ServoStats& stats, std::string_view device, double max_torque_nm) noexcept
+    : peers_(peers), stats_(stats) {
+  facts_.max_torque_nm = static_cast<float>(max_torque_nm);
   std::copy_n(device.begin(), std::min(device.size(), facts_.device.size() - 1), facts_.device.begin());
 }
 

@@ -17,8 +17,8 @@ class LoopReporter {
   static constexpr std::int64_t kEveryNs = kNanosecondsPerSecond;
   static constexpr std::uint64_t kLeastTrips = 2000;  // round trips: enough for a p99
 
-  // Pre: both outlive this.
-  LoopReporter(HubPeers& peers, const ServoStats& stats, std::string_view device) noexcept;
+  // max_torque_nm: of the device; 0: no motor turns the stylus. Pre: peers and stats outlive this.
+  LoopReporter(HubPeers& peers, const ServoStats& stats, std::string_view device, double max_torque_nm) noexcept;
 
   void send_if_due(double rate_hz, std::int64_t now_ns) noexcept;
 

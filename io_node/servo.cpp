@@ -46,7 +46,7 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
       scene_(loop_, peers, events_, stats_),
       vision_(peers, stats_, options.vision_rate_hz, button_bit(options.dead_mans_switch)),
       requests_(loop_, peers, clock, events_, stats_, options.rate_hz),
-      loop_reporter_(peers, stats_, device.name()),
+      loop_reporter_(peers, stats_, device.name(), loop_.limits().max_torque_nm),
       markers_(peers, tap, stats_),
       carves_(peers, tap),
       shapes_(peers, tap),

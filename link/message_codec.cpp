@@ -224,6 +224,7 @@ void write(const LoopFacts& from, wire::LoopFacts& to) {
   write_text(from.device, *to.mutable_device());
   to.set_servo_rate_hz(from.servo_rate_hz);
   to.set_round_trip_s(from.round_trip_s);
+  if (from.max_torque_nm > 0.0F) to.set_max_torque_nm(from.max_torque_nm);
 }
 
 void write(const Marker& from, wire::Marker& to) {
@@ -404,7 +405,8 @@ bool read(const wire::ViewRejected& from, ViewRejected& to) {
 bool read(const wire::LoopFacts& from, LoopFacts& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.round_trip_s = from.round_trip_s();
-  return is_servo_rate(to.servo_rate_hz) && is_amount(to.round_trip_s) && read_text(from.device(), to.device);
+  to.max_torque_nm = from.max_torque_nm();
+  return is_servo_rate(to.servo_rate_hz) && is_amount(to.round_trip_s) && is_amount(to.max_torque_nm) && read_text(from.device(), to.device);
 }
 
 bool read(const wire::Marker& from, Marker& to) {

@@ -262,7 +262,8 @@ struct ReportPart {
 struct LoopFacts {
   std::array<char, 16> device = {};  // NUL-padded name of the kind of device (Device::name)
   double servo_rate_hz = 0.0;
-  float round_trip_s = 0.0F;  // from the sample to its force, p99 since the start
+  float round_trip_s = 0.0F;   // from the sample to its force, p99 since the start
+  float max_torque_nm = 0.0F;  // of the device; 0: no motor turns the stylus
 };
 
 // haptics -> hub -> every vision node and tool, when it has changed and once a second: an object that the stylus has picked up

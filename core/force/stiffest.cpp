@@ -192,7 +192,8 @@ LargestGains LargestGains::largest_of(const LargestGains& other) const noexcept 
           .of_pressing_n_per_m = by_place - std::max(by_place_at(0.0), other.by_place_at(0.0)),
           .place_cause = other.by_place_n_per_m > by_place_n_per_m ? other.place_cause : place_cause,
           .damping_ns_per_m = std::max(damping_ns_per_m, other.damping_ns_per_m),
-          .viscosity_ns_per_m = std::max(viscosity_ns_per_m, other.viscosity_ns_per_m)};
+          .viscosity_ns_per_m = std::max(viscosity_ns_per_m, other.viscosity_ns_per_m),
+          .rotational_nm_per_rad = std::max(rotational_nm_per_rad, other.rotational_nm_per_rad)};
 }
 
 LargestGains find_largest_gains(const TouchScene& scene) {

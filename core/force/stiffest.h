@@ -50,15 +50,17 @@ struct LargestGains {
   double by_place_n_per_m = 0.0;     // stiffest_by_place_of, pressed with kMostPressedN
   double of_pressing_n_per_m = 0.0;  // the part of it that is due to the force; 0: not known
   StiffCause place_cause = StiffCause::none;
-  double damping_ns_per_m = 0.0;    // of materials, with the velocity of the last interval
-  double viscosity_ns_per_m = 0.0;  // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more
+  double damping_ns_per_m = 0.0;       // of materials, with the velocity of the last interval
+  double viscosity_ns_per_m = 0.0;     // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more
+  double rotational_nm_per_rad = 0.0;  // of the coupling of a rigid tool, which no scene has alone
 
   // By place, with less than kMostPressedN: no less than that of any of the surfaces. With more, as with kMostPressedN.
   double by_place_at(double pressed_n) const noexcept;
   // Both at once: of what is used by turns.
   LargestGains largest_of(const LargestGains& other) const noexcept;
   bool any() const noexcept {
-    return stiffness_n_per_m > 0.0 || by_place_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0;
+    return stiffness_n_per_m > 0.0 || by_place_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0 ||
+           rotational_nm_per_rad > 0.0;
   }
 };
 LargestGains find_largest_gains(const TouchScene& scene);

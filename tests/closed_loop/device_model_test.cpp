@@ -52,14 +52,14 @@ TEST(DevicePresets, AreWhatTheirSourcesSay) {
 }
 
 TEST(DevicePresets, AreListedByNameAndByKind) {
-  EXPECT_EQ(device_preset_names(), "model-a, premium-1.5, touch, omega.3, falcon, wooden");
+  EXPECT_EQ(device_preset_names(), "model-a, model-a-6dof, premium-1.5, touch, omega.3, falcon, wooden");
   const auto names_of = [](const char* kind) {
     std::vector<std::string_view> names;
     for (const DevicePreset* device : presets_of_device(kind)) names.push_back(device->name);
     return names;
   };
   using Names = std::vector<std::string_view>;
-  EXPECT_EQ(names_of("simulated-6dof"), Names{"model-a"});
+  EXPECT_EQ(names_of("simulated-6dof"), Names{"model-a-6dof"});
   EXPECT_EQ(names_of("openhaptics"), (Names{"model-a", "premium-1.5", "touch"}));
   EXPECT_EQ(names_of("forcedimension"), (Names{"omega.3", "falcon"}));
 }

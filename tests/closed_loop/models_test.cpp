@@ -24,7 +24,7 @@ TEST(DevicePresets, AreCompleteAndHaveASourceForEachValue) {
     for (const std::string_view source : device.sources) EXPECT_FALSE(source.empty()) << device.name;
     EXPECT_EQ(find_device_preset(device.name), &device);
   }
-  EXPECT_EQ(names.size(), 6U);
+  EXPECT_EQ(names.size(), 7U);
   EXPECT_EQ(find_device_preset("none"), nullptr);
 }
 

@@ -10,6 +10,7 @@
 #include "closed_loop/device_model.h"
 #include "closed_loop/hand_model.h"
 #include "closed_loop/recommendation.h"
+#include "closed_loop/turning_axis.h"
 #include "core/geometry/mesh_shapes.h"
 #include "runtime/log.h"
 #include "tests/support/made_scene.h"
@@ -145,6 +146,44 @@ TEST(StiffnessAdviser, CountsBumpsAtTheForceOfTheDevice) {
   EXPECT_THAT(log_at(0.99), testing::Not(testing::HasSubstr("has up to")));
   EXPECT_THAT(log_at(1.01), testing::HasSubstr("N/m on bumps, pressed with 8.5 N, but PHANToM Model A at 1000 Hz"));
   EXPECT_THAT(log_at(1.01), testing::HasSubstr("lower bump_height_m"));
+}
+
+constexpr LoopFacts kTurning = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd', '-', '6', 'd', 'o', 'f'},
+                                .servo_rate_hz = 1000.0,
+                                .round_trip_s = 0.010F,
+                                .max_torque_nm = 0.17F};
+
+TEST(StiffnessAdviser, AdvisesOnTurningWhereMotorsTurnTheStylus) {
+  EXPECT_EQ(advise_stiffness(kSimulated)->rotational_nm_per_rad, 0.0);
+  const StiffnessAdvice advice = *advise_stiffness(kTurning);
+  EXPECT_EQ(advice.by_turning, "light");
+  EXPECT_NEAR(advice.rotational_nm_per_rad,
+              recommend_rotational_stiffness(*find_hand_preset("light"), 0.17, 1000.0, static_cast<double>(kTurning.round_trip_s)), 1e-9);
+}
+
+TEST(StiffnessAdviser, WarnsOfAToolThatTurnsTooStiffly) {
+  const double safe = advise_stiffness(kTurning)->rotational_nm_per_rad;
+  testing::internal::CaptureStderr();
+  {
+    start_log("haptics_node");
+    StiffnessAdviser adviser({});
+    adviser.note_tool(0.9 * safe);
+    adviser.note(kTurning);
+    wait_for(adviser);
+    adviser.set_gains({.stiffness_n_per_m = 1.0});  // another scene, the same tool
+    adviser.note_tool(2.0 * safe);
+    wait_for(adviser);
+    adviser.note_tool(1.5 * safe);  // less than what it warned of
+    wait_for(adviser);
+  }
+  const std::string log = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(count(log, "the stylus holds a tool with"), 1U) << log;
+  EXPECT_THAT(log, testing::HasSubstr(fmt::format("a tool with {:.3g} Nm/rad", 2.0 * safe)));
+  EXPECT_THAT(log, testing::HasSubstr("give haptics_node --rotational-stiffness"));
+  LoopFacts without_motors = kTurning;
+  without_motors.max_torque_nm = 0.0F;
+  EXPECT_THAT(log_of({.rotational_nm_per_rad = 100.0}, {without_motors}), testing::Not(testing::HasSubstr("holds a tool")));
+  EXPECT_THAT(log_of({.rotational_nm_per_rad = 100.0}, {without_motors, kTurning}), testing::HasSubstr("holds a tool with 100 Nm/rad"));
 }
 
 TEST(StiffnessAdviser, SaysNothingOfASceneThatTheLoopHolds) {

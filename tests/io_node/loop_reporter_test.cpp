@@ -22,7 +22,17 @@ TEST_F(LoopReports, ComeOnceASecondWhenEnoughIsMeasured) {
   EXPECT_LE(loop_facts.size(), 4U);
   EXPECT_EQ(std::string(loop_facts.back().device.data()), device.name());
   EXPECT_EQ(loop_facts.back().servo_rate_hz, 1000.0);
+  EXPECT_EQ(loop_facts.back().max_torque_nm, 0.0F);
   EXPECT_NEAR(loop_facts.back().round_trip_s, 1e-9 * static_cast<double>(reply_delay_ns), 0.1e-9 * static_cast<double>(reply_delay_ns));
+}
+
+TEST_F(LoopReports, SayHowStronglyMotorsTurnTheStylus) {
+  device.give_torque(0.25);
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(3000);
+  ASSERT_FALSE(loop_facts.empty());
+  EXPECT_EQ(loop_facts.back().max_torque_nm, 0.25F);
 }
 
 TEST_F(LoopReports, AreNotSentToAHapticsNodeThatHasLeft) {

@@ -56,6 +56,8 @@ class BenchDevice final : public Device {
     turn_rad = turn;
     return true;
   }
+  // Before the servo is made: motors turn the stylus, too.
+  void give_torque(double most_nm) noexcept { limits_.max_torque_nm = limits_.max_torque_slew_nm_per_s = most_nm; }
   Vec3 turn_rad = Vec3::Zero();
   std::uint32_t buttons = 0;  // of the hand, pressed by who leads it
   std::uint32_t down = 5;     // of the stylus

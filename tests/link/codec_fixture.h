@@ -153,7 +153,8 @@ class RandomDatagrams {
       case 39:
         return draw_displacements();
       default:
-        return LoopFacts{{'s', 'i', 'm'}, number(kMinServoRateHz, kMaxServoRateHz), static_cast<float>(number(0, 1))};
+        return LoopFacts{
+            {'s', 'i', 'm'}, number(kMinServoRateHz, kMaxServoRateHz), static_cast<float>(number(0, 1)), static_cast<float>(number(0, 1))};
     }
   }
 

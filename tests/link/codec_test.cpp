@@ -238,6 +238,8 @@ TEST_F(CodecTest, RejectsValuesOutsideTheContract) {
   EXPECT_EQ(round_trip(LoopFacts{{'s'}, 20'000.0, 0.001F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, kNan}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, -0.001F}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, 0.001F, 0.17F}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(LoopFacts{{'s'}, 1000.0, 0.001F, HUGE_VALF}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(LoopFacts{{'\n'}, 1000.0, 0.001F}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportPart{.part = 2, .parts = 2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ReportRequest{.document = static_cast<ReportDocument>(2)}), DecodeStatus::bad_value);

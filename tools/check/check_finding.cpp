@@ -32,6 +32,8 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "stiffer-than-device";
     case SceneFault::stiffer_than_loop:
       return "stiffer-than-loop";
+    case SceneFault::tool_stiffer_than_loop:
+      return "tool-stiffer-than-loop";
     case SceneFault::more_damped_than_loop:
       return "more-damped-than-loop";
     case SceneFault::heavier_than_loop:

@@ -26,6 +26,7 @@ enum class SceneFault : std::uint8_t {
   softer_than_device,  // less force than the friction of the device
   stiffer_than_device,
   stiffer_than_loop,
+  tool_stiffer_than_loop,  // turns about its grip
   more_damped_than_loop,
   heavier_than_loop,     // a virtual mass
   stronger_than_device,  // an effect

@@ -10,6 +10,7 @@
 
 #include "closed_loop/recommendation.h"
 #include "closed_loop/stability.h"
+#include "closed_loop/turning_axis.h"
 #include "scene/scene_key.h"
 #include "tools/check/rounded_down.h"
 
@@ -45,6 +46,10 @@ HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, doub
     keep_least(loop, advice.damping_ns_per_m, held.by_damping, held.damping_ns_per_m);
     keep_least(loop, advice.viscosity_ns_per_m, held.by_viscosity, held.viscosity_ns_per_m);
     if (advice.device_n_per_m > 0.0) keep_least(loop, advice.device_n_per_m, held.by_device, held.device_n_per_m);
+    const double most_nm = loop.limits.max_torque_nm;
+    if (!(most_nm > 0.0)) continue;
+    keep_least(loop, recommend_rotational_stiffness(loop.hand_model, most_nm, rate_hz, delay_s), held.by_turning,
+               held.rotational_nm_per_rad);
   }
   return held;
 }
@@ -145,6 +150,15 @@ CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, 
   const StiffPart part = part_by_place(object, felt.n_per_m, held.pressed_n, held.safe_n_per_m);
   findings.push_back(stiffer_than_loop(object.name, part, held, rate_hz, delay_s));
   return findings;
+}
+
+CheckFindings check_turning(const std::string& name, double nm_per_rad, const HeldGains& held, double rate_hz, double delay_s) {
+  if (held.by_turning == nullptr || nm_per_rad <= held.rotational_nm_per_rad) return {};
+  const std::string most = fmt::format("{:.2g}", rounded_down(held.rotational_nm_per_rad));
+  return {{SceneFault::tool_stiffer_than_loop, name, std::nullopt,
+           fmt::format("up to {:.3g} Nm/rad about its grip, but {} is safe only up to {} Nm/rad", nm_per_rad,
+                       describe_loop(*held.by_turning, rate_hz, delay_s), most),
+           fmt::format("give haptics_node --rotational-stiffness {}, or shorten the delay (hapton loop recommend)", most)}};
 }
 
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s) {

@@ -18,8 +18,10 @@ struct HeldGains {
   const NamedLoop* by_damping = nullptr;
   double damping_ns_per_m = 0.0;  // of a material
   const NamedLoop* by_viscosity = nullptr;
-  double viscosity_ns_per_m = 0.0;   // of an effect
-  double pressed_n = kMostPressedN;  // how hard surfaces are pressed: the largest force of the strongest device
+  double viscosity_ns_per_m = 0.0;        // of an effect
+  const NamedLoop* by_turning = nullptr;  // null: no motors of any turn the stylus
+  double rotational_nm_per_rad = 0.0;     // of a rigid tool's coupling (turning_axis.h)
+  double pressed_n = kMostPressedN;       // how hard surfaces are pressed: the largest force of the strongest device
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, some 0.1 s.
 HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
@@ -28,6 +30,9 @@ HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, doub
 CheckFindings check_stiffness(const SceneObject& object, const HeldGains& held, double rate_hz, double delay_s);
 // A spring, a snap or a gravity well in free space.
 CheckFindings check_stiffness(const SceneEffect& effect, const HeldGains& held, double rate_hz, double delay_s);
+
+// A rigid tool, or an object that becomes one, of that rotational stiffness about its grip.
+CheckFindings check_turning(const std::string& name, double nm_per_rad, const HeldGains& held, double rate_hz, double delay_s);
 
 // An object that nobody feels: at a depth of 20 mm its spring has less force than the friction of every device, usually because its
 // stiffness is meant in N/mm. RT: set-up only.

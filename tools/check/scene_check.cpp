@@ -80,8 +80,8 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
       .path = path, .findings = {}, .accepted = {}, .notes = scene.notes, .objects = scene.objects.size(), .triangles = 0, .cost = {}};
   const HeldGains held = find_held_gains(settings.loops, settings.rate_hz, settings.delay_s);
   if (scene.tool)
-    check.notes.push_back(
-        fmt::format("not checked: where the tool '{}' gets; other findings but those on damping are for a probe", scene.tool->name));
+    check.notes.push_back(fmt::format(
+        "not checked: where the tool '{}' gets; other findings but those on damping and turning are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
     check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
   }
@@ -112,6 +112,8 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   auto tool = check_tool(scene);
   if (!tool) return tl::unexpected(Error{fmt::format("{}: {}", path, tool.error().what)});
   append(std::move(*tool), check.findings);
+  for (const TurnedBody& body : list_turned(scene))
+    append(check_turning(body.name, body.nm_per_rad, held, settings.rate_hz, settings.delay_s), check.findings);
   for (const DevicePreset* device : reaching) append(check_size(scene, *device), check.findings);
   auto cost = measure_step_cost(scene, {.probe_radius_m = settings.probe_radius_m, .rate_hz = settings.rate_hz, .seed = settings.seed});
   if (!cost) return tl::unexpected(Error{fmt::format("{}: {}", path, cost.error().what)});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/force/stiffest.h"
 #include "core/tool/tool_step.h"
 #include "scene/find_tool.h"
 #include "scene/tool_obstacles.h"
@@ -36,7 +37,38 @@ CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
                    : "leave out its other effects, images and two_sided = false where what is picked up should feel them"};
 }
 
+// The vertex that is farthest from the middle of the surface: about it the mean squared lever is largest.
+Vec3 find_farthest_grip(const TriangleMesh& mesh) {
+  Vec3 moment = Vec3::Zero();
+  double area = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = mesh.corner(t, 0);
+    const Vec3 b = mesh.corner(t, 1);
+    const Vec3 c = mesh.corner(t, 2);
+    const double twice = (b - a).cross(c - a).norm();
+    area += twice;
+    moment += twice / 3.0 * (a + b + c);
+  }
+  if (!(area > 0.0)) return Vec3::Zero();
+  const Vec3 middle = moment / area;
+  return *std::ranges::max_element(mesh.vertices, {}, [&](const Vec3& v) { return (v - middle).squaredNorm(); });
+}
+
 }  // namespace
+
+std::vector<TurnedBody> list_turned(const Scene& scene) {
+  std::vector<TurnedBody> bodies;
+  const double stiffness_n_per_m = find_stiffest_surface(scene.touch_scene());
+  if (scene.tool) {
+    bodies.push_back({scene.tool->name, stiffness_n_per_m * find_mean_squared_lever(*scene.tool->mesh)});
+    return bodies;
+  }
+  for (const SceneObject& object : scene.objects) {
+    if (!object.is_movable || object.mesh->vertices.empty()) continue;
+    bodies.push_back({object.name, stiffness_n_per_m * find_mean_squared_lever(*object.mesh, find_farthest_grip(*object.mesh))});
+  }
+  return bodies;
+}
 
 Result<CheckFindings> check_tool(const Scene& scene) {
   CheckFindings findings;

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "closed_loop/recommendation.h"
+#include "closed_loop/turning_axis.h"
 #include "tools/commands.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/loop/loop_flags.h"
@@ -52,7 +53,7 @@ nlohmann::ordered_json number_or_null(double value) {
   return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
 }
 
-// Of several hands the one that allows least; of damping the least of all.
+// Of several hands the one that allows least; of damping and turning the least of all.
 Result<void> run(const RecommendOptions& options) {
   const auto latency = latency_of(options);
   if (!latency) return tl::unexpected(latency.error());
@@ -61,10 +62,15 @@ Result<void> run(const RecommendOptions& options) {
   std::optional<Advice> least;
   double damping_ns_per_m = std::numeric_limits<double>::infinity();
   double viscosity_ns_per_m = damping_ns_per_m;
+  double rotational_nm_per_rad = damping_ns_per_m;  // infinite: no motors of any turn the stylus
   for (const NamedLoop& loop : *loops) {
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, latency->rate_hz, latency->delay_s);
     damping_ns_per_m = std::min(damping_ns_per_m, advice.damping_ns_per_m);
     viscosity_ns_per_m = std::min(viscosity_ns_per_m, advice.viscosity_ns_per_m);
+    if (loop.limits.max_torque_nm > 0.0) {
+      rotational_nm_per_rad = std::min(rotational_nm_per_rad, recommend_rotational_stiffness(loop.hand_model, loop.limits.max_torque_nm,
+                                                                                             latency->rate_hz, latency->delay_s));
+    }
     if (!least || advice.stiffness_n_per_m < least->recommendation.stiffness_n_per_m) least = Advice{*latency, &loop, advice};
   }
   const Recommendation& advice = least->recommendation;
@@ -80,6 +86,7 @@ Result<void> run(const RecommendOptions& options) {
                                          {"device_stiffness_n_per_m", advice.device_n_per_m},
                                          {"recommended_damping_ns_per_m", number_or_null(damping_ns_per_m)},
                                          {"recommended_viscosity_ns_per_m", number_or_null(viscosity_ns_per_m)},
+                                         {"recommended_rotational_stiffness_nm_per_rad", number_or_null(rotational_nm_per_rad)},
                                          {"gain_margin", kGainMargin},
                                          {"limited_by", advice.is_limited_by_device ? "device" : "stability"}};
     fmt::print("{}\n", json.dump(2));
@@ -96,6 +103,8 @@ Result<void> run(const RecommendOptions& options) {
       advice.passive_n_per_m, advice.stiffness_n_per_m, advice.stiffness_n_per_m);
   fmt::print("Damping: damping_ns_per_m of a material {:.3g} at most, viscosity_ns_per_m and viscous effects {:.3g}\n", damping_ns_per_m,
              viscosity_ns_per_m);
+  if (std::isfinite(rotational_nm_per_rad))
+    fmt::print("A rigid tool: haptics_node --rotational-stiffness {:.2g} at most (Nm/rad, about the grip)\n", rotational_nm_per_rad);
   return {};
 }
 

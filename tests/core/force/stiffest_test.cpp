@@ -155,10 +155,13 @@ TEST(Stiffest, AToolHasDampingAndViscosityUnderOneLimit) {
 
 TEST(Stiffest, OfPointAndToolByTurnsTheLargestCount) {
   const LargestGains both = LargestGains{.stiffness_n_per_m = 3.0, .damping_ns_per_m = 2.0, .viscosity_ns_per_m = 1.0}.largest_of(
-      {.stiffness_n_per_m = 2.0, .damping_ns_per_m = 3.0, .viscosity_ns_per_m = 4.0});
+      {.stiffness_n_per_m = 2.0, .damping_ns_per_m = 3.0, .viscosity_ns_per_m = 4.0, .rotational_nm_per_rad = 0.5});
   EXPECT_EQ(both.stiffness_n_per_m, 3.0);
   EXPECT_EQ(both.damping_ns_per_m, 3.0);
   EXPECT_EQ(both.viscosity_ns_per_m, 4.0);
+  EXPECT_EQ(both.rotational_nm_per_rad, 0.5);
+  EXPECT_TRUE(LargestGains{.rotational_nm_per_rad = 0.5}.any());
+  EXPECT_FALSE(LargestGains().any());
 }
 
 TEST(Stiffest, SurfacesAloneLeaveOutTheSpace) {

@@ -56,6 +56,22 @@ TEST(LoopCheck, WhatIsHeldExactlyIsNoFinding) {
   EXPECT_TRUE(check_stiffness(object_of(std::floor(held.safe_n_per_m)), held, 1000.0, 1e-3).empty()) << "the fix holds";
 }
 
+TEST(LoopCheck, OnlyMotorsThatTurnTheStylusLimitWhatTurns) {
+  EXPECT_TRUE(check_turning("peg", 1e3, find_held_gains(loops_for_check("model-a", "light"), 1000.0, 1e-3), 1000.0, 1e-3).empty());
+  const auto loops = loops_for_check("model-a,model-a-6dof", "firm,light");
+  const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);
+  ASSERT_TRUE(held.by_turning);
+  EXPECT_EQ(held.by_turning->device, "model-a-6dof");
+  EXPECT_EQ(held.by_turning->hand, "light");
+  EXPECT_TRUE(check_turning("peg", held.rotational_nm_per_rad, held, 1000.0, 1e-3).empty());
+  const CheckFindings above = check_turning("peg", 1.01 * held.rotational_nm_per_rad, held, 1000.0, 1e-3);
+  ASSERT_EQ(above.size(), 1U);
+  EXPECT_EQ(above[0].fault, SceneFault::tool_stiffer_than_loop);
+  EXPECT_EQ(above[0].object, "peg");
+  EXPECT_THAT(above[0].what, HasSubstr("model-a-6dof in hand light at 1000 Hz"));
+  EXPECT_THAT(above[0].fix, HasSubstr("--rotational-stiffness 0.8"));
+}
+
 TEST(LoopCheck, EffectsCountAsStiffAsTheyAre) {
   const auto loops = loops_for_check("model-a", "light");
   const HeldGains held = find_held_gains(loops, 1000.0, 1e-3);

@@ -43,6 +43,28 @@ TEST(ToolCheck, WhatCannotBePickedUpIsNoCleanScene) {
   EXPECT_EQ(found[0].what.find("it cannot be picked up: "), 0U) << found[0].what;
 }
 
+// A rod of length L turns about its middle with k L^2 / 18 (two thirds of L^2 / 12), about its end with four times as much.
+TEST(ToolCheck, ABodyTurnsAsStifflyAsSpringsOverItsSurface) {
+  constexpr double kLengthM = 0.3;
+  const auto rod = made::shared(made::box(Vec3(-1e-5, -1e-5, -0.5 * kLengthM), Vec3(1e-5, 1e-5, 0.5 * kLengthM)));
+  Scene scene;
+  scene.objects = {block_at("table", Vec3::Zero(), false), block_at("rod", Vec3::Zero(), true)};
+  scene.objects[0].material.stiffness_n_per_m = 900.0;
+  scene.objects[1].material.stiffness_n_per_m = 300.0;
+  scene.objects[1].mesh = rod;
+  const double about_middle = 900.0 * kLengthM * kLengthM / 18.0;
+  ASSERT_EQ(list_turned(scene).size(), 1U) << "the table stays";
+  EXPECT_EQ(list_turned(scene)[0].name, "rod");
+  EXPECT_NEAR(list_turned(scene)[0].nm_per_rad, 4.0 * about_middle, 1e-3 * about_middle) << "held at its end";
+  scene.tool = SceneTool{.name = "peg", .mesh = rod};
+  ASSERT_EQ(list_turned(scene).size(), 1U) << "nothing else is picked up";
+  EXPECT_EQ(list_turned(scene)[0].name, "peg");
+  EXPECT_NEAR(list_turned(scene)[0].nm_per_rad, about_middle, 1e-3 * about_middle);
+  scene.tool.reset();
+  scene.objects[1].is_movable = false;
+  EXPECT_TRUE(list_turned(scene).empty());
+}
+
 TEST(ToolCheck, TheOnlyObjectOverlapsNothing) {
   Scene scene;
   scene.objects = {block_at("brick", Vec3::Zero(), true)};

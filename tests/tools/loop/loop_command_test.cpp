@@ -7,6 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "closed_loop/hand_model.h"
+#include "closed_loop/turning_axis.h"
 #include "tests/tools/command_run.h"
 
 namespace hapton {
@@ -115,6 +117,16 @@ TEST(LoopCommand, RecommendReadsAMeasuredLatency) {
   EXPECT_DOUBLE_EQ(json["delay_ms"].get<double>(), 30.0);
   EXPECT_EQ(json["limited_by"], "stability");
   EXPECT_LT(json["recommended_stiffness_n_per_m"].get<double>(), json["stable_stiffness_n_per_m"].get<double>());
+  EXPECT_TRUE(json["recommended_rotational_stiffness_nm_per_rad"].is_null()) << "no motor turns its stylus";
+}
+
+TEST(LoopCommand, RecommendsARotationalStiffnessWhereMotorsTurnTheStylus) {
+  const CommandRun seen = run({"recommend", "--device", "model-a-6dof", "--hand", "light", "--delay", "1", "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const double safe = nlohmann::json::parse(seen.out)["recommended_rotational_stiffness_nm_per_rad"].get<double>();
+  EXPECT_NEAR(safe, recommend_rotational_stiffness(*find_hand_preset("light"), 0.17, 1000.0, 1e-3), 1e-9);
+  const CommandRun said = run({"recommend", "--device", "model-a-6dof", "--hand", "light", "--delay", "1"});
+  EXPECT_THAT(said.out, HasSubstr("--rotational-stiffness 0.84"));
 }
 
 TEST(LoopCommand, BadInputGetsOneLine) {
