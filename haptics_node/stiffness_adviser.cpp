@@ -11,6 +11,7 @@
 #include "closed_loop/hand_model.h"
 #include "closed_loop/recommendation.h"
 #include "closed_loop/turning_axis.h"
+#include "core/base/rounded_down.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "scene/scene_key.h"
@@ -91,12 +92,12 @@ void warn_of_places(const LargestGains& gains, const StiffnessAdvice& advice, co
 
 void warn_of_turning(double nm_per_rad, const StiffnessAdvice& advice, const LoopFacts& facts) {
   if (!(advice.rotational_nm_per_rad > 0.0) || nm_per_rad <= advice.rotational_nm_per_rad) return;
+  const double most = rounded_down(advice.rotational_nm_per_rad);
   log_warning(
       "the stylus holds a tool with {:.3g} Nm/rad, but a stylus with motors at {:g} Hz with torques after {:.3g} ms is safe only up to "
       "{:.2g} "
       "Nm/rad (hand: {}); give haptics_node --rotational-stiffness {:.2g}, or shorten the delay (see hapton loop recommend)",
-      nm_per_rad, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), advice.rotational_nm_per_rad, advice.by_turning,
-      advice.rotational_nm_per_rad);
+      nm_per_rad, facts.servo_rate_hz, 1e3 * static_cast<double>(facts.round_trip_s), most, advice.by_turning, most);
 }
 
 void add_turning(const LoopFacts& facts, StiffnessAdvice& advice) {

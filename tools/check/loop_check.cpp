@@ -11,8 +11,8 @@
 #include "closed_loop/recommendation.h"
 #include "closed_loop/stability.h"
 #include "closed_loop/turning_axis.h"
+#include "core/base/rounded_down.h"
 #include "scene/scene_key.h"
-#include "tools/check/rounded_down.h"
 
 namespace hapton {
 namespace {

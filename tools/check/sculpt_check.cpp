@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/rounded_down.h"
 #include "core/collision/wall_thickness.h"
-#include "tools/check/rounded_down.h"
 
 namespace hapton {
 namespace {

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+#include "core/base/rounded_down.h"
 #include "core/collision/wall_thickness.h"
 #include "core/geometry/boundary_loops.h"
 #include "core/geometry/mass_properties.h"
 #include "scene/mesh_report.h"
-#include "tools/check/rounded_down.h"
 
 namespace hapton {
 namespace {

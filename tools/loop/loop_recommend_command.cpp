@@ -10,6 +10,7 @@
 
 #include "closed_loop/recommendation.h"
 #include "closed_loop/turning_axis.h"
+#include "core/base/rounded_down.h"
 #include "tools/commands.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/loop/loop_flags.h"
@@ -104,7 +105,8 @@ Result<void> run(const RecommendOptions& options) {
   fmt::print("Damping: damping_ns_per_m of a material {:.3g} at most, viscosity_ns_per_m and viscous effects {:.3g}\n", damping_ns_per_m,
              viscosity_ns_per_m);
   if (std::isfinite(rotational_nm_per_rad))
-    fmt::print("A rigid tool: haptics_node --rotational-stiffness {:.2g} at most (Nm/rad, about the grip)\n", rotational_nm_per_rad);
+    fmt::print("A rigid tool: haptics_node --rotational-stiffness {:.2g} at most (Nm/rad, about the grip)\n",
+               rounded_down(rotational_nm_per_rad));
   return {};
 }
 

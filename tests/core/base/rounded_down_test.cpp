@@ -1,4 +1,4 @@
-#include "tools/check/rounded_down.h"
+#include "core/base/rounded_down.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
