@@ -371,6 +371,14 @@ bool HapticsStep::restore_carves(Sculpture& other, std::uint32_t newest) noexcep
   return true;
 }
 
+void HapticsStep::set_materials(std::span<const Material> materials, const ToolMaterials& of_tool) noexcept {
+  tool_->set_materials(of_tool);
+  set_materials(materials);
+  if (!running_ || !is_tool_held_) return;
+  fade_.begin();
+  torque_fade_.begin();
+}
+
 void HapticsStep::set_materials(std::span<const Material> materials) noexcept {
   ++counts_.materials_taken;
   touch_->set_materials(materials);

@@ -117,6 +117,8 @@ class HapticsStep {
   // The materials have changed, as ForceMethod::set_materials has them; the proxy stays. In contact the difference of the forces fades
   // (ForceFade), as after a change of method.
   void set_materials(std::span<const Material> materials) noexcept;
+  // The same with a rigid tool that was held from the start (hold): what it takes from them. Pre: holds_tool(), as StylusTool has it.
+  void set_materials(std::span<const Material> materials, const ToolMaterials& of_tool) noexcept;
 
   // Forgets contact and time: for a new hub session, or after a long gap in the samples.
   void restart() noexcept {

@@ -214,7 +214,7 @@ int run(const HapticsOptions& options) {
   std::optional<ToolTask> tool_task;
   if (*tool) {
     step.hold(tool->felt.get(), make_tool_obstacles(scene->touch_scene()).parts);
-    setup.method = tool->method;
+    setup.method = tool->describe(tool->coupling.stiffness_n_per_m);
     if (tool->followed != nullptr) tool_task.emplace(*tool->followed);
   }
   // Before the loop, which reads it.
@@ -239,7 +239,15 @@ int run(const HapticsOptions& options) {
   InsideWatch inside(felt_first);
   loop.set_inside_watch(&inside);
   HapticScene felt(felt_first, gains_of, adviser, inside, patches);
-  MaterialTuner tuner(*scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); });
+  MaterialTuner::DescribeTool describe_tool;
+  if (*tool) {
+    describe_tool = [&](double stiffness_n_per_m) {
+      adviser.note_tool(tool->coupling.rotational_stiffness_nm_per_rad * stiffness_n_per_m / tool->coupling.stiffness_n_per_m);
+      return tool->describe(stiffness_n_per_m);
+    };
+  }
+  MaterialTuner tuner(
+      *scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); }, describe_tool);
   loop.set_material_tuner(&tuner);
   const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
   ObjectMover mover(*scene, source);
@@ -259,6 +267,7 @@ int run(const HapticsOptions& options) {
   SceneWatcher watcher({.path = start->path,
                         .loading = options.loading,
                         .coupling_n_per_m = options.method.coupling_n_per_m,
+                        .has_tool = tool->felt != nullptr,
                         .on_scene = [&](const TouchScene& now) { felt.follow(now); }},
                        options.watch_scene ? start->loaded : Scene(), tuner, builder);
   if (options.watch_scene) watcher.start();

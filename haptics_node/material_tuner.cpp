@@ -3,18 +3,21 @@
 #include <chrono>
 #include <utility>
 
+#include "core/force/virtual_coupling.h"
 #include "haptic_step/haptics_setup.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
 #include "scene/scene_file.h"
+#include "scene/tool_obstacles.h"
 
 namespace hapton {
 
-MaterialTuner::MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned)
+MaterialTuner::MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned, DescribeTool describe_tool)
     : tuning_(scene),
       scene_(scene.touch_scene()),
       coupling_n_per_m_(coupling_n_per_m),
       on_tuned_(std::move(on_tuned)),
+      describe_tool_(std::move(describe_tool)),
       thread_(start_thread([this] { run(); })) {}
 
 MaterialTuner::~MaterialTuner() {
@@ -73,7 +76,7 @@ bool MaterialTuner::follow_file() {
   auto result = std::make_unique<TunedMaterials>();
   result->state = tuning_.state();
   result->state.request = replied_;
-  result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
+  add_materials(*result);
   publish(std::move(result));
   return true;
 }
@@ -81,6 +84,17 @@ bool MaterialTuner::follow_file() {
 std::optional<MaterialState> MaterialTuner::accepted() const {
   const std::scoped_lock lock(followed_mutex_);
   return accepted_;
+}
+
+void MaterialTuner::add_materials(TunedMaterials& result) const {
+  result.materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
+  if (!describe_tool_) return;
+  TouchScene tuned = scene_;
+  const std::vector<Material> uncoupled = tuned_materials(scene_, tuning_.state(), 0.0);
+  for (std::size_t o = 0; o < uncoupled.size(); ++o) tuned.objects[o].material = uncoupled[o];
+  ToolObstacles obstacles = make_tool_obstacles(couple_scene(std::move(tuned), coupling_n_per_m_));
+  result.of_tool = {obstacles.stiffness_n_per_m, std::move(obstacles.friction), std::move(obstacles.damping)};
+  result.tool_method = describe_tool_(obstacles.stiffness_n_per_m);
 }
 
 void MaterialTuner::publish(std::unique_ptr<TunedMaterials> result) {
@@ -100,7 +114,7 @@ void MaterialTuner::tune(const MaterialRequest& request) {
   result->state = tuning_.state();
   result->state.request = replied_ = request.request;
   if (changed) {
-    result->materials = tuned_materials(scene_, tuning_.state(), coupling_n_per_m_);
+    add_materials(*result);
     log_info("{}", tuning_.describe_last());
   } else {
     log_warning("{}; no material is changed", changed.error().what);

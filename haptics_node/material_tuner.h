@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/force/touch_scene.h"
+#include "core/tool/stylus_tool.h"
 #include "haptic_step/material_tuning.h"
 #include "link/messages.h"
 #include "runtime/mailbox.h"
@@ -18,9 +19,11 @@ namespace hapton {
 
 // The result of a request: the materials of all objects, or why they stay.
 struct TunedMaterials {
-  std::vector<Material> materials;  // for ForceMethod::set_materials; empty: rejected
-  MaterialState state;              // its serial is left to who puts them into use
-  std::uint32_t scene = 0;          // NewScene::revision that they are of; 0: the first
+  std::vector<Material> materials;            // for ForceMethod::set_materials; empty: rejected
+  std::optional<ToolMaterials> of_tool = {};  // where a rigid tool is held
+  HapticsSetup::Text tool_method = {};        // then, as HapticsSetup has it
+  MaterialState state;                        // its serial is left to who puts them into use
+  std::uint32_t scene = 0;                    // NewScene::revision that they are of; 0: the first
 };
 
 // Checks and works out changes of materials in its own thread, so that the loop that replies to the device only passes on what is ready.
@@ -30,7 +33,9 @@ class MaterialTuner {
   // Called by the tuner's thread with the materials of each accepted change, once they are ready for take().
   using OnTuned = std::function<void(const std::vector<Material>&)>;
 
-  MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned = {});
+  // describe_tool: where the stylus holds a rigid tool: what HapticsSetup says of it at this stiffness, N/m.
+  using DescribeTool = std::function<HapticsSetup::Text(double stiffness_n_per_m)>;
+  MaterialTuner(const Scene& scene, double coupling_n_per_m, OnTuned on_tuned = {}, DescribeTool describe_tool = {});
   ~MaterialTuner();
   MaterialTuner(const MaterialTuner&) = delete;
   MaterialTuner& operator=(const MaterialTuner&) = delete;
@@ -57,6 +62,7 @@ class MaterialTuner {
   void run();
   void tune(const MaterialRequest& request);
   bool follow_file();
+  void add_materials(TunedMaterials& result) const;
   void publish(std::unique_ptr<TunedMaterials> result);
   void free_retired() noexcept { delete retired_.exchange(nullptr, std::memory_order_acq_rel); }
 
@@ -64,6 +70,7 @@ class MaterialTuner {
   TouchScene scene_;
   double coupling_n_per_m_;
   OnTuned on_tuned_;
+  DescribeTool describe_tool_;
   Mailbox<MaterialRequest> requests_;
   std::atomic<TunedMaterials*> result_ = nullptr;
   std::atomic<TunedMaterials*> retired_ = nullptr;

@@ -270,10 +270,9 @@ void ReplyLoop::describe_scene(std::uint64_t hash, const SceneFacts& facts) noex
 void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
   if (tuner_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
-  if (!is_holding()) return tuner_->request(request);
+  if (step_.grasp() == nullptr || !step_.grasp()->is_busy()) return tuner_->request(request);
   materials_.request = request.request;
-  put_text("the stylus holds a rigid tool or an object, whose stiffness, damping and friction cannot be changed while it is held",
-           materials_.rejection);
+  put_text("the stylus holds an object, and stiffness, damping and friction cannot be changed while it is held", materials_.rejection);
   send_setup_soon();
 }
 
@@ -288,7 +287,12 @@ void ReplyLoop::change_materials() noexcept {
     put_text("the scene was read again meanwhile; request it again", materials_.rejection);
   }
   if (result->scene == material_revision_ && !result->materials.empty()) {
-    step_.set_materials(result->materials);
+    if (result->of_tool) {
+      step_.set_materials(result->materials, *result->of_tool);
+      setup_.method = result->tool_method;
+    } else {
+      step_.set_materials(result->materials);
+    }
     std::swap(result, tuned_);
   }
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);

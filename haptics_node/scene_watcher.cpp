@@ -42,16 +42,18 @@ bool has_same_program_shapes(const Scene& before, const Scene& after) {
                     [](const SceneObject& a, const SceneObject& b) { return a.name == b.name; });
 }
 
-// What the stylus picks up is prepared as it was at the start, and lies where it was put down: so nothing but materials may change.
-// base: what changes of materials are described against.
-bool suits_movable(const Scene& base, const Scene& before, const Scene& after) {
+// What the stylus holds or picks up is prepared as it was at the start, and may lie where it was put down: so nothing but materials may
+// change. base: what changes of materials are described against.
+bool suits_held(const Scene& base, const Scene& before, const Scene& after, bool has_tool) {
   const auto has_movable = [](const Scene& scene) { return std::ranges::any_of(scene.objects, &SceneObject::is_movable); };
-  if (!has_movable(before) && !has_movable(after)) return true;
+  if (!has_tool && !has_movable(before) && !has_movable(after)) return true;
   const SceneChange change = compare_scenes(before, after);
   if (change == SceneChange::materials) return describe_materials(base, after).has_value();
   return change == SceneChange::none &&
          std::ranges::equal(before.objects, after.objects, {}, &SceneObject::is_movable, &SceneObject::is_movable);
 }
+
+std::uint64_t tool_of(const Scene& scene) { return scene.tool ? scene.tool->given_hash : 0; }
 
 std::string_view describe(SceneChange change) {
   if (change == SceneChange::names) return "only its names have changed; changes by hapton set end, and effects begin anew";
@@ -105,19 +107,15 @@ SceneWatcher::Look SceneWatcher::look() {
 
 // Otherwise the log has the reason.
 bool SceneWatcher::may_replace(const Scene& scene) const {
-  // As at the start of the node.
-  if (scene.tool) {
-    log_warning(
-        "{}: --watch-scene does not support a rigid tool; leave out [tool], or start haptics_node again without --watch-scene; the present "
-        "scene stays in use",
-        options_.path.string());
+  if (tool_of(scene) != tool_of(used_)) {
+    log_warning("{}: [tool] has changed: start haptics_node again to use it; the present scene stays in use", options_.path.string());
     return false;
   }
-  if (!suits_movable(base_, used_, scene)) {
+  if (!suits_held(base_, used_, scene, options_.has_tool)) {
     log_warning(
-        "{}: the stylus picks up objects of this scene, so only stiffness, damping and friction may change, of {} objects at most, and "
-        "more than these has changed: start haptics_node again to use it; the present scene stays in use",
-        options_.path.string(), MaterialState::kMostObjects);
+        "{}: the stylus {} this scene, so only stiffness, damping and friction may change, of {} objects at most, and more than these has "
+        "changed: start haptics_node again to use it; the present scene stays in use",
+        options_.path.string(), options_.has_tool ? "holds a rigid tool in" : "picks up objects of", MaterialState::kMostObjects);
     return false;
   }
   if (!has_same_plugins(used_, scene)) {

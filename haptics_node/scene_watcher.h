@@ -24,6 +24,7 @@ class SceneWatcher {
     std::filesystem::path path;
     SceneLoading loading;
     double coupling_n_per_m = 0.0;
+    bool has_tool = false;  // the stylus holds a rigid tool, of the scene or of the command line
     // Called after another scene is in use: with what is felt now, coupled.
     std::function<void(const TouchScene&)> on_scene = {};
     // Reads the file. Pre: it may outlive the watcher.

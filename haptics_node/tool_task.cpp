@@ -34,7 +34,6 @@ Result<void> check_without_tool(const HapticsOptions& options, const Scene& scen
 
 // What a probe has, and a tool does not have, is said, not ignored.
 Result<void> check_with_tool(const HapticsOptions& options) {
-  if (options.watch_scene) return fail("--watch-scene does not support a rigid tool; leave one of them out");
   if (options.is_method_given && options.method.name != MethodSettings().name) {
     return fail("a rigid tool takes the place of the probe, and method {} needs one; leave out the tool or --method", options.method.name);
   }
@@ -65,8 +64,7 @@ Result<LiveTool> make_voxels(const HapticsOptions& options, const TriangleMesh& 
   log_lines((*voxels)->describe());
   if (obstacles.has_friction()) log_warning("voxels have no friction, so the scene's is left out");
   if (obstacles.has_damping()) log_warning("voxels have no damping and viscosity, so the scene's are left out");
-  LiveTool made{.coupling = (*voxels)->coupling(),
-                .method = to_setup_text(to_text((*voxels)->coupling(), mesh.triangles.size(), options.tool_voxel_m))};
+  LiveTool made{.coupling = (*voxels)->coupling(), .triangles = mesh.triangles.size(), .voxel_m = options.tool_voxel_m};
   made.felt = std::make_unique<HeldVoxels>(std::move(*voxels), mesh.vertices.front());
   return made;
 }
@@ -79,7 +77,7 @@ Result<LiveTool> make_proxy(const HapticsOptions& options, const TriangleMesh& m
   if (const auto damped = (*step)->damp(obstacles.damping); !damped) return tl::unexpected(damped.error());
   log_lines((*step)->describe());
   auto held = std::make_unique<HeldTool>(std::move(*step));
-  LiveTool made{.followed = held.get(), .coupling = held->tool().coupling(), .method = describe_tool(*held)};
+  LiveTool made{.followed = held.get(), .coupling = held->tool().coupling(), .triangles = mesh.triangles.size()};
   made.felt = std::move(held);
   return made;
 }
@@ -99,6 +97,13 @@ Result<LiveTool> make_live_tool(const HapticsOptions& options, const Scene& scen
                                          : make_proxy(options, *scene.tool->mesh, std::move(obstacles), coupling);
   if (!made) return fail("tool {}: {}", scene.tool->name, made.error().what);
   return made;
+}
+
+HapticsSetup::Text LiveTool::describe(double stiffness_n_per_m) const {
+  const double share = stiffness_n_per_m / coupling.stiffness_n_per_m;
+  return to_setup_text(
+      to_text({.stiffness_n_per_m = stiffness_n_per_m, .rotational_stiffness_nm_per_rad = share * coupling.rotational_stiffness_nm_per_rad},
+              triangles, voxel_m));
 }
 
 HapticsSetup::Text describe_tool(const HeldTool& tool) {

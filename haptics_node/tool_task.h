@@ -25,8 +25,13 @@ struct LiveTool {
   std::unique_ptr<StylusTool> felt = nullptr;  // null: the stylus is a probe
   HeldTool* followed = nullptr;                // the same, if a slow task follows the device with it
   ToolCoupling coupling = {};
-  HapticsSetup::Text method = {};  // as HapticsSetup has it
+  std::size_t triangles = 0;
+  double voxel_m = 0.0;  // 0: no voxels
+
   explicit operator bool() const noexcept { return felt != nullptr; }
+  // What the hub gets in place of a method's description: "name=tool ...", with the coupling at this stiffness (the rotational one changes
+  // in proportion).
+  HapticsSetup::Text describe(double stiffness_n_per_m) const;
 };
 
 // The rigid tool of the scene (find_tool), if there is one. The tool feels friction, damping and viscosity of the materials, with

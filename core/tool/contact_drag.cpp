@@ -25,10 +25,22 @@ double share_within(double force_n, double most_n) { return force_n > most_n ? m
 
 ContactDrag::ContactDrag(std::vector<std::vector<ContactDamping>> damping, double unit_m, double radius)
     : damping_(std::move(damping)), unit_m_(unit_m), radius_(radius), motions_(damping_.size()) {
+  note_damping();
+}
+
+// Where there was none before, no velocity is known yet: that of all begins anew.
+void ContactDrag::note_damping() noexcept {
+  is_on_ = false;
   for (std::size_t p = 0; p < damping_.size(); ++p) {
-    motions_[p].has_damping = any_is_on(damping_[p]);
+    const bool had_damping = std::exchange(motions_[p].has_damping, any_is_on(damping_[p]));
     is_on_ = is_on_ || motions_[p].has_damping;
+    if (motions_[p].has_damping && !had_damping) reset();
   }
+}
+
+void ContactDrag::set_damping(const std::vector<std::vector<ContactDamping>>& damping) noexcept {
+  damping_ = damping;
+  note_damping();
 }
 
 void ContactDrag::reset() noexcept {

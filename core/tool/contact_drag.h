@@ -64,6 +64,8 @@ class ContactDrag {
   ContactDrag(std::vector<std::vector<ContactDamping>> damping, double unit_m, double radius);
 
   bool is_on() const noexcept { return is_on_; }
+  // From the next step on. Pre: as many parts and objects as it was made with. RT: yes.
+  void set_damping(const std::vector<std::vector<ContactDamping>>& damping) noexcept;
   void reset() noexcept;
   // The device's placement at this sample, and that of each part that moves; dt_s: since the sample before; if not above 0, the velocities
   // stay what they were.
@@ -118,6 +120,7 @@ class ContactDrag {
   bool has_damping(int part) const noexcept {
     return part >= 0 && static_cast<std::size_t>(part) < motions_.size() && motions_[static_cast<std::size_t>(part)].has_damping;
   }
+  void note_damping() noexcept;
   ContactDamping damping_of(const Contact& contact) const noexcept;
   Vec6 velocity_past(int part) const noexcept;
   void add(const Contact& contact, double along_n, Touched& touched) const noexcept;

@@ -19,10 +19,50 @@ HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
     : tool_(std::move(tool)),
       samples_(Sample{.parts = std::vector<Placement>(tool_->moving_count())}),
       drag_(tool_->drag()),
+      has_friction_(tool_->has_friction()),
       parts_(tool_->moving_count()),
       last_parts_(parts_),
       pushes_(parts_.size()) {
   last_.parts = parts_;
+  place_objects();
+}
+
+std::size_t HeldTool::part_of(std::size_t object) const noexcept {
+  const std::span<const int> parts = tool_->part_of();
+  return object < parts.size() ? static_cast<std::size_t>(std::max(parts[object], 0)) : 0;
+}
+
+void HeldTool::place_objects() {
+  friction_of_.resize(parts_.size() + 1);
+  friction_of_[0].resize(tool_->scene().object_count());
+  for (std::size_t p = 0; p < parts_.size(); ++p) friction_of_[p + 1].resize(tool_->moving(p).object_count());
+  counts_.resize(friction_of_.size());
+  for (const auto& objects : friction_of_) damping_of_.emplace_back(objects.size());
+}
+
+void HeldTool::set_materials(const ToolMaterials& materials) noexcept {
+  tool_->set_stiffness(materials.stiffness_n_per_m);
+  has_changed_ = true;
+  has_friction_ = false;
+  // The objects of a part are in the order of the scene.
+  std::fill(counts_.begin(), counts_.end(), std::size_t{0});
+  for (std::size_t o = 0; o < std::min(materials.friction.size(), materials.damping.size()); ++o) {
+    const std::size_t part = part_of(o);
+    const std::size_t object = counts_[part]++;
+    if (object >= friction_of_[part].size()) continue;
+    friction_of_[part][object] = materials.friction[o];
+    damping_of_[part][object] = materials.damping[o];
+    has_friction_ = has_friction_ || materials.friction[o].friction_static > 0.0;
+  }
+  if (!has_friction_) friction_.forget();
+  drag_.set_damping(damping_of_);
+}
+
+void HeldTool::set_friction(LocalContacts& contacts) const noexcept {
+  for (std::size_t i = 0; i < contacts.count; ++i) {
+    LocalContact& contact = contacts.contacts[i];
+    contact.friction = friction_of_[static_cast<std::size_t>(contact.part)][contact.object];
+  }
 }
 
 HeldTool::HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP) : HeldTool(std::move(tool)) {
@@ -58,7 +98,6 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
   if (drag_.is_on()) move_drag(input, device, seconds(time_ns - felt_ns_));
-  const bool has_friction = tool_->has_friction();
   std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!is_known_ || output.proxy.is_blocked) {
     drag_.release();
@@ -79,8 +118,9 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   Placement goal = device;
   Placement at = device;
   found.contacts.follow(parts_);
+  if (has_changed_) set_friction(found.contacts);
   LocalContacts::Held held;
-  if (has_friction) {
+  if (has_friction_) {
     const ToolFriction::Step rubbed = friction_.step(found.contacts, device, parts_);
     goal = rubbed.goal;
     held = rubbed.held;

@@ -45,6 +45,8 @@ class HeldTool final : public StylusTool {
   // Fast: the slow task had found the tool's pose before the last step.
   bool is_known() const noexcept override { return is_known_; }
   Vec3 vertex_m() const noexcept override { return tool_->vertex_m(); }
+  // Fast.
+  void set_materials(const ToolMaterials& materials) noexcept override;
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
 
@@ -72,6 +74,9 @@ class HeldTool final : public StylusTool {
   };
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
   double length_of(const Felt& felt) const noexcept;
+  void place_objects();
+  std::size_t part_of(std::size_t object) const noexcept;
+  void set_friction(LocalContacts& contacts) const noexcept;
   void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
   void add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
                 ToolOutput& output) noexcept;
@@ -107,6 +112,12 @@ class HeldTool final : public StylusTool {
   std::optional<Placement> start_;
   ToolFriction friction_;
   ContactDrag drag_;
+  // By part and object. Those of the contacts count until materials have changed.
+  std::vector<std::vector<CoulombFriction>> friction_of_;
+  std::vector<std::vector<ContactDamping>> damping_of_;
+  std::vector<std::size_t> counts_;  // of objects, by part
+  bool has_friction_;
+  bool has_changed_ = false;
   ToolView last_view_;                 // with damping only
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before

@@ -18,6 +18,8 @@ class HeldVoxels final : public StylusTool {
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
   void forget_motion() noexcept override {}
   bool is_known() const noexcept override { return is_known_; }
+  // Of them voxels have the stiffness.
+  void set_materials(const ToolMaterials& materials) noexcept override { tool_->set_stiffness(materials.stiffness_n_per_m); }
   const ToolPush& push_on(std::size_t) const noexcept override { return no_push_; }
   Vec3 vertex_m() const noexcept override { return vertex_m_; }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "core/tool/tool_step.h"
 
@@ -11,6 +12,13 @@ namespace hapton {
 struct ToolPush {
   Vec3 force_n = Vec3::Zero();
   Vec3 torque_nm = Vec3::Zero();  // about the grip point of the tool as it is drawn
+};
+
+// What a tool takes from the materials of the scene. friction, damping: of each object, in the order in which the tool was made of them.
+struct ToolMaterials {
+  double stiffness_n_per_m = 0.0;
+  std::vector<CoulombFriction> friction = {};
+  std::vector<ContactDamping> damping = {};
 };
 
 // A rigid tool as the haptic step has it, whatever computes it: the proxy (HeldTool), or voxels for comparison (HeldVoxels). RT: yes.
@@ -28,6 +36,9 @@ class StylusTool {
   virtual void forget_motion() noexcept = 0;
   // The tool's pose was known before the last step. Until then there is no force, and the tool is drawn at the device.
   virtual bool is_known() const noexcept = 0;
+  // Materials have changed: they count from the next step on. The rotational stiffness changes in proportion to the stiffness, and the
+  // tool stays where it is. Pre: as many objects as the tool was made of.
+  virtual void set_materials(const ToolMaterials& materials) noexcept = 0;
   // Of the last step, what the contacts with a part that moves do to it. Pre: of the parts that move, from 0.
   virtual const ToolPush& push_on(std::size_t part) const noexcept = 0;
   // A vertex of the tool, metres from the grip point, along the stylus' axes. Pre: made of a mesh.

@@ -133,6 +133,7 @@ Result<std::unique_ptr<ToolStep>> ToolStep::checked(std::unique_ptr<ToolStep> st
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
   if (!(size > 0.0) || !(turn_length > 0.0)) return fail("the tool has no surface about its grip point");
   if (!(size <= kMostSizes)) return fail("the tool is {:.3g} times as large as the scene; check the units of both", size);
+  step->set_drag({});
   return step;
 }
 
@@ -140,6 +141,7 @@ ToolStep::ToolStep(const TriangleMesh& tool, std::vector<Objects> parts, const B
                    std::unique_ptr<WorkerTeam> team)
     : team_(std::move(team)),
       coupling_(coupling),
+      squared_lever_m2_(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m),
       scene_(std::move(parts[0].meshes), BuildPolicy::at_once, std::nullopt, box),
       tool_(ObjectGeometry::make(tool, {Vec3::Zero(), scene_.unit_m()}, 2 * tool.triangles.size())),
       proxy_(tool_, scene_, turn_length_m(coupling_) / scene_.unit_m(), parts[0].friction, team_ ? *team_ : calling_thread()) {
@@ -155,6 +157,7 @@ ToolStep::ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts
                    std::unique_ptr<WorkerTeam> team)
     : team_(std::move(team)),
       coupling_(coupling),
+      squared_lever_m2_(coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m),
       has_friction_(std::ranges::any_of(parts, [](const PreparedPart& part) { return is_rough(part.friction); })),
       q_DT_(prepared.q_DT),
       scene_(geometries_of(parts[0].surfaces), prepared.frame),
@@ -182,6 +185,10 @@ Placement ToolStep::to_local(const ToolInput& input) const noexcept {
   const Pose X_SD = input.X_WS.inverse(Eigen::Isometry) * input.X_WD;
   const Quat q_SD = Quat(X_SD.linear()).normalized();
   return {scene_.to_local(X_SD.translation()), q_DT_ ? (q_SD * *q_DT_).normalized() : q_SD};
+}
+
+void ToolStep::set_stiffness(double n_per_m) noexcept {
+  coupling_ = {.stiffness_n_per_m = n_per_m, .rotational_stiffness_nm_per_rad = n_per_m * squared_lever_m2_};
 }
 
 void ToolStep::reset(const ToolInput& input) noexcept {
@@ -231,17 +238,24 @@ void ToolStep::note_view(const ToolInput& input, ToolView& last, ContactDrag& dr
 }
 
 Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
-  std::vector<std::vector<ContactDamping>> by_part(moving_.size() + 1);
-  for (std::size_t o = 0; o < damping.size(); ++o) {
-    const ContactDamping& one = damping[o];
+  for (const ContactDamping& one : damping) {
     if (!(one.normal_ns_per_m >= 0.0) || !(one.along_ns_per_m >= 0.0) || !std::isfinite(one.normal_ns_per_m + one.along_ns_per_m)) {
       return fail("the damping of a surface is {} Ns/m along its normal and {} Ns/m along it; give 0 or more", one.normal_ns_per_m,
                   one.along_ns_per_m);
     }
-    by_part[part_of_object(part_of_, o)].push_back(one);
+  }
+  set_drag(damping);
+  return {};
+}
+
+void ToolStep::set_drag(const std::vector<ContactDamping>& damping) {
+  std::size_t objects = scene_.object_count();
+  for (const auto& part : moving_) objects += part->object_count();
+  std::vector<std::vector<ContactDamping>> by_part(moving_.size() + 1);
+  for (std::size_t o = 0; o < objects; ++o) {
+    by_part[part_of_object(part_of_, o)].push_back(o < damping.size() ? damping[o] : ContactDamping());
   }
   drag_ = ContactDrag(std::move(by_part), scene_.unit_m(), proxy_.radius());
-  return {};
 }
 
 std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Held& held, double unit_force_n,

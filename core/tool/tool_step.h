@@ -98,6 +98,10 @@ class ToolStep {
   // For the drag of contacts, at each sample: where the scene was moved since the last one, that is no motion of the hand.
   void note_view(const ToolInput& input, ToolView& last, ContactDrag& drag) const noexcept;
   std::size_t moving_count() const { return moving_.size(); }
+  // Of each object that it was made of, as make has parts; empty: all stand still.
+  std::span<const int> part_of() const noexcept { return part_of_; }
+  // The rotational stiffness changes in proportion, so the proxy goes to the same poses. Threads: the one of felt_at. RT: yes.
+  void set_stiffness(double n_per_m) noexcept;
   // Force, torque and drawn pose for these poses of device and tool.
   ToolOutput felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept;
   ToolProxy& proxy() { return proxy_; }
@@ -133,10 +137,12 @@ class ToolStep {
   ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts, const ToolCoupling& coupling, std::unique_ptr<WorkerTeam> team);
   static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;
+  void set_drag(const std::vector<ContactDamping>& damping);  // of each object; what is missing is not damped
   void add_drag(const ToolInput& input, ToolOutput& output) noexcept;
 
   std::unique_ptr<WorkerTeam> team_;
   ToolCoupling coupling_;
+  double squared_lever_m2_;  // of the coupling: rotational stiffness over stiffness
   bool has_friction_ = false;
   std::optional<Quat> q_DT_;  // of the tool's axes in the stylus; none: they are the same
   TouchGeometry scene_;

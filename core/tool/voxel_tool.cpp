@@ -31,6 +31,7 @@ Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, con
   if (!(voxel_m > 0.0) || !std::isfinite(voxel_m)) return fail("a voxel of {} m: give a positive size", voxel_m);
   std::unique_ptr<VoxelTool> made(new VoxelTool);
   made->coupling_ = (*checked)->coupling();
+  made->squared_lever_m2_ = made->coupling_.rotational_stiffness_nm_per_rad / made->coupling_.stiffness_n_per_m;
 
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = -low;

@@ -35,6 +35,11 @@ class VoxelTool {
   ToolOutput step(const ToolInput& input) noexcept;
   void reset(const ToolInput& input) noexcept;
 
+  // As ToolStep::set_stiffness.
+  void set_stiffness(double n_per_m) noexcept {
+    coupling_ = {.stiffness_n_per_m = n_per_m, .rotational_stiffness_nm_per_rad = n_per_m * squared_lever_m2_};
+  }
+
   // Where the tool is, frame S, metres.
   const Placement& placement() const { return proxy_; }
   std::size_t point_count() const { return points_.size(); }
@@ -54,6 +59,7 @@ class VoxelTool {
   int gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& pull) const noexcept;
 
   ToolCoupling coupling_;
+  double squared_lever_m2_ = 0.0;  // rotational stiffness over stiffness
   VoxelGrid grid_;
   Eigen::Vector3i cells_ = Eigen::Vector3i::Zero();
   std::vector<std::uint64_t> is_surface_;  // a bit a cell

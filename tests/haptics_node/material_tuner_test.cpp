@@ -66,6 +66,41 @@ TEST(MaterialTuner, GivesTheMaterialsOfAllObjectsAndTellsWhoeverNeedsThem) {
   EXPECT_EQ(told_now(), (std::vector{1000.0, 700.0}));
 }
 
+TEST(MaterialTuner, GivesWhatARigidToolTakesFromThem) {
+  Scene scene = hull_and_deck();
+  scene.objects[0].effects.viscosity.damping_ns_per_m = 3.0;
+  const auto describe = [](double n_per_m) {
+    HapticsSetup::Text text = {'t'};
+    text[1] = n_per_m == 900.0 ? '9' : '?';
+    return text;
+  };
+  MaterialTuner tuner(scene, 900.0, {}, describe);
+  MaterialRequest request = stiffness_request(5, "deck", 2000.0);
+  request.change.given |= MaterialChange::kDamping | MaterialChange::kFrictionStatic | MaterialChange::kFrictionDynamic;
+  request.change.damping_ns_per_m = 2.0;
+  request.change.friction_static = 0.5;
+  request.change.friction_dynamic = 0.4;
+  tuner.request(request);
+  auto result = wait_for_result(tuner);
+  ASSERT_NE(result, nullptr);
+  ASSERT_TRUE(result->of_tool);
+  EXPECT_LT(result->of_tool->stiffness_n_per_m, 900.0) << "coupled, as at the start";
+  EXPECT_GT(result->of_tool->stiffness_n_per_m, 500.0);
+  ASSERT_EQ(result->of_tool->friction.size(), 2U);
+  EXPECT_EQ(result->of_tool->friction[0].friction_static, 0.0);
+  EXPECT_EQ(result->of_tool->friction[1].friction_static, 0.5);
+  EXPECT_EQ(result->of_tool->friction[1].friction_dynamic, 0.4);
+  EXPECT_EQ(result->of_tool->damping[0].along_ns_per_m, 3.0);
+  EXPECT_GT(result->of_tool->damping[1].normal_ns_per_m, 0.0);
+  EXPECT_EQ(result->tool_method[0], 't');
+  tuner.retire(std::move(result));
+  MaterialTuner without(hull_and_deck(), 0.0);
+  without.request(stiffness_request(6, "deck", 700.0));
+  result = wait_for_result(without);
+  ASSERT_NE(result, nullptr);
+  EXPECT_FALSE(result->of_tool);
+}
+
 TEST(MaterialTuner, ARejectedRequestHasNoMaterials) {
   bool was_told = false;
   MaterialTuner tuner(hull_and_deck(), 0.0, [&](const std::vector<Material>&) { was_told = true; });

@@ -125,14 +125,30 @@ TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
   EXPECT_EQ(look_twice(), SceneWatcher::Look::same);
 }
 
-// At the start of the node it is an error, too.
-TEST_F(SceneWatcherTest, ToolsAreRejected) {
-  write("stiffness_n_per_m = 500\n[tool]\nmesh = 'a.obj'");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
-  EXPECT_THAT(log, HasSubstr("a.toml: --watch-scene does not support a rigid tool; leave out [tool], or start haptics_node"));
+TEST_F(SceneWatcherTest, AToolStaysTheSame) {
+  constexpr const char* kChanged = "a.toml: [tool] has changed: start haptics_node again";
+  const std::string tool = "\n[tool]\nmesh = 'a.obj'";
+  write("stiffness_n_per_m = 500" + tool);
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << "there was none at the start";
+  EXPECT_THAT(log, HasSubstr(kChanged));
   EXPECT_EQ(builder->take(), nullptr);
-  write("stiffness_n_per_m = 500");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::same);
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .has_tool = true}, *loaded, *tuner, *builder);
+  write("stiffness_n_per_m = 700" + tool);
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  const auto tuned = wait_for_materials();
+  ASSERT_NE(tuned, nullptr);
+  EXPECT_EQ(tuned->materials[0].stiffness_n_per_m, 700.0);
+  write("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1" + tool);
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr("a.toml: the stylus holds a rigid tool in this scene, so only stiffness, damping and friction may change"));
+  write("stiffness_n_per_m = 700" + tool + "\ngrip = 'centre'");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr(kChanged));
+  write("stiffness_n_per_m = 700");
+  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_THAT(log, HasSubstr(kChanged));
 }
 
 TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {

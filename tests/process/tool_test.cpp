@@ -38,6 +38,22 @@ TEST(Tool, IsFeltRecordedAndReportedWithItsTorque) {
   EXPECT_THAT(replayed.err, HasSubstr("hapton replay --tool"));
 }
 
+// The peg lies on a block; a program makes all of it softer and rougher meanwhile.
+TEST(Tool, ItsMaterialsAreTunedWhileItIsPressed) {
+  LedHand hand("simulated-6dof", "t_s,x_m,y_m,z_m,qw,qx,qy,qz\n0,0,0.014,0.06,1,0,0,0\n1,0,0.014,0.024,1,0,0,0\n", "pegs.toml");
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+  const Ended tuned =
+      run("hapton", {"set", "--hub", hand.hub, "--stiffness", "300", "--friction-static", "0.5", "--friction-dynamic", "0.4"},
+          hand.scratch.path())
+          .value_or(Ended{});
+  EXPECT_EQ(tuned.exit_code, 0) << tuned.err;
+  EXPECT_TRUE(System::wait_until([&] { return hand.haptics.err().find("stiffness 300 N/m") != std::string::npos; })) << hand.haptics.err();
+  hand.end();
+  const Ended info = run("hapton", {"session", "info", hand.file}, hand.scratch.path()).value_or(Ended{});
+  EXPECT_EQ(info.exit_code, 0) << info.err;
+  EXPECT_THAT(info.out, HasSubstr("name=tool stiffness_n_per_m=300 "));
+}
+
 // Picked up from above, lifted, put into its hole, and touched there.
 TEST(Tool, AnObjectIsPickedUpAndPutDownByAButton) {
   LedHand hand(

@@ -1,0 +1,129 @@
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/tool/held_tool.h"
+#include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+// Two tiles of a floor side by side, at z = 0, and a wall far off that moves by itself.
+std::vector<std::shared_ptr<const TriangleMesh>> tiles_and_wall() {
+  return {made::shared(made::box({-0.2, -0.1, -0.01}, {0.0, 0.1, 0.0})), made::shared(made::box({0.5, -0.1, -0.1}, {0.6, 0.1, 0.1})),
+          made::shared(made::box({0.0, -0.1, -0.01}, {0.2, 0.1, 0.0}))};
+}
+const std::vector<int> kParts = {0, 1, 0};
+
+ToolMaterials materials_of(double stiffness_n_per_m, const std::vector<double>& friction, const std::vector<double>& viscosity) {
+  ToolMaterials materials{.stiffness_n_per_m = stiffness_n_per_m};
+  for (const double one : friction) materials.friction.push_back({one, one});
+  for (const double one : viscosity) materials.damping.push_back({0.0, one});
+  return materials;
+}
+
+// A cube of 20 mm that a hand leads over them, 2 mm deep, as a haptics node does with one slow step for each sample.
+struct LedCube {
+  explicit LedCube(const ToolMaterials& materials) {
+    auto step = ToolStep::make(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)), tiles_and_wall(),
+                               {.stiffness_n_per_m = materials.stiffness_n_per_m}, materials.friction, nullptr, kParts)
+                    .value();
+    EXPECT_TRUE(step->damp(materials.damping));
+    tool = std::make_unique<HeldTool>(std::move(step));
+  }
+  ToolOutput go_to(double x, double z = 0.008) {
+    ToolInput input;
+    input.X_WD.translation() = Vec3(x, 0.0, z);
+    const Pose rest = Pose::Identity();
+    input.X_SO = {&rest, 1};
+    const ToolOutput felt = tool->step(input, 1'000'000 * ++sample);
+    tool->follow();
+    return felt;
+  }
+  // Along x at 0.1 m/s, the last sample at x.
+  ToolOutput slide_to(double x, int samples = 300) {
+    ToolOutput felt;
+    for (int n = samples; n >= 0; --n) felt = go_to(x - 1e-4 * n);
+    return felt;
+  }
+  void enter_at(double x) {
+    for (int n = 0; n <= 100; ++n) go_to(x, 0.012 - 4e-5 * n);
+  }
+
+  std::unique_ptr<HeldTool> tool;
+  std::int64_t sample = 0;
+};
+
+const ToolMaterials kPlain = materials_of(1000.0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0});
+
+TEST(HeldToolMaterials, StiffnessScalesForceAndTorqueAndMovesNothing) {
+  LedCube cube(kPlain);
+  cube.enter_at(-0.05);
+  const ToolOutput before = cube.go_to(-0.05);
+  EXPECT_NEAR(before.force_n.z(), 2.0, 1e-3);
+  cube.tool->set_materials(materials_of(250.0, {0, 0, 0}, {0, 0, 0}));
+  const ToolOutput after = cube.go_to(-0.05);
+  EXPECT_NEAR(after.force_n.z(), 0.5, 1e-3);
+  EXPECT_EQ(after.X_WP.matrix(), before.X_WP.matrix());
+  const ToolCoupling& coupling = cube.tool->tool().coupling();
+  EXPECT_NEAR(coupling.rotational_stiffness_nm_per_rad,
+              250.0 * find_mean_squared_lever(made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01))), 1e-12);
+}
+
+// Whatever was there before, it is the tool that was made of these materials, once both have slid alike.
+TEST(HeldToolMaterials, IsFeltAsIfItHadBeenMadeOfThem) {
+  for (const ToolMaterials& wanted : {materials_of(1000.0, {0.5, 0.0, 0.2}, {0, 0, 0}), materials_of(700.0, {0, 0, 0}, {5.0, 0.0, 2.0}),
+                                      materials_of(400.0, {0.3, 0.9, 0.1}, {1.0, 3.0, 4.0}), kPlain}) {
+    for (const ToolMaterials& before : {kPlain, materials_of(1000.0, {0.8, 0.1, 0.4}, {2.0, 0, 0})}) {
+      LedCube tuned(before);
+      LedCube made(wanted);
+      for (LedCube* one : {&tuned, &made}) {
+        one->enter_at(-0.1);
+        one->slide_to(-0.06);
+      }
+      tuned.tool->set_materials(wanted);
+      for (const double x : {-0.03, 0.05, 0.08}) {  // on the one tile, and on the other
+        const ToolOutput a = tuned.slide_to(x);
+        const ToolOutput b = made.slide_to(x);
+        EXPECT_LT((a.force_n - b.force_n).norm(), 2e-3 * b.force_n.norm())
+            << x << ": " << a.force_n.transpose() << " and " << b.force_n.transpose();
+        EXPECT_LT((a.torque_nm - b.torque_nm).norm(), 2e-3 * b.force_n.norm() * 0.02) << x;
+      }
+    }
+  }
+}
+
+TEST(HeldToolMaterials, EachObjectHasItsOwn) {
+  LedCube cube(kPlain);
+  cube.tool->set_materials(materials_of(1000.0, {0.5, 0.9, 0.1}, {0, 0, 0}));
+  cube.enter_at(-0.1);
+  EXPECT_NEAR(cube.slide_to(-0.05).force_n.x(), -0.5 * 2.0, 0.02) << "the first tile, not the wall";
+  EXPECT_NEAR(cube.slide_to(0.06).force_n.x(), -0.1 * 2.0, 0.02) << "the second one";
+  cube.tool->set_materials(kPlain);
+  EXPECT_NEAR(cube.slide_to(0.09).force_n.x(), 0.0, 1e-3);
+}
+
+TEST(HeldToolMaterials, FewerThanThereAreObjectsChangeTheFirst) {
+  LedCube cube(kPlain);
+  cube.tool->set_materials(materials_of(1000.0, {0.5}, {0.0}));
+  cube.enter_at(-0.1);
+  EXPECT_NEAR(cube.slide_to(-0.05).force_n.x(), -0.5 * 2.0, 0.02);
+}
+
+TEST(HeldToolMaterials, TakesNothingFromTheHeap) {
+  LedCube cube(kPlain);
+  cube.enter_at(-0.1);
+  const ToolMaterials rough = materials_of(500.0, {0.5, 0.5, 0.5}, {1, 1, 1});
+  const AllocationGuard guard;
+  cube.tool->set_materials(rough);
+  cube.slide_to(-0.05, 20);
+  cube.tool->set_materials(kPlain);
+  cube.slide_to(-0.04, 20);
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton
