@@ -4,13 +4,12 @@
 
 #include "closed_loop/recommendation.h"
 #include "devices/model_a.h"
-#include "devices/stylus_turn.h"
 
 namespace hapton {
 
 DeviceModel turning_axis(double max_torque_nm) noexcept {
-  return {
-      .mass_kg = StylusTurn::kInertiaKgM2, .encoder_step_m = 2.0 * std::numbers::pi / model_a::kGimbalCounts, .max_force_n = max_torque_nm};
+  constexpr double kStylusKgM2 = 1.5e-4;  // as devices/stylus_turn.h has it, so that the laboratory and the simulated device agree
+  return {.mass_kg = kStylusKgM2, .encoder_step_m = 2.0 * std::numbers::pi / model_a::kGimbalCounts, .max_force_n = max_torque_nm};
 }
 
 HandModel turning_hand(const HandModel& hand) noexcept {

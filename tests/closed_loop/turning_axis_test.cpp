@@ -37,6 +37,8 @@ double turn_left(double nm_per_rad, int delay_periods) {
   return largest / 0.05;
 }
 
+TEST(TurningAxis, HasTheInertiaOfTheSimulatedStylus) { EXPECT_EQ(turning_axis(0.17).mass_kg, StylusTurn::kInertiaKgM2); }
+
 // The laboratory's axis and the simulated stylus are the same machine: what it calls the limit is where turns stop dying out. The Euler
 // steps of 100 us of the simulation lead by half of one, a tenth of the delay of the hold.
 TEST(TurningAxis, ItsLimitIsThatOfTheSimulatedStylus) {
