@@ -130,9 +130,36 @@ SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexc
   const double length = face.length(at_.edge());
   if (along * length <= kSnap) return again_if(at_.reach_vertex(at_.edge()));
   if ((1.0 - along) * length <= kSnap) return again_if(at_.reach_vertex((at_.edge() + 1) % 3));
+  return settle_on_edge(along, device);
+}
+
+// Settles on a concave edge, unless the point balances at an end of it with the device beyond: then it goes over the vertex there, or is
+// free.
+SurfaceFollower::Next SurfaceFollower::settle_on_edge(double along, const Vec3& device) noexcept {
   at_.move_on_edge(along);
   at_.balance_on_edge();
-  return Next::settled;
+  return is_near_end_of_edge() ? go_over_end(device) : Next::settled;
+}
+
+bool SurfaceFollower::is_near_end_of_edge() const noexcept {
+  const ContactTriangle& face = at_.a().shape;
+  const double along = face.along(at_.edge(), at_.point());
+  return std::min(along, 1.0 - along) * face.length(at_.edge()) < kBalance;
+}
+
+// Where the vertex leads no farther than to the edge and its faces again, the point stays. Pre: is_near_end_of_edge().
+SurfaceFollower::Next SurfaceFollower::go_over_end(const Vec3& device) noexcept {
+  const SurfacePoint::Facet face = at_.a();
+  const int edge = at_.edge();
+  const Vec3 p = at_.point();
+  const int end = face.shape.along(edge, p) < 0.5 ? edge : (edge + 1) % 3;
+  if (at_.reach_vertex(end)) {
+    const Vec3 to_device = device - at_.point();
+    const SurfacePoint::Descent descent = at_.find_steepest(to_device, at_.least_slope(device));
+    if (descent.facet == nullptr && at_.is_free_at_vertex(to_device)) return Next::airborne;
+    if (descent.facet != nullptr && descent.length > 4.0 * kBalance) return at_.descend_along(descent, device);
+  }
+  return at_.land_on_edge(face.id, face.is_back(), edge, p) ? Next::settled : Next::unwalkable;
 }
 
 // In the steepest direction: over the face or edge of the vertex whose point nearest to the device is the nearest of all.
@@ -182,6 +209,7 @@ SurfaceFollower::Next SurfaceFollower::follow_on_face(const Vec3& from, const Ve
 SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Vec3& to, double& time) noexcept {
   const ContactTriangle& face = at_.a().shape;
   const int edge = at_.edge();
+  const bool has_moved = time < 1.0;  // the device, since the last descent
   double soonest = 2.0;
   enum class Event : std::uint8_t { none, to_a, to_b, begin, end } event = Event::none;
   const auto consider = [&](double at_0, double at_1, Event which) {
@@ -207,8 +235,11 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
     return at_.reach_vertex(event == Event::begin ? edge : (edge + 1) % 3) ? Next::descend : Next::unwalkable;
   }
   at_.move_on_edge(std::clamp(face.along(edge, on_path(from, to, time)), 0.0, 1.0));
-  // Only rounding near a vertex can have put the point on an edge while the device is on the free side.
-  if (event == Event::none) return at_.is_free_over_edge(to) ? Next::airborne : Next::settled;
+  if (event == Event::none) {
+    // Only rounding near a vertex can have put the point on an edge while the device is on the free side.
+    if (at_.is_free_over_edge(to)) return Next::airborne;
+    return has_moved && is_near_end_of_edge() ? Next::descend : Next::settled;
+  }
   if (event == Event::to_b) {
     at_.cross_edge();
   } else {

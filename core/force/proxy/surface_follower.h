@@ -73,6 +73,9 @@ class SurfaceFollower {
   Next next_descent(const Vec3& device) noexcept;
   Next next_event(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next settle_on_face(const Vec3& p, const Vec3& device) noexcept;
+  Next settle_on_edge(double along, const Vec3& device) noexcept;
+  bool is_near_end_of_edge() const noexcept;
+  Next go_over_end(const Vec3& device) noexcept;
   Next descend_on_face(const Vec3& device) noexcept;
   Next descend_on_edge(const Vec3& device) noexcept;
   Next descend_at_vertex(const Vec3& device) noexcept;

@@ -173,10 +173,14 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
   return outcome;
 }
 
+// A point that has crept by less than its offset in many events goes on by a sweep: within rounding, what holds it changes from one event
+// to the next.
 SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3& to, double& time) noexcept {
+  constexpr std::uint64_t kManyEvents = 24;  // of the 30 to 60 that a step's work is enough for; a choice
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
   const double began = time;
+  const std::uint64_t events_before = events_;
   const bool has_fans = !is_point_ && fan_.exists();
   Next next = Next::again;
   while (next == Next::again && work_ <= most_work_) {
@@ -219,7 +223,9 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (next == Next::settled)
     return !is_point_ && !(has_friction_ && has_friction_here()) && minimum().is_shallow(centre_, to, direction) ? Outcome::failed
                                                                                                                  : Outcome::settled;
-  return Outcome::exhausted;
+  const double gone = std::max((centre_ - start).norm(), (time - began) * (to - from).norm());
+  return events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_ ? Outcome::failed
+                                                                                                           : Outcome::exhausted;
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
@@ -299,7 +305,8 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   if (!DescentPath(contacts_, centre_, work_).make(device, hint_, is_unstable, path)) {
     if (!is_unstable) return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
     // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
-    if (contacts_.active_count() == 2 && is_point_ && minimum().find_stability(centre_, device) <= 0.0) return drop_weaker(pull);
+    if (contacts_.active_count() == 2 && is_point_ && (are_one() || minimum().find_stability(centre_, device) <= 0.0))
+      return drop_weaker(pull);
     is_descending_ = false;
     contacts_.keep_active();
     ++idle_;
@@ -342,6 +349,12 @@ bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) n
     idle_ = 0;
   }
   return true;
+}
+
+// Whether two contacts are tangent within the tolerance: without one of them, the other still keeps the centre that far from it.
+bool SphereFollower::are_one() const noexcept {
+  const double cosine = contacts_[0].proximity(centre_).normal.dot(contacts_[1].proximity(centre_).normal);
+  return clearance().offset * (1.0 - cosine) <= clearance().tolerance;
 }
 
 // Two contacts whose normals are nearly parallel: drops the one that holds less. It is hit again if it is in the way.

@@ -178,6 +178,7 @@ class SphereFollower {
   bool is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept;
   bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;
+  bool are_one() const noexcept;
   Next drop_weaker(const Vec3& pull) noexcept;
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;

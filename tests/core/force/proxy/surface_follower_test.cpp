@@ -115,6 +115,68 @@ TEST(SurfaceFollower, AConcaveEdgeHoldsItUntilAMultiplierReachesZero) {
   ASSERT_EQ(stage.follower.at().find_contacts(aside, contacts), 1);
 }
 
+// A plate whose top is at z = 0, with a square hole through it, 60 mm wide.
+TriangleMesh plate_with_hole() {
+  TriangleMesh mesh;
+  const auto add_ring = [&](double half, double z) {
+    for (const auto& [x, y] : {std::pair(1.0, 1.0), std::pair(-1.0, 1.0), std::pair(-1.0, -1.0), std::pair(1.0, -1.0)})
+      mesh.vertices.emplace_back(half * x, half * y, z);
+  };
+  const auto add_quads = [&](std::uint32_t from, std::uint32_t to) {
+    for (std::uint32_t k = 0; k < 4; ++k) {
+      const std::uint32_t n = (k + 1) % 4;
+      mesh.triangles.push_back({from + k, from + n, to + n});
+      mesh.triangles.push_back({from + k, to + n, to + k});
+    }
+  };
+  add_ring(0.1, 0.0);
+  add_ring(0.03, 0.0);
+  add_ring(0.03, -0.02);
+  add_ring(0.1, -0.02);
+  for (std::uint32_t ring = 0; ring < 4; ++ring) add_quads(4 * ring, 4 * ((ring + 1) % 4));
+  return mesh;
+}
+
+// In the corner of a hole, hardly below its rim, with the device beyond and in the plane of the rim within rounding: no hand holds it
+// there.
+TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItGoesOverTheRim) {
+  const TouchScene scene{.objects = {{std::make_shared<TriangleMesh>(plate_with_hole()), {}}}};
+  for (const double depth : {1e-13, 1e-12, 1e-11, 1e-10}) {
+    const Vec3 device(0.05, 0.045, -depth);
+    auto method = make_method({.name = "proxy"}, scene).value();
+    method->reset(Vec3(0.001, 0.002, -0.01));
+    // At once, and from farther below, where the corner holds it.
+    EXPECT_LT((method->step({.p_SD = device}).p_SP - device).norm(), 1e-8) << depth;
+    method->reset(Vec3(0.001, 0.002, -0.01));
+    EXPECT_LT((method->step({.p_SD = Vec3(0.05, 0.045, -1e-4)}).p_SP - Vec3(0.03, 0.03, -1e-4)).norm(), 1e-8);
+    EXPECT_LT((method->step({.p_SD = device}).p_SP - device).norm(), 1e-8) << depth;
+  }
+  // Deeper it is held, whether it comes or stays.
+  auto method = make_method({.name = "proxy"}, scene).value();
+  method->reset(Vec3(0.001, 0.002, -0.01));
+  for (const double depth : {1e-6, 1e-8, 1e-8, 2e-8, 1e-6}) {
+    EXPECT_LT((method->step({.p_SD = Vec3(0.05, 0.045, -depth)}).p_SP - Vec3(0.03, 0.03, -depth)).norm(), 1e-8) << depth;
+  }
+  // And where the device is inside the hole again, it is free.
+  EXPECT_FALSE(method->step({.p_SD = Vec3(0.02, 0.02, -1e-11)}).contact);
+}
+
+// The same vertex with the device below and inside the corner: over the rim it leads no nearer, so the edge holds it.
+TEST(SurfaceFollower, AtTheEndOfAConcaveEdgeItStaysWhereTheRimLeadsNoNearer) {
+  TriangleMesh mesh = make_pit(1.0, 0.5);
+  const TouchScene scene{.objects = {{std::make_shared<TriangleMesh>(mesh), {}}}};
+  auto method = make_method({.name = "proxy"}, scene).value();
+  method->reset(Vec3(0.01, 0.0, 0.4));
+  // Over the tip of the pit, where concave edges end: within the balance of it the tip holds the point.
+  for (const double aside : {0.0, 1e-13, 1e-11, 1e-10, 1e-9}) {
+    const Vec3 device(aside, 0.5 * aside, -0.2);
+    const Vec3 held = method->step({.p_SD = device}).p_SP;
+    const Vec3 again = method->step({.p_SD = device}).p_SP;
+    EXPECT_LT((held - again).norm(), 1e-12) << aside;
+    EXPECT_LT(held.norm(), 1e-7) << aside;
+  }
+}
+
 TEST(SurfaceFollower, TheBottomOfAPitHoldsItUntilAnEdgeLeadsUp) {
   Stage stage(make_pit(1.0, 0.5));
   ASSERT_TRUE(stage.land(stage.local(0.05, 0.02, 0.45), stage.local(0.05, 0.02, -0.2)));
