@@ -65,7 +65,7 @@ bool PatchBuilder::drain() {
     if (slot.is_clear) {
       store_.clear();
     } else {
-      (void)store_.accept(slot.part);
+      (void)store_.accept_part(slot.part);
     }
     if (slot.is_clear || store_.status().epoch != epoch_) begin_epoch(slot.is_clear);
     if (slot.is_clear) local_.set_cleared(++cleared_);

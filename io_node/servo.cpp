@@ -13,14 +13,6 @@ namespace {
 // As often as a person reads the numbers in the frame.
 constexpr std::int64_t kStatisticsNs = 250 * kNanosecondsPerMillisecond;
 
-// Of the scene: what the builder keeps.
-bool is_part(const Message& message) noexcept {
-  return std::holds_alternative<PatchTile>(message) || std::holds_alternative<PatchCell>(message) ||
-         std::holds_alternative<PatchBegin>(message) || std::holds_alternative<PatchBody>(message) ||
-         std::holds_alternative<PatchMaterial>(message) || std::holds_alternative<PatchDeformation>(message) ||
-         std::holds_alternative<PatchDisplacements>(message);
-}
-
 }  // namespace
 
 Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo, ServoTap* tap)
@@ -173,7 +165,7 @@ void Servo::handle(const PeerEvent& event, const Datagram& datagram) noexcept {
 void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcept {
   const Message& message = datagram.message;
   if (const auto* force = std::get_if<ForceCommand>(&message)) return forces_.accept(datagram.header, *force);
-  if (patches_ != nullptr && is_part(message)) return patches_->accept(message);
+  if (patches_ != nullptr && is_scene_part(message)) return patches_->accept(message);
   if (const auto* marker = std::get_if<Marker>(&message)) return markers_.accept(*marker, event, cycle_.number, event.receive_time_ns);
   // Each has a number of its own: of several objects, or senders.
   if (const auto* reply = std::get_if<MoveReply>(&message)) return requests_.accept(*reply);

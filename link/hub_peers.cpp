@@ -14,14 +14,10 @@ bool may_send(NodeRole role, const Message& message) {
   if (std::holds_alternative<SceneFacts>(message)) return role != NodeRole::tool;
   if (role == NodeRole::haptics) {
     return std::holds_alternative<ForceCommand>(message) || std::holds_alternative<HapticsSetup>(message) ||
-           std::holds_alternative<MaterialState>(message) || std::holds_alternative<PatchTile>(message) ||
-           std::holds_alternative<PatchCell>(message) || std::holds_alternative<PatchBegin>(message) ||
-           std::holds_alternative<ObjectPose>(message) || std::holds_alternative<MoveReply>(message) ||
-           std::holds_alternative<ObjectMove>(message) || std::holds_alternative<Carves>(message) ||
-           std::holds_alternative<PatchBody>(message) || std::holds_alternative<PatchMaterial>(message) ||
-           std::holds_alternative<ShapeReply>(message) || std::holds_alternative<ObjectShape>(message) ||
-           std::holds_alternative<ShapeStart>(message) || std::holds_alternative<PatchDeformation>(message) ||
-           std::holds_alternative<PatchDisplacements>(message);
+           std::holds_alternative<MaterialState>(message) || std::holds_alternative<ObjectPose>(message) ||
+           std::holds_alternative<MoveReply>(message) || std::holds_alternative<ObjectMove>(message) ||
+           std::holds_alternative<Carves>(message) || std::holds_alternative<ShapeReply>(message) ||
+           std::holds_alternative<ObjectShape>(message) || std::holds_alternative<ShapeStart>(message) || is_scene_part(message);
   }
   if (std::holds_alternative<MoveRequest>(message) || std::holds_alternative<ShapeRequest>(message)) return true;
   if (role == NodeRole::tool) {

@@ -378,6 +378,11 @@ using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, Vie
                              MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial, CarveUndo, ShapeRequest, ShapeReply,
                              ObjectShape, ShapeStart, ShapeStatus, PatchDeformation, PatchDisplacements>;
 
+// A part of the scene. RT: yes.
+inline bool is_scene_part(const Message& message) noexcept {
+  return std::visit([]<class Kind>(const Kind&) { return kIsScenePart<Kind>; }, message);
+}
+
 // In front of every message.
 struct Header {
   std::uint64_t session = 0;      // chosen by the hub at start; 0 from a node that has not been welcomed yet

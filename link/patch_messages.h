@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 
 #include "core/math/keyframe_motion.h"
 #include "core/math/types.h"
@@ -137,6 +138,14 @@ struct PatchCell {
   std::array<std::uint32_t, kMostTiles> tiles = {};
   std::uint32_t body = 0;
 };
+
+template <class Kind, class... Kinds>
+constexpr bool kIsOneOf = (std::is_same_v<Kind, Kinds> || ...);
+
+// The messages above: what PatchStore keeps, and only a haptics node sends.
+template <class Kind>
+constexpr bool kIsScenePart =
+    kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation, PatchDisplacements>;
 
 // hub -> haptics, while it wants parts: which it has received.
 struct PatchStatus {

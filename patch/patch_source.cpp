@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <type_traits>
+#include <variant>
 
 #include "core/force/deforming_method.h"
 #include "core/math/commanded_motion.h"
@@ -44,15 +46,14 @@ double bytes_of(const PatchDeformation& deformation) {
 }
 double bytes_of(const PatchDisplacements& displaced) { return kOverheadBytes + 12.0 * displaced.vertex_count; }
 
-double bytes_of(const Message& message) {
-  if (const auto* deformation = std::get_if<PatchDeformation>(&message)) return bytes_of(*deformation);
-  if (const auto* displaced = std::get_if<PatchDisplacements>(&message)) return bytes_of(*displaced);
-  if (const auto* body = std::get_if<PatchBody>(&message)) return bytes_of(*body);
-  if (const auto* material = std::get_if<PatchMaterial>(&message)) return bytes_of(*material);
-  if (const auto* move = std::get_if<ObjectMove>(&message)) return bytes_of(*move);
-  if (const auto* tile = std::get_if<PatchTile>(&message)) return bytes_of(*tile);
-  if (const auto* cell = std::get_if<PatchCell>(&message)) return bytes_of(*cell);
-  return bytes_of(std::get<PatchBegin>(message));
+// What PatchSource sends.
+double compute_bytes(const Message& message) {
+  return std::visit(
+      []<class Kind>(const Kind& one) {
+        if constexpr (kIsScenePart<Kind> || std::is_same_v<Kind, ObjectMove>) return bytes_of(one);
+        return 0.0;
+      },
+      message);
 }
 
 }  // namespace
@@ -342,7 +343,7 @@ bool PatchSource::pay(const Message& message, std::int64_t now_ns) noexcept {
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - credited_ns_, 0));
   credited_ns_ = now_ns;
   credit_bytes_ = std::min(kBurstBytes, credit_bytes_ + passed_s * options_.bits_per_s / 8.0);
-  const double bytes = bytes_of(message);
+  const double bytes = compute_bytes(message);
   if (credit_bytes_ < bytes) return false;
   credit_bytes_ -= bytes;
   counts_.bytes += static_cast<std::uint64_t>(bytes);
@@ -379,7 +380,7 @@ bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m) {
   std::int64_t now_ns = kPlanEveryNs;
   for (bool any = true; any; now_ns += kPlanEveryNs) {
     any = false;
-    while (auto part = source.take(now_ns += 1000)) any = store.accept(*part) || any;
+    while (auto part = source.take(now_ns += 1000)) any = store.accept_part(*part) || any;
     source.accept(store.status());
   }
   MethodSettings settings;

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <variant>
 
 #include "core/collision/deforming_geometry.h"
 #include "core/math/commanded_motion.h"
@@ -322,25 +323,13 @@ void PatchStore::accept(const PatchMaterial& material) {
   confirm(material.serial);
 }
 
-bool PatchStore::accept(const Message& part) {
-  if (const auto* tile = std::get_if<PatchTile>(&part)) {
-    accept(*tile);
-  } else if (const auto* cell = std::get_if<PatchCell>(&part)) {
-    accept(*cell);
-  } else if (const auto* body = std::get_if<PatchBody>(&part)) {
-    accept(*body);
-  } else if (const auto* material = std::get_if<PatchMaterial>(&part)) {
-    accept(*material);
-  } else if (const auto* deformation = std::get_if<PatchDeformation>(&part)) {
-    accept(*deformation);
-  } else if (const auto* displaced = std::get_if<PatchDisplacements>(&part)) {
-    accept(*displaced);
-  } else if (const auto* begin = std::get_if<PatchBegin>(&part)) {
-    accept(*begin);
-  } else {
-    return false;
-  }
-  return true;
+bool PatchStore::accept_part(const Message& message) {
+  return std::visit(
+      [this]<class Kind>(const Kind& part) {
+        if constexpr (kIsScenePart<Kind>) accept(part);
+        return kIsScenePart<Kind>;
+      },
+      message);
 }
 
 bool PatchStore::has_bodies() const noexcept {

@@ -66,8 +66,8 @@ class PatchStore {
   void accept(const PatchMaterial& material);
   void accept(const PatchDeformation& deformation);
   void accept(const PatchDisplacements& displaced);
-  // Any of these. False: another message.
-  bool accept(const Message& part);
+  // Any of these, which kIsScenePart lists. False: another message.
+  bool accept_part(const Message& message);
   // Drops everything, for another sender, whose epochs start again.
   void clear();
 

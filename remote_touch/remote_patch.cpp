@@ -93,9 +93,7 @@ void RemotePatch::run_haptics(std::int64_t now_ns) {
 
 void RemotePatch::take_parts(std::int64_t now_ns) {
   while (const auto part = down_.receive(now_ns)) {
-    if (const auto* tile = std::get_if<PatchTile>(&*part)) store_.accept(*tile);
-    if (const auto* cell = std::get_if<PatchCell>(&*part)) store_.accept(*cell);
-    if (const auto* begin = std::get_if<PatchBegin>(&*part)) store_.accept(*begin);
+    (void)store_.accept_part(*part);
     has_news_ = true;
   }
 }

@@ -38,7 +38,7 @@ struct SenderStage {
     for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
       want();
       for (const Message* part = sender.front(); part != nullptr; part = sender.front()) {
-        if (!store.accept(*part)) moves.push_back(std::get<ObjectMove>(*part));
+        if (!store.accept_part(*part)) moves.push_back(std::get<ObjectMove>(*part));
         ++received;
         sender.pop();
       }

@@ -49,7 +49,7 @@ class GraspLoopTest : public ReplyLoopStage {
     }
     if (const auto* scene = std::get_if<SceneFacts>(&message)) scene_ = *scene;
     if (const auto* materials = std::get_if<MaterialState>(&message)) materials_ = *materials;
-    (void)store_.accept(message);
+    (void)store_.accept_part(message);
   }
   void exchange(const Vec3& p_WD, std::uint32_t buttons) {
     send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = p_WD, .buttons = buttons});

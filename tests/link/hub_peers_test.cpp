@@ -377,6 +377,11 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       {MoveReply{.request = 1}, NodeRole::haptics},
       {ObjectMove{.source = 1}, NodeRole::haptics},
       {Carves{.source = 1}, NodeRole::haptics},
+      {PatchBegin{.epoch = 1, .step_m = 1e-8}, NodeRole::haptics},
+      {PatchCell{.epoch = 1}, NodeRole::haptics},
+      {PatchTile{.epoch = 1, .vertex_count = 1, .triangle_count = 1}, NodeRole::haptics},
+      {PatchDeformation{.epoch = 1, .tile_count = 1, .target_count = 1, .all_keys = 1, .key_count = 1}, NodeRole::haptics},
+      {PatchDisplacements{.epoch = 1, .vertex_count = 1}, NodeRole::haptics},
       {PatchBody{.epoch = 1}, NodeRole::haptics},
       {PatchMaterial{.epoch = 1}, NodeRole::haptics},
       {CarveStatus{.source = 1}, NodeRole::vision},
@@ -395,7 +400,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       EXPECT_EQ(event.kind == Kind::message, owner == nodes[n].first) << message.index();
     }
   }
-  EXPECT_EQ(hub_->counts().wrong_role, 40U);
+  EXPECT_EQ(hub_->counts().wrong_role, 2 * messages.size());
   // Two roles have a scene; where its objects are one says, and the other asks for.
   for (std::size_t n = 0; n < nodes.size(); ++n) {
     const Address at = memory_address(static_cast<std::uint8_t>(10 + n), 9);

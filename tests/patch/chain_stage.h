@@ -51,7 +51,7 @@ class ChainStage {
   explicit ChainStage(const TouchScene& scene, std::size_t few = PatchMaker::kFewTriangles) {
     whole_ = std::make_unique<TouchStep>(*make_method({}, scene), scene);
     const TiledScene tiled = make_tiles(scene);
-    for (const Message& part : parts_of(tiled)) (void)store_.accept(part);
+    for (const Message& part : parts_of(tiled)) (void)store_.accept_part(part);
     for (std::uint32_t body = 0; body < tiled.bodies.size(); ++body) makers_.emplace_back(few, body);
     (void)chain_.take(store_.make_bodies(0));
   }

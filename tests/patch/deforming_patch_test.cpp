@@ -159,7 +159,7 @@ TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
     if (is_of_cushion(part)) {
       of_cushion.push_back(part);
     } else {
-      (void)store.accept(part);
+      (void)store.accept_part(part);
     }
   }
   ASSERT_GT(of_cushion.size(), 30U);
@@ -171,10 +171,10 @@ TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
     EXPECT_GT(known_m, 0.0125);
     EXPECT_LT(known_m, 0.0142);
     EXPECT_TRUE(store.make_piece(above, 1.0, 100, 1).scene.objects.empty());
-    for (int repeat = 0; repeat < 3; ++repeat) (void)store.accept(part);
+    for (int repeat = 0; repeat < 3; ++repeat) (void)store.accept_part(part);
   }
   EXPECT_TRUE(std::isinf(store.known_radius(above, 1)));
-  (void)store.accept(Message(PatchMaterial{.epoch = 1, .serial = 5000, .object = 1, .stiffness_n_per_m = 321.0}));
+  (void)store.accept_part(PatchMaterial{.epoch = 1, .serial = 5000, .object = 1, .stiffness_n_per_m = 321.0});
   const PatchStore::Piece piece = store.make_piece(above, 1.0, 1, 1);
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   const TouchObject& whole = piece.scene.objects.front();
@@ -194,7 +194,7 @@ TEST(DeformingPatch, IsKnownInWhateverOrderItsPartsCome) {
   const auto expect_known_with_last = [&](auto&& is_last) {
     std::vector<Message> parts = parts_of(tiled, ++epoch);
     std::stable_partition(parts.begin(), parts.end(), [&](const Message& part) { return !is_last(part); });
-    for (const Message& part : parts) (void)store.accept(part);
+    for (const Message& part : parts) (void)store.accept_part(part);
     EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_deformation()) << epoch;
   };
   expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBegin>(part); });
@@ -212,7 +212,7 @@ TEST(DeformingPatch, SeveralObjectsThatDeformAreEachSentWhole) {
   other.mesh = made::shared(std::move(mesh));
   scene.objects.push_back(std::move(other));
   PatchStore store;
-  for (const Message& part : parts_of(make_tiles(on_patch_grid(scene)))) (void)store.accept(part);
+  for (const Message& part : parts_of(make_tiles(on_patch_grid(scene)))) (void)store.accept_part(part);
   for (const std::uint32_t body : {1U, 2U}) {
     const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), 1.0, 1, body);
     ASSERT_TRUE(piece.scene.has_deformation()) << body;
@@ -227,7 +227,7 @@ TEST(DeformingPatch, SeveralObjectsThatDeformAreEachSentWhole) {
 TEST(DeformingPatch, HasTheShapesOfTheScene) {
   const TouchScene scene = cushion_on_floor();
   PatchStore store;
-  for (const Message& part : parts_of(make_tiles(scene))) (void)store.accept(part);
+  for (const Message& part : parts_of(make_tiles(scene))) (void)store.accept_part(part);
   const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), 1.0, 1, 1);
   ASSERT_EQ(piece.scene.objects.size(), 1U);
   const TouchObject& joined = piece.scene.objects.front();
@@ -293,7 +293,7 @@ TEST(DeformingPatch, ImpossibleDeformationsAreRejected) {
     PatchStore store;
     for (Message part : parts_of(tiled)) {
       if (auto* deformation = std::get_if<PatchDeformation>(&part)) change(*deformation);
-      (void)store.accept(part);
+      (void)store.accept_part(part);
     }
     return store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_deformation();
   };

@@ -209,7 +209,7 @@ TEST(PatchChain, NothingIsFeltBeforeItIsKnownWhereEverythingIs) {
   bool has_move = false;
   for (std::int64_t now_ns = 1'000'000'000; now_ns < 1'100'000'000; now_ns += 1'000'000) {
     while (auto part = source.take(now_ns)) {
-      const bool is_part = store.accept(*part);
+      const bool is_part = store.accept_part(*part);
       has_move = has_move || !is_part;
     }
   }

@@ -245,5 +245,27 @@ TEST(PatchStore, AwayFromABodyNothingOfItIsMissing) {
   EXPECT_EQ(moving.store.known_radius(Vec3(1, 2, 3), 0), std::numeric_limits<double>::infinity()) << "it has no triangles";
 }
 
+TEST(PatchStore, TakesThePartsOfASceneAndNoOtherMessage) {
+  PatchStore store;
+  std::uint64_t parts = 0;
+  const auto takes = [&](const Message& message) {
+    EXPECT_EQ(store.accept_part(message), is_scene_part(message));
+    return store.counts().parts == ++parts;
+  };
+  EXPECT_TRUE(takes(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-8, .body_count = 2}));
+  EXPECT_TRUE(takes(PatchCell{.epoch = 1, .serial = 2}));
+  EXPECT_TRUE(takes(PatchTile{.epoch = 1, .serial = 3, .vertex_count = 1, .triangle_count = 1}));
+  EXPECT_TRUE(takes(PatchBody{.epoch = 1, .serial = 4}));
+  EXPECT_TRUE(takes(PatchMaterial{.epoch = 1, .serial = 5}));
+  EXPECT_TRUE(
+      takes(PatchDeformation{.epoch = 1, .serial = 6, .body = 1, .tile_count = 1, .target_count = 1, .all_keys = 1, .key_count = 1}));
+  EXPECT_TRUE(takes(PatchDisplacements{.epoch = 1, .serial = 7, .vertex_count = 1}));
+  for (const Message& other : {Message(ObjectMove()), Message(PatchStatus{.epoch = 1}), Message(Bye()), Message(ForceCommand())}) {
+    EXPECT_FALSE(store.accept_part(other)) << other.index();
+    EXPECT_FALSE(is_scene_part(other)) << other.index();
+  }
+  EXPECT_EQ(store.counts().parts, parts);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -58,7 +58,7 @@ class RecordedTouchReader {
   void add_packet(const SessionEntry& entry, const Message& message) {
     const auto bytes = static_cast<double>(packet_bytes_of(message));
     const bool is_up = entry.kind == SessionEntry::Kind::sent;
-    if (std::holds_alternative<PatchTile>(message) || std::holds_alternative<PatchCell>(message)) {
+    if (is_scene_part(message)) {
       touch_.scene_kb += 1e-3 * bytes;
       touch_.ready_s = now_s_;
     }
