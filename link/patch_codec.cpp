@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 
@@ -74,6 +75,7 @@ bool read_weights(const wire::PatchDeformation& from, PatchDeformation& to) {
 // Of a tile and of a material: the same fields by the same rules.
 template <class Message, class Wire>
 void write_material(const Message& from, Wire& to) {
+  to.set_object(from.object);
   to.set_stiffness_n_per_m(from.stiffness_n_per_m);
   to.set_damping_ns_per_m(from.damping_ns_per_m);
   to.set_friction_static(from.friction_static);
@@ -82,12 +84,14 @@ void write_material(const Message& from, Wire& to) {
 
 template <class Wire, class Message>
 bool read_material(const Wire& from, Message& to) {
+  to.object = from.object();
   to.stiffness_n_per_m = from.stiffness_n_per_m();
   to.damping_ns_per_m = from.damping_ns_per_m();
   to.friction_static = from.friction_static();
   to.friction_dynamic = from.friction_dynamic();
   const std::array amounts = {to.stiffness_n_per_m, to.damping_ns_per_m, to.friction_static, to.friction_dynamic};
-  return std::all_of(amounts.begin(), amounts.end(), is_amount) && to.friction_dynamic <= to.friction_static;
+  const bool is_object = to.object <= static_cast<std::uint32_t>(std::numeric_limits<std::int32_t>::max());
+  return is_object && std::all_of(amounts.begin(), amounts.end(), is_amount) && to.friction_dynamic <= to.friction_static;
 }
 
 }  // namespace
@@ -119,7 +123,6 @@ void write(const PatchTile& from, wire::PatchTile& to) {
   to.set_epoch(from.epoch);
   to.set_serial(from.serial);
   to.set_tile(from.tile);
-  to.set_object(from.object);
   write_material(from, to);
   to.set_one_sided(!from.two_sided);
   const std::size_t vertices = std::min<std::size_t>(from.vertex_count, PatchTile::kMostVertices);
@@ -168,7 +171,6 @@ void write(const PatchBody& from, wire::PatchBody& to) {
 void write(const PatchMaterial& from, wire::PatchMaterial& to) {
   to.set_epoch(from.epoch);
   to.set_serial(from.serial);
-  to.set_object(from.object);
   write_material(from, to);
 }
 
@@ -231,7 +233,6 @@ bool read(const wire::PatchTile& from, PatchTile& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
   to.tile = from.tile();
-  to.object = from.object();
   to.two_sided = !from.one_sided();
   if (!read_material(from, to)) return false;
   const std::size_t vertices = count_records(from.vertices(), PatchTile::kVertexBytes, PatchTile::kMostVertices);
@@ -268,7 +269,6 @@ bool read(const wire::PatchBody& from, PatchBody& to) {
 bool read(const wire::PatchMaterial& from, PatchMaterial& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
-  to.object = from.object();
   return read_material(from, to);
 }
 

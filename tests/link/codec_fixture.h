@@ -134,7 +134,7 @@ class RandomDatagrams {
       case 30:
         return draw_body();
       case 31:
-        return PatchMaterial{bits32(), bits32(), bits32(), number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5)};
+        return PatchMaterial{bits32(), bits32(), bits32() >> 1, number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5)};
       case 32:
         return CarveUndo{bits32() | 1U, bits32() | 1U};
       case 33:
@@ -270,7 +270,7 @@ class RandomDatagrams {
   }
 
   PatchTile draw_tile() {
-    PatchTile tile{bits32(), bits32(), bits32(), bits32(), number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5), flag()};
+    PatchTile tile{bits32(), bits32(), bits32(), bits32() >> 1, number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5), flag()};
     tile.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
     tile.triangle_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostTriangles);
     for (std::size_t i = 0; i < tile.vertex_count * PatchTile::kVertexBytes; ++i) tile.vertices[i] = static_cast<std::uint8_t>(bits());

@@ -93,6 +93,7 @@ inline void expect_sane(const Datagram& datagram) {
     for (std::size_t i = 0; i < std::size_t{3} * tile->triangle_count; ++i) EXPECT_LT(tile->triangles[i], tile->vertex_count);
     EXPECT_TRUE(std::isfinite(tile->stiffness_n_per_m) && tile->stiffness_n_per_m >= 0.0);
     EXPECT_LE(tile->friction_dynamic, tile->friction_static);
+    EXPECT_GE(static_cast<std::int32_t>(tile->object), 0);
   } else if (const auto* status = std::get_if<PatchStatus>(&datagram.message)) {
     EXPECT_TRUE(std::isfinite(status->round_trip_s) && status->round_trip_s >= 0.0F);
   } else if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) {

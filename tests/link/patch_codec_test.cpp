@@ -45,6 +45,10 @@ TEST_F(PatchCodecTest, RejectsBadBodies) {
   EXPECT_EQ(round_trip(PatchCell{.body = PatchBody::kMostBodies}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchMaterial{.friction_static = 0.1, .friction_dynamic = 0.2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchMaterial{.stiffness_n_per_m = -1.0}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchMaterial{.object = 0x7FFFFFFF}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(PatchMaterial{.object = 0x80000000}), DecodeStatus::bad_value) << "no index of an object";
+  EXPECT_EQ(round_trip(PatchTile{.object = 0x7FFFFFFF, .vertex_count = 1, .triangle_count = 1}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(PatchTile{.object = 0x80000000, .vertex_count = 1, .triangle_count = 1}), DecodeStatus::bad_value);
 }
 
 TEST_F(PatchCodecTest, RejectsBadDeformations) {

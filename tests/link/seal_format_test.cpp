@@ -80,7 +80,7 @@ void lengthen(PatchBody& m) {
   m.first_key = m.all_keys - m.key_count;
   for (std::size_t n = 0; n < m.keys.size(); ++n) m.keys[n] = {static_cast<double>(n) + 1.0 / 3.0, kVector, kRotation};
 }
-void lengthen(PatchMaterial& m) { m = {kMost32, kMost32, kMost32, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}; }
+void lengthen(PatchMaterial& m) { m = {kMost32, kMost32, kMost32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}; }
 void lengthen(PatchCell& m) {
   constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;
   m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMostTiles, {}, PatchBody::kMostBodies - 1};
@@ -88,7 +88,7 @@ void lengthen(PatchCell& m) {
   m.tiles.fill(kMost32);
 }
 void lengthen(PatchTile& m) {
-  m = {kMost32, kMost32, kMost32, kMost32, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, false};
+  m = {kMost32, kMost32, kMost32, kMost32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, false};
   m.vertex_count = PatchTile::kMostVertices;
   m.triangle_count = PatchTile::kMostTriangles;
   m.vertices.fill(0xFF);
