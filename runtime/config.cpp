@@ -191,14 +191,6 @@ std::string program_name(const CLI::App& app, int argc, const char* const* argv)
   return std::string(path.substr(path.rfind('/') + 1));
 }
 
-// As an option of hapton has it (CommandLine::add_option).
-void require_whole_numbers(CLI::App& app) {
-  const auto begins = [](const CLI::Option* option, std::string_view type) { return option->get_type_name().starts_with(type); };
-  for (CLI::Option* option : app.get_options([&](const CLI::Option* o) { return begins(o, "INT") || begins(o, "UINT"); })) {
-    option->check(begins(option, "INT") ? whole_number<std::int64_t>() : whole_number<std::uint64_t>());
-  }
-}
-
 }  // namespace
 
 std::string suggest_flag(const CLI::App& app) {
@@ -211,16 +203,19 @@ std::string suggest_flag(const CLI::App& app) {
   return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
 }
 
-void require_finite_numbers(CLI::App& app) {
+void require_exact_numbers(CLI::App& app) {
   const auto is_finite = [](const std::string& text) {
     const bool finite = std::isfinite(std::strtod(text.c_str(), nullptr));
     return finite ? std::string() : fmt::format("'{}' is not a finite number", text);
   };
-  for (CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->get_type_name().starts_with("FLOAT"); })) {
-    option->check(is_finite);
+  for (CLI::Option* option : app.get_options([](const CLI::Option*) { return true; })) {
+    const std::string type = option->get_type_name();
+    if (type.starts_with("FLOAT")) option->check(is_finite);
+    if (type.starts_with("INT")) option->check(whole_number<std::int64_t>());
+    if (type.starts_with("UINT")) option->check(whole_number<std::uint64_t>());
   }
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-    require_finite_numbers(*command);
+    require_exact_numbers(*command);
   }
 }
 
@@ -250,8 +245,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     }
     arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), from_file->begin(), from_file->end());
   }
-  require_finite_numbers(app);
-  require_whole_numbers(app);
+  require_exact_numbers(app);
   try {
     std::reverse(arguments.begin(), arguments.end());  // the order CLI11 wants
     app.parse(arguments);

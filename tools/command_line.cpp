@@ -7,24 +7,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
-#include <type_traits>
 #include <utility>
 
 #include "runtime/flag_checks.h"
 
 namespace hapton {
-namespace {
-
-template <class T>
-struct OptionNumber {
-  using type = T;
-};
-template <class T>
-struct OptionNumber<std::optional<T>> {
-  using type = T;
-};
-
-}  // namespace
 
 CommandOption CommandOption::required() const { return CommandOption(*option_->required()); }
 CommandOption CommandOption::shows_default() const { return CommandOption(*option_->capture_default_str()); }
@@ -61,9 +48,7 @@ CommandLine CommandLine::add_group(const std::string& name, const std::string& h
 
 template <class T>
 CommandOption CommandLine::add_option(const std::string& name, T& into, const std::string& help) const {
-  CLI::Option* option = app_->add_option(name, into, help);
-  if constexpr (std::is_integral_v<typename OptionNumber<T>::type>) option->check(whole_number<typename OptionNumber<T>::type>());
-  return CommandOption(*option);
+  return CommandOption(*app_->add_option(name, into, help));
 }
 template CommandOption CommandLine::add_option(const std::string&, std::string&, const std::string&) const;
 template CommandOption CommandLine::add_option(const std::string&, std::filesystem::path&, const std::string&) const;

@@ -98,7 +98,7 @@ int run_hapton_command(int argc, const char* const* argv) {
   if (refuse_unknown(app, argc, argv)) {
     return kBadCommandLine;
   }
-  require_finite_numbers(app);
+  require_exact_numbers(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& help) {

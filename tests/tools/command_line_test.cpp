@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/config.h"
 #include "tools/mesh_choice.h"
 
 namespace hapton {
@@ -21,6 +22,7 @@ class CommandLineTest : public testing::Test {
  protected:
   // Nothing when it is understood, else why not.
   std::string rejection(const std::string& words) {
+    require_exact_numbers(app_);
     try {
       app_.parse(words);
     } catch (const CLI::ParseError& error) {
