@@ -151,7 +151,9 @@ SessionRecorder::SessionRecorder(Options options, SessionHeader header, const Cl
       header_(std::move(header)),
       clock_(clock),
       ring_(options_.ring_bytes),
-      file_(nullptr, &std::fclose) {}
+      file_(nullptr, &std::fclose) {
+  header_.has_end = true;
+}
 
 SessionRecorder::~SessionRecorder() { (void)stop(); }
 
@@ -204,6 +206,7 @@ void SessionRecorder::run() {
   }
   collect();
   if (flight_) write_flight();
+  if (file_) append_end(unwritten_);
   write_entries(true);
 }
 
@@ -247,6 +250,13 @@ void SessionRecorder::append(const SessionEntry& entry) {
   ++unwritten_entries_;
 }
 
+void SessionRecorder::append_end(std::string& to) {
+  SessionEntry end;
+  end.kind = SessionEntry::Kind::end;
+  end.time_ns = newest_ns_;
+  codec_.append(end, to);
+}
+
 // If a recording cannot be written, it is ended, and the session continues without it.
 void SessionRecorder::write_entries(bool all) {
   if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
@@ -285,6 +295,7 @@ void SessionRecorder::write_flight() {
       if (entry.time_ns >= flight.fault_ns - kFlightNs) codec_.append(entry, bytes);
     });
   }
+  append_end(bytes);
   const std::int64_t unix_ns = header_.start_unix_ns + (flight.fault_ns - header_.start_ns);
   const auto path = options_.flight_folder / fmt::format("flight-{}-{}.hapton", time_text(unix_ns), header.fault);
   ++counts_.flights;

@@ -85,6 +85,7 @@ class SessionRecorder final : public ServoTap {
   void collect();
   void take(const SessionEntry& entry);
   void append(const SessionEntry& entry);
+  void append_end(std::string& to);
   void write_entries(bool all);
   void plan_flight(const SessionEntry& fault);
   void write_flight();

@@ -180,6 +180,7 @@ void SessionCodec::append(const SessionHeader& header, std::string& to) {
     setting.set_name(to_valid_utf8(name));
     setting.set_value(to_valid_utf8(value));
   }
+  h.set_has_end(header.has_end);
   append_checked(h, to);
 }
 
@@ -205,6 +206,9 @@ void SessionCodec::append(const SessionEntry& entry, std::string& to) {
       break;
     case SessionEntry::Kind::marker:
       write(entry.marker, *e.mutable_marker());
+      break;
+    case SessionEntry::Kind::end:
+      e.set_end(true);
       break;
   }
   append_checked(e, to);
@@ -246,7 +250,7 @@ SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionHeader& hea
   if (frame.read.status != Status::ok) return frame.read;
   session::Header& h = wire_->header;
   if (!h.ParseFromArray(frame.message.data(), static_cast<int>(frame.message.size()))) return {Status::damaged, 0};
-  header = {h.build(), h.start_ns(), h.start_unix_ns(), h.session(), h.fault(), {}};
+  header = {h.build(), h.start_ns(), h.start_unix_ns(), h.session(), h.fault(), {}, h.has_end()};
   for (const session::Setting& setting : h.settings()) header.settings.emplace_back(setting.name(), setting.value());
   return frame.read;
 }
@@ -277,6 +281,8 @@ SessionCodec::Read SessionCodec::read(std::string_view bytes, SessionEntry& entr
   } else if (e.has_marker()) {
     entry.kind = SessionEntry::Kind::marker;
     is_good = hapton::read(e.marker(), entry.marker);
+  } else if (e.end()) {
+    entry.kind = SessionEntry::Kind::end;
   } else {
     return {Status::unknown, frame.read.bytes};
   }

@@ -94,7 +94,15 @@ struct SessionShape {
 
 // One thing that happened in a recorded session.
 struct SessionEntry {
-  enum class Kind : std::uint8_t { received, sent, cycle, fault, dropped, marker };
+  enum class Kind : std::uint8_t {
+    received,
+    sent,
+    cycle,
+    fault,
+    dropped,
+    marker,
+    end,  // nothing follows; SessionReader keeps it to itself
+  };
   Kind kind = Kind::received;
   std::int64_t time_ns = 0;             // hub's clock
   Address peer;                         // of received and sent
@@ -113,6 +121,7 @@ struct SessionHeader {
   std::uint64_t session = 0;
   std::string fault = {};  // of a flight record; empty: a whole session
   std::vector<std::pair<std::string, std::string>> settings = {};
+  bool has_end = false;  // the last entry is to be an end; older recordings have none
 };
 
 }  // namespace hapton

@@ -57,13 +57,20 @@ void SessionReader::seek(std::uint64_t position) {
   buffer_offset_ = position;
   begin_ = 0;
   problem_.clear();
+  has_ended_ = false;
 }
 
 bool SessionReader::next(SessionEntry& entry) {
   while (problem_.empty()) {
     const SessionCodec::Read read = codec_.read(std::string_view(buffer_).substr(begin_), entry);
     if (read.status == SessionCodec::Status::cut && refill()) continue;
-    if (read.status == SessionCodec::Status::cut && begin_ == buffer_.size()) return false;
+    if (read.status == SessionCodec::Status::cut && begin_ == buffer_.size()) {
+      if (!header_.has_end || has_ended_) return false;
+      problem_ =
+          fmt::format("{}: has no end after {} entries: io_node still records, was killed, or its disk was full; all of them were read",
+                      path_.string(), entries_);
+      return false;
+    }
     if (read.status == SessionCodec::Status::cut || read.status == SessionCodec::Status::damaged) {
       problem_ = fmt::format("{}: {} after {} entries, at byte {}; the entries before it were read", path_.string(),
                              read.status == SessionCodec::Status::cut ? "is cut short" : "is damaged", entries_, buffer_offset_ + begin_);
@@ -71,6 +78,8 @@ bool SessionReader::next(SessionEntry& entry) {
     }
     begin_ += read.bytes;
     if (read.status == SessionCodec::Status::unknown) continue;
+    has_ended_ = entry.kind == SessionEntry::Kind::end;
+    if (has_ended_) continue;
     ++entries_;
     return true;
   }

@@ -20,7 +20,8 @@ class SessionReader {
 
   const SessionHeader& header() const { return header_; }
 
-  // The next entry; false at the end of the readable data. Post: entry.datagram and the marker's text are valid until the next call.
+  // The next entry, but for the end; false at the end of the readable data. Post: entry.datagram and the marker's text are valid until the
+  // next call.
   bool next(SessionEntry& entry);
 
   // Where the next entry begins in the file, bytes.
@@ -28,7 +29,8 @@ class SessionReader {
   // Goes on reading there. Pre: position() was this once, of a reader of the same file. Post: problem() is empty.
   void seek(std::uint64_t position);
 
-  // After next returned false: empty if the file ends with a complete entry, else one line that says where and how it is truncated.
+  // After next returned false: empty if the file is complete, else one line that says where and how it is truncated. A file that ends
+  // between two entries is complete if an end is among what was read, or if its header promises none.
   const std::string& problem() const { return problem_; }
 
  private:
@@ -43,6 +45,7 @@ class SessionReader {
   std::size_t begin_ = 0;            // first unread byte in the buffer
   std::uint64_t buffer_offset_ = 0;  // of the buffer's front, in the file
   std::uint64_t entries_ = 0;
+  bool has_ended_ = false;
   std::string problem_;
 };
 

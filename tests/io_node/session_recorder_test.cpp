@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <thread>
 #include <vector>
 
 #include "link/session_reader.h"
@@ -329,6 +330,28 @@ TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
   EXPECT_LE(recorder.counts().file_entries, readable);
   EXPECT_LT(readable, 40'000U);
   EXPECT_LE(recorder.counts().file_bytes, std::filesystem::file_size(file));
+  EXPECT_NE(reader->problem(), "");
+}
+
+// A process that is killed leaves what was written, entry by entry.
+TEST_F(Recorders, ARecordingOfANodeThatWasKilledHasNoEnd) {
+  auto recorder = make({.record = file, .ring_bytes = SessionRecorder::kRecordRingBytes});
+  ASSERT_TRUE(recorder.start());
+  for (int n = 1; n <= 5000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
+  const auto copy = scratch.path() / "copy.hapton";
+  std::size_t readable = 0;
+  for (int tries = 0; tries < 1000 && readable == 0; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
+    auto reader = SessionReader::open(copy);
+    ASSERT_TRUE(reader) << reader.error().what;
+    readable = 0;
+    for (SessionEntry entry; reader->next(entry);) ++readable;
+    EXPECT_NE(reader->problem(), "");
+  }
+  EXPECT_GT(readable, 0U);
+  ASSERT_TRUE(recorder.stop());
+  EXPECT_EQ(read(file).size(), 5000U);
 }
 
 TEST_F(Recorders, AFullDiskEndsTheRecordingAndIsReported) {

@@ -43,6 +43,8 @@ SessionEntry make(Kind kind) {
     case Kind::marker:
       entry.marker = {1ULL << 60, NodeRole::vision, "trial 1"};
       break;
+    case Kind::end:
+      break;
   }
   return entry;
 }
@@ -80,7 +82,7 @@ void expect_equal(const SessionEntry& a, const SessionEntry& b) {
   }
 }
 
-constexpr std::array kKinds = {Kind::received, Kind::sent, Kind::cycle, Kind::fault, Kind::dropped, Kind::marker};
+constexpr std::array kKinds = {Kind::received, Kind::sent, Kind::cycle, Kind::fault, Kind::dropped, Kind::marker, Kind::end};
 
 TEST(SessionCodec, GivesBackEveryKindOfEntry) {
   SessionCodec codec;
@@ -142,7 +144,7 @@ TEST(SessionCodec, AnObjectThatNoSceneCanHaveIsNone) {
 
 TEST(SessionCodec, GivesBackAHeader) {
   SessionCodec codec;
-  const SessionHeader header{"0.1.0", 5, 6, 7, "command-timeout", {{"rate", "1000"}, {"device", "simulated"}}};
+  const SessionHeader header{"0.1.0", 5, 6, 7, "command-timeout", {{"rate", "1000"}, {"device", "simulated"}}, true};
   std::string bytes;
   codec.append(header, bytes);
   SessionHeader read;
@@ -153,6 +155,7 @@ TEST(SessionCodec, GivesBackAHeader) {
   EXPECT_EQ(read.session, 7U);
   EXPECT_EQ(read.fault, "command-timeout");
   EXPECT_EQ(read.settings, header.settings);
+  EXPECT_TRUE(read.has_end);
 }
 
 TEST(SessionCodec, EveryCutIsSeen) {

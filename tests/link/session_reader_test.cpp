@@ -12,10 +12,18 @@
 namespace hapton {
 namespace {
 
-std::string make_file(int entries) {
+SessionEntry plain_entry(SessionEntry::Kind kind, std::int64_t time_ns) {
+  SessionEntry entry;
+  entry.kind = kind;
+  entry.time_ns = time_ns;
+  return entry;
+}
+
+// has_end: as io_node writes it now; false: before there were ends.
+std::string make_file(int entries, bool has_end = false) {
   SessionCodec codec;
   std::string bytes(kSessionMagic);
-  codec.append(SessionHeader{.build = "b", .settings = {{"rate", "1000"}}}, bytes);
+  codec.append(SessionHeader{.build = "b", .settings = {{"rate", "1000"}}, .has_end = has_end}, bytes);
   const std::string padding(700, 'p');
   for (int n = 0; n < entries; ++n) {
     SessionEntry entry;
@@ -24,6 +32,7 @@ std::string make_file(int entries) {
     entry.datagram = std::as_bytes(std::span(padding.data(), padding.size()));
     codec.append(entry, bytes);
   }
+  if (has_end) codec.append(plain_entry(SessionEntry::Kind::end, entries), bytes);
   return bytes;
 }
 
@@ -79,6 +88,39 @@ TEST_F(SessionReaders, GiveWhatIsBeforeACutAndSayWhereItIs) {
   ASSERT_TRUE(reader);
   EXPECT_EQ(count(*reader), 9);
   EXPECT_NE(reader->problem().find("cut short after 9 entries"), std::string::npos) << reader->problem();
+}
+
+TEST_F(SessionReaders, SayThatARecordingHasNoEnd) {
+  const std::string whole = make_file(3, true);
+  auto reader = SessionReader::open(scratch.write("s", whole));
+  ASSERT_TRUE(reader);
+  EXPECT_TRUE(reader->header().has_end);
+  const std::uint64_t first = reader->position();
+  EXPECT_EQ(count(*reader), 3);
+  EXPECT_EQ(reader->problem(), "");
+  reader->seek(first);
+  EXPECT_EQ(count(*reader), 3);
+  EXPECT_EQ(reader->problem(), "");
+
+  SessionCodec codec;
+  std::string end;
+  codec.append(plain_entry(SessionEntry::Kind::end, 3), end);
+  auto killed = SessionReader::open(scratch.write("s", whole.substr(0, whole.size() - end.size())));
+  ASSERT_TRUE(killed);
+  EXPECT_EQ(count(*killed), 3);
+  EXPECT_NE(killed->problem().find("has no end after 3 entries"), std::string::npos) << killed->problem();
+  killed->seek(first);
+  EXPECT_EQ(killed->problem(), "");
+  EXPECT_EQ(count(*killed), 3);
+  EXPECT_NE(killed->problem(), "");
+
+  // Two recordings in one file: the end is not the last entry.
+  std::string more;
+  codec.append(plain_entry(SessionEntry::Kind::dropped, 3), more);
+  auto longer = SessionReader::open(scratch.write("s", whole + more));
+  ASSERT_TRUE(longer);
+  EXPECT_EQ(count(*longer), 4);
+  EXPECT_NE(longer->problem(), "");
 }
 
 TEST_F(SessionReaders, GiveWhatIsBeforeADamagedEntry) {

@@ -142,6 +142,22 @@ TEST_F(Sessions, ACutFileGivesWhatIsBeforeTheCut) {
   EXPECT_GT(read_text(scratch.path() / "tables/forces.csv").size(), 1000U);
 }
 
+TEST_F(Sessions, ARecordingOfANodeThatWasKilledHasNoEndAndIsReadToItsLastEntry) {
+  system.start("io_node");
+  system.start("haptics_node");
+  Onlooker onlooker(system);
+  ProbeState state;
+  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
+  while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
+  system["io_node"].kill();
+  const Ended replayed = session({"replay", file.string()});
+  EXPECT_EQ(replayed.exit_code, 1) << replayed.out;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+  EXPECT_THAT(replayed.err, HasSubstr("has no end"));
+  EXPECT_EQ(std::count(replayed.err.begin(), replayed.err.end(), '\n'), 1) << replayed.err;
+}
+
 TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRejected) {
   record();
   const Ended rejected = session({"replay", file.string(), "--scene", HAPTON_SOURCE_DIR "/meshes/wingnut.obj"});

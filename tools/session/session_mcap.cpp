@@ -86,6 +86,8 @@ class McapMessages {
       case SessionEntry::Kind::sent:
         if (datagram != nullptr) add_datagram(entry, *datagram);
         return;
+      case SessionEntry::Kind::end:
+        return;
     }
   }
   std::uint64_t cycles() const { return cycles_; }

@@ -77,6 +77,8 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
       if (markers_.size() < kMarkersListed) markers_.push_back({entry.time_ns, entry.marker.sample, std::string(entry.marker.text)});
       ++marker_count_;
       return;
+    case SessionEntry::Kind::end:
+      return;
   }
   if (datagram == nullptr || entry.kind == SessionEntry::Kind::sent) return;
   changes_.add(entry, datagram);
