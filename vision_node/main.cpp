@@ -101,15 +101,35 @@ Result<std::unique_ptr<HeadsetShow>> open_headset(std::unique_ptr<Headset> heads
   return HeadsetShow::open(std::move(headset), view, options.room, options.X_OW);
 }
 
-int run(VisionOptions& options) {
-  const StopSignal stop;  // first, so that a signal ends the program in order at any point
-  const auto hub = parse_address(options.hub);
-  if (!hub) return give_up(hub.error());
+auto find_drawn_tool(const VisionOptions& options, const Scene& scene) {
+  std::vector<std::string> notes;
+  auto tool = find_tool(options.tool, scene, options.loading, notes);
+  for (const auto& note : notes) {
+    if (tool) log_info("tool: {}", note);
+  }
+  return tool;
+}
+
+Error explain_no_hub(const Address& hub, double seconds) {
+  return {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
+                      to_string(hub), seconds)};
+}
+
+// 0, or the exit code for what does not go together or is not there.
+int check(VisionOptions& options) {
   if (const auto sound = check_annotator_options(options.annotations); !sound) return reject_options(sound.error());
   if (const auto writable = check_screenshot(options.screenshot); !writable) return give_up(writable.error());
   if (const auto screen = find_screen(options); !screen) return give_up(screen.error());
   if (const auto fits = check_headset(options); !fits) return reject_options(fits.error());
   if (const auto possible = check_head(options); !possible) return reject_options(possible.error());
+  return 0;
+}
+
+int run(VisionOptions& options) {
+  const StopSignal stop;  // first, so that a signal ends the program in order at any point
+  const auto hub = parse_address(options.hub);
+  if (!hub) return give_up(hub.error());
+  if (const int code = check(options); code != 0) return code;
   const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
   if (!key) return give_up(key.error());
   const auto head = open_head_tracker(options);
@@ -124,10 +144,8 @@ int run(VisionOptions& options) {
   auto scene = load_scene(scene_path, options.loading);
   if (!scene) return give_up(scene.error());
   for (const auto& note : scene->notes) log_info("{}", note);
-  std::vector<std::string> tool_notes;
-  const auto tool = find_tool(options.tool, *scene, options.loading, tool_notes);
+  const auto tool = find_drawn_tool(options, *scene);
   if (!tool) return give_up(tool.error());
-  for (const auto& note : tool_notes) log_info("tool: {}", note);
   auto view = open_view(*scene, options);
   if (!view) return give_up(view.error());
   if (*tool) (*view)->set_tool(**tool);
@@ -166,9 +184,7 @@ int run(VisionOptions& options) {
   if (!ended) return give_up(ended.error());
   // If only a picture was requested, it exists.
   if (options.seconds > 0.0 && client.counts().joins == 0 && options.screenshot.empty() && !stop.stop_requested()) {
-    return give_up(
-        {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
-                     to_string(*hub), options.seconds)});
+    return give_up(explain_no_hub(*hub, options.seconds));
   }
   return 0;
 }

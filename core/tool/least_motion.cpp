@@ -46,6 +46,51 @@ class ActiveRows {
   int count_ = 0;
 };
 
+// The bound that is missed by the most, if that is above the tolerance; none: -1.
+int find_worst(std::span<const MotionBound> bounds, const Vec6& y, double tolerance) {
+  int worst = -1;
+  double most = tolerance;
+  for (int i = 0; i < static_cast<int>(bounds.size()); ++i) {
+    const double missing = bounds[i].least - bounds[i].row.dot(y);
+    if (missing > most) {
+      most = missing;
+      worst = i;
+    }
+  }
+  return worst;
+}
+
+// The active bound whose multiplier reaches zero first when they change by -step * r, and at which step; none: -1 and infinity.
+int find_blocking(const LeastMotion& found, const Vec6& r, double& step) {
+  int blocking = -1;
+  step = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < found.active_count; ++k) {
+    if (r[k] > 0.0 && found.multipliers[k] < step * r[k]) {
+      step = found.multipliers[k] / r[k];
+      blocking = k;
+    }
+  }
+  return blocking;
+}
+
+// The bound is released, and the others are factorized again without it.
+void release(int blocking, std::span<const MotionBound> bounds, LeastMotion& found, ActiveRows& rows) {
+  --found.active_count;
+  for (int k = blocking; k < found.active_count; ++k) {
+    found.active[k] = found.active[k + 1];
+    found.multipliers[k] = found.multipliers[k + 1];
+  }
+  found.active[found.active_count] = -1;
+  found.multipliers[found.active_count] = 0.0;
+  rows.clear();
+  for (int k = 0; k < found.active_count; ++k) {
+    Vec6 along;
+    Vec6 rest;
+    rows.split(bounds[found.active[k]].row, along, rest);
+    rows.add(along, rest);
+  }
+}
+
 }  // namespace
 
 LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bounds, double tolerance) noexcept {
@@ -58,20 +103,12 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
   ActiveRows rows;
   int round = 0;
   while (true) {
-    int worst = -1;
-    double most = tolerance;
-    for (int i = 0; i < static_cast<int>(bounds.size()); ++i) {
-      const double missing = bounds[i].least - bounds[i].row.dot(found.y);
-      if (missing > most) {
-        most = missing;
-        worst = i;
-      }
-    }
+    const int worst = find_worst(bounds, found.y, tolerance);
     if (worst < 0) return found;
 
     const Vec6& row = bounds[worst].row;
     double multiplier = 0.0;
-    while (true) {
+    for (bool is_added = false; !is_added;) {
       if (++round > kMostRounds) {
         found.solved = false;
         return found;
@@ -80,14 +117,8 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
       Vec6 rest;
       rows.split(row, along, rest);
       const Vec6 r = rows.solve(along);
-      int blocking = -1;
-      double step = std::numeric_limits<double>::infinity();
-      for (int k = 0; k < found.active_count; ++k) {
-        if (r[k] > 0.0 && found.multipliers[k] < step * r[k]) {
-          step = found.multipliers[k] / r[k];
-          blocking = k;
-        }
-      }
+      double step = 0.0;
+      int blocking = find_blocking(found, r, step);
       const bool spans = rest.squaredNorm() <= kDependent * kDependent * row.squaredNorm();
       const double full = spans ? std::numeric_limits<double>::infinity() : (bounds[worst].least - row.dot(found.y)) / rest.squaredNorm();
       if (!spans && full <= step) {
@@ -101,25 +132,14 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
       if (!spans) found.y += step * rest;
       for (int k = 0; k < found.active_count; ++k) found.multipliers[k] -= step * r[k];
       multiplier += step;
-      if (blocking < 0) {
-        rows.add(along, rest);
-        found.active[found.active_count] = worst;
-        found.multipliers[found.active_count++] = multiplier;
-        break;
+      is_added = blocking < 0;
+      if (!is_added) {
+        release(blocking, bounds, found, rows);
+        continue;
       }
-      // The blocking bound is released, and the others are factorized again without it.
-      --found.active_count;
-      for (int k = blocking; k < found.active_count; ++k) {
-        found.active[k] = found.active[k + 1];
-        found.multipliers[k] = found.multipliers[k + 1];
-      }
-      found.active[found.active_count] = -1;
-      found.multipliers[found.active_count] = 0.0;
-      rows.clear();
-      for (int k = 0; k < found.active_count; ++k) {
-        rows.split(bounds[found.active[k]].row, along, rest);
-        rows.add(along, rest);
-      }
+      rows.add(along, rest);
+      found.active[found.active_count] = worst;
+      found.multipliers[found.active_count++] = multiplier;
     }
   }
 }

@@ -190,6 +190,42 @@ double height_of(const Outline& top, double x) {
   return top.back().y();
 }
 
+// A method in the figure of a slide.
+struct SlideCurve {
+  const char* block;
+  const char* method;
+  const char* title;
+  double offset_m;  // of sweep
+  const char* style;
+};
+
+std::array<SlideCurve, 5> slide_curves() {
+  const MethodSettings usual;
+  return {SlideCurve{"memo", "sweep", "sweep, the memo's offset of 12.7 um: lags by centimetres", usual.offset_m,
+                     "linewidth 1.5 dashtype 2 linecolor rgb '#d07000'"},
+          SlideCurve{"sweep", "sweep", "sweep, offset 0.5 mm", 0.0005, "linewidth 2 linecolor rgb '#d07000'"},
+          SlideCurve{"smooth", "smooth", "smooth", usual.offset_m, "linewidth 2.5 linecolor rgb '#009e60'"},
+          SlideCurve{"proxy", "proxy", "proxy", usual.offset_m, "linewidth 3.5 linecolor rgb '#70a8ff'"},
+          SlideCurve{"reference", "reference", "reference", usual.offset_m, "linewidth 1.2 linecolor rgb 'black'"}};
+}
+
+// Its block of gnuplot: x in mm, size of the force in N, direction in degrees from upright.
+Result<std::string> make_slide_data(const SlideCurve& curve, const TouchScene& scene, const std::vector<Vec3>& path) {
+  MethodSettings settings;
+  settings.name = curve.method;
+  settings.offset_m = curve.offset_m;
+  const auto samples = follow(settings, scene, path);
+  if (!samples) return tl::unexpected(samples.error());
+  std::string data = fmt::format("${} << EOD\n", curve.block);
+  for (const Sample& s : *samples) {
+    const Vec3& F = s.output.force_n;
+    const bool output = F.norm() > 0.0;
+    fmt::format_to(std::back_inserter(data), "{:.5g} {:.5g} {}\n", 1e3 * s.device.x(), F.norm(),
+                   output ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
+  }
+  return data + "EOD\n";
+}
+
 Result<Figure> draw_slide() {
   const Outline top = profile();
   Outline outline = {{-0.030, -0.020}, {0.030, -0.020}};
@@ -200,37 +236,13 @@ Result<Figure> draw_slide() {
     const double x = -0.027 + 1e-4 * i;
     path.emplace_back(x, height_of(top, x) + 0.002 - 0.0032 * std::min(1.0, i / 30.0), kSlice);
   }
-  struct Curve {
-    const char* block;
-    const char* method;
-    const char* title;
-    double offset_m;  // of sweep
-    const char* style;
-  };
-  const MethodSettings usual;
-  const std::array curves = {Curve{"memo", "sweep", "sweep, the memo's offset of 12.7 um: lags by centimetres", usual.offset_m,
-                                   "linewidth 1.5 dashtype 2 linecolor rgb '#d07000'"},
-                             Curve{"sweep", "sweep", "sweep, offset 0.5 mm", 0.0005, "linewidth 2 linecolor rgb '#d07000'"},
-                             Curve{"smooth", "smooth", "smooth", usual.offset_m, "linewidth 2.5 linecolor rgb '#009e60'"},
-                             Curve{"proxy", "proxy", "proxy", usual.offset_m, "linewidth 3.5 linecolor rgb '#70a8ff'"},
-                             Curve{"reference", "reference", "reference", usual.offset_m, "linewidth 1.2 linecolor rgb 'black'"}};
   std::string data;
   std::string plot_size;
   std::string plot_direction;
-  for (const Curve& curve : curves) {
-    MethodSettings settings;
-    settings.name = curve.method;
-    settings.offset_m = curve.offset_m;
-    const auto samples = follow(settings, scene, path);
-    if (!samples) return tl::unexpected(samples.error());
-    data += fmt::format("${} << EOD\n", curve.block);
-    for (const Sample& s : *samples) {
-      const Vec3& F = s.output.force_n;
-      const bool output = F.norm() > 0.0;
-      fmt::format_to(std::back_inserter(data), "{:.5g} {:.5g} {}\n", 1e3 * s.device.x(), F.norm(),
-                     output ? fmt::format("{:.5g}", std::atan2(F.x(), F.y()) * 180 / kPi) : "NaN");
-    }
-    data += "EOD\n";
+  for (const SlideCurve& curve : slide_curves()) {
+    const auto block = make_slide_data(curve, scene, path);
+    if (!block) return tl::unexpected(block.error());
+    data += *block;
     const char* comma = plot_size.empty() ? "" : ", ";
     plot_size += fmt::format("{}${} using 1:2 with lines {} title \"{}\"", comma, curve.block, curve.style, curve.title);
     plot_direction += fmt::format("{}${} using 1:3 with lines {} notitle", comma, curve.block, curve.style);

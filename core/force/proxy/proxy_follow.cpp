@@ -117,18 +117,11 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   for (int leg = 0; leg < kMostLegs && work_left_ > 0; ++leg) {
     const Vec3 here = on_path(last, device, time);
     if (!surface_.is_on_surface()) {
-      double until = 1.0;
-      const Met met = flight_.fly(here, device, false, surface_, until);
-      work_left_ -= flight_.work();
-      if (met == Met::nothing) {
-        proxy_.settle_at(device);
-        return true;
+      const Met met = fly_to_device(here, device, time);
+      if (met != Met::walkable) {
+        proxy_.settle_at(met == Met::nothing ? device : here);
+        return met == Met::nothing;
       }
-      if (met == Met::other) {
-        proxy_.settle_at(here);
-        return false;
-      }
-      time = std::min(1.0, time + (1.0 - time) * until);
       has_settled = true;
     }
     outcome = has_settled ? surface_.follow(last, device, time, work_left_) : surface_.descend(here, work_left_);
@@ -146,17 +139,12 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     if (outcome == Outcome::settled) continue;
     ++counters_.flights;
     if (outcome == Outcome::released) {
-      double until = 1.0;
-      const Met met = flight_.fly(surface_.at().lifted_towards(device, kLift), device, false, surface_, until);
-      work_left_ -= flight_.work();
+      const Met met = fly_to_device(surface_.at().lifted_towards(device, kLift), device, time);
+      if (met == Met::walkable) continue;
       if (met == Met::other) return false;
-      if (met == Met::nothing) {
-        surface_.leave();
-        proxy_.settle_at(device);
-        return true;
-      }
-      time = std::min(1.0, time + (1.0 - time) * until);
-      continue;
+      surface_.leave();
+      proxy_.settle_at(device);
+      return true;
     }
     double until = 1.0;
     const Vec3 at = on_path(last, device, time);
@@ -170,12 +158,19 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
     has_settled = met == Met::nothing;
   }
   unconverged_ = surface_.is_on_surface();
-  if (surface_.is_on_surface()) {
-    carry(on_path(last, device, time));
-    hold_by_surface(device);
-    return true;
-  }
-  return false;
+  if (!unconverged_) return false;
+  carry(on_path(last, device, time));
+  hold_by_surface(device);
+  return true;
+}
+
+// Straight, while the device goes to its end: `time` is then that of the contact, if a walkable triangle was met.
+FreeFlight::Met ProxyMethod::fly_to_device(const Vec3& from, const Vec3& device, double& time) noexcept {
+  double until = 1.0;
+  const FreeFlight::Met met = flight_.fly(from, device, false, surface_, until);
+  work_left_ -= flight_.work();
+  if (met == FreeFlight::Met::walkable) time = std::min(1.0, time + (1.0 - time) * until);
+  return met;
 }
 
 // The rest of the motion, from there on, follows with the next sample.

@@ -118,6 +118,7 @@ class ProxyMethod final : public ForceMethod {
   void come_near(const Vec3& device) noexcept;
   void follow_piece(const Vec3& last, const Vec3& device) noexcept;
   bool follow_surface(const Vec3& last, const Vec3& device, double& time) noexcept;
+  FreeFlight::Met fly_to_device(const Vec3& from, const Vec3& device, double& time) noexcept;
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool sweep_to(const Vec3& device) noexcept;
   void sweep_from_slit(const Vec3& last, const Vec3& device) noexcept;
