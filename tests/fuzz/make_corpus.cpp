@@ -1,4 +1,4 @@
-// Writes the initial inputs of the fuzzers of sealed datagrams and of handshakes to tests/fuzz/corpus/, and sets the
+// Writes the initial inputs of the fuzzers of sealed datagrams, of handshakes and of scenes in parts to tests/fuzz/corpus/, and sets the
 // protocol version of the codec's messages there. Run it again when the protocol version changes: seals and tags of another version are
 // invalid, and fuzz_test reports them.
 #include <cstdio>
@@ -7,10 +7,13 @@
 #include <initializer_list>
 
 #include "link/codec.h"
+#include "patch/patch_source.h"
+#include "patch/tile_partition.h"
 #include "runtime/clock.h"
 #include "tests/fuzz/fixed_random.h"
 #include "tests/fuzz/handshake_line.h"
 #include "tests/fuzz/sealed_session.h"
+#include "tests/support/made_meshes.h"
 
 namespace hapton::fuzz {
 namespace {
@@ -177,6 +180,75 @@ bool write_request() {
          write("request", "from_hub_to_hub", {{.flags = 0, .bytes = retry.bytes}, request(kVision, 1, true)});
 }
 
+Bytes encode(const Message& message, std::uint64_t number) {
+  Codec codec;
+  std::array<std::byte, kMaxDatagramBytes> into;
+  const Datagram datagram{.header = {.session = 1, .sender = 10, .sequence = number, .send_time_ns = kStartNs}, .message = message};
+  const auto* const bytes = seal::bytes_of(std::span<std::byte>(into));
+  return {bytes, bytes + codec.encode(datagram, into)};
+}
+
+// All parts of a scene, and then these.
+std::vector<ListedDatagram> parts_of(const TouchScene& scene, std::initializer_list<Message> later = {}) {
+  std::vector<ListedDatagram> parts;
+  PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
+  for (std::int64_t now_ns = kStartNs; now_ns < kStartNs + 100'000'000; now_ns += 1'000'000) {
+    if (const auto part = source.take(now_ns)) parts.push_back({.flags = 0, .bytes = encode(*part, parts.size() + 1)});
+  }
+  for (const Message& message : later) parts.push_back({.flags = 1, .bytes = encode(message, parts.size() + 1)});
+  return parts;
+}
+
+// A square of two triangles that rises by 2 mm and sinks again.
+TouchObject heaving_square() {
+  TouchObject square{.mesh = made::shared(made::sheet(0.01, 0.0, 1)), .material = {}};
+  MorphTarget rise;
+  for (std::uint32_t v = 0; v < 4; ++v) {
+    rise.vertices.push_back(v);
+    rise.displacements.emplace_back(0.0, 0.0, 0x1p-9);
+  }
+  square.deformation =
+      std::make_shared<const MeshDeformation>(std::vector{rise}, std::vector<MorphKey>{{0.0, {0.0}}, {0.1, {1.0}}, {0.2, {0.0}}}, true);
+  return square;
+}
+
+bool write_patch() {
+  const TouchObject floor{.mesh = made::shared(made::sheet(0.02, 0.0, 1)), .material = {}};
+  TouchObject sliding = floor;
+  sliding.motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.01, Vec3(0, 0, 0.001), Quat::Identity()}}, false);
+  TouchObject lid = floor;
+  lid.command_pivot = Vec3::Zero();
+  const ObjectMove lifted{.source = 1, .serial = 1, .object = 1, .end_ns = 8'000'000, .to_p_m = Vec3(0, 0, 0.002)};
+  const PatchMaterial softer{.epoch = 1, .serial = 99, .stiffness_n_per_m = 300.0};
+  return write("patch", "still", parts_of({.objects = {floor}}, {softer})) &&
+         write("patch", "keyframes", parts_of({.objects = {floor, sliding}})) &&
+         write("patch", "commanded", parts_of({.objects = {floor, lid}}, {lifted})) &&
+         write("patch", "deforms", parts_of({.objects = {floor, heaving_square()}})) &&
+         write("patch", "next_epoch", parts_of({.objects = {heaving_square()}}, {PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-8}}));
+}
+
+// One of each kind of a scene's parts for target codec.
+bool write_codec_parts() {
+  const auto put = [](const char* name, const Message& message) {
+    const Bytes bytes = encode(message, 1);
+    std::ofstream file(std::filesystem::path(HAPTON_SOURCE_DIR) / "tests/fuzz/corpus/codec" / name, std::ios::binary);
+    file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return !!file.flush();
+  };
+  PatchBody body{.epoch = 1, .serial = 2, .body = 1, .motion = PatchBody::Motion::keyframes, .deforms = true, .lowest = {1, 2, 3}};
+  body.highest = {4, 5, 6};
+  body.all_keys = body.key_count = 2;
+  body.keys[1].time_s = 1.0;
+  PatchDeformation weights{.epoch = 1, .serial = 3, .body = 1, .tile_count = 1, .displaced_count = 1, .target_count = 2};
+  weights.all_keys = weights.key_count = 2;
+  weights.keys = {0.0, 0.0, 0.5, 1.0, 1.0, -0.5};
+  PatchDisplacements displaced{.epoch = 1, .serial = 4, .target = 1, .vertex_count = 2};
+  displaced.by_m = {0.001F, 0.0F, -0.002F, 0.0F, 0.003F, 0.0F};
+  return put("patch_body", body) && put("patch_deformation", weights) && put("patch_displacements", displaced) &&
+         put("patch_material", PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 300.0, .friction_static = 0.4});
+}
+
 // The messages of target codec are kept; only their version changes.
 bool renew_codec() {
   for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus/codec")) {
@@ -193,5 +265,5 @@ bool renew_codec() {
 
 int main() {
   using namespace hapton::fuzz;
-  return FixedRandom::install() && write_sealed() && write_request() && renew_codec() ? 0 : 1;
+  return FixedRandom::install() && write_sealed() && write_request() && write_patch() && write_codec_parts() && renew_codec() ? 0 : 1;
 }

@@ -115,11 +115,11 @@ std::string name_of(const testing::TestParamInfo<Case>& info) { return info.para
 
 INSTANTIATE_TEST_SUITE_P(Fuzz, Mutator,
                          testing::Values(Case{"sealed", 0.8, 4.0}, Case{"request", 0.8, 4.0}, Case{"session", 0.6, 4.0},
-                                         Case{"stl", 0.5, 1.3}, Case{"glb", 0.4, 1.3}, Case{"codec", 0.3, 1.3}),
+                                         Case{"stl", 0.5, 1.3}, Case{"glb", 0.4, 1.3}, Case{"codec", 0.3, 1.3}, Case{"patch", 0.3, 1.3}),
                          name_of);
 
 TEST(Mutator, KnowsEveryTargetThatItIsTestedWith) {
-  std::set<std::string> tested = {"sealed", "request", "session", "stl", "glb", "codec"};
+  std::set<std::string> tested = {"sealed", "request", "session", "stl", "glb", "codec", "patch"};
   for (const auto& [name, mutate] : mutators()) EXPECT_EQ(tested.count(name), 1U) << name;
   EXPECT_EQ(mutators().size(), tested.size());
 }
@@ -138,7 +138,7 @@ TEST_P(Crossover, ComesPastTheCheck) {
 
 std::string name_of_target(const testing::TestParamInfo<std::string>& target) { return target.param; }
 
-INSTANTIATE_TEST_SUITE_P(Fuzz, Crossover, testing::Values("sealed", "request", "session"), name_of_target);
+INSTANTIATE_TEST_SUITE_P(Fuzz, Crossover, testing::Values("sealed", "request", "session", "patch"), name_of_target);
 
 TEST(SealedMutator, SealsAsTheChannelDoes) {
   ASSERT_TRUE(FixedRandom::install());
