@@ -23,6 +23,9 @@ class FileWatch {
   // The file as the last check found it is known from now on. Pre: that check was `changed`.
   void accept();
 
+  // There was no file for two checks, and none since.
+  bool is_gone() const { return checks_without_file_ >= 2; }
+
  private:
   struct Stamp {
     std::filesystem::file_time_type time = {};

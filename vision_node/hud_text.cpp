@@ -117,6 +117,7 @@ std::string compose_hud(const HudFacts& facts) {
   if (facts.detail_progress < 1.0) text += fmt::format("   preparing detail {:.0f} %", 100.0 * facts.detail_progress);
   if (!facts.head.empty()) text += "   " + facts.head;
   if (!facts.head_notice.empty()) text += "\nHEAD: " + facts.head_notice;
+  if (!facts.scene_problem.empty()) text += "\nSCENE FILE: " + facts.scene_problem;
   if (!facts.annotations.empty()) text += "\n" + facts.annotations;
   if (!facts.teaching.empty()) text += "\n" + facts.teaching;
   if (!facts.happened.empty()) text += "\n" + facts.happened;

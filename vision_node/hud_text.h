@@ -24,6 +24,7 @@ struct HudFacts {
   std::string held;              // name and material of the object that the stylus has picked up; empty: none
   std::string head;              // position of the head; empty: the initial one
   std::string head_notice;       // what is wrong with its tracker, a line of its own; empty: nothing
+  std::string scene_problem;     // why the scene file as it was saved is not shown, a line of its own; empty: it is
   std::string recording;         // of a recording: its name, the moment and how it plays; a line of its own. Empty: live
   std::string teaching;          // what a teaching view shows, a line of its own; empty: none
   std::string happened;          // right before, in the recording, or live to files: another line; empty: nothing

@@ -30,7 +30,10 @@ LiveScene::LiveScene(StereoView& view, VisionOptions& options, Scene scene)
 
 std::unique_ptr<LiveScene::Change> LiveScene::follow(std::int64_t now_ns) {
   if (file_ == nullptr) return nullptr;
-  if (auto read = file_->take()) follower_.offer(std::move(*read), now_ns);
+  if (auto read = file_->take()) {
+    follower_.offer(std::move(*read), now_ns);
+    draw_error_.clear();
+  }
   if (follower_.take_overdue(now_ns)) {
     log_warning("{} has changed, and the picture waits until haptics_node uses it: see its log, or start it with --watch-scene",
                 file_->path().string());
@@ -40,6 +43,7 @@ std::unique_ptr<LiveScene::Change> LiveScene::follow(std::int64_t now_ns) {
   if (const auto replaced = view_.replace_scene(list_shown_objects(*next, options_.culls_open), next->view.lights); !replaced) {
     log_warning("{}: {}; the present picture stays", file_->path().string(), replaced.error().what);
     follower_.set_shown(parts_->scene.given_hash);
+    draw_error_ = replaced.error().what;
     return nullptr;
   }
   if (next->tool.has_value() != parts_->scene.tool.has_value()) {
@@ -52,6 +56,14 @@ std::unique_ptr<LiveScene::Change> LiveScene::follow(std::int64_t now_ns) {
   parts_->moved.adopt(change->before->moved);
   log_info("{} was read again, and is shown", file_->path().string());
   return change;
+}
+
+std::string LiveScene::problem() const {
+  if (file_ == nullptr) return {};
+  const std::string name = file_->path().filename().string();
+  if (const std::string error = file_->problem(); !error.empty()) return error + "; shown as it was before";
+  if (follower_.is_overdue()) return name + " has changed; the picture waits until haptics_node uses it";
+  return draw_error_.empty() ? std::string() : name + ": " + draw_error_ + "; shown as it was before";
 }
 
 }  // namespace hapton

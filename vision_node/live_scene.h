@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -31,6 +32,8 @@ class LiveScene {
   void watch(SceneReload* file) { file_ = file; }
   bool is_watched() const { return file_ != nullptr; }
   bool is_reading() const { return file_ != nullptr && file_->is_reading(); }
+  // Why the picture is not that of the file as it was saved, for the window; empty: it is, or the file is being read.
+  std::string problem() const;
   // The hash of what is felt (SceneFacts).
   void set_felt(std::uint64_t given_hash) { follower_.set_felt(given_hash); }
 
@@ -54,6 +57,7 @@ class LiveScene {
   std::unique_ptr<Parts> parts_;
   SceneReload* file_ = nullptr;
   SceneFollower follower_;
+  std::string draw_error_;  // of the newest scene that was to be drawn
 };
 
 struct LiveScene::Change {

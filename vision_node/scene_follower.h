@@ -31,6 +31,8 @@ class SceneFollower {
 
   // True once for each scene that has waited too long.
   bool take_overdue(std::int64_t now_ns);
+  // Such a scene still waits.
+  bool is_overdue() const { return waiting_ && is_reported_; }
 
  private:
   bool is_due() const;

@@ -16,6 +16,13 @@ constexpr std::chrono::milliseconds kLookEvery(500);
 // A force has the processor first.
 constexpr int kReloadNiceness = 10;
 
+// A picture has no room for the folders of a file.
+std::string without_folder(std::string text, const std::filesystem::path& path) {
+  const std::string whole = path.string();
+  if (const std::size_t at = text.find(whole); at != std::string::npos) text.replace(at, whole.size(), path.filename().string());
+  return text;
+}
+
 }  // namespace
 
 SceneReload::SceneReload(std::filesystem::path path, const SceneLoading& loading, Read read)
@@ -38,7 +45,9 @@ void SceneReload::run() {
 }
 
 void SceneReload::look() {
-  switch (file_.check()) {
+  const FileWatch::State state = file_.check();
+  set_gone(file_.is_gone());
+  switch (state) {
     case FileWatch::State::gone:
       is_reading_.store(false);
       log_warning("{} is gone; the present picture stays, and the file is read once it is back", path_.string());
@@ -60,13 +69,24 @@ void SceneReload::read() {
   auto result = calls_.call([read = read_file_, path = path_, loading = loading_] { return read(path, loading); });
   if (!result) return;  // the program ends
   Result<Scene>& scene = *result;
+  const std::lock_guard lock(mutex_);
+  error_ = scene ? std::string() : without_folder(scene.error().what, path_);
   if (!scene) {
     log_warning("{}; the present picture stays", scene.error().what);
     return;
   }
   for (const auto& note : scene->notes) log_info("{}", note);
-  const std::lock_guard lock(mutex_);
   read_ = std::move(*scene);
+}
+
+void SceneReload::set_gone(bool is_gone) {
+  const std::lock_guard lock(mutex_);
+  is_gone_ = is_gone;
+}
+
+std::string SceneReload::problem() {
+  const std::lock_guard lock(mutex_);
+  return is_gone_ ? path_.filename().string() + " is gone" : error_;
 }
 
 std::optional<Scene> SceneReload::take() {

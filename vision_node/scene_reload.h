@@ -5,6 +5,7 @@
 #include <functional>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "runtime/file_watch.h"
@@ -14,7 +15,8 @@
 namespace hapton {
 
 // Reads the scene file again when it was saved, in a thread of its own: no frame waits for it, and neither does the end of the program. A
-// file with an error is one line in the log. Threads: take() from one; look() from one, that of start() if it was called. RT: no.
+// file with an error is one line in the log, and in problem(). Threads: take() from one; look() from one, that of start() if it was called.
+// RT: no.
 class SceneReload {
  public:
   using Read = std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)>;
@@ -32,6 +34,9 @@ class SceneReload {
 
   // The newest scene that was read since the last call; none: nothing was.
   std::optional<Scene> take();
+  // Why the file as it is now cannot be shown, in one line with its name, without its folder; empty: it can, or is not read yet. Threads:
+  // any.
+  std::string problem();
   // The file was saved, and what it has now is not read yet. Threads: any.
   bool is_reading() const { return is_reading_.load(); }
 
@@ -40,6 +45,7 @@ class SceneReload {
  private:
   void run();
   void read();
+  void set_gone(bool is_gone);
 
   std::filesystem::path path_;
   SceneLoading loading_;
@@ -47,6 +53,8 @@ class SceneReload {
   FileWatch file_;
   std::mutex mutex_;
   std::optional<Scene> read_;
+  std::string error_;     // of the newest content that was read
+  bool is_gone_ = false;  // there is no file
   std::atomic<bool> is_reading_ = false;
   StoppableCalls calls_;
   std::thread thread_;  // last: it uses the others

@@ -212,6 +212,7 @@ void VisionSession::follow_scene() {
     step_.set_held_object(moved_->held());
     next_scene_ns_ = 0;
   }
+  step_.set_scene_problem(live_->problem());
   compare_scene();
 }
 

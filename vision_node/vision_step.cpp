@@ -133,6 +133,7 @@ HudFacts VisionStep::hud_facts() const {
   facts.teaching = teaching_;
   facts.head = describe_head(head_.head(), settings_.head);
   facts.head_notice = head_notice_;
+  facts.scene_problem = scene_problem_;
   facts.held = describe_object(settings_.names, held_object_);
   facts.scene_across_m = 2.0 * settings_.scene_radius_m;
   facts.scene_away_m = (scene_pose() * settings_.p_SO - settings_.p_WC).norm();

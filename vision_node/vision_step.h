@@ -91,6 +91,13 @@ class VisionStep {
   void move_head(const Vec3& by_m) { head_.move(by_m); }
   // Sets a line on what is wrong with the head's tracker; empty: nothing is.
   void set_head_notice(std::string line) { head_notice_ = std::move(line); }
+  // Sets a line on why the scene file as it was saved is not shown; empty: it is.
+  void set_scene_problem(std::string line) {
+    if (line == scene_problem_) return;
+    scene_problem_ = std::move(line);
+    spoil();
+  }
+  const std::string& scene_problem() const { return scene_problem_; }
   // The next frame must be drawn whether or not something moved (the window was uncovered or resized).
   void spoil() { stale_ = true; }
   // Another scene is shown. home: the view that it begins with; the viewer's own turns, pans and zoom stay unless is_view_new.
@@ -205,6 +212,7 @@ class VisionStep {
   bool is_head_at_rest_ = true;
   bool has_new_shape_ = false;
   std::string head_notice_;
+  std::string scene_problem_;
   std::int64_t scene_moved_ns_ = 0;
   double detail_progress_ = 1.0;
   double preparing_s_ = 0.0;

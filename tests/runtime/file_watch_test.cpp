@@ -47,10 +47,14 @@ TEST_F(FileWatchTest, AFileThatIsGoneIsReportedOnceAndNotForAMoment) {
   EXPECT_EQ(watch.check(), State::unchanged);
   std::filesystem::rename(file, aside);
   EXPECT_EQ(watch.check(), State::unchanged);
+  EXPECT_FALSE(watch.is_gone());
   EXPECT_EQ(watch.check(), State::gone);
+  EXPECT_TRUE(watch.is_gone());
   EXPECT_EQ(watch.check(), State::unchanged);
+  EXPECT_TRUE(watch.is_gone());
   std::filesystem::rename(aside, file);
   EXPECT_EQ(watch.check(), State::unchanged) << "the same as before";
+  EXPECT_FALSE(watch.is_gone());
 }
 
 TEST_F(FileWatchTest, AFileThatAppearsLaterIsAChange) {

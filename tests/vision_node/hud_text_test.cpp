@@ -23,6 +23,13 @@ TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "the device has to be repaired first";
 }
 
+TEST(Hud, SaysWhyTheSavedSceneFileIsNotShown) {
+  HudFacts facts;
+  EXPECT_EQ(compose_hud(facts).find("SCENE FILE"), std::string::npos);
+  facts.scene_problem = "a.toml: line 3: unknown key 'colr'; shown as it was before";
+  EXPECT_NE(compose_hud(facts).find("\nSCENE FILE: a.toml: line 3: unknown key 'colr'; shown as it was before"), std::string::npos);
+}
+
 TEST(Hud, OfARecordingSaysSoAndHasItsOwnKeys) {
   HudFacts facts;
   facts.connected = true;

@@ -81,7 +81,9 @@ TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
   const Vec2 before = *find(0);
   const std::string log = log_of([&] {
     EXPECT_EQ(save(std::string(kRedObject) + "position_m = [0.02, 0, 0]\n", 0), nullptr);
+    EXPECT_EQ(live->problem(), "");
     EXPECT_EQ(live->follow(SceneFollower::kReportAfterNs), nullptr);
+    EXPECT_EQ(live->problem(), "a.toml has changed; the picture waits until haptics_node uses it");
     EXPECT_EQ(live->follow(2 * SceneFollower::kReportAfterNs), nullptr);
   });
   EXPECT_THAT(log, HasSubstr("a.toml has changed, and the picture waits until haptics_node uses it"));
@@ -92,6 +94,7 @@ TEST_F(LiveSceneTest, AnotherPlaceIsShownOnceItIsFelt) {
   EXPECT_NE(next->given_hash, shown());
   live->set_felt(next->given_hash);
   ASSERT_NE(live->follow(0), nullptr);
+  EXPECT_EQ(live->problem(), "");
   EXPECT_EQ(shown(), next->given_hash);
   view->set_framing(options.view.framing);
   const Vec2 there = project_to_pixel(view->screen(), Eye::centre, {320, 240}, Vec3(0.02, 0, 0));
@@ -123,8 +126,13 @@ TEST_F(LiveSceneTest, AnErrorChangesNothing) {
   const std::uint64_t before = shown();
   const std::string log = log_of([&] { EXPECT_EQ(save("colr = 1\n"), nullptr); });
   EXPECT_THAT(log, HasSubstr("the present picture stays"));
+  EXPECT_THAT(live->problem(), HasSubstr("unknown key 'colr'"));
+  EXPECT_THAT(live->problem(), HasSubstr("; shown as it was before"));
   EXPECT_EQ(shown(), before);
   EXPECT_TRUE(find(0));
+  EXPECT_NE(save(kGreenObject), nullptr);
+  EXPECT_EQ(live->problem(), "");
+  EXPECT_TRUE(find(1));
 }
 
 TEST_F(LiveSceneTest, WhatProgramsMoveStaysWhereItIs) {

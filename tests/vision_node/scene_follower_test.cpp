@@ -78,6 +78,13 @@ TEST(SceneFollower, APersonIsToldOnceThatItWaits) {
   EXPECT_FALSE(follower.take_overdue(99 + SceneFollower::kReportAfterNs));
   EXPECT_TRUE(follower.take_overdue(100 + SceneFollower::kReportAfterNs));
   EXPECT_FALSE(follower.take_overdue(200 + SceneFollower::kReportAfterNs));
+  EXPECT_TRUE(follower.is_overdue());
+  follower.offer(made(3), 300 + SceneFollower::kReportAfterNs);
+  EXPECT_FALSE(follower.is_overdue()) << "it has just come";
+  EXPECT_TRUE(follower.take_overdue(300 + 2 * SceneFollower::kReportAfterNs));
+  follower.set_felt(3);
+  EXPECT_TRUE(follower.take_due());
+  EXPECT_FALSE(follower.is_overdue());
 }
 
 }  // namespace

@@ -82,6 +82,28 @@ TEST_F(SceneReloadTest, AnErrorIsOneLineAndNoScene) {
   EXPECT_THAT(log_of_two_looks(reload), HasSubstr("a.toml is gone; the present picture stays"));
 }
 
+TEST_F(SceneReloadTest, TheProblemIsKnownUntilTheFileIsRight) {
+  SceneReload reload(file, {});
+  EXPECT_EQ(reload.problem(), "");
+  write("colr = [0, 1, 0]");
+  (void)log_of_two_looks(reload);
+  EXPECT_THAT(reload.problem(), testing::StartsWith("a.toml:"));
+  EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'"));
+  (void)log_of_two_looks(reload);
+  EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'"));
+  std::filesystem::rename(file, folder.path() / "b.toml");
+  (void)log_of_two_looks(reload);
+  EXPECT_EQ(reload.problem(), "a.toml is gone");
+  (void)log_of_two_looks(reload);
+  EXPECT_EQ(reload.problem(), "a.toml is gone");
+  std::filesystem::rename(folder.path() / "b.toml", file);
+  (void)log_of_two_looks(reload);
+  EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'")) << "the same file is back";
+  write("color = [0, 1, 0]");
+  (void)log_of_two_looks(reload);
+  EXPECT_EQ(reload.problem(), "");
+}
+
 // A mesh of ten million triangles takes many seconds: a person who quits does not wait for it.
 TEST_F(SceneReloadTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   std::promise<void> release;

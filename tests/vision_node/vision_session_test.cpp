@@ -11,6 +11,7 @@
 #include "link/hub_peers.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "tests/vrpn/made_tracker.h"
 
@@ -335,6 +336,32 @@ testing::AssertionResult comes_to_full_detail(double longer) {
 }
 
 TEST(VisionSession, AtRestTheSceneComesToFullDetailByItself) { expect_seen(comes_to_full_detail); }
+
+TEST(VisionSession, SaysInThePictureThatTheSavedSceneFileHasAnError) {
+  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  const ScratchFolder folder;
+  folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  const std::string object = "[[object]]\nmesh = 'a.obj'\n";
+  const auto file = folder.write("a.toml", object);
+  VisionOptions options;
+  options.seconds = 0.3;
+  Session vision(nobody->local_address(), options);
+  auto scene = load_scene(file, {});
+  ASSERT_TRUE(scene) << scene.error().what;
+  LiveScene live(*vision.view, vision.options, std::move(*scene));
+  SceneReload reload(file, {});
+  live.watch(&reload);
+  vision.session->set_live_scene(&live);
+  const auto save_and_run = [&](const std::string& keys) {
+    folder.write("a.toml", object + keys);
+    reload.look();
+    reload.look();
+    EXPECT_TRUE(vision.session->run(vision.stop));
+    return vision.session->step().scene_problem();
+  };
+  EXPECT_NE(save_and_run("colr = [1, 0, 0]\n").find("unknown key 'colr'"), std::string::npos) << vision.session->step().scene_problem();
+  EXPECT_EQ(save_and_run("color = [1, 0, 0] # red\n"), "");
+}
 
 TEST(FrameScene, HoldsTheWholeSceneWhateverTheDialsDo) {
   Scene scene;
