@@ -24,14 +24,17 @@ std::size_t count_carves(const std::vector<CarvedPress>& carved) {
   return carves;
 }
 
-std::vector<CarvedPress> group_carves(const CarveList& list) {
+std::vector<CarvedPress> group_carves(const CarveList& list, std::vector<std::uint32_t>* first_serials) {
   std::vector<CarvedPress> carved;
   bool begins = true;
   list.for_each({}, [&](const MadeCarve& made) {
     begins = begins || made.begins;
     if (!list.is_active(made.serial)) return;
     const bool is_same = !carved.empty() && carved.back().object == made.object && carved.back().radius_m == made.carve.radius_m;
-    if (begins || !is_same) carved.push_back({.object = made.object, .radius_m = made.carve.radius_m, .carves = {}});
+    if (begins || !is_same) {
+      carved.push_back({.object = made.object, .radius_m = made.carve.radius_m, .carves = {}});
+      if (first_serials != nullptr) first_serials->push_back(made.serial);
+    }
     begins = false;
     carved.back().carves.push_back(made.carve);
   });

@@ -58,7 +58,8 @@ struct Annotations {
   std::vector<std::string> objects;
   std::vector<Annotation> entries;  // in the order in which they were made
   std::vector<PutDown> put_down;
-  std::vector<CarvedPress> carved = {};  // neither their order nor a repetition changes the shape
+  std::vector<CarvedPress> carved = {};         // in the order in which they were made; neither it nor a repetition changes the shape
+  std::vector<std::size_t> carved_before = {};  // by entry: how many presses in `carved` were made before it; 0 where it is not said
 };
 
 // Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
@@ -70,8 +71,8 @@ constexpr std::size_t kMostSavedCarves = CarveList::kMost;
 std::size_t count_points(const Annotations& annotations);
 // Of all presses.
 std::size_t count_carves(const std::vector<CarvedPress>& carved);
-// The carves of a list that are not undone, by press.
-std::vector<CarvedPress> group_carves(const CarveList& list);
+// The carves of a list that are not undone, by press. first_serials: of each press, if it is wanted.
+std::vector<CarvedPress> group_carves(const CarveList& list, std::vector<std::uint32_t>* first_serials = nullptr);
 // Along the polyline.
 double compute_length_m(const Stroke& stroke);
 

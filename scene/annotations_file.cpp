@@ -118,10 +118,30 @@ class AnnotationsParser {
     for_each("pose", [this](const toml::table& each) { read_pose(each); });
     for_each("carve", [this](const toml::table& each) { read_carve(each); });
     if (error_) return tl::unexpected(*error_);
+    put_in_order();
     return std::move(read_);
   }
 
  private:
+  // Where a table is in the file: the tables are in the order in which things were made, whatever their kinds.
+  using Place = std::pair<std::size_t, std::size_t>;
+  static Place place_of(const toml::node& node) { return {node.source().begin.line, node.source().begin.column}; }
+
+  void put_in_order() {
+    std::vector<std::pair<Place, std::size_t>> order;
+    for (std::size_t i = 0; i < entry_places_.size(); ++i) order.emplace_back(entry_places_[i], i);
+    std::sort(order.begin(), order.end());
+    std::sort(carve_places_.begin(), carve_places_.end());
+    Annotations& all = read_.annotations;
+    std::vector<Annotation> entries;
+    for (const auto& [place, i] : order) {
+      entries.push_back(std::move(all.entries[i]));
+      const auto before = std::lower_bound(carve_places_.begin(), carve_places_.end(), place) - carve_places_.begin();
+      all.carved_before.push_back(static_cast<std::size_t>(before));
+    }
+    all.entries = std::move(entries);
+  }
+
   template <class... Args>
   void reject(const toml::node& node, fmt::format_string<Args...> format, Args&&... args) {
     if (!error_) error_ = Error{fmt::format("line {}: {}", node.source().begin.line, fmt::format(format, std::forward<Args>(args)...))};
@@ -228,8 +248,9 @@ class AnnotationsParser {
     return !error_;
   }
 
-  void add(Annotation entry, bool fits) {
+  void add(Annotation entry, bool fits, const toml::table& table) {
     if (error_) return;
+    entry_places_.push_back(place_of(table));
     if (!fits) ++read_.left_out;
     read_.annotations.entries.push_back(std::move(entry));
   }
@@ -238,7 +259,7 @@ class AnnotationsParser {
     if (!has_keys(table, "[[stroke]]", {"object", "points_m"})) return;
     Stroke stroke{.object = find_object(*table.get("object")), .points_m = read_points(table)};
     const bool fits = objects_.is_of_scene(stroke.object);
-    add(std::move(stroke), fits);
+    add(std::move(stroke), fits, table);
   }
 
   void read_measure(const toml::table& table) {
@@ -250,7 +271,7 @@ class AnnotationsParser {
     }
     Measure measure;
     for (std::size_t i = 0; i < 2; ++i) measure.ends[i] = {find_object(*objects->get(i)), points[i]};
-    add(measure, objects_.is_of_scene(measure.ends[0].object) && objects_.is_of_scene(measure.ends[1].object));
+    add(measure, objects_.is_of_scene(measure.ends[0].object) && objects_.is_of_scene(measure.ends[1].object), table);
   }
 
   void read_pose(const toml::table& table) {
@@ -294,6 +315,7 @@ class AnnotationsParser {
     if (error_) return;
     if (!objects_.is_of_scene(press.object)) ++read_.left_out;
     read_.annotations.carved.push_back(std::move(press));
+    carve_places_.push_back(place_of(table));
   }
 
   Carve read_capsule(const toml::node& node, double radius_m) {
@@ -315,6 +337,8 @@ class AnnotationsParser {
   ObjectNumbers objects_;
   std::size_t points_ = 0;
   std::size_t carves_ = 0;
+  std::vector<Place> entry_places_;
+  std::vector<Place> carve_places_;
   std::optional<Error> error_;
 };
 
@@ -333,14 +357,19 @@ std::string write_annotations(const Annotations& annotations, std::uint64_t scen
   std::string text = fmt::format("schema = \"{}\"\nscene_hash = \"{:016x}\"\nobjects = [", kSchema, scene_hash);
   for (const std::string& name : annotations.objects) text += fmt::format("\n  {},", quote(to_valid_utf8(name)));
   text += annotations.objects.empty() ? "]\n" : "\n]\n";
-  for (const Annotation& entry : annotations.entries) {
-    std::visit([&](const auto& each) { write_entry(text, each); }, entry);
+  std::size_t presses = 0;  // that are written
+  const auto write_presses = [&](std::size_t until) {
+    for (; presses < std::min(until, annotations.carved.size()); ++presses) write_press(text, annotations.carved[presses]);
+  };
+  for (std::size_t i = 0; i < annotations.entries.size(); ++i) {
+    if (i < annotations.carved_before.size()) write_presses(annotations.carved_before[i]);
+    std::visit([&](const auto& each) { write_entry(text, each); }, annotations.entries[i]);
   }
+  write_presses(annotations.carved.size());
   for (const PutDown& pose : annotations.put_down) {
     text += fmt::format("\n[[pose]]\nobject = {}\nposition_m = {}\nrotation = [{}, {}, {}, {}]\n", pose.object, point_text(pose.p_m),
                         number_text(pose.q.w()), number_text(pose.q.x()), number_text(pose.q.y()), number_text(pose.q.z()));
   }
-  for (const CarvedPress& press : annotations.carved) write_press(text, press);
   return text;
 }
 

@@ -23,7 +23,7 @@ struct AnnotationsRead {
   std::string describe_misfit() const;
 };
 
-// As text: every number reads back to the same bits. scene_hash: Scene::given_hash.
+// As text, in the order in which things were made: every number reads back to the same bits. scene_hash: Scene::given_hash.
 std::string write_annotations(const Annotations& annotations, std::uint64_t scene_hash);
 
 // names: of the scene's objects. An object is found by its name; where several have the same one, the first in the file is the first in the

@@ -20,12 +20,6 @@
 namespace hapton {
 namespace {
 
-// A datagram may be lost; a scene that is being built again takes longer than that.
-constexpr std::int64_t kRequestEveryNs = 100'000'000;
-constexpr std::int64_t kRequestTimeoutNs = 10'000'000'000;  // two round trips of the slowest network, with loss, until it is moved
-// Of carves: material is put back in a fraction of a second, after a million carves in some ten.
-constexpr std::int64_t kUndoTimeoutNs = 20'000'000'000;
-
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
 }  // namespace
@@ -62,11 +56,11 @@ Annotator::Annotator(StereoView& view, const Scene& scene, const AnnotatorOption
       poses_(scene.objects.size()),
       X_SO_(scene.objects.size(), Pose::Identity()),
       at_rest_(scene.objects.size()),
-      carved_at_(pen_.annotations().entries.size()),
       saved_carved_(pen_.annotations().carved),
       export_(options.export_folder),
       saved_entries_(pen_.entries_revision()) {
   view_.annotation_figure().set_bound(pen.bound_m);
+  for (const std::size_t before : pen_.annotations().carved_before) done_.push_back({.saved = before});
   for (std::size_t o = 0; o < at_rest_.size(); ++o) at_rest_[o].object = static_cast<std::int32_t>(o);
 }
 
@@ -91,7 +85,9 @@ void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved, co
 
 // By name, as those of a file.
 void Annotator::change_objects(const Scene& scene) {
-  auto read = parse_annotations(write_annotations(pen_.annotations(), scene_->given_hash), list_names(scene), scene.given_hash);
+  Annotations before = pen_.annotations();
+  before.carved_before.clear();  // as the file had it: done_ knows
+  auto read = parse_annotations(write_annotations(before, scene_->given_hash), list_names(scene), scene.given_hash);
   if (!read) log_warning("what was drawn is left out: {}", read.error().what);
   Annotations kept;
   kept.objects = list_names(scene);
@@ -170,7 +166,10 @@ void Annotator::receive(const ObjectPose& pose) {
   known.serial = std::max(1U, pose.serial);
   if (!pose.is_held) {
     ObjectPose& rest = at_rest_[static_cast<std::size_t>(pose.object)];
-    if (was_held) moves_.push_back({rest, pen_.annotations().entries.size()});
+    if (was_held) {
+      moves_.push_back({rest, pen_.annotations().entries.size(), now()});
+      moves_.back().moment.saved = 0;  // another haptics_node does not know of it
+    }
     rest = pose;
   }
   if (was_elsewhere && !pose.is_held) {
@@ -264,112 +263,6 @@ void Annotator::choose(TouchMenu::Entry entry) {
   menu_.close();
 }
 
-// What happened last: an object was put down, material was carved, or something was drawn or measured.
-void Annotator::undo() {
-  if (undo_move() || undo_carves()) return;
-  log_info("{}", pen_.undo() ? "undone" : "nothing to undo");
-}
-
-bool Annotator::undo_move() {
-  const bool is_under_way = pen_.first_end() || pen_.current() != nullptr;
-  if (moves_.empty() || is_under_way || pen_.annotations().entries.size() > moves_.back().entries || held_ >= 0) return false;
-  request_ = moves_.back().before;
-  request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
-  request_end_ns_ = request_next_ns_ = 0;
-  moves_.pop_back();
-  log_info("putting back {}", scene_->objects[static_cast<std::size_t>(request_->object)].name);
-  return true;
-}
-
-std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
-  if (!request_) return std::nullopt;
-  const auto object = static_cast<std::size_t>(request_->object);
-  if (poses_[object].serial != request_->serial) {
-    request_.reset();  // it has been moved
-    return std::nullopt;
-  }
-  if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestTimeoutNs;
-  if (now_ns >= request_end_ns_) {
-    log_warning("{} was not put back: haptics_node is busy, or does not reply", scene_->objects[object].name);
-    request_.reset();
-    return std::nullopt;
-  }
-  if (now_ns < request_next_ns_) return std::nullopt;
-  request_next_ns_ = now_ns + kRequestEveryNs;
-  return request_;
-}
-
-void Annotator::note_entries() { carved_at_.resize(pen_.annotations().entries.size(), carved_ != nullptr ? carved_->list().newest() : 0); }
-
-// The carves of the last press of the button, if nothing was drawn or measured since.
-bool Annotator::undo_carves() {
-  note_entries();
-  const std::uint32_t newest = carved_ != nullptr ? carved_->list().newest_active() : 0;
-  const bool is_under_way = pen_.first_end() || pen_.current() != nullptr;
-  if (is_under_way || newest == 0 || (!carved_at_.empty() && newest <= carved_at_.back())) return false;
-  if (!carve_undo_) {
-    carve_undo_ = CarveUndo{.source = carved_->source(), .serial = newest};
-    undo_end_ns_ = undo_next_ns_ = 0;
-  }
-  log_info("undoing what was carved last");
-  return true;
-}
-
-std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
-  check_given_carves();
-  if (!carve_undo_) return std::nullopt;
-  if (carved_->source() != carve_undo_->source || !carved_->list().is_active(carve_undo_->serial)) {
-    carve_undo_.reset();
-    return std::nullopt;
-  }
-  if (undo_end_ns_ == 0) undo_end_ns_ = now_ns + kUndoTimeoutNs;
-  if (now_ns >= undo_end_ns_) {
-    log_warning("what was carved was not undone: haptics_node is busy, or does not reply");
-    carve_undo_.reset();
-    return std::nullopt;
-  }
-  if (now_ns < undo_next_ns_) return std::nullopt;
-  undo_next_ns_ = now_ns + kRequestEveryNs;
-  return carve_undo_;
-}
-
-// Whether haptics_node began with the carves of the file: the first one of some press is in the list, even if it is undone now. Carves that
-// change nothing are not.
-bool Annotator::has_given_carves() const {
-  const auto place_of = [](const Carve& carve) { return std::array{carve.from_m.x(), carve.from_m.y(), carve.from_m.z()}; };
-  std::set<std::array<double, 3>> given;
-  for (const CarvedPress& press : pen_.annotations().carved) {
-    if (static_cast<std::size_t>(press.object) < scene_->objects.size()) given.insert(place_of(press.carves.front()));
-  }
-  bool is_there = given.empty();
-  carved_->list().for_each({}, [&](const MadeCarve& made) { is_there = is_there || given.contains(place_of(made.carve)); });
-  return is_there;
-}
-
-// Once, when all carves have come.
-void Annotator::check_given_carves() {
-  if (are_given_checked_ || carved_ == nullptr || !carved_->is_complete()) return;
-  are_given_checked_ = true;
-  if (has_given_carves()) return;
-  log_warning("{} has carves that haptics_node does not have; start it with --annotations {} as well to feel and see them",
-              options_.file.string(), options_.file.string());
-}
-
-// All that is saved. What haptics_node has not begun with, or is of another scene, stays in the file.
-Annotations Annotator::collect() const {
-  Annotations all = pen_.annotations();
-  if (carved_ == nullptr || carved_->source() == 0) {
-    all.carved = saved_carved_;  // none came yet, or none since the scene was read again
-    return all;
-  }
-  if (has_given_carves()) {
-    std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_->objects.size(); });
-  }
-  std::vector<CarvedPress> carved = group_carves(carved_->list());
-  all.carved.insert(all.carved.begin(), std::make_move_iterator(carved.begin()), std::make_move_iterator(carved.end()));
-  return all;
-}
-
 std::optional<Vec3> Annotator::find_menu(const StereoScreen& screen, PictureSize size, int x_px, int y_px) const {
   if (!menu_.is_open() || x_px < 0 || y_px < 0 || x_px >= size.width_px || y_px >= size.height_px) return std::nullopt;
   const Vec3 on_screen_V(((x_px + 0.5) / size.width_px - 0.5) * screen.width_m, ((y_px + 0.5) / size.height_px - 0.5) * screen.height_m,
@@ -439,6 +332,7 @@ Result<void> Annotator::write_files(const std::filesystem::path& file) {
     if (carved_ != nullptr && carved_->source() != 0 && !carved_->is_complete()) {
       log_warning("{} lacks carves that have not come from haptics_node yet; save again", file.string());
     }
+    for (std::size_t i = 0; i < done_.size(); ++i) done_[i].saved = all.carved_before[i];
     saved_carved_ = std::move(all.carved);
   }
   if (options_.strokes.empty()) return {};
@@ -451,6 +345,7 @@ Result<void> Annotator::write_files(const std::filesystem::path& file) {
 
 // Without a file of its own, under the next free name.
 void Annotator::save() {
+  note_entries();
   std::filesystem::path file = options_.file;
   for (int i = 1; file.empty() || (options_.file.empty() && std::filesystem::exists(file)); ++i) {
     file = fmt::format("hapton_annotations_{:03}.toml", i);
@@ -475,6 +370,7 @@ std::string Annotator::take_notice() {
 Result<void> Annotator::finish() {
   pen_.finish();
   log_finished();
+  note_entries();
   const Annotations all = collect();
   if (pen_.entries_revision() == saved_entries_ && all.carved == saved_carved_) return {};
   if (!options_.file.empty() || !options_.strokes.empty()) return write_files(options_.file);

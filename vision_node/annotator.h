@@ -13,6 +13,7 @@
 #include "scene/scene_file.h"
 #include "vision_node/annotated_surfaces.h"
 #include "vision_node/annotator_options.h"
+#include "vision_node/done_moment.h"
 #include "vision_node/interaction.h"
 #include "vision_node/pen.h"
 #include "vision_node/stereo_view.h"
@@ -92,9 +93,13 @@ class Annotator {
   void show_objects();
   void show_current();
   const Annotations& place_entries();
+  bool is_undoing() const { return request_ || carve_undo_; }
   void undo();
-  bool undo_move();
-  bool undo_carves();
+  void undo_more();
+  bool undo_move(std::uint32_t newest_carve);
+  bool undo_carves(std::uint32_t newest_carve);
+  DoneMoment now() const;
+  std::uint32_t find_carve(const DoneMoment& moment) const;
   void note_entries();
   bool has_given_carves() const;
   void check_given_carves();
@@ -123,16 +128,19 @@ class Annotator {
   struct Move {
     ObjectPose before;
     std::size_t entries = 0;  // strokes and measures that there were then
+    DoneMoment moment;
   };
   std::vector<ObjectPose> at_rest_;  // by object: where it was last put down
   std::vector<Move> moves_;
+  std::optional<Move> undone_move_;    // of the request
   std::optional<ObjectPose> request_;  // its serial: of the pose that is to be undone
   std::int64_t request_end_ns_ = 0;    // 0: not sent yet
   std::int64_t request_next_ns_ = 0;
   const CarvedObjects* carved_ = nullptr;
-  std::vector<std::uint32_t> carved_at_;  // by entry: serial of the newest carve when it was finished, which says what came last
-  std::optional<CarveUndo> carve_undo_;   // requested
-  std::int64_t undo_end_ns_ = 0;          // 0: not sent yet
+  std::vector<DoneMoment> done_;         // by entry: when it was finished
+  std::optional<CarveUndo> carve_undo_;  // requested
+  std::size_t more_undos_ = 0;           // requested while another one was under way
+  std::int64_t undo_end_ns_ = 0;         // 0: not sent yet
   std::int64_t undo_next_ns_ = 0;
   std::vector<CarvedPress> saved_carved_;  // as the file has them
   bool are_given_checked_ = false;

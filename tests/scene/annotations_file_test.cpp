@@ -32,7 +32,9 @@ Annotations some_annotations() {
 bool same_annotations(const Annotations& a, const Annotations& b) {
   if (a.objects != b.objects || a.entries.size() != b.entries.size() || a.put_down.size() != b.put_down.size()) return false;
   std::size_t strokes_a = 0;
-  // Strokes come before measures: their order among each other is kept.
+  for (std::size_t i = 0; i < a.entries.size(); ++i) {
+    if (a.entries[i].index() != b.entries[i].index()) return false;
+  }
   const auto list = [](const Annotations& from) {
     std::pair<std::vector<Stroke>, std::vector<Measure>> lists;
     for (const Annotation& entry : from.entries) {
@@ -106,7 +108,7 @@ TEST(AnnotationsFile, ObjectsAreFoundByTheirNames) {
   EXPECT_THAT(read->describe_misfit(), HasSubstr("1 of 4 entries"));
   EXPECT_THAT(read->annotations.objects, ElementsAre("lid", "box", "lid", "something else"));
   EXPECT_EQ(std::get<Stroke>(read->annotations.entries[0]).object, 3) << "kept, but of no object of the scene";
-  EXPECT_EQ(std::get<Stroke>(read->annotations.entries[1]).object, 2) << "the second lid is the second lid";
+  EXPECT_EQ(std::get<Stroke>(read->annotations.entries[2]).object, 2) << "the second lid is the second lid";
   // What did not fit is written again, and fits its own scene.
   const auto again =
       parse_annotations(write_annotations(read->annotations, kAnnotatedHash), std::vector<std::string>{"something else"}, kAnnotatedHash);
@@ -240,7 +242,6 @@ TEST(AnnotationsExport, VtpCountsItsCells) {
 TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
   std::mt19937_64 random(11);
   Annotations some = some_annotations();
-  some.entries.clear();  // strokes and measures are not in the order of the file
   for (std::int32_t press = 0; press < 40; ++press) {
     CarvedPress carved{.object = press % 3, .radius_m = rounded_to_float(0.001 + 1e-4 * press), .carves = {}};
     for (int n = 0; n < 50; ++n) {
@@ -259,6 +260,29 @@ TEST(AnnotationsFile, CarvesAreReadBackToTheLastBit) {
   ASSERT_TRUE(read) << read.error().what;
   EXPECT_TRUE(read->annotations.carved == some.carved);
   EXPECT_EQ(read->left_out, 0U);
+  EXPECT_EQ(write_annotations(read->annotations, kAnnotatedHash), text);
+}
+
+// Undo takes back what was made last, whatever it was.
+TEST(AnnotationsFile, TheOrderInWhichThingsWereMadeIsKept) {
+  Annotations some;
+  some.objects = kAnnotatedNames;
+  const auto press = [](double x) {
+    return CarvedPress{.object = 0, .radius_m = 0.5, .carves = {{.from_m = Vec3(x, 0, 0), .radius_m = 0.5}}};
+  };
+  some.carved = {press(1), press(2), press(3)};
+  some.entries = {Measure{}, Stroke{0, {{1, 0, 0}}}, Measure{}, Stroke{0, {{2, 0, 0}}}};
+  for (Annotation& entry : some.entries) {
+    if (auto* measure = std::get_if<Measure>(&entry)) measure->ends[0].object = measure->ends[1].object = 1;
+  }
+  some.carved_before = {0, 2, 2, 3};
+  const std::string text = write_annotations(some, kAnnotatedHash);
+  const auto read = parse_annotations(text, kAnnotatedNames, kAnnotatedHash);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_THAT(read->annotations.carved_before, ElementsAre(0, 2, 2, 3));
+  ASSERT_EQ(read->annotations.entries.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(read->annotations.entries[i].index(), some.entries[i].index()) << i;
+  EXPECT_TRUE(read->annotations.carved == some.carved);
   EXPECT_EQ(write_annotations(read->annotations, kAnnotatedHash), text);
 }
 

@@ -189,7 +189,49 @@ TEST_F(AnnotatorTest, UndoAsksForAnObjectToBePutBackInItsTurn) {
   EXPECT_FALSE(annotator->take_due(12'000'000'000)) << "nobody replies";
   EXPECT_FALSE(annotator->take_due(12'200'000'000));
   press({.undo = true});
-  EXPECT_FALSE(annotator->take_due(13'000'000'000)) << "nothing is left";
+  const auto again = annotator->take_due(13'000'000'000);
+  ASSERT_TRUE(again) << "it can be tried again";
+  EXPECT_EQ(again->p_m, Vec3::Zero());
+  annotator->receive(ObjectPose{.serial = 7, .object = 1});
+  press({.undo = true});
+  EXPECT_FALSE(annotator->take_due(14'000'000'000)) << "nothing is left";
+}
+
+TEST_F(AnnotatorTest, UndosThatComeBeforeTheReplyAreDoneAfterIt) {
+  ASSERT_TRUE(view);
+  open();
+  annotator->receive(ObjectPose{.serial = 1, .object = 1});
+  const Vec3 first(0.0, 0.05, 0.0);
+  annotator->receive(ObjectPose{.serial = 2, .object = 1, .is_held = true});
+  annotator->receive(ObjectPose{.serial = 3, .object = 1, .p_m = first});
+  annotator->receive(ObjectPose{.serial = 4, .object = 1, .is_held = true});
+  annotator->receive(ObjectPose{.serial = 5, .object = 1, .p_m = 2.0 * first});
+  press({.undo = true});
+  press({.undo = true});
+  const auto asked = annotator->take_due(1'000'000'000);
+  ASSERT_TRUE(asked);
+  EXPECT_EQ(asked->p_m, first);
+  annotator->receive(ObjectPose{.serial = 6, .object = 1, .p_m = first});
+  std::optional<ObjectPose> next;
+  for (int n = 0; n < 3 && !next; ++n) next = annotator->take_due(1'100'000'000 + n);
+  ASSERT_TRUE(next);
+  EXPECT_EQ(next->serial, 6U);
+  EXPECT_EQ(next->p_m, Vec3::Zero());
+}
+
+// What lay there before must not be undone in its place.
+TEST_F(AnnotatorTest, WhileAnObjectIsHeldTheMoveBeforeIsNotUndone) {
+  ASSERT_TRUE(view);
+  open();
+  draw_arc(0);
+  annotator->receive(ObjectPose{.serial = 1, .object = 1});
+  annotator->receive(ObjectPose{.serial = 2, .object = 1, .is_held = true});
+  annotator->receive(ObjectPose{.serial = 3, .object = 1, .p_m = Vec3(0, 0.05, 0)});
+  annotator->receive(ObjectPose{.serial = 4, .object = 1, .is_held = true});
+  press({.undo = true});
+  EXPECT_EQ(annotator->take_notice(), "NOT UNDONE: put down what the stylus holds, and press again");
+  EXPECT_EQ(entries().size(), 1U) << "the stroke is older";
+  EXPECT_FALSE(annotator->take_due(1'000'000'000));
 }
 
 TEST_F(AnnotatorTest, StrokesGoAlongToAnotherSceneByTheNamesOfItsObjects) {

@@ -156,6 +156,69 @@ TEST_F(CarveUndoTest, ARequestIsRepeatedUntilTheUndoComes) {
   EXPECT_LT(sent, 250) << "it is given up";
 }
 
+// The viewer was killed after it had saved; haptics_node goes on, or has begun again with the file.
+TEST_F(CarveUndoTest, AfterARestartTheNewestIsUndoneFirstToo) {
+  ASSERT_TRUE(view);
+  for (const std::uint32_t source : {3U, 8U}) {
+    serial = 0;
+    std::filesystem::remove(options.file);
+    open();
+    carve(3);
+    settle();
+    draw();
+    carve(3);
+    settle();
+    draw();
+    annotator->handle({.save = true}, view->screen(), Vec3::Zero());
+    open();
+    serial = 0;
+    carve(source);
+    carve(source);
+    EXPECT_EQ(strokes(), 2U);
+    undo();
+    EXPECT_FALSE(annotator->take_carve_undo(kTenth)) << source;
+    EXPECT_EQ(strokes(), 1U) << source;
+    undo();
+    const auto second = annotator->take_carve_undo(2 * kTenth);
+    ASSERT_TRUE(second) << source;
+    EXPECT_EQ(second->serial, 2U);
+  }
+}
+
+// A haptics node that has begun anew counts its carves anew.
+TEST_F(CarveUndoTest, CarvesOfANewHapticsNodeAreNewerThanWhatWasDrawnBefore) {
+  ASSERT_TRUE(view);
+  open();
+  carve(3);
+  carve(3);
+  settle();
+  draw();
+  serial = 0;
+  carve(8);
+  undo();
+  const auto newest = annotator->take_carve_undo(kTenth);
+  ASSERT_TRUE(newest);
+  EXPECT_EQ(newest->serial, 1U);
+  EXPECT_EQ(strokes(), 1U);
+}
+
+TEST_F(CarveUndoTest, AnObjectThatWasPutDownBeforeACarveIsPutBackAfterIt) {
+  ASSERT_TRUE(view);
+  open();
+  annotator->receive(ObjectPose{.serial = 1, .object = 0});
+  annotator->receive(ObjectPose{.serial = 2, .object = 0, .is_held = true});
+  annotator->receive(ObjectPose{.serial = 3, .object = 0, .p_m = Vec3(0.01, 0, 0)});
+  carve();
+  undo();
+  EXPECT_FALSE(annotator->take_due(kTenth));
+  const auto carves = annotator->take_carve_undo(kTenth);
+  ASSERT_TRUE(carves);
+  reply(*carves);
+  EXPECT_FALSE(annotator->take_carve_undo(2 * kTenth));
+  undo();
+  EXPECT_TRUE(annotator->take_due(3 * kTenth));
+}
+
 TEST_F(CarveUndoTest, CarvesAreSavedAndStayWhereHapticsHasThem) {
   ASSERT_TRUE(view);
   open();

@@ -1,0 +1,167 @@
+// Undo of Annotator: strokes, measures, objects that were put down and carves, in the order in which they were done.
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "runtime/log.h"
+#include "vision_node/annotator.h"
+
+namespace hapton {
+namespace {
+
+// A datagram may be lost; a scene that is being built again takes longer than that.
+constexpr std::int64_t kRequestEveryNs = 100'000'000;
+constexpr std::int64_t kRequestTimeoutNs = 10'000'000'000;  // two round trips of the slowest network, with loss, until it is moved
+// Of carves: material is put back in a fraction of a second, after a million carves in some ten.
+constexpr std::int64_t kUndoTimeoutNs = 20'000'000'000;
+
+}  // namespace
+
+// What happened last: an object was put down, material was carved, or something was drawn or measured. One after the other, where the key
+// is pressed again before haptics_node has done it.
+void Annotator::undo() {
+  if (is_undoing()) {
+    ++more_undos_;
+    return;
+  }
+  note_entries();
+  const bool is_under_way = pen_.first_end() || pen_.current() != nullptr;
+  const std::uint32_t newest_carve = carved_ != nullptr ? carved_->list().newest_active() : 0;
+  if (!is_under_way && (undo_move(newest_carve) || undo_carves(newest_carve))) return;
+  log_info("{}", pen_.undo() ? "undone" : "nothing to undo");
+}
+
+void Annotator::undo_more() {
+  if (more_undos_ == 0 || is_undoing()) return;
+  --more_undos_;
+  undo();
+  ++own_revision_;
+}
+
+DoneMoment Annotator::now() const {
+  if (carved_ == nullptr || carved_->source() == 0) return {.saved = saved_carved_.size()};
+  return {.saved = saved_carved_.size(), .source = carved_->source(), .serial = carved_->list().newest()};
+}
+
+std::uint32_t Annotator::find_carve(const DoneMoment& moment) const {
+  return carved_ == nullptr ? 0 : CarveMoments(carved_->list(), carved_->source(), saved_carved_).find_serial(moment);
+}
+
+// Where an object was put down after everything else. While one is held, it cannot be moved.
+bool Annotator::undo_move(std::uint32_t newest_carve) {
+  if (moves_.empty() || pen_.annotations().entries.size() > moves_.back().entries) return false;
+  if (newest_carve != 0 && newest_carve > find_carve(moves_.back().moment)) return false;
+  if (held_ >= 0) {
+    notice_ = "NOT UNDONE: put down what the stylus holds, and press again";
+    return true;
+  }
+  undone_move_ = moves_.back();
+  moves_.pop_back();
+  request_ = undone_move_->before;
+  request_->serial = poses_[static_cast<std::size_t>(request_->object)].serial;
+  request_end_ns_ = request_next_ns_ = 0;
+  log_info("putting back {}", scene_->objects[static_cast<std::size_t>(request_->object)].name);
+  return true;
+}
+
+std::optional<ObjectPose> Annotator::take_due(std::int64_t now_ns) {
+  undo_more();
+  if (!request_) return std::nullopt;
+  const auto object = static_cast<std::size_t>(request_->object);
+  if (poses_[object].serial != request_->serial) {
+    request_.reset();  // it has been moved
+    return std::nullopt;
+  }
+  if (request_end_ns_ == 0) request_end_ns_ = now_ns + kRequestTimeoutNs;
+  if (now_ns >= request_end_ns_) {
+    log_warning("{} was not put back: haptics_node is busy, or does not reply", scene_->objects[object].name);
+    request_.reset();
+    moves_.push_back(*undone_move_);  // it can be tried again
+    more_undos_ = 0;
+    return std::nullopt;
+  }
+  if (now_ns < request_next_ns_) return std::nullopt;
+  request_next_ns_ = now_ns + kRequestEveryNs;
+  return request_;
+}
+
+void Annotator::note_entries() { done_.resize(pen_.annotations().entries.size(), now()); }
+
+// The carves of the last press of the button, if nothing was drawn or measured since.
+bool Annotator::undo_carves(std::uint32_t newest_carve) {
+  if (newest_carve == 0 || (!done_.empty() && newest_carve <= find_carve(done_.back()))) return false;
+  carve_undo_ = CarveUndo{.source = carved_->source(), .serial = newest_carve};
+  undo_end_ns_ = undo_next_ns_ = 0;
+  log_info("undoing what was carved last");
+  return true;
+}
+
+std::optional<CarveUndo> Annotator::take_carve_undo(std::int64_t now_ns) {
+  check_given_carves();
+  if (!carve_undo_) return std::nullopt;
+  if (carved_->source() != carve_undo_->source || !carved_->list().is_active(carve_undo_->serial)) {
+    carve_undo_.reset();
+    return std::nullopt;
+  }
+  if (undo_end_ns_ == 0) undo_end_ns_ = now_ns + kUndoTimeoutNs;
+  if (now_ns >= undo_end_ns_) {
+    log_warning("what was carved was not undone: haptics_node is busy, or does not reply");
+    carve_undo_.reset();
+    more_undos_ = 0;
+    return std::nullopt;
+  }
+  if (now_ns < undo_next_ns_) return std::nullopt;
+  undo_next_ns_ = now_ns + kRequestEveryNs;
+  return carve_undo_;
+}
+
+// Whether haptics_node began with the carves of the file: the first one of some press is in the list, even if it is undone now. Carves that
+// change nothing are not.
+bool Annotator::has_given_carves() const {
+  const auto place_of = [](const Carve& carve) { return std::array{carve.from_m.x(), carve.from_m.y(), carve.from_m.z()}; };
+  std::set<std::array<double, 3>> given;
+  for (const CarvedPress& press : pen_.annotations().carved) {
+    if (static_cast<std::size_t>(press.object) < scene_->objects.size()) given.insert(place_of(press.carves.front()));
+  }
+  bool is_there = given.empty();
+  carved_->list().for_each({}, [&](const MadeCarve& made) { is_there = is_there || given.contains(place_of(made.carve)); });
+  return is_there;
+}
+
+// Once, when all carves have come.
+void Annotator::check_given_carves() {
+  if (are_given_checked_ || carved_ == nullptr || !carved_->is_complete()) return;
+  are_given_checked_ = true;
+  if (has_given_carves()) return;
+  log_warning("{} has carves that haptics_node does not have; start it with --annotations {} as well to feel and see them",
+              options_.file.string(), options_.file.string());
+}
+
+// All that is saved, in the order in which it was made. What haptics_node has not begun with, or is of another scene, stays in the file.
+Annotations Annotator::collect() const {
+  Annotations all = pen_.annotations();
+  all.carved_before.clear();
+  if (carved_ == nullptr || carved_->source() == 0) {
+    all.carved = saved_carved_;  // none came yet, or none since the scene was read again
+    for (const DoneMoment& moment : done_) all.carved_before.push_back(moment.saved);
+    return all;
+  }
+  if (has_given_carves()) {
+    std::erase_if(all.carved, [&](const CarvedPress& press) { return static_cast<std::size_t>(press.object) < scene_->objects.size(); });
+  }
+  const std::size_t kept = all.carved.size();
+  std::vector<std::uint32_t> serials;
+  std::vector<CarvedPress> carved = group_carves(carved_->list(), &serials);
+  all.carved.insert(all.carved.end(), std::make_move_iterator(carved.begin()), std::make_move_iterator(carved.end()));
+  const CarveMoments moments(carved_->list(), carved_->source(), saved_carved_);
+  for (const DoneMoment& moment : done_) {
+    const auto before = std::upper_bound(serials.begin(), serials.end(), moments.find_serial(moment)) - serials.begin();
+    all.carved_before.push_back((moment.saved > 0 ? kept : 0) + static_cast<std::size_t>(before));
+  }
+  return all;
+}
+
+}  // namespace hapton
