@@ -40,10 +40,30 @@ void note_unknown_materials(RawMesh& raw) {
                                   count > 1 ? fmt::format(", as {} in all,", count) : ""));
 }
 
+// "mtllib" may name several files; one name may have blanks.
+std::vector<std::string> list_libraries(const std::vector<std::string>& lines, const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  const auto exists = [&](std::string_view name) {
+    std::error_code ignored;
+    return std::filesystem::exists(folder / name, ignored);
+  };
+  for (const std::string& line : lines) {
+    std::vector<std::string> words;
+    TextCursor cursor(line);
+    for (auto word = cursor.word_in_line(); !word.empty(); word = cursor.word_in_line()) words.emplace_back(without_quotes(word));
+    if (words.size() > 1 && !exists(without_quotes(line)) && std::ranges::any_of(words, exists)) {
+      names.insert(names.end(), words.begin(), words.end());
+    } else {
+      names.emplace_back(without_quotes(line));
+    }
+  }
+  return names;
+}
+
 // Reads the material libraries that an OBJ file names; one that cannot be read becomes a note.
 RawMesh with_materials(RawMesh raw, const std::filesystem::path& folder) {
   bool is_any_read = false;
-  for (const std::string& name : raw.mtl_files) {
+  for (const std::string& name : list_libraries(raw.mtl_files, folder)) {
     const Result<std::string> library = read_file_bytes(folder / name, kMaxMeshFileBytes);
     is_any_read = is_any_read || library.has_value();
     if (library) {

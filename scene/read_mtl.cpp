@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -60,32 +62,67 @@ struct ImageLine {
   Eigen::Vector2f shift = Eigen::Vector2f::Zero();
 };
 
-// "u [v [w]]" of -s and -o. The numbers that are left out stay as they are; w is of images with depth.
-void read_pair(TextCursor& options, Eigen::Vector2f& pair) {
-  for (int k = 0; k < 3; ++k) {
-    TextCursor ahead = options;
-    double value = 0.0;
-    if (!parse_number(ahead.word_in_line(), value)) return;
-    if (k < 2 && std::isfinite(value)) pair[k] = static_cast<float>(value);
-    options = ahead;
-  }
+// The next number, if a word follows it: the last word is the name.
+bool take_number(TextCursor& options, double& value) {
+  TextCursor ahead = options;
+  if (!parse_number(ahead.word_in_line(), value) || TextCursor(ahead).word_in_line().empty()) return false;
+  options = ahead;
+  return true;
 }
 
-// After options such as "-s 1 1 1" the name is the last word; without, it may have blanks in it.
+// "u [v [w]]" of -s and -o. The numbers that are left out stay as they are; w is of images with depth.
+// False: there is none.
+bool read_pair(TextCursor& options, Eigen::Vector2f& pair) {
+  double value = 0.0;
+  int count = 0;
+  for (; count < 3 && take_number(options, value); ++count) {
+    if (count < 2 && std::isfinite(value)) pair[count] = static_cast<float>(value);
+  }
+  return count > 0;
+}
+
+// What an option of an image has after it. False: it is not known, or not valid.
+bool read_option(std::string_view option, TextCursor& options, ImageLine& line) {
+  constexpr std::array<std::string_view, 7> kOneWord = {"-blendu", "-blendv", "-cc", "-boost", "-texres", "-imfchan", "-type"};
+  double ignored = 0.0;
+  if (option == "-clamp") {
+    line.wrap = options.word_in_line() == "on" ? TextureWrap::clamp : TextureWrap::repeat;
+  } else if (option == "-s" || option == "-o") {
+    return read_pair(options, option == "-s" ? line.scale : line.shift);
+  } else if (option == "-t" || option == "-mm" || option == "-bm") {  // three numbers, two, one, or fewer
+    for (int k = option == "-t" ? 3 : option == "-mm" ? 2 : 1; k > 0 && take_number(options, ignored);) --k;
+  } else if (std::find(kOneWord.begin(), kOneWord.end(), option) != kOneWord.end()) {
+    (void)options.word_in_line();
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// What follows options such as "-s 1 1 1" is the name, blanks and all; after an option that is not known or not valid it is the last word.
+// It may have quotes around it.
 ImageLine read_image_line(TextCursor& cursor) {
   ImageLine line;
-  line.name = cursor.rest_of_line();
-  if (line.name.starts_with('-')) {
-    TextCursor options(line.name);
-    for (std::string_view word = options.word_in_line(); !word.empty(); word = options.word_in_line()) {
-      if (word == "-clamp") line.wrap = options.word_in_line() == "on" ? TextureWrap::clamp : TextureWrap::repeat;
-      if (word == "-s") read_pair(options, line.scale);
-      if (word == "-o") read_pair(options, line.shift);
-    }
-    line.name = line.name.substr(line.name.find_last_of(" \t") + 1);
+  std::string_view name = cursor.rest_of_line();
+  while (name.starts_with('-')) {
+    TextCursor options(name);
+    const bool is_known = read_option(options.word_in_line(), options, line);
+    const std::string_view rest = is_known ? options.rest_of_line() : std::string_view();
+    name = rest.empty() ? name.substr(name.find_last_of(" \t") + 1) : rest;
+    if (rest.empty()) break;
   }
+  line.name = without_quotes(name);
   std::replace(line.name.begin(), line.name.end(), '\\', '/');
   return line;
+}
+
+// Files that were written on another machine name folders of it: the image is beside the mesh as well.
+std::filesystem::path find_image(const std::filesystem::path& folder, const std::string& name) {
+  const std::filesystem::path given = folder / name;
+  std::error_code ignored;
+  if (std::filesystem::exists(given, ignored)) return given;
+  const std::filesystem::path beside = folder / std::filesystem::path(name).filename();
+  return std::filesystem::exists(beside, ignored) ? beside : given;
 }
 
 // Texcoords count downwards: down = 1 - v.
@@ -96,6 +133,11 @@ void place_image(const ImageLine& line, LookMaterial& material) {
 }
 
 }  // namespace
+
+std::string_view without_quotes(std::string_view name) {
+  const bool has_quotes = name.size() > 1 && name.front() == name.back() && (name.front() == '"' || name.front() == '\'');
+  return has_quotes ? name.substr(1, name.size() - 2) : name;
+}
 
 std::optional<std::size_t> add_image_file(const std::filesystem::path& file, RawMesh& raw) {
   auto& images = raw.look.images;
@@ -115,6 +157,7 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
   LookMaterial* material = nullptr;
   bool has_d = false;
   std::size_t bump_maps = 0;
+  std::set<const LookMaterial*> emitting;
   for (TextCursor cursor(bytes); !cursor.at_end(); cursor.next_line()) {
     const std::string_view keyword = cursor.word_in_line();
     if (keyword == "newmtl") {
@@ -130,13 +173,17 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
       has_d = has_d || (share && keyword == "d");
     }
     if (keyword == "Kd") (material->image ? material->colour_no_image : material->colour) = read_colour(cursor);
+    if (keyword == "map_Ke" || (keyword == "Ke" && !read_colour(cursor).value_or(Eigen::Vector3f::Zero()).isZero(0.0F))) {
+      emitting.insert(material);
+    }
     bump_maps += is_bump_map(keyword) ? 1 : 0;
     if (keyword != "map_Kd") continue;
     const ImageLine line = read_image_line(cursor);
-    material->image = add_image_file(folder / line.name, raw);
+    material->image = add_image_file(find_image(folder, line.name), raw);
     place_image(line, *material);
     if (material->image) material->colour_no_image = std::exchange(material->colour, std::nullopt);
   }
+  if (!emitting.empty()) raw.notes.push_back(fmt::format("the light that {} materials emit (Ke, map_Ke) is not drawn", emitting.size()));
   if (bump_maps > 0) {
     raw.notes.push_back(
         fmt::format("{} images of bumps or normals are neither drawn nor felt: for bumps give the object a material with bump_map, an "

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "scene/ply_header.h"
 #include "scene/polygon.h"
 #include "scene/raw_mesh.h"
 #include "scene/read_mtl.h"
@@ -16,168 +17,10 @@
 namespace hapton {
 namespace {
 
-enum class PlyType { i8, u8, i16, u16, i32, u32, f32, f64 };
-
-std::optional<PlyType> parse_type(std::string_view word) {
-  struct Name {
-    std::string_view text;
-    PlyType type;
-  };
-  static constexpr std::array<Name, 16> kNames = {{{"char", PlyType::i8},
-                                                   {"int8", PlyType::i8},
-                                                   {"uchar", PlyType::u8},
-                                                   {"uint8", PlyType::u8},
-                                                   {"short", PlyType::i16},
-                                                   {"int16", PlyType::i16},
-                                                   {"ushort", PlyType::u16},
-                                                   {"uint16", PlyType::u16},
-                                                   {"int", PlyType::i32},
-                                                   {"int32", PlyType::i32},
-                                                   {"uint", PlyType::u32},
-                                                   {"uint32", PlyType::u32},
-                                                   {"float", PlyType::f32},
-                                                   {"float32", PlyType::f32},
-                                                   {"double", PlyType::f64},
-                                                   {"float64", PlyType::f64}}};
-  const auto* found = std::find_if(kNames.begin(), kNames.end(), [&](const Name& name) { return name.text == word; });
-  if (found == kNames.end()) return std::nullopt;
-  return found->type;
-}
-
-std::size_t size_of(PlyType type) {
-  switch (type) {
-    case PlyType::i8:
-    case PlyType::u8:
-      return 1;
-    case PlyType::i16:
-    case PlyType::u16:
-      return 2;
-    case PlyType::i32:
-    case PlyType::u32:
-    case PlyType::f32:
-      return 4;
-    case PlyType::f64:
-      return 8;
-  }
-  return 1;
-}
-
-struct Property {
-  std::string name;
-  PlyType type = PlyType::f32;
-  std::optional<PlyType> list_count;  // set: a list, its length first
-};
-
-struct Element {
-  std::string name;
-  std::size_t count = 0;
-  std::vector<Property> properties;
-};
-
-enum class Encoding { ascii, little_endian, big_endian };
-
-struct Header {
-  Encoding encoding = Encoding::ascii;
-  std::vector<Element> elements;
-  std::string texture;  // a comment of MeshLab and others names it
-  std::size_t body_offset = 0;
-  std::size_t body_line = 0;
-};
-
-template <class... Args>
-Error at_line(std::size_t line, fmt::format_string<Args...> format, Args&&... args) {
-  return {fmt::format("line {}: {}", line, fmt::format(format, std::forward<Args>(args)...))};
-}
-
-class HeaderReader {
- public:
-  explicit HeaderReader(std::string_view bytes) : size_(bytes.size()), cursor_(bytes) {}
-
-  Result<Header> read() {
-    if (cursor_.word_in_line() != "ply") return fail("does not begin with 'ply', so not a PLY file: check its extension");
-    for (cursor_.next_line(); !cursor_.at_end(); cursor_.next_line()) {
-      const std::string_view keyword = cursor_.word_in_line();
-      if (keyword == "end_header") return finish();
-      if (auto error = read_line(keyword)) return tl::unexpected(std::move(*error));
-    }
-    return fail("the file ends inside its header, before 'end_header': cut short; copy or export it again");
-  }
-
- private:
-  Result<Header> finish() {
-    cursor_.next_line();
-    header_.body_offset = size_ - cursor_.bytes_left();
-    header_.body_line = cursor_.line();
-    if (!has_format_) return fail("the header has no 'format' line: export the file again");
-    return std::move(header_);
-  }
-
-  std::optional<Error> read_line(std::string_view keyword) {
-    if (keyword == "comment" && cursor_.word_in_line() == "TextureFile") header_.texture = std::string(cursor_.rest_of_line());
-    if (keyword.empty() || keyword == "comment" || keyword == "obj_info") return std::nullopt;
-    if (keyword == "format") return read_format();
-    if (keyword == "element") return read_element();
-    if (keyword == "property") return read_property();
-    return at_line(cursor_.line(), "'{}' is not a PLY header keyword: export the file again", printable(keyword));
-  }
-
-  std::optional<Error> read_format() {
-    const std::string_view word = cursor_.word_in_line();
-    has_format_ = true;
-    if (word == "ascii")
-      header_.encoding = Encoding::ascii;
-    else if (word == "binary_little_endian")
-      header_.encoding = Encoding::little_endian;
-    else if (word == "binary_big_endian")
-      header_.encoding = Encoding::big_endian;
-    else
-      return at_line(cursor_.line(), "unknown format '{}': export as ascii or binary_little_endian", printable(word));
-    return std::nullopt;
-  }
-
-  std::optional<Error> read_element() {
-    Element element;
-    element.name = std::string(cursor_.word_in_line());
-    const std::string_view word = cursor_.word_in_line();
-    std::int64_t count = 0;
-    if (!parse_integer(word, count) || count < 0) {
-      return at_line(cursor_.line(), "'{}' is not a number of elements: export the file again", printable(word));
-    }
-    element.count = static_cast<std::size_t>(count);
-    header_.elements.push_back(std::move(element));
-    return std::nullopt;
-  }
-
-  std::optional<Error> read_property() {
-    if (header_.elements.empty()) return at_line(cursor_.line(), "a property before any element: export the file again");
-    Property property;
-    std::string_view type = cursor_.word_in_line();
-    if (type == "list") {
-      const std::string_view count_type = cursor_.word_in_line();
-      property.list_count = parse_type(count_type);
-      if (!property.list_count || *property.list_count == PlyType::f32 || *property.list_count == PlyType::f64) {
-        return at_line(cursor_.line(), "'{}' is not a type for a list's length: export the file again", printable(count_type));
-      }
-      type = cursor_.word_in_line();
-    }
-    const std::optional<PlyType> parsed = parse_type(type);
-    if (!parsed) return at_line(cursor_.line(), "unknown property type '{}': export the file again", printable(type));
-    property.type = *parsed;
-    property.name = std::string(cursor_.word_in_line());
-    header_.elements.back().properties.push_back(std::move(property));
-    return std::nullopt;
-  }
-
-  std::size_t size_;
-  TextCursor cursor_;
-  Header header_;
-  bool has_format_ = false;
-};
-
 // Values of an ASCII body. Lines do not matter, as in most readers.
 class AsciiValues {
  public:
-  AsciiValues(std::string_view body, const Header& header) : cursor_(body, header.body_line) {}
+  AsciiValues(std::string_view body, const PlyHeader& header) : cursor_(body, header.body_line) {}
 
   // Null when it was read, else why not.
   const char* read(PlyType /*type*/, double& value) {
@@ -195,8 +38,8 @@ class AsciiValues {
 
 class BinaryValues {
  public:
-  BinaryValues(std::string_view body, const Header& header)
-      : at_(body.data()), left_(body.size()), offset_(header.body_offset), swap_(header.encoding == Encoding::big_endian) {}
+  BinaryValues(std::string_view body, const PlyHeader& header)
+      : at_(body.data()), left_(body.size()), offset_(header.body_offset), swap_(header.encoding == PlyEncoding::big_endian) {}
 
   const char* read(PlyType type, double& value) {
     const std::size_t size = size_of(type);
@@ -258,11 +101,11 @@ static_assert(std::endian::native == std::endian::little, "the byte swap assumes
 template <class Values>
 class BodyReader {
  public:
-  BodyReader(const Header& header, Values values, RawMesh& raw, LookReading look)
+  BodyReader(const PlyHeader& header, Values values, RawMesh& raw, LookReading look)
       : header_(header), values_(std::move(values)), raw_(raw), wants_look_(look != LookReading::off) {}
 
   std::optional<Error> read() {
-    for (const Element& element : header_.elements) {
+    for (const PlyElement& element : header_.elements) {
       if (element.properties.empty()) continue;
       if (auto error = check_size(element)) return error;
       if (auto error = read_element(element)) return error;
@@ -272,34 +115,36 @@ class BodyReader {
   }
 
   std::size_t bytes_left() const { return values_.bytes_left(); }
+  // The vertices or the faces have places in textures.
+  bool has_texcoords() const { return has_texcoords_ || has_face_texcoords_; }
 
  private:
   std::optional<Error> at_place(std::string_view what) const { return Error{fmt::format("{}: {}", values_.place(), what)}; }
 
   // The header's count against the bytes there are, before anything is allocated for it.
-  std::optional<Error> check_size(const Element& element) const {
+  std::optional<Error> check_size(const PlyElement& element) const {
     std::size_t least = 0;
-    for (const Property& property : element.properties) least += Values::least_bytes(property.list_count.value_or(property.type));
+    for (const PlyProperty& property : element.properties) least += Values::least_bytes(property.list_count.value_or(property.type));
     if (element.count <= values_.bytes_left() / least) return std::nullopt;
     return Error{fmt::format(
         "the header promises {} of '{}' but the rest of the file, {} bytes, cannot hold them: cut short; copy or export it again",
         element.count, printable(element.name), values_.bytes_left())};
   }
 
-  std::optional<Error> read_element(const Element& element) {
+  std::optional<Error> read_element(const PlyElement& element) {
     if (element.name == "vertex") return read_vertices(element);
     if (element.name == "face") return read_faces(element);
     for (std::size_t i = 0; i < element.count; ++i) {
-      for (const Property& property : element.properties) {
+      for (const PlyProperty& property : element.properties) {
         if (auto error = skip(property)) return error;
       }
     }
     return std::nullopt;
   }
 
-  std::optional<Error> read_vertices(const Element& element) {
+  std::optional<Error> read_vertices(const PlyElement& element) {
     std::vector<int> axes;
-    for (const Property& property : element.properties) {
+    for (const PlyProperty& property : element.properties) {
       const std::size_t axis = property.list_count ? std::string::npos : std::string("xyz").find(property.name);
       axes.push_back(property.name.size() == 1 && axis != std::string::npos ? static_cast<int>(axis) : -1);
     }
@@ -330,10 +175,10 @@ class BodyReader {
   }
 
   // Normals are read when all three coordinates are there: places 3 to 5.
-  void find_normal_axes(const Element& element, std::vector<int>& axes) {
+  void find_normal_axes(const PlyElement& element, std::vector<int>& axes) {
     std::array<std::vector<std::size_t>, 3> found;
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
-      const Property& property = element.properties[p];
+      const PlyProperty& property = element.properties[p];
       for (std::size_t axis = 0; axis < 3; ++axis) {
         if (!property.list_count && property.name == std::string("n") + "xyz"[axis]) found[axis].push_back(p);
       }
@@ -350,19 +195,26 @@ class BodyReader {
 
   CornerLook look_of(const std::array<double, kPlaces>& values) const {
     CornerLook look;
-    for (std::size_t k = 0; k < 3 && has_colours_; ++k) {
-      const double channel = values[kColourPlace + k] * colour_scale_;
-      look.colour[k] = static_cast<std::uint8_t>(std::lround(std::isfinite(channel) ? std::clamp(channel, 0.0, 255.0) : 255.0));
-    }
+    for (std::size_t k = 0; k < 3 && has_colours_; ++k) look.colour[k] = to_channel(values[kColourPlace + k]);
     if (has_texcoords_) look.texcoord = texcoord_of(values[kTexcoordPlace], values[kTexcoordPlace + 1]);
     return look;
   }
 
+  std::uint8_t to_channel(double given) const {
+    const double channel = given * colour_scale_;
+    return static_cast<std::uint8_t>(std::lround(std::isfinite(channel) ? std::clamp(channel, 0.0, 255.0) : 255.0));
+  }
+
+  // What brings a channel of that type to 255.
+  static double scale_of(PlyType type) {
+    return type == PlyType::f32 || type == PlyType::f64 ? 255.0 : type == PlyType::u16 ? 1.0 / 257.0 : 1.0;
+  }
+
   // The properties of those names, all of them or none, go to the places from there on.
-  static bool find_all(const Element& element, std::initializer_list<std::string_view> names, int place, std::vector<int>& axes) {
+  static bool find_all(const PlyElement& element, std::initializer_list<std::string_view> names, int place, std::vector<int>& axes) {
     std::vector<int> found = axes;
     for (const std::string_view name : names) {
-      const auto is_it = [&](const Property& p) { return !p.list_count && p.name == name; };
+      const auto is_it = [&](const PlyProperty& p) { return !p.list_count && p.name == name; };
       if (std::count_if(element.properties.begin(), element.properties.end(), is_it) != 1) return false;
       const auto at = std::find_if(element.properties.begin(), element.properties.end(), is_it) - element.properties.begin();
       found[static_cast<std::size_t>(at)] = place++;
@@ -371,13 +223,11 @@ class BodyReader {
     return true;
   }
 
-  void find_look_axes(const Element& element, std::vector<int>& axes) {
+  void find_look_axes(const PlyElement& element, std::vector<int>& axes) {
     has_colours_ = find_all(element, {"red", "green", "blue"}, kColourPlace, axes) ||
                    find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, kColourPlace, axes);
     for (std::size_t p = 0; p < axes.size() && has_colours_; ++p) {
-      if (axes[p] != kColourPlace) continue;
-      const PlyType type = element.properties[p].type;
-      colour_scale_ = type == PlyType::f32 || type == PlyType::f64 ? 255.0 : type == PlyType::u16 ? 1.0 / 257.0 : 1.0;
+      if (axes[p] == kColourPlace) colour_scale_ = scale_of(element.properties[p].type);
     }
     for (const auto& [u, v] : {std::pair("s", "t"), std::pair("u", "v"), std::pair("texture_u", "texture_v")}) {
       if (raw_.look.materials.empty() || has_texcoords_) break;
@@ -386,23 +236,54 @@ class BodyReader {
     looks_.resize(has_colours_ || has_texcoords_ ? raw_.mesh.vertices.size() : 0);
   }
 
-  std::optional<Error> read_faces(const Element& element) {
-    const auto is_corners = [](const Property& p) { return p.list_count && (p.name == "vertex_indices" || p.name == "vertex_index"); };
+  std::optional<Error> read_faces(const PlyElement& element) {
+    const auto is_corners = [](const PlyProperty& p) { return p.list_count && (p.name == "vertex_indices" || p.name == "vertex_index"); };
     if (std::count_if(element.properties.begin(), element.properties.end(), is_corners) != 1) {
       return Error{"the faces do not have one list 'vertex_indices': export the file again"};
     }
     seen_faces_ = true;
+    std::vector<int> places(element.properties.size(), -1);
     const auto corners_at = std::find_if(element.properties.begin(), element.properties.end(), is_corners);
+    places[static_cast<std::size_t>(corners_at - element.properties.begin())] = kCornersPlace;
+    if (wants_look_) find_face_places(element, places);
     raw_.mesh.triangles.reserve(raw_.mesh.triangles.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
-      for (auto property = element.properties.begin(); property != element.properties.end(); ++property) {
-        if (auto error = property == corners_at ? read_face(*property, i) : skip(*property)) return error;
+      for (std::size_t p = 0; p < places.size(); ++p) {
+        if (auto error = read_of_face(element.properties[p], places[p], i)) return error;
       }
+      if (auto error = add_face(i)) return error;
     }
     return std::nullopt;
   }
 
-  std::optional<Error> read_face(const Property& property, std::size_t face) {
+  // Where each value of a face goes: the channels of its colour, the number of its texture; these two are lists.
+  static constexpr int kTexturePlace = 3;
+  static constexpr int kCornersPlace = 4;
+  static constexpr int kCornerTexcoordsPlace = 5;
+
+  // Colours and places in the texture that the vertices have count more than those of the faces.
+  void find_face_places(const PlyElement& element, std::vector<int>& places) {
+    has_face_colours_ = !has_colours_ && (find_all(element, {"red", "green", "blue"}, 0, places) ||
+                                          find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, 0, places));
+    for (std::size_t p = 0; p < places.size(); ++p) {
+      const PlyProperty& property = element.properties[p];
+      if (has_face_colours_ && places[p] == 0) colour_scale_ = scale_of(property.type);
+      if (has_texcoords_ || raw_.look.materials.empty()) continue;
+      if (property.name == "texcoord" && property.list_count) places[p] = kCornerTexcoordsPlace;
+      if (property.name == "texnumber" && !property.list_count) places[p] = kTexturePlace;
+    }
+    has_face_texcoords_ = std::count(places.begin(), places.end(), kCornerTexcoordsPlace) > 0;
+  }
+
+  std::optional<Error> read_of_face(const PlyProperty& property, int place, std::size_t face) {
+    if (place == kCornersPlace) return read_corners(property, face);
+    if (place == kCornerTexcoordsPlace) return read_list(property, face_texcoords_);
+    if (place < 0) return skip(property);
+    const char* why = values_.read(property.type, face_values_[static_cast<std::size_t>(place)]);
+    return why != nullptr ? at_place(why) : std::nullopt;
+  }
+
+  std::optional<Error> read_corners(const PlyProperty& property, std::size_t face) {
     double count = 0;
     if (const char* why = values_.read(*property.list_count, count)) return at_place(why);
     if (!(count >= 3) || count != std::floor(count)) {
@@ -418,21 +299,53 @@ class BodyReader {
       }
       corners_.push_back(static_cast<std::uint32_t>(index));
     }
+    return std::nullopt;
+  }
+
+  std::optional<Error> add_face(std::size_t face) {
     corner_normals_.clear();
     for (std::size_t k = 0; k < corners_.size() && has_normals_; ++k) corner_normals_.push_back(normals_[corners_[k]]);
+    const bool has_look = !looks_.empty() || has_face_colours_ || has_face_texcoords_;
     corner_looks_.clear();
-    for (std::size_t k = 0; k < corners_.size() && !looks_.empty(); ++k) {
-      corner_looks_.push_back(corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook());
-    }
-    const PolygonLook look = {has_texcoords_ ? 0 : TriangleLook::kNoMaterial, has_colours_, corner_looks_};
-    if (!raw_.add_polygon(corners_, corner_normals_, looks_.empty() ? nullptr : &look)) {
+    for (std::size_t k = 0; k < corners_.size() && has_look; ++k) corner_looks_.push_back(look_of_corner(k));
+    const PolygonLook look = {material_of_face(), has_colours_ || has_face_colours_, corner_looks_};
+    if (!raw_.add_polygon(corners_, corner_normals_, has_look ? &look : nullptr)) {
       return at_place(
           fmt::format("face {} is hollow and has more than {} corners: triangulate it before exporting", face, kMaxPolygonCorners));
     }
     return std::nullopt;
   }
 
-  std::optional<Error> skip(const Property& property) {
+  CornerLook look_of_corner(std::size_t k) const {
+    CornerLook look = corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook();
+    for (std::size_t channel = 0; channel < 3 && has_face_colours_; ++channel) look.colour[channel] = to_channel(face_values_[channel]);
+    if (has_face_texcoords_ && face_texcoords_.size() == 2 * corners_.size()) {
+      look.texcoord = texcoord_of(face_texcoords_[2 * k], face_texcoords_[2 * k + 1]);
+    }
+    return look;
+  }
+
+  // A face without places, or with the number of a texture that the file does not name, has none.
+  std::uint32_t material_of_face() const {
+    if (has_texcoords_) return 0;
+    const double texture = face_values_[kTexturePlace];
+    const bool is_known = texture >= 0.0 && texture < static_cast<double>(raw_.look.materials.size());
+    if (!has_face_texcoords_ || !is_known || face_texcoords_.size() != 2 * corners_.size()) return TriangleLook::kNoMaterial;
+    return static_cast<std::uint32_t>(texture);
+  }
+
+  std::optional<Error> read_list(const PlyProperty& property, std::vector<double>& list) {
+    double count = 0;
+    if (const char* why = values_.read(*property.list_count, count)) return at_place(why);
+    if (!(count >= 0) || count != std::floor(count)) return at_place("a list's length is not a count: export the file again");
+    list.clear();
+    for (double k = 0; k < count; ++k) {
+      if (const char* why = values_.read(property.type, list.emplace_back())) return at_place(why);
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Error> skip(const PlyProperty& property) {
     double value = 0;
     double count = 1;
     if (property.list_count) {
@@ -445,7 +358,7 @@ class BodyReader {
     return std::nullopt;
   }
 
-  const Header& header_;
+  const PlyHeader& header_;
   Values values_;
   RawMesh& raw_;
   std::vector<std::uint32_t> corners_;
@@ -454,6 +367,10 @@ class BodyReader {
   bool wants_look_;
   std::vector<CornerLook> looks_;  // of the vertices; empty: the file says nothing of them
   std::vector<CornerLook> corner_looks_;
+  std::vector<double> face_texcoords_;                      // of this face: two for each corner
+  std::array<double, kTexturePlace + 1> face_values_ = {};  // of this face
+  bool has_face_colours_ = false;
+  bool has_face_texcoords_ = false;
   double colour_scale_ = 1.0;
   bool has_colours_ = false;
   bool has_texcoords_ = false;
@@ -462,20 +379,23 @@ class BodyReader {
 };
 
 template <class Values>
-Result<RawMesh> read_body(const Header& header, std::string_view body, std::string format, const std::filesystem::path& folder,
+Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::string format, const std::filesystem::path& folder,
                           LookReading look) {
   RawMesh raw;
   raw.format = std::move(format);
   raw.begin_part("");
-  if (look != LookReading::off && !header.texture.empty()) {
-    raw.look.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.texture, raw)});
+  for (std::size_t t = 0; t < header.textures.size() && look != LookReading::off; ++t) {
+    raw.look.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.textures[t], raw)});
   }
   BodyReader<Values> reader(header, Values(body, header), raw, look);
   if (auto error = reader.read()) return tl::unexpected(std::move(*error));
-  if (header.encoding == Encoding::ascii) {
+  if (header.encoding == PlyEncoding::ascii) {
     if (!body.ends_with('\n')) raw.notes.push_back("the last line has no line end: the file may have been cut short");
   } else if (reader.bytes_left() > 0) {
     raw.notes.push_back(fmt::format("{} bytes after the last element were skipped", reader.bytes_left()));
+  }
+  if (!raw.look.materials.empty() && !reader.has_texcoords()) {
+    raw.notes.push_back("its texture is not drawn: neither its vertices nor its faces have places in it");
   }
   raw.end_parts();
   return raw;
@@ -484,10 +404,10 @@ Result<RawMesh> read_body(const Header& header, std::string_view body, std::stri
 }  // namespace
 
 Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder, LookReading look) {
-  const Result<Header> header = HeaderReader(bytes).read();
+  const Result<PlyHeader> header = read_ply_header(bytes);
   if (!header) return tl::unexpected(header.error());
   const std::string_view body = bytes.substr(header->body_offset);
-  if (header->encoding == Encoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, look);
+  if (header->encoding == PlyEncoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, look);
   return read_body<BinaryValues>(*header, body, "binary PLY", folder, look);
 }
 

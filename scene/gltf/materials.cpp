@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/gltf/base_colour.h"
 #include "scene/gltf/uri.h"
 #include "scene/read_mtl.h"
 #include "scene/text_cursor.h"
@@ -164,22 +165,19 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
   const Json& materials = member(document.root, "materials");
   std::vector<TexturePlace> places;
   for (std::size_t m = 0; m < size_of_array(materials); ++m) {
-    const std::string where = fmt::format("materials[{}].pbrMetallicRoughness", m);
-    const Json& surface = member(materials[m], "pbrMetallicRoughness");
     LookMaterial material{.name = text_of(member(materials[m], "name"))};
     read_alpha(materials[m], fmt::format("materials[{}]", m), material, raw);
     material.is_double_sided = member(materials[m], "doubleSided") == true;
-    const Json& factor = member(surface, "baseColorFactor");
-    if (const auto rgba = numbers_of<4>(factor, where); !factor.is_null() && rgba) {
-      material.colour = Eigen::Vector3f(to_srgb((*rgba)[0]), to_srgb((*rgba)[1]), to_srgb((*rgba)[2]));
-      material.alpha = static_cast<float>(std::clamp((*rgba)[3], 0.0, 1.0));
+    const BaseColour base = find_base_colour(materials[m], m);
+    if (base.has_colour) {
+      material.colour = Eigen::Vector3f(to_srgb(base.colour.x()), to_srgb(base.colour.y()), to_srgb(base.colour.z()));
+      material.alpha = static_cast<float>(std::clamp(base.alpha, 0.0, 1.0));
     }
-    const Json& texture = member(surface, "baseColorTexture");
-    const auto place = read_texture_place(texture, where + ".baseColorTexture");
+    const auto place = read_texture_place(*base.texture, base.where);
     if (!place) raw.notes.push_back(fmt::format("a texture may be misplaced: {}", place.error().what));
     places.push_back(place.value_or(TexturePlace()));
-    if (texture.is_object()) material.image = read_texture(document, texture, where + ".baseColorTexture", folder, raw);
-    if (material.image) material.wrap = read_wraps(document, texture, where + ".baseColorTexture", raw);
+    if (base.texture->is_object()) material.image = read_texture(document, *base.texture, base.where, folder, raw);
+    if (material.image) material.wrap = read_wraps(document, *base.texture, base.where, raw);
     if (look == LookReading::with_normals) {
       read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), folder, places.back(), material, raw);
     }

@@ -18,7 +18,7 @@ struct TexturePlace {
 // Of a textureInfo. Error: a number that is not valid.
 Result<TexturePlace> read_texture_place(const Json& info, const std::string& where);
 
-// The file's materials become those of raw.look: base colour and base colour texture, alpha mode and
+// The file's materials become those of raw.look: base colour and its texture (find_base_colour), alpha mode and
 // cutoff, the wrap modes of the texture's sampler; if they are wanted, normal maps. Returns where each one's texture finds its
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, LookReading look, RawMesh& raw);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "scene/gltf/animation.h"
+#include "scene/gltf/base_colour.h"
 #include "scene/gltf/buffers.h"
 #include "scene/gltf/extensions.h"
 #include "scene/gltf/haptics.h"
@@ -304,6 +305,7 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
                      wants_look, std::move(*haptic_places), raw);
   if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
   reader.add_notes();
+  for (std::string& note : describe_undrawn_materials(*root)) raw.notes.push_back(std::move(note));
   for (std::string& note : describe_unsupported_extensions(*root)) raw.notes.push_back(std::move(note));
   raw.end_parts();
   // An error here is a note only: a scene that plays no animation needs none.

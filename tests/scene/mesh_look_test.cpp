@@ -128,6 +128,50 @@ TEST_F(MeshLooks, OfAPlyFileAreColoursAndATexture) {
   EXPECT_EQ(fine.look.triangles.at(0).corners[0].colour, (Rgb{255, 1, 10}));
 }
 
+TEST_F(MeshLooks, OfAPlyFileAreColoursOfFaces) {
+  const std::string vertices = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string colours = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  const std::string corners = "property list uchar int vertex_indices\n";
+  const std::string points = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+  for (const bool are_first : {false, true}) {
+    const std::string faces = are_first ? "10 20 30 255 3 0 1 2\n40 50 60 255 3 0 2 3\n" : "3 0 1 2 10 20 30 255\n3 0 2 3 40 50 60 255\n";
+    const MeshFile file = load(
+        "f.ply", vertices + "element face 2\n" + (are_first ? colours + corners : corners + colours) + "end_header\n" + points + faces);
+    ASSERT_EQ(file.look.triangles.size(), 2U);
+    EXPECT_TRUE(file.look.triangles[0].has_colours);
+    EXPECT_EQ(file.look.triangles[0].corners[2].colour, (Rgb{10, 20, 30}));
+    EXPECT_EQ(file.look.triangles[1].corners[0].colour, (Rgb{40, 50, 60}));
+  }
+  const MeshFile both =
+      load("b.ply", vertices + "property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n" + corners + colours +
+                        "end_header\n0 0 0 1 2 3\n1 0 0 4 5 6\n1 1 0 7 8 9\n0 1 0 0 0 0\n" + "3 0 1 2 10 20 30 255\n");
+  EXPECT_EQ(both.look.triangles.at(0).corners[1].colour, (Rgb{4, 5, 6})) << "those of vertices are finer";
+  const MeshFile without = load("f.ply", vertices + "element face 1\n" + corners + "end_header\n" + points + "3 0 1 2\n");
+  EXPECT_TRUE(without.look.triangles.empty());
+}
+
+// As MeshLab writes them.
+TEST_F(MeshLooks, OfAPlyFileAreTexturesOfItsFacesCorners) {
+  folder_.write("a.png", std::string(kPngBytes));
+  folder_.write("b.png", std::string(kPngBytes));
+  const std::string begin =
+      "ply\nformat ascii 1.0\ncomment TextureFile a.png\ncomment TextureFile b.png\n"
+      "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 4\n"
+      "property list uchar int vertex_indices\n";
+  const std::string points = "end_header\n0 0 0\n1 0 0\n0 1 0\n";
+  const MeshFile file = load("w.ply", begin + "property list uchar float texcoord\nproperty int texnumber\n" + points +
+                                          "3 0 1 2 6 0 0 1 0 0 0.25 1\n3 2 1 0 6 0 0 1 0 0 1 0\n3 0 1 2 0 0\n3 0 1 2 6 0 0 1 0 0 1 7\n");
+  EXPECT_THAT(file.notes, IsEmpty());
+  ASSERT_EQ(file.look.triangles.size(), 4U);
+  EXPECT_EQ(file.look.materials.at(file.look.triangles[0].material).image, 1U);
+  EXPECT_EQ(file.look.triangles[0].corners[2].texcoord, Eigen::Vector2f(0, 0.75F));
+  EXPECT_EQ(file.look.materials.at(file.look.triangles[1].material).image, 0U);
+  EXPECT_EQ(file.look.triangles[2].material, TriangleLook::kNoMaterial) << "it has no places";
+  EXPECT_EQ(file.look.triangles[3].material, TriangleLook::kNoMaterial) << "there is no such texture";
+  const MeshFile nowhere = load("n.ply", begin + points + "3 0 1 2\n3 0 1 2\n3 0 1 2\n3 0 1 2\n");
+  EXPECT_THAT(nowhere.notes, ElementsAre("its texture is not drawn: neither its vertices nor its faces have places in it"));
+}
+
 std::string look_floats(std::initializer_list<float> values) {
   std::string bytes;
   for (const float value : values) sample::append(bytes, value);
@@ -163,6 +207,44 @@ TEST_F(MeshLooks, OfAGlbFileAreBaseColourAndTexture) {
   // Corners follow the triangles (0, 1, 2), (0, 3, 1) of the sample.
   EXPECT_EQ(file.look.triangles[0].corners[1].texcoord, Eigen::Vector2f(1, 0));
   EXPECT_EQ(file.look.triangles[1].corners[1].texcoord, Eigen::Vector2f(0.5F, 0.25F));
+}
+
+TEST_F(MeshLooks, OfAGlbFileAreDiffuseColoursOfOlderMaterials) {
+  const auto material = [&](const std::string& json) {
+    const MeshFile file = load("a.glb", textured_glb(json));
+    EXPECT_THAT(file.notes, IsEmpty());
+    return file.look.materials.at(0);
+  };
+  const std::string extension = R"("extensions":{"KHR_materials_pbrSpecularGlossiness":)";
+  const LookMaterial both =
+      material("{" + extension + R"({"diffuseFactor":[1,0,0,0.5],"diffuseTexture":{"index":0}}},"alphaMode":"BLEND"})");
+  EXPECT_EQ(both.colour, Eigen::Vector3f(1, 0, 0));
+  EXPECT_EQ(both.alpha, 0.5F);
+  EXPECT_TRUE(both.image);
+  const LookMaterial metal = material("{" + extension + R"({"diffuseFactor":[0,0,0,1],"specularFactor":[1,0,1]}}})");
+  EXPECT_EQ(metal.colour, Eigen::Vector3f(1, 0, 1)) << "metals have no diffuse colour";
+  const LookMaterial newer =
+      material("{" + extension + R"({"diffuseFactor":[1,0,0,1]}},"pbrMetallicRoughness":{"baseColorFactor":[0,1,0,1]}})");
+  EXPECT_EQ(newer.colour, Eigen::Vector3f(0, 1, 0));
+}
+
+TEST_F(MeshLooks, OfAGlbFileIsTheLightOfBlackMaterialsAndTheRestIsNamed) {
+  const MeshFile lamp = load("a.glb", textured_glb(R"({"pbrMetallicRoughness":{"baseColorFactor":[0,0,0,1]},"emissiveFactor":[0,0.5,0],)"
+                                                   R"("emissiveTexture":{"index":0},)"
+                                                   R"("extensions":{"KHR_materials_emissive_strength":{"emissiveStrength":2}}})"));
+  EXPECT_THAT(lamp.notes, IsEmpty());
+  EXPECT_EQ(lamp.look.materials.at(0).colour, Eigen::Vector3f(0, 1, 0));
+  EXPECT_TRUE(lamp.look.materials.at(0).image);
+  for (const LookReading look : {LookReading::on, LookReading::off}) {
+    const MeshFile other = load("b.glb",
+                                textured_glb(R"({"pbrMetallicRoughness":{"baseColorFactor":[1,0,0,1]},"emissiveFactor":[0,1,0],)"
+                                             R"("extensions":{"KHR_materials_unlit":{},"KHR_materials_clearcoat":{}}})"),
+                                look);
+    EXPECT_THAT(other.notes, ElementsAre("the light that 1 materials emit (emissiveFactor) is not drawn",
+                                         "its materials are drawn without KHR_materials_clearcoat, KHR_materials_unlit"));
+  }
+  EXPECT_THAT(load("c.glb", textured_glb(R"({"emissiveFactor":[0,0,0],"emissiveTexture":{"index":0}})")).notes, IsEmpty())
+      << "the factor makes it dark";
 }
 
 TEST_F(MeshLooks, OfAGlbFileAreItsVertexColoursAndItsTextureTransform) {
@@ -312,6 +394,50 @@ TEST_F(MeshLooks, OfAnObjFileAreThePlacesOfItsImages) {
   EXPECT_EQ(wood("map_Kd -s 3 oak.png\n").image_scale, Eigen::Vector2f(3, 1)) << "what is left out stays";
   EXPECT_EQ(wood("map_Kd -o 0.5 -s 3 2 oak.png\n").image_scale, Eigen::Vector2f(3, 2));
   EXPECT_EQ(wood("map_Kd -s none oak.png\n").image_scale, Eigen::Vector2f(1, 1));
+}
+
+TEST_F(MeshLooks, OfAnObjFileAreImagesWhateverTheirNames) {
+  folder_.write("red oak.png", std::string(kPngBytes));
+  const auto wood = [&](const std::string& line) {
+    folder_.write("all.mtl", "newmtl red\nnewmtl wood\n" + line + "\n");
+    const MeshFile file = load("a.obj", kObj);
+    EXPECT_THAT(file.notes, IsEmpty()) << line;
+    return file.look.materials.at(1);
+  };
+  for (const std::string line :
+       {"map_Kd red oak.png", "map_Kd \"red oak.png\"", "map_Kd 'red oak.png'", "map_Kd -s 2 2 1 -o 0 0 0 red oak.png",
+        "map_Kd -bm 0.5 -blendu on -mm 0 1 -texres 512 red oak.png", "map_Kd -t 0 0 0 -imfchan l \"red oak.png\"",
+        "map_Kd -clamp on red oak.png ", "map_Kd C:\\work\\red oak.png", "map_Kd /somewhere else/red oak.png"}) {
+    const LookMaterial material = wood(line);
+    EXPECT_TRUE(material.image) << line;
+    EXPECT_EQ(material.image_scale.x(), line.find("-s 2") != std::string::npos ? 2.0F : 1.0F) << line;
+    EXPECT_EQ(material.wrap[0], line.find("-clamp") != std::string::npos ? TextureWrap::clamp : TextureWrap::repeat) << line;
+  }
+  folder_.write("7", std::string(kPngBytes));
+  EXPECT_TRUE(wood("map_Kd -s 2 7").image) << "the last word is the name";
+  folder_.write("oak.png", std::string(kPngBytes));
+  EXPECT_TRUE(wood("map_Kd -unknown 3 oak.png").image);
+  folder_.write("all.mtl", "newmtl red\nnewmtl wood\nmap_Kd -s 1 1 1 green oak.png\n");
+  EXPECT_THAT(load("a.obj", kObj).notes, ElementsAre("a texture is missing: 'green oak.png' cannot be read"));
+}
+
+TEST_F(MeshLooks, OfAnObjFileAreAllItsLibraries) {
+  const std::string mesh = kObj.substr(kObj.find('\n') + 1);
+  folder_.write("my red.mtl", "newmtl red\nKd 1 0 0\n");
+  folder_.write("red.mtl", "newmtl red\nKd 1 0 0\n");
+  folder_.write("wood.mtl", "newmtl wood\nKd 0 1 0\n");
+  for (const char* lines :
+       {"mtllib red.mtl wood.mtl\n", "mtllib \"my red.mtl\"\nmtllib wood.mtl\n", "mtllib my red.mtl\nmtllib wood.mtl\n"}) {
+    const MeshFile file = load("a.obj", lines + mesh);
+    EXPECT_THAT(file.notes, IsEmpty()) << lines;
+    EXPECT_EQ(file.look.materials.at(0).colour, Eigen::Vector3f(1, 0, 0)) << lines;
+    EXPECT_EQ(file.look.materials.at(1).colour, Eigen::Vector3f(0, 1, 0)) << lines;
+  }
+}
+
+TEST_F(MeshLooks, LightThatMaterialsOfAnObjFileEmitIsNamed) {
+  folder_.write("all.mtl", "newmtl red\nKd 1 0 0\nKe 0 0 0\nnewmtl wood\nKe 0 0.5 0\nmap_Ke a.png\n");
+  EXPECT_THAT(load("a.obj", kObj).notes, ElementsAre("the light that 1 materials emit (Ke, map_Ke) is not drawn"));
 }
 
 TEST_F(MeshLooks, TheColourBesideAnImageIsKeptForOneThatCannotBeDecoded) {
