@@ -11,6 +11,7 @@
 
 #include "runtime/log.h"
 #include "runtime/process_age.h"
+#include "vision_node/renderer_limits.h"
 
 namespace hapton {
 namespace {
@@ -41,9 +42,7 @@ Result<std::unique_ptr<StereoView>> open_view(const Scene& scene, VisionOptions&
 
 double choose_rate_limit(const VisionOptions& options, std::string_view renderer_name) {
   if (options.rate_limit_hz >= 0.0) return options.rate_limit_hz;
-  const bool software = renderer_name.find("llvmpipe") != std::string_view::npos ||
-                        renderer_name.find("softpipe") != std::string_view::npos || renderer_name.find("SWR") != std::string_view::npos;
-  return software ? 30.0 : 60.0;
+  return is_software_renderer(renderer_name) ? 30.0 : 60.0;
 }
 
 VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, const VisionOptions& options)

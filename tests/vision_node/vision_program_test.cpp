@@ -50,6 +50,16 @@ TEST(VisionProgram, CrystalEyesWithoutQuadBufferSaysSoAndEnds) {
   EXPECT_NE(run.output.find("quad-buffered"), std::string::npos) << run.output;
 }
 
+// Larger than any renderer draws in a time that one would wait for.
+TEST(VisionProgram, APictureThatIsTooLargeIsOneLine) {
+  const auto begin = std::chrono::steady_clock::now();
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 16384x16384 --seconds 0.1");
+  if (run.code == 0) GTEST_SKIP() << "this renderer draws it";
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("--size 16384x16384: "), std::string::npos) << run.output;
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+}
+
 TEST(VisionProgram, MissingSceneIsOneLine) {
   const Ended run = run_vision("--scene nowhere.toml");
   EXPECT_EQ(run.code, 1);
