@@ -146,7 +146,10 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   for (const auto& object : painter->objects_) {
     // All of a large mesh would take a tenth of a second; the builder makes them.
     object->is_preview = object->whole->triangles() > kPreviewTriangles;
-    object->full = make_flat(object->is_preview ? thin_out(*object->whole, kPreviewTriangles) : *object->whole);
+    DetailLevel first = object->is_preview ? thin_out(*object->whole, kPreviewTriangles) : *object->whole;
+    // Takes milliseconds; the builder divides the others.
+    if (object->whole->triangles() < DetailBuilder::kLeastTriangles) divide_into_clusters(first);
+    object->full = make_flat(first);
     painter->all_triangles_ += object->whole->triangles();
     object->list_facts();
     object->full_vertices = upload(object->full, painter->index_buffer_);
@@ -381,8 +384,9 @@ struct ScenePainter::Part {
   std::size_t to = 0;
 };
 
-void ScenePainter::gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, bool cull) {
-  const ViewCulling culling(clip, p_UE, cull);
+void ScenePainter::gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE,
+                          DrawnSides sides) {
+  const ViewCulling culling(clip, p_UE, sides);
   const bool is_solid = part.stage == PaintStage::solid;
   std::vector<std::uint32_t> order;
   if (!is_solid) order = order_far_to_near(level.clusters, p_UE.cast<float>());
@@ -417,7 +421,7 @@ std::size_t ScenePainter::paint_part(const Object& object, std::size_t level, co
   for (const bool backs : {false, true}) {
     if (backs && !(shows_backs && culls)) break;
     set_drawn_side(culls, backs);
-    gather(object, object.level(level), part, clip, p_UE, culls && !backs);
+    gather(object, object.level(level), part, clip, p_UE, !culls ? DrawnSides::both : backs ? DrawnSides::backs : DrawnSides::fronts);
     if (!visible_.empty()) paint_visible(object, object.vertices(level), clip, to_eye);
     sent += visible_.size() / 3;
   }

@@ -11,6 +11,7 @@
 #include "vision_node/detail_builder.h"
 #include "vision_node/gl_program.h"
 #include "vision_node/stereo_camera.h"
+#include "vision_node/view_culling.h"
 
 namespace hapton {
 
@@ -110,7 +111,7 @@ class ScenePainter {
   // The objects of the stage, in its order.
   std::vector<std::size_t> order_objects(PaintStage stage, const ScenePass& pass) const;
   struct Part;
-  void gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, bool cull);
+  void gather(const Object& object, const FlatLevel& level, const Part& part, const Mat4& clip, const Vec3& p_UE, DrawnSides sides);
   std::size_t paint_part(const Object& object, std::size_t level, const ScenePass& pass, const Part& part);
   void paint_visible(const Object& object, std::uint32_t vertices, const Mat4& to_clip, const Mat4& to_eye) const;
 

@@ -3,8 +3,7 @@
 namespace hapton {
 
 // The planes of the frustum are sums and differences of the rows of the matrix (Gribb and Hartmann 2001): -w <= x, y, z <= w.
-ViewCulling::ViewCulling(const Mat4& clip, const Vec3& p_UE, bool without_backs)
-    : p_UE_(p_UE.cast<float>()), without_backs_(without_backs) {
+ViewCulling::ViewCulling(const Mat4& clip, const Vec3& p_UE, DrawnSides sides) : p_UE_(p_UE.cast<float>()), sides_(sides) {
   for (int axis = 0; axis < 3; ++axis) {
     for (int side = 0; side < 2; ++side) {
       Eigen::Vector4d plane = clip.row(3).transpose() + (side == 0 ? 1.0 : -1.0) * clip.row(axis).transpose();
@@ -19,9 +18,15 @@ bool ViewCulling::may_see(const DetailCluster& cluster) const {
   for (const Eigen::Vector4f& plane : planes_) {
     if (plane.head<3>().dot(cluster.centre) + plane.w() < -cluster.radius) return false;
   }
-  if (!without_backs_ || cluster.cone_cutoff >= 1.0F) return true;
-  const Vec3f towards = cluster.cone_apex - p_UE_;
-  return towards.dot(cluster.cone_axis) < cluster.cone_cutoff * towards.norm();
+  if (sides_ == DrawnSides::both || cluster.cone_cutoff >= 1.0F) return true;
+  if (sides_ == DrawnSides::fronts) {
+    const Vec3f towards = cluster.cone_apex - p_UE_;
+    return towards.dot(cluster.cone_axis) < cluster.cone_cutoff * towards.norm();
+  }
+  // All fronts: the same with the normals turned round. The apex lies behind the planes of the triangles, so the test is that of the sphere
+  // (meshopt_Bounds).
+  const Vec3f away = p_UE_ - cluster.centre;
+  return away.dot(cluster.cone_axis) < cluster.cone_cutoff * away.norm() + cluster.radius;
 }
 
 }  // namespace hapton

@@ -122,8 +122,8 @@ TEST_F(CarvedSurfaceTest, NoTriangleThatIsSeenIsLeftOut) {
   for (const FlatLevel& level : surface.compute_levels()) {
     EXPECT_EQ(level.clusters.back().first + level.clusters.back().count, level.indices.size());
     for (const Vec3& p_UE : {Vec3(0, 0, 3), Vec3(2, -1, 0.5), Vec3(-0.9, 1.2, -1.1)}) {
-      const ViewCulling culling(Mat4::Identity(), p_UE, true);
-      const ViewCulling all(Mat4::Identity(), p_UE, false);
+      const ViewCulling culling(Mat4::Identity(), p_UE, DrawnSides::fronts);
+      const ViewCulling all(Mat4::Identity(), p_UE, DrawnSides::both);
       for (const DetailCluster& cluster : level.clusters) {
         if (culling.may_see(cluster) || !all.may_see(cluster)) continue;
         ++left_out;

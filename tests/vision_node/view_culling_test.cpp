@@ -15,14 +15,14 @@ struct Seen {
 };
 
 // Each cluster that is left out is looked at triangle by triangle.
-Seen look(const TriangleMesh& mesh, const Framing& framing, bool without_backs) {
+Seen look(const TriangleMesh& mesh, const Framing& framing, DrawnSides sides) {
   const DetailFrame frame = frame_detail(mesh);
   DetailLevel level = make_full_level(mesh, frame);
   divide_into_clusters(level);
   const StereoScreen screen = compute_screen(framing, kSquare);
   const Mat4 to_clip = compute_projection_matrix(screen, Eye::left) * compute_view_matrix(screen, Eye::left) * frame.matrix();
   const Vec3 p_UE = (frame.matrix().inverse() * compute_eye_position(screen, Eye::left).homogeneous()).head<3>();
-  const ViewCulling culling(to_clip, p_UE, without_backs);
+  const ViewCulling culling(to_clip, p_UE, sides);
   Seen seen;
   for (const DetailCluster& cluster : level.clusters) {
     if (culling.may_see(cluster)) {
@@ -38,8 +38,9 @@ Seen look(const TriangleMesh& mesh, const Framing& framing, bool without_backs) 
         inside = inside || at.cwiseAbs().maxCoeff() < 1.0;
       }
       const Vec3 normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
-      const bool from_front = normal.dot((p_UE - corner[0]).normalized()) > 1e-4;
-      seen.wrongly_left_out += inside && (from_front || !without_backs);
+      const double towards = normal.dot((p_UE - corner[0]).normalized());
+      const bool is_drawn = sides == DrawnSides::both || (sides == DrawnSides::fronts ? towards > 1e-4 : towards < -1e-4);
+      seen.wrongly_left_out += inside && is_drawn;
     }
   }
   return seen;
@@ -48,19 +49,22 @@ Seen look(const TriangleMesh& mesh, const Framing& framing, bool without_backs) 
 TEST(ViewCulling, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 80'000, 1);
   const Framing framing = frame_sphere(Vec3::Zero(), 0.07, 0.063);
-  const Seen all = look(mesh, framing, false);
-  const Seen fronts = look(mesh, framing, true);
+  const Seen all = look(mesh, framing, DrawnSides::both);
+  const Seen fronts = look(mesh, framing, DrawnSides::fronts);
   EXPECT_EQ(all.wrongly_left_out, 0U);
   EXPECT_EQ(fronts.wrongly_left_out, 0U);
   EXPECT_LT(static_cast<double>(fronts.clusters), 0.75 * static_cast<double>(all.clusters));
+  const Seen backs = look(mesh, framing, DrawnSides::backs);
+  EXPECT_EQ(backs.wrongly_left_out, 0U);
+  EXPECT_LT(static_cast<double>(backs.clusters), 0.75 * static_cast<double>(all.clusters));
 }
 
 TEST(ViewCulling, LeavesOutWhatIsBesideThePicture) {
   const TriangleMesh mesh = make_bumpy_sphere(0.05, 0.1, 80'000, 1);
   Framing framing = frame_sphere(Vec3::Zero(), 0.07, 0.063);
-  const Seen whole = look(mesh, framing, false);
+  const Seen whole = look(mesh, framing, DrawnSides::both);
   framing.view_m *= 0.25;
-  const Seen part = look(mesh, framing, false);
+  const Seen part = look(mesh, framing, DrawnSides::both);
   EXPECT_EQ(part.wrongly_left_out, 0U);
   EXPECT_LT(part.clusters, whole.clusters / 2);
 }
