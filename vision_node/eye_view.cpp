@@ -64,6 +64,7 @@ StereoScreen EyeView::screen(const Framing& framing) {
 
 Eye EyeView::eye_now() const {
   if (!composed) return eye;
+  if (pass) return *pass;
   return (camera_->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
 }
 

@@ -31,7 +31,8 @@ struct EyeView {
   explicit EyeView(const Viewport& part, const std::vector<SceneLight>& lights = {});
 
   Eye eye = Eye::centre;
-  bool composed = false;              // VTK draws both eyes through this view; the camera's LeftEye says which one
+  bool composed = false;              // both eyes are drawn through this view
+  std::optional<Eye> pass;            // the one that is drawn, if it is composed by us; none: the camera's LeftEye says which one
   bool swapped = false;               // the eyes are exchanged
   int squeeze = 1;                    // the display stretches the height of the image by this factor
   bool shows_scale = false;           // a scale bar
@@ -46,7 +47,7 @@ struct EyeView {
   PictureSize size();
   // The window into the world that the viewport shows.
   StereoScreen screen(const Framing& framing);
-  // The eye that VTK is drawing.
+  // The eye that is being drawn.
   Eye eye_now() const;
   // Gives the camera that eye's position and projection, moves the viewer's light along, and places the HUD where the viewport was resized.
   void aim(const StereoScreen& screen);

@@ -8,27 +8,28 @@
 
 #include <vtkCallbackCommand.h>
 #include <vtkNew.h>
+#include <vtkOpenGLFramebufferObject.h>
 #include <vtkOpenGLRenderWindow.h>
-#include <vtkPNGWriter.h>
 #include <vtkRenderer.h>
-#include <vtkUnsignedCharArray.h>
-#include <vtkWindowToImageFilter.h>
 
 #include "runtime/atomic_file.h"
 #include "runtime/part_file.h"
 #include "vision_node/annotation_figure.h"
 #include "vision_node/display.h"
 #include "vision_node/edge_pointer.h"
+#include "vision_node/eye_composer.h"
 #include "vision_node/eye_view.h"
 #include "vision_node/headset_panel.h"
 #include "vision_node/headset_window.h"
 #include "vision_node/menu_figure.h"
 #include "vision_node/present.h"
 #include "vision_node/probe_figure.h"
+#include "vision_node/renderer_limits.h"
 #include "vision_node/scene_layers.h"
 #include "vision_node/teach_figure.h"
 #include "vision_node/vtk_stereo_type.h"
 #include "vision_node/window_listener.h"
+#include "vision_node/window_picture.h"
 
 namespace hapton {
 namespace {
@@ -50,6 +51,8 @@ struct StereoView::Window {
   std::unique_ptr<WindowListener> listener;  // none off screen
   std::vector<std::unique_ptr<EyeView>> eyes;
   std::unique_ptr<SceneLayers> layers;
+  std::unique_ptr<EyeComposer> composer;
+  bool composes = false;  // in this mode, rather than VTK
   std::unique_ptr<ProbeFigure> probe;
   std::unique_ptr<ProbeFigure> other_probe;
   AnnotationFigure annotations;
@@ -74,6 +77,8 @@ struct StereoView::Window {
   void aim_headset();
   void prepare();
   void render();
+  void render_both_eyes();
+  void let_vtk_compose(bool is_let);
   // Of an eye's picture; no view: beside all of them.
   struct PixelOfEye {
     EyeView* view = nullptr;
@@ -100,6 +105,8 @@ Result<void> StereoView::Window::open() {
     return fail("this display cannot do OpenGL 3.2 ({}): install a newer graphics driver or Mesa's software one",
                 opengl()->GetOpenGLSupportMessage());
   }
+  opengl()->MakeCurrent();
+  if (auto fits = read_renderer_limits().check({settings.width_px, settings.height_px}); !fits) return fits;
   has_quad = wants_quad && window->GetStereoCapableWindow() != 0;
   if (settings.stereo == StereoMode::crystal_eyes && !has_quad) {
     return fail(
@@ -119,8 +126,9 @@ void StereoView::Window::arrange() {
   }
   eyes.clear();
   const int type = vtk_stereo_type(mode);
+  composes = settings.msaa == 0 && (mode == StereoMode::anaglyph || mode == StereoMode::red_blue);
   if (type != 0) window->SetStereoType(type);
-  window->SetStereoRender(type != 0);
+  window->SetStereoRender(type != 0 && !composes);
   if (mode != StereoMode::openxr) headset->leave();
   if (mode == StereoMode::openxr) {
     headset->enter(headset_eyes.size);
@@ -134,7 +142,7 @@ void StereoView::Window::arrange() {
     add_eye(swapped ? Eye::right : Eye::left, {.from_y = 0.5});
     add_eye(swapped ? Eye::left : Eye::right, {.to_y = 0.5});
   } else {
-    add_eye(mode == StereoMode::emulate ? Eye::left : Eye::centre, {});
+    add_eye(find_single_eye(mode, swapped), {});
   }
   stale = true;
 }
@@ -143,6 +151,7 @@ void StereoView::Window::add_eye(Eye eye, const Viewport& part) {
   auto view = std::make_unique<EyeView>(part, settings.lights);
   view->eye = eye;
   view->composed = vtk_stereo_type(mode) != 0;
+  if (composes) view->pass = swapped ? Eye::right : Eye::left;
   view->swapped = swapped;
   view->squeeze = mode == StereoMode::top_bottom ? 2 : 1;
   view->draw_scene = [this, each = view.get()] {
@@ -214,6 +223,29 @@ void StereoView::Window::render() {
   window->Render();
 }
 
+// Everything is of one sample of the probe: what is prepared for the first eye is that of the second, too.
+void StereoView::Window::render_both_eyes() {
+  EyeView& view = *eyes.front();
+  const Eye first = swapped ? Eye::right : Eye::left;
+  const PictureSize size = view.size();
+  view.pass = first;
+  render();
+  const GLuint framebuffer = opengl()->GetRenderFramebuffer()->GetFBOIndex();
+  composer->keep(framebuffer, size);
+  view.pass = swapped ? Eye::left : Eye::right;
+  window->Render();
+  view.pass = first;
+  composer->compose(framebuffer, size, mode == StereoMode::anaglyph);
+}
+
+// For a picture with smooth edges, whose pixels VTK has in a framebuffer of its own.
+void StereoView::Window::let_vtk_compose(bool is_let) {
+  if (!composes) return;
+  window->SetStereoRender(is_let ? 1 : 0);
+  EyeView& view = *eyes.front();
+  view.pass = is_let ? std::nullopt : std::optional(swapped ? Eye::right : Eye::left);
+}
+
 StereoView::StereoView(std::unique_ptr<Window> window) : window_(std::move(window)) {}
 
 StereoView::~StereoView() {
@@ -221,6 +253,7 @@ StereoView::~StereoView() {
   for (const auto& eye : window_->eyes) eye->renderer->RemoveAllObservers();
   window_->window->MakeCurrent();
   window_->layers.reset();
+  window_->composer.reset();
   window_->headset.reset();
 }
 
@@ -234,6 +267,9 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   auto layers = SceneLayers::make(objects, settings.lights);
   if (!layers) return tl::unexpected(layers.error());
   window->layers = std::move(*layers);
+  auto composer = EyeComposer::make();
+  if (!composer) return tl::unexpected(composer.error());
+  window->composer = std::move(*composer);
   window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());
   window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::other());
   for (ProbeFigure* figure : {window->probe.get(), window->other_probe.get()}) figure->set_shadow(settings.depth_cues && !settings.plain);
@@ -376,11 +412,11 @@ void StereoView::draw(std::function<void()> before_probe) {
     eye = eye == Eye::left ? Eye::right : Eye::left;
   }
   // VTK copies a picture to the window in three steps by shaders; if VTK composes nothing, one is enough.
-  const bool is_composed = vtk_stereo_type(window_->mode) != 0;
+  const bool is_composed = vtk_stereo_type(window_->mode) != 0 && !window_->composes;
   const bool is_headset = window_->mode == StereoMode::openxr;
   window_->window->SetSwapBuffers(!is_headset && (is_composed || window_->settings.msaa > 0));
   window_->before_probe = std::move(before_probe);
-  window_->render();
+  window_->composes ? window_->render_both_eyes() : window_->render();
   window_->before_probe = {};
   // A headset waits for its pictures, and nobody for the window's.
   if (is_headset) return window_->headset->take_frame();
@@ -399,17 +435,7 @@ double StereoView::detail_progress() const { return window_->layers->progress();
 const PaintCount& StereoView::paint_count() const { return window_->layers->count(); }
 std::uint64_t StereoView::scenes_drawn() const { return window_->layers->drawn(); }
 
-Picture StereoView::read_picture() {
-  const int* pixels = window_->window->GetSize();
-  Picture picture;
-  picture.size = {pixels[0], pixels[1]};
-  vtkNew<vtkUnsignedCharArray> rgb;
-  window_->window->GetRGBACharPixelData(0, 0, pixels[0] - 1, pixels[1] - 1, 0, rgb);
-  picture.rgb.resize(3 * static_cast<std::size_t>(pixels[0]) * pixels[1]);
-  const std::uint8_t* rgba = rgb->GetPointer(0);
-  for (std::size_t i = 0; i < picture.rgb.size() / 3; ++i) std::copy_n(rgba + 4 * i, 3, &picture.rgb[3 * i]);
-  return picture;
-}
+Picture StereoView::read_picture() { return read_window_picture(window_->window); }
 
 Result<void> StereoView::save_png(const std::filesystem::path& file) {
   // Tried first, because VTK would write its own lines about it to stderr, and block on a pipe without a reader.
@@ -422,19 +448,13 @@ Result<void> StereoView::save_png(const std::filesystem::path& file) {
   window_->window->SetMultiSamples(std::max(kScreenshotSamples, window_->settings.msaa));
   window_->window->SwapBuffersOn();
   window_->is_whole = true;
+  window_->let_vtk_compose(true);
   window_->render();
+  window_->let_vtk_compose(false);
   window_->is_whole = false;
-  vtkNew<vtkWindowToImageFilter> grab;
-  grab->SetInput(window_->window);
-  grab->SetInputBufferTypeToRGB();
-  grab->ReadFrontBufferOff();
-  grab->ShouldRerenderOff();
-  vtkNew<vtkPNGWriter> writer;
-  writer->SetFileName(part.part().c_str());
-  writer->SetInputConnection(grab->GetOutputPort());
-  writer->Write();
+  const bool is_written = write_window_png(window_->window, part.part());
   window_->window->SetMultiSamples(window_->settings.msaa);
-  if (writer->GetErrorCode() != 0) return fail("cannot write the screenshot {}: is the disk full?", file.string());
+  if (!is_written) return fail("cannot write the screenshot {}: is the disk full?", file.string());
   return part.keep();
 }
 

@@ -12,10 +12,6 @@ int vtk_stereo_type(StereoMode mode) noexcept {
       return VTK_STEREO_RED_BLUE;
     case StereoMode::interlaced:
       return VTK_STEREO_INTERLACED;
-    case StereoMode::left:
-      return VTK_STEREO_LEFT;
-    case StereoMode::right:
-      return VTK_STEREO_RIGHT;
     case StereoMode::dresden:
       return VTK_STEREO_DRESDEN;
     case StereoMode::anaglyph:
@@ -24,8 +20,9 @@ int vtk_stereo_type(StereoMode mode) noexcept {
       return VTK_STEREO_CHECKERBOARD;
     case StereoMode::split_viewport:
       return VTK_STEREO_SPLITVIEWPORT_HORIZONTAL;
+    case StereoMode::left:
+    case StereoMode::right:
     case StereoMode::fake:
-      return VTK_STEREO_FAKE;
     case StereoMode::emulate:
     case StereoMode::automatic:
     case StereoMode::mono:
@@ -35,6 +32,13 @@ int vtk_stereo_type(StereoMode mode) noexcept {
       return 0;
   }
   return 0;
+}
+
+Eye find_single_eye(StereoMode mode, bool swapped) noexcept {
+  if (mode == StereoMode::emulate) return Eye::left;
+  const bool is_left = mode == StereoMode::left || mode == StereoMode::fake;
+  if (!is_left && mode != StereoMode::right) return Eye::centre;
+  return is_left != swapped ? Eye::left : Eye::right;
 }
 
 }  // namespace hapton
