@@ -16,11 +16,11 @@ constexpr std::chrono::milliseconds kLookEvery(500);
 // A force has the processor first.
 constexpr int kReloadNiceness = 10;
 
-// A picture has no room for the folders of a file.
-std::string without_folder(std::string text, const std::filesystem::path& path) {
+// A picture has no room for the folders of a file, nor for all keys that there are: the log has them.
+std::string shorten(std::string text, const std::filesystem::path& path) {
   const std::string whole = path.string();
   if (const std::size_t at = text.find(whole); at != std::string::npos) text.replace(at, whole.size(), path.filename().string());
-  return text;
+  return text.substr(0, text.find("; known are "));
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ void SceneReload::read() {
   if (!result) return;  // the program ends
   Result<Scene>& scene = *result;
   const std::lock_guard lock(mutex_);
-  error_ = scene ? std::string() : without_folder(scene.error().what, path_);
+  error_ = scene ? std::string() : shorten(scene.error().what, path_);
   if (!scene) {
     log_warning("{}; the present picture stays", scene.error().what);
     return;

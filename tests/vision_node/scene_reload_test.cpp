@@ -99,6 +99,9 @@ TEST_F(SceneReloadTest, TheProblemIsKnownUntilTheFileIsRight) {
   std::filesystem::rename(folder.path() / "b.toml", file);
   (void)log_of_two_looks(reload);
   EXPECT_THAT(reload.problem(), HasSubstr("unknown key 'colr'")) << "the same file is back";
+  write("zzz = 1");
+  EXPECT_THAT(log_of_two_looks(reload), HasSubstr("known are"));
+  EXPECT_THAT(reload.problem(), testing::EndsWith("unknown key 'zzz' in [[object]] 1")) << "the log has the rest";
   write("color = [0, 1, 0]");
   (void)log_of_two_looks(reload);
   EXPECT_EQ(reload.problem(), "");
