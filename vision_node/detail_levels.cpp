@@ -47,9 +47,13 @@ void take_vertices(const DetailLevel& from, DetailLevel& level) {
   meshopt_remapVertexBuffer(positions.data(), from.positions.data(), from.positions.size(), sizeof(Vec3f), remap.data());
   std::vector<VertexPaint> paints(from.paints.empty() ? 0 : used);
   if (!paints.empty()) meshopt_remapVertexBuffer(paints.data(), from.paints.data(), from.paints.size(), sizeof(VertexPaint), remap.data());
+  std::vector<std::uint8_t> without_back(from.without_back.empty() ? 0 : used);
+  if (!without_back.empty())
+    meshopt_remapVertexBuffer(without_back.data(), from.without_back.data(), from.positions.size(), 1, remap.data());
   meshopt_remapIndexBuffer(level.indices.data(), level.indices.data(), level.indices.size(), remap.data());
   level.positions = std::move(positions);
   level.paints = std::move(paints);
+  level.without_back = std::move(without_back);
 }
 
 DetailLevel compact(const DetailLevel& from, std::vector<std::uint32_t> indices) {
@@ -209,6 +213,8 @@ void divide_into_clusters(DetailLevel& level) {
     cluster.cone_apex = Vec3f(bounds.cone_apex);
     cluster.cone_axis = Vec3f(bounds.cone_axis);
     cluster.cone_cutoff = bounds.cone_cutoff;
+    cluster.shows_backs = level.without_back.empty() || std::any_of(ordered.begin() + cluster.first, ordered.end(),
+                                                                    [&](std::uint32_t v) { return level.without_back[v] == 0; });
     level.clusters.push_back(cluster);
   }
   level.indices = std::move(ordered);

@@ -31,6 +31,7 @@ struct DetailCluster {
   Vec3f cone_apex = Vec3f::Zero();
   Vec3f cone_axis = Vec3f::Zero();
   float cone_cutoff = 1.0F;
+  bool shows_backs = true;  // false: its triangles belong to closed bodies with their fronts outside, which no eye sees from behind
 };
 
 // What colour the surface has at a vertex.
@@ -61,7 +62,8 @@ struct VertexPaint {
 // One level of detail of a mesh, as drawn. Frame U.
 struct DetailLevel {
   std::vector<Vec3f> positions;
-  std::vector<VertexPaint> paints;  // of the positions; empty: the mesh has one colour
+  std::vector<VertexPaint> paints;         // of the positions; empty: the mesh has one colour
+  std::vector<std::uint8_t> without_back;  // of the positions, 1: of such bodies alone (shows_backs of clusters); empty: not known
   std::vector<std::uint32_t> indices;
   std::vector<DetailCluster> clusters;  // at least one, in the order of the indices, each index in one
   double error = 0.0;                   // of measure_level_error(); 0: the mesh itself

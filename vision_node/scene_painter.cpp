@@ -15,6 +15,7 @@
 #include "vision_node/scene_colours.h"
 #include "vision_node/scene_lights.h"
 #include "vision_node/scene_shaders.h"
+#include "vision_node/surface_backs.h"
 #include "vision_node/surface_paint.h"
 #include "vision_node/texture_layers.h"
 #include "vision_node/view_culling.h"
@@ -96,10 +97,9 @@ ScenePainter::~ScenePainter() {
     release(object->full_vertices);
     for (FlatBuffers& vertices : object->coarser_vertices) release(vertices);
   }
-  if (line_vertices_ != 0) glDeleteVertexArrays(1, &line_vertices_);
-  if (line_buffer_ != 0) glDeleteBuffers(1, &line_buffer_);
-  if (index_buffer_ != 0) glDeleteBuffers(1, &index_buffer_);
-  if (empty_vertices_ != 0) glDeleteVertexArrays(1, &empty_vertices_);
+  const GLuint arrays[] = {line_vertices_, empty_vertices_}, buffers[] = {line_buffer_, index_buffer_};  // 0 is ignored
+  glDeleteVertexArrays(2, arrays);
+  glDeleteBuffers(2, buffers);
 }
 
 Result<void> ScenePainter::make_programs() {
@@ -136,10 +136,11 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     object->shown = shown;
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
-    object->whole = std::make_shared<const DetailLevel>(make_whole_level(shown, *object));
-    object->radius_m = object->whole->clusters.front().radius * object->frame.scale_m;
-    object->triangles = object->whole->triangles();
-    levels.push_back(object->whole);
+    const auto whole = std::make_shared<DetailLevel>(make_whole_level(shown, *object));
+    if (shown.shows_backs) mark_without_back(*shown.mesh, shown.look.get(), *whole);
+    object->radius_m = whole->clusters.front().radius * object->frame.scale_m;
+    object->triangles = whole->triangles();
+    levels.push_back(object->whole = whole);
     painter->objects_.push_back(std::move(object));
   }
   painter->builder_ = std::make_unique<DetailBuilder>(std::move(levels));
@@ -147,8 +148,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     // All of a large mesh would take a tenth of a second; the builder makes them.
     object->is_preview = object->whole->triangles() > kPreviewTriangles;
     DetailLevel first = object->is_preview ? thin_out(*object->whole, kPreviewTriangles) : *object->whole;
-    // Takes milliseconds; the builder divides the others.
-    if (object->whole->triangles() < DetailBuilder::kLeastTriangles) divide_into_clusters(first);
+    if (object->whole->triangles() < DetailBuilder::kLeastTriangles) divide_into_clusters(first);  // the builder divides the others
     object->full = make_flat(first);
     painter->all_triangles_ += object->whole->triangles();
     object->list_facts();

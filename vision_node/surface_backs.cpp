@@ -25,4 +25,12 @@ bool shows_backs(const SceneObject& object) {
   return object.material.two_sided && !has_fronts_outside(*object.mesh);
 }
 
+// A vertex where a body touches an open piece, which are then one piece, is of no closed body.
+void mark_without_back(const TriangleMesh& mesh, const MeshLook* look, DetailLevel& full) {
+  if (look != nullptr && shows_inner_sides(*look)) return;
+  const std::vector<bool> outward = find_outward_triangles(mesh);
+  full.without_back.assign(full.positions.size(), 0);
+  for (std::size_t i = 0; i < full.indices.size(); ++i) full.without_back[full.indices[i]] = outward[i / 3] ? 1 : 0;
+}
+
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scene/scene_file.h"
+#include "vision_node/detail_levels.h"
 
 namespace hapton {
 
@@ -8,5 +9,9 @@ namespace hapton {
 // not closed with its fronts outside; or its file says that a material with transparency is seen from both sides. Otherwise they are
 // always hidden, and leaving them out saves time. Linear in the mesh. RT: set-up only.
 bool shows_backs(const SceneObject& object);
+
+// Marks the vertices of the full level of a mesh that no eye sees from behind (DetailLevel::without_back): of its closed bodies with their
+// fronts outside, unless the look shows inner sides. look: null: none. Linear in the mesh. RT: set-up only.
+void mark_without_back(const TriangleMesh& mesh, const MeshLook* look, DetailLevel& full);
 
 }  // namespace hapton

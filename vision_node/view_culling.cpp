@@ -18,6 +18,7 @@ bool ViewCulling::may_see(const DetailCluster& cluster) const {
   for (const Eigen::Vector4f& plane : planes_) {
     if (plane.head<3>().dot(cluster.centre) + plane.w() < -cluster.radius) return false;
   }
+  if (sides_ == DrawnSides::backs && !cluster.shows_backs) return false;
   if (sides_ == DrawnSides::both || cluster.cone_cutoff >= 1.0F) return true;
   if (sides_ == DrawnSides::fronts) {
     const Vec3f towards = cluster.cone_apex - p_UE_;

@@ -33,13 +33,11 @@ bool is_closed(const Body& body) {
   return body.boundary == 0 && std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3);
 }
 
-// All pieces.
-std::vector<Body> find_bodies(const TriangleMesh& mesh) {
-  DisjointSets pieces(mesh.vertices.size());
+// All pieces, by the vertex that represents the piece; vertices that represent none have no triangles.
+std::vector<Body> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces) {
   for (const Triangle& t : mesh.triangles) {
     for (const std::size_t k : {1U, 2U}) pieces.join(t[0], t[k]);
   }
-  // By the vertex that represents the piece; vertices that represent none have no triangles.
   std::vector<Body> bodies(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
     Body& body = bodies[pieces.root(t[0])];
@@ -57,6 +55,12 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
     const Vec3 a = mesh.vertices[t[0]] - centre;
     body.volume += a.dot((mesh.vertices[t[1]] - centre).cross(mesh.vertices[t[2]] - centre)) / 6.0;
   }
+  return bodies;
+}
+
+std::vector<Body> find_bodies(const TriangleMesh& mesh) {
+  DisjointSets pieces(mesh.vertices.size());
+  std::vector<Body> bodies = measure_pieces(mesh, pieces);
   std::erase_if(bodies, [](const Body& body) { return body.triangles == 0; });
   return bodies;
 }
@@ -77,6 +81,18 @@ ClosedBodies count_closed_bodies(const TriangleMesh& mesh) {
     if (result.inside_out++ == 0) result.inside_out_at = body->box.center();
   }
   return result;
+}
+
+std::vector<bool> find_outward_triangles(const TriangleMesh& mesh) {
+  DisjointSets pieces(mesh.vertices.size());
+  const std::vector<Body> bodies = measure_pieces(mesh, pieces);
+  std::vector<bool> outward;
+  outward.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) {
+    const Body& body = bodies[pieces.root(t[0])];
+    outward.push_back(is_closed(body) && body.volume > 0.0);
+  }
+  return outward;
 }
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "core/geometry/triangle_mesh.h"
 
@@ -16,5 +17,9 @@ struct ClosedBodies {
 
 // Vertices must be welded already. Time: linear in the mesh, but quadratic in its cavities. RT: set-up only.
 ClosedBodies count_closed_bodies(const TriangleMesh& mesh);
+
+// By triangle: it belongs to a closed body with its fronts outside, so that its back is never seen. Vertices must be welded already. Time:
+// linear. RT: set-up only.
+std::vector<bool> find_outward_triangles(const TriangleMesh& mesh);
 
 }  // namespace hapton

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "core/geometry/mesh_shapes.h"
+
 namespace hapton {
 namespace {
 
@@ -29,6 +31,32 @@ TriangleMesh make_tetrahedron() {
   TriangleMesh mesh;
   add_tetrahedron(mesh, Vec3::Zero(), 0.1);
   return mesh;
+}
+
+// Beside an open sheet, a body is still not seen from behind, in any level of detail.
+TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
+  TriangleMesh mesh = make_icosphere(0.1, 3);
+  const std::size_t ball = mesh.triangles.size();
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  mesh.vertices.insert(mesh.vertices.end(), {Vec3(5, 0, 0), Vec3(6, 0, 0), Vec3(5, 1, 0)});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+  DetailLevel level = make_full_level(mesh, frame_detail(mesh));
+  mark_without_back(mesh, nullptr, level);
+  ASSERT_EQ(level.without_back.size(), first + 3);
+  for (std::uint32_t v = 0; v < first + 3; ++v) EXPECT_EQ(level.without_back[v], v < first ? 1 : 0);
+  divide_into_clusters(level);
+  std::size_t hidden = 0;
+  for (const DetailCluster& cluster : level.clusters) {
+    if (cluster.shows_backs) continue;
+    hidden += cluster.count / 3;
+    for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) EXPECT_EQ(level.without_back[level.indices[i]], 1);
+  }
+  EXPECT_GT(static_cast<double>(hidden), 0.9 * static_cast<double>(ball));  // the cluster with the sheet may have some of them
+  MeshLook look;
+  look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .is_double_sided = true});
+  DetailLevel seen = make_full_level(mesh, frame_detail(mesh));
+  mark_without_back(mesh, &look, seen);
+  EXPECT_TRUE(seen.without_back.empty()) << "its inner sides are seen";
 }
 
 TEST(SurfaceBacks, OfClosedBodiesAreAlwaysHidden) {

@@ -32,6 +32,16 @@ void expect(const TriangleMesh& mesh, std::size_t count, std::size_t inside_out)
   }
 }
 
+TEST(InsideOut, FindsTheTrianglesOfBodiesWithTheirFrontsOutside) {
+  TriangleMesh open = make_icosphere(1.0, 0);
+  open.triangles.pop_back();
+  const TriangleMesh ball = moved(make_icosphere(1.0, 0), 1.0, Vec3(5, 0, 0));
+  const TriangleMesh flipped = turned(moved(make_icosphere(1.0, 0), 1.0, Vec3(-5, 0, 0)));
+  const std::vector<bool> outward = find_outward_triangles(put_beside(put_beside(open, ball), flipped));
+  ASSERT_EQ(outward.size(), 59U);
+  for (std::size_t t = 0; t < outward.size(); ++t) EXPECT_EQ(outward[t], t >= 19 && t < 39) << t;
+}
+
 TEST(InsideOut, CountsThePiecesThatAreNoClosedBody) {
   TriangleMesh open = make_icosphere(1.0, 1);
   open.triangles.pop_back();
