@@ -360,5 +360,34 @@ TEST(PatchChain, OtherMaterialsAreUsedFromTheNextStepOn) {
   EXPECT_EQ(stage.store().make_piece(pressed, 1.0, 100'000).scene.objects.at(0).material.stiffness_n_per_m, 300.0);
 }
 
+TEST(PatchChain, CountsEachMoveThatComesLateOnce) {
+  ChainStage stage(machine());
+  for (int n = 0; n < 300; ++n) (void)stage.step(chain_hand(stage.time_s()));
+  ASSERT_TRUE(stage.chain().has_arrived());
+  for (std::uint32_t serial = 1; serial <= 3; ++serial) {
+    const double begin_s = stage.time_s() - 0.05;
+    const Keyframe at = stage.find_commanded(kPlatform)->keyframe_at(begin_s);
+    stage.announce(platform_move(serial, begin_s, begin_s + 0.3, at, Vec3(0.03, 0.0, 0.003 + 0.001 * serial)));
+    EXPECT_EQ(stage.chain().late_moves(), serial);
+    EXPECT_EQ(stage.chain().counts().late_moves, serial);
+  }
+}
+
+TEST(PatchChain, HasRoomForAsManyBodiesAsAreAnnounced) {
+  const auto chain = std::make_unique<PatchChain>();
+  auto bodies = std::make_unique<PatchBodies>();
+  bodies->extent_m = 0.1;
+  bodies->bodies.resize(PatchChain::kLinks);
+  for (std::size_t b = 1; b < PatchChain::kLinks; ++b) {
+    bodies->bodies[b] = {.is_commanded = true, .object = static_cast<std::int32_t>(b), .radius_m = 0.01};
+  }
+  EXPECT_EQ(chain->take(std::move(bodies)), nullptr);
+  chain->start_at(Vec3(0, 0, 0.01), Vec3::UnitZ(), 0.0, 0.0);
+  EXPECT_EQ(chain->body_count(), PatchChain::kLinks);
+  EXPECT_FALSE(chain->step({.p_WD = Vec3(0, 0, 0.01), .dt_s = 1e-3, .time_s = 1e-3})) << "no patch has come";
+  EXPECT_EQ(chain->hand_of(PatchChain::kLinks - 1, 0).p_SD, Vec3(0, 0, 0.01));
+  EXPECT_EQ(chain->take(std::make_unique<PatchBodies>(PatchBodies{.bodies = {{}}}))->bodies.size(), PatchChain::kLinks);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -265,5 +265,27 @@ TEST_F(PatchSourceTest, OfNothingSendsItsBeginningAlone) {
   EXPECT_TRUE(std::holds_alternative<PatchBegin>(parts[0]));
 }
 
+TEST_F(PatchSourceTest, AMaterialIsSentWhenItIsAnotherThanTheHubHas) {
+  start(kAll);
+  (void)take_confirmed();
+  const Material of_tiles;
+  Material softer = of_tiles;
+  softer.stiffness_n_per_m = 300.0;
+  auto sent_after = [&, now_ns = kStartNs + 2000 * kMs](const std::vector<Material>& materials) mutable {
+    source->set_materials(materials);
+    std::vector<double> sent;
+    for (const Message& message : take(now_ns += kMs)) {
+      EXPECT_EQ(std::get<PatchMaterial>(message).object, 0U);
+      sent.push_back(std::get<PatchMaterial>(message).stiffness_n_per_m);
+    }
+    return sent;
+  };
+  EXPECT_EQ(sent_after({of_tiles}), std::vector<double>());
+  EXPECT_EQ(sent_after({softer, softer}), std::vector{300.0}) << "of objects that are not in parts nothing is sent";
+  EXPECT_EQ(sent_after({softer}), std::vector<double>()) << "it is on its way";
+  EXPECT_EQ(sent_after({}), std::vector<double>());
+  EXPECT_EQ(sent_after({of_tiles}), std::vector{of_tiles.stiffness_n_per_m});
+}
+
 }  // namespace
 }  // namespace hapton

@@ -267,5 +267,16 @@ TEST(PatchStore, TakesThePartsOfASceneAndNoOtherMessage) {
   EXPECT_EQ(store.counts().parts, parts);
 }
 
+TEST(PatchStore, ANewerEpochHasTheMaterialsOfItsOwnOnly) {
+  PatchStore store;
+  store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-8});
+  store.accept(PatchMaterial{.epoch = 1, .serial = 900, .object = 3, .stiffness_n_per_m = 300.0});
+  ASSERT_EQ(store.materials().size(), 1U);
+  store.accept(PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-8});
+  EXPECT_TRUE(store.materials().empty());
+  store.accept(PatchMaterial{.epoch = 2, .serial = 2, .object = 3, .stiffness_n_per_m = 500.0});
+  EXPECT_EQ(store.materials().at(3).stiffness_n_per_m, 500.0) << "serials count within an epoch";
+}
+
 }  // namespace
 }  // namespace hapton
