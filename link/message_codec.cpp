@@ -406,7 +406,8 @@ bool read(const wire::LoopFacts& from, LoopFacts& to) {
   to.servo_rate_hz = from.servo_rate_hz();
   to.round_trip_s = from.round_trip_s();
   to.max_torque_nm = from.max_torque_nm();
-  return is_servo_rate(to.servo_rate_hz) && is_amount(to.round_trip_s) && is_amount(to.max_torque_nm) && read_text(from.device(), to.device);
+  return is_servo_rate(to.servo_rate_hz) && is_amount(to.round_trip_s) && is_amount(to.max_torque_nm) &&
+         read_text(from.device(), to.device);
 }
 
 bool read(const wire::Marker& from, Marker& to) {
