@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};
-constexpr double kVoxelM = 0.00025;
+constexpr double kVoxelM = 0.0005;
 
 TriangleMesh cube_of_20_mm() { return made::box(Vec3::Constant(-0.01), Vec3::Constant(0.01)); }
 std::shared_ptr<const TriangleMesh> floor_at_0() { return made::shared(made::box({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0})); }
@@ -31,10 +31,10 @@ TEST(StylusTool, ProxyAndVoxelsAreFeltThroughOneInterface) {
   for (const auto& tool : tools) {
     ToolOutput felt;
     ToolInput input;
-    for (int n = 0; n <= 800; ++n) {
-      input.X_WD.translation().z() = 0.012 - 0.006 * std::min(1.0, n / 500.0);  // 4 mm deep
+    for (int n = 0; n <= 400; ++n) {
+      input.X_WD.translation().z() = 0.012 - 0.006 * std::min(1.0, n / 250.0);  // 4 mm deep
       felt = tool->step(input, 1'000'000 * n);
-      followed.follow();
+      if (tool.get() == &followed) followed.follow();
     }
     EXPECT_TRUE(tool->is_known());
     EXPECT_TRUE(felt.contact);
@@ -42,7 +42,7 @@ TEST(StylusTool, ProxyAndVoxelsAreFeltThroughOneInterface) {
     EXPECT_NEAR(felt.X_WP.translation().z(), 0.01, 2.0 * kVoxelM);
     EXPECT_NEAR(tool->vertex_m().norm(), 0.01 * std::sqrt(3.0), 1e-12);
     tool->forget_motion();
-    EXPECT_NEAR(tool->step(input, 801'000'000).force_n.z(), felt.force_n.z(), 0.25) << "it goes on from where it was";
+    EXPECT_NEAR(tool->step(input, 401'000'000).force_n.z(), felt.force_n.z(), 0.25) << "it goes on from where it was";
   }
 }
 
