@@ -230,22 +230,16 @@ int run(const HapticsOptions& options) {
   if (!effects.empty()) loop.set_effects(&effects);
   loop.set_longest_spin(std::llround(1e3 * options.spin_us));
   const auto gains_of = [&](const TouchScene& touched) {
-    if (*tool) return find_tool_gains(touched);
+    if (*tool) return find_gains(*tool, touched);
     return grasp ? find_largest_gains(touched).largest_of(find_tool_gains(touched)) : find_largest_gains(touched);
   };
   StiffnessAdviser adviser(gains_of(felt_first));
-  if (*tool) adviser.note_tool(tool->coupling.rotational_stiffness_nm_per_rad);
   loop.set_stiffness_adviser(&adviser);
   InsideWatch inside(felt_first);
   loop.set_inside_watch(&inside);
   HapticScene felt(felt_first, gains_of, adviser, inside, patches);
   MaterialTuner::DescribeTool describe_tool;
-  if (*tool) {
-    describe_tool = [&](double stiffness_n_per_m) {
-      adviser.note_tool(tool->coupling.rotational_stiffness_nm_per_rad * stiffness_n_per_m / tool->coupling.stiffness_n_per_m);
-      return tool->describe(stiffness_n_per_m);
-    };
-  }
+  if (*tool) describe_tool = [&](double stiffness_n_per_m) { return tool->describe(stiffness_n_per_m); };
   MaterialTuner tuner(
       *scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); }, describe_tool);
   loop.set_material_tuner(&tuner);

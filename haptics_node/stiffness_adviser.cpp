@@ -168,10 +168,13 @@ void StiffnessAdviser::set_gains(const LargestGains& gains) noexcept {
   by_place_n_per_m_.store(gains.by_place_n_per_m, std::memory_order_release);
   damping_ns_per_m_.store(gains.damping_ns_per_m, std::memory_order_release);
   viscosity_ns_per_m_.store(gains.viscosity_ns_per_m, std::memory_order_release);
+  note_tool(gains.rotational_nm_per_rad);
 }
 
 void StiffnessAdviser::note_tool(double nm_per_rad) noexcept {
-  rotational_nm_per_rad_.store(std::max(nm_per_rad, rotational_nm_per_rad_.load(std::memory_order_relaxed)), std::memory_order_release);
+  double largest = rotational_nm_per_rad_.load(std::memory_order_relaxed);
+  while (nm_per_rad > largest && !rotational_nm_per_rad_.compare_exchange_weak(largest, nm_per_rad, std::memory_order_release)) {
+  }
 }
 
 LargestGains StiffnessAdviser::read_gains() const noexcept {

@@ -51,9 +51,9 @@ class StiffnessAdviser {
   StiffnessAdviser& operator=(const StiffnessAdviser&) = delete;
 
   void note(const LoopFacts& facts) noexcept { facts_.publish(facts); }
-  // The materials of the scene have changed; of rotational_nm_per_rad nothing is taken. Threads: any.
+  // The materials of the scene have changed. Threads: any.
   void set_gains(const LargestGains& gains) noexcept;
-  // The stylus holds a rigid tool with this rotational stiffness. Of several the largest counts. Threads: one.
+  // The stylus holds a rigid tool with this rotational stiffness. Of several, and those of set_gains, the largest counts. Threads: any.
   void note_tool(double nm_per_rad) noexcept;
   // How often its thread has looked for new facts and gains, and said what it had to. Threads: any.
   std::uint64_t looks() const noexcept { return looks_.load(std::memory_order_acquire); }

@@ -99,11 +99,19 @@ Result<LiveTool> make_live_tool(const HapticsOptions& options, const Scene& scen
   return made;
 }
 
-HapticsSetup::Text LiveTool::describe(double stiffness_n_per_m) const {
+ToolCoupling LiveTool::coupling_at(double stiffness_n_per_m) const noexcept {
   const double share = stiffness_n_per_m / coupling.stiffness_n_per_m;
-  return to_setup_text(
-      to_text({.stiffness_n_per_m = stiffness_n_per_m, .rotational_stiffness_nm_per_rad = share * coupling.rotational_stiffness_nm_per_rad},
-              triangles, voxel_m));
+  return {.stiffness_n_per_m = stiffness_n_per_m, .rotational_stiffness_nm_per_rad = share * coupling.rotational_stiffness_nm_per_rad};
+}
+
+HapticsSetup::Text LiveTool::describe(double stiffness_n_per_m) const {
+  return to_setup_text(to_text(coupling_at(stiffness_n_per_m), triangles, voxel_m));
+}
+
+LargestGains find_gains(const LiveTool& tool, const TouchScene& scene) {
+  LargestGains gains = find_tool_gains(scene);
+  gains.rotational_nm_per_rad = tool.coupling_at(find_stiffest_surface(scene)).rotational_stiffness_nm_per_rad;
+  return gains;
 }
 
 HapticsSetup::Text describe_tool(const HeldTool& tool) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <thread>
 
+#include "core/force/stiffest.h"
 #include "core/tool/held_tool.h"
 #include "core/tool/stylus_tool.h"
 #include "haptics_node/haptics_options.h"
@@ -32,7 +33,10 @@ struct LiveTool {
   // What the hub gets in place of a method's description: "name=tool ...", with the coupling at this stiffness (the rotational one changes
   // in proportion).
   HapticsSetup::Text describe(double stiffness_n_per_m) const;
+  ToolCoupling coupling_at(double stiffness_n_per_m) const noexcept;
 };
+// Of a scene as it is felt now, coupled, with that tool. Pre: there is a tool. RT: no.
+LargestGains find_gains(const LiveTool& tool, const TouchScene& scene);
 
 // The rigid tool of the scene (find_tool), if there is one. The tool feels friction, damping and viscosity of the materials, with
 // --tool-voxels none of them. Its spring is as stiff as the stiffest of them, coupled as --coupling says. Logs what is left out. Error: one

@@ -170,8 +170,7 @@ TEST(StiffnessAdviser, WarnsOfAToolThatTurnsTooStiffly) {
     adviser.note_tool(0.9 * safe);
     adviser.note(kTurning);
     wait_for(adviser);
-    adviser.set_gains({.stiffness_n_per_m = 1.0});  // another scene, the same tool
-    adviser.note_tool(2.0 * safe);
+    adviser.set_gains({.stiffness_n_per_m = 1.0, .rotational_nm_per_rad = 2.0 * safe});  // stiffer materials, the same tool
     wait_for(adviser);
     adviser.note_tool(1.5 * safe);  // less than what it warned of
     wait_for(adviser);

@@ -142,6 +142,21 @@ TEST(ToolByVoxels, IsFeltWithoutASlowTask) {
   EXPECT_GT(felt.force_n.z(), 0.1);
 }
 
+// Twice as stiff a surface, twice as stiff a turn; and the gains of the scene beside it.
+TEST(HeldToolOfAScene, ItsGainsFollowTheMaterials) {
+  Scene scene = scene_with_tool();
+  scene.objects[0].material.stiffness_n_per_m = 500.0;
+  const auto tool = make_live_tool({}, scene);
+  ASSERT_TRUE(tool && *tool);
+  EXPECT_EQ(find_gains(*tool, scene.touch_scene()).rotational_nm_per_rad, tool->coupling.rotational_stiffness_nm_per_rad);
+  scene.objects[0].material.stiffness_n_per_m = 1000.0;
+  scene.objects[0].material.damping_ns_per_m = 2.0;
+  const LargestGains gains = find_gains(*tool, scene.touch_scene());
+  EXPECT_DOUBLE_EQ(gains.rotational_nm_per_rad, 2.0 * tool->coupling.rotational_stiffness_nm_per_rad);
+  EXPECT_EQ(gains.stiffness_n_per_m, 1000.0);
+  EXPECT_EQ(gains.viscosity_ns_per_m, 2.0);
+}
+
 TEST(ToolByVoxels, NamesWhatVoxelsDoNotHave) {
   Scene scene = scene_with_tool();
   scene.objects[0].material.friction_static = scene.objects[0].material.friction_dynamic = 0.3;
