@@ -27,11 +27,6 @@ HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)
   place_objects();
 }
 
-std::size_t HeldTool::part_of(std::size_t object) const noexcept {
-  const std::span<const int> parts = tool_->part_of();
-  return object < parts.size() ? static_cast<std::size_t>(std::max(parts[object], 0)) : 0;
-}
-
 void HeldTool::place_objects() {
   friction_of_.resize(parts_.size() + 1);
   friction_of_[0].resize(tool_->scene().object_count());
@@ -47,7 +42,7 @@ void HeldTool::set_materials(const ToolMaterials& materials) noexcept {
   // The objects of a part are in the order of the scene.
   std::fill(counts_.begin(), counts_.end(), std::size_t{0});
   for (std::size_t o = 0; o < std::min(materials.friction.size(), materials.damping.size()); ++o) {
-    const std::size_t part = part_of(o);
+    const std::size_t part = tool_->part_of(o);
     const std::size_t object = counts_[part]++;
     if (object >= friction_of_[part].size()) continue;
     friction_of_[part][object] = materials.friction[o];

@@ -75,7 +75,6 @@ class HeldTool final : public StylusTool {
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
   double length_of(const Felt& felt) const noexcept;
   void place_objects();
-  std::size_t part_of(std::size_t object) const noexcept;
   void set_friction(LocalContacts& contacts) const noexcept;
   void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
   void add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,

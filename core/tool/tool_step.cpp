@@ -187,6 +187,8 @@ Placement ToolStep::to_local(const ToolInput& input) const noexcept {
   return {scene_.to_local(X_SD.translation()), q_DT_ ? (q_SD * *q_DT_).normalized() : q_SD};
 }
 
+std::size_t ToolStep::part_of(std::size_t object) const noexcept { return part_of_object(part_of_, object); }
+
 void ToolStep::set_stiffness(double n_per_m) noexcept {
   coupling_ = {.stiffness_n_per_m = n_per_m, .rotational_stiffness_nm_per_rad = n_per_m * squared_lever_m2_};
 }
@@ -253,7 +255,7 @@ void ToolStep::set_drag(const std::vector<ContactDamping>& damping) {
   for (const auto& part : moving_) objects += part->object_count();
   std::vector<std::vector<ContactDamping>> by_part(moving_.size() + 1);
   for (std::size_t o = 0; o < objects; ++o) {
-    by_part[part_of_object(part_of_, o)].push_back(o < damping.size() ? damping[o] : ContactDamping());
+    by_part[part_of(o)].push_back(o < damping.size() ? damping[o] : ContactDamping());
   }
   drag_ = ContactDrag(std::move(by_part), scene_.unit_m(), proxy_.radius());
 }

@@ -98,8 +98,8 @@ class ToolStep {
   // For the drag of contacts, at each sample: where the scene was moved since the last one, that is no motion of the hand.
   void note_view(const ToolInput& input, ToolView& last, ContactDrag& drag) const noexcept;
   std::size_t moving_count() const { return moving_.size(); }
-  // Of each object that it was made of, as make has parts; empty: all stand still.
-  std::span<const int> part_of() const noexcept { return part_of_; }
+  // Of an object that it was made of: 0 where it stands still, else the number of the part that it moves with.
+  std::size_t part_of(std::size_t object) const noexcept;
   // The rotational stiffness changes in proportion, so the proxy goes to the same poses. Threads: the one of felt_at. RT: yes.
   void set_stiffness(double n_per_m) noexcept;
   // Force, torque and drawn pose for these poses of device and tool.
