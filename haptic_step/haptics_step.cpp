@@ -113,8 +113,8 @@ bool HapticsStep::command(int object, const CommandedMove& move) noexcept {
   return true;
 }
 
-StreamedGeometry::Released HapticsStep::deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns,
-                                               std::int64_t end_ns) noexcept {
+std::unique_ptr<ShapeStage> HapticsStep::deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns,
+                                                std::int64_t end_ns) noexcept {
   ++counts_.shapes_applied;
   return touch_->find_streamed(object)->offer_at(std::move(stage), 1e-9 * static_cast<double>(start_ns),
                                                  1e-9 * static_cast<double>(end_ns - start_ns));

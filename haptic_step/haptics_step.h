@@ -93,7 +93,7 @@ class HapticsStep {
 
   // A program deforms an object: its next stage, as StreamedMethod::offer_at; times are scene times. Returned: what is used no more.
   // Pre: programs may deform the object.
-  StreamedGeometry::Released deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns, std::int64_t end_ns) noexcept;
+  std::unique_ptr<ShapeStage> deform(int object, std::unique_ptr<ShapeStage> stage, std::int64_t start_ns, std::int64_t end_ns) noexcept;
 
   // Replaces the method and returns the old one; objects that programs moved stay where they are, and what was carved
   // stays so. In contact the new one starts where the

@@ -18,6 +18,8 @@ static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
 
 // Between two looks for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapeLook(2);
+// In which the hub makes a stage ready, as this node does: 15 us a vertex for large meshes (decision 191), and as much to spare.
+constexpr std::int64_t kStageNsPerVertex = 30'000;
 
 }  // namespace
 
@@ -156,8 +158,22 @@ void ObjectShaper::take_rejection(Object& object) noexcept {
   push_reply(object.reply);
 }
 
+std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
+  return pace_.lead_ns > 0 ? pace_.lead_ns + kStageNsPerVertex * object.start.total : 0;
+}
+
+// So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent.
+double ObjectShaper::find_least_s(const Object& object) const noexcept {
+  const std::int64_t of_queue_ns = find_lead_ns(object) / static_cast<std::int64_t>(StreamedMethod::kMostWaiting - 1);
+  return 1e-9 * static_cast<double>(std::max(of_queue_ns, ShapePart::count_parts(object.start.total) * pace_.part_ns));
+}
+
+bool ObjectShaper::has_room(const Object& object) const noexcept {
+  return object.method->waiting() < (pace_.lead_ns > 0 ? StreamedMethod::kMostWaiting : 1);
+}
+
 bool ObjectShaper::begin_sending(Object& object, std::int64_t scene_time_ns) noexcept {
-  if (object.start.end_ns > scene_time_ns + kAheadNs) return false;
+  if (object.start.end_ns > scene_time_ns + kAheadNs + find_lead_ns(object)) return false;
   object.next = object.maker.take();
   if (object.next == nullptr) return false;
   object.sent_to = 0;
@@ -167,15 +183,15 @@ bool ObjectShaper::begin_sending(Object& object, std::int64_t scene_time_ns) noe
 }
 
 Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
-  const double over_s = StreamedMethod::compute_time_s(*object.next->stage, object.next->wanted.over_s);
+  const double over_s = StreamedMethod::compute_time_s(*object.next->stage, std::max(object.next->wanted.over_s, find_least_s(object)));
   ShapeStart& start = object.start;
   start.before = start.serial;
   start.serial = serial_;
-  start.start_ns = std::max(start.end_ns, step.scene_time_ns() + 1);
+  start.start_ns = std::max(start.end_ns, step.scene_time_ns() + 1 + find_lead_ns(object));
   start.end_ns = start.start_ns + static_cast<std::int64_t>(std::ceil(1e9 * over_s));
-  auto released = step.deform(start.object, std::move(object.next->stage), start.start_ns, start.end_ns);
+  auto used = step.deform(start.object, std::move(object.next->stage), start.start_ns, start.end_ns);
   if (object.present != nullptr) {
-    object.present->stage = std::move(released.ended);
+    object.present->stage = std::move(used);
     object.maker.give_back(std::move(object.present));
   }
   object.present = std::move(object.next);
@@ -192,7 +208,16 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
   return start;
 }
 
-std::optional<Message> ObjectShaper::take_due(HapticsStep& step) noexcept {
+Message ObjectShaper::make_part(const Object& object, std::uint32_t serial, const WantedShape& shape, std::uint32_t first,
+                                std::int64_t now_ns) noexcept {
+  next_part_ns_ = now_ns + pace_.part_ns;
+  return ObjectShape{.source = object.start.source,
+                     .serial = serial,
+                     .object = object.start.object,
+                     .part = make_shape_part(shape.displacements_m, first)};
+}
+
+std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t now_ns) noexcept {
   for (const auto& object : objects_) take_rejection(*object);
   if (reply_count_ > 0) {
     const ShapeReply& reply = replies_[first_reply_];
@@ -205,22 +230,18 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step) noexcept {
     next_look_ = (next_look_ + 1) % objects_.size();
     begin_sending(object, step.scene_time_ns());
   }
-  if (sending_ != nullptr && sending_->sent_to < sending_->start.total) {
-    const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMostHere);
-    return ObjectShape{.source = sending_->start.source,
-                       .serial = serial_,
-                       .object = sending_->start.object,
-                       .part = make_shape_part(sending_->next->wanted.displacements_m, first)};
-  }
+  const bool is_whole = sending_ == nullptr || sending_->sent_to >= sending_->start.total;
   // The stage before has begun, so that this one can wait.
-  if (sending_ != nullptr && !sending_->method->has_waiting()) return begin_motion(*sending_, step);
+  if (sending_ != nullptr && is_whole && has_room(*sending_)) return begin_motion(*sending_, step);
+  if (now_ns < next_part_ns_) return std::nullopt;
+  if (!is_whole) {
+    const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMostHere);
+    return make_part(*sending_, serial_, sending_->next->wanted, first, now_ns);
+  }
   for (const auto& object : objects_) {
     if (object->again_from >= object->start.total || object->present == nullptr) continue;
     const std::uint32_t first = std::exchange(object->again_from, object->again_from + ShapePart::kMostHere);
-    return ObjectShape{.source = object->start.source,
-                       .serial = object->start.serial,
-                       .object = object->start.object,
-                       .part = make_shape_part(object->present->wanted.displacements_m, first)};
+    return make_part(*object, object->start.serial, object->present->wanted, first, now_ns);
   }
   return std::nullopt;
 }

@@ -49,8 +49,15 @@ class ObjectShaper {
   // The newest shape of an object is sent again. Of another process or shape: left out.
   void accept(const ShapeStatus& status) noexcept;
 
-  // The next message to the hub, if one is due. A ShapeStart has begun in the step before this returns it.
-  std::optional<Message> take_due(HapticsStep& step) noexcept;
+  // While the hub computes the force: motions begin so much later than the last reply that it knows of them before (PatchSender::
+  // find_lead_ns), and as many as can be under way wait for their start. part_ns: between two parts of shapes. 0: it does not.
+  struct Pace {
+    std::int64_t lead_ns = 0;
+    std::int64_t part_ns = 0;
+  };
+  void set_pace(const Pace& pace) noexcept { pace_ = pace; }
+  // The next message to the hub, if one is due. A ShapeStart has begun in the step, or waits there, before this returns it.
+  std::optional<Message> take_due(HapticsStep& step, std::int64_t now_ns = 0) noexcept;
 
   // For whoever missed it: where each object is, in their order. serial 0: at rest.
   std::size_t count() const noexcept { return objects_.size(); }
@@ -94,6 +101,11 @@ class ObjectShaper {
   void take_rejection(Object& object) noexcept;
   bool begin_sending(Object& object, std::int64_t scene_time_ns) noexcept;
   Message begin_motion(Object& object, HapticsStep& step) noexcept;
+  std::int64_t find_lead_ns(const Object& object) const noexcept;
+  double find_least_s(const Object& object) const noexcept;
+  bool has_room(const Object& object) const noexcept;
+  Message make_part(const Object& object, std::uint32_t serial, const WantedShape& shape, std::uint32_t first,
+                    std::int64_t now_ns) noexcept;
   void run();
 
   static constexpr std::size_t kMostReplies = 16;  // that wait to be sent; a program repeats what gets none
@@ -106,6 +118,8 @@ class ObjectShaper {
   Object* sending_ = nullptr;  // whose shape is being sent
   std::size_t next_look_ = 0;  // the object that is looked at first
   std::uint32_t serial_ = 0;
+  Pace pace_;
+  std::int64_t next_part_ns_ = 0;
   std::int64_t next_rejection_ns_ = 0;
   const ShapeStart* newest_ = nullptr;
   Counts counts_;

@@ -31,7 +31,6 @@ constexpr const char* kTooLarge = "the scene has more triangles than the hub kee
 const char* find_scene_obstacle(const TouchScene& scene) {
   if (scene.has_effects()) return "the scene has effects";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
-  if (scene.has_streamed()) return "programs deform objects of the scene";
   std::size_t triangles = 0;
   for (const TouchObject& object : scene.objects) triangles += object.mesh->triangles.size();
   if (triangles > PatchStore::kMostTiles * PatchTile::kMostTriangles) return kTooLarge;
@@ -120,6 +119,15 @@ void PatchSender::note_move(const ObjectMove& move, std::int64_t now_ns) noexcep
   moves_.publish(sent_);
 }
 
+void PatchSender::note_shape(const ShapeStart& start) noexcept {
+  auto& newest = sent_shapes_.newest;
+  const auto is_it = [&](const SentShapes::One& one) { return one.object == start.object || one.object < 0; };
+  const auto found = std::find_if(newest.begin(), newest.end(), is_it);
+  if (found == newest.end()) return;
+  *found = {start.object, start.serial};
+  shapes_.publish(sent_shapes_);
+}
+
 void PatchSender::set_withdrawn(bool is_withdrawn, std::uint32_t method_serial) noexcept {
   const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_relaxed);
   if (is_withdrawn == (withdrawals % 2 == 1)) return;
@@ -161,6 +169,7 @@ void PatchSender::run() {
     follow_scene();
     follow_materials();
     follow_moves();
+    if (shapes_.take()) follow_shapes();
     const bool is_busy = now_ns < wanted_until_ns || must_withdraw(withdrawals);
     if (is_busy) {
       follow_method(withdrawals);
@@ -227,6 +236,12 @@ void PatchSender::follow_moves() {
   begin_moves();
 }
 
+void PatchSender::follow_shapes() {
+  for (const SentShapes::One& one : shapes_.value().newest) {
+    if (source_ && one.object >= 0) source_->note_shape(one.object, one.serial);
+  }
+}
+
 // The moves that are known, of the bodies of the present parts.
 void PatchSender::begin_moves() {
   for (const ObjectMove& move : moves_.value().table.moves()) {
@@ -274,6 +289,7 @@ void PatchSender::follow_method(std::uint32_t withdrawals) {
   if (withdrawals % 2 == 1) empty_.store((std::uint64_t{withdrawals} << 32) | epoch_, std::memory_order_release);
   source_->set_materials(materials_of(scene_));
   for (const ObjectMove& move : moves_.value().table.moves()) source_->note_move(move, -1);
+  follow_shapes();
 }
 
 void PatchSender::follow_hand(const Hand& hand) {

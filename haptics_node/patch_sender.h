@@ -44,11 +44,14 @@ class PatchSender {
   void note_hand(const DeviceState& state, const std::array<float, 12>& X_WS, std::int64_t scene_time_ns = 0) noexcept;
   // A move that has just been sent: it is sent again until the hub confirms it.
   void note_move(const ObjectMove& move, std::int64_t now_ns) noexcept;
+  // A shape of an object that programs deform was announced.
+  void note_shape(const ShapeStart& start) noexcept;
+  double bits_per_s() const noexcept { return options_.bits_per_s; }
   // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force,
   // also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
-  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, and have the shapes that are known
-  // beforehand, so a scene with effects, or with objects that programs deform or that can be carved, is never offered.
+  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, so a scene with effects, or with objects
+  // that can be carved, is never offered.
   void set_offered(bool is_offered) noexcept { is_served_.store(is_offered, std::memory_order_release); }
   // True: the hub is to have no parts until this is called with false; then it gets those of the scene anew, and no patch begins where a
   // reply before method_serial had the probe (ForceCommand). What was not sent before a change is never sent.
@@ -112,7 +115,17 @@ class PatchSender {
     std::array<std::int64_t, PatchBody::kMostBodies> sent_ns = {};  // in the order of the table
   };
 
+  // The newest shapes, in no order; object below 0: none.
+  struct SentShapes {
+    struct One {
+      std::int32_t object = -1;
+      std::uint32_t serial = 0;
+    };
+    std::array<One, ShapePart::kMostObjects> newest = {};
+  };
+
   void run();
+  void follow_shapes();
   void follow_hand(const Hand& hand);
   void follow_moves();
   void begin_moves();
@@ -133,6 +146,8 @@ class PatchSender {
   std::atomic<float> round_trip_s_ = 0.0F;
   SentMoves sent_;  // the caller's
   Mailbox<SentMoves> moves_;
+  SentShapes sent_shapes_;  // the caller's
+  Mailbox<SentShapes> shapes_;
   Mailbox<Status> statuses_;
   Mailbox<Hand> hands_;
   Mailbox<PatchSource::Counts> counts_;

@@ -9,6 +9,9 @@ constexpr int kMostShapeMessages = 4;  // between two states, as parts of the sc
 // As a setup (kSetupAgainNs): a datagram may be lost.
 constexpr std::int64_t kStartAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kStartRepeats = 3;
+// Across a slow network: of an IP packet with a part of a shape, and the share of its bandwidth that shapes may take.
+constexpr double kPartBits = 8.0 * 920.0;
+constexpr double kShapeShare = 0.5;
 constexpr std::int64_t kShapeLogEveryNs = kNanosecondsPerSecond;
 
 }  // namespace
@@ -27,17 +30,21 @@ bool ReplyLoop::handle_shape(const Message& message) noexcept {
 // After the reply, and a few at a time: however many shapes come, the force never waits for them.
 void ReplyLoop::deform_objects() {
   if (hub_.state() != JoinState::joined) return;
+  const std::int64_t now_ns = clock_.now_ns();
+  const std::int64_t lead_ns = patches_ != nullptr ? patches_->find_lead_ns(now_ns) : 0;
+  shapes_->set_pace({lead_ns, lead_ns > 0 ? static_cast<std::int64_t>(1e9 * kPartBits / (kShapeShare * patches_->bits_per_s())) : 0});
   for (int n = 0; n < kMostShapeMessages; ++n) {
-    const auto message = shapes_->take_due(step_);
+    const auto message = shapes_->take_due(step_, now_ns);
     if (!message) break;
     hub_.send(*message);
     if (const auto* reply = std::get_if<ShapeReply>(&*message)) report_shape(*reply);
     if (!std::holds_alternative<ShapeStart>(*message)) continue;
+    if (patches_ != nullptr) patches_->note_shape(std::get<ShapeStart>(*message));
     start_repeats_ = kStartRepeats;
-    repeat_start_ns_ = clock_.now_ns() + kStartAgainNs;
+    repeat_start_ns_ = now_ns + kStartAgainNs;
   }
   // The newest, as a datagram may be lost.
-  if (start_repeats_ == 0 || clock_.now_ns() < repeat_start_ns_) return;
+  if (start_repeats_ == 0 || now_ns < repeat_start_ns_) return;
   --start_repeats_;
   repeat_start_ns_ += kStartAgainNs;
   if (const ShapeStart* newest = shapes_->newest()) hub_.send(*newest);

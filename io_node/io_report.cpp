@@ -111,11 +111,17 @@ Counters count_requests(const ServoStats& s) {
 
 // Forces from patches, and the bare echo.
 Counters count_patches(const ServoStats& s) {
-  return {{"local_forces", whole(s.local_forces)},         {"patch_parts", whole(s.patch_builder.store.parts)},
-          {"patches_built", whole(s.patch_builder.built)}, {"patches_taken_over", whole(s.patch_touch.handed_over)},
-          {"beyond_patch", whole(s.patch_touch.beyond)},   {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
-          {"moves_late", whole(s.patch_touch.late_moves)}, {"echo_sent", whole(s.echo.sent)},
-          {"echo_replied", whole(s.echo.replied)},         {"echo_late", whole(s.echo.late)},
+  return {{"local_forces", whole(s.local_forces)},
+          {"patch_parts", whole(s.patch_builder.store.parts)},
+          {"patches_built", whole(s.patch_builder.built)},
+          {"patches_taken_over", whole(s.patch_touch.handed_over)},
+          {"beyond_patch", whole(s.patch_touch.beyond)},
+          {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},
+          {"moves_late", whole(s.patch_touch.late_moves)},
+          {"shapes_late", whole(s.patch_touch.late_shapes)},
+          {"echo_sent", whole(s.echo.sent)},
+          {"echo_replied", whole(s.echo.replied)},
+          {"echo_late", whole(s.echo.late)},
           {"events_dropped", whole(s.events_dropped)}};
 }
 

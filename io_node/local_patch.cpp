@@ -17,6 +17,7 @@ constexpr std::uint32_t kNoGeneration = 0xFFFFFFFF;
 LocalPatch::~LocalPatch() {
   free_retired();
   for (std::atomic<Patch*>& built : built_) exchange(built, nullptr);
+  for (std::atomic<PatchShape*>& stage : stages_) exchange(stage, nullptr);
   exchange(bodies_, nullptr);
   exchange(materials_, nullptr);
 }
@@ -33,6 +34,14 @@ void LocalPatch::exchange_patch(std::size_t link) noexcept {
   }
 }
 
+// A stage that was taken, or whose patch is gone, goes the same way.
+void LocalPatch::exchange_stage(std::size_t link) noexcept {
+  PatchShape* const stage = stages_[link].load(std::memory_order_acquire);
+  if (stage == nullptr || retired_stages_[link].load(std::memory_order_acquire) != nullptr || !touch_.take(link, *stage)) return;
+  stages_[link].store(nullptr, std::memory_order_release);
+  retired_stages_[link].store(stage, std::memory_order_release);
+}
+
 // Takes what is offered, if anything is. False: it has to wait, as the slot for what it replaces is still full.
 template <class T>
 bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept {
@@ -45,7 +54,10 @@ bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) n
 
 // Bodies last: they are offered before their patches, so a step that gets a patch gets its bodies too.
 void LocalPatch::exchange_patches() noexcept {
-  for (std::size_t link = 0; link < kLinks; ++link) exchange_patch(link);
+  for (std::size_t link = 0; link < kLinks; ++link) {
+    exchange_patch(link);
+    exchange_stage(link);
+  }
   (void)take_over(materials_, retired_materials_);
   const PatchChain& known = touch_;
   const bool had_moves = moves_.take();
@@ -84,7 +96,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   const std::optional<PatchOutput> output = touch_.step(input);
   counts_.publish(touch_.counts());
   touch_.for_each_link([&](std::size_t link) {
-    if (touch_.is_in_use(link)) hands_[link].publish(touch_.hand_of(link, sample.time_ns));
+    if (touch_.is_in_use(link)) hands_[link].publish(touch_.hand_of(link, sample.time_ns, scene_ns_));
   });
   // The proxy goes on following the device, so that the surface is the same once haptics replies again.
   if (!output || are_bodies_awaited_ || sample.time_ns >= orders.until_ns) return std::nullopt;

@@ -70,12 +70,16 @@ class LocalPatch final : public LocalTouch {
   void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(built_[link], std::move(patch)); }
   void offer(std::unique_ptr<PatchBodies> bodies) noexcept { exchange(bodies_, std::move(bodies)); }
   void offer(std::unique_ptr<PatchMaterials> materials) noexcept { exchange(materials_, std::move(materials)); }
+  // The next stage of a patch of a link, if there is room: the one before was taken. False: there is none.
+  bool has_room(std::size_t link) const noexcept { return stages_[link].load(std::memory_order_acquire) == nullptr; }
+  void offer(std::unique_ptr<PatchShape> stage, std::size_t link) noexcept { exchange(stages_[link], std::move(stage)); }
   // Patches of other generations are not used from now on.
   void set_generation(std::uint32_t generation) noexcept { generation_.store(generation, std::memory_order_release); }
   // So often all parts were dropped (PatchOrders::clears). The generation of what comes is set before.
   void set_cleared(std::uint32_t clears) noexcept { cleared_.store(clears, std::memory_order_release); }
   void free_retired() noexcept {
     for (std::atomic<Patch*>& retired : retired_) exchange(retired, nullptr);
+    for (std::atomic<PatchShape*>& retired : retired_stages_) exchange(retired, nullptr);
     exchange(retired_bodies_, nullptr);
     exchange(retired_materials_, nullptr);
   }
@@ -95,6 +99,7 @@ class LocalPatch final : public LocalTouch {
   bool take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) noexcept;
   void exchange_patches() noexcept;
   void exchange_patch(std::size_t link) noexcept;
+  void exchange_stage(std::size_t link) noexcept;
   std::int64_t scene_time_of(const DeviceSample& sample, std::int64_t passed_ns) noexcept;
 
   Mailbox<PatchOrders> orders_;
@@ -103,6 +108,8 @@ class LocalPatch final : public LocalTouch {
   Mailbox<PatchTouch::Counts> counts_;
   std::array<std::atomic<Patch*>, kLinks> built_ = {};
   std::array<std::atomic<Patch*>, kLinks> retired_ = {};
+  std::array<std::atomic<PatchShape*>, kLinks> stages_ = {};
+  std::array<std::atomic<PatchShape*>, kLinks> retired_stages_ = {};
   std::atomic<PatchBodies*> bodies_ = nullptr;
   std::atomic<PatchBodies*> retired_bodies_ = nullptr;
   std::atomic<PatchMaterials*> materials_ = nullptr;

@@ -27,20 +27,25 @@ PatchBuilder::~PatchBuilder() {
   local_.free_retired();
 }
 
-bool PatchBuilder::write(const Message* part) noexcept {
+bool PatchBuilder::write(const Message* part, Arrival arrival) noexcept {
   const std::size_t end = end_.load(std::memory_order_relaxed);
   if (end - begin_.load(std::memory_order_acquire) == kRing) return false;
   Slot& slot = ring_[end % kRing];
   slot.is_clear = part == nullptr;
+  slot.arrival = arrival;
   if (part != nullptr) slot.part = *part;
   end_.store(end + 1, std::memory_order_release);
   return true;
 }
 
 bool PatchBuilder::clear() noexcept {
-  const bool is_written = write(nullptr);
+  const bool is_written = write(nullptr, Arrival::newest);
   clears_ += is_written ? 1 : 0;
   return is_written;
+}
+
+std::optional<ShapeStatus> PatchBuilder::take_shape_request() noexcept {
+  return shape_requests_.take() ? std::optional(shape_requests_.value()) : std::nullopt;
 }
 
 void PatchBuilder::run() {
@@ -48,6 +53,7 @@ void PatchBuilder::run() {
     local_.free_retired();
     const bool has_parts = drain();
     const bool has_hand = build_where_due();
+    look_after_shapes();
     if (has_parts) {
       statuses_.publish({store_.status(), cleared_});
       told_.store = store_.counts();
@@ -64,7 +70,7 @@ bool PatchBuilder::drain() {
     const Slot& slot = ring_[at % kRing];
     if (slot.is_clear) {
       store_.clear();
-    } else {
+    } else if (!store_.accept_shape(slot.part, slot.arrival)) {
       (void)store_.accept_part(slot.part);
     }
     if (slot.is_clear || store_.status().epoch != epoch_) begin_epoch(slot.is_clear);
@@ -109,9 +115,20 @@ bool PatchBuilder::build_where_due() {
     has_hand = true;
     if (!is_in_use(link)) continue;
     makers_[link].note_hand(hand);
-    if (are_bodies_offered_) build_if_due(link);
+    if (!are_bodies_offered_) continue;
+    build_if_due(link);
+    if (!local_.has_room(link)) continue;
+    if (auto stage = makers_[link].make_stage_if_due(store_)) local_.offer(std::move(stage), link);
   }
   return has_hand;
+}
+
+void PatchBuilder::look_after_shapes() {
+  const SteadyClock clock;
+  if (const auto request = store_.take_shape_request(clock.now_ns())) {
+    shape_requests_.draft() = *request;
+    shape_requests_.publish_draft();
+  }
 }
 
 void PatchBuilder::build_if_due(std::size_t link) {

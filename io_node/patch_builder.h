@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -34,7 +35,11 @@ class PatchBuilder {
   PatchBuilder& operator=(const PatchBuilder&) = delete;
 
   // A part that came. One that finds no room is dropped, and comes again as it is never confirmed.
-  void push(const Message& part) noexcept { (void)write(&part); }
+  void push(const Message& part) noexcept { (void)write(&part, Arrival::newest); }
+  // What programs deform, and how (PatchStore::accept_shape).
+  void push_shape(const Message& shape, Arrival arrival) noexcept { (void)write(&shape, arrival); }
+  // A shape is missing that the haptics node has to send again: once each time that it has to be requested.
+  std::optional<ShapeStatus> take_shape_request() noexcept;
   // Another haptics node: what came is of no use any more. False: no room, call again.
   bool clear() noexcept;
   // What has come since the last clear(). True: more than at the last call.
@@ -50,6 +55,7 @@ class PatchBuilder {
   static constexpr std::size_t kRing = 256;
   struct Slot {
     bool is_clear = false;
+    Arrival arrival = Arrival::newest;
     Message part;
   };
 
@@ -58,7 +64,7 @@ class PatchBuilder {
     std::uint32_t cleared = 0;  // after so many of clear()
   };
 
-  bool write(const Message* part) noexcept;
+  bool write(const Message* part, Arrival arrival) noexcept;
   void run();
   bool drain();
   void begin_epoch(bool is_cleared);
@@ -66,6 +72,7 @@ class PatchBuilder {
   bool build_where_due();
   bool is_in_use(std::size_t link) const noexcept;
   void build_if_due(std::size_t link);
+  void look_after_shapes();
 
   LocalPatch& local_;
   std::array<Slot, kRing> ring_;
@@ -74,6 +81,7 @@ class PatchBuilder {
   std::uint32_t clears_ = 0;
   Mailbox<Status> statuses_;
   Mailbox<PatchBuilderCounts> counts_;
+  Mailbox<ShapeStatus> shape_requests_;
 
   // The builder's thread.
   PatchStore store_;

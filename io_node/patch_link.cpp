@@ -56,6 +56,10 @@ void PatchLink::accept(const ObjectMove& move) noexcept {
   has_news_ = has_news_ || moves_.newest() != newest;
 }
 
+void PatchLink::accept_shape(const Message& shape, Arrival arrival) noexcept {
+  if (!must_clear_ && state_ != State::remote) builder_.push_shape(shape, arrival);
+}
+
 // What came so far is not used any more.
 void PatchLink::drop_parts() noexcept {
   orders_.clears += std::exchange(must_clear_, true) ? 0 : 1;
@@ -85,6 +89,7 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   orders_.anchor_scene_ns = forces.history().last_reply().scene_time_ns;
   orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
+  if (const auto request = builder_.take_shape_request()) peers_.send_to_role(NodeRole::haptics, *request);
   has_news_ = builder_.take_status() || has_news_;
   if (now_ns - status_ns_ >= (has_news_ ? kSoonNs : kStatusNs)) send_status(round_trip_s_, now_ns);
 }

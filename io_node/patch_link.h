@@ -43,6 +43,8 @@ class PatchLink {
   void accept(const Message& part) noexcept;
   // Where an object moves that programs move; kept whether parts are wanted or not.
   void accept(const ObjectMove& move) noexcept;
+  // A shape of an object that programs deform, or its start.
+  void accept_shape(const Message& shape, Arrival arrival) noexcept;
   void on_haptics_joined() noexcept;
   // Once a cycle, after the force. view: where the scene is; none: at W.
   void look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;

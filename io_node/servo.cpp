@@ -179,11 +179,13 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
   if (const auto* reply = std::get_if<ShapeReply>(&message)) return requests_.accept(*reply);
   if (const auto* part = std::get_if<ObjectShape>(&message)) {
     shapes_.note(*part, event.arrival);
+    if (patches_ != nullptr) patches_->accept_shape(message, event.arrival);
     peers_.send_to_role(NodeRole::vision, message);
     return;
   }
   if (const auto* start = std::get_if<ShapeStart>(&message)) {
     shapes_.note(*start, event.arrival, event.receive_time_ns);
+    if (patches_ != nullptr) patches_->accept_shape(message, event.arrival);
     peers_.send_to_role(NodeRole::vision, message);
     return;
   }

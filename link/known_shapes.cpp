@@ -5,22 +5,41 @@
 
 namespace hapton {
 
-bool KnownShapes::is_of_scene(std::int32_t object, std::uint32_t total) const {
-  return object >= 0 && static_cast<std::size_t>(object) < totals_.size() && total != 0 &&
-         totals_[static_cast<std::size_t>(object)] == total;
+KnownShapes::KnownShapes(const std::vector<std::uint32_t>& totals) {
+  for (std::size_t o = 0; o < totals.size(); ++o) {
+    if (totals[o] != 0) add_object(o, totals[o]);
+  }
+}
+
+void KnownShapes::add_object(std::size_t object, std::uint32_t total) {
+  Object& own = objects_[object];
+  if (own.total != total) own = {.total = total};
+}
+
+KnownShapes::Object* KnownShapes::find_object(std::int32_t object, std::uint32_t total) {
+  const auto found = object >= 0 ? objects_.find(static_cast<std::size_t>(object)) : objects_.end();
+  return found != objects_.end() && found->second.total == total ? &found->second : nullptr;
+}
+
+const KnownShapes::Object* KnownShapes::find_object(std::size_t object) const {
+  const auto found = objects_.find(object);
+  return found != objects_.end() ? &found->second : nullptr;
 }
 
 bool KnownShapes::note_source(std::uint32_t source, Arrival arrival) {
   const MoveSource::Verdict verdict = source_.note(source, arrival);
   if (verdict == MoveSource::Verdict::old) return false;
-  if (verdict == MoveSource::Verdict::other) std::fill(objects_.begin(), objects_.end(), Object());
+  if (verdict == MoveSource::Verdict::other) {
+    for (auto& [number, object] : objects_) object = {.total = object.total};
+  }
   process_ = source;
   return true;
 }
 
 void KnownShapes::take(const ObjectShape& shape, Arrival arrival) {
-  if (!is_of_scene(shape.object, shape.part.total) || !note_source(shape.source, arrival)) return;
-  Object& object = objects_[static_cast<std::size_t>(shape.object)];
+  Object* const found = find_object(shape.object, shape.part.total);
+  if (found == nullptr || !note_source(shape.source, arrival)) return;
+  Object& object = *found;
   const bool is_past = !object.starts.empty() && shape.serial < object.starts.front().serial;
   if (is_past) return;
   object.shapes.try_emplace(shape.serial, shape.part.total).first->second.add(shape.part);
@@ -28,8 +47,9 @@ void KnownShapes::take(const ObjectShape& shape, Arrival arrival) {
 }
 
 void KnownShapes::take(const ShapeStart& start, Arrival arrival) {
-  if (!is_of_scene(start.object, start.total) || !note_source(start.source, arrival) || start.serial == 0) return;
-  Object& object = objects_[static_cast<std::size_t>(start.object)];
+  Object* const found = find_object(start.object, start.total);
+  if (found == nullptr || !note_source(start.source, arrival) || start.serial == 0) return;
+  Object& object = *found;
   const auto after = std::find_if(object.starts.begin(), object.starts.end(), [&](const auto& one) { return one.serial >= start.serial; });
   if (after != object.starts.end() && after->serial == start.serial) return;
   if (after == object.starts.end()) object.request_ns = 0;
@@ -46,8 +66,9 @@ const ShapeParts* KnownShapes::find_whole(const Object& object, std::uint32_t se
 }
 
 std::optional<KnownShapes::Place> KnownShapes::find(std::size_t object, std::int64_t scene_time_ns) const {
-  if (totals_[object] == 0) return std::nullopt;
-  const Object& own = objects_[object];
+  const Object* const found = find_object(object);
+  if (found == nullptr) return std::nullopt;
+  const Object& own = *found;
   if (own.starts.empty()) return Place();  // none has been announced: at rest
   const ShapeStart* start = &own.starts.front();
   for (const ShapeStart& one : own.starts) {
@@ -64,10 +85,35 @@ std::optional<KnownShapes::Place> KnownShapes::find(std::size_t object, std::int
   return std::nullopt;
 }
 
+const ShapeStart* KnownShapes::newest_start(std::size_t object) const {
+  const Object* const own = find_object(object);
+  return own != nullptr && !own->starts.empty() ? &own->starts.back() : nullptr;
+}
+
+const ShapeStart* KnownShapes::find_start(std::size_t object, std::uint32_t serial) const {
+  const Object* const own = find_object(object);
+  if (own == nullptr) return nullptr;
+  const auto found = std::find_if(own->starts.begin(), own->starts.end(), [&](const ShapeStart& one) { return one.serial == serial; });
+  return found != own->starts.end() ? &*found : nullptr;
+}
+
+const ShapeStart* KnownShapes::find_next(std::size_t object, std::uint32_t serial, std::int64_t scene_time_ns) const {
+  const Object* const own = find_object(object);
+  const ShapeStart* next = nullptr;
+  for (std::size_t n = 0; own != nullptr && n < own->starts.size(); ++n) {
+    const ShapeStart& start = own->starts[n];
+    if (start.serial <= serial || find_whole(*own, start.serial) == nullptr) continue;
+    next = &start;
+    if (start.end_ns > scene_time_ns) break;
+  }
+  return next;
+}
+
 std::vector<ShapePart::Displacement> KnownShapes::displacements_m(std::size_t object, const Place& place) const {
-  const std::vector<ShapePart::Displacement> at_rest(totals_[object]);
+  const Object& own = objects_.at(object);
+  const std::vector<ShapePart::Displacement> at_rest(own.total);
   const auto shape_of = [&](std::uint32_t serial) {
-    return serial == 0 ? std::span<const ShapePart::Displacement>(at_rest) : objects_[object].shapes.at(serial).displacements_m();
+    return serial == 0 ? std::span<const ShapePart::Displacement>(at_rest) : own.shapes.at(serial).displacements_m();
   };
   const auto before = shape_of(place.before);
   const auto to = shape_of(place.to);
@@ -81,8 +127,7 @@ std::vector<ShapePart::Displacement> KnownShapes::displacements_m(std::size_t ob
 }
 
 std::optional<ShapeStatus> KnownShapes::take_request(std::int64_t now_ns) {
-  for (std::size_t o = 0; o < objects_.size(); ++o) {
-    Object& object = objects_[o];
+  for (auto& [o, object] : objects_) {
     if (object.starts.empty()) continue;
     const std::uint32_t serial = object.starts.back().serial;
     if (find_whole(object, serial) != nullptr) continue;

@@ -19,7 +19,10 @@ class KnownShapes {
  public:
   KnownShapes() = default;
   // totals: of each object of the scene, the vertices of its mesh; 0: programs do not deform it.
-  explicit KnownShapes(std::vector<std::uint32_t> totals) : objects_(totals.size()), totals_(std::move(totals)) {}
+  explicit KnownShapes(const std::vector<std::uint32_t>& totals);
+
+  // Programs deform this object of the scene, too. If it has had another number of vertices, what is known of it is dropped.
+  void add_object(std::size_t object, std::uint32_t total);
 
   // arrival: as HubClient::last_arrival of this message. One of another scene, or of a haptics process that was replaced, is left out.
   void take(const ObjectShape& shape, Arrival arrival);
@@ -33,8 +36,14 @@ class KnownShapes {
     double share = 1.0;  // of the motion
     friend bool operator==(const Place&, const Place&) = default;
   };
-  // At a scene time; none: no shape is known for it. Pre: an object of the scene.
+  // At a scene time; none: no shape is known for it, or programs do not deform it.
   std::optional<Place> find(std::size_t object, std::int64_t scene_time_ns) const;
+  // The newest start of an object, whether its shape is known or not; null: none was announced.
+  const ShapeStart* newest_start(std::size_t object) const;
+  // The start of that serial, null: it is not known.
+  const ShapeStart* find_start(std::size_t object, std::uint32_t serial) const;
+  // Of the starts after that serial whose shapes are known whole, the first that has not ended at that time, else the newest; null: none.
+  const ShapeStart* find_next(std::size_t object, std::uint32_t serial, std::int64_t scene_time_ns) const;
   // By vertex of the mesh. Pre: as find() returned it, with nothing taken since.
   std::vector<ShapePart::Displacement> displacements_m(std::size_t object, const Place& place) const;
 
@@ -42,27 +51,28 @@ class KnownShapes {
   std::optional<ShapeStatus> take_request(std::int64_t now_ns);
 
  private:
-  // The newest of an object; a choice.
-  static constexpr std::size_t kMostStarts = 4;
-  static constexpr std::size_t kMostShapes = 8;
+  // The newest of an object: those that wait for their start (StreamedGeometry::kMostWaiting), and a few for pictures of earlier samples.
+  static constexpr std::size_t kMostStarts = 12;
+  static constexpr std::size_t kMostShapes = 16;
   static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200'000'000;
 
   struct Object {
-    std::deque<ShapeStart> starts;  // the newest, by serial
-    std::map<std::uint32_t, ShapeParts> shapes;
+    std::uint32_t total = 0;             // vertices
+    std::deque<ShapeStart> starts = {};  // the newest, by serial
+    std::map<std::uint32_t, ShapeParts> shapes = {};
     std::int64_t request_ns = 0;  // not before; 0: not looked at since its newest start
   };
 
-  bool is_of_scene(std::int32_t object, std::uint32_t total) const;
+  Object* find_object(std::int32_t object, std::uint32_t total);
+  const Object* find_object(std::size_t object) const;
   bool note_source(std::uint32_t source, Arrival arrival);
   const ShapeParts* find_whole(const Object& object, std::uint32_t serial) const;
   bool is_known(const Object& object, std::uint32_t serial) const { return serial == 0 || find_whole(object, serial) != nullptr; }
 
   MoveSource source_;
   std::uint32_t process_ = 0;
-  std::vector<Object> objects_;
-  std::vector<std::uint32_t> totals_;
+  std::map<std::size_t, Object> objects_;  // that programs deform
 };
 
 }  // namespace hapton

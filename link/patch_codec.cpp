@@ -199,6 +199,23 @@ void write(const PatchDisplacements& from, wire::PatchDisplacements& to) {
   add_numbers(std::span(from.by_m).first(std::min<std::size_t>(3 * std::size_t{from.vertex_count}, from.by_m.size())), *to.mutable_by_m());
 }
 
+void write(const PatchStream& from, wire::PatchStream& to) {
+  to.set_epoch(from.epoch);
+  to.set_serial(from.serial);
+  to.set_body(from.body);
+  to.set_first_tile(from.first_tile);
+  to.set_tile_count(from.tile_count);
+  to.set_object(static_cast<std::uint32_t>(from.object));
+  to.set_total(from.total);
+  to.set_reach_m(from.reach_m);
+  to.mutable_to_scene()->Clear();
+  for (int row = 0; row < 3; ++row) add_numbers(Vec3(from.to_scene.row(row)), *to.mutable_to_scene());
+  to.set_shape_serial(from.shape_serial);
+  to.set_tile(from.tile);
+  to.mutable_vertices()->Clear();
+  add_numbers(std::span(from.vertices).first(std::min<std::size_t>(from.vertex_count, from.vertices.size())), *to.mutable_vertices());
+}
+
 bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
@@ -300,6 +317,31 @@ bool read(const wire::PatchDisplacements& from, PatchDisplacements& to) {
   to.vertex_count = static_cast<std::uint8_t>(count / 3);
   std::copy(from.by_m().begin(), from.by_m().end(), to.by_m.begin());
   return std::all_of(from.by_m().begin(), from.by_m().end(), [](float by_m) { return is_amount(std::abs(static_cast<double>(by_m))); });
+}
+
+bool read(const wire::PatchStream& from, PatchStream& to) {
+  to.epoch = from.epoch();
+  to.serial = from.serial();
+  to.body = from.body();
+  to.first_tile = from.first_tile();
+  to.tile_count = from.tile_count();
+  to.object = static_cast<std::int32_t>(from.object());
+  to.total = from.total();
+  to.reach_m = from.reach_m();
+  to.shape_serial = from.shape_serial();
+  to.tile = from.tile();
+  if (to.body >= PatchBody::kMostBodies || to.object < 0 || to.tile - to.first_tile >= to.tile_count) return false;
+  if (to.total == 0 || to.total > ShapePart::kMostVertices || !is_amount(to.reach_m) || to.reach_m == 0.0) return false;
+  if (from.to_scene().size() != 9) return false;
+  for (int n = 0; n < 9; ++n) {
+    to.to_scene(n / 3, n % 3) = from.to_scene(n);
+    if (!is_amount(std::abs(from.to_scene(n)))) return false;
+  }
+  const auto count = static_cast<std::size_t>(from.vertices().size());
+  if (count == 0 || count > to.vertices.size()) return false;
+  to.vertex_count = static_cast<std::uint8_t>(count);
+  std::copy(from.vertices().begin(), from.vertices().end(), to.vertices.begin());
+  return std::all_of(from.vertices().begin(), from.vertices().end(), [&](std::uint32_t vertex) { return vertex < to.total; });
 }
 
 bool read(const wire::PatchStatus& from, PatchStatus& to) {

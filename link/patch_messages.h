@@ -63,7 +63,7 @@ struct PatchBody {
   std::uint32_t serial = 0;
   std::uint32_t body = 0;
   Motion motion = Motion::still;
-  bool deforms = false;  // one object, before the motion: PatchDeformation says how
+  bool deforms = false;  // one object, before the motion: PatchDeformation or PatchStream says how
   // All its triangles, in all its shapes, are between these points of the grid; lowest above highest: it has none.
   std::array<std::uint32_t, 3> lowest = {1, 1, 1};
   std::array<std::uint32_t, 3> highest = {};
@@ -114,6 +114,24 @@ struct PatchDisplacements {
   std::array<float, 3 * PatchTile::kMostVertices> by_m = {};  // x, y, z of each
 };
 
+// haptics -> hub: programs deform a body, one object (ShapeStart), and which vertices of its mesh those of a tile are. It is felt once all
+// its tiles have come, in which it is as a deforming body, with one of these for each, and the shape that it has.
+struct PatchStream {
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  std::uint32_t body = 0;
+  std::uint32_t first_tile = 0;
+  std::uint32_t tile_count = 0;
+  std::int32_t object = 0;         // of the scene
+  std::uint32_t total = 0;         // vertices of its mesh, as in ShapePart
+  double reach_m = 0.0;            // no vertex is farther from where it is at rest
+  Mat3 to_scene = Mat3::Zero();    // of displacements in ObjectShape
+  std::uint32_t shape_serial = 0;  // of ShapeStart, the newest when this was sent; 0: at rest
+  std::uint32_t tile = 0;
+  std::uint8_t vertex_count = 0;                                      // as the tile has them
+  std::array<std::uint32_t, PatchTile::kMostVertices> vertices = {};  // of the mesh
+};
+
 // haptics -> hub: an object has another material than its tiles say. Of several the one of the highest serial counts.
 struct PatchMaterial {
   std::uint32_t epoch = 0;
@@ -145,7 +163,7 @@ constexpr bool kIsOneOf = (std::is_same_v<Kind, Kinds> || ...);
 // The messages above: what PatchStore keeps, and only a haptics node sends.
 template <class Kind>
 constexpr bool kIsScenePart =
-    kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation, PatchDisplacements>;
+    kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation, PatchDisplacements, PatchStream>;
 
 // hub -> haptics, while it wants parts: which it has received.
 struct PatchStatus {

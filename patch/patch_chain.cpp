@@ -208,6 +208,8 @@ PatchTouch::Counts PatchChain::counts() const noexcept {
     sum.beyond_steps += one.beyond_steps;
     sum.raised += one.raised;
     sum.begun_anew += one.begun_anew;
+    sum.shapes += one.shapes;
+    sum.late_shapes += one.late_shapes;
   });
   return sum;
 }

@@ -43,6 +43,7 @@ class PatchChain {
   // --- each as PatchTouch has it
   std::unique_ptr<Patch> offer(std::size_t link, std::unique_ptr<Patch> patch) noexcept;
   std::unique_ptr<Patch> take_retired(std::size_t link) noexcept { return touches_[link].take_retired(); }
+  bool take(std::size_t link, PatchShape& stage) noexcept { return touches_[link].take(stage); }
   void forget() noexcept;
   void set_generation(std::uint32_t generation) noexcept;
   // time_s: scene time then.
@@ -62,7 +63,11 @@ class PatchChain {
     for (std::size_t link = 0; link < most_bodies_; ++link) visit(link);
   }
   // Where the hand is for a link, in its frame, since the last step.
-  PatchHandState hand_of(std::size_t link, std::int64_t time_ns) const noexcept { return touches_[link].hand_at(p_OD_[link], time_ns); }
+  PatchHandState hand_of(std::size_t link, std::int64_t time_ns, std::int64_t scene_time_ns = 0) const noexcept {
+    PatchHandState hand = touches_[link].hand_at(p_OD_[link], time_ns);
+    hand.scene_time_ns = scene_time_ns;
+    return hand;
+  }
   // X_SO of a body at a scene time.
   Pose pose_of(std::size_t body, double time_s) const noexcept;
 

@@ -49,6 +49,10 @@ struct PatchGrid {
   }
 };
 
+inline Vec3 to_vector(const GridPoint& g) noexcept {
+  return {static_cast<double>(g[0]), static_cast<double>(g[1]), static_cast<double>(g[2])};
+}
+
 // A vertex in the form that PatchTile has it in. RT: yes.
 inline void write_vertex(PatchTile& tile, std::size_t vertex, const GridPoint& g) noexcept {
   std::uint8_t* byte = tile.vertices.data() + vertex * PatchTile::kVertexBytes;

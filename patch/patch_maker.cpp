@@ -89,6 +89,24 @@ std::unique_ptr<Patch> PatchMaker::make_without_path(const PatchStore& store, st
   return patch;
 }
 
+// Null: the shape that the surface has is not known.
+Result<std::unique_ptr<ForceMethod>> PatchMaker::make_touch(const PatchStore& store, const TouchScene& scene, Patch& patch) {
+  MethodSettings settings;
+  settings.probe_radius_m = store.begin().probe_radius_m;
+  const StreamedParts* const stream = store.find_stream(body_);
+  if (stream == nullptr) return scene.has_deformation() ? DeformingMethod::make(settings, scene) : make_method(settings, scene);
+  auto streamed = shaper_.make(settings, scene.objects.front(), *stream, store.shapes(), hand_.scene_time_ns);
+  if (!streamed) return tl::unexpected(streamed.error());
+  patch.streamed = streamed->get();
+  patch.number = shaper_.number();
+  return std::move(*streamed);
+}
+
+std::unique_ptr<PatchShape> PatchMaker::make_stage_if_due(const PatchStore& store) {
+  const StreamedParts* const stream = store.has_begun() ? store.find_stream(body_) : nullptr;
+  return stream != nullptr ? shaper_.make_next(*stream, store.shapes(), hand_.scene_time_ns) : nullptr;
+}
+
 // least_m: the patch gets as many triangles as this radius takes, even if there is no time for them.
 std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m,
                                         std::uint32_t generation) {
@@ -104,10 +122,8 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
     for (const TouchObject& object : piece.scene.objects) patch->materials.push_back(object.material);
     patch->shared = patch->materials;
     for (Material& material : patch->shared) material = shared_material(material);
-    MethodSettings settings;
-    settings.probe_radius_m = store.begin().probe_radius_m;
-    auto method = piece.scene.has_deformation() ? DeformingMethod::make(settings, piece.scene) : make_method(settings, piece.scene);
-    if (!method) {
+    auto method = make_touch(store, piece.scene, *patch);
+    if (!method || *method == nullptr) {
       failed_at_ = store.revision();
       return nullptr;
     }

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "link/messages.h"
+#include "patch/patch_shaper.h"
 #include "patch/patch_store.h"
 #include "patch/patch_touch.h"
 
@@ -32,9 +33,13 @@ class PatchMaker {
   void forget() noexcept {
     p_SC_.reset();
     failed_at_.reset();
+    shaper_.forget();
   }
   // Makes a patch if one is due. Null: the newest one suffices, or no part of the scene is known there.
   std::unique_ptr<Patch> make_if_due(const PatchStore& store, std::uint32_t generation);
+
+  // Of a body that programs deform: the next stage of the newest patch; null: there is none.
+  std::unique_ptr<PatchShape> make_stage_if_due(const PatchStore& store);
 
   // Of the newest patch.
   std::size_t triangles() const noexcept { return triangles_; }
@@ -45,6 +50,7 @@ class PatchMaker {
   std::unique_ptr<Patch> make_over_path(const PatchStore& store, std::uint32_t generation);
   std::unique_ptr<Patch> make_without_path(const PatchStore& store, std::uint32_t generation);
   std::unique_ptr<Patch> make(const PatchStore& store, const Vec3& p_SC, double known_m, double least_m, std::uint32_t generation);
+  Result<std::unique_ptr<ForceMethod>> make_touch(const PatchStore& store, const TouchScene& scene, Patch& patch);
   double distance_m() const noexcept { return (hand_.p_SD - *p_SC_).norm(); }
   bool is_left() const noexcept;
   bool can_grow() const noexcept;
@@ -65,6 +71,7 @@ class PatchMaker {
   bool is_path_incomplete_ = false;         // Patch::is_path_incomplete
   std::optional<std::uint64_t> failed_at_;  // PatchStore::revision() then: of these parts none can be made
   double widening_ = 1.0;                   // power of kWiden
+  PatchShaper shaper_;                      // of a body that programs deform
   double triangle_s_ = kFirstMakeS;         // mean time to make a patch, for each triangle
 };
 

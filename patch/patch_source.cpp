@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "core/force/deforming_method.h"
+#include "core/force/streamed_method.h"
 #include "core/math/commanded_motion.h"
 #include "patch/patch_store.h"
 
@@ -45,6 +46,7 @@ double bytes_of(const PatchDeformation& deformation) {
   return kOverheadBytes + 8.0 * deformation.key_count * static_cast<double>(PatchDeformation::numbers_of_key(deformation.target_count));
 }
 double bytes_of(const PatchDisplacements& displaced) { return kOverheadBytes + 12.0 * displaced.vertex_count; }
+double bytes_of(const PatchStream& stream) { return kOverheadBytes + 120.0 + 2.0 * stream.vertex_count; }
 
 // What PatchSource sends.
 double compute_bytes(const Message& message) {
@@ -139,6 +141,12 @@ void PatchSource::note_move(const ObjectMove& move, std::int64_t sent_ns) noexce
   }
 }
 
+void PatchSource::note_shape(std::int32_t object, std::uint32_t serial) {
+  for (PatchStream& stream : scene_.streams) {
+    if (stream.object == object) stream.shape_serial = std::max(stream.shape_serial, serial);
+  }
+}
+
 void PatchSource::set_materials(const std::vector<Material>& materials) {
   for (std::uint32_t object = 0; object < std::min(materials.size(), of_tiles_.size()); ++object) {
     auto known = std::find_if(tuned_.begin(), tuned_.end(), [&](const TunedObject& one) { return one.object == object; });
@@ -196,6 +204,7 @@ void PatchSource::plan_deforming(std::uint32_t body, Add&& add) {
   const TileBody& own = scene_.bodies[body];
   for (std::size_t n = 0; n < own.tile_count; ++n) add(item_of_tile(own.first_tile + n));
   for (std::size_t n = 0; n < own.displaced_count; ++n) add(item_of_displaced(own.first_displaced + n));
+  for (std::size_t n = 0; n < own.stream_count; ++n) add(item_of_stream(own.first_stream + n));
 }
 
 // The cells nearest to the hand first, each before its tiles: without its cell a tile is of no use.
@@ -216,7 +225,7 @@ void PatchSource::plan_tiles(std::int64_t now_ns) {
   const std::size_t first_body = scene_.nodes.size();
   for (std::uint32_t b = 0; b < scene_.bodies.size(); ++b) {
     const TileBody& body = scene_.bodies[b];
-    if (body.deformation != nullptr) consider(body.bounds, b, first_body + b);
+    if (body.deforms()) consider(body.bounds, b, first_body + b);
     if (body.root >= 0) consider_node(static_cast<std::size_t>(body.root));
   }
   // What has not been sent comes before what may have arrived.
@@ -253,7 +262,7 @@ PatchBody PatchSource::make_body(const BodyPart& part) const {
       message.highest[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(body.bounds.high[axis]);
     }
   }
-  message.deforms = body.deformation != nullptr;
+  message.deforms = body.deforms();
   message.pivot_m = body.pivot_m;
   message.radius_m = body.radius_m;
   if (body.group.commanded >= 0) {
@@ -325,6 +334,12 @@ Message PatchSource::make_message(std::size_t item) {
                          material.friction_static,
                          material.friction_dynamic};
   }
+  if (item >= item_of_stream(0)) {
+    PatchStream stream = scene_.streams[item - item_of_stream(0)];
+    stream.epoch = begin_.epoch;
+    stream.serial = serial_;
+    return stream;
+  }
   if (item >= item_of_displaced(0)) {
     PatchDisplacements displaced = scene_.displaced[item - item_of_displaced(0)];
     displaced.epoch = begin_.epoch;
@@ -371,8 +386,18 @@ std::optional<Message> PatchSource::take(std::int64_t now_ns) {
   return message;
 }
 
+namespace {
+
+bool can_make(const MethodSettings& settings, const TouchScene& deforming) {
+  const TouchObject& object = deforming.objects.front();
+  if (!object.stream_reach_m) return DeformingMethod::make(settings, deforming).has_value();
+  return StreamedMethod::make(settings, object.mesh, object.material, *object.stream_reach_m).has_value();
+}
+
+}  // namespace
+
 bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m) {
-  const auto deforms = [](const TileBody& body) { return body.deformation != nullptr; };
+  const auto deforms = [](const TileBody& body) { return body.deforms(); };
   if (std::none_of(scene.bodies.begin(), scene.bodies.end(), deforms)) return true;
   // As over a link without delay, loss or limit.
   PatchSource source(scene, probe_radius_m, 0, 1, {.bits_per_s = 1e15, .least_reach_m = 1e6});
@@ -388,7 +413,7 @@ bool can_feel_what_deforms(const TiledScene& scene, double probe_radius_m) {
   for (std::uint32_t b = 0; b < scene.bodies.size(); ++b) {
     if (!deforms(scene.bodies[b])) continue;
     const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), std::numeric_limits<double>::infinity(), 1, b);
-    if (!piece.scene.has_deformation() || !DeformingMethod::make(settings, piece.scene)) return false;
+    if (!piece.scene.has_deformation() || !can_make(settings, piece.scene)) return false;
   }
   return true;
 }

@@ -57,6 +57,8 @@ class PatchSource {
   }
   // The newest move of an object, sent at that time; below 0: not sent yet.
   void note_move(const ObjectMove& move, std::int64_t sent_ns) noexcept;
+  // The newest shape of an object that programs deform (ShapeStart).
+  void note_shape(std::int32_t object, std::uint32_t serial);
   // Of all objects of the scene, as from now on. RT: no.
   void set_materials(const std::vector<Material>& materials);
 
@@ -103,7 +105,8 @@ class PatchSource {
   std::size_t item_of_tile(std::size_t tile) const noexcept { return item_of_cell(scene_.cells.size()) + tile; }
   std::size_t item_of_weights(std::size_t part) const noexcept { return item_of_tile(scene_.tiles.size()) + part; }
   std::size_t item_of_displaced(std::size_t at) const noexcept { return item_of_weights(weight_parts_.size()) + at; }
-  std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_displaced(scene_.displaced.size()) + tuned; }
+  std::size_t item_of_stream(std::size_t at) const noexcept { return item_of_displaced(scene_.displaced.size()) + at; }
+  std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_stream(scene_.streams.size()) + tuned; }
   bool is_due(const Item& item, std::int64_t now_ns) const noexcept;
   std::int64_t patience_ns() const noexcept;
   void plan(std::int64_t now_ns);
@@ -128,7 +131,7 @@ class PatchSource {
   std::vector<MoveItem> moves_;           // by object
   std::vector<TunedObject> tuned_;        // other materials than tiles have
   std::vector<Material> of_tiles_;        // by object
-  std::vector<Item> items_;               // the beginning, bodies, cells, tiles, weights, displacements, materials
+  std::vector<Item> items_;               // the beginning, bodies, cells, tiles, weights, displacements, streams, materials
   std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
   std::uint32_t serial_ = 0;
   double round_trip_s_ = 0.0;

@@ -8,8 +8,8 @@
 #include <span>
 #include <variant>
 
-#include "core/collision/deforming_geometry.h"
 #include "core/math/commanded_motion.h"
+#include "patch/object_joiner.h"
 
 namespace hapton {
 namespace {
@@ -27,10 +27,6 @@ bool is_same_body(const PatchBody& a, const PatchBody& b) {
          a.highest == b.highest && a.pivot_m == b.pivot_m && a.radius_m == b.radius_m && a.object == b.object;
 }
 
-Vec3 to_vector(const std::array<std::uint32_t, 3>& g) {
-  return {static_cast<double>(g[0]), static_cast<double>(g[1]), static_cast<double>(g[2])};
-}
-
 bool has_triangles(const PatchBody& body) { return body.lowest[0] <= body.highest[0]; }
 
 bool is_possible_motion(const std::vector<Keyframe>& keys, const PatchBody& body) {
@@ -46,45 +42,15 @@ bool is_possible_motion(const std::vector<Keyframe>& keys, const PatchBody& body
   return true;
 }
 
-// Tiles of one object joined: a vertex that several have is one.
-class ObjectJoiner {
- public:
-  explicit ObjectJoiner(const PatchGrid& grid) : grid_(grid), mesh_(std::make_shared<TriangleMesh>()) {}
-
-  // Returns the numbers of the tile's vertices in the mesh.
-  std::array<std::uint32_t, PatchTile::kMostVertices> add(const PatchTile& tile) {
-    material_ = material_of(tile);
-    std::array<std::uint32_t, PatchTile::kMostVertices> number = {};
-    for (std::size_t v = 0; v < tile.vertex_count; ++v) {
-      const GridPoint g = read_vertex(tile, v);
-      const std::uint64_t low = (std::uint64_t{g[0]} << kPatchGridBits) | g[1];
-      const auto [found, is_new] = numbers_.try_emplace({low, g[2]}, static_cast<std::uint32_t>(mesh_->vertices.size()));
-      if (is_new) mesh_->vertices.push_back(grid_.at(g));
-      number[v] = found->second;
-    }
-    for (std::size_t t = 0; t < tile.triangle_count; ++t) {
-      const std::uint8_t* corner = tile.triangles.data() + 3 * t;
-      mesh_->triangles.push_back({number[corner[0]], number[corner[1]], number[corner[2]]});
-    }
-    return number;
-  }
-  TouchObject take() { return {std::move(mesh_), material_}; }
-
- private:
-  struct Hash {
-    std::size_t operator()(const std::pair<std::uint64_t, std::uint32_t>& key) const noexcept {
-      return (key.first * 0x9E3779B97F4A7C15U) ^ (key.second * 0xC2B2AE3D27D4EB4FU);
-    }
-  };
-  const PatchGrid& grid_;
-  std::shared_ptr<TriangleMesh> mesh_;
-  Material material_;
-  std::unordered_map<std::pair<std::uint64_t, std::uint32_t>, std::uint32_t, Hash> numbers_;
-};
-
 }  // namespace
 
 void PatchStore::clear() {
+  drop_parts();
+  shapes_ = KnownShapes();
+}
+
+// The shapes are of the haptics process, whatever the epoch.
+void PatchStore::drop_parts() {
   begin_.reset();
   bodies_ = {};
   materials_.clear();
@@ -103,7 +69,7 @@ bool PatchStore::adopt(std::uint32_t epoch, std::uint32_t serial) {
     return false;
   }
   if (epoch != status_.epoch) {
-    clear();
+    drop_parts();
     status_.epoch = epoch;
   }
   return true;
@@ -166,98 +132,12 @@ void PatchStore::accept(const PatchTile& tile) {
   }
   if (tiles_.try_emplace(tile.tile, tile).second) {
     if (Body* const body = find_deforming(tile.tile)) {
-      body->parts.note_tile();
+      if (body->parts.has_tile(tile.tile)) body->parts.note_tile();
+      if (body->stream.has_tile(tile.tile)) body->stream.note_tile();
       if (!complete_deforming(*body)) return;
     }
   }
   confirm(tile.serial);
-}
-
-PatchStore::Body* PatchStore::find_deforming(std::uint32_t tile) noexcept {
-  const auto has_tile = [tile](const Body& body) { return body.parts.has_tile(tile); };
-  Body* const found = std::find_if(bodies_.begin(), bodies_.end(), has_tile);
-  return found != bodies_.end() ? found : nullptr;
-}
-
-// Tiles and displacements may have come before.
-void PatchStore::accept(const PatchDeformation& deformation) {
-  if (!adopt(deformation.epoch, deformation.serial)) return;
-  const std::uint64_t end = std::uint64_t{deformation.first_tile} + deformation.tile_count;
-  if (deformation.body >= bodies_.size() || deformation.tile_count > kMostTiles || end > std::numeric_limits<std::uint32_t>::max()) {
-    ++counts_.rejected;
-    return;
-  }
-  DeformingParts& parts = bodies_[deformation.body].parts;
-  const bool is_first = !parts.has_begun();
-  if (!parts.accept(deformation)) {
-    ++counts_.rejected;
-    return;
-  }
-  for (std::uint32_t n = 0; is_first && n < deformation.tile_count; ++n) {
-    if (tiles_.contains(deformation.first_tile + n)) parts.note_tile();
-    for (std::uint32_t target = 0; target < deformation.target_count; ++target) {
-      if (displaced_.contains({deformation.first_tile + n, target})) parts.note_displaced();
-    }
-  }
-  if (complete_deforming(bodies_[deformation.body])) confirm(deformation.serial);
-}
-
-void PatchStore::accept(const PatchDisplacements& displaced) {
-  if (!adopt(displaced.epoch, displaced.serial)) return;
-  const std::pair key(displaced.tile, displaced.target);
-  if (!displaced_.contains(key) && displaced_.size() >= kMostDisplaced) {
-    ++counts_.rejected;
-    return;
-  }
-  if (displaced_.try_emplace(key, displaced).second) {
-    Body* const body = find_deforming(displaced.tile);
-    if (body != nullptr && displaced.target < body->parts.target_count()) {
-      body->parts.note_displaced();
-      if (!complete_deforming(*body)) return;
-    }
-  }
-  confirm(displaced.serial);
-}
-
-// False: it deforms as nothing may, and what came of its deformation is dropped.
-bool PatchStore::complete_deforming(Body& body) {
-  if (body.whole.mesh != nullptr || !body.is_known || !begin_ || !body.parts.is_whole()) return true;
-  TouchObject whole = join_deforming(body);
-  if (whole.deformation == nullptr || !is_within_bounds(body, whole)) {
-    ++counts_.rejected;
-    body.parts = {};
-    return false;
-  }
-  body.whole = std::move(whole);
-  return true;
-}
-
-TouchObject PatchStore::join_deforming(const Body& body) const {
-  const DeformingParts& parts = body.parts;
-  ObjectJoiner joiner(grid_);
-  std::vector<std::array<std::uint32_t, PatchTile::kMostVertices>> numbers(parts.tile_count());
-  std::vector<DeformingParts::DisplacedTile> displaced;
-  for (std::uint32_t n = 0; n < parts.tile_count(); ++n) {
-    const PatchTile& tile = tiles_.at(parts.first_tile() + n);
-    numbers[n] = joiner.add(tile);
-    for (std::uint32_t target = 0; target < parts.target_count(); ++target) {
-      const auto found = displaced_.find({tile.tile, target});
-      if (found == displaced_.end()) continue;
-      const std::size_t count = std::min(found->second.vertex_count, tile.vertex_count);
-      displaced.push_back({std::span(numbers[n]).first(count), &found->second});
-    }
-  }
-  TouchObject whole = joiner.take();
-  whole.deformation = parts.make(displaced);
-  return whole;
-}
-
-// In all shapes, but for the rounding of displacements.
-bool PatchStore::is_within_bounds(const Body& body, const TouchObject& whole) const {
-  const Box shapes = bounds_of_all_shapes(*whole.mesh, *whole.deformation);
-  const Box bounds = {to_vector(body.head.lowest), to_vector(body.head.highest)};
-  const Box in_steps = {grid_.to_steps(shapes.low), grid_.to_steps(shapes.high)};
-  return (in_steps.low.array() >= bounds.low.array() - 1.0).all() && (in_steps.high.array() <= bounds.high.array() + 1.0).all();
 }
 
 void PatchStore::accept(const PatchBody& body) {
@@ -394,7 +274,7 @@ double PatchStore::find_unknown(const CellKey& key, const Search& search, double
 
 double PatchStore::known_radius(const Vec3& p_S, std::uint32_t body) const {
   if (bodies_[body].is_known && bodies_[body].head.deforms) {
-    return bodies_[body].whole.mesh != nullptr ? kInfinity : grid_.step_m * search_at(p_S, body).least;
+    return is_felt(bodies_[body]) ? kInfinity : grid_.step_m * search_at(p_S, body).least;
   }
   return grid_.step_m * find_unknown(CellKey(), search_at(p_S, body), kInfinity);
 }
@@ -413,19 +293,6 @@ void PatchStore::find_tiles(const CellKey& key, const Search& search, double rad
 void PatchStore::use_material_of(std::uint32_t object, Material& material) const {
   const auto tuned = materials_.find(object);
   if (tuned != materials_.end()) material = with_numbers_of(material, tuned->second);
-}
-
-// All of it, or what is known before: that it is nowhere nearer.
-PatchStore::Piece PatchStore::make_deforming(const Body& body, double radius_m) const {
-  Piece piece;
-  piece.radius_m = radius_m;
-  if (body.whole.mesh == nullptr) return piece;
-  const std::uint32_t object = tiles_.at(body.parts.first_tile()).object;
-  piece.scene.objects.push_back(body.whole);
-  use_material_of(object, piece.scene.objects.front().material);
-  piece.objects.push_back(static_cast<int>(object));
-  piece.triangles = body.whole.mesh->triangles.size();
-  return piece;
 }
 
 PatchStore::Piece PatchStore::make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body) const {

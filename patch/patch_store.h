@@ -12,10 +12,12 @@
 #include <vector>
 
 #include "core/force/touch_scene.h"
+#include "link/known_shapes.h"
 #include "link/messages.h"
 #include "patch/deforming_parts.h"
 #include "patch/patch_bodies.h"
 #include "patch/patch_grid.h"
+#include "patch/streamed_parts.h"
 
 namespace hapton {
 
@@ -66,8 +68,11 @@ class PatchStore {
   void accept(const PatchMaterial& material);
   void accept(const PatchDeformation& deformation);
   void accept(const PatchDisplacements& displaced);
+  void accept(const PatchStream& stream);
   // Any of these, which kIsScenePart lists. False: another message.
   bool accept_part(const Message& message);
+  // What programs deform, and how: ObjectShape and ShapeStart, of whatever epoch. False: another message. arrival: as KnownShapes has it.
+  bool accept_shape(const Message& message, Arrival arrival);
   // Drops everything, for another sender, whose epochs start again.
   void clear();
 
@@ -75,11 +80,12 @@ class PatchStore {
   const PatchBegin& begin() const noexcept { return *begin_; }
   // The parts of this epoch received so far. The caller sets is_wanted and round_trip_s.
   const PatchStatus& status() const noexcept { return status_; }
-  std::uint64_t revision() const noexcept { return counts_.parts; }
+  // Another one whenever there is more than before.
+  std::uint64_t revision() const noexcept { return counts_.parts + shape_news_; }
   const Counts& counts() const noexcept { return counts_; }
 
   // The radius around a point within which no triangle of the scene is missing here; infinity if none is missing. Of a body that deforms,
-  // all is missing until all is there. Pre: has_begun().
+  // all is missing until all is there, and of one that programs deform until a shape is known that it has, or had since. Pre: has_begun().
   double known_radius(const Vec3& p_S, std::uint32_t body = 0) const;
 
   // The triangles around a point, up to its known radius and most_m. The radius is reduced until there are at most most_triangles, or twice
@@ -90,6 +96,12 @@ class PatchStore {
   bool has_bodies() const noexcept;
   // Pre: has_bodies().
   std::unique_ptr<PatchBodies> make_bodies(std::uint32_t generation) const;
+
+  // Of a body that programs deform; null: another one.
+  const StreamedParts* find_stream(std::uint32_t body) const noexcept;
+  const KnownShapes& shapes() const noexcept { return shapes_; }
+  // As KnownShapes: what is to be sent to the haptics node.
+  std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
 
   // Materials that are not those of the tiles, by object, and how often they have changed.
   const std::map<std::uint32_t, Material>& materials() const noexcept { return materials_; }
@@ -108,6 +120,7 @@ class PatchStore {
     bool is_known = false;  // all of its motion
     // Of one that deforms: what has come, and all of it once that is whole.
     DeformingParts parts;
+    StreamedParts stream;
     TouchObject whole;
   };
   struct Search {
@@ -116,6 +129,7 @@ class PatchStore {
     double least = 0.0;     // the body is nowhere nearer
   };
 
+  void drop_parts();
   bool adopt(std::uint32_t epoch, std::uint32_t serial);
   void confirm(std::uint32_t serial) noexcept;
   bool is_whole(const Cell& cell) const;
@@ -123,8 +137,11 @@ class PatchStore {
   bool is_possible(const Body& body) const;
   bool is_wide_enough(const PatchBody& body) const noexcept;
   Body* find_deforming(std::uint32_t tile) noexcept;
+  std::size_t count_streams() const noexcept;
+  bool is_felt(const Body& body) const;
   bool complete_deforming(Body& body);
   TouchObject join_deforming(const Body& body) const;
+  TouchObject join_streamed(Body& body) const;
   bool is_within_bounds(const Body& body, const TouchObject& whole) const;
   Piece make_deforming(const Body& body, double radius_m) const;
   void use_material_of(std::uint32_t object, Material& material) const;
@@ -142,6 +159,8 @@ class PatchStore {
   std::unordered_map<std::uint64_t, Cell> cells_;  // by body and cell
   std::unordered_map<std::uint32_t, PatchTile> tiles_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, PatchDisplacements> displaced_;  // by tile and target
+  KnownShapes shapes_;
+  std::uint64_t shape_news_ = 0;
   PatchStatus status_;
   Counts counts_;
 };

@@ -8,6 +8,13 @@
 
 namespace hapton {
 
+namespace {
+
+constexpr double kNanosecond = 1e-9;    // that a stage begins before the one before it has ended: rounding
+constexpr double kTimeRounding = 1e-6;  // share of the time of a stage, whose ends are rounded to the grid of the parts
+
+}  // namespace
+
 std::unique_ptr<Patch> PatchTouch::offer(std::unique_ptr<Patch> patch) noexcept { return std::exchange(offered_, std::move(patch)); }
 
 std::unique_ptr<Patch> PatchTouch::take_retired() noexcept { return std::move(retired_); }
@@ -135,6 +142,33 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   has_arrived_ = true;
   output.is_handed_over = output.is_handed_over || was_beyond || std::exchange(is_retuned_, false);
   return output;
+}
+
+bool PatchTouch::take(PatchShape& next) noexcept {
+  Patch* patch = nullptr;
+  std::uint32_t newest = 0;
+  for (Patch* const one : {patch_.get(), offered_.get()}) {
+    if (one == nullptr || one->streamed == nullptr) continue;
+    newest = std::max(newest, one->number);
+    if (one->number == next.patch) patch = one;
+  }
+  if (patch == nullptr) return next.patch < newest;
+  StreamedMethod& method = *patch->streamed;
+  if (method.waiting() == StreamedMethod::kMostWaiting) return false;
+  ++counts_.shapes;
+  const double start_s = 1e-9 * static_cast<double>(next.start_ns);
+  const double over_s = 1e-9 * static_cast<double>(next.end_ns - next.start_ns);
+  const double least_s = StreamedMethod::compute_time_s(*next.stage, 0.0);
+  const double from_s = std::max(method.end_s(), method.last_time_s());
+  const bool is_in_time = start_s >= method.last_time_s() && start_s + kNanosecond >= method.end_s();
+  if (is_in_time && over_s * (1.0 + kTimeRounding) >= least_s) {
+    next.stage = method.offer_at(std::move(next.stage), start_s, over_s);
+    return true;
+  }
+  ++counts_.late_shapes;
+  const double late_s = std::max(start_s, from_s);
+  next.stage = method.offer_at(std::move(next.stage), late_s, std::max(least_s, 1e-9 * static_cast<double>(next.end_ns) - late_s));
+  return true;
 }
 
 StiffnessRange PatchTouch::stiffness() const noexcept {

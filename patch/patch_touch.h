@@ -10,6 +10,7 @@
 #include "core/force/touch_step.h"
 #include "core/math/types.h"
 #include "patch/device_path.h"
+#include "patch/patch_shaper.h"
 
 namespace hapton {
 
@@ -33,6 +34,8 @@ struct Patch {
   std::uint32_t material_version = 0;    // PatchMaterials::version that they are of
   bool is_shared = false;                // the step has `shared`
   bool deforms = false;                  // as a function of the scene time; it is all of its body
+  StreamedMethod* streamed = nullptr;    // of the step, if programs deform the body
+  std::uint32_t number = 0;              // ... then as PatchShape has it
   bool is_path_incomplete = false;       // parts of the scene between the last proxy within a patch and the hand are missing
 
   void set_materials() noexcept { step->set_materials(is_shared && !shared.empty() ? shared : materials); }
@@ -62,6 +65,7 @@ struct PatchHandState {
   std::int64_t time_ns = 0;
   bool is_beyond = false;  // past the edge of its patch: the next one has to cover `path`
   PathBall path;
+  std::int64_t scene_time_ns = 0;  // of the sample
 };
 
 // Computes the force of a scene from patches of it, one after the other. The force is that of the whole scene as long as everything that
@@ -100,6 +104,8 @@ class PatchTouch {
     std::uint64_t raised = 0;        // patches that took over from above the plane
     std::uint64_t begun_anew = 0;    // times that a free hand stayed past the edge for longer than kBeyondS
     std::uint64_t late_moves = 0;    // of PatchChain: moves of objects that came too late to go as announced
+    std::uint64_t shapes = 0;        // stages of objects that programs deform
+    std::uint64_t late_shapes = 0;   // ... that came too late to go as announced
   };
 
   // Offers a patch: it takes over with the first step that lies within it. Returns the one that was offered before and did not.
@@ -115,6 +121,10 @@ class PatchTouch {
   void start_at(const Vec3& p_SP, const Vec3& outward, double age_s = 0.0) noexcept;
   // The proxy is exactly there, on this side of the surface, and goes on from there: what was before does not count.
   void go_on_from(const Vec3& p_SP) noexcept;
+  // The next motion of the surface of a patch that is here. One that comes late goes to the same shape at the same time, or as soon after
+  // it as kMostSurfaceSpeed allows. False: it has to wait, as its patch is not here yet or other stages wait. Otherwise it holds what is
+  // used no more, to be destroyed elsewhere.
+  bool take(PatchShape& stage) noexcept;
   // The surface has other materials from the next step on, in which is_handed_over is set.
   void use_materials(const PatchMaterials& materials) noexcept;
   // A patch has reached the hand since the start. Until then the force has to come from elsewhere.

@@ -24,8 +24,6 @@ struct GridTriangle {
   Vec3 centre = Vec3::Zero();  // three times, in steps
 };
 
-Vec3 to_vector(const GridPoint& g) { return {static_cast<double>(g[0]), static_cast<double>(g[1]), static_cast<double>(g[2])}; }
-
 std::vector<GridTriangle> to_grid(const TriangleMesh& mesh, const PatchGrid& grid) {
   std::vector<GridPoint> vertices;
   vertices.reserve(mesh.vertices.size());
@@ -70,6 +68,12 @@ bool fill_tile(std::span<const GridTriangle> triangles, PatchTile& tile, Box& bo
 template <class Visit>
 void visit_shapes(const TouchObject& object, Visit&& visit) {
   for (const Vec3& vertex : object.mesh->vertices) visit(vertex);
+  const Vec3 reach = Vec3::Constant(object.stream_reach_m.value_or(0.0));
+  for (const Vec3& vertex : object.mesh->vertices) {
+    if (!object.stream_reach_m) break;
+    visit(vertex - reach);
+    visit(vertex + reach);
+  }
   if (object.deformation == nullptr) return;
   for (const MorphKey& key : object.deformation->keys()) {
     for (const Vec3& vertex : object.deformation->vertices_at(object.mesh->vertices, object.deformation->weights_at(key.time_s))) {
@@ -253,6 +257,39 @@ void add_deformation(const TouchObject& object, TileBody& body, TiledScene& tile
   body.displaced_count = tiled.displaced.size() - body.first_displaced;
 }
 
+// Which vertices of the mesh those of the tiles of a body are. Of several in one place the last one counts, as in ShapeStager.
+void add_streams(const TouchObject& object, std::uint32_t number, TileBody& body, TiledScene& tiled) {
+  const TriangleMesh& mesh = *object.mesh;
+  std::map<GridPoint, std::uint32_t> vertices;
+  std::vector<bool> is_used(mesh.vertices.size(), false);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) is_used[vertex] = true;
+  }
+  for (std::uint32_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!is_used[v]) continue;
+    const auto [known, is_new] = vertices.try_emplace(tiled.grid.round(mesh.vertices[v]), v);
+    if (!is_new && mesh.vertices[known->second] != mesh.vertices[v]) tiled.has_parting = true;
+    known->second = v;
+  }
+  body.bounds = bounds_in_steps(object, tiled.grid);
+  body.first_stream = tiled.streams.size();
+  body.stream_count = body.tile_count;
+  for (std::uint32_t n = 0; n < body.tile_count; ++n) {
+    const PatchTile& tile = tiled.tiles[body.first_tile + n];
+    PatchStream stream{.body = static_cast<std::uint32_t>(tiled.bodies.size()),
+                       .first_tile = body.first_tile,
+                       .tile_count = body.tile_count,
+                       .object = static_cast<std::int32_t>(number),
+                       .total = static_cast<std::uint32_t>(mesh.vertices.size()),
+                       .reach_m = *object.stream_reach_m,
+                       .to_scene = object.stream_to_scene,
+                       .tile = tile.tile,
+                       .vertex_count = tile.vertex_count};
+    for (std::size_t v = 0; v < tile.vertex_count; ++v) stream.vertices[v] = vertices.at(read_vertex(tile, v));
+    tiled.streams.push_back(stream);
+  }
+}
+
 void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
   const std::size_t first = tiled.tiles.size();
   TileBody body;
@@ -272,7 +309,11 @@ void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
   body.first_tile = static_cast<std::uint32_t>(first);
   body.tile_count = static_cast<std::uint32_t>(tiled.tiles.size() - first);
   const bool deforms = group.is_deforming;
-  if (deforms) add_deformation(*leader, body, tiled);
+  if (deforms && leader->stream_reach_m) {
+    add_streams(*leader, static_cast<std::uint32_t>(group.objects.front()), body, tiled);
+  } else if (deforms) {
+    add_deformation(*leader, body, tiled);
+  }
   body.group = std::move(group);
   tiled.bodies.push_back(std::move(body));
   if (first < tiled.tiles.size() && !deforms) CellDivider(tiled, static_cast<std::uint32_t>(tiled.bodies.size() - 1)).divide(first);

@@ -42,7 +42,10 @@ struct TileBody {
   std::uint32_t tile_count = 0;
   std::size_t first_displaced = 0;  // of TiledScene::displaced
   std::size_t displaced_count = 0;
+  std::size_t first_stream = 0;  // of TiledScene::streams, one for each tile; of one that programs deform
+  std::size_t stream_count = 0;
 
+  bool deforms() const { return deformation != nullptr || stream_count > 0; }
   bool moves() const { return group.moves(); }
 };
 
@@ -56,6 +59,7 @@ struct TiledScene {
   std::vector<TileCell> cells;                // the leaves with triangles, each with no more tiles than one datagram lists
   bool has_unlisted = false;                  // so many tiles overlap somewhere that no datagram can list them: that place is never known
   std::vector<PatchDisplacements> displaced;  // of the bodies that deform; epoch and serial are left to the sender
+  std::vector<PatchStream> streams;           // ... of those that programs deform, without shape_serial
   bool has_parting = false;                   // vertices of one that are one on the grid move apart: it cannot be sent
 };
 
@@ -70,7 +74,7 @@ inline PatchCell to_message(const TileCell& cell, std::uint32_t epoch, std::uint
 // Divides the scene's triangles into compact tiles, each of one object and small enough for one datagram, and space into cells with few
 // tiles. Triangles without area on the grid, because two corners coincide, are left out: their neighbours meet there. There are at most
 // PatchStore::kMostCells nodes: where many tiles overlap, cells stay larger. Each body has tiles and cells of its own; one that deforms has
-// no cells, as it is felt only when all of it is there. Pre: no program deforms anything. Time: n log n. RT: no. Threads: one.
+// no cells, as it is felt only when all of it is there. Time: n log n. RT: no. Threads: one.
 TiledScene make_tiles(const TouchScene& scene);
 
 }  // namespace hapton

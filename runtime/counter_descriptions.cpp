@@ -98,6 +98,7 @@ constexpr auto kDescriptions = std::to_array<CounterDescription>({
     {"beyond_patch", "Times that the hand left the known part of the scene."},
     {"beyond_patch_steps", "Steps that the hand was outside the known part of the scene."},
     {"moves_late", "Moves of objects that reached io_node after their beginning, while the force came from patches."},
+    {"shapes_late", "Shapes from programs that io_node had ready after their beginning, while the force came from patches."},
     {"echo_sent", "Datagrams sent to measure the bare echo."},
     {"echo_replied", "Replies to these datagrams that came in time."},
     {"echo_late", "Replies to these datagrams that came after their cycle."},

@@ -470,6 +470,7 @@ TouchScene Scene::touch_scene() const {
                              .deformation = object.deformation,
                              .command_pivot = object.commanded ? std::optional(object.commanded->pivot()) : std::nullopt,
                              .stream_reach_m = object.program_shape ? std::optional(object.program_shape->reach_m) : std::nullopt,
+                             .stream_to_scene = object.program_shape ? object.program_shape->to_scene : Mat3(Mat3::Identity()),
                              .sculpt = object.sculpt});
   }
   for (const SceneEffect& effect : effects) touch.effects.emplace_back(effect.effect, effect.on);

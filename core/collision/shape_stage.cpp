@@ -110,55 +110,75 @@ Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from
   return stage;
 }
 
-StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest)
-    : geometry_(geometry), rest_(rest->from), present_(std::move(rest)) {
-  geometry_.deforming_object().swap_tree(present_->trees[0]);
+StreamedGeometry::StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest) : geometry_(geometry), rest_(rest->from) {
+  present_.stage = std::move(rest);
+  geometry_.deforming_object().swap_tree(present_.stage->trees[0]);
   shape(0.0);
 }
 
+// The oldest that is used no more.
+std::unique_ptr<ShapeStage> StreamedGeometry::take_used() noexcept {
+  if (used_count_ == 0) return std::move(ended_.stage);
+  auto oldest = std::move(used_[0]);
+  std::move(used_.begin() + 1, used_.begin() + static_cast<std::ptrdiff_t>(used_count_), used_.begin());
+  --used_count_;
+  return oldest;
+}
+
 StreamedGeometry::Released StreamedGeometry::offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept {
-  Released released{std::move(ended_), std::move(next_)};
-  next_ = std::move(stage);
-  next_start_s_ = std::max(now_s, start_s_ + over_s_);
-  next_over_s_ = over_s;
+  Released released{take_used(), nullptr};
+  if (waiting_count_ > 0) released.replaced = std::move(waiting_[--waiting_count_].stage);
+  waiting_[waiting_count_] = {std::move(stage), std::max(now_s, end_s()), over_s};
+  ++waiting_count_;
   return released;
 }
 
-double StreamedGeometry::share_at(double time_s, double start_s, double over_s) noexcept {
-  return time_s >= start_s + over_s ? 1.0 : time_s <= start_s ? 0.0 : (time_s - start_s) / over_s;
+std::unique_ptr<ShapeStage> StreamedGeometry::append(std::unique_ptr<ShapeStage> stage, double over_s, double start_s) noexcept {
+  auto used = take_used();
+  waiting_[waiting_count_] = {std::move(stage), std::max(start_s, end_s()), over_s};
+  ++waiting_count_;
+  return used;
+}
+
+StreamedGeometry::Found StreamedGeometry::find(double time_s) const noexcept {
+  const Timed* timed = &present_;
+  double travelled_m = travelled_m_;
+  for (std::size_t n = 0; n < waiting_count_ && time_s >= waiting_[n].start_s; ++n) {
+    travelled_m += timed->stage->most_m;
+    timed = &waiting_[n];
+  }
+  return {*timed, travelled_m};
 }
 
 double StreamedGeometry::travel_to(double time_s) const noexcept {
-  double at_m = travelled_m_ + share_at(time_s, start_s_, over_s_) * present_->most_m;
-  if (is_due(time_s)) at_m = travelled_m_ + present_->most_m + share_at(time_s, next_start_s_, next_over_s_) * next_->most_m;
-  return std::fabs(at_m - shaped_at_m_);
+  const Found found = find(time_s);
+  return std::fabs(found.travelled_m + found.timed.share_at(time_s) * found.timed.stage->most_m - shaped_at_m_);
 }
 
-// Pre: there is a next one.
+// Pre: one waits.
 void StreamedGeometry::advance() noexcept {
   ObjectGeometry& object = geometry_.deforming_object();
-  object.swap_tree(present_->trees[part_]);
-  travelled_m_ += present_->most_m;
+  object.swap_tree(present_.stage->trees[part_]);
+  travelled_m_ += present_.stage->most_m;
+  if (ended_.stage != nullptr) used_[used_count_++] = std::move(ended_.stage);
   ended_ = std::move(present_);
-  ended_start_s_ = start_s_;
-  ended_over_s_ = over_s_;
-  present_ = std::move(next_);
-  start_s_ = next_start_s_;
-  over_s_ = next_over_s_;
+  present_ = std::move(waiting_[0]);
+  std::move(waiting_.begin() + 1, waiting_.begin() + static_cast<std::ptrdiff_t>(waiting_count_), waiting_.begin());
+  --waiting_count_;
   ++serial_;
   part_ = 0;
-  object.swap_tree(present_->trees[0]);
+  object.swap_tree(present_.stage->trees[0]);
 }
 
 void StreamedGeometry::skip_to(double time_s) noexcept {
-  if (is_due(time_s)) advance();
+  while (is_due(time_s)) advance();
 }
 
 void StreamedGeometry::shape(double time_s) noexcept {
   skip_to(time_s);
   ObjectGeometry& object = geometry_.deforming_object();
-  const ShapeStage& stage = *present_;
-  const double share = share_at(time_s, start_s_, over_s_);
+  ShapeStage& stage = *present_.stage;
+  const double share = present_.share_at(time_s);
   for (std::size_t i = 0; i + 2 < stage.from.size(); i += 3) {
     object.move_vertex(static_cast<std::uint32_t>(i / 3),
                        {stage.from[i] + share * stage.motion[i], stage.from[i + 1] + share * stage.motion[i + 1],
@@ -168,15 +188,15 @@ void StreamedGeometry::shape(double time_s) noexcept {
   const std::size_t count = stage.trees.size();
   const std::size_t part = std::min(static_cast<std::size_t>(share * static_cast<double>(count)), count - 1);
   if (part == part_) return;
-  object.swap_tree(present_->trees[part_]);
-  object.swap_tree(present_->trees[part]);
+  object.swap_tree(stage.trees[part_]);
+  object.swap_tree(stage.trees[part]);
   part_ = part;
 }
 
 std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
-  const bool is_next = is_due(time_s);
-  const ShapeStage& stage = is_next ? *next_ : *present_;
-  const double share = is_next ? share_at(time_s, next_start_s_, next_over_s_) : share_at(time_s, start_s_, over_s_);
+  const Timed& timed = find(time_s).timed;
+  const ShapeStage& stage = *timed.stage;
+  const double share = timed.share_at(time_s);
   std::vector<Vec3> vertices = stage.begin;
   for (std::size_t v = 0; v < vertices.size(); ++v) vertices[v] += share * (stage.to[v] - stage.begin[v]);
   return vertices;
@@ -184,12 +204,13 @@ std::vector<Vec3> StreamedGeometry::vertices_at(double time_s) const {
 
 std::size_t StreamedGeometry::bytes() const noexcept {
   std::size_t bytes = rest_.capacity() * sizeof(double);
-  for (const ShapeStage* stage : {present_.get(), next_.get()}) {
-    if (stage == nullptr) continue;
-    bytes += (stage->begin.capacity() + stage->to.capacity()) * sizeof(Vec3) +
-             (stage->from.capacity() + stage->motion.capacity()) * sizeof(double);
-    for (const WideBvh& tree : stage->trees) bytes += tree.bytes();
-  }
+  const auto add = [&](const ShapeStage& stage) {
+    bytes +=
+        (stage.begin.capacity() + stage.to.capacity()) * sizeof(Vec3) + (stage.from.capacity() + stage.motion.capacity()) * sizeof(double);
+    for (const WideBvh& tree : stage.trees) bytes += tree.bytes();
+  };
+  add(*present_.stage);
+  for (std::size_t n = 0; n < waiting_count_; ++n) add(*waiting_[n].stage);
   return bytes;
 }
 

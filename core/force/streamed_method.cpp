@@ -25,11 +25,11 @@ Result<std::unique_ptr<StreamedMethod>> StreamedMethod::make(const MethodSetting
   scene.objects.push_back({.mesh = mesh, .material = material, .deformation = std::move(nothing)});
   auto method = make_proxy_of_deforming(settings, scene, bounds_with_reach(*mesh, reach_m));
   if (!method) return tl::unexpected(method.error());
-  auto stager = std::make_unique<ShapeStager>(static_cast<const ProxyMethod&>(**method).geometry(), std::move(mesh), reach_m);
+  auto stager = std::make_shared<const ShapeStager>(static_cast<const ProxyMethod&>(**method).geometry(), std::move(mesh), reach_m);
   return std::unique_ptr<StreamedMethod>(new StreamedMethod(std::move(*method), std::move(stager)));
 }
 
-StreamedMethod::StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager)
+StreamedMethod::StreamedMethod(std::unique_ptr<ForceMethod> method, std::shared_ptr<const ShapeStager> stager)
     : stager_(std::move(stager)), carried_(std::make_unique<CarriedProxy<StreamedGeometry>>(std::move(method), stager_->make_rest())) {}
 
 StreamedMethod::~StreamedMethod() = default;
@@ -46,7 +46,15 @@ const ShapeStage& StreamedMethod::current_stage() const noexcept { return carrie
 
 std::uint64_t StreamedMethod::serial() const noexcept { return carried_->surface().serial(); }
 
-bool StreamedMethod::has_waiting() const noexcept { return carried_->surface().has_next(); }
+std::size_t StreamedMethod::waiting() const noexcept { return carried_->surface().waiting(); }
+
+const ShapeStage& StreamedMethod::newest_stage() const noexcept { return carried_->surface().newest(); }
+
+double StreamedMethod::end_s() const noexcept { return carried_->surface().end_s(); }
+
+double StreamedMethod::last_time_s() const noexcept { return carried_->last_time_s(); }
+
+std::optional<Vec3> StreamedMethod::held_at() const noexcept { return carried_->held_at(); }
 
 std::vector<Vec3> StreamedMethod::vertices() const { return carried_->surface().vertices_at(carried_->last_time_s()); }
 
@@ -59,8 +67,8 @@ StreamedGeometry::Released StreamedMethod::offer(std::unique_ptr<ShapeStage> sta
   return carried_->surface().offer(std::move(stage), seconds, carried_->last_time_s());
 }
 
-StreamedGeometry::Released StreamedMethod::offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
-  return carried_->surface().offer(std::move(stage), over_s, start_s);
+std::unique_ptr<ShapeStage> StreamedMethod::offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
+  return carried_->surface().append(std::move(stage), over_s, start_s);
 }
 
 std::string StreamedMethod::describe() const {

@@ -34,22 +34,30 @@ class StreamedMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  std::optional<Vec3> held_at() const noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
   std::optional<SurfacePlace> find_place(int object) const noexcept override;
   std::string describe() const override;
 
   const ShapeStager& stager() const { return *stager_; }
+  // It may be used by others, also after the method is gone.
+  std::shared_ptr<const ShapeStager> share_stager() const { return stager_; }
   // The stage that moves at the time of the last step, or has ended.
   const ShapeStage& current_stage() const noexcept;
   std::uint64_t serial() const noexcept;
   // The stage follows the current one, and replaces one that waits. over_s: how long it is to take. Returned: stages that are no longer
   // used, to be destroyed outside of the loop. Pre: it begins where the current stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
-  // The same at a given time: the stage begins at start_s and takes over_s. Pre: no stage waits; start_s is after the last step, and not
-  // before the current stage ends; over_s is not below compute_time_s.
-  StreamedGeometry::Released offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
-  // Whether a stage waits for its start.
-  bool has_waiting() const noexcept;
+  // The same after all others, at a given time: the stage begins at start_s and takes over_s. Returned: one that is no longer used; null:
+  // none. Pre: fewer than kMostWaiting wait; it begins where newest_stage() ends; start_s is after the last step, and not before end_s();
+  // over_s is not below compute_time_s.
+  std::unique_ptr<ShapeStage> offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
+  static constexpr std::size_t kMostWaiting = StreamedGeometry::kMostWaiting;
+  // How many stages wait for their start; the last of them, else the current one; and when that will have ended.
+  std::size_t waiting() const noexcept;
+  const ShapeStage& newest_stage() const noexcept;
+  double end_s() const noexcept;
+  double last_time_s() const noexcept;
   // How long a stage takes: over_s, or longer where a vertex would be faster than kMostSurfaceSpeed.
   static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
 
@@ -57,9 +65,9 @@ class StreamedMethod final : public ForceMethod {
   std::vector<Vec3> vertices() const;
 
  private:
-  StreamedMethod(std::unique_ptr<ForceMethod> method, std::unique_ptr<ShapeStager> stager);
+  StreamedMethod(std::unique_ptr<ForceMethod> method, std::shared_ptr<const ShapeStager> stager);
 
-  std::unique_ptr<ShapeStager> stager_;
+  std::shared_ptr<const ShapeStager> stager_;
   std::unique_ptr<CarriedProxy<StreamedGeometry>> carried_;
 };
 

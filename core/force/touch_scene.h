@@ -40,6 +40,7 @@ struct TouchObject {
   // A program may deform the mesh (StreamedMethod), in place of a deformation: no vertex gets farther from where it is at rest, m. None: it
   // may not.
   std::optional<double> stream_reach_m = {};
+  Mat3 stream_to_scene = Mat3::Identity();  // of the displacements that it gives
 
   std::optional<SculptSettings> sculpt = {};  // the mesh is a body of material that can be carved; none: it keeps its shape
 

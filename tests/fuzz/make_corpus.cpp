@@ -86,6 +86,8 @@ bool write_sealed() {
                                                    .all_keys = 1,
                                                    .key_count = 1}},
                        {kHaptics, PatchDisplacements{.epoch = 1, .serial = 8, .vertex_count = 3}},
+                       {kHaptics,
+                        PatchStream{.epoch = 1, .serial = 9, .body = 2, .tile_count = 1, .total = 3, .reach_m = 0.01, .vertex_count = 3}},
                        {kVision, PatchTile{.epoch = 1, .serial = 4, .vertex_count = 3, .triangle_count = 1}},
                        {kToNode, PatchStatus{.is_wanted = true}}})) &&
          write("sealed", "vision",
@@ -245,7 +247,11 @@ bool write_codec_parts() {
   weights.keys = {0.0, 0.0, 0.5, 1.0, 1.0, -0.5};
   PatchDisplacements displaced{.epoch = 1, .serial = 4, .target = 1, .vertex_count = 2};
   displaced.by_m = {0.001F, 0.0F, -0.002F, 0.0F, 0.003F, 0.0F};
-  return put("patch_body", body) && put("patch_deformation", weights) && put("patch_displacements", displaced) &&
+  PatchStream stream{.epoch = 1, .serial = 5, .body = 1, .tile_count = 1, .total = 3, .reach_m = 0.01, .to_scene = Mat3::Identity()};
+  stream.vertex_count = 3;
+  stream.vertices = {0, 2, 1};
+  return put("patch_body", body) && put("patch_stream", stream) && put("patch_deformation", weights) &&
+         put("patch_displacements", displaced) &&
          put("patch_material", PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 300.0, .friction_static = 0.4});
 }
 

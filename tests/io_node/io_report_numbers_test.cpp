@@ -104,6 +104,7 @@ TEST_F(IoReportNumbers, EachCounterIsUnderItsOwnName) {
                                                                         {"beyond_patch", &s.patch_touch.beyond},
                                                                         {"beyond_patch_steps", &s.patch_touch.beyond_steps},
                                                                         {"moves_late", &s.patch_touch.late_moves},
+                                                                        {"shapes_late", &s.patch_touch.late_shapes},
                                                                         {"echo_sent", &s.echo.sent},
                                                                         {"echo_replied", &s.echo.replied},
                                                                         {"echo_late", &s.echo.late},

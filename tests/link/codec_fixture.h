@@ -152,6 +152,8 @@ class RandomDatagrams {
         return draw_deformation();
       case 39:
         return draw_displacements();
+      case 40:
+        return draw_stream();
       default:
         return LoopFacts{
             {'s', 'i', 'm'}, number(kMinServoRateHz, kMaxServoRateHz), static_cast<float>(number(0, 1)), static_cast<float>(number(0, 1))};
@@ -327,6 +329,19 @@ class RandomDatagrams {
       displacements.by_m[i] = static_cast<float>(number(-0.01, 0.01));
     }
     return displacements;
+  }
+
+  PatchStream draw_stream() {
+    PatchStream stream{bits32(), bits32(), draw_body_number(), bits32() >> 1, bits32() >> 1 | 1U};
+    stream.object = number_of_object();
+    stream.total = static_cast<std::uint32_t>(1 + bits32() % ShapePart::kMostVertices);
+    stream.reach_m = number(1e-3, 1);
+    for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = number(-1, 1);
+    stream.shape_serial = bits32();
+    stream.tile = stream.first_tile + bits32() % stream.tile_count;
+    stream.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
+    for (std::size_t v = 0; v < stream.vertex_count; ++v) stream.vertices[v] = static_cast<std::uint32_t>(bits32() % stream.total);
+    return stream;
   }
 
   PatchStatus draw_status() {

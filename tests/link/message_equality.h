@@ -264,6 +264,13 @@ inline void expect_equal(const PatchDisplacements& a, const PatchDisplacements& 
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.tile, a.target, a.vertex_count, a.by_m),
             std::tie(b.epoch, b.serial, b.tile, b.target, b.vertex_count, b.by_m));
 }
+inline void expect_equal(const PatchStream& a, const PatchStream& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.first_tile, a.tile_count, a.object, a.total, a.reach_m, a.shape_serial, a.tile,
+                     a.vertex_count, a.vertices),
+            std::tie(b.epoch, b.serial, b.body, b.first_tile, b.tile_count, b.object, b.total, b.reach_m, b.shape_serial, b.tile,
+                     b.vertex_count, b.vertices));
+  EXPECT_EQ(a.to_scene, b.to_scene);
+}
 
 inline void expect_equal(const Datagram& a, const Datagram& b) {
   EXPECT_EQ(a.header.session, b.header.session);

@@ -74,6 +74,28 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
   EXPECT_EQ(with([](PatchDeformation& m) { m.keys[3] = 0.5; }), DecodeStatus::bad_value) << "not after the one before";
   EXPECT_EQ(with([](PatchDeformation& m) { m.keys[4] = kNoNumber; }), DecodeStatus::bad_value);
 
+  PatchStream stream{.epoch = 1, .serial = 2, .body = 3, .first_tile = 4, .tile_count = 2, .total = 30, .reach_m = 0.01};
+  stream.tile = 5;
+  stream.vertex_count = 2;
+  stream.vertices = {29, 0};
+  EXPECT_EQ(round_trip(stream), DecodeStatus::ok);
+  const auto other = [&](auto&& change) {
+    PatchStream bad = stream;
+    change(bad);
+    return round_trip(bad);
+  };
+  EXPECT_EQ(other([](PatchStream& m) { m.body = PatchBody::kMostBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.tile = 3; }), DecodeStatus::bad_value) << "none of its tiles";
+  EXPECT_EQ(other([](PatchStream& m) { m.tile = 6; }), DecodeStatus::bad_value) << "none of its tiles";
+  EXPECT_EQ(other([](PatchStream& m) { m.object = -1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.total = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.total = ShapePart::kMostVertices + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.reach_m = 0.0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.reach_m = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.to_scene(2, 2) = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.vertex_count = 0; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.vertices[1] = 30; }), DecodeStatus::bad_value) << "not of the mesh";
+
   PatchDisplacements moved{.epoch = 1, .serial = 2, .tile = 3, .target = 1, .vertex_count = 2};
   EXPECT_EQ(round_trip(moved), DecodeStatus::ok);
   moved.target = PatchDeformation::kMostTargets;

@@ -103,6 +103,14 @@ void lengthen(PatchDisplacements& m) {
   m = {kMost32, kMost32, kMost32, PatchDeformation::kMostTargets - 1, PatchTile::kMostVertices};
   m.by_m.fill(1.0F / 3.0F);
 }
+void lengthen(PatchStream& m) {
+  m = {kMost32, kMost32, PatchBody::kMostBodies - 1, kMost32 - 1, 1, kMost32 >> 1, ShapePart::kMostVertices, 1.0 / 3.0};
+  m.to_scene.setConstant(1.0 / 3.0);
+  m.shape_serial = kMost32;
+  m.tile = m.first_tile;
+  m.vertex_count = PatchTile::kMostVertices;
+  m.vertices.fill(m.total - 1);
+}
 void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64}; }
 constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 void lengthen(MaterialRequest& m) {

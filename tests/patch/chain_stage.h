@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -7,8 +8,10 @@
 #include <vector>
 
 #include "core/force/force_method.h"
+#include "core/force/streamed_method.h"
 #include "core/force/touch_step.h"
 #include "link/commanded_move.h"
+#include "link/shape_parts.h"
 #include "patch/patch_chain.h"
 #include "patch/patch_maker.h"
 #include "patch/patch_source.h"
@@ -78,6 +81,25 @@ class ChainStage {
     (void)moves_.take(move);
     chain_.note_moves(moves_);
   }
+  // The same for a shape of an object that programs deform: the displacement of each vertex, m. Returns whether the surface takes it.
+  using Shape = std::vector<ShapePart::Displacement>;
+  bool deform(const ShapeStart& start, const Shape& shape) {
+    StreamedMethod& method = *whole_->find_streamed(start.object);
+    std::vector<Vec3> to(method.stager().rest().begin(), method.stager().rest().end());
+    for (std::size_t v = 0; v < to.size(); ++v) to[v] += Vec3(shape[v][0], shape[v][1], shape[v][2]);
+    auto stage = method.stager().make(method.newest_stage().to, to);
+    if (!stage) return false;
+    (void)method.offer_at(std::move(*stage), 1e-9 * static_cast<double>(start.start_ns),
+                          1e-9 * static_cast<double>(start.end_ns - start.start_ns));
+    return true;
+  }
+  void announce(const ShapeStart& start, const Shape& shape) {
+    for (std::uint32_t first = 0; first < shape.size(); first += ShapePart::kMostHere) {
+      const ObjectShape part{.source = start.source, .serial = start.serial, .object = start.object, .part = make_shape_part(shape, first)};
+      (void)store_.accept_shape(part, Arrival::newest);
+    }
+    (void)store_.accept_shape(start, Arrival::newest);
+  }
   const CommandedMotion* find_commanded(int object) const { return whole_->find_commanded(object); }
 
   double time_s() const { return time_s_; }
@@ -89,19 +111,33 @@ class ChainStage {
 
  private:
   void make_patches() {
+    const auto time_ns = static_cast<std::int64_t>(1e9 * time_s_);
     for (std::size_t link = 0; link < makers_.size(); ++link) {
       (void)chain_.take_retired(link);
-      makers_[link].note_hand(chain_.hand_of(link, static_cast<std::int64_t>(1e9 * time_s_)));
+      makers_[link].note_hand(chain_.hand_of(link, time_ns, time_ns));
+      make_stages(link);
       auto patch = makers_[link].make_if_due(store_, 0);
       if (patch == nullptr) continue;
       makers_[link].note_made(1.0);  // it takes so long that the next one has to be small
       (void)chain_.offer(link, std::move(patch));
+      make_stages(link);
+    }
+  }
+
+  // As LocalPatch and PatchBuilder exchange them: one waits to be taken.
+  void make_stages(std::size_t link) {
+    std::unique_ptr<PatchShape>& stage = stages_[link];
+    for (bool is_taken = true; is_taken;) {
+      if (stage == nullptr) stage = makers_[link].make_stage_if_due(store_);
+      is_taken = stage != nullptr && chain_.take(link, *stage);
+      if (is_taken) stage.reset();
     }
   }
 
   std::unique_ptr<TouchStep> whole_;
   PatchStore store_;
-  std::vector<PatchMaker> makers_;  // of the bodies
+  std::vector<PatchMaker> makers_;                                      // of the bodies
+  std::array<std::unique_ptr<PatchShape>, PatchChain::kLinks> stages_;  // on their way to the chain
   PatchChain chain_;
   MoveTable moves_;
   double time_s_ = 0.0;

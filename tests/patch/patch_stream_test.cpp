@@ -75,9 +75,9 @@ struct Case {
   double loss;
 };
 
-class PatchStream : public testing::TestWithParam<Case> {};
+class PatchTransfer : public testing::TestWithParam<Case> {};
 
-TEST_P(PatchStream, GivesTheForceOfTheWholeScene) {
+TEST_P(PatchTransfer, GivesTheForceOfTheWholeScene) {
   const Case c = GetParam();
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
@@ -93,7 +93,7 @@ TEST_P(PatchStream, GivesTheForceOfTheWholeScene) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Networks, PatchStream,
+INSTANTIATE_TEST_SUITE_P(Networks, PatchTransfer,
                          testing::Values(Case{0.1, 0.0, 0.0}, Case{0.1, 0.1, 0.0}, Case{0.1, 0.3, 0.1}, Case{0.1, 1.0, 0.1},
                                          Case{0.1, 1.0, 0.3}, Case{0.3, 0.1, 0.1}, Case{0.3, 1.0, 0.1}, Case{0.3, 1.0, 0.3}));
 
@@ -206,7 +206,7 @@ TEST(PatchStreamTest, ThePatchMovesWithTheScene) {
 }
 
 // The hub dropped the node that was silent for too long, and all that it had sent; then the node is back.
-TEST(PatchStream, AHubThatHasForgottenGetsAllAgain) {
+TEST(PatchTransfer, AHubThatHasForgottenGetsAllAgain) {
   PatchSource source(make_tiles(scene_of(rolling_sheet(0.05, 20))), 0.0, 7, 1, {.bits_per_s = 1e9, .least_reach_m = 1.0});
   PatchStore store;
   std::int64_t now_ns = 1'000'000'000;

@@ -18,12 +18,12 @@ constexpr std::size_t kMarkersListed = 20;
 
 const char* name_of(const Message& message) {
   constexpr std::array kNames = {
-      "Hello",         "Welcome",     "Bye",         "DeviceState",      "ForceCommand",      "ViewTransform", "ProbeState",
-      "FrameAck",      "HandTarget",  "Settings",    "HapticsSetup",     "ReportRequest",     "ReportPart",    "SceneFacts",
-      "ViewRejected",  "PatchBegin",  "PatchCell",   "PatchTile",        "PatchStatus",       "LoopFacts",     "MaterialRequest",
-      "MaterialState", "ObjectPose",  "Marker",      "MarkerReply",      "MoveRequest",       "MoveReply",     "ObjectMove",
-      "Carves",        "CarveStatus", "PatchBody",   "PatchMaterial",    "CarveUndo",         "ShapeRequest",  "ShapeReply",
-      "ObjectShape",   "ShapeStart",  "ShapeStatus", "PatchDeformation", "PatchDisplacements"};
+      "Hello",         "Welcome",     "Bye",         "DeviceState",      "ForceCommand",       "ViewTransform", "ProbeState",
+      "FrameAck",      "HandTarget",  "Settings",    "HapticsSetup",     "ReportRequest",      "ReportPart",    "SceneFacts",
+      "ViewRejected",  "PatchBegin",  "PatchCell",   "PatchTile",        "PatchStatus",        "LoopFacts",     "MaterialRequest",
+      "MaterialState", "ObjectPose",  "Marker",      "MarkerReply",      "MoveRequest",        "MoveReply",     "ObjectMove",
+      "Carves",        "CarveStatus", "PatchBody",   "PatchMaterial",    "CarveUndo",          "ShapeRequest",  "ShapeReply",
+      "ObjectShape",   "ShapeStart",  "ShapeStatus", "PatchDeformation", "PatchDisplacements", "PatchStream"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }

@@ -38,7 +38,7 @@ struct ShapesReplayTest : SessionReplayTest {
   void deform(double wider, double seconds) {
     StreamedMethod* method = live.touch().find_streamed(0);
     ASSERT_NE(method, nullptr);
-    ASSERT_FALSE(method->has_waiting());
+    ASSERT_EQ(method->waiting(), 0U);
     const auto rest = method->stager().rest();
     Displacements shape;
     for (const Vec3& p : rest) {

@@ -1,0 +1,360 @@
+// Touch of a surface that a program deforms, from its parts, against touch of the whole scene.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/math/commanded_motion.h"
+#include "patch/streamed_parts.h"
+#include "tests/patch/chain_stage.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kStreamReachM = 0.006;
+constexpr std::int64_t kShapeNs = 33'000'000;  // 30 shapes a second
+
+// A floor beneath, and a sheet of 40 mm on it that a program deforms.
+TouchScene skin_on_floor(double friction = 0.0) {
+  TouchScene scene;
+  const Material material{.stiffness_n_per_m = 800.0, .friction_static = friction, .friction_dynamic = 0.8 * friction};
+  scene.objects.push_back({made::shared(made::sheet(0.05, 0.0, 10)), material});
+  scene.objects.push_back({made::shared(made::sheet(0.02, 0.007, 24)), material});
+  scene.objects.back().stream_reach_m = kStreamReachM;
+  return on_patch_grid(scene);
+}
+
+// A wave that goes through it, another one for each number.
+ChainStage::Shape wave_of(const TouchScene& scene, int number) {
+  ChainStage::Shape shape;
+  for (const Vec3& p : scene.objects[1].mesh->vertices) {
+    const double phase = 250.0 * p.x() + 120.0 * p.y() - 0.9 * number;
+    shape.push_back({static_cast<float>(0.0004 * std::cos(phase)), 0.0F, static_cast<float>(0.0016 * std::sin(phase))});
+  }
+  return shape;
+}
+
+ShapeStart start_at(const TouchScene& scene, std::uint32_t serial, std::int64_t start_ns, std::int64_t over_ns = kShapeNs) {
+  return {.source = 5,
+          .serial = serial,
+          .before = serial - 1,
+          .object = 1,
+          .total = static_cast<std::uint32_t>(scene.objects[1].mesh->vertices.size()),
+          .start_ns = start_ns,
+          .end_ns = start_ns + over_ns};
+}
+
+// Pressed in, to and fro, off its edge onto the floor now and then.
+Vec3 skin_hand(double t_s) { return {0.03 * std::sin(2.1 * t_s), 0.009 * std::cos(1.3 * t_s), 0.0045 + 0.0055 * std::cos(5.0 * t_s)}; }
+
+struct SkinWorst {
+  double share = 0.0;  // of the force
+  double newtons = 0.0;
+  int on_skin = 0;
+  int on_floor = 0;
+  int without = 0;
+};
+
+void note(SkinWorst& worst, const ChainStage::Felt& felt) {
+  worst.on_skin += felt.whole.object == 1 ? 1 : 0;
+  worst.on_floor += felt.whole.object == 0 ? 1 : 0;
+  if (!felt.patch) {
+    ++worst.without;
+    return;
+  }
+  const double off_n = (felt.patch->force_n - felt.whole.force_n).norm();
+  worst.newtons = std::max(worst.newtons, off_n);
+  worst.share = std::max(worst.share, off_n / std::max(felt.whole.force_n.norm(), 1e-3));
+}
+
+TEST(StreamedPatch, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
+  for (const double friction : {0.0, 0.5}) {
+    const TouchScene scene = skin_on_floor(friction);
+    ChainStage stage(scene);
+    SkinWorst worst;
+    std::uint32_t serial = 0;
+    for (int n = 0; n < 8000; ++n) {
+      // Each 0.1 s before it begins, so that three or four wait.
+      const std::int64_t next_ns = 120'000'000 + serial * kShapeNs;
+      if (1e9 * stage.time_s() > static_cast<double>(next_ns) - 1e8 && n < 7000) {
+        const ShapeStart start = start_at(scene, ++serial, next_ns);
+        const ChainStage::Shape shape = wave_of(scene, static_cast<int>(serial));
+        ASSERT_TRUE(stage.deform(start, shape)) << serial;
+        stage.announce(start, shape);
+      }
+      note(worst, stage.step(skin_hand(stage.time_s())));
+    }
+    EXPECT_EQ(worst.without, 0);
+    EXPECT_LT(worst.share, friction == 0.0 ? 1e-9 : 0x1p-20) << friction;
+    EXPECT_GT(worst.on_skin, 1500);
+    EXPECT_GT(worst.on_floor, 20);
+    EXPECT_GT(serial, 200U);
+    EXPECT_EQ(stage.chain().counts().late_shapes, 0U);
+    EXPECT_EQ(stage.chain().counts().shapes, serial) << "all that were announced after its patch was made";
+  }
+}
+
+// A patch that is made while the surface moves, or long after, begins in its present shape.
+TEST(StreamedPatch, APatchBeginsInThePresentShape) {
+  for (const int begin : {140, 150, 400}) {
+    const TouchScene scene = skin_on_floor();
+    ChainStage stage(scene);
+    for (std::uint32_t serial = 1; serial <= 4; ++serial) {
+      const ShapeStart start = start_at(scene, serial, 30'000'000 + serial * kShapeNs);
+      ASSERT_TRUE(stage.deform(start, wave_of(scene, static_cast<int>(serial))));
+      stage.announce(start, wave_of(scene, static_cast<int>(serial)));
+    }
+    SkinWorst worst;
+    for (int n = 0; n < 800; ++n) {
+      const Vec3 hand(0.003, 0.002, n < begin + 5 ? 0.02 : 0.02 - std::min(0.016, 2e-4 * (n - begin - 5)));
+      const ChainStage::Felt felt = stage.step(hand, Pose::Identity(), n >= begin);
+      if (n >= begin) note(worst, felt);
+    }
+    EXPECT_EQ(worst.without, 0) << begin;
+    EXPECT_LT(worst.share, 1e-9) << begin;
+    EXPECT_GT(worst.on_skin, 200) << begin;
+  }
+}
+
+// Its parts come while the hand presses on it, and the surface moves.
+TEST(StreamedPatch, GoesOnFromWhereTheProxyWasWhenThePartsCome) {
+  for (const int late : {0, 20, 150}) {
+    const TouchScene scene = skin_on_floor();
+    ChainStage stage(scene);
+    const auto whole = std::make_unique<TouchStep>(*make_method({}, scene), scene);
+    const Vec3 still(0.003, 0.002, 0.005);
+    // As the stage knows it, once more: it has felt contact before.
+    StreamedMethod& method = *whole->find_streamed(1);
+    std::vector<Vec3> from(method.stager().rest().begin(), method.stager().rest().end());
+    for (std::uint32_t serial = 1; serial <= 6; ++serial) {
+      const ShapeStart start = start_at(scene, serial, 30'000'000 + serial * kShapeNs, serial == 6 ? 900'000'000 : kShapeNs);
+      const ChainStage::Shape shape = wave_of(scene, static_cast<int>(serial));
+      std::vector<Vec3> to(method.stager().rest().begin(), method.stager().rest().end());
+      for (std::size_t v = 0; v < to.size(); ++v) to[v] += Vec3(shape[v][0], shape[v][1], shape[v][2]);
+      (void)method.offer_at(*method.stager().make(from, to), 1e-9 * static_cast<double>(start.start_ns),
+                            1e-9 * static_cast<double>(start.end_ns - start.start_ns));
+      from = to;
+      stage.announce(start, shape);
+    }
+    TouchInput input{.p_WD = Vec3(0.003, 0.002, 0.02)};
+    whole->reset(input);
+    TouchOutput felt;
+    for (int n = 0; n <= 260; ++n) {
+      input.time_s = 1e-3 * n;
+      input.p_WD.z() = 0.02 - std::min(1.0, n / 100.0) * 0.015;
+      felt = whole->step(input);
+    }
+    ASSERT_TRUE(felt.contact);
+    stage.skip_to(0.26);
+    stage.chain().start_at(still + felt.visual_offset_m, felt.visual_offset_m.normalized(), 0.0, 0.26);
+    double worst_n = 0.0;
+    for (int n = 1; n <= 500; ++n) {
+      input.time_s = 0.26 + 1e-3 * n;
+      felt = whole->step(input);
+      const ChainStage::Felt both = stage.step(still, Pose::Identity(), n > late);
+      if (n <= late) continue;
+      ASSERT_TRUE(both.patch.has_value()) << n;
+      worst_n = std::max(worst_n, (both.patch->force_n - felt.force_n).norm());
+    }
+    EXPECT_LT(worst_n, 1e-9) << late;
+  }
+}
+
+// What comes late goes to the same shape, no faster than any surface may; what does not come is left out.
+TEST(StreamedPatch, WhatComesLateOrNeverLeadsToTheSameShape) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    const TouchScene scene = skin_on_floor();
+    ChainStage stage(scene);
+    const Vec3 still(0.003, 0.002, 0.004);
+    std::vector<std::pair<int, std::uint32_t>> on_their_way;  // step of their arrival
+    constexpr std::uint32_t kShapes = 40;
+    double last_n = -1.0;
+    double largest_change_n = 0.0;
+    std::uint64_t lost = 0;
+    ChainStage::Felt felt;
+    for (int n = 0; n < 2500; ++n) {
+      const auto serial = static_cast<std::uint32_t>(n / 33 + 1);
+      if (n % 33 == 0 && serial <= kShapes) {
+        const ShapeStart start = start_at(scene, serial, static_cast<std::int64_t>(1e9 * stage.time_s()) + 2'000'000);
+        ASSERT_TRUE(stage.deform(start, wave_of(scene, static_cast<int>(serial))));
+        const bool is_lost = serial != kShapes && random() % 3 == 0;
+        lost += is_lost ? 1 : 0;
+        if (!is_lost) on_their_way.emplace_back(n + static_cast<int>(random() % 200), serial);
+      }
+      for (const auto& [arrival, one] : on_their_way) {
+        if (arrival == n)
+          stage.announce(start_at(scene, one, static_cast<std::int64_t>(33'000'000) * (one - 1) + 2'000'000),
+                         wave_of(scene, static_cast<int>(one)));
+      }
+      const double down = std::min(1.0, n / 200.0);
+      felt = stage.step(Vec3(0.003, 0.002, 0.02) + down * Vec3(0, 0, still.z() - 0.02));
+      ASSERT_TRUE(felt.patch.has_value()) << n;
+      const double force_n = felt.patch->force_n.norm();
+      if (n > 250) largest_change_n = std::max(largest_change_n, std::abs(force_n - last_n));
+      last_n = force_n;
+    }
+    EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), 1e-9) << seed;
+    EXPECT_GT(felt.whole.force_n.norm(), 0.5);
+    // The hand holds still; the surface goes no faster than that, and its facets lean by less than 0.5.
+    EXPECT_LT(largest_change_n, 800.0 * kMostSurfaceSpeed * ChainStage::kStepS * 1.5) << seed;
+    EXPECT_GT(stage.chain().counts().late_shapes, 5U) << seed;
+    EXPECT_GT(lost, 5U);
+  }
+}
+
+bool is_of_skin(const Message& part) {
+  if (const auto* tile = std::get_if<PatchTile>(&part)) return tile->object == 1;
+  return std::holds_alternative<PatchStream>(part);
+}
+
+TEST(StreamedPatch, IsKnownWhenAllOfItIsThereAndItsShape) {
+  const TouchScene scene = skin_on_floor();
+  std::vector<Message> parts = parts_of(make_tiles(scene));
+  std::mt19937_64 random(60);
+  std::shuffle(parts.begin(), parts.end(), random);
+  std::stable_partition(parts.begin(), parts.end(), [](const Message& part) { return !is_of_skin(part); });
+  PatchStore store;
+  const Vec3 above(0.0, 0.0, 0.03);
+  int streams = 0;
+  for (Message& part : parts) {
+    if (is_of_skin(part)) {
+      EXPECT_TRUE(store.make_piece(above, 1.0, 100, 1).scene.objects.empty());
+      EXPECT_NEAR(store.known_radius(above, 1), 0.03 - 0.007 - kStreamReachM, 1e-5) << "no shape is nearer";
+    }
+    if (auto* stream = std::get_if<PatchStream>(&part)) {
+      ++streams;
+      stream->shape_serial = streams == 3 ? 7 : 2;
+    }
+    for (int repeat = 0; repeat < 2; ++repeat) EXPECT_TRUE(store.accept_part(part));
+  }
+  ASSERT_GT(streams, 10);
+  EXPECT_FALSE(std::isinf(store.known_radius(above, 1))) << "it has had a shape, and none has come";
+
+  const auto announce = [&](std::uint32_t serial, bool has_shape) {
+    const ChainStage::Shape shape = wave_of(scene, 1);
+    for (std::uint32_t first = 0; has_shape && first < shape.size(); first += ShapePart::kMostHere) {
+      (void)store.accept_shape(ObjectShape{.source = 5, .serial = serial, .object = 1, .part = make_shape_part(shape, first)},
+                               Arrival::newest);
+    }
+    EXPECT_TRUE(store.accept_shape(start_at(scene, serial, 0), Arrival::newest));
+  };
+  announce(6, true);
+  EXPECT_FALSE(std::isinf(store.known_radius(above, 1))) << "an older one than it has";
+  announce(7, false);
+  EXPECT_FALSE(std::isinf(store.known_radius(above, 1))) << "its vertices have not come";
+  EXPECT_FALSE(store.take_shape_request(1));
+  const auto request = store.take_shape_request(1'000'000'000);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->serial, 7U);
+  announce(7, true);
+  EXPECT_TRUE(std::isinf(store.known_radius(above, 1)));
+  const PatchStore::Piece piece = store.make_piece(above, 1.0, 1, 1);
+  ASSERT_EQ(piece.scene.objects.size(), 1U);
+  EXPECT_EQ(piece.scene.objects[0].mesh->triangles.size(), 2U * 24 * 24);
+  EXPECT_EQ(piece.scene.objects[0].stream_reach_m, kStreamReachM);
+  EXPECT_EQ(store.counts().rejected, 0U);
+}
+
+TEST(StreamedPatch, IsKnownInWhateverOrderItsPartsCome) {
+  const TiledScene tiled = make_tiles(skin_on_floor());
+  PatchStore store;
+  std::uint32_t epoch = 0;
+  const auto expect_known_with_last = [&](auto&& is_last) {
+    std::vector<Message> parts = parts_of(tiled, ++epoch);
+    std::stable_partition(parts.begin(), parts.end(), [&](const Message& part) { return !is_last(part); });
+    for (const Message& part : parts) (void)store.accept_part(part);
+    EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_streamed()) << epoch;
+  };
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBegin>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBody>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchTile>(part); });
+  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchStream>(part); });
+}
+
+// Each vertex of the joined mesh moves with the one of the scene that has its place at rest, as the scene file poses it.
+TEST(StreamedPatch, HasTheShapesOfTheScene) {
+  TouchScene scene = skin_on_floor();
+  scene.objects[1].stream_to_scene = 0.5 * Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())).toRotationMatrix();
+  PatchStore store;
+  for (const Message& part : parts_of(make_tiles(scene))) (void)store.accept_part(part);
+  const PatchStore::Piece piece = store.make_piece(Vec3::Zero(), 1.0, 1, 1);
+  ASSERT_EQ(piece.scene.objects.size(), 1U);
+  const ChainStage::Shape shape = wave_of(scene, 3);
+  const std::vector<Vec3>& rest = piece.scene.objects[0].mesh->vertices;
+  const std::vector<Vec3> at = store.find_stream(1)->vertices_at(rest, shape);
+  const std::vector<Vec3>& own = scene.objects[1].mesh->vertices;
+  ASSERT_EQ(at.size(), own.size());
+  for (std::size_t v = 0; v < at.size(); ++v) {
+    const auto same = std::find(own.begin(), own.end(), rest[v]);
+    ASSERT_NE(same, own.end());
+    const auto& by = shape[static_cast<std::size_t>(same - own.begin())];
+    EXPECT_EQ(at[v], rest[v] + scene.objects[1].stream_to_scene * Vec3(by[0], by[1], by[2]));
+  }
+}
+
+TEST(StreamedPatch, WhatCannotBeFeltOnTheGridIsNotSent) {
+  EXPECT_TRUE(can_feel_what_deforms(make_tiles(skin_on_floor()), 0.0));
+  EXPECT_FALSE(can_feel_what_deforms(make_tiles(skin_on_floor()), 0.001)) << "a ball cannot feel what deforms";
+  TouchScene torn = skin_on_floor();
+  TriangleMesh mesh = *torn.objects[1].mesh;
+  // A second triangle with corners of its own, at one of them less than a step of the grid away.
+  const Triangle corners = mesh.triangles[0];
+  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+  for (const std::uint32_t corner : corners) mesh.vertices.push_back(mesh.vertices[corner]);
+  mesh.triangles[0] = {first, first + 1, first + 2};
+  torn.objects[1].mesh = made::shared(mesh);
+  EXPECT_FALSE(make_tiles(torn).has_parting) << "at the same place, they count as one";
+  mesh.vertices[first].x() += 0.1 * make_tiles(torn).grid.step_m;
+  torn.objects[1].mesh = made::shared(mesh);
+  EXPECT_TRUE(make_tiles(torn).has_parting);
+}
+
+TEST(StreamedPatch, TheStepsUseNoHeap) {
+  if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
+  const TouchScene scene = skin_on_floor(0.5);
+  ChainStage stage(scene);
+  for (int n = 0; n < 200; ++n) (void)stage.step(Vec3(0.003, 0.002, 0.0055));
+  for (std::uint32_t serial = 1; serial <= 6; ++serial) {
+    stage.announce(start_at(scene, serial, 150'000'000 + serial * kShapeNs), wave_of(scene, static_cast<int>(serial)));
+  }
+  (void)stage.step(Vec3(0.003, 0.002, 0.0055));
+  std::uint64_t used = 0;
+  for (int n = 0; n < 300; ++n) {
+    const TouchInput input{.p_WD = Vec3(0.003 + 1e-5 * n, 0.002, 0.0055), .dt_s = 1e-3, .time_s = 0.202 + 1e-3 * n};
+    const AllocationGuard guard;
+    const auto output = stage.chain().step(input);
+    used += guard.count();
+    ASSERT_TRUE(output && output->contact) << n;
+  }
+  EXPECT_EQ(used, 0U);
+  EXPECT_EQ(stage.chain().counts().shapes, 6U);
+}
+
+// Of a hostile haptics node.
+TEST(StreamedPatch, WhatContradictsItselfIsNeverConfirmed) {
+  const TiledScene tiled = make_tiles(skin_on_floor());
+  const auto expect_rejected = [&](auto&& change) {
+    PatchStore store;
+    for (Message part : parts_of(tiled)) {
+      if (auto* stream = std::get_if<PatchStream>(&part)) change(*stream);
+      (void)store.accept_part(part);
+    }
+    EXPECT_GT(store.counts().rejected, 0U);
+    EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.objects.empty());
+  };
+  expect_rejected([](PatchStream& stream) { stream.reach_m = 1.0; });
+  expect_rejected([](PatchStream& stream) { stream.vertex_count = static_cast<std::uint8_t>(stream.vertex_count - 1); });
+  expect_rejected([](PatchStream& stream) { stream.tile_count = PatchStore::kMostTiles + 1; });
+  int n = 0;
+  expect_rejected([&](PatchStream& stream) { stream.total += ++n == 4 ? 1 : 0; });
+  n = 0;
+  expect_rejected([&](PatchStream& stream) { stream.object += ++n == 4 ? 1 : 0; });
+}
+
+}  // namespace
+}  // namespace hapton
