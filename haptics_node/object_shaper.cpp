@@ -18,6 +18,7 @@ static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
 
 // Between two looks for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapeLook(2);
+constexpr std::int64_t kMostAtOnce = 4;  // parts, after a pause, where they are paced
 // In which the hub makes a stage ready, as this node does: 15 us a vertex for large meshes (decision 191), and as much to spare.
 constexpr std::int64_t kStageNsPerVertex = 30'000;
 
@@ -210,7 +211,7 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
 
 Message ObjectShaper::make_part(const Object& object, std::uint32_t serial, const WantedShape& shape, std::uint32_t first,
                                 std::int64_t now_ns) noexcept {
-  next_part_ns_ = now_ns + pace_.part_ns;
+  next_part_ns_ = std::max(next_part_ns_, now_ns - kMostAtOnce * pace_.part_ns) + pace_.part_ns;
   return ObjectShape{.source = object.start.source,
                      .serial = serial,
                      .object = object.start.object,

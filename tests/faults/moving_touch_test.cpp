@@ -149,6 +149,104 @@ TEST(MovingTouch, LostMovesDoNotMakeTheSurfaceJump) {
   EXPECT_NEAR(system.touched.back().force.force_n.z(), spring_n(top_m, system.touched.back()), kGridN);
 }
 
+// A program raises the top of the box and lets it sink.
+Scene swelling_box() {
+  Scene scene;
+  scene.objects.push_back(pressed_box());
+  scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.002});
+  return scene;
+}
+
+std::vector<ShapePart::Displacement> raised_top(const TriangleMesh& box, double by_m) {
+  std::vector<ShapePart::Displacement> shape;
+  for (const Vec3& p : box.vertices) shape.push_back({0.0F, 0.0F, p.z() > 0.0 ? static_cast<float>(by_m) : 0.0F});
+  return shape;
+}
+
+// Until the haptics node has announced the shape of that number.
+bool wait_for_shape(SimulatedSystem& system, std::uint64_t taken) {
+  for (int n = 0; n < 3000 && system.haptics->shaper().counts().shapes < taken; ++n) {
+    system.run_for_ns(2 * kMs);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return system.haptics->shaper().counts().shapes >= taken;
+}
+
+// Beside the threads that make shapes ready, which take their own time.
+void run_beside_builders(SimulatedSystem& system, int tens_of_ms) {
+  for (int n = 0; n < tens_of_ms; ++n) {
+    system.run_for_ns(10 * kMs);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+// Announced before it begins, a program's shape is the same on both sides, to the bit of its scene time.
+TEST(MovingTouch, AProgramsShapeIsFeltAsItWasAnnounced) {
+  SimulatedSystem system(8, TouchChoice::patch);
+  system.scene = swelling_box();
+  press_in_and_be_far(system);
+  system.run_for_ns(4000 * kMs);  // until the median round trip is that of the far node
+  system.touched.clear();
+  std::vector<std::pair<ShapeStart, double>> starts = {{ShapeStart(), 0.0}};
+  for (std::uint32_t shape = 1; shape <= 6; ++shape) {
+    const double by_m = 0.0005 * static_cast<double>(shape % 3);
+    system.haptics->deform(shape, raised_top(*system.scene.objects[0].mesh, by_m), 0.05);
+    ASSERT_TRUE(wait_for_shape(system, shape));
+    starts.emplace_back(*system.haptics->shaper().newest(), by_m);
+    run_beside_builders(system, 15);
+  }
+  run_beside_builders(system, 50);
+  EXPECT_EQ(system.stats().patch_touch.shapes, 6U);
+  EXPECT_EQ(system.stats().patch_touch.late_shapes, 0U);
+  const auto top_at = [&](std::int64_t scene_ns) {
+    double top_m = kBoxTopM;
+    for (std::size_t n = 1; n < starts.size(); ++n) {
+      const auto& [start, by_m] = starts[n];
+      const double share = static_cast<double>(scene_ns - start.start_ns) / static_cast<double>(start.end_ns - start.start_ns);
+      if (share > 0.0) top_m = kBoxTopM + starts[n - 1].second + std::min(share, 1.0) * (by_m - starts[n - 1].second);
+    }
+    return top_m;
+  };
+  double most_n = 0.0;
+  for (const SimulatedSystem::Touched& one : system.touched) {
+    ASSERT_NEAR(one.force.force_n.z(), spring_n(top_at(one.force.scene_time_ns), one), kGridN);
+    most_n = std::max(most_n, one.force.force_n.z());
+  }
+  EXPECT_GT(most_n, 2.95);
+}
+
+// A third of all datagrams is lost, and the rest overtake each other, while shapes come without pause.
+TEST(MovingTouch, LostShapesDoNotMakeTheSurfaceJump) {
+  SimulatedSystem system(9, TouchChoice::patch);
+  system.scene = swelling_box();
+  press_in_and_be_far(system, 0.33);
+  double by_m = 0.0;
+  for (std::uint32_t shape = 1; shape <= 40; ++shape) {
+    by_m = 0.0005 * static_cast<double>(shape % 4);
+    system.haptics->deform(shape, raised_top(*system.scene.objects[0].mesh, by_m), 0.03);
+    run_beside_builders(system, 4);
+  }
+  by_m = 0.0015;
+  system.haptics->deform(41, raised_top(*system.scene.objects[0].mesh, by_m), 0.03);
+  const auto is_there = [&] {
+    const SimulatedSystem::Touched& last = system.touched.back();
+    return std::abs(last.force.force_n.z() - spring_n(kBoxTopM + by_m, last)) < kGridN;
+  };
+  for (int n = 0; n < 500 && (n < 100 || !is_there()); ++n) {
+    system.run_for_ns(20 * kMs);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_TRUE(is_there()) << system.touched.back().force.force_n.z();
+  EXPECT_GT(system.stats().patch_touch.shapes, 5U);
+  ASSERT_GT(system.touched.size(), 1000U);
+  for (std::size_t n = 1; n < system.touched.size(); ++n) {
+    const std::int64_t passed_ns = system.touched[n].sample.time_ns - system.touched[n - 1].sample.time_ns;
+    if (passed_ns > 2 * kMs) continue;  // haptics was not heard for a second
+    const double most_n = kBoxStiffness * kMostSurfaceSpeed * 1e-9 * static_cast<double>(passed_ns);
+    ASSERT_LE(std::abs(system.touched[n].force.force_n.z() - system.touched[n - 1].force.force_n.z()), most_n + 1e-6) << n;
+  }
+}
+
 // From patches to remote force and back, while the box moves: no force discontinuity, and at the end the remote force is that of the box.
 TEST(MovingTouch, TheForceHasNoJumpWhereTheSourceChanges) {
   SimulatedSystem system(6, TouchChoice::automatic);

@@ -15,6 +15,7 @@
 #include "haptic_step/object_mover.h"
 #include "haptics_node/grasp_task.h"
 #include "haptics_node/new_scene.h"
+#include "haptics_node/object_shaper.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
 #include "io_node/local_patch.h"
@@ -104,6 +105,10 @@ class SimulatedHaptics {
         patches_(touched_, 0.0, 1, true) {
     loop_.set_patch_sender(&patches_);
     if (!scene.objects.empty()) loop_.set_object_mover(&mover);
+    if (touched_.has_streamed()) {
+      loop_.set_object_shaper(&shaper_.emplace(scene, step_.touch(), 77U));
+      shaper_->start();
+    }
     const auto movable = list_movable(scene);
     if (std::find(movable.begin(), movable.end(), true) == movable.end()) return;
     step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U), make_tool_obstacles(touched_).parts);
@@ -123,6 +128,13 @@ class SimulatedHaptics {
   const TouchStep& touch() const { return step_.touch(); }
   // Pre: the scene has movable objects.
   const Grasp& grasp() const { return *grasp_; }
+  // As a program requests a shape of the first object. Pre: programs deform it.
+  void deform(std::uint32_t shape, const std::vector<ShapePart::Displacement>& displacements_m, double over_s) {
+    for (std::uint32_t first = 0; first < displacements_m.size(); first += ShapePart::kMostHere) {
+      shaper_->accept({.stream = 1, .shape = shape, .over_s = over_s, .part = make_shape_part(displacements_m, first)}, clock.now_ns());
+    }
+  }
+  const ObjectShaper& shaper() const { return *shaper_; }
   // As its watcher does when the scene's file was saved again.
   void set_scene(const Scene& scene) {
     touched_ = scene.touch_scene();
@@ -159,6 +171,7 @@ class SimulatedHaptics {
   MethodBuilder builder_;
   ReplyLoop loop_;
   PatchSender patches_;
+  std::optional<ObjectShaper> shaper_;
   std::uint32_t revision_ = 0;
   SteadyClock own_time_;
   GraspLink grasp_link_;

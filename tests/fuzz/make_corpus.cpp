@@ -214,6 +214,13 @@ TouchObject heaving_square() {
   return square;
 }
 
+// A square that a program raises by 2 mm.
+TouchObject swelling_square() {
+  TouchObject square{.mesh = made::shared(made::sheet(0.01, 0.0, 1)), .material = {}};
+  square.stream_reach_m = 0.004;
+  return square;
+}
+
 bool write_patch() {
   const TouchObject floor{.mesh = made::shared(made::sheet(0.02, 0.0, 1)), .material = {}};
   TouchObject sliding = floor;
@@ -227,6 +234,12 @@ bool write_patch() {
          write("patch", "keyframes", parts_of({.objects = {floor, sliding}})) &&
          write("patch", "commanded", parts_of({.objects = {floor, lid}}, {lifted})) &&
          write("patch", "deforms", parts_of({.objects = {floor, heaving_square()}})) &&
+         write("patch", "streams",
+               parts_of({.objects = {floor, swelling_square()}},
+                        {ObjectShape{.source = 7, .serial = 1, .object = 1, .part = {.total = 4, .displacements_m = {{{0, 0, 0.002F}}}}},
+                         ShapeStart{.source = 7, .serial = 1, .object = 1, .total = 4, .start_ns = 2'000'000, .end_ns = 12'000'000},
+                         ObjectShape{.source = 7, .serial = 2, .object = 1, .part = {.total = 4}},
+                         ShapeStart{.source = 7, .serial = 2, .before = 1, .object = 1, .total = 4, .start_ns = 3, .end_ns = 4}})) &&
          write("patch", "next_epoch", parts_of({.objects = {heaving_square()}}, {PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-8}}));
 }
 

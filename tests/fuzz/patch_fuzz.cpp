@@ -29,6 +29,7 @@ class PatchHub {
   void take(const Message& message) {
     if (const auto* move = std::get_if<ObjectMove>(&message)) return take(*move);
     const std::uint32_t epoch = store_.status().epoch;
+    if (store_.accept_shape(message, Arrival::newest)) return;
     const bool is_part = store_.accept_part(message);
     fuzz::require(is_part == is_scene_part(message));
     if (store_.status().epoch == epoch) return;
@@ -68,11 +69,14 @@ class PatchHub {
   void make_patches() {
     const std::uint32_t bodies = has_bodies_ ? store_.begin().body_count : 1;
     for (std::uint32_t body = 0; body < bodies; ++body) {
-      const PatchHandState hand = chain_->hand_of(body, static_cast<std::int64_t>(1e9 * time_s_));
+      const auto time_ns = static_cast<std::int64_t>(1e9 * time_s_);
+      const PatchHandState hand = chain_->hand_of(body, time_ns, time_ns);
       const double known_m = store_.known_radius(hand.p_SD, body);
       fuzz::require(!(known_m < 0.0));
       (void)chain_->take_retired(body);
       makers_[body].note_hand(hand);
+      if (shapes_[body] == nullptr) shapes_[body] = makers_[body].make_stage_if_due(store_);
+      if (shapes_[body] != nullptr && chain_->take(body, *shapes_[body])) shapes_[body].reset();
       auto patch = makers_[body].make_if_due(store_, generation_);
       if (patch == nullptr) continue;
       fuzz::require((patch->step == nullptr) == patch->objects.empty());
@@ -82,6 +86,7 @@ class PatchHub {
 
   PatchStore store_;
   std::vector<PatchMaker> makers_;
+  std::array<std::unique_ptr<PatchShape>, PatchChain::kLinks> shapes_;  // on their way to the chain
   std::unique_ptr<PatchChain> chain_ = std::make_unique<PatchChain>();
   MoveTable moves_;
   std::uint32_t generation_ = 0;

@@ -42,8 +42,9 @@ class ObjectShaperTest : public testing::Test {
     step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = hand});
     force_ = step_.reply();
     for (int n = 0; n < 4; ++n) {
-      const auto message = shaper_.take_due(step_);
+      const auto message = shaper_.take_due(step_, now_ns_);
       if (!message) break;
+      parts_ += std::holds_alternative<ObjectShape>(*message) ? 1 : 0;
       if (const auto* reply = std::get_if<ShapeReply>(&*message)) replies_.push_back(*reply);
       if (const auto* part = std::get_if<ObjectShape>(&*message)) known_.take(*part, Arrival::newest);
       if (const auto* start = std::get_if<ShapeStart>(&*message)) {
@@ -74,6 +75,7 @@ class ObjectShaperTest : public testing::Test {
   KnownShapes known_{{169, 25}};
   std::vector<ShapeReply> replies_;
   std::vector<ShapeStart> starts_;
+  int parts_ = 0;
   ForceCommand force_;
   std::int64_t now_ns_ = 0;
   std::uint64_t sample_ = 0;
@@ -110,6 +112,41 @@ TEST_F(ObjectShaperTest, AFastProgramDoesNotMakeItStop) {
   }
   EXPECT_GE(starts_.size(), 25U);
   for (std::size_t s = 1; s < starts_.size(); ++s) EXPECT_EQ(starts_[s].start_ns, starts_[s - 1].end_ns) << s;
+}
+
+// While the hub computes the force, it knows of each motion a round trip before, and the surface does not stop. Haptics has the same
+// surface at each sample.
+TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
+  constexpr std::int64_t kLeadNs = 250'000'000;
+  shaper_.set_pace({.lead_ns = kLeadNs, .part_ns = 10'000'000});
+  std::uint32_t shape = 0;
+  std::size_t seen = 0;
+  double most_n = 0.0;
+  for (int n = 0; n < 3000; ++n) {
+    if (n % 33 == 0) {
+      ++shape;
+      give(0, shape, raised(169, 0.002 + 0.001 * (shape % 3)), 0.033);
+    }
+    cycle();
+    for (; seen < starts_.size(); ++seen) EXPECT_GT(starts_[seen].start_ns, force_.scene_time_ns + kLeadNs) << seen;
+    ASSERT_NEAR(force_.force_n.z(), 1000.0 * std::max(0.0, announced_height() - kHandOverSheet.z()), 2e-3) << n;
+    most_n = std::max(most_n, force_.force_n.z());
+  }
+  EXPECT_GT(most_n, 1.5);
+  EXPECT_GT(starts_.size(), 50U);
+  EXPECT_LE(parts_, 305) << "one in 10 ms, and four at once";
+  for (std::size_t s = 2; s < starts_.size(); ++s) {
+    EXPECT_EQ(starts_[s].start_ns, starts_[s - 1].end_ns) << "the surface does not stop: " << s;
+    EXPECT_GE(starts_[s].end_ns - starts_[s].start_ns, 36'000'000) << "so that no more than eight wait";
+  }
+  // Beside the hub again, one waits at most, as ever.
+  shaper_.set_pace({});
+  for (int n = 0; n < 600; ++n) cycle();
+  const std::size_t before = starts_.size();
+  give(0, ++shape, raised(169, 0.003), 0.033);
+  for (int n = 0; n < 5; ++n) cycle();
+  ASSERT_EQ(starts_.size(), before + 1);
+  EXPECT_LT(starts_.back().start_ns, force_.scene_time_ns + 30'000'000);
 }
 
 // Each object moves on its own: a slow motion of one does not delay fast motions of the other.

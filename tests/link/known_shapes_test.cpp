@@ -101,6 +101,57 @@ TEST_F(KnownShapesTest, AMissingShapeIsRequestedAndThenShown) {
   EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 9.0F) << "there, although the way is not known";
 }
 
+// For who makes ready what comes: the first that is not over, or the last.
+TEST_F(KnownShapesTest, TheNextShapeThatIsWholeIsFound) {
+  EXPECT_EQ(known_.newest_start(kSkin), nullptr);
+  EXPECT_EQ(known_.find_next(kSkin, 0, 0), nullptr);
+  begin(1, 0, 100 * kOneMs, 200 * kOneMs);
+  ASSERT_NE(known_.newest_start(kSkin), nullptr);
+  EXPECT_EQ(known_.newest_start(kSkin)->serial, 1U);
+  EXPECT_EQ(known_.find_next(kSkin, 0, 0), nullptr) << "not whole";
+  for (const std::uint32_t serial : {2U, 4U, 5U}) {
+    give(serial);
+    begin(serial, serial - 1, serial * 100 * kOneMs, (serial + 1) * 100 * kOneMs);
+  }
+  const auto next = [&](std::uint32_t after, std::int64_t at_ns) {
+    const ShapeStart* found = known_.find_next(kSkin, after, at_ns);
+    return found != nullptr ? found->serial : 0;
+  };
+  EXPECT_EQ(next(0, 0), 2U);
+  EXPECT_EQ(next(0, 299 * kOneMs), 2U);
+  EXPECT_EQ(next(0, 300 * kOneMs), 4U) << "2 is over, 3 did not come";
+  EXPECT_EQ(next(2, 0), 4U);
+  EXPECT_EQ(next(2, 9000 * kOneMs), 5U) << "all are over";
+  EXPECT_EQ(next(5, 0), 0U);
+  EXPECT_EQ(known_.find_start(kSkin, 4)->start_ns, 400 * kOneMs);
+  EXPECT_EQ(known_.find_start(kSkin, 3), nullptr);
+  EXPECT_EQ(known_.find_next(kSkin + 1, 0, 0), nullptr) << "no such object";
+}
+
+TEST_F(KnownShapesTest, AnObjectMayBeAddedLater) {
+  KnownShapes known;
+  known.take(start_of(1, 0, 0, 1), Arrival::newest);
+  EXPECT_FALSE(known.find(kSkin, 5)) << "nothing is known of it";
+  known.add_object(kSkin, kTotal);
+  EXPECT_TRUE(known.find(kSkin, 5));
+  known.take(start_of(1, 0, 0, 1), Arrival::newest);
+  EXPECT_EQ(known.find(kSkin, 5), KnownShapes::Place{}) << "its shape is missing";
+  EXPECT_NE(known.newest_start(kSkin), nullptr);
+  known.add_object(kSkin, kTotal);
+  EXPECT_NE(known.newest_start(kSkin), nullptr) << "as before";
+  known.add_object(kSkin, kTotal + 1);
+  EXPECT_EQ(known.newest_start(kSkin), nullptr) << "another mesh";
+}
+
+// As many wait for their start as a surface can have (StreamedGeometry), and the picture is still of an earlier one.
+TEST_F(KnownShapesTest, EightThatWaitDoNotHideThePresentOne) {
+  for (std::uint32_t serial = 1; serial <= 10; ++serial) {
+    give(serial);
+    begin(serial, serial - 1, serial * 100 * kOneMs, (serial + 1) * 100 * kOneMs);
+  }
+  EXPECT_FLOAT_EQ(displaced_mm(150 * kOneMs), 0.5F);
+}
+
 TEST_F(KnownShapesTest, ALostShapeIsLeftOut) {
   give(1);
   begin(1, 0, 100 * kOneMs, 200 * kOneMs);

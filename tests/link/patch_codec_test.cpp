@@ -91,8 +91,8 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
   EXPECT_EQ(other([](PatchStream& m) { m.total = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.total = ShapePart::kMostVertices + 1; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.reach_m = 0.0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.reach_m = kNotANumber; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.to_scene(2, 2) = kNotANumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.reach_m = kNoNumber; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.to_scene(2, 2) = kNoNumber; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.vertex_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.vertices[1] = 30; }), DecodeStatus::bad_value) << "not of the mesh";
 

@@ -156,6 +156,36 @@ class Parts {
     for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(any(), -1e6, 1e6));
     return displacements;
   }
+  // Of few tiles, as above; and shapes of the object, most of which come whole.
+  Message stream() {
+    PatchStream stream{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % 4)};
+    stream.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() >> 33 : random_() % 600);
+    stream.tile_count = static_cast<std::uint32_t>(1 + random_() % 3);
+    stream.object = static_cast<std::int32_t>(random_() % 3);
+    stream.total = static_cast<std::uint32_t>(one_in(4) ? ShapePart::kMostVertices : 64);
+    stream.reach_m = std::clamp(std::abs(any()), 1e-6, 1e6);
+    for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = std::clamp(any(), -1e6, 1e6);
+    stream.shape_serial = one_in(2) ? 0U : shapes_;
+    stream.tile = stream.first_tile + static_cast<std::uint32_t>(random_() % stream.tile_count);
+    stream.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostVertices);
+    for (auto& vertex : stream.vertices) vertex = static_cast<std::uint32_t>(random_() % stream.total);
+    return stream;
+  }
+  Message shape() {
+    ObjectShape shape{.source = 9, .serial = ++shapes_, .object = static_cast<std::int32_t>(random_() % 3), .part = {.total = 64}};
+    for (auto& by_m : shape.part.displacements_m) {
+      for (float& k : by_m) k = static_cast<float>(std::clamp(any(), -100.0, 100.0));
+    }
+    return shape;
+  }
+  Message shape_start() {
+    ShapeStart start{.source = one_in(50) ? 8U : 9U, .serial = std::max(1U, shapes_), .object = static_cast<std::int32_t>(random_() % 3)};
+    start.total = 64;
+    start.before = start.serial - 1;
+    start.start_ns = static_cast<std::int64_t>(random_() >> (2 + random_() % 40));
+    start.end_ns = start.start_ns + static_cast<std::int64_t>(random_() >> (3 + random_() % 40));
+    return start;
+  }
   Message move() {
     ObjectMove move{.source = one_in(50) ? 8U : 7U, .serial = ++moves_, .object = static_cast<std::int32_t>(random_() % 3)};
     move.start_ns = static_cast<std::int64_t>(random_() >> (1 + random_() % 40));
@@ -200,6 +230,7 @@ class Parts {
   std::uint32_t epoch_ = 0;
   std::uint32_t serial_ = 0;
   std::uint32_t moves_ = 0;
+  std::uint32_t shapes_ = 0;
 };
 
 TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
@@ -223,6 +254,8 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       for (int n = 0; n < 60; ++n) hostile.send(parts.one_in(5) ? parts.cell() : parts.tile());
       for (int n = 0; n < 6; ++n) hostile.send(parts.body());
       for (int n = 0; n < 20; ++n) hostile.send(parts.one_in(4) ? parts.deformation() : parts.displacements());
+      for (int n = 0; n < 8; ++n) hostile.send(parts.stream());
+      for (int n = 0; n < 4; ++n) hostile.send(parts.one_in(2) ? parts.shape() : parts.shape_start());
       for (int n = 0; n < 3; ++n) hostile.send(parts.move());
       hostile.send(parts.material());
       hostile.send(parts.force(hostile.state()));

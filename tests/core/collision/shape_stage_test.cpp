@@ -30,16 +30,16 @@ struct Streamed {
     for (const Vec3& p : mesh->vertices) shape.push_back(map(p));
     return shape;
   }
-  // The stage that leads there from where the present one ends.
+  // The stage that leads there from where the newest one ends.
   std::unique_ptr<ShapeStage> stage_to(const std::vector<Vec3>& shape) const {
-    auto made = stager->make(surface->present().to, shape);
+    auto made = stager->make(surface->newest().to, shape);
     EXPECT_TRUE(made) << (made ? "" : made.error().what);
     return made ? std::move(*made) : nullptr;
   }
-  void expect_shape(const std::vector<Vec3>& expected) const {
+  void expect_shape(const std::vector<Vec3>& expected, double tolerance = 0x1p-49) const {
     for (std::size_t v = 0; v < expected.size(); ++v) {
       const Vec3& is = geometry->deforming_object().vertices()[geometry->new_vertex()[v]];
-      ASSERT_LE((is - geometry->to_local(expected[v])).norm(), 0x1p-49) << v;
+      ASSERT_LE((is - geometry->to_local(expected[v])).norm(), tolerance) << v;
       for (int k = 0; k < 3; ++k) ASSERT_EQ(std::ldexp(is[k], 51), std::rint(std::ldexp(is[k], 51))) << "on the grid";
     }
   }
@@ -110,9 +110,53 @@ TEST(StreamedGeometry, TheNewestThatWaitsComesNext) {
   const auto up = one.mapped([](const Vec3& p) { return Vec3(p + Vec3(0, 0, 0.01)); });
   const auto down = one.mapped([](const Vec3& p) { return Vec3(p - Vec3(0, 0, 0.02)); });
   EXPECT_EQ(one.surface->offer(one.stage_to(up), 1.0, 0.0).replaced, nullptr);
-  EXPECT_NE(one.surface->offer(one.stage_to(down), 1.0, 0.0).replaced, nullptr);
+  auto to_down = one.stager->make(one.surface->present().to, down);
+  EXPECT_NE(one.surface->offer(std::move(*to_down), 1.0, 0.0).replaced, nullptr);
+  EXPECT_EQ(one.surface->waiting(), 1U);
   one.surface->shape(0.5);
   one.expect_shape(between(one.mesh->vertices, down, 0.5));
+}
+
+// Several wait, each for its start; a step that passes some of them is at the last one's shape. What is used no more comes back, one for
+// each that is given, and no more than were given are kept.
+TEST(StreamedGeometry, SeveralMayWaitEachForItsStart) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    std::mt19937_64 random(seed);
+    const Streamed one(made::sheet(0.05, 0.0, 4));
+    std::vector<std::vector<Vec3>> shapes = {one.mesh->vertices};
+    std::vector<std::pair<double, double>> times = {{0.0, 0.0}};  // start and end of the way to each
+    std::size_t returned = 0;
+    double time_s = 0.0;
+    for (int n = 0; n < 400; ++n) {
+      while (one.surface->waiting() < StreamedGeometry::kMostWaiting && random() % 4 != 0) {
+        const double height = 1e-3 * static_cast<double>(random() % 20);
+        shapes.push_back(one.mapped([&](const Vec3& p) { return Vec3(p + Vec3(0.1 * height, 0, height)); }));
+        const double start_s = std::max(times.back().second, time_s) + 0.01 * static_cast<double>(random() % 3);
+        const double over_s = 0.01 * static_cast<double>(1 + random() % 5);
+        returned += one.surface->append(one.stage_to(shapes.back()), over_s, start_s) != nullptr ? 1 : 0;
+        times.emplace_back(start_s, start_s + over_s);
+        EXPECT_DOUBLE_EQ(one.surface->end_s(), times.back().second);
+      }
+      const auto before = one.geometry->to_scene(one.geometry->deforming_object().vertices()[0]);
+      time_s += 0.001 * static_cast<double>(random() % 60);
+      const double bound_m = one.surface->travel_to(time_s);
+      random() % 3 == 0 ? one.surface->skip_to(time_s) : one.surface->shape(time_s);
+      std::size_t s = 0;
+      while (s + 1 < times.size() && times[s + 1].first <= time_s) ++s;
+      const double share = s == 0 ? 1.0 : std::min(1.0, (time_s - times[s].first) / (times[s].second - times[s].first));
+      const auto expected = between(shapes[s == 0 ? 0 : s - 1], shapes[s], share);
+      const auto told = one.surface->vertices_at(time_s);
+      for (std::size_t v = 0; v < expected.size(); ++v) ASSERT_LE((told[v] - expected[v]).norm(), 1e-15) << n;
+      EXPECT_EQ(one.surface->serial(), s) << n;
+      one.surface->shape(time_s);
+      one.expect_shape(expected, 0x1p-47);
+      const auto after = one.geometry->to_scene(one.geometry->deforming_object().vertices()[0]);
+      EXPECT_LE((after - before).norm(), bound_m + 1e-12) << n;
+    }
+    // One is present, and the one before it may be asked for.
+    EXPECT_LE(shapes.size() - returned, StreamedGeometry::kMostWaiting + 1);
+    EXPECT_GT(shapes.size(), 300U);
+  }
 }
 
 // No vertex is farther than that from where it is, whatever the times and stages between.
