@@ -318,7 +318,7 @@ TEST(StreamedPatch, TheStepsUseNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   const TouchScene scene = skin_on_floor(0.5);
   ChainStage stage(scene);
-  for (int n = 0; n < 200; ++n) (void)stage.step(Vec3(0.003, 0.002, 0.0045));
+  for (int n = 0; n < 200; ++n) (void)stage.step(Vec3(0.003, 0.002, std::max(0.0045, 0.02 - 1e-4 * n)));
   for (std::uint32_t serial = 1; serial <= 6; ++serial) {
     stage.announce(start_at(scene, serial, 150'000'000 + serial * kShapeNs), wave_of(scene, static_cast<int>(serial)));
   }
