@@ -104,22 +104,43 @@ void PatchStore::accept(const PatchBegin& begin) {
   confirm(begin.serial);
 }
 
+namespace {
+
+// Those of a cube on the way up to the whole one.
+template <class Visit>
+void visit_empty_children(const PatchCell& cell, const CellKey& above, Visit&& visit) {
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    if (((cell.empty_children[above.level] >> octant) & 1U) != 0) visit(above.child(octant));
+  }
+}
+
+}  // namespace
+
+// Itself, the way up, and what is empty beside it.
+std::size_t PatchStore::count_new_cells(const PatchCell& cell) const {
+  std::size_t count = 0;
+  const auto note = [&](const CellKey& key) { count += cells_.contains(key_of(cell.body, key)) ? 0 : 1; };
+  CellKey above{cell.level, cell.index};
+  for (note(above); above.level > 0;) {
+    above = above.parent();
+    note(above);
+    visit_empty_children(cell, above, note);
+  }
+  return count;
+}
+
 void PatchStore::accept(const PatchCell& cell) {
   if (!adopt(cell.epoch, cell.serial)) return;
-  const CellKey key{cell.level, cell.index};
-  // Itself, the way up, and what is empty beside it.
-  if (cell.body >= PatchBody::kMostBodies ||
-      (!cells_.contains(key_of(cell.body, key)) && cells_.size() + 1 + std::size_t{8} * kPatchDeepestLevel > kMostCells)) {
+  if (cell.body >= PatchBody::kMostBodies || cells_.size() + count_new_cells(cell) > kMostCells) {
     ++counts_.rejected;
     return;
   }
+  const CellKey key{cell.level, cell.index};
   cells_[key_of(cell.body, key)].tiles.assign(cell.tiles.begin(), cell.tiles.begin() + cell.tile_count);
   for (CellKey above = key; above.level > 0;) {
     above = above.parent();
     cells_[key_of(cell.body, above)].is_divided = true;
-    for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      if (((cell.empty_children[above.level] >> octant) & 1U) != 0) cells_.try_emplace(key_of(cell.body, above.child(octant)));
-    }
+    visit_empty_children(cell, above, [&](const CellKey& empty) { cells_.try_emplace(key_of(cell.body, empty)); });
   }
   confirm(cell.serial);
 }

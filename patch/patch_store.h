@@ -132,6 +132,7 @@ class PatchStore {
   void drop_parts();
   bool adopt(std::uint32_t epoch, std::uint32_t serial);
   void confirm(std::uint32_t serial) noexcept;
+  std::size_t count_new_cells(const PatchCell& cell) const;
   bool is_whole(const Cell& cell) const;
   bool complete(Body& body) const;
   bool is_possible(const Body& body) const;

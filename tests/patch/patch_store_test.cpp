@@ -144,6 +144,18 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   EXPECT_GT(store.counts().rejected, PatchStore::kMostCells / 2);
   (void)store.known_radius(Vec3::Zero());
   (void)store.make_piece(Vec3::Zero(), 1.0, 100);
+  // Cells that are known, and say that others beside them are empty.
+  PatchStore full;
+  full.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});
+  for (const std::uint8_t empty : {0, 0xFF}) {
+    cell.empty_children.fill(empty);
+    for (std::uint32_t n = 0; n < 2500; ++n) {
+      cell.index = {n, (n * 97) % (1U << kPatchDeepestLevel), (n * 4001) % (1U << kPatchDeepestLevel)};
+      cell.serial = 2 + n;
+      full.accept(cell);
+    }
+    EXPECT_EQ(full.counts().rejected > 500, empty != 0) << full.counts().rejected;
+  }
   // A cell that is said to be divided at the deepest level, tiles that never come.
   PatchStore other;
   other.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});

@@ -170,6 +170,27 @@ TEST(ObjectsThatProgramsDeform, PushAHandThatHoldsStillAndAreReplayed) {
   EXPECT_THAT(info.out, HasSubstr("shapes of objects from programs: "));
 }
 
+// The same where io_node computes the force itself, which gets the shapes that it passes on.
+TEST(ObjectsThatProgramsDeform, PushAHandAlsoWhereIoNodeComputesTheForce) {
+  LedHand hand("simulated", "t_s,x_m,y_m,z_m\n0,0,0.06,0\n0.5,0,0.034,0\n600,0,0.034,0\n", "swelling.toml", {"--touch", "patch"});
+  const auto block = load_touch_mesh(HAPTON_SOURCE_DIR "/meshes/supple_block.obj", Unit::mm, CrackSealing::off);
+  ASSERT_TRUE(block) << block.error().what;
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > 100; }));
+  EXPECT_EQ(hand.read_counter("shapes_late"), 0);
+  Companion program(hand, KeyRole::tool, NodeRole::tool);
+  ShapeOutbox outbox;
+  const auto takes_s =
+      deform_object(program.client, program.clock, outbox, "block", swelling_of(block->mesh, 0.012), 0.2, kPatience.count());
+  ASSERT_TRUE(takes_s) << takes_s.error().what;
+  const std::int64_t before = hand.read_counter("local_forces");
+  EXPECT_TRUE(hand.goes_above("max_force_written_n", 0.5));
+  EXPECT_TRUE(System::wait_until([&] { return hand.read_counter("local_forces") > before; })) << "still here";
+  hand.end();
+  const Ended replayed = hand.replay();
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
+  EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
+}
+
 // A hand goes to the left side of the brick of scenes/push.toml and 30 mm on: so does the brick, and the recording gives the same forces.
 TEST(ObjectsThatArePushed, GoWhereTheHandPushesThemAndAreReplayed) {
   LedHand hand("simulated",
