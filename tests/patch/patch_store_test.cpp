@@ -147,7 +147,7 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   // Cells that are known, and say that others beside them are empty.
   PatchStore full;
   full.accept(PatchBegin{1, 1, Vec3::Zero(), 1e-9, 0.0, 0});
-  for (const std::uint8_t empty : {0, 0xFF}) {
+  for (const auto empty : {std::uint8_t{0}, std::uint8_t{0xFF}}) {
     cell.empty_children.fill(empty);
     for (std::uint32_t n = 0; n < 2500; ++n) {
       cell.index = {n, (n * 97) % (1U << kPatchDeepestLevel), (n * 4001) % (1U << kPatchDeepestLevel)};
