@@ -18,7 +18,8 @@ static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
 
 // Between two looks for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapeLook(2);
-constexpr std::int64_t kMostAtOnce = 4;  // parts, after a pause, where they are paced
+constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // since a part was requested again
+constexpr std::int64_t kMostAtOnce = 4;                        // parts, after a pause, where they are paced
 // In which the hub makes a stage ready, as this node does: 15 us a vertex for large meshes (decision 191), and as much to spare.
 constexpr std::int64_t kStageNsPerVertex = 30'000;
 
@@ -144,11 +145,29 @@ void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcep
   object->is_given = true;
 }
 
-void ObjectShaper::accept(const ShapeStatus& status) noexcept {
+void ObjectShaper::accept(const ShapeStatus& status, std::int64_t now_ns) noexcept {
   for (const auto& object : objects_) {
     if (object->start.object != status.object || object->start.source != status.source) continue;
-    if (object->start.serial == status.serial) object->again_from = std::min(object->again_from, status.first);
+    if (status.count == 0 && object->start.serial == status.serial) object->again_from = std::min(object->again_from, status.first);
+    if (status.count == 0) continue;
+    lossy_until_ns_ = now_ns + kLossyNs;
+    const std::uint32_t end = std::min(status.first + status.count, object->start.total);
+    if (again_end_ - again_begin_ < kMostAgain) again_[again_end_++ % kMostAgain] = {object.get(), status.serial, status.first, end};
   }
+}
+
+// A part that the hub has requested. Of a shape that is not kept any more: left out.
+std::optional<Message> ObjectShaper::take_again(std::int64_t now_ns) noexcept {
+  for (; again_begin_ != again_end_; ++again_begin_) {
+    Again& again = again_[again_begin_ % kMostAgain];
+    const auto& announced = again.object->announced;
+    const auto is_it = [&](const Object::Announced& one) { return one.serial == again.serial && one.made != nullptr; };
+    const auto found = std::find_if(announced.begin(), announced.end(), is_it);
+    if (found == announced.end() || again.first >= again.end) continue;
+    const std::uint32_t first = std::exchange(again.first, again.first + ShapePart::kMostHere);
+    return make_part(*again.object, again.serial, found->made->wanted, first, now_ns);
+  }
+  return std::nullopt;
 }
 
 void ObjectShaper::take_rejection(Object& object) noexcept {
@@ -160,7 +179,8 @@ void ObjectShaper::take_rejection(Object& object) noexcept {
 }
 
 std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
-  return pace_.lead_ns > 0 ? pace_.lead_ns + kStageNsPerVertex * object.start.total : 0;
+  if (pace_.lead_ns == 0) return 0;
+  return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + kStageNsPerVertex * object.start.total;
 }
 
 // So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent.
@@ -191,14 +211,13 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
   start.start_ns = std::max(start.end_ns, step.scene_time_ns() + 1 + find_lead_ns(object));
   start.end_ns = start.start_ns + static_cast<std::int64_t>(std::ceil(1e9 * over_s));
   auto used = step.deform(start.object, std::move(object.next->stage), start.start_ns, start.end_ns);
-  if (object.present != nullptr) {
-    object.present->stage = std::move(used);
-    object.maker.give_back(std::move(object.present));
-  }
-  object.present = std::move(object.next);
+  Object::Announced& place = object.announced[object.announced_count++ % kMostAnnounced];
+  (place.made != nullptr ? place.made : object.next)->stage = std::move(used);
+  if (place.made != nullptr) object.maker.give_back(std::move(place.made));
+  place = {serial_, std::move(object.next)};
   object.again_from = start.total;
-  object.reply = {.stream = object.present->wanted.stream,
-                  .shape = object.present->wanted.shape,
+  object.reply = {.stream = place.made->wanted.stream,
+                  .shape = place.made->wanted.shape,
                   .object = start.object,
                   .over_s = 1e-9 * static_cast<double>(start.end_ns - start.start_ns),
                   .serial = start.serial};
@@ -220,6 +239,7 @@ Message ObjectShaper::make_part(const Object& object, std::uint32_t serial, cons
 
 std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t now_ns) noexcept {
   for (const auto& object : objects_) take_rejection(*object);
+  is_lossy_ = now_ns < lossy_until_ns_;
   if (reply_count_ > 0) {
     const ShapeReply& reply = replies_[first_reply_];
     first_reply_ = (first_reply_ + 1) % kMostReplies;
@@ -235,14 +255,15 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
   // The stage before has begun, so that this one can wait.
   if (sending_ != nullptr && is_whole && has_room(*sending_)) return begin_motion(*sending_, step);
   if (now_ns < next_part_ns_) return std::nullopt;
+  if (auto again = take_again(now_ns)) return again;
   if (!is_whole) {
     const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMostHere);
     return make_part(*sending_, serial_, sending_->next->wanted, first, now_ns);
   }
   for (const auto& object : objects_) {
-    if (object->again_from >= object->start.total || object->present == nullptr) continue;
+    if (object->again_from >= object->start.total || object->announced_count == 0) continue;
     const std::uint32_t first = std::exchange(object->again_from, object->again_from + ShapePart::kMostHere);
-    return make_part(*object, object->start.serial, object->present->wanted, first, now_ns);
+    return make_part(*object, object->start.serial, object->present().made->wanted, first, now_ns);
   }
   return std::nullopt;
 }

@@ -46,14 +46,16 @@ class ObjectShaper {
   bool work();
 
   void accept(const ShapeRequest& part, std::int64_t now_ns) noexcept;
-  // The newest shape of an object is sent again. Of another process or shape: left out.
-  void accept(const ShapeStatus& status) noexcept;
+  // The newest shape of an object is sent again, or some parts of one that was announced a moment ago. Of another process or shape: left
+  // out.
+  void accept(const ShapeStatus& status, std::int64_t now_ns) noexcept;
 
   // While the hub computes the force: motions begin so much later than the last reply that it knows of them before (PatchSender::
   // find_lead_ns), and as many as can be under way wait for their start. part_ns: between two parts of shapes. 0: it does not.
   struct Pace {
     std::int64_t lead_ns = 0;
     std::int64_t part_ns = 0;
+    std::int64_t again_ns = 0;  // that a lost part takes to be sent again: motions begin so much later while parts get lost
   };
   void set_pace(const Pace& pace) noexcept { pace_ = pace; }
   // The next message to the hub, if one is due. A ShapeStart has begun in the step, or waits there, before this returns it.
@@ -74,6 +76,9 @@ class ObjectShaper {
   std::string_view name_of(std::int32_t object) const noexcept;
 
  private:
+  static constexpr std::size_t kMostAnnounced = StreamedMethod::kMostWaiting + 1;
+  static constexpr std::size_t kMostAgain = 32;  // parts that are to be sent again ahead
+
   struct Object {
     Object(std::int32_t number, const SceneObject& object, StreamedMethod& streamed, std::uint32_t source);
 
@@ -82,16 +87,23 @@ class ObjectShaper {
     StreamedMethod* method;
     ShapeMaker maker;
     ShapeParts parts;
-    std::uint32_t stream = 0;            // of the program that deforms it; 0: none yet
-    std::uint32_t shape = 0;             // whose parts come
-    bool is_given = false;               // ... are all there, and with the maker
-    std::int64_t part_ns = 0;            // the last one came
-    ShapeStart start;                    // newest
-    std::unique_ptr<MadeShape> present;  // of it; null: at rest
-    std::unique_ptr<MadeShape> next;     // being sent
-    std::uint32_t sent_to = 0;           // of next: vertices before this one have been sent
-    std::uint32_t again_from = 0;        // of present: vertices from here on are sent again
-    ShapeReply reply;                    // last
+    std::uint32_t stream = 0;  // of the program that deforms it; 0: none yet
+    std::uint32_t shape = 0;   // whose parts come
+    bool is_given = false;     // ... are all there, and with the maker
+    std::int64_t part_ns = 0;  // the last one came
+    ShapeStart start;          // newest
+    // The newest, the last one of `start`: what parts are sent again of.
+    struct Announced {
+      std::uint32_t serial = 0;  // 0: none
+      std::unique_ptr<MadeShape> made = nullptr;
+    };
+    std::array<Announced, kMostAnnounced> announced = {};
+    std::size_t announced_count = 0;  // so far
+    const Announced& present() const noexcept { return announced[(announced_count + kMostAnnounced - 1) % kMostAnnounced]; }
+    std::unique_ptr<MadeShape> next;  // being sent
+    std::uint32_t sent_to = 0;        // of next: vertices before this one have been sent
+    std::uint32_t again_from = 0;     // of present(): vertices from here on are sent again
+    ShapeReply reply;                 // last
   };
 
   Object* find(const ShapeRequest& part) noexcept;
@@ -106,6 +118,7 @@ class ObjectShaper {
   bool has_room(const Object& object) const noexcept;
   Message make_part(const Object& object, std::uint32_t serial, const WantedShape& shape, std::uint32_t first,
                     std::int64_t now_ns) noexcept;
+  std::optional<Message> take_again(std::int64_t now_ns) noexcept;
   void run();
 
   static constexpr std::size_t kMostReplies = 16;  // that wait to be sent; a program repeats what gets none
@@ -118,6 +131,18 @@ class ObjectShaper {
   Object* sending_ = nullptr;  // whose shape is being sent
   std::size_t next_look_ = 0;  // the object that is looked at first
   std::uint32_t serial_ = 0;
+  // Vertices of an announced shape.
+  struct Again {
+    const Object* object = nullptr;
+    std::uint32_t serial = 0;
+    std::uint32_t first = 0;
+    std::uint32_t end = 0;
+  };
+  std::array<Again, kMostAgain> again_ = {};
+  std::size_t again_begin_ = 0;
+  std::size_t again_end_ = 0;
+  std::int64_t lossy_until_ns_ = 0;
+  bool is_lossy_ = false;
   Pace pace_;
   std::int64_t next_part_ns_ = 0;
   std::int64_t next_rejection_ns_ = 0;

@@ -146,8 +146,12 @@ const Message* PatchSender::front() noexcept {
 
 std::int64_t PatchSender::find_lead_ns(std::int64_t now_ns) const noexcept {
   if (!is_wanted(now_ns) || !is_offered() || is_withdrawn(hub_)) return 0;
+  return kLeadNs + static_cast<std::int64_t>(kLeadTrips * static_cast<double>(round_trip_ns()));
+}
+
+std::int64_t PatchSender::round_trip_ns() const noexcept {
   const double round_trip_s = std::min(static_cast<double>(round_trip_s_.load(std::memory_order_relaxed)), kMostLeadTripS);
-  return kLeadNs + static_cast<std::int64_t>(1e9 * kLeadTrips * round_trip_s);
+  return static_cast<std::int64_t>(1e9 * round_trip_s);
 }
 
 void PatchSender::run() {

@@ -47,6 +47,8 @@ class PatchSender {
   // A shape of an object that programs deform was announced.
   void note_shape(const ShapeStart& start) noexcept;
   double bits_per_s() const noexcept { return options_.bits_per_s; }
+  // As the hub measures it.
+  std::int64_t round_trip_ns() const noexcept;
   // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force,
   // also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;

@@ -12,6 +12,8 @@ constexpr int kStartRepeats = 3;
 // Across a slow network: of an IP packet with a part of a shape, and the share of its bandwidth that shapes may take.
 constexpr double kPartBits = 8.0 * 920.0;
 constexpr double kShapeShare = 0.5;
+// Besides the round trip: the hub requests what is missing 25 ms after a start, and looks each 2 ms.
+constexpr std::int64_t kAgainNs = 40 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kShapeLogEveryNs = kNanosecondsPerSecond;
 
 }  // namespace
@@ -23,7 +25,7 @@ bool ReplyLoop::handle_shape(const Message& message) noexcept {
     return true;
   }
   const auto* status = std::get_if<ShapeStatus>(&message);
-  if (status != nullptr && shapes_ != nullptr) shapes_->accept(*status);
+  if (status != nullptr && shapes_ != nullptr) shapes_->accept(*status, hub_.receive_time_ns());
   return status != nullptr;
 }
 
@@ -32,7 +34,12 @@ void ReplyLoop::deform_objects() {
   if (hub_.state() != JoinState::joined) return;
   const std::int64_t now_ns = clock_.now_ns();
   const std::int64_t lead_ns = patches_ != nullptr ? patches_->find_lead_ns(now_ns) : 0;
-  shapes_->set_pace({lead_ns, lead_ns > 0 ? static_cast<std::int64_t>(1e9 * kPartBits / (kShapeShare * patches_->bits_per_s())) : 0});
+  ObjectShaper::Pace pace{.lead_ns = lead_ns};
+  if (lead_ns > 0) {
+    pace.part_ns = static_cast<std::int64_t>(1e9 * kPartBits / (kShapeShare * patches_->bits_per_s()));
+    pace.again_ns = kAgainNs + patches_->round_trip_ns();
+  }
+  shapes_->set_pace(pace);
   for (int n = 0; n < kMostShapeMessages; ++n) {
     const auto message = shapes_->take_due(step_, now_ns);
     if (!message) break;

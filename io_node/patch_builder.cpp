@@ -45,7 +45,11 @@ bool PatchBuilder::clear() noexcept {
 }
 
 std::optional<ShapeStatus> PatchBuilder::take_shape_request() noexcept {
-  return shape_requests_.take() ? std::optional(shape_requests_.value()) : std::nullopt;
+  const std::size_t first = first_request_.load(std::memory_order_relaxed);
+  if (first == end_request_.load(std::memory_order_acquire)) return std::nullopt;
+  const ShapeStatus request = shape_requests_[first % kRequests];
+  first_request_.store(first + 1, std::memory_order_release);
+  return request;
 }
 
 void PatchBuilder::run() {
@@ -124,11 +128,19 @@ bool PatchBuilder::build_where_due() {
 }
 
 void PatchBuilder::look_after_shapes() {
-  const SteadyClock clock;
-  if (const auto request = store_.take_shape_request(clock.now_ns())) {
-    shape_requests_.draft() = *request;
-    shape_requests_.publish_draft();
-  }
+  const std::int64_t now_ns = SteadyClock().now_ns();
+  if (const auto newest = store_.take_shape_request(now_ns)) request(*newest);
+  requests_.clear();
+  store_.take_shape_requests_ahead(now_ns, requests_);
+  for (const ShapeStatus& ahead : requests_) request(ahead);
+}
+
+// One that finds no room is left out: the newest shape is requested again.
+void PatchBuilder::request(const ShapeStatus& shape) noexcept {
+  const std::size_t end = end_request_.load(std::memory_order_relaxed);
+  if (end - first_request_.load(std::memory_order_acquire) == kRequests) return;
+  shape_requests_[end % kRequests] = shape;
+  end_request_.store(end + 1, std::memory_order_release);
 }
 
 void PatchBuilder::build_if_due(std::size_t link) {

@@ -38,7 +38,7 @@ class PatchBuilder {
   void push(const Message& part) noexcept { (void)write(&part, Arrival::newest); }
   // What programs deform, and how (PatchStore::accept_shape).
   void push_shape(const Message& shape, Arrival arrival) noexcept { (void)write(&shape, arrival); }
-  // A shape is missing that the haptics node has to send again: once each time that it has to be requested.
+  // The next request for parts of a shape that are missing; none: there is none now.
   std::optional<ShapeStatus> take_shape_request() noexcept;
   // Another haptics node: what came is of no use any more. False: no room, call again.
   bool clear() noexcept;
@@ -73,6 +73,7 @@ class PatchBuilder {
   bool is_in_use(std::size_t link) const noexcept;
   void build_if_due(std::size_t link);
   void look_after_shapes();
+  void request(const ShapeStatus& shape) noexcept;
 
   LocalPatch& local_;
   std::array<Slot, kRing> ring_;
@@ -81,7 +82,10 @@ class PatchBuilder {
   std::uint32_t clears_ = 0;
   Mailbox<Status> statuses_;
   Mailbox<PatchBuilderCounts> counts_;
-  Mailbox<ShapeStatus> shape_requests_;
+  static constexpr std::size_t kRequests = 64;
+  std::array<ShapeStatus, kRequests> shape_requests_;
+  alignas(64) std::atomic<std::size_t> first_request_{0};
+  alignas(64) std::atomic<std::size_t> end_request_{0};
 
   // The builder's thread.
   PatchStore store_;
@@ -91,6 +95,7 @@ class PatchBuilder {
   std::vector<PatchMaker> makers_;      // by link of the chain
   bool are_bodies_offered_ = false;     // of this epoch
   std::uint32_t material_version_ = 0;  // as offered
+  std::vector<ShapeStatus> requests_;
   PatchBuilderCounts told_;
 
   std::atomic<bool> stop_ = false;

@@ -89,7 +89,7 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
   orders_.anchor_scene_ns = forces.history().last_reply().scene_time_ns;
   orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
-  if (const auto request = builder_.take_shape_request()) peers_.send_to_role(NodeRole::haptics, *request);
+  if (const auto missing = builder_.take_shape_request()) peers_.send_to_role(NodeRole::haptics, *missing);
   has_news_ = builder_.take_status() || has_news_;
   if (now_ns - status_ns_ >= (has_news_ ? kSoonNs : kStatusNs)) send_status(round_trip_s_, now_ns);
 }

@@ -143,4 +143,37 @@ std::optional<ShapeStatus> KnownShapes::take_request(std::int64_t now_ns) {
   return std::nullopt;
 }
 
+// Runs of parts that are missing; the last one that there is room for goes to the end.
+void KnownShapes::request_runs(std::size_t object, const ShapeStart& start, const ShapeParts* parts, std::vector<ShapeStatus>& into) const {
+  const std::uint32_t all = ShapePart::count_parts(start.total);
+  const auto is_missing = [&](std::uint32_t part) { return parts == nullptr || !parts->has(part); };
+  std::size_t runs = 0;
+  for (std::uint32_t part = 0; part < all && runs < kMostRuns; ++part) {
+    if (!is_missing(part)) continue;
+    const std::uint32_t first = part;
+    while (part < all && is_missing(part)) ++part;
+    if (++runs == kMostRuns) part = all;
+    into.push_back({.source = process_,
+                    .serial = start.serial,
+                    .object = static_cast<std::int32_t>(object),
+                    .first = first * ShapePart::kMostHere,
+                    .count = (part - first) * ShapePart::kMostHere});
+  }
+}
+
+void KnownShapes::take_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into) {
+  for (auto& [number, object] : objects_) {
+    if (object.starts.empty()) continue;
+    object.ahead_ns.erase(object.ahead_ns.begin(), object.ahead_ns.lower_bound(object.starts.front().serial));
+    for (const ShapeStart& start : object.starts) {
+      const auto [due, is_new] = object.ahead_ns.try_emplace(start.serial, now_ns + kReorderedNs);
+      if (is_new || due->second == 0 || now_ns < due->second) continue;
+      due->second = 0;
+      const auto parts = object.shapes.find(start.serial);
+      const ShapeParts* const known = parts != object.shapes.end() ? &parts->second : nullptr;
+      if (known == nullptr || !known->is_whole()) request_runs(number, start, known, into);
+    }
+  }
+}
+
 }  // namespace hapton

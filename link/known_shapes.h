@@ -49,6 +49,8 @@ class KnownShapes {
 
   // For the newest shape of an object, while it is not whole.
   std::optional<ShapeStatus> take_request(std::int64_t now_ns);
+  // For who needs each shape before it begins: the parts that are missing of those that were announced a moment ago, once for each shape.
+  void take_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into);
 
  private:
   // The newest of an object: those that wait for their start (StreamedGeometry::kMostWaiting), and a few for pictures of earlier samples.
@@ -56,17 +58,21 @@ class KnownShapes {
   static constexpr std::size_t kMostShapes = 16;
   static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200'000'000;
+  static constexpr std::int64_t kReorderedNs = 25'000'000;  // parts sent before a start may come that much after it
+  static constexpr std::size_t kMostRuns = 8;               // of parts that are missing, in requests ahead
 
   struct Object {
     std::uint32_t total = 0;             // vertices
     std::deque<ShapeStart> starts = {};  // the newest, by serial
     std::map<std::uint32_t, ShapeParts> shapes = {};
-    std::int64_t request_ns = 0;  // not before; 0: not looked at since its newest start
+    std::int64_t request_ns = 0;                          // not before; 0: not looked at since its newest start
+    std::map<std::uint32_t, std::int64_t> ahead_ns = {};  // by serial: when it is requested ahead; 0: it was
   };
 
   Object* find_object(std::int32_t object, std::uint32_t total);
   const Object* find_object(std::size_t object) const;
   bool note_source(std::uint32_t source, Arrival arrival);
+  void request_runs(std::size_t object, const ShapeStart& start, const ShapeParts* parts, std::vector<ShapeStatus>& into) const;
   const ShapeParts* find_whole(const Object& object, std::uint32_t serial) const;
   bool is_known(const Object& object, std::uint32_t serial) const { return serial == 0 || find_whole(object, serial) != nullptr; }
 

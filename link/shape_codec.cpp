@@ -81,6 +81,7 @@ void write(const ShapeStatus& from, wire::ShapeStatus& to) {
   to.set_serial(from.serial);
   to.set_object(static_cast<std::uint32_t>(from.object));
   to.set_first(from.first);
+  to.set_count(from.count);
 }
 
 bool read(const wire::ShapeRequest& from, ShapeRequest& to) {
@@ -124,7 +125,9 @@ bool read(const wire::ShapeStatus& from, ShapeStatus& to) {
   to.source = from.source();
   to.serial = from.serial();
   to.first = from.first();
+  to.count = from.count();
   if (to.source == 0 || to.serial == 0 || to.first >= ShapePart::kMostVertices || to.first % ShapePart::kMostHere != 0) return false;
+  if (to.count > ShapePart::kMostParts * ShapePart::kMostHere || to.count % ShapePart::kMostHere != 0) return false;
   return read_object_number(from.object(), to.object);
 }
 

@@ -72,12 +72,13 @@ struct ShapeStart {
 };
 
 // vision -> hub -> haptics, and from a hub that records: while the newest shape of an object is not whole there. It is sent again, from a
-// vertex on.
+// vertex on. From a hub that computes forces: for each announced shape that is not whole.
 struct ShapeStatus {
   std::uint32_t source = 0;  // as in ObjectShape
   std::uint32_t serial = 0;  // of that shape
   std::int32_t object = 0;   // of the scene
   std::uint32_t first = 0;   // the first vertex that is missing
+  std::uint32_t count = 0;   // of vertices from there on, as parts have them; 0: all
 };
 
 }  // namespace hapton

@@ -26,6 +26,7 @@ class ShapeParts {
   bool is_empty() const noexcept { return received_.none(); }
   // The first vertex of the first part that is missing; total() if it is whole.
   std::uint32_t first_missing() const noexcept;
+  bool has(std::uint32_t part) const noexcept { return received_[part]; }
   // By vertex of the mesh; of what is missing, any.
   std::span<const ShapePart::Displacement> displacements_m() const noexcept { return displacements_m_; }
 

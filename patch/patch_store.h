@@ -102,6 +102,7 @@ class PatchStore {
   const KnownShapes& shapes() const noexcept { return shapes_; }
   // As KnownShapes: what is to be sent to the haptics node.
   std::optional<ShapeStatus> take_shape_request(std::int64_t now_ns) { return shapes_.take_request(now_ns); }
+  void take_shape_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into) { shapes_.take_requests_ahead(now_ns, into); }
 
   // Materials that are not those of the tiles, by object, and how often they have changed.
   const std::map<std::uint32_t, Material>& materials() const noexcept { return materials_; }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -149,6 +150,54 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
   EXPECT_LT(starts_.back().start_ns, force_.scene_time_ns + 30'000'000);
 }
 
+// A fifth of the parts is lost, and the hub requests what is missing: nearly all shapes are whole before they begin.
+TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
+  constexpr std::int64_t kTripNs = 40'000'000;  // one way
+  shaper_.set_pace({.lead_ns = 200'000'000, .part_ns = 5'000'000, .again_ns = 120'000'000});
+  KnownShapes hub({169, 25});
+  std::mt19937_64 random(252);
+  std::vector<std::pair<std::int64_t, Message>> on_their_way;
+  std::vector<ShapeStatus> requests;
+  std::uint32_t shape = 0;
+  int begun = 0;
+  int whole = 0;
+  std::size_t seen = 0;
+  for (int n = 0; n < 6000; ++n) {
+    if (n % 33 == 0) {
+      ++shape;
+      give(0, shape, raised(169, 0.002 + 0.001 * (shape % 3)), 0.033);
+    }
+    now_ns_ += kSampleNs;
+    step_.offer({.sample = ++sample_, .sample_time_ns = now_ns_, .p_WD = kHandOverSheet});
+    force_ = step_.reply();
+    while (auto message = shaper_.take_due(step_, now_ns_)) {
+      if (const auto* start = std::get_if<ShapeStart>(&*message)) starts_.push_back(*start);
+      if (std::holds_alternative<ObjectShape>(*message) && random() % 5 == 0) continue;
+      on_their_way.emplace_back(now_ns_ + kTripNs, *message);
+    }
+    while (shaper_.work()) {
+    }
+    requests.clear();
+    hub.take_requests_ahead(now_ns_, requests);
+    for (const ShapeStatus& request : requests) on_their_way.emplace_back(now_ns_ + kTripNs, request);
+    std::erase_if(on_their_way, [&](const auto& one) {
+      if (one.first > now_ns_) return false;
+      if (const auto* part = std::get_if<ObjectShape>(&one.second)) hub.take(*part, Arrival::newest);
+      if (const auto* start = std::get_if<ShapeStart>(&one.second)) hub.take(*start, Arrival::newest);
+      if (const auto* status = std::get_if<ShapeStatus>(&one.second)) shaper_.accept(*status, now_ns_);
+      return true;
+    });
+    for (; seen < starts_.size() && starts_[seen].start_ns <= force_.scene_time_ns; ++seen) {
+      if (seen < 20) continue;  // until it is known that parts get lost
+      ++begun;
+      const ShapeStart* const next = hub.find_next(0, starts_[seen].serial - 1, 0);
+      whole += next != nullptr && next->serial == starts_[seen].serial ? 1 : 0;
+    }
+  }
+  EXPECT_GT(begun, 80);
+  EXPECT_GT(whole, begun * 8 / 10) << "of three parts; half of them without a second try";
+}
+
 // Each object moves on its own: a slow motion of one does not delay fast motions of the other.
 TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
   give(0, 1, raised(169, 0.005), 5.0);
@@ -202,7 +251,8 @@ TEST_F(ObjectShaperTest, TheLoopUsesNoHeap) {
       }
       request.object = {"nothing"};
       shaper_.accept(request, now_ns_);
-      shaper_.accept(ShapeStatus{.source = 42, .serial = force_.shape_serial});
+      shaper_.accept(ShapeStatus{.source = 42, .serial = force_.shape_serial}, now_ns_);
+      shaper_.accept(ShapeStatus{.source = 42, .serial = force_.shape_serial, .count = 64}, now_ns_);
       allocations += guard.count();
     }
     while (shaper_.work()) {

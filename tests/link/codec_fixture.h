@@ -147,7 +147,7 @@ class RandomDatagrams {
       case 36:
         return draw_shape_start();
       case 37:
-        return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape().first};
+        return ShapeStatus{bits32() | 1U, bits32() | 1U, static_cast<std::int32_t>(bits32() >> 1), draw_shape().first, draw_shape().first};
       case 38:
         return draw_deformation();
       case 39:

@@ -128,6 +128,51 @@ TEST_F(KnownShapesTest, TheNextShapeThatIsWholeIsFound) {
   EXPECT_EQ(known_.find_next(kSkin + 1, 0, 0), nullptr) << "no such object";
 }
 
+// Each shape that was announced, once: the runs of parts that are missing.
+TEST_F(KnownShapesTest, MissingPartsAreRequestedAhead) {
+  constexpr std::uint32_t kParts = 40;
+  KnownShapes known({kParts * ShapePart::kMostHere - 3});
+  const auto take_part = [&](std::uint32_t serial, std::uint32_t part) {
+    known.take(ObjectShape{.source = 5, .serial = serial, .part = {.total = kParts * 64 - 3, .first = part * 64}}, Arrival::newest);
+  };
+  const auto announce = [&](std::uint32_t serial) {
+    known.take(ShapeStart{.source = 5, .serial = serial, .before = serial - 1, .total = kParts * 64 - 3, .end_ns = 1}, Arrival::newest);
+  };
+  const auto requests_at = [&](std::int64_t now_ns) {
+    std::vector<ShapeStatus> all;
+    known.take_requests_ahead(now_ns, all);
+    return all;
+  };
+  for (std::uint32_t part = 0; part < kParts; ++part) {
+    take_part(1, part);
+    if (part != 3 && part != 7 && part != 8 && part != 39) take_part(2, part);
+    if (part % 3 == 0) take_part(3, part);
+  }
+  announce(1);
+  announce(2);
+  EXPECT_TRUE(requests_at(0).empty()) << "they may be on their way";
+  EXPECT_TRUE(requests_at(24 * kOneMs).empty());
+  announce(3);
+  announce(4);
+  const auto of_second = requests_at(25 * kOneMs);
+  ASSERT_EQ(of_second.size(), 3U);
+  const std::vector<std::pair<std::uint32_t, std::uint32_t>> runs = {{3 * 64, 64}, {7 * 64, 128}, {39 * 64, 64}};
+  for (std::size_t n = 0; n < runs.size(); ++n) {
+    EXPECT_EQ(of_second[n].serial, 2U);
+    EXPECT_EQ(of_second[n].source, 5U);
+    EXPECT_EQ(std::pair(of_second[n].first, of_second[n].count), runs[n]) << n;
+  }
+  const auto later = requests_at(50 * kOneMs);
+  ASSERT_EQ(later.size(), 9U);
+  for (std::size_t n = 0; n < 8; ++n) {
+    EXPECT_EQ(later[n].serial, 3U);
+    EXPECT_EQ(later[n].first, (3 * n + 1) * 64);
+    EXPECT_EQ(later[n].count, n < 7 ? 128U : (kParts - 22) * 64) << "the last run goes to the end";
+  }
+  EXPECT_EQ(std::pair(later[8].serial, later[8].count), std::pair(4U, kParts * 64)) << "nothing of it has come";
+  EXPECT_TRUE(requests_at(900 * kOneMs).empty()) << "once";
+}
+
 TEST_F(KnownShapesTest, AnObjectMayBeAddedLater) {
   KnownShapes known;
   known.take(start_of(1, 0, 0, 1), Arrival::newest);

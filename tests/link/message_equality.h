@@ -122,7 +122,7 @@ inline void expect_equal(const ShapeStart& a, const ShapeStart& b) {
             std::tie(b.source, b.serial, b.before, b.object, b.total, b.start_ns, b.end_ns));
 }
 inline void expect_equal(const ShapeStatus& a, const ShapeStatus& b) {
-  EXPECT_EQ(std::tie(a.source, a.serial, a.object, a.first), std::tie(b.source, b.serial, b.object, b.first));
+  EXPECT_EQ(std::tie(a.source, a.serial, a.object, a.first, a.count), std::tie(b.source, b.serial, b.object, b.first, b.count));
 }
 inline void expect_equal(const CarveStatus& a, const CarveStatus& b) {
   EXPECT_EQ(std::tie(a.source, a.complete), std::tie(b.source, b.complete));

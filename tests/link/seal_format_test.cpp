@@ -160,7 +160,7 @@ void lengthen(ObjectShape& m) { m = {kMost32, kMost32, std::numeric_limits<std::
 void lengthen(ShapeStart& m) {
   m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMostVertices, kMaxWireTimeNs, kMaxWireTimeNs};
 }
-void lengthen(ShapeStatus& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part().first}; }
+void lengthen(ShapeStatus& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part().first, 9984}; }
 void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }
 void lengthen(Marker& m) {
   m.request = kMost32;

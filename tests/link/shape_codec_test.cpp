@@ -87,6 +87,9 @@ TEST_F(ShapeCodecTest, ARequestAndAReplyNameWhatTheyAreAbout) {
   EXPECT_EQ(round_trip(ShapeStatus{.serial = 1}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ShapeStatus{.source = 1}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ShapeStatus{.source = 1, .serial = 1, .first = 1}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(ShapeStatus{.source = 1, .serial = 1, .first = 64, .count = 128}), DecodeStatus::ok);
+  EXPECT_EQ(round_trip(ShapeStatus{.source = 1, .serial = 1, .first = 64, .count = 65}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(ShapeStatus{.source = 1, .serial = 1, .first = 64, .count = 12'800}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ShapeReply{.stream = 1, .shape = 1, .over_s = 0.5}), DecodeStatus::ok);
   EXPECT_EQ(round_trip(ShapeReply{.shape = 1}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(ShapeReply{.stream = 1}), DecodeStatus::bad_value);
