@@ -252,7 +252,7 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
     begin_sending(object, step.scene_time_ns());
   }
   const bool is_whole = sending_ == nullptr || sending_->sent_to >= sending_->start.total;
-  // The stage before has begun, so that this one can wait.
+  // So few wait that this one can, too.
   if (sending_ != nullptr && is_whole && has_room(*sending_)) return begin_motion(*sending_, step);
   if (now_ns < next_part_ns_) return std::nullopt;
   if (auto again = take_again(now_ns)) return again;
