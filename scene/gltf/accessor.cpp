@@ -18,22 +18,6 @@ double as(const char* at, bool normalized) {
   return std::max(static_cast<double>(value) / static_cast<double>(std::numeric_limits<T>::max()), -1.0);
 }
 
-std::size_t component_bytes(std::size_t component_type) {
-  switch (component_type) {
-    case 5120:
-    case 5121:
-      return 1;
-    case 5122:
-    case 5123:
-      return 2;
-    case 5125:
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
 struct Layout {
   std::size_t count = 0;
   std::size_t offset = 0;
@@ -149,6 +133,22 @@ Result<Accessor> in_own_values(Buffers& buffers, const Json& json, const Layout&
 }
 
 }  // namespace
+
+std::size_t component_bytes(std::size_t component_type) {
+  switch (component_type) {
+    case 5120:
+    case 5121:
+      return 1;
+    case 5122:
+    case 5123:
+      return 2;
+    case 5125:
+    case 5126:
+      return 4;
+    default:
+      return 0;
+  }
+}
 
 double Accessor::component(std::size_t item, std::size_t k) const {
   const char* at = first + item * stride;

@@ -30,6 +30,9 @@ struct Accessor {
   double component(std::size_t item, std::size_t k) const;
 };
 
+// Of one number of that type [3.6.2.2]; 0: there is no such type.
+std::size_t component_bytes(std::size_t component_type);
+
 // The accessor with the index that index_json holds. A sparse one is read with its substitutions. where: the place in the JSON, for errors.
 // Error: its type ("VEC3" ...) or number of components is another; its values lie outside the file's bytes; it has no buffer view and more
 // items than the file has bytes.

@@ -103,9 +103,47 @@ std::optional<Error> decode_any(std::string_view bytes, std::size_t max_triangle
   return decode_with<draco::MeshSequentialDecoder>(bytes, max_triangles, where, mesh);
 }
 
+// The component types of accessors [3.6.2.2]; 0 for any other.
+std::size_t component_type_of(draco::DataType type) {
+  switch (type) {
+    case draco::DT_INT8:
+      return 5120;
+    case draco::DT_UINT8:
+      return 5121;
+    case draco::DT_INT16:
+      return 5122;
+    case draco::DT_UINT16:
+      return 5123;
+    case draco::DT_UINT32:
+      return 5125;
+    case draco::DT_FLOAT32:
+      return 5126;
+    default:
+      return 0;
+  }
+}
+
 // Values of a hostile stream lie anywhere in its memory, so they are copied out, never read in place as Draco's own ConvertValue does.
+DracoValues values_of(const draco::Mesh& mesh, std::uint32_t id) {
+  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
+  if (attribute == nullptr || attribute->buffer() == nullptr || attribute->num_components() < 1) return {};
+  DracoValues values{static_cast<std::size_t>(attribute->num_components()), component_type_of(attribute->data_type()), {}};
+  if (values.component_type == 0) return {};
+  if (!attribute->is_mapping_identity() && attribute->indices_map_size() < mesh.num_points()) return {};
+  const std::size_t item_bytes = values.components * static_cast<std::size_t>(draco::DataTypeLength(attribute->data_type()));
+  values.bytes.resize(mesh.num_points() * item_bytes);
+  for (std::uint32_t point = 0; point < mesh.num_points(); ++point) {
+    const draco::AttributeValueIndex index = attribute->mapped_index(draco::PointIndex(point));
+    if (index.value() >= attribute->size()) return {};
+    const auto start = static_cast<std::size_t>(attribute->GetBytePos(index));
+    if (start > attribute->buffer()->data_size() || attribute->buffer()->data_size() - start < item_bytes) return {};
+    std::memcpy(values.bytes.data() + point * item_bytes, attribute->buffer()->data() + start, item_bytes);
+  }
+  return values;
+}
+
 template <class Component>
-Eigen::Vector3f read_vector(const std::uint8_t* bytes, bool normalized) {
+Eigen::Vector3f read_vector(const char* bytes, bool normalized) {
   std::array<Component, 3> components;
   std::memcpy(components.data(), bytes, sizeof components);
   const Eigen::Vector3f value(static_cast<float>(components[0]), static_cast<float>(components[1]), static_cast<float>(components[2]));
@@ -113,20 +151,20 @@ Eigen::Vector3f read_vector(const std::uint8_t* bytes, bool normalized) {
   return value / static_cast<float>(std::numeric_limits<Component>::max());
 }
 
-using VectorReader = Eigen::Vector3f (*)(const std::uint8_t*, bool);
+using VectorReader = Eigen::Vector3f (*)(const char*, bool);
 
 // The component types that glTF and KHR_mesh_quantization allow for positions and normals; null for any other.
-VectorReader reader_of(draco::DataType type) {
-  switch (type) {
-    case draco::DT_INT8:
+VectorReader reader_of(std::size_t component_type) {
+  switch (component_type) {
+    case 5120:
       return read_vector<std::int8_t>;
-    case draco::DT_UINT8:
+    case 5121:
       return read_vector<std::uint8_t>;
-    case draco::DT_INT16:
+    case 5122:
       return read_vector<std::int16_t>;
-    case draco::DT_UINT16:
+    case 5123:
       return read_vector<std::uint16_t>;
-    case draco::DT_FLOAT32:
+    case 5126:
       return read_vector<float>;
     default:
       return nullptr;
@@ -134,22 +172,15 @@ VectorReader reader_of(draco::DataType type) {
 }
 
 // Three numbers a point; empty when there is no such attribute, or not of three numbers of a type that glTF has.
-std::vector<Eigen::Vector3f> values_of(const draco::Mesh& mesh, std::uint32_t id) {
-  const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
-  if (attribute == nullptr || attribute->num_components() != 3 || attribute->buffer() == nullptr) return {};
-  const VectorReader read = reader_of(attribute->data_type());
-  if (read == nullptr) return {};
-  if (!attribute->is_mapping_identity() && attribute->indices_map_size() < mesh.num_points()) return {};
-  const std::size_t value_bytes = std::size_t{3} * static_cast<std::size_t>(draco::DataTypeLength(attribute->data_type()));
-  std::vector<Eigen::Vector3f> values(mesh.num_points(), Eigen::Vector3f::Zero());
-  for (std::uint32_t point = 0; point < mesh.num_points(); ++point) {
-    const draco::AttributeValueIndex index = attribute->mapped_index(draco::PointIndex(point));
-    if (index.value() >= attribute->size()) return {};
-    const auto start = static_cast<std::size_t>(attribute->GetBytePos(index));
-    if (start > attribute->buffer()->data_size() || attribute->buffer()->data_size() - start < value_bytes) return {};
-    values[point] = read(attribute->buffer()->data() + start, attribute->normalized());
-  }
-  return values;
+std::vector<Eigen::Vector3f> vectors_of(const draco::Mesh& mesh, std::uint32_t id) {
+  const DracoValues values = values_of(mesh, id);
+  const VectorReader read = reader_of(values.component_type);
+  if (values.bytes.empty() || values.components != 3 || read == nullptr) return {};
+  const bool normalized = mesh.GetAttributeByUniqueId(id)->normalized();
+  const std::size_t item_bytes = values.bytes.size() / mesh.num_points();
+  std::vector<Eigen::Vector3f> vectors(mesh.num_points());
+  for (std::size_t point = 0; point < vectors.size(); ++point) vectors[point] = read(values.bytes.data() + point * item_bytes, normalized);
+  return vectors;
 }
 
 }  // namespace
@@ -160,9 +191,10 @@ Result<DracoMesh> decode_draco(std::string_view bytes, const DracoRequest& reque
   if (auto error = decode_any(bytes, max_triangles, where, mesh)) return tl::unexpected(std::move(*error));
   if (mesh.num_faces() > max_triangles) return fail("{}: its Draco data hold more than {} triangles: simplify it", where, max_triangles);
   DracoMesh result;
-  result.positions = values_of(mesh, request.position);
+  result.positions = vectors_of(mesh, request.position);
   if (result.positions.empty()) return fail("{}: its Draco data have no positions of id {}: {}", where, request.position, kExportAgain);
-  if (request.normal) result.normals = values_of(mesh, *request.normal);
+  if (request.normal) result.normals = vectors_of(mesh, *request.normal);
+  for (const std::uint32_t id : request.others) result.others.push_back(values_of(mesh, id));
   result.corners.reserve(std::size_t{3} * mesh.num_faces());
   for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {
     for (const draco::PointIndex& corner : mesh.face(face)) {

@@ -16,12 +16,21 @@ struct DracoRequest {
   std::uint32_t position = 0;
   std::optional<std::uint32_t> normal = {};
   std::size_t max_triangles = 0;
+  std::vector<std::uint32_t> others = {};
+};
+
+// Values of one attribute, as they are.
+struct DracoValues {
+  std::size_t components = 0;
+  std::size_t component_type = 0;  // as in an accessor [3.6.2.2]
+  std::string bytes;               // one item a position, without gaps; empty: there is none of that id, or it cannot be read
 };
 
 struct DracoMesh {
   std::vector<Eigen::Vector3f> positions;  // the file's own numbers; may hold values that are not finite
   std::vector<Eigen::Vector3f> normals;    // one a position; empty: there are none, or they cannot be read
   std::vector<std::uint32_t> corners;      // three a triangle, each below the number of positions
+  std::vector<DracoValues> others;         // those of the request, in its order
 };
 
 // Unfolds a Draco bitstream of version 2.2, as KHR_draco_mesh_compression has it.

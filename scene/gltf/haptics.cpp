@@ -235,21 +235,13 @@ Result<std::optional<std::uint32_t>> haptic_material_of(const Document& document
   return std::optional(static_cast<std::uint32_t>(*index));
 }
 
-Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document, const Json& primitive, std::size_t vertices,
+Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document, const Json& json, const Primitive& primitive,
                                                         const HapticPlace& place, const std::string& where) {
-  if (extension_of(primitive, "KHR_draco_mesh_compression").is_object()) {
-    return fail(
-        "{} has a haptic material with textures and is compressed with Draco, whose texture coordinates are not read: export it "
-        "without Draco",
-        where);
-  }
   const std::string name = fmt::format("TEXCOORD_{}", place.texture.set);
-  const Json& index = member(member(primitive, "attributes"), name.c_str());
-  if (index.is_null()) return fail("{} has a haptic material with textures, and no {}: unwrap it", where, name);
-  const auto values = read_accessor(document, index, fmt::format("{}.attributes.{}", where, name), "VEC2", 2);
+  if (!has_attribute(json, primitive, name)) return fail("{} has a haptic material with textures, and no {}: unwrap it", where, name);
+  const auto values = read_attribute(document, json, primitive, name, where, "VEC2", 2);
   if (!values) return tl::unexpected(values.error());
-  if (values->count != vertices)
-    return fail("{}: {} texture coordinates for {} vertices: {}", values->json_path, values->count, vertices, kExportAgain);
+  const std::size_t vertices = values->count;
   std::vector<Eigen::Vector2f> places;
   places.reserve(vertices);
   for (std::size_t i = 0; i < vertices; ++i) {

@@ -29,7 +29,7 @@ Result<std::optional<std::uint32_t>> haptic_material_of(const Document& document
 
 // The places of a primitive's vertices in the textures of its haptic material. Pre: it has maps. Error: there are none, or such as its
 // textures do not reach.
-Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document, const Json& primitive, std::size_t vertices,
+Result<std::vector<Eigen::Vector2f>> read_haptic_places(const Document& document, const Json& json, const Primitive& primitive,
                                                         const HapticPlace& place, const std::string& where);
 
 }  // namespace hapton::gltf

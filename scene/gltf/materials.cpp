@@ -188,13 +188,12 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
 
 namespace {
 
-void read_texcoords(const Document& document, const Json& attributes, const TexturePlace& from, const std::string& where,
-                    VertexLooks& looks) {
+void read_texcoords(const Document& document, const Json& json, const Primitive& primitive, const TexturePlace& from,
+                    const std::string& where, VertexLooks& looks) {
   const std::string name = fmt::format("TEXCOORD_{}", from.set);
-  const Json& index = member(attributes, name.c_str());
-  if (index.is_null()) return;
-  const auto values = read_accessor(document, index, where + ".attributes." + name, "VEC2", 2);
-  if (!values || values->count != looks.vertices.size()) return;
+  if (!has_attribute(json, primitive, name)) return;
+  const auto values = read_attribute(document, json, primitive, name, where, "VEC2", 2);
+  if (!values) return;
   for (std::size_t i = 0; i < values->count; ++i) {
     const Eigen::Vector2f given(static_cast<float>(values->component(i, 0)), static_cast<float>(values->component(i, 1)));
     const Eigen::Vector2f place = from.place * given;
@@ -203,14 +202,12 @@ void read_texcoords(const Document& document, const Json& attributes, const Text
 }
 
 // Three or four components; the fourth is alpha, which is linear.
-void read_colours(const Document& document, const Json& attributes, const std::string& where, VertexLooks& looks) {
-  const Json& index = member(attributes, "COLOR_0");
-  if (index.is_null()) return;
-  const std::string name = where + ".attributes.COLOR_0";
-  auto values = read_accessor(document, index, name, "VEC4", 4);
+void read_colours(const Document& document, const Json& json, const Primitive& primitive, const std::string& where, VertexLooks& looks) {
+  if (!has_attribute(json, primitive, "COLOR_0")) return;
+  auto values = read_attribute(document, json, primitive, "COLOR_0", where, "VEC4", 4);
   const bool has_alpha = values.has_value();
-  if (!values) values = read_accessor(document, index, name, "VEC3", 3);
-  if (!values || values->count != looks.vertices.size()) return;
+  if (!values) values = read_attribute(document, json, primitive, "COLOR_0", where, "VEC3", 3);
+  if (!values) return;
   looks.has_colours = true;
   for (std::size_t i = 0; i < values->count; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -224,19 +221,18 @@ void read_colours(const Document& document, const Json& attributes, const std::s
 
 }  // namespace
 
-VertexLooks read_vertex_looks(const Document& document, const Json& primitive, std::size_t vertices,
+VertexLooks read_vertex_looks(const Document& document, const Json& json, const Primitive& primitive,
                               const std::vector<TexturePlace>& places, const std::string& where) {
   VertexLooks looks;
-  const Json& attributes = member(primitive, "attributes");
-  const auto material = index_of(member(primitive, "material"), member(document.root, "materials"), where + ".material");
-  const bool has_material = !member(primitive, "material").is_null() && material && *material < places.size();
-  if (!has_material && member(attributes, "COLOR_0").is_null()) return looks;
-  looks.vertices.resize(vertices);
+  const auto material = index_of(member(json, "material"), member(document.root, "materials"), where + ".material");
+  const bool has_material = !member(json, "material").is_null() && material && *material < places.size();
+  if (!has_material && !has_attribute(json, primitive, "COLOR_0")) return looks;
+  looks.vertices.resize(primitive.positions.size());
   if (has_material) {
     looks.material = static_cast<std::uint32_t>(*material);
-    read_texcoords(document, attributes, places[*material], where, looks);
+    read_texcoords(document, json, primitive, places[*material], where, looks);
   }
-  read_colours(document, attributes, where, looks);
+  read_colours(document, json, primitive, where, looks);
   return looks;
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/math/types.h"
 #include "scene/gltf/accessor.h"
+#include "scene/gltf/primitive.h"
 #include "scene/raw_mesh.h"
 
 namespace hapton::gltf {
@@ -23,13 +24,14 @@ Result<TexturePlace> read_texture_place(const Json& info, const std::string& whe
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, LookReading look, RawMesh& raw);
 
-// How the vertices of a primitive look: their colours (COLOR_0) and their places in the texture. Empty: nothing is said of them.
+// How the vertices of a primitive, which was read from this JSON, look: their colours (COLOR_0) and their places in the texture. Empty:
+// nothing is said of them.
 struct VertexLooks {
   std::uint32_t material = TriangleLook::kNoMaterial;
   bool has_colours = false;
   std::vector<CornerLook> vertices;
 };
-VertexLooks read_vertex_looks(const Document& document, const Json& primitive, std::size_t vertices,
+VertexLooks read_vertex_looks(const Document& document, const Json& json, const Primitive& primitive,
                               const std::vector<TexturePlace>& places, const std::string& where);
 
 }  // namespace hapton::gltf

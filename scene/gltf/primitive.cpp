@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <utility>
 
 #include "scene/gltf/draco.h"
@@ -124,6 +126,36 @@ std::optional<Error> make_triangles(const std::vector<std::uint32_t>& corners, s
   return std::nullopt;
 }
 
+constexpr std::size_t kMostUnfolded = 16;  // more than any material uses; each takes memory of its own
+
+// Texture coordinates and colours of a compressed primitive.
+std::vector<std::string> unfoldable_attributes(const Json& draco) {
+  std::vector<std::string> names;
+  const Json& attributes = member(draco, "attributes");
+  if (!attributes.is_object()) return names;
+  for (const auto& [name, id] : attributes.items()) {
+    const bool is_id = id.is_number_unsigned() && id.get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
+    if (names.size() < kMostUnfolded && is_id && (name.starts_with("TEXCOORD_") || name == "COLOR_0")) names.push_back(name);
+  }
+  return names;
+}
+
+// Whether integers stand for fractions is said by the accessor that describes them [3.6.2.2].
+Accessor unfolded_accessor(const Document& document, const Json& json, const std::string& name, const std::string& where,
+                           const DracoValues& values, std::size_t count) {
+  Accessor result;
+  result.json_path = fmt::format("{}.{}", where, name);
+  result.storage = std::make_shared<const std::string>(values.bytes);
+  result.first = result.storage->data();
+  result.count = count;
+  result.stride = values.bytes.size() / count;
+  result.component_type = values.component_type;
+  const Json& accessors = member(document.root, "accessors");
+  const auto index = index_of(member(member(json, "attributes"), name.c_str()), accessors, where);
+  result.normalized = index && member(accessors[*index], "normalized") == true;
+  return result;
+}
+
 // What an exporter put into integers it means as a fraction of their range, when it says so [3.6.2.2]. Draco keeps the integers.
 Result<std::optional<Primitive>> read_draco(const Document& document, const Json& json, const Json& draco, const std::string& where,
                                             std::size_t max_triangles) {
@@ -135,6 +167,8 @@ Result<std::optional<Primitive>> read_draco(const Document& document, const Json
   DracoRequest request{.position = static_cast<std::uint32_t>(*position), .normal = {}, .max_triangles = max_triangles};
   const auto normal = count_of(member(member(draco, "attributes"), "NORMAL"), name + ".attributes.NORMAL");
   if (normal) request.normal = static_cast<std::uint32_t>(*normal);
+  const std::vector<std::string> names = unfoldable_attributes(draco);
+  for (const std::string& each : names) request.others.push_back(member(member(draco, "attributes"), each.c_str()).get<std::uint32_t>());
   const Result<DracoMesh> mesh = decode_draco(view->bytes, request, name);
   if (!mesh) return tl::unexpected(mesh.error());
   Primitive primitive;
@@ -144,6 +178,11 @@ Result<std::optional<Primitive>> read_draco(const Document& document, const Json
     primitive.positions.push_back(p.cast<double>());
   }
   for (const Eigen::Vector3f& n : mesh->normals) primitive.normals.push_back(n.cast<double>());
+  primitive.unfolded.emplace();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (mesh->others[i].bytes.empty()) continue;
+    primitive.unfolded->emplace(names[i], unfolded_accessor(document, json, names[i], name, mesh->others[i], mesh->positions.size()));
+  }
   // It unfolds to a list, whatever the mode.
   if (auto error = make_triangles(mesh->corners, kTriangleList, name, max_triangles, primitive)) return tl::unexpected(std::move(*error));
   const auto promised = accessor_count(document, member(json, "indices"), where + ".indices");
@@ -191,6 +230,31 @@ Result<std::optional<Primitive>> read_primitive(const Document& document, const 
   if (auto error = deform(weights, where, **primitive)) return tl::unexpected(std::move(*error));
   turn_normals(document, targets, weights, where, **primitive);
   return primitive;
+}
+
+bool has_attribute(const Json& json, const Primitive& primitive, const std::string& attribute) {
+  if (primitive.unfolded) return primitive.unfolded->contains(attribute);
+  return !member(member(json, "attributes"), attribute.c_str()).is_null();
+}
+
+Result<Accessor> read_attribute(const Document& document, const Json& json, const Primitive& primitive, const std::string& attribute,
+                                const std::string& where, std::string_view type, std::size_t components) {
+  const std::string name = fmt::format("{}.attributes.{}", where, attribute);
+  const auto mismatch = [&](const std::string& path, std::size_t count) {
+    return fail("{}: {} values for {} vertices: {}", path, count, primitive.positions.size(), kExportAgain);
+  };
+  if (!primitive.unfolded) {
+    auto values = read_accessor(document, member(member(json, "attributes"), attribute.c_str()), name, type, components);
+    if (values && values->count != primitive.positions.size()) return mismatch(values->json_path, values->count);
+    return values;
+  }
+  const auto found = primitive.unfolded->find(attribute);
+  if (found == primitive.unfolded->end()) return fail("{} is not in its compressed data: {}", name, kExportAgain);
+  const Accessor& values = found->second;
+  if (values.stride != components * component_bytes(values.component_type)) {
+    return fail("{} is not of type {}: {}", values.json_path, type, kExportAgain);
+  }
+  return values;
 }
 
 }  // namespace hapton::gltf

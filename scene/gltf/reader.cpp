@@ -171,10 +171,10 @@ class SceneReader {
       odd_weights_ += *primitive && !weights->empty() && weights->size() != size_of_array(member(primitives[p], "targets")) ? 1 : 0;
       if (!*primitive || (*primitive)->triangles.empty()) continue;
       VertexLooks looks;
-      if (wants_look_) looks = read_vertex_looks(document_, primitives[p], (*primitive)->positions.size(), places_, where);
+      if (wants_look_) looks = read_vertex_looks(document_, primitives[p], **primitive, places_, where);
       VertexLooks haptics;
       if (*haptic) {
-        const auto read = read_haptics(primitives[p], **haptic, (*primitive)->positions.size(), place);
+        const auto read = read_haptics(primitives[p], **haptic, **primitive, place);
         if (!read) return read.error();
         haptics = *read;
       }
@@ -186,10 +186,11 @@ class SceneReader {
   }
 
   // How the vertices of a primitive feel, as what is seen of them.
-  Result<VertexLooks> read_haptics(const Json& primitive, std::uint32_t material, std::size_t vertices, const std::string& where) {
+  Result<VertexLooks> read_haptics(const Json& json, std::uint32_t material, const Primitive& primitive, const std::string& where) {
+    const std::size_t vertices = primitive.positions.size();
     VertexLooks haptics{.material = material, .has_colours = false, .vertices = std::vector<CornerLook>(vertices)};
     if (!raw_.haptics.materials[material].has_maps()) return haptics;
-    const auto places = read_haptic_places(document_, primitive, vertices, haptic_places_[material], where);
+    const auto places = read_haptic_places(document_, json, primitive, haptic_places_[material], where);
     if (!places) return tl::unexpected(places.error());
     for (std::size_t i = 0; i < vertices; ++i) haptics.vertices[i].texcoord = (*places)[i];
     return haptics;

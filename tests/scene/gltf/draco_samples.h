@@ -2,6 +2,8 @@
 
 #ifdef HAPTON_DRACO
 
+#include <array>
+#include <cstdint>
 #include <string>
 
 #include "core/geometry/triangle_mesh.h"
@@ -17,6 +19,16 @@ std::string draco(const TriangleMesh& mesh, DracoKind kind, const std::vector<Ei
 
 // The same in a GLB file of one node.
 std::string draco_glb(const TriangleMesh& mesh, const std::string& packed, bool has_normals = false);
+
+// A mesh with texture coordinates (id 1) and colours of four bytes (id 2): those of the next two functions.
+std::string draco_with_look(const TriangleMesh& mesh, DracoKind kind);
+Eigen::Vector2f draco_texcoord(const Vec3& p);
+std::array<std::uint8_t, 4> draco_colour(const Vec3& p);
+
+// The same in a GLB file of one node, with a material that has an image. mesh_members: further ones of its mesh, document_members of the
+// file, with a comma behind.
+std::string draco_look_glb(const TriangleMesh& mesh, const std::string& packed, const std::string& image,
+                           const std::string& mesh_members = "", const std::string& document_members = "");
 
 }  // namespace hapton::sample
 

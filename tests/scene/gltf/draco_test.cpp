@@ -12,6 +12,7 @@
 #include "scene/raw_mesh.h"
 #include "tests/scene/gltf/draco_samples.h"
 #include "tests/scene/gltf/gltf_samples.h"
+#include "tests/scene/made_pictures.h"
 
 #ifdef HAPTON_DRACO
 
@@ -47,6 +48,50 @@ TEST(Draco, KeepsNormals) {
     for (int k = 0; k < 3; ++k) {
       const Vec3 outward = raw->mesh.corner(t, k).normalized();
       EXPECT_GT(raw->mesh.authored_normals[t][static_cast<std::size_t>(k)].cast<double>().dot(outward), 0.999);
+    }
+  }
+}
+
+// Draco orders the vertices anew, so each corner is compared at its position.
+TEST(Draco, KeepsTextureCoordinatesAndColours) {
+  const TriangleMesh mesh = make_icosphere(1.0, 2);
+  const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
+  for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
+    const auto raw = read_glb(sample::draco_look_glb(mesh, sample::draco_with_look(mesh, kind), image), ".", kMaxMeshTriangles, LookReading::on);
+    ASSERT_TRUE(raw) << raw.error().what;
+    EXPECT_THAT(raw->notes, IsEmpty());
+    ASSERT_EQ(raw->look.triangles.size(), mesh.triangles.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const TriangleLook& look = raw->look.triangles[t];
+      EXPECT_EQ(look.material, 0U);
+      ASSERT_TRUE(look.has_colours);
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 p = raw->mesh.corner(t, k);
+        const CornerLook& corner = look.corners[static_cast<std::size_t>(k)];
+        EXPECT_LT((corner.texcoord - sample::draco_texcoord(p)).norm(), 1e-6F);
+        const auto [red, green, blue, alpha] = sample::draco_colour(p);
+        EXPECT_EQ(corner.colour, (std::array{red, green, blue}));
+        EXPECT_EQ(corner.alpha, alpha);
+      }
+    }
+  }
+}
+
+TEST(Draco, HapticTexturesLieWhereItsCoordinatesSay) {
+  const TriangleMesh mesh = make_icosphere(1.0, 2);
+  const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
+  const std::string packed = sample::draco_with_look(mesh, DracoKind::edgebreaker);
+  const auto raw =
+      read_glb(sample::draco_look_glb(mesh, packed, image, R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}},)",
+                                      R"("extensions":{"MPEG_haptic_material":{"materials":[{"stiffness":[{"texture":{"index":0}}],)"
+                                      R"("extras":{"hapton":{"stiffness_map_n_per_m":[100,200]}}}]}},)"),
+               ".");
+  ASSERT_TRUE(raw) << raw.error().what;
+  ASSERT_EQ(raw->haptics.maps.triangles.size(), mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const CornerLook& corner = raw->haptics.maps.triangles[t].corners[static_cast<std::size_t>(k)];
+      EXPECT_LT((corner.texcoord - sample::draco_texcoord(raw->mesh.corner(t, k))).norm(), 1e-6F);
     }
   }
 }

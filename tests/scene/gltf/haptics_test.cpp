@@ -365,7 +365,7 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
                                 R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[200,1000],"friction_map_range":[0,1]}})"),
               HasSubstr(where + ".friction: its texture uses other texture coordinates"));
   EXPECT_THAT(error_of({.materials = R"({"stiffness":)" + texture(0) + range + "}", .attributes = R"("TEXCOORD_0":4)"}),
-              HasSubstr("3 texture coordinates for 4 vertices"));
+              HasSubstr("3 values for 4 vertices"));
   EXPECT_THAT(
       error_of(
           {.materials = R"({"stiffness":)" + texture(2) + range + "}", .attributes = R"("TEXCOORD_0":3)", .samplers = R"("wrapT":33071)"}),
