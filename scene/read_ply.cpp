@@ -188,14 +188,16 @@ class BodyReader {
     for (std::size_t axis = 0; axis < 3 && has_normals_; ++axis) axes[found[axis][0]] = 3 + static_cast<int>(axis);
   }
 
-  // Where each value of a vertex goes: position, normal, colour, place in the texture.
-  static constexpr std::size_t kPlaces = 11;
+  // Where each value of a vertex goes: position, normal, colour, place in the texture, alpha.
+  static constexpr std::size_t kPlaces = 12;
   static constexpr int kColourPlace = 6;
   static constexpr int kTexcoordPlace = 9;
+  static constexpr int kAlphaPlace = 11;
 
   CornerLook look_of(const std::array<double, kPlaces>& values) const {
     CornerLook look;
     for (std::size_t k = 0; k < 3 && has_colours_; ++k) look.colour[k] = to_channel(values[kColourPlace + k]);
+    if (has_alpha_) look.alpha = to_channel(values[kAlphaPlace]);
     if (has_texcoords_) look.texcoord = texcoord_of(values[kTexcoordPlace], values[kTexcoordPlace + 1]);
     return look;
   }
@@ -223,12 +225,26 @@ class BodyReader {
     return true;
   }
 
+  // Of the same type as the colours, whose scale it has.
+  static bool find_alpha(const PlyElement& element, int place, std::vector<int>& axes) {
+    const auto type_of = [&](std::string_view name) {
+      const auto found = std::find_if(element.properties.begin(), element.properties.end(), [&](const auto& p) { return p.name == name; });
+      return found == element.properties.end() ? std::optional<PlyType>() : found->type;
+    };
+    const auto red = type_of("red") ? type_of("red") : type_of("diffuse_red");
+    for (const char* name : {"alpha", "diffuse_alpha"}) {
+      if (type_of(name) == red && find_all(element, {name}, place, axes)) return true;
+    }
+    return false;
+  }
+
   void find_look_axes(const PlyElement& element, std::vector<int>& axes) {
     has_colours_ = find_all(element, {"red", "green", "blue"}, kColourPlace, axes) ||
                    find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, kColourPlace, axes);
     for (std::size_t p = 0; p < axes.size() && has_colours_; ++p) {
       if (axes[p] == kColourPlace) colour_scale_ = scale_of(element.properties[p].type);
     }
+    has_alpha_ = has_colours_ && find_alpha(element, kAlphaPlace, axes);
     for (const auto& [u, v] : {std::pair("s", "t"), std::pair("u", "v"), std::pair("texture_u", "texture_v")}) {
       if (raw_.look.materials.empty() || has_texcoords_) break;
       has_texcoords_ = find_all(element, {u, v}, kTexcoordPlace, axes);
@@ -256,15 +272,17 @@ class BodyReader {
     return std::nullopt;
   }
 
-  // Where each value of a face goes: the channels of its colour, the number of its texture; these two are lists.
+  // Where each value of a face goes: the channels of its colour, the number of its texture, alpha; the last two are lists.
   static constexpr int kTexturePlace = 3;
-  static constexpr int kCornersPlace = 4;
-  static constexpr int kCornerTexcoordsPlace = 5;
+  static constexpr int kFaceAlphaPlace = 4;
+  static constexpr int kCornersPlace = 5;
+  static constexpr int kCornerTexcoordsPlace = 6;
 
   // Colours and places in the texture that the vertices have count more than those of the faces.
   void find_face_places(const PlyElement& element, std::vector<int>& places) {
     has_face_colours_ = !has_colours_ && (find_all(element, {"red", "green", "blue"}, 0, places) ||
                                           find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, 0, places));
+    has_face_alpha_ = has_face_colours_ && find_alpha(element, kFaceAlphaPlace, places);
     for (std::size_t p = 0; p < places.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (has_face_colours_ && places[p] == 0) colour_scale_ = scale_of(property.type);
@@ -319,6 +337,7 @@ class BodyReader {
   CornerLook look_of_corner(std::size_t k) const {
     CornerLook look = corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook();
     for (std::size_t channel = 0; channel < 3 && has_face_colours_; ++channel) look.colour[channel] = to_channel(face_values_[channel]);
+    if (has_face_alpha_) look.alpha = to_channel(face_values_[kFaceAlphaPlace]);
     if (has_face_texcoords_ && face_texcoords_.size() == 2 * corners_.size()) {
       look.texcoord = texcoord_of(face_texcoords_[2 * k], face_texcoords_[2 * k + 1]);
     }
@@ -367,8 +386,10 @@ class BodyReader {
   bool wants_look_;
   std::vector<CornerLook> looks_;  // of the vertices; empty: the file says nothing of them
   std::vector<CornerLook> corner_looks_;
-  std::vector<double> face_texcoords_;                      // of this face: two for each corner
-  std::array<double, kTexturePlace + 1> face_values_ = {};  // of this face
+  std::vector<double> face_texcoords_;                        // of this face: two for each corner
+  std::array<double, kFaceAlphaPlace + 1> face_values_ = {};  // of this face
+  bool has_alpha_ = false;
+  bool has_face_alpha_ = false;
   bool has_face_colours_ = false;
   bool has_face_texcoords_ = false;
   double colour_scale_ = 1.0;
@@ -377,6 +398,33 @@ class BodyReader {
   bool has_normals_ = false;
   bool seen_faces_ = false;
 };
+
+// PLY does not say what its alpha means: it is drawn as what it covers, as in MeshLab. Zero everywhere is what programs write that know of
+// no alpha.
+void blend_by_alpha(RawMesh& raw) {
+  std::uint8_t least = 255;
+  std::uint8_t most = 0;
+  for (const TriangleLook& look : raw.look.triangles) {
+    for (const CornerLook& corner : look.corners) {
+      least = std::min(least, corner.alpha);
+      most = std::max(most, corner.alpha);
+    }
+  }
+  if (most == 0 && !raw.look.triangles.empty()) {
+    raw.notes.emplace_back("the alpha of its colours is 0 everywhere, and is left out");
+    for (TriangleLook& look : raw.look.triangles) {
+      for (CornerLook& corner : look.corners) corner.alpha = 255;
+    }
+    return;
+  }
+  if (least == 255) return;
+  for (LookMaterial& material : raw.look.materials) material.alpha_mode = AlphaMode::blend;
+  const auto without_image = static_cast<std::uint32_t>(raw.look.materials.size());
+  raw.look.materials.push_back({.name = "", .alpha_mode = AlphaMode::blend});
+  for (TriangleLook& look : raw.look.triangles) {
+    if (look.material == TriangleLook::kNoMaterial) look.material = without_image;
+  }
+}
 
 template <class Values>
 Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::string format, const std::filesystem::path& folder,
@@ -397,6 +445,7 @@ Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::s
   if (!raw.look.materials.empty() && !reader.has_texcoords()) {
     raw.notes.push_back("its texture is not drawn: neither its vertices nor its faces have places in it");
   }
+  blend_by_alpha(raw);
   raw.end_parts();
   return raw;
 }

@@ -150,6 +150,30 @@ TEST_F(MeshLooks, OfAPlyFileAreColoursOfFaces) {
   EXPECT_TRUE(without.look.triangles.empty());
 }
 
+TEST_F(MeshLooks, OfAPlyFileIsTheAlphaOfItsColours) {
+  const std::string vertices = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string colours = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
+  const auto of_vertices = [&](int a, int b, int c) {
+    return load("a.ply",
+                vertices + colours + faces + fmt::format("end_header\n0 0 0 1 2 3 {}\n1 0 0 4 5 6 {}\n0 1 0 7 8 9 {}\n3 0 1 2\n", a, b, c));
+  };
+  const MeshFile file = of_vertices(0, 51, 255);
+  const TriangleLook& look = file.look.triangles.at(0);
+  EXPECT_EQ(look.corners[0].alpha, 0);
+  EXPECT_EQ(look.corners[1].alpha, 51);
+  EXPECT_EQ(look.corners[2].alpha, 255);
+  EXPECT_EQ(look.corners[1].colour, (Rgb{4, 5, 6}));
+  EXPECT_EQ(file.look.materials.at(look.material).alpha_mode, AlphaMode::blend);
+  EXPECT_EQ(of_vertices(255, 255, 255).look.triangles.at(0).material, TriangleLook::kNoMaterial) << "nothing to blend";
+  const MeshFile unset = of_vertices(0, 0, 0);
+  EXPECT_EQ(unset.look.triangles.at(0).corners[0].alpha, 255);
+  EXPECT_THAT(unset.notes, ElementsAre("the alpha of its colours is 0 everywhere, and is left out"));
+  const MeshFile of_faces = load("f.ply", vertices + faces + colours + "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 10 20 30 102\n");
+  EXPECT_EQ(of_faces.look.triangles.at(0).corners[2].alpha, 102);
+  EXPECT_EQ(of_faces.look.materials.at(of_faces.look.triangles[0].material).alpha_mode, AlphaMode::blend);
+}
+
 // As MeshLab writes them.
 TEST_F(MeshLooks, OfAPlyFileAreTexturesOfItsFacesCorners) {
   folder_.write("a.png", std::string(kPngBytes));
