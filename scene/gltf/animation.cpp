@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "scene/gltf/morph_weights.h"
+#include "scene/gltf/spline.h"
 #include "scene/gltf/transform.h"
 #include "scene/text_cursor.h"
 
@@ -33,7 +34,6 @@ struct NodeTracks {
 struct LeftOut {
   std::size_t scales = 0;  // and all else that is no translation, rotation or weight
   std::size_t steps = 0;
-  std::size_t splines = 0;
   std::size_t deformed = 0;
 };
 
@@ -82,58 +82,63 @@ Result<std::vector<double>> read_times(const Document& document, const Json& sam
   return times;
 }
 
-// Each third value of a CUBICSPLINE sampler, between its tangents [3.11].
-template <class Value, class Make>
-Result<Track<Value>> read_track(const Document& document, const Json& sampler, const std::string& where, const char* type,
-                                std::size_t components, const Make& make) {
+// A row of `width` numbers at each time: one item of that type, or for SCALARs `width` of them, as weights have them [3.11].
+Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, const std::string& where, const char* type,
+                                 std::size_t width) {
   auto times = read_times(document, sampler, where);
   if (!times) return tl::unexpected(times.error());
-  const auto output = read_accessor(document, member(sampler, "output"), where + ".output", type, components);
+  const bool is_scalar = std::string_view(type) == "SCALAR";
+  const auto output = read_accessor(document, member(sampler, "output"), where + ".output", type, is_scalar ? 1 : width);
   if (!output) return tl::unexpected(output.error());
   const bool is_spline = text_of(member(sampler, "interpolation")) == "CUBICSPLINE";
-  const std::size_t each = is_spline ? 3 : 1;
-  if (output->count != each * times->size()) {
+  const std::size_t rows = (is_spline ? 3 : 1) * times->size();
+  if (is_scalar && output->count != rows * width) {
+    return fail("{} has {} times, {} morph targets and {} weights: {}", where, times->size(), width, output->count, kExportAgain);
+  }
+  if (!is_scalar && output->count != rows) {
     return fail("{} has {} times and {} values: {}", where, times->size(), output->count, kExportAgain);
   }
-  Track<Value> track{std::move(*times), {}};
-  for (std::size_t i = 0; i < track.times.size(); ++i) {
-    const std::optional<Value> value = make(*output, each * i + each / 2);
-    if (!value) return fail("{}: value {} is not finite, or not a rotation: {}", where, i, kExportAgain);
-    track.values.push_back(*value);
-  }
-  return track;
-}
-
-std::optional<Vec3> make_vector(const Accessor& from, std::size_t i) {
-  const Vec3 vector(from.component(i, 0), from.component(i, 1), from.component(i, 2));
-  return vector.allFinite() ? std::optional(vector) : std::nullopt;
-}
-
-std::optional<Quat> make_rotation(const Accessor& from, std::size_t i) {
-  const Quat q(from.component(i, 3), from.component(i, 0), from.component(i, 1), from.component(i, 2));
-  return q.coeffs().allFinite() && q.norm() > 0.0 ? std::optional(q.normalized()) : std::nullopt;
-}
-
-// Each keyframe has the weights of all targets, one after the other [3.11].
-Result<Track<std::vector<double>>> read_weights(const Document& document, const Json& sampler, const std::string& where,
-                                                std::size_t targets) {
-  auto times = read_times(document, sampler, where);
-  if (!times) return tl::unexpected(times.error());
-  const auto output = read_accessor(document, member(sampler, "output"), where + ".output", "SCALAR", 1);
-  if (!output) return tl::unexpected(output.error());
-  const std::size_t each = text_of(member(sampler, "interpolation")) == "CUBICSPLINE" ? 3 : 1;
-  if (output->count != each * targets * times->size()) {
-    return fail("{} has {} times, {} morph targets and {} weights: {}", where, times->size(), targets, output->count, kExportAgain);
-  }
-  Track<std::vector<double>> track{std::move(*times), {}};
-  for (std::size_t i = 0; i < track.times.size(); ++i) {
-    std::vector<double>& weights = track.values.emplace_back();
-    for (std::size_t t = 0; t < targets; ++t) {
-      weights.push_back(output->component((each * i + each / 2) * targets + t, 0));
-      if (!std::isfinite(weights.back())) return fail("{}: weight {} is not finite: {}", where, i, kExportAgain);
+  std::vector<std::vector<double>> numbers(rows, std::vector<double>(width));
+  for (std::size_t i = 0; i < rows; ++i) {
+    for (std::size_t k = 0; k < width; ++k) {
+      numbers[i][k] = is_scalar ? output->component(i * width + k, 0) : output->component(i, k);
+      if (!std::isfinite(numbers[i][k])) return fail("{}: value {} is not finite: {}", where, i, kExportAgain);
     }
   }
+  return is_spline ? straighten_spline(*times, numbers) : NumberTrack{std::move(*times), std::move(numbers)};
+}
+
+Track<Vec3> to_vectors(const NumberTrack& numbers) {
+  Track<Vec3> track{numbers.times, {}};
+  for (const std::vector<double>& row : numbers.values) track.values.emplace_back(row[0], row[1], row[2]);
   return track;
+}
+
+Result<Track<Quat>> to_rotations(const NumberTrack& numbers, const std::string& where) {
+  Track<Quat> track{numbers.times, {}};
+  for (const std::vector<double>& row : numbers.values) {
+    const Quat turn(row[3], row[0], row[1], row[2]);
+    if (!(turn.norm() > 0.0)) return fail("{}: value {} is not a rotation: {}", where, track.values.size(), kExportAgain);
+    track.values.push_back(turn.normalized());
+  }
+  return track;
+}
+
+// The same at all times: such a channel neither jumps nor scales.
+bool is_constant(const NumberTrack& track) {
+  return std::all_of(track.values.begin(), track.values.end(), [&](const auto& row) { return row == track.values.front(); });
+}
+
+// Exporters write a scale for each bone: it is left alone where it is that of the node at rest.
+bool is_scale_at_rest(const Document& document, const Json& sampler, const Json& node, const std::string& where) {
+  const auto scales = read_numbers(document, sampler, where, "VEC3", 3);
+  if (!scales || !is_constant(*scales) || !member(node, "matrix").is_null()) return false;
+  const Json& given = member(node, "scale");
+  const auto at_rest = given.is_null() ? Result<std::array<double, 3>>(std::array{1.0, 1.0, 1.0}) : numbers_of<3>(given, where);
+  if (!at_rest) return false;
+  double most = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) most = std::max(most, std::fabs(scales->values[0][k] - (*at_rest)[k]));
+  return most <= kRigid;
 }
 
 Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, const Json& animation, const std::string& where,
@@ -145,34 +150,38 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
     const std::string place = fmt::format("{}.channels[{}]", where, c);
     const Json& target = member(channels[c], "target");
     const std::string path = text_of(member(target, "path"));
-    if (member(target, "node").is_null() || (path != "translation" && path != "rotation" && path != "weights")) {
+    const bool is_read = path == "translation" || path == "rotation" || path == "weights" || path == "scale";
+    if (member(target, "node").is_null() || !is_read) {
       ++left_out.scales;
       continue;
     }
-    const auto node = index_of(member(target, "node"), member(document.root, "nodes"), place + ".target.node");
+    const Json& nodes = member(document.root, "nodes");
+    const auto node = index_of(member(target, "node"), nodes, place + ".target.node");
     if (!node) return tl::unexpected(node.error());
     const auto index = index_of(member(channels[c], "sampler"), samplers, place + ".sampler");
     if (!index) return tl::unexpected(index.error());
     const Json& sampler = samplers[*index];
-    const std::string interpolation = text_of(member(sampler, "interpolation"));
-    left_out.steps += interpolation == "STEP" ? 1 : 0;
-    left_out.splines += interpolation == "CUBICSPLINE" ? 1 : 0;
-    if (interpolation == "STEP") continue;
     const std::string from = fmt::format("{}.samplers[{}]", where, *index);
-    if (path == "weights") {
-      const auto found = morphs.find(*node);
-      if (found == morphs.end()) continue;  // of no triangles, or a note says that they cannot be read
-      auto track = read_weights(document, sampler, from, found->second.displacements.size());
-      if (!track) return tl::unexpected(track.error());
-      tracks[*node].weights = std::move(*track);
+    if (path == "scale") {
+      left_out.scales += is_scale_at_rest(document, sampler, nodes[*node], from) ? 0 : 1;
+      continue;
+    }
+    const auto targets = morphs.find(*node);
+    if (path == "weights" && targets == morphs.end()) continue;  // of no triangles, or a note says that they cannot be read
+    const auto numbers = path == "weights"    ? read_numbers(document, sampler, from, "SCALAR", targets->second.displacements.size())
+                         : path == "rotation" ? read_numbers(document, sampler, from, "VEC4", 4)
+                                              : read_numbers(document, sampler, from, "VEC3", 3);
+    if (!numbers) return tl::unexpected(numbers.error());
+    if (text_of(member(sampler, "interpolation")) == "STEP" && !is_constant(*numbers)) {
+      ++left_out.steps;
+    } else if (path == "weights") {
+      tracks[*node].weights = Track<std::vector<double>>{numbers->times, numbers->values};
     } else if (path == "translation") {
-      auto track = read_track<Vec3>(document, sampler, from, "VEC3", 3, make_vector);
-      if (!track) return tl::unexpected(track.error());
-      tracks[*node].translation = std::move(*track);
+      tracks[*node].translation = to_vectors(*numbers);
     } else {
-      auto track = read_track<Quat>(document, sampler, from, "VEC4", 4, make_rotation);
-      if (!track) return tl::unexpected(track.error());
-      tracks[*node].rotation = std::move(*track);
+      auto turns = to_rotations(*numbers, from);
+      if (!turns) return tl::unexpected(turns.error());
+      tracks[*node].rotation = std::move(*turns);
     }
   }
   return tracks;
@@ -285,7 +294,6 @@ void add_notes(const MeshAnimation& animation, const LeftOut& left_out, RawMesh&
   const std::pair<std::size_t, std::string_view> notes[] = {
       {left_out.scales, "animation '{}': {} channels of scales or pointers are left out"},
       {left_out.steps, "animation '{}': {} channels that jump (STEP) are left out"},
-      {left_out.splines, "animation '{}': {} spline channels are interpolated linearly between their keyframes"},
       {left_out.deformed, "animation '{}': {} parts would deform, which is not supported; they stay at rest"}};
   for (const auto& [count, text] : notes) {
     if (count > 0) raw.notes.push_back(fmt::format(fmt::runtime(text), name, count));

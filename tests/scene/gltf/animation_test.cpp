@@ -188,16 +188,17 @@ TEST_F(GltfMorphs, AnimationsOfWeightsDeformTheirNode) {
   }
 }
 
-// A node that moves and deforms does both; a file of splines is read at its keyframes.
+// A node that moves and deforms does both; its splines are followed.
 TEST_F(GltfMorphs, MotionAndWeightsGoTogether) {
   add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0, 0, 0, 0.1F});
-  add_weights(3, {0.0F, 1.0F}, {9, 9, 0, 0, 9, 9, 9, 9, 0, 1, 9, 9}, "CUBICSPLINE");
+  add_weights(3, {0.0F, 1.0F}, {9, 9, 0, 0, 0, 0, 0, 0, 0, 1, 9, 9}, "CUBICSPLINE");
   const auto scene = load_playing("");
   ASSERT_TRUE(scene) << scene.error().what;
   const SceneObject& post = scene->objects.back();
   ASSERT_TRUE(post.motion && post.deformation);
   EXPECT_EQ(post.deformation->targets().size(), 1U) << "the other one is not used";
-  EXPECT_NEAR(post.deformation->weights_at(0.5)[0], 0.5, 1e-7);
+  EXPECT_NEAR(post.deformation->weights_at(0.5)[0], 0.5, 1.0 / 256);
+  EXPECT_NEAR(post.deformation->weights_at(0.25)[0], 0.15625, 1.0 / 256);
 }
 
 TEST_F(GltfMorphs, SaysWhatCannotBeDeformed) {
@@ -331,11 +332,44 @@ TEST_F(GltfAnimation, ScalesAtRestStayAsTheyAre) {
   EXPECT_LT((hand.pose_at(1.0) * Vec3(1.05, 0, 0) - Vec3(1, 0.05, 0)).norm(), 1e-6);
 }
 
-TEST_F(GltfAnimation, SplinesAreReadAtTheirKeyframes) {
-  add_channel(0, 3, "translation", {0.0F, 1.0F}, {9, 9, 9, 0, 0, 0, 9, 9, 9, 9, 9, 9, 0.1F, 0, 0, 9, 9, 9}, "CUBICSPLINE");
+// Hermite, with tangents that say where the time goes: without any it starts and ends slowly.
+TEST_F(GltfAnimation, SplinesAreFollowed) {
+  add_channel(0, 3, "translation", {0.0F, 2.0F}, {9, 9, 9, 0, 0, 0, 0, 0.1F, 0, 0, -0.1F, 0, 0.1F, 0, 0, 9, 9, 9}, "CUBICSPLINE");
   const MeshFile file = load();
-  EXPECT_LT((file.animations.at(0).motions.at(3).pose_at(0.5).translation() - Vec3(0.05, 0, 0)).norm(), 1e-7);
-  EXPECT_THAT(file.notes, Contains(HasSubstr("1 spline channels are interpolated linearly between their keyframes")));
+  const KeyframeMotion& post = file.animations.at(0).motions.at(3);
+  for (double t = 0.0; t <= 2.0; t += 0.01) {
+    const double s = 0.5 * t;
+    const Vec3 expected(0.1 * s * s * (3 - 2 * s), 0.2 * (s * s * s - 2 * s * s + s) - 0.2 * (s * s * s - s * s), 0);
+    ASSERT_LT((post.pose_at(t).translation() - expected).norm(), 0.1 / 200) << t;
+  }
+  EXPECT_THAT(file.notes, Not(Contains(HasSubstr("spline"))));
+}
+
+TEST_F(GltfAnimation, SplinesOfRotationsAreFollowed) {
+  const double half = std::numbers::pi / 8.0;  // of the turn to the end, 45 degrees
+  std::vector<float> values(24, 0.0F);
+  values[7] = 1.0F;
+  values[18] = static_cast<float>(std::sin(half));
+  values[19] = static_cast<float>(std::cos(half));
+  add_channel(0, 3, "rotation", {0.0F, 1.0F}, values, "CUBICSPLINE");
+  const KeyframeMotion post = load().animations.at(0).motions.at(3);
+  for (double s = 0.0; s <= 1.0; s += 0.01) {
+    const double share = s * s * (3 - 2 * s);
+    const Quat expected = Quat(1 - share + share * std::cos(half), 0, 0, share * std::sin(half)).normalized();
+    ASSERT_LT(Quat(post.pose_at(s).rotation()).angularDistance(expected), 0.005) << s;
+  }
+}
+
+// As exporters write what does not change.
+TEST_F(GltfAnimation, StepsAndScalesThatDoNotChangeAreNoJumps) {
+  document["nodes"][3]["scale"] = {2, 2, 2};
+  add_channel(0, 3, "translation", {0.0F, 1.0F}, {0, 0, 0.3F, 0, 0, 0.3F}, "STEP");
+  add_channel(0, 3, "rotation", {0.0F, 1.0F}, about_z({0, 90}));
+  add_channel(0, 3, "scale", {0.0F, 1.0F}, {2, 2, 2, 2, 2, 2});
+  const MeshFile file = load();
+  const KeyframeMotion& post = file.animations.at(0).motions.at(3);
+  EXPECT_LT((post.pose_at(1.0) * Vec3(0.2, 0, 0) - Vec3(0, 0.2, 0.3)).norm(), 1e-6);
+  EXPECT_THAT(file.notes, Not(Contains(HasSubstr("left out"))));
 }
 
 // The shape is what matters.
