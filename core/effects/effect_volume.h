@@ -26,6 +26,16 @@ class EffectVolume {
     return false;
   }
 
+  // Its point nearest to p: p itself inside.
+  Vec3 nearest(const Vec3& p) const noexcept {
+    if (contains(p)) return p;
+    const Vec3 from = p - centre_;
+    if (shape_ == Shape::ball) return centre_ + half_size_.x() / from.norm() * from;
+    return centre_ + from.cwiseMax(-half_size_).cwiseMin(half_size_);
+  }
+  // Meaningless where it acts everywhere.
+  const Vec3& centre() const noexcept { return centre_; }
+
   // Calls visit(number) for all that defines it.
   template <class Visit>
   void for_each_number(Visit&& visit) const {

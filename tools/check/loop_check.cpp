@@ -237,12 +237,44 @@ CheckFindings check_softness(const SceneObject& object, std::span<const NamedLoo
            fmt::format("set stiffness_n_per_m to some hundreds; {0:.6g} N/mm is {1:.6g} N/m", n_per_m, 1e3 * n_per_m)}};
 }
 
-CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops) {
+namespace {
+
+// Null: no largest force is known.
+const NamedLoop* find_weakest(std::span<const NamedLoop> loops) {
   const NamedLoop* weakest = nullptr;
   for (const NamedLoop& loop : loops) {
     const double most_n = loop.limits.max_force_n;
     if (most_n > 0.0 && (weakest == nullptr || most_n < weakest->limits.max_force_n)) weakest = &loop;
   }
+  return weakest;
+}
+
+}  // namespace
+
+CheckFindings check_strength(const SceneObject& object, std::span<const NamedLoop> loops) {
+  const NamedLoop* weakest = find_weakest(loops);
+  if (weakest == nullptr) return {};
+  const double most_n = weakest->limits.max_force_n;
+  CheckFindings findings;
+  const auto compare = [&](double force_n, std::string_view what, std::string_view key) {
+    if (!(force_n > most_n)) return;
+    findings.push_back({SceneFault::stronger_than_device, object.name, std::nullopt,
+                        fmt::format("{} {:.3g} N, but {} gives {:.3g} N at most", what, force_n, weakest->device, most_n),
+                        fmt::format("lower {}: the device would give less than it says", key)});
+  };
+  const SurfaceEffects& effects = object.effects;
+  for (std::size_t i = 0; i < effects.layers.count(); ++i) {
+    const double pop_force_n = effects.layers[i].pop_force_n;
+    if (std::isfinite(pop_force_n)) compare(pop_force_n, fmt::format("layer {} gives way at", i + 1), "its pop_force_n");
+  }
+  if (effects.snap.is_on()) compare(effects.snap.bound_n(), "holds with up to", "its snap_range_m or its snap_stiffness_n_per_m");
+  if (effects.tap.is_on()) compare(effects.tap.bound_n(), "rings with up to", "its tap_max_force_n");
+  if (effects.texture.is_on()) compare(effects.texture.bound_n(), "its recorded texture has up to", "its texture_max_force_n");
+  return findings;
+}
+
+CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops) {
+  const NamedLoop* weakest = find_weakest(loops);
   if (weakest == nullptr || bound_of(effect.effect) <= weakest->limits.max_force_n) return {};
   return {
       {SceneFault::stronger_than_device, shown_name(effect), std::nullopt,

@@ -46,6 +46,9 @@ CheckFindings check_damping(const SceneEffect& effect, const HeldGains& held, do
 // A virtual mass in free space of more than half of what is stable, with its own filter, in the least of the loops. Pre: as above.
 CheckFindings check_mass(const SceneEffect& effect, std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
+// A surface whose layers give way at a force above that of the weakest device, so that the device never gives what they resist with; or one
+// that snaps, rings or has a recorded texture with more. RT: set-up only.
+CheckFindings check_strength(const SceneObject& object, std::span<const NamedLoop> loops);
 // An effect whose largest force is above that of the weakest device. RT: set-up only.
 CheckFindings check_strength(const SceneEffect& effect, std::span<const NamedLoop> loops);
 

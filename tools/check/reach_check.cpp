@@ -129,17 +129,117 @@ Unreached find_unreached(const TriangleMesh& mesh, const Workspace& given) {
   return found;
 }
 
+namespace {
+
+// "all of it lies", "12 % of its surface lie".
+std::string describe_share(double share) {
+  return share > 1.0 - kLeastShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lie", 100.0 * share);
+}
+
+TriangleMesh moved_mesh(const SceneObject& object, double time_s) {
+  TriangleMesh moved = *object.mesh;
+  const Pose X_SM = object.motion->pose_at(time_s);
+  for (Vec3& p : moved.vertices) p = X_SM * p;
+  return moved;
+}
+
+// Of an object that is reached at rest: the keyframe that goes farthest out.
+CheckFindings check_reach_of_motion(const SceneObject& object, const DevicePreset& device) {
+  if (object.motion == nullptr) return {};
+  const Workspace workspace = widen(workspace_of(device));
+  double farthest_m = 0.0;
+  double time_s = 0.0;
+  for (const Keyframe& keyframe : object.motion->keyframes()) {
+    const Pose X_SM = object.motion->pose_at(keyframe.time_s);
+    for (const Vec3& p : object.mesh->vertices) {
+      const double distance_m = workspace.distance_m(X_SM * p);
+      if (distance_m <= farthest_m) continue;
+      farthest_m = distance_m;
+      time_s = keyframe.time_s;
+    }
+  }
+  if (farthest_m == 0.0) return {};
+  const Unreached moved = find_unreached(moved_mesh(object, time_s), workspace_of(device));
+  if (moved.share < kLeastShare) return {};
+  return {{SceneFault::out_of_reach, object.name, moved.farthest,
+           fmt::format("at {:.4g} s {} outside the workspace of {}, up to {:.3g} mm", time_s, describe_share(moved.share), device.name,
+                       1e3 * moved.distance_m),
+           "change its keyframes, or scale the scene"}};
+}
+
+}  // namespace
+
 CheckFindings check_reach(const SceneObject& object, const DevicePreset& device) {
   const Unreached unreached = find_unreached(*object.mesh, workspace_of(device));
-  if (unreached.share < kLeastShare) return {};
-  const std::string how_much =
-      unreached.share > 1.0 - kLeastShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lie", 100.0 * unreached.share);
+  if (unreached.share < kLeastShare) return check_reach_of_motion(object, device);
   return {{SceneFault::out_of_reach, object.name, unreached.farthest,
-           fmt::format("{} outside the workspace of {}, up to {:.3g} mm", how_much, device.name, 1e3 * unreached.distance_m),
+           fmt::format("{} outside the workspace of {}, up to {:.3g} mm", describe_share(unreached.share), device.name,
+                       1e3 * unreached.distance_m),
            "move or scale it, or let fit_m fit the scene to the workspace"}};
 }
 
+namespace {
+
+// Null: the effect has none.
+const EffectVolume* volume_of(const SpaceEffect& effect) {
+  return std::visit(
+      [](const auto& one) -> const EffectVolume* {
+        if constexpr (requires { one.volume.is_everywhere(); }) {
+          return one.volume.is_everywhere() ? nullptr : &one.volume;
+        } else {
+          return nullptr;
+        }
+      },
+      effect);
+}
+
+// The point of a workspace that is nearest to p.
+Vec3 nearest_in(const Workspace& workspace, const Vec3& p) {
+  if (!(workspace.radius_m > 0.0)) return p.cwiseMax(workspace.low_m).cwiseMin(workspace.high_m);
+  const Vec3 from_middle = p - workspace.middle_m();
+  const double distance = from_middle.norm();
+  return distance <= workspace.radius_m ? p : Vec3(workspace.middle_m() + workspace.radius_m / distance * from_middle);
+}
+
+// Two convex bodies: going to the nearest point of the one and of the other by turns leads to where they are nearest (Cheney & Goldstein
+// 1959).
+double distance_of(const EffectVolume& volume, const Workspace& workspace) {
+  constexpr int kTurns = 100;
+  Vec3 p = nearest_in(workspace, volume.centre());
+  for (int turn = 0; turn < kTurns && !volume.contains(p); ++turn) p = nearest_in(workspace, volume.nearest(p));
+  return (volume.nearest(p) - p).norm();
+}
+
+CheckFindings check_volume(const SceneEffect& effect, const EffectVolume& volume, const DevicePreset& device) {
+  const Workspace workspace = workspace_of(device);
+  const double distance_m = distance_of(volume, workspace);
+  if (distance_m <= kRounding * workspace.longest_m()) return {};
+  return {{SceneFault::out_of_reach, fmt::format("effect {}", effect.name), volume.centre(),
+           fmt::format("acts in a volume {:.4g} mm outside the workspace of {}: nobody can feel it", 1e3 * distance_m, device.name),
+           "move it into the workspace"}};
+}
+
+// Where the hand can get nearest to the well, or to where the well is strongest.
+CheckFindings check_well(const SceneEffect& effect, const GravityWellEffect& well, const DevicePreset& device) {
+  const Vec3 nearest = nearest_in(workspace_of(device), well.centre);
+  const double distance_m = (nearest - well.centre).norm();
+  if (distance_m <= well.radius_m) return {};
+  EffectSample sample;
+  sample.p_SD = nearest;
+  const double felt_n = well.force(sample).norm();
+  if (felt_n >= device.model.friction_n) return {};
+  return {
+      {SceneFault::out_of_reach, fmt::format("effect {}", effect.name), well.centre,
+       fmt::format("lies {:.4g} mm outside the workspace of {} and pulls with {:.2g} N at most there, less than its friction ({:.3g} N)",
+                   1e3 * distance_m, device.name, felt_n, device.model.friction_n),
+       "move it into the workspace, or raise its radius_m"}};
+}
+
+}  // namespace
+
 CheckFindings check_reach(const SceneEffect& effect, const DevicePreset& device) {
+  if (const EffectVolume* volume = volume_of(effect.effect)) return check_volume(effect, *volume, device);
+  if (const auto* well = std::get_if<GravityWellEffect>(&effect.effect)) return check_well(effect, *well, device);
   const auto* snap = std::get_if<SnapEffect>(&effect.effect);
   if (snap == nullptr) return {};
   const double distance_m = distance_of(*snap, workspace_of(device));

@@ -30,11 +30,13 @@ struct Unreached {
 // mesh without area counts by its vertices. RT: set-up only.
 Unreached find_unreached(const TriangleMesh& mesh, const Workspace& workspace);
 
-// Finds whether a part of the object lies outside the device's workspace. S lies on W: the knob box is at zero. RT: set-up only.
+// Finds whether a part of the object lies outside the device's workspace, at rest or else at the keyframe that goes farthest out. S lies on
+// W: the knob box is at zero. RT: set-up only.
 // Pre: device.is_workspace_known, here and below.
 CheckFindings check_reach(const SceneObject& object, const DevicePreset& device);
-// A magnet, or a line or plane to snap to, whose range ends before the workspace. A line or plane counts as reached if it comes as near as
-// the farthest point of the workspace lies from its middle. RT: set-up only.
+// An effect in a volume outside the workspace; a gravity well so far outside that the friction of the device hides it; a magnet, or a line
+// or plane to snap to, whose range ends before the workspace. A line or plane counts as reached if it comes as near as the farthest point
+// of the workspace lies from its middle. RT: set-up only.
 CheckFindings check_reach(const SceneEffect& effect, const DevicePreset& device);
 
 // Finds whether the whole scene is too small for the workspace: below the same share as SceneReach::too_small. RT: set-up only.

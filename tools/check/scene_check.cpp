@@ -83,7 +83,8 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     check.notes.push_back(fmt::format(
         "not checked: where the tool '{}' gets; other findings but those on damping and turning are for a probe", scene.tool->name));
   if (scene.touch_scene().has_motion()) {
-    check.notes.emplace_back("checked at rest only: objects that move or deform are not followed");
+    check.notes.emplace_back(
+        "checked at rest only: objects that move or deform are not followed, but whether the workspace reaches their keyframes");
   }
   if (scene.touch_scene().has_sculpt()) check.notes.emplace_back("checked as it is before it is carved");
   const bool has_tool =
@@ -97,6 +98,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     append(check_softness(object, settings.loops), found);
     append(check_stiffness(object, held, settings.rate_hz, settings.delay_s), found);
     append(check_damping(object, held, settings.rate_hz, settings.delay_s, has_tool), found);
+    append(check_strength(object, settings.loops), found);
     append(check_frequency(object, settings.rate_hz), found);
     for (const DevicePreset* device : reaching) append(check_reach(object, *device), found);
     sort_findings(object, settings, std::move(found), check);

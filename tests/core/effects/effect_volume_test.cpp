@@ -21,6 +21,17 @@ TEST(EffectVolume, IsEverywhereABallOrABox) {
   EXPECT_FALSE(box.contains({0.5, 1, -0.01}));
 }
 
+TEST(EffectVolume, KnowsItsNearestPoint) {
+  const auto ball = EffectVolume::ball({1, 2, 3}, 0.5);
+  EXPECT_EQ(ball.nearest({1.1, 2.1, 3}), Vec3(1.1, 2.1, 3)) << "inside";
+  EXPECT_LT((ball.nearest({1, 5, 7}) - Vec3(1, 2.3, 3.4)).norm(), 1e-15);
+  EXPECT_EQ(ball.centre(), Vec3(1, 2, 3));
+  const auto box = EffectVolume::box({0, 0, 0}, {1, 2, 4});
+  EXPECT_EQ(box.nearest({0.5, 1, 2}), Vec3(0.5, 1, 2));
+  EXPECT_EQ(box.nearest({3, -1, 2.5}), Vec3(1, 0, 2.5));
+  EXPECT_EQ(EffectVolume::everywhere().nearest({7, 8, 9}), Vec3(7, 8, 9));
+}
+
 TEST(EffectVolume, ContainsNothingThatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(EffectVolume::ball(Vec3::Zero(), 1.0).contains({nan, 0, 0}));

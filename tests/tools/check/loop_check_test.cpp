@@ -243,6 +243,32 @@ TEST(LoopCheck, NoEffectIsStrongerThanTheWeakestDevice) {
       << "of one's own loop no largest force is known";
 }
 
+TEST(LoopCheck, NoSurfaceIsStrongerThanTheWeakestDevice) {
+  const auto loops = loops_for_check("omega.3,touch", "light");  // of 3.3 N
+  SceneObject skin = object_of(20.0);
+  EXPECT_TRUE(check_strength(skin, loops).empty());
+  skin.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 300.0, .pop_force_n = 3.3});
+  skin.effects.layers.add({.depth_m = 0.01, .stiffness_n_per_m = 300.0, .pop_force_n = 4.0});
+  skin.effects.layers.add({.depth_m = 0.02, .stiffness_n_per_m = 300.0});
+  CheckFindings found = check_strength(skin, loops);
+  ASSERT_EQ(found.size(), 1U) << "bone never gives way";
+  EXPECT_EQ(name_of(found[0].fault), "stronger-than-device");
+  EXPECT_EQ(found[0].what, "layer 2 gives way at 4 N, but touch gives 3.3 N at most");
+  EXPECT_THAT(found[0].fix, HasSubstr("pop_force_n"));
+  SceneObject tape = object_of(20.0);
+  tape.effects.snap = {.stiffness_n_per_m = 300.0, .range_m = 0.02};
+  found = check_strength(tape, loops);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].what, "holds with up to 6 N, but touch gives 3.3 N at most");
+  SceneObject bell = object_of(20.0);
+  bell.effects.tap.max_force_n = 5.0;
+  EXPECT_TRUE(check_strength(bell, loops).empty()) << "it is off";
+  bell.effects.tap.ns_per_m = 5.0;
+  found = check_strength(bell, loops);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0].fix, HasSubstr("tap_max_force_n"));
+}
+
 TEST(LoopCheck, AVibrationNeedsTwoForcesAPeriod) {
   SceneObject bell = object_of(20.0);
   bell.effects.tap.frequency_hz = 900.0;

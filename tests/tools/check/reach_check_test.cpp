@@ -113,6 +113,60 @@ TEST(ReachCheck, ASnapOutOfReachIsFound) {
   EXPECT_TRUE(check_reach({.name = "wind", .effect = ConstantEffect{}}, falcon).empty());
 }
 
+TEST(ReachCheck, AVolumeOutOfReachIsFound) {
+  const DevicePreset& falcon = *find_device_preset("falcon");  // a cube of 50.8 mm each way
+  const auto wind_in = [](const EffectVolume& volume) { return SceneEffect{.name = "wind", .effect = ConstantEffect{.volume = volume}}; };
+  EXPECT_TRUE(check_reach(wind_in(EffectVolume::ball(Vec3(0.1, 0, 0), 0.05)), falcon).empty());
+  const CheckFindings found = check_reach(wind_in(EffectVolume::ball(Vec3(0.1, 0, 0), 0.01)), falcon);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::out_of_reach);
+  EXPECT_EQ(found[0].object, "effect wind");
+  EXPECT_EQ(found[0].what, "acts in a volume 39.2 mm outside the workspace of falcon: nobody can feel it");
+  EXPECT_TRUE(check_reach(wind_in(EffectVolume::box(Vec3(0.05, -1, -1), Vec3(2, 1, 1))), falcon).empty());
+  EXPECT_EQ(check_reach(wind_in(EffectVolume::box(Vec3(0.06, -1, -1), Vec3(2, 1, 1))), falcon).size(), 1U);
+  const DevicePreset& touch = *find_device_preset("touch");  // a ball of 75 mm
+  EXPECT_TRUE(check_reach(wind_in(EffectVolume::box(Vec3(0.05, 0.05, -1), Vec3(2, 2, 1))), touch).empty()) << "0.0707 from its middle";
+  EXPECT_EQ(check_reach(wind_in(EffectVolume::box(Vec3(0.054, 0.054, -1), Vec3(2, 2, 1))), touch).size(), 1U) << "0.0764";
+}
+
+TEST(ReachCheck, AGravityWellOutOfReachIsFound) {
+  const DevicePreset& falcon = *find_device_preset("falcon");
+  const auto well_at = [](double x_m) {
+    return SceneEffect{.name = "well", .effect = GravityWellEffect{.centre = Vec3(x_m, 0, 0), .radius_m = 0.01, .max_force_n = 2.0}};
+  };
+  EXPECT_TRUE(check_reach(well_at(0.06), falcon).empty());
+  const CheckFindings found = check_reach(well_at(2.0), falcon);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::out_of_reach);
+  EXPECT_EQ(found[0].object, "effect well");
+}
+
+// A cube of 40 mm that goes out to the right by 60 mm and comes back.
+TEST(ReachCheck, AMotionOutOfReachIsFound) {
+  const DevicePreset& falcon = *find_device_preset("falcon");
+  SceneObject cube;
+  cube.name = "cube";
+  cube.mesh = std::make_shared<const TriangleMesh>(make_box(Vec3::Constant(0.04), 1));
+  EXPECT_TRUE(check_reach(cube, falcon).empty());
+  const auto going_to = [](double x_m) {
+    return std::make_shared<const KeyframeMotion>(
+        Vec3::Zero(),
+        std::vector<Keyframe>{
+            {0.0, Vec3::Zero(), Quat::Identity()}, {1.5, Vec3(x_m, 0, 0), Quat::Identity()}, {3.0, Vec3::Zero(), Quat::Identity()}},
+        true);
+  };
+  cube.motion = going_to(0.03);
+  EXPECT_TRUE(check_reach(cube, falcon).empty());
+  cube.motion = going_to(0.06);
+  const CheckFindings found = check_reach(cube, falcon);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].fault, SceneFault::out_of_reach);
+  // One face of six, and 29.2 of 40 mm of four others.
+  EXPECT_EQ(found[0].what, "at 1.5 s 65 % of its surface lie outside the workspace of falcon, up to 29.2 mm");
+  cube.motion = going_to(1.0);
+  EXPECT_EQ(check_reach(cube, falcon).at(0).what, "at 1.5 s all of it lies outside the workspace of falcon, up to 969 mm");
+}
+
 TEST(ReachCheck, AMeshWithoutAreaCountsByItsVertices) {
   TriangleMesh line;
   line.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(4, 0, 0), Vec3(5, 0, 0)};
