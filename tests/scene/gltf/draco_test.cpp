@@ -57,7 +57,8 @@ TEST(Draco, KeepsTextureCoordinatesAndColours) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
-    const auto raw = read_glb(sample::draco_look_glb(mesh, sample::draco_with_look(mesh, kind), image), ".", kMaxMeshTriangles, LookReading::on);
+    const auto raw =
+        read_glb(sample::draco_look_glb(mesh, sample::draco_with_look(mesh, kind), image), ".", kMaxMeshTriangles, LookReading::on);
     ASSERT_TRUE(raw) << raw.error().what;
     EXPECT_THAT(raw->notes, IsEmpty());
     ASSERT_EQ(raw->look.triangles.size(), mesh.triangles.size());
@@ -148,12 +149,16 @@ TEST(Draco, SurvivesDamage) {
   RecordProperty("seed", static_cast<int>(seed));
   std::mt19937 random(seed);
   const TriangleMesh mesh = make_icosphere(1.0, 2);
+  const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
-    const std::string packed = sample::draco(mesh, kind, {}, 11);
-    for (int round = 0; round < 3000; ++round) {
-      std::string damaged = packed;
+    const std::string bare = sample::draco(mesh, kind, {}, 11);
+    const std::string with_look = sample::draco_with_look(mesh, kind);
+    for (int round = 0; round < 4000; ++round) {
+      const bool has_look = round % 4 == 0;
+      std::string damaged = has_look ? with_look : bare;
       for (unsigned k = 0; k <= random() % 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
-      const auto raw = read_glb(sample::draco_glb(mesh, damaged), ".");
+      const auto raw = has_look ? read_glb(sample::draco_look_glb(mesh, damaged, image), ".", kMaxMeshTriangles, LookReading::on)
+                                : read_glb(sample::draco_glb(mesh, damaged), ".");
       if (!raw) continue;
       for (const Vec3& v : raw->mesh.vertices) ASSERT_TRUE(v.allFinite());
       for (const Triangle& t : raw->mesh.triangles) ASSERT_LT(*std::max_element(t.begin(), t.end()), raw->mesh.vertices.size());
