@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/rounded_down.h"
 #include "scene/text_cursor.h"
 
 namespace hapton {
@@ -64,7 +65,17 @@ Result<void> check_turns(const MotionSpec& given, const std::vector<Keyframe>& k
   return {};
 }
 
+// An animation has one speed for all of it.
+Result<void> check_animation_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
+  double fastest = 0.0;
+  for (std::size_t i = 1; i < motion.keyframes().size(); ++i) fastest = std::max(fastest, motion.fastest_m_per_s(i - 1, radius_m));
+  if (fastest <= kMostSurfaceSpeed * (1.0 + kSpeedRounding)) return {};
+  return fail("line {}: '{}' moves at up to {:.3g} m/s; a surface may move at {:g} m/s at most: set animation_speed to {:.2g} or less",
+              given.animation_line, name, fastest, kMostSurfaceSpeed, rounded_down(given.animation_speed * kMostSurfaceSpeed / fastest));
+}
+
 Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
+  if (given.keyframes.empty()) return check_animation_speed(given, motion, radius_m, name);
   const std::vector<Keyframe>& keyframes = motion.keyframes();
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
     const double fastest = motion.fastest_m_per_s(i - 1, radius_m);
