@@ -65,10 +65,27 @@ class DragLegs {
   DragOutcome make(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
 
  private:
-  DragOutcome make_drag_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
+  // One search each, for the end of a slip or a leg.
+  class SlipSearch;
+  class FollowSearch;
+  class FlowSearch;
+
+  static constexpr double kNearZero = 0x1p-51;          // rounding of a value that crosses zero
+  static constexpr double kPositionRounding = 0x1p-52;  // of a coordinate, local units
+  // How far a centre that counts as on the cone may be off it: no shorter piece is nearer to its cubic.
+  static constexpr double kUnresolved = OffsetDrag::kLeastPull;
+  static constexpr double kExact = 0x1p-42;            // local units: within this the cubic counts as the exact path
+  static constexpr double kLeastExcessRate = 0x1p-46;  // of the motion: a drag whose excess falls faster stops
+  static constexpr int kMostSearch = 16;  // rounds that look for an end; where a path can hardly be resolved, more find nothing nearer
+
+  DragOutcome make_followed_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept;
+  // Rounding of the components of a pull: that of the centre turns the normal of a curved part.
   double rounding_of(const OffsetDrag::Pull& pull) const noexcept;
+  // How far the middle of a piece may be off its cubic: a share of the offset, and of the length. Events are found on the cubic and placed
+  // on the exact path: an offset away from everything, so a centre that moves by a small part of the offset meets nothing.
+  double most_uneven(double length) const noexcept;
 
   const ContactSet& contacts_;
   LocalMinimum minimum_;

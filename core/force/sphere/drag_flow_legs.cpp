@@ -1,0 +1,264 @@
+// Drags that OffsetDrag integrates, around an edge or a vertex and along sharp curves, in the parameter of OffsetDrag::Flow.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/force/sphere/drag_legs.h"
+#include "core/math/find_zero.h"
+#include "core/math/straight_motion.h"
+
+namespace hapton {
+
+class DragLegs::FlowSearch {
+ public:
+  FlowSearch(DragLegs& legs, const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time) noexcept
+      : legs_(legs), drag_(drag), from_(from), to_(to), time_(time), motion_(to - from), speed_(motion_.norm()) {}
+
+  DragOutcome make(DragLeg& leg) noexcept {
+    if (const auto other = begin(leg)) return *other;
+    if (!find_length(leg)) return DragOutcome::jumps;
+    if (!end_at_release(leg)) return DragOutcome::jumps;
+    if (!end_where_it_stops(leg)) return DragOutcome::stops;
+    return make_path(leg);
+  }
+
+ private:
+  bool has_one_contact() const noexcept { return legs_.contacts_.active_count() == 1; }
+  double left() const noexcept { return target_ - end_.time; }
+  double stability_there() const noexcept { return drag_.find_stability(there_); }
+
+  // The outcome, where the centre does not move or the leg is the last one.
+  std::optional<DragOutcome> begin(DragLeg& leg) noexcept {
+    constexpr double kSmallPull = 0x1p-9;  // of the offset
+    constexpr double kShort = 0x1p-5;      // of the offset
+    const Vec3 device = on_path(from_, to_, time_);
+    if (!drag_.find_pull(legs_.centre_, device, pull_)) return DragOutcome::jumps;
+    excess_rate_ = drag_.find_excess_rate(pull_, motion_);
+    if (!(excess_rate_ > -kLeastExcessRate * speed_) || !(speed_ > 0.0)) return DragOutcome::stops;
+    stability_ = drag_.find_stability(pull_);
+    if (!(stability_ > LocalMinimum::kLeastStability)) return DragOutcome::jumps;
+    const double release = has_one_contact() ? drag_.time_of_release(device, to_, pull_) : std::numeric_limits<double>::infinity();
+    comes_out_ = release < 1.0;
+    target_ = comes_out_ ? time_ + release * (1.0 - time_) : 1.0;
+    leg.released = -1;
+    leg.stops = false;
+    leg.jumps = false;
+    leg.is_exact = false;
+    // Almost nothing is left of the pull, and all of it vanishes on this leg.
+    const double offset = legs_.contacts_.offset();
+    if (comes_out_ && pull_.length + pull_.depth <= kSmallPull * offset && (target_ - time_) * speed_ <= kShort * offset) {
+      return legs_.make_last_leg(on_path(from_, to_, target_), target_, pull_.normal, leg);
+    }
+    slope_ = drag_.find_slope(pull_, motion_);
+    return std::nullopt;
+  }
+
+  // The longest leg: as far as it may turn, or to the boundary of the part.
+  double find_most() noexcept {
+    const double turn = LocalMinimum::kTurn / std::max(legs_.minimum_.find_turn(slope_), 0x1p-100);
+    if (!has_one_contact() || !(excess_rate_ > 0.0)) return turn;
+    const Vec3 direction = slope_ / excess_rate_;
+    return std::min(turn, legs_.events_.distance_to_boundary(legs_.centre_, direction, turn * excess_rate_) / excess_rate_);
+  }
+
+  void go_back() noexcept {
+    end_ = {legs_.centre_, time_, legs_.step_};
+    travelled_ = 0.0;
+  }
+
+  // To that length, from the start or from the last position, whichever is nearer. False: the centre is at the start again, and `shrink_`
+  // says how far it came.
+  bool go(double length) noexcept {
+    constexpr double kOfFollowed = 0.75;  // the next length, as a share of what could be followed
+    if (std::fabs(length - travelled_) >= length || legs_.contacts_.active_count() == 2) go_back();
+    const double advance = length - travelled_;
+    travelled_ = length;
+    if (advance == 0.0 ||
+        (drag_.flow(from_, to_, advance, end_, legs_.work_) && drag_.find_pull(end_.centre, from_ + end_.time * motion_, there_))) {
+      return true;
+    }
+    travelled_ += end_.followed - advance;
+    legs_.step_ = end_.step;
+    shrink_ = std::clamp(kOfFollowed * travelled_ / length_, kMostShrunk, 0.5);
+    end_ = {legs_.centre_, time_};
+    travelled_ = 0.0;
+    return false;
+  }
+
+  // To where `value()` reaches zero.
+  template <class Value>
+  bool seek(double at_start, double at_end, double rounding, Value&& value) noexcept {
+    length_ = find_zero(
+        0.0, at_start, length_, at_end, std::max(kNearZero, rounding), [&](double l) { return go(l) ? value() : -1.0; }, kMostSearch);
+    return go(length_);
+  }
+
+  // Shortens the leg until it is nearly a cubic, and ends it where the equilibrium vanishes or at the target.
+  bool find_length(DragLeg& leg) noexcept {
+    constexpr int kMostHalvings = 40;                        // then the centre jumps
+    constexpr int kFewHalvings = 3;                          // then the shortest leg is tried first
+    constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;  // no longer than one integration leads, as far as the last one tells
+    const double most = find_most();
+    // Along the curve of two contacts nothing is integrated.
+    const double within_reach = has_one_contact() && legs_.step_ > 0.0 ? std::min(most, kStepsOfLeg * legs_.step_) : most;
+    length_ = std::min(within_reach, (target_ - time_) / stability_);
+    for (int i = 0;; ++i, length_ *= shrink_) {
+      if (i == kMostHalvings) return false;
+      shrink_ = 0.5;
+      is_at_target_ = false;
+      leg.jumps = false;
+      go_back();
+      if (i == kFewHalvings) {
+        if (!go(std::ldexp(length_, kFewHalvings - kMostHalvings))) return false;  // however short
+        off_ = (end_.centre - legs_.centre_).norm();
+      }
+      if (!flow_evenly()) continue;
+      if (i == 0) lengthen(most);
+      if (!go(length_) || !end_where_it_vanishes(leg) || !end_at_target(leg)) continue;
+      if (!is_at_target_ || !comes_out_ || !(there_.length > kReleased)) return true;
+      comes_out_ = false;  // the device comes out at another point
+      target_ = 1.0;
+      length_ = std::min(most, (target_ - time_) / stability_);
+      i = -1;
+      shrink_ = 1.0;
+    }
+  }
+
+  // To the end of the leg. False: it cannot be followed, turns too far, or is no cubic; `shrink_` says how much shorter one is.
+  bool flow_evenly() noexcept {
+    const Vec3& centre = legs_.centre_;
+    if (!go(0.5 * length_)) return false;
+    middle_ = end_;
+    half_ = 0.5 * length_;
+    if (!go(length_) || legs_.minimum_.find_turn(end_.centre - centre) > 2.0 * LocalMinimum::kTurn) return false;
+    legs_.step_ = end_.step;
+    const Vec3 guess = 0.5 * (centre + end_.centre) + 0.125 * length_ * (slope_ - end_.slope);
+    const double uneven = (middle_.centre - guess).norm();
+    const double most_off = kUnresolved + off_ + legs_.most_uneven((end_.centre - centre).norm());
+    if (!(uneven > most_off)) return true;
+    shrink_ = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMostShrunk, 0.5);  // of fourth order in the length
+    return false;
+  }
+
+  // A little farther, to the target.
+  void lengthen(double most) noexcept {
+    constexpr int kMostRounds = 8;  // a bound on the work
+    for (int round = 0; round < kMostRounds && length_ < most && left() > 0.0; ++round) {
+      const double on = left() / std::max(stability_there(), 0x1p-10);
+      is_at_target_ = on * speed_ <= 0x1p-50;
+      if (is_at_target_ || !(length_ + on <= 1.125 * std::min(most, 2.0 * length_))) break;
+      if (!go(length_ + on)) break;
+      length_ += on;
+    }
+  }
+
+  bool end_where_it_vanishes(DragLeg& leg) noexcept {
+    if (!(stability_there() < 0.0)) return true;
+    const double rounding = legs_.rounding_of(pull_) / legs_.contacts_.offset();
+    if (!seek(stability_, stability_there(), rounding, [&] { return stability_there(); })) return false;
+    is_at_target_ = false;
+    leg.jumps = true;
+    return true;
+  }
+
+  bool end_at_target(DragLeg& leg) noexcept {
+    if (!(left() < 0.0)) return true;
+    if (!seek(target_ - time_, left(), 0.0, [&] { return left(); })) return false;
+    is_at_target_ = true;
+    leg.jumps = false;
+    return true;
+  }
+
+  // One of two contacts whose multiplier turns negative ends the leg earlier.
+  bool end_at_release(DragLeg& leg) noexcept {
+    for (int i = 0; legs_.contacts_.active_count() == 2 && i < 2; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (there_.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
+      const double at_start = std::max(0.0, pull_.multiplier[k]);
+      if (!seek(at_start, there_.multiplier[k], legs_.rounding_of(pull_), [&] { return there_.multiplier[k]; })) return false;
+      leg.released = i;
+      leg.jumps = false;
+      is_at_target_ = false;
+    }
+    return true;
+  }
+
+  // False: that is where the leg begins.
+  bool end_where_it_stops(DragLeg& leg) noexcept {
+    const double at_end = drag_.find_excess_rate(there_, motion_);
+    if (!(at_end < -kLeastExcessRate * speed_) || (is_at_target_ && comes_out_)) return true;
+    const double of_direction = speed_ * kPositionRounding / std::max(there_.length, OffsetDrag::kLeastPull);
+    if (!seek(std::max(0.0, excess_rate_), at_end, of_direction, [&] { return drag_.find_excess_rate(there_, motion_); })) return false;
+    if (!(length_ > 0.0)) return false;
+    is_at_target_ = false;
+    leg.jumps = false;
+    leg.stops = true;
+    leg.released = -1;
+    return true;
+  }
+
+  DragOutcome make_path(DragLeg& leg) noexcept {
+    leg.time = is_at_target_ ? target_ : std::min(end_.time, target_);
+    if (is_at_target_ && comes_out_) {
+      leg.released = 0;
+      end_.centre = on_path(from_, to_, target_);
+      if (!drag_.restore(end_.centre)) return DragOutcome::jumps;
+    }
+    leg.flow = length_;
+    leg.path = CentrePath::curved(legs_.centre_, end_.centre, length_ * slope_, length_ * end_.slope);
+    legs_.contacts_.guide(leg.path);
+    leg.pace = {length_ * stability_, length_ * stability_there()};
+    const double share = length_ > 0.0 ? half_ / length_ : 0.0;
+    leg.is_exact = has_one_contact() && share > 0.25 && share < 0.75 && (leg.path.at(share) - middle_.centre).norm() <= kExact &&
+                   std::fabs(leg.time_at(time_, share) - middle_.time) * speed_ <= kExact;
+    return DragOutcome::moves;
+  }
+
+  static constexpr double kMostShrunk = 0x1p-10;  // of the length, at once
+  static constexpr double kReleased = 0x1p-24;    // a pull at which the device counts as out
+
+  DragLegs& legs_;
+  const OffsetDrag& drag_;
+  const Vec3& from_;
+  const Vec3& to_;
+  const double time_;  // where the leg begins, as all of the next six
+  const Vec3 motion_;
+  const double speed_;
+  OffsetDrag::Pull pull_;
+  double excess_rate_ = 0.0;
+  double stability_ = 0.0;
+  Vec3 slope_ = Vec3::Zero();
+  bool comes_out_ = false;  // the device, of the surface, at the target
+  double target_ = 1.0;     // time
+  double length_ = 0.0;     // of the leg
+  double shrink_ = 0.5;     // the next length, as a share of this one
+  double off_ = 0.0;        // how far the centre is from the cone: contacts at a small angle make a large distance of a small tolerance
+  bool is_at_target_ = false;
+  OffsetDrag::Flow middle_;
+  double half_ = 0.0;  // the length to middle_
+  OffsetDrag::Flow end_;
+  double travelled_ = 0.0;  // the length to end_
+  OffsetDrag::Pull there_;  // at end_
+};
+
+// On curved parts the equilibrium on the cone may vanish: there the centre jumps.
+DragOutcome DragLegs::make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
+  return FlowSearch(*this, drag, from, to, time).make(leg);
+}
+
+// To the point where the device comes out.
+DragOutcome DragLegs::make_last_leg(const Vec3& device, double time, const Vec3& normal, DragLeg& leg) const noexcept {
+  Vec3 end = device;
+  if (!contacts_.restore(end, work_)) return DragOutcome::jumps;
+  const Vec3 chord = end - centre_;
+  const Vec3 normal_there = contacts_[0].proximity(end).normal;
+  leg.time = time;
+  leg.released = 0;
+  leg.is_exact = true;
+  leg.path = CentrePath::curved(centre_, end, chord - normal.dot(chord) * normal, chord - normal_there.dot(chord) * normal_there);
+  contacts_.guide(leg.path);
+  return DragOutcome::moves;
+}
+
+}  // namespace hapton
