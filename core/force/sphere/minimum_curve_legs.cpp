@@ -40,87 +40,131 @@ double MinimumLegs::time_on_curve(const Vec3& from, const Vec3& to) const noexce
   return pace != 0.0 ? frame.along.dot(centre_ - from) / pace : 0.0;
 }
 
-// As far as a piece may turn, until the device arrives, or to where the minimum vanishes or a multiplier reaches zero. False: the device
-// moves across the curve, or the curve is too sharp.
-bool MinimumLegs::make_on_curve(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
-  constexpr int kMostHalvings = 8;        // then the curve is too sharp
-  constexpr int kMostGrowing = 8;         // quarterings of the piece, to find where a new multiplier has risen
-  constexpr double kLeastPace = 0x1p-10;  // of the device's speed, along the curve
-  constexpr double kNearZero = 0x1p-30;   // of a share of what is left
-  constexpr double kNearNone = 0x1p-50;   // rounding of a multiplier
-  const Vec3 motion = to - from;
-  ContactFrame here;
-  if (!contacts_.find_frame(centre_, here)) return false;
-  const double pace = here.along.dot(motion);
-  if (!(std::fabs(pace) > kLeastPace * motion.norm())) return false;
-  const double sense = pace < 0.0 ? -1.0 : 1.0;
-  const Vec3 direction = sense * here.along;
-  const Course course{from, motion, direction, sense};
-  if (!(minimum_.find_stability(here, centre_, on_path(from, to, time)) > LocalMinimum::kLeastStability)) return false;
+// A piece of the curve, from the centre.
+class MinimumLegs::CurveSearch {
+ public:
+  CurveSearch(const MinimumLegs& legs, const Vec3& from, const Vec3& to, double time) noexcept
+      : legs_(legs), from_(from), to_(to), time_(time) {}
 
-  CurvePlace end;
-  const auto left = [&](const CurvePlace& place) { return (1.0 - place.time) / (1.0 - time); };
-  const auto room = [&](const CurvePlace& place) { return std::max(-1.0, std::min(place.stability, left(place))); };
-  const auto room_at = [&](double ahead) {
-    return find_on_curve(course, ahead, end) ? room(end) : std::numeric_limits<double>::quiet_NaN();
-  };
-  double length = minimum_.longest_on_curve(here, direction);
-  bool is_found = false;
-  for (int i = 0; i < kMostHalvings && !is_found; ++i, length *= is_found ? 1.0 : 0.5) {
-    CurvePlace middle;
-    if (!find_on_curve(course, 0.5 * length, middle) || !find_on_curve(course, length, end)) continue;
-    if (!(room(middle) > 0.0)) continue;
-    is_found = !(room(end) > 0.0) || (time < middle.time && middle.time < end.time);
-  }
-  if (!is_found) return false;
-  if (!(room(end) > 0.0)) {
-    length = find_zero(0.0, 1.0, length, room(end), kNearZero, room_at);
-    if (!find_on_curve(course, length, end)) return false;
-    leg.vanishes = end.stability < left(end);
-    if (!leg.vanishes && minimum_.solve(to, end.centre, work_) && contacts_.find_frame(end.centre, end.frame)) {
-      end.time = 1.0;
-      end.along = sense * end.frame.along;
+  bool make(MinimumLeg& leg) noexcept {
+    if (!begin() || !find_length() || !end_where_it_vanishes(leg)) return false;
+    leg.time = std::clamp(end_.time, time_, 1.0);
+    leg.released = -1;
+    for (int i = 0; i < 2; ++i) {
+      if (!end_at_release(i, leg)) return false;
     }
+    make_path(leg);
+    return true;
   }
-  leg.time = std::clamp(end.time, time, 1.0);
 
-  leg.released = -1;
-  for (int i = 0; i < 2; ++i) {
+ private:
+  // False: the device moves across the curve, or there is no minimum.
+  bool begin() noexcept {
+    constexpr double kLeastPace = 0x1p-10;  // of the device's speed, along the curve
+    const Vec3 motion = to_ - from_;
+    if (!legs_.contacts_.find_frame(legs_.centre_, here_)) return false;
+    const double pace = here_.along.dot(motion);
+    if (!(std::fabs(pace) > kLeastPace * motion.norm())) return false;
+    const double sense = pace < 0.0 ? -1.0 : 1.0;
+    course_ = {from_, motion, sense * here_.along, sense};
+    return legs_.minimum_.find_stability(here_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kLeastStability;
+  }
+
+  bool go(double ahead) noexcept { return legs_.find_on_curve(course_, ahead, end_); }
+  // `value` of the place that far ahead; NaN: the curve does not lead there.
+  template <class Value>
+  auto after(Value&& value) noexcept {
+    return [this, value](double ahead) { return go(ahead) ? value(end_) : std::numeric_limits<double>::quiet_NaN(); };
+  }
+
+  double left(const CurvePlace& place) const noexcept { return (1.0 - place.time) / (1.0 - time_); }
+  // Zero where the minimum vanishes or the device arrives.
+  double room(const CurvePlace& place) const noexcept { return std::max(-1.0, std::min(place.stability, left(place))); }
+
+  // As far as a piece may turn, less where the curve is not smooth enough. False: it is too sharp.
+  bool find_length() noexcept {
+    constexpr int kMostHalvings = 8;
+    length_ = legs_.minimum_.longest_on_curve(here_, course_.direction);
+    for (int i = 0; i < kMostHalvings; ++i, length_ *= 0.5) {
+      CurvePlace middle;
+      if (!legs_.find_on_curve(course_, 0.5 * length_, middle) || !go(length_)) continue;
+      if (!(room(middle) > 0.0)) continue;
+      if (!(room(end_) > 0.0) || (time_ < middle.time && middle.time < end_.time)) return true;
+    }
+    return false;
+  }
+
+  // Ends the piece earlier, or where the device arrives.
+  bool end_where_it_vanishes(MinimumLeg& leg) noexcept {
+    constexpr double kNearZero = 0x1p-30;  // of a share of what is left
+    if (room(end_) > 0.0) return true;
+    length_ = find_zero(0.0, 1.0, length_, room(end_), kNearZero, after([this](const CurvePlace& place) { return room(place); }));
+    if (!go(length_)) return false;
+    leg.vanishes = end_.stability < left(end_);
+    if (!leg.vanishes && legs_.minimum_.solve(to_, end_.centre, legs_.work_) && legs_.contacts_.find_frame(end_.centre, end_.frame)) {
+      end_.time = 1.0;
+      end_.along = course_.sense * end_.frame.along;
+    }
+    return true;
+  }
+
+  // Where the multiplier of that contact reaches zero. False: the curve does not lead there.
+  bool end_at_release(int contact, MinimumLeg& leg) noexcept {
+    constexpr int kMostGrowing = 8;        // quarterings of the piece, to find where a new multiplier has risen
+    constexpr double kNearNone = 0x1p-50;  // rounding of a multiplier
+    const auto k = static_cast<std::size_t>(contact);
     const auto multiplier = [&](const CurvePlace& place) {
-      return place.frame.dual[static_cast<std::size_t>(i)].dot(place.centre - on_path(from, to, place.time));
+      return place.frame.dual[k].dot(place.centre - on_path(from_, to_, place.time));
     };
-    const double at_end = multiplier(end);
-    if (!(at_end < -LocalMinimum::kAtMinimum)) continue;
-    const auto multiplier_at = [&](double ahead) {
-      return find_on_curve(course, ahead, end) ? multiplier(end) : std::numeric_limits<double>::quiet_NaN();
-    };
+    const double at_end = multiplier(end_);
+    if (!(at_end < -LocalMinimum::kAtMinimum)) return true;
+    const auto multiplier_at = after(multiplier);
     double begin = 0.0;
-    double at_begin = std::max(0.0, here.dual[static_cast<std::size_t>(i)].dot(centre_ - on_path(from, to, time)));
+    double at_begin = std::max(0.0, here_.dual[k].dot(legs_.centre_ - on_path(from_, to_, time_)));
     // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
-    for (int k = 1; k <= kMostGrowing && at_begin <= LocalMinimum::kAtMinimum; ++k) {
-      const double grown = multiplier_at(std::ldexp(length, -2 * k));
+    for (int i = 1; i <= kMostGrowing && at_begin <= LocalMinimum::kAtMinimum; ++i) {
+      const double grown = multiplier_at(std::ldexp(length_, -2 * i));
       if (!(grown > LocalMinimum::kAtMinimum)) continue;
-      begin = std::ldexp(length, -2 * k);
+      begin = std::ldexp(length_, -2 * i);
       at_begin = grown;
     }
-    length = find_zero(begin, at_begin, length, at_end, kNearNone, multiplier_at);
-    leg.released = i;
+    length_ = find_zero(begin, at_begin, length_, at_end, kNearNone, multiplier_at);
+    leg.released = contact;
     leg.vanishes = false;
-    if (length > 0.0) {
-      if (!find_on_curve(course, length, end)) return false;
-      leg.time = std::clamp(end.time, time, 1.0);
+    if (length_ > 0.0) {
+      if (!go(length_)) return false;
+      leg.time = std::clamp(end_.time, time_, 1.0);
     } else {
-      end.centre = centre_;
-      end.along = direction;
-      leg.time = time;
+      end_.centre = legs_.centre_;
+      end_.along = course_.direction;
+      leg.time = time_;
     }
+    return true;
   }
-  const double chord = (end.centre - centre_).norm();
-  leg.is_on_curve = true;
-  leg.path = chord > 0.0 ? CentrePath::curved(centre_, end.centre, chord * direction, chord * end.along)
-                         : CentrePath::straight(centre_, end.centre);
-  if (chord > 0.0) contacts_.guide(leg.path);
-  return true;
+
+  void make_path(MinimumLeg& leg) const noexcept {
+    const Vec3& centre = legs_.centre_;
+    const double chord = (end_.centre - centre).norm();
+    leg.is_on_curve = true;
+    leg.path = chord > 0.0 ? CentrePath::curved(centre, end_.centre, chord * course_.direction, chord * end_.along)
+                           : CentrePath::straight(centre, end_.centre);
+    if (chord > 0.0) legs_.contacts_.guide(leg.path);
+  }
+
+  const MinimumLegs& legs_;
+  const Vec3& from_;
+  const Vec3& to_;
+  const double time_;  // where the piece begins
+  ContactFrame here_;  // there
+  Course course_;
+  double length_ = 0.0;
+  CurvePlace end_;
+};
+
+// Until the device arrives, or to where the minimum vanishes or a multiplier reaches zero. False: the device moves across the curve, or the
+// curve is too sharp.
+bool MinimumLegs::make_on_curve(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
+  return CurveSearch(*this, from, to, time).make(leg);
 }
 
 }  // namespace hapton

@@ -31,10 +31,11 @@ class MinimumLegs {
 
  private:
   // Along the curve where two contacts meet.
+  class CurveSearch;
   struct Course {
-    Vec3 from, motion;   // of the device
-    Vec3 direction;      // unit, of the curve at the centre
-    double sense = 1.0;  // of that direction: 1 as the frame's there, -1 opposite
+    Vec3 from = Vec3::Zero(), motion = Vec3::Zero();  // of the device
+    Vec3 direction = Vec3::Zero();                    // unit, of the curve at the centre
+    double sense = 1.0;                               // of that direction: 1 as the frame's there, -1 opposite
   };
   // A place on that curve.
   struct CurvePlace {
