@@ -203,86 +203,134 @@ SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const n
   return now;
 }
 
-// Sticks until the pull leaves the cone of the active contacts. For each contact and each pair that is a quadratic equation in time; a root
-// is the event if those contacts are active then.
-SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept {
-  const Vec3 start = on_path(from, to, time) - centre_;
-  const Vec3 motion = (1.0 - time) * (to - from);
-  const auto excess_at = [&](double t) {
-    const Vec3 pull = t < 1.0 ? Vec3(start + t * motion) : Vec3(to - centre_);
-    const Reaction now = find_reaction(pull);
+// When a centre that sticks leaves the friction cone of its active contacts, and when it no longer slides. For each contact and each pair
+// that is a quadratic equation in time; a root is the event if those contacts are active then.
+class SphereFollower::StickSearch {
+ public:
+  // start: the pull now; motion: of the device until the end; end: the pull then.
+  StickSearch(SphereFollower& follower, const Vec3& start, const Vec3& motion, const Vec3& end) noexcept
+      : follower_(follower), start_(start), motion_(motion), end_(end), slides_(follower.friction_.slides) {}
+
+  void run() noexcept {
+    if (excess_at(0.0) > 4.0 * kOnCone * start_.norm() + 2.0 * kLeast) slip_ = 0.0;
+    const ContactSet& contacts = follower_.contacts_;
+    for (int i = 0; i < contacts.count(); ++i) {
+      ++follower_.work_;
+      const Vec3 normal = contacts[i].proximity(follower_.centre_).normal;
+      const FrictionCoefficients friction = follower_.coefficients(contacts[i]);
+      consider_contact(normal, friction);
+      for (int j = i + 1; j < contacts.count(); ++j) consider_pair(normal, friction, contacts[j]);
+    }
+    if (!(slip_ <= 1.0)) find_numerically();
+  }
+
+  // Times from the start, 0 to 1; infinite: not before the end.
+  double slip() const noexcept { return slip_; }
+  double restick() const noexcept { return restick_; }
+
+ private:
+  Vec3 pull_at(double t) const noexcept { return start_ + t * motion_; }
+  double mu_of(const FrictionCoefficients& friction) const noexcept { return slides_ ? friction.dynamic_mu : friction.static_mu; }
+
+  // Of the pull over the cone.
+  double excess_at(double t) const noexcept {
+    const Vec3 pull = t < 1.0 ? pull_at(t) : end_;
+    const Reaction now = follower_.find_reaction(pull);
     if (!now.is_known) return -1.0;
     if (now.is_free) return pull.norm();
-    return now.tangential - (friction_.slides ? now.friction.dynamic_mu : now.friction.static_mu) * now.depth;
-  };
-  const auto restick_margin = [&](double t) {
-    const Reaction now = find_reaction(start + t * motion);
+    return now.tangential - mu_of(now.friction) * now.depth;
+  }
+
+  double restick_margin(double t) const noexcept {
+    const Reaction now = follower_.find_reaction(pull_at(t));
     return now.is_known && !now.is_free ? FrictionMotion::kRestick * now.friction.dynamic_mu * now.depth - now.tangential : -1.0;
-  };
-  double soonest = kInfinity;
-  double restick = kInfinity;
-  const auto consider = [&](double t) {
-    if (!(t < soonest) || !(t <= 1.0)) return;
-    const Vec3 pull = start + t * motion;
-    if (excess_at(t) >= -(4.0 * kOnCone * pull.norm() + 2.0 * kLeast)) soonest = t;
-  };
-  const auto consider_restick = [&](double t) {
-    if (!friction_.slides || !(t < restick) || !(t < 1.0)) return;
-    if (restick_margin(t) >= -(4.0 * kOnCone * (start + t * motion).norm())) restick = t;
-  };
-  const double squared[3] = {motion.squaredNorm(), start.dot(motion), start.squaredNorm()};
+  }
+
+  void consider_slip(double t) noexcept {
+    if (!(t < slip_) || !(t <= 1.0)) return;
+    if (excess_at(t) >= -(4.0 * kOnCone * pull_at(t).norm() + 2.0 * kLeast)) slip_ = t;
+  }
+
+  void consider_restick(double t) noexcept {
+    if (!(t < restick_) || !(t < 1.0)) return;
+    if (restick_margin(t) >= -(4.0 * kOnCone * pull_at(t).norm())) restick_ = t;
+  }
+
   // When of_square |pull|^2 + of_part (direction . pull)^2 - bound rises to zero.
-  const auto rise = [&](double of_square, const Vec3& direction, double of_part, double bound) {
-    const double rate = direction.dot(motion);
-    const double height = direction.dot(start);
+  double rise(double of_square, const Vec3& direction, double of_part, double bound) const noexcept {
+    const double rate = direction.dot(motion_);
+    const double height = direction.dot(start_);
+    const double now = of_square * start_squared_ + of_part * height * height - bound;
     // Clearly above zero at the start: not the cone of the contacts that are active now.
-    const double now = of_square * squared[2] + of_part * height * height - bound;
-    const bool is_above = now > 8.0 * kOnCone * squared[2] + 4.0 * kLeast * start.norm();
-    const double t = time_of_rise(of_square * squared[0] + of_part * rate * rate, of_square * squared[1] + of_part * rate * height, now,
-                                  2.0 * kOnCone * squared[2]);
+    const bool is_above = now > 8.0 * kOnCone * start_squared_ + 4.0 * kLeast * start_.norm();
+    const double t = time_of_rise(of_square * motion_squared_ + of_part * rate * rate,
+                                  of_square * start_dot_motion_ + of_part * rate * height, now, 2.0 * kOnCone * start_squared_);
     return is_above && t == 0.0 ? kInfinity : t;
-  };
-  const auto consider_cone = [&](const Vec3& normal, const FrictionCoefficients& friction) {
-    const double mu = friction_.slides ? friction.dynamic_mu : friction.static_mu;
-    const double least = FrictionMotion::kRestick * friction.dynamic_mu;
-    consider(rise(1.0, normal, -(1.0 + mu * mu), kLeast * kLeast));
-    if (friction_.slides) consider_restick(rise(-1.0, normal, 1.0 + least * least, 0.0));
-  };
-  if (excess_at(0.0) > 4.0 * kOnCone * start.norm() + 2.0 * kLeast) soonest = 0.0;
-  for (int i = 0; i < contacts_.count(); ++i) {
-    ++work_;
-    const Vec3 normal = contacts_[i].proximity(centre_).normal;
-    const FrictionCoefficients friction = coefficients(contacts_[i]);
-    consider_cone(normal, friction);
-    const double height = normal.dot(start);
-    const double there = normal.dot(start + motion);
-    if (height < 0.0 && there > 0.0) consider(height / (height - there));
-    for (int j = i + 1; j < contacts_.count(); ++j) {
-      const Vec3 line = accurate_cross(normal, contacts_[j].proximity(centre_).normal);
-      if (!(line.norm() > 0x1p-40)) continue;
-      const Vec3 along = line.normalized();
-      const FrictionCoefficients other = coefficients(contacts_[j]);
-      for (const FrictionCoefficients& f : {friction, other}) {
-        const double mu = friction_.slides ? f.dynamic_mu : f.static_mu;
-        const double least = FrictionMotion::kRestick * f.dynamic_mu;
-        consider(rise(-mu * mu, along, 1.0 + mu * mu, kLeast * kLeast));
-        if (friction_.slides) consider_restick(rise(least * least, along, -(1.0 + least * least), 0.0));
+  }
+
+  // Its cone, and the end of its contact.
+  void consider_contact(const Vec3& normal, const FrictionCoefficients& friction) noexcept {
+    const double mu = mu_of(friction);
+    consider_slip(rise(1.0, normal, -(1.0 + mu * mu), kLeast * kLeast));
+    if (slides_) {
+      const double least = FrictionMotion::kRestick * friction.dynamic_mu;
+      consider_restick(rise(-1.0, normal, 1.0 + least * least, 0.0));
+    }
+    const double height = normal.dot(start_);
+    const double there = normal.dot(start_ + motion_);
+    if (height < 0.0 && there > 0.0) consider_slip(height / (height - there));
+  }
+
+  // The cone of two contacts, about the line that they leave free.
+  void consider_pair(const Vec3& normal, const FrictionCoefficients& friction, const OffsetContact& other) noexcept {
+    const Vec3 line = accurate_cross(normal, other.proximity(follower_.centre_).normal);
+    if (!(line.norm() > 0x1p-40)) return;
+    const Vec3 along = line.normalized();
+    for (const FrictionCoefficients& each : {friction, follower_.coefficients(other)}) {
+      const double mu = mu_of(each);
+      consider_slip(rise(-mu * mu, along, 1.0 + mu * mu, kLeast * kLeast));
+      if (slides_) {
+        const double least = FrictionMotion::kRestick * each.dynamic_mu;
+        consider_restick(rise(least * least, along, -(1.0 + least * least), 0.0));
       }
     }
   }
-  // With different materials the cone of a pair is none of these: find it numerically.
-  if (!(soonest <= 1.0)) {
+
+  // With different materials the cone of a pair is none of these.
+  void find_numerically() noexcept {
     const double end = excess_at(1.0);
-    const double tolerance = 4.0 * kOnCone * (start.norm() + motion.norm()) + 2.0 * kLeast;
-    if (end > tolerance)
-      soonest = find_zero(0.0, std::max(0.0, -excess_at(0.0)), 1.0, -end, kNearZero, [&](double t) { return -excess_at(t); });
+    const double tolerance = 4.0 * kOnCone * (start_.norm() + motion_.norm()) + 2.0 * kLeast;
+    if (!(end > tolerance)) return;
+    slip_ = find_zero(0.0, std::max(0.0, -excess_at(0.0)), 1.0, -end, kNearZero, [&](double t) { return -excess_at(t); });
   }
-  const double first = std::min({soonest, restick, 1.0});
+
+  SphereFollower& follower_;
+  const Vec3& start_;
+  const Vec3& motion_;
+  const Vec3& end_;
+  const double start_squared_ = start_.squaredNorm();
+  const double start_dot_motion_ = start_.dot(motion_);
+  const double motion_squared_ = motion_.squaredNorm();
+  const bool slides_;
+  double slip_ = kInfinity;
+  double restick_ = kInfinity;
+};
+
+// Sticks until the pull leaves the cone of the active contacts.
+SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept {
+  const Vec3 start = on_path(from, to, time) - centre_;
+  const Vec3 motion = (1.0 - time) * (to - from);
+  const Vec3 end = to - centre_;
+  StickSearch search(*this, start, motion, end);
+  search.run();
+  const double slip = search.slip();
+  const double restick = search.restick();
+  const double first = std::min({slip, restick, 1.0});
   ++idle_;
   if (first * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
   least_distance_ = kInfinity;
   time = first >= 1.0 ? 1.0 : time + first * (1.0 - time);
-  if (soonest <= 1.0 && soonest <= restick) {
+  if (slip <= 1.0 && slip <= restick) {
     friction_.slips = true;
     friction_.vanished = false;
     is_descending_ = true;
@@ -293,7 +341,7 @@ SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const 
     return Next::again;
   }
   Vec3 direction;
-  return contacts_.find_active(centre_, to - centre_, to - from, direction) ? Next::settled : Next::failed;
+  return contacts_.find_active(centre_, end, to - from, direction) ? Next::settled : Next::failed;
 }
 
 }  // namespace hapton

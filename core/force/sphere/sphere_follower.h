@@ -165,6 +165,7 @@ class SphereFollower {
   double time_on_line(const OffsetDrag& drag, const Vec3& from, const Vec3& to, const Vec3& start, double time, const DragLeg& leg,
                       double share) noexcept;
   Reaction find_reaction(const Vec3& pull) const noexcept;
+  class StickSearch;
   Next stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept;
 
   struct Span {
