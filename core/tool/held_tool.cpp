@@ -74,6 +74,34 @@ void HeldTool::publish(const Placement& device, const Placement& goal, std::int6
   samples_.publish_draft();
 }
 
+// The newest contacts. True: they have come late.
+bool HeldTool::take_found(std::int64_t time_ns) noexcept {
+  ++samples_since_new_;
+  const bool are_new = found_.take();
+  if (seconds(time_ns - felt_ns_) > kLongestGapS) has_rested_ = true;
+  has_rested_ = has_rested_ && !are_new;
+  const bool are_late = are_new && samples_since_new_ > kPrompt;
+  if (are_new) samples_since_new_ = 0;
+  return are_late;
+}
+
+void HeldTool::count_lateness() noexcept {
+  ++lateness_.samples;
+  lateness_.faded += age_s_ > kFreshS ? 1 : 0;
+  lateness_.longest_s = std::max(lateness_.longest_s, age_s_);
+}
+
+// No contacts are known, so nothing is felt.
+void HeldTool::release(const Placement& device, std::int64_t time_ns) noexcept {
+  drag_.release();
+  publish(device, device, time_ns);
+  friction_.forget();
+  felt_ = {};
+  change_share_ = 0.0;
+  felt_at_ = device;
+  felt_ns_ = time_ns;
+}
+
 ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept {
   ToolOutput output;
   output.X_WP = input.X_WD;
@@ -81,12 +109,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   const Placement device = tool_->to_local(input);
   std::copy(parts_.begin(), parts_.end(), last_parts_.begin());
   tool_->to_local(input.X_SO, parts_);
-  ++samples_since_new_;
-  const bool are_new = found_.take();
-  if (seconds(time_ns - felt_ns_) > kLongestGapS) has_rested_ = true;
-  has_rested_ = has_rested_ && !are_new;
-  const bool are_late = are_new && samples_since_new_ > kPrompt;
-  if (are_new) samples_since_new_ = 0;
+  const bool are_late = take_found(time_ns);
   Found& found = found_.value();
   output.proxy = found.step;
   is_known_ = found.serial == serial_;
@@ -95,21 +118,11 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   if (drag_.is_on()) move_drag(input, device, seconds(time_ns - felt_ns_));
   std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!is_known_ || output.proxy.is_blocked) {
-    drag_.release();
-    publish(device, device, time_ns);
-    friction_.forget();
-    felt_ = {};
-    change_share_ = 0.0;
-    felt_at_ = device;
-    felt_ns_ = time_ns;
+    release(device, time_ns);
     return output;
   }
   const ToolProxyStep step = output.proxy;
-  if (!has_rested_) {
-    ++lateness_.samples;
-    lateness_.faded += age_s_ > kFreshS ? 1 : 0;
-    lateness_.longest_s = std::max(lateness_.longest_s, age_s_);
-  }
+  if (!has_rested_) count_lateness();
   Placement goal = device;
   Placement at = device;
   found.contacts.follow(parts_);

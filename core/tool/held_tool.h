@@ -72,6 +72,9 @@ class HeldTool final : public StylusTool {
     Vec3 force_n = Vec3::Zero();
     Vec3 torque_nm = Vec3::Zero();
   };
+  bool take_found(std::int64_t time_ns) noexcept;
+  void count_lateness() noexcept;
+  void release(const Placement& device, std::int64_t time_ns) noexcept;
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
   double length_of(const Felt& felt) const noexcept;
   void place_objects();
