@@ -150,23 +150,82 @@ void set_up_grasp(const HapticsOptions& options, const StartScene& start, bool h
   if (obstacles.leaves_out) log_warning("while one is held, {}", kToolLeavesOut);
 }
 
-// Of a scene whose objects can be carved.
-struct CarveParts {
-  std::optional<CarveSender> sender;
-  std::optional<CarveUndoTask> undo;
+// What carving and programs change of the objects.
+struct ObjectChanges {
+  ObjectChanges(const Scene& scene, const HapticsStep& step, std::uint32_t source)
+      : mover(scene, source), shaper(scene, step.touch(), source) {}
+
+  ObjectMover mover;
+  ObjectShaper shaper;
+  std::optional<CarveSender> carve_sender;  // these two: of a scene whose objects can be carved
+  std::optional<CarveUndoTask> carve_undo;
 };
 
 // Makes the saved carves again, before the first reply. source: as in Carves.
 void restore_carves(const HapticsOptions& options, const std::vector<CarvedPress>& carved, std::uint32_t source, HapticsStep& step,
-                    CarveParts& parts) {
+                    ObjectChanges& changes) {
   const Sculpture* whole = step.touch().method().sculpture();
   if (whole == nullptr) return;
   const Sculpture before = *whole;
   const std::vector<MadeCarve> made = carve_as_saved(carved, step);
   if (!made.empty()) log_info("{} carves of {} are made again", made.size(), options.annotations.string());
-  parts.sender.emplace(source);
-  for (const MadeCarve& each : made) parts.sender->note(each);
-  parts.undo.emplace(before, made);
+  changes.carve_sender.emplace(source);
+  for (const MadeCarve& each : made) changes.carve_sender->note(each);
+  changes.carve_undo.emplace(before, made);
+}
+
+// Before the loop runs.
+void use_changes(ObjectChanges& changes, ReplyLoop& loop) {
+  loop.set_object_mover(&changes.mover);
+  if (changes.shaper.has_objects()) {
+    loop.set_object_shaper(&changes.shaper);
+    changes.shaper.start();
+    log_info("programs may deform {} of the objects", changes.shaper.count());
+  }
+  if (changes.carve_sender) {
+    loop.set_carve_sender(&*changes.carve_sender);
+    loop.set_carve_undo(&*changes.carve_undo);
+  }
+}
+
+// The rigid tool in place of the method, if there is one.
+void use_tool(const LiveTool& tool, const TouchScene& scene, HapticsStep& step, HapticsSetup& setup, std::optional<ToolTask>& task) {
+  if (!tool) return;
+  step.hold(tool.felt.get(), make_tool_obstacles(scene).parts);
+  setup.method = tool.describe(tool.coupling.stiffness_n_per_m);
+  if (tool.followed != nullptr) task.emplace(*tool.followed);
+}
+
+// Of the tool, of the probe, or of either where the probe picks up objects.
+LargestGains find_felt_gains(const LiveTool& tool, bool picks_up, const TouchScene& scene) {
+  if (tool) return find_gains(tool, scene);
+  return picks_up ? find_largest_gains(scene).largest_of(find_tool_gains(scene)) : find_largest_gains(scene);
+}
+
+GraspTask::Options make_grasp_options(const HapticsOptions& options, HapticScene& felt, StiffnessAdviser& adviser) {
+  return {.coupling_n_per_m = options.method.coupling_n_per_m,
+          .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
+          .threads = options.tool_threads,
+          .shading_crease_rad = options.shading_crease_rad(),
+          .on_scene = [&felt](const TouchScene& now, std::uint32_t revision) { felt.place(now, revision); },
+          .on_tool = [&adviser](const ToolCoupling& held) { adviser.note_tool(held.rotational_stiffness_nm_per_rad); }};
+}
+
+SceneWatcher::Options make_watcher_options(const HapticsOptions& options, const StartScene& start, bool has_tool, HapticScene& felt) {
+  return {.path = start.path,
+          .loading = options.loading,
+          .coupling_n_per_m = options.method.coupling_n_per_m,
+          .has_tool = has_tool,
+          .on_scene = [&felt](const TouchScene& now) { felt.follow(now); }};
+}
+
+Result<void> enter_realtime_and_log(const RealtimeSettings& settings) {
+  const auto realtime = enter_realtime(settings);
+  if (!realtime) return tl::unexpected(realtime.error());
+  const auto lines = realtime->to_lines();
+  log_info("{}", lines.front());
+  for (std::size_t n = 1; n < lines.size(); ++n) log_warning("{}", lines[n]);
+  return {};
 }
 
 void print_shapes(const ObjectShaper& shaper) {
@@ -176,27 +235,120 @@ void print_shapes(const ObjectShaper& shaper) {
              counts.incomplete, counts.rejected);
 }
 
+// Ends the slow tasks as well, whose times are complete then.
+void stop_and_print(std::optional<ToolTask>& tool_task, const LiveTool& tool, std::optional<GraspTask>& grasp_task) {
+  if (tool_task) {
+    tool_task->stop();
+    fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
+    if (const std::string late = describe_late_tool(tool.followed->lateness()); !late.empty()) log_warning("{}", late);
+  }
+  if (grasp_task) {
+    grasp_task->stop();
+    if (grasp_task->pose_times().count() > 0) fmt::print("{}", describe_times("pose of held objects", grasp_task->pose_times()));
+  }
+}
+
+// What the node is made of before it replies. All of it outlives the loop.
+struct NodeParts {
+  const HapticsOptions& options;
+  const StopSignal& stop;
+  const Clock& clock;
+  const Address& hub;
+  HubClient& client;
+  PluginEffects& effects;
+  const StartScene& start;
+  const SceneFacts& facts;
+  const LiveTool& tool;
+  const MakeMethod& make;
+  const MethodSettings& settings;  // of the method in use, with its full name
+};
+
+void print_report(const NodeParts& node, const HapticsStep& step, const ReplyLoop& loop, const ObjectShaper& shaper) {
+  fmt::print("{}", make_haptics_report(step, node.client, loop.compute_times(), loop.step_times()));
+  fmt::print("{}", describe_spins(loop.wait()));
+  print_shapes(shaper);
+  fmt::print("{}", node.effects.describe());
+}
+
+// Replies to the hub until it is time to stop, then prints the report.
+Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
+  const HapticsOptions& options = node.options;
+  const LiveTool& tool = node.tool;
+  const Scene& scene = node.start.placed;
+  const bool has_effects = !node.effects.empty();
+  HapticsStep step(std::make_unique<TouchStep>(std::move(method), scene.touch_scene()), options.method.offset_m);
+  if (has_effects) step.use_effects(&node.effects);
+  MethodBuilder builder(options.method, scene.touch_scene(), step.touch().share_method(), node.make);
+  HapticsSetup setup = make_haptics_setup(node.start.path, options.loading, hash_scene(scene.touch_scene()), node.settings);
+  std::optional<ToolTask> tool_task;
+  use_tool(tool, scene.touch_scene(), step, setup, tool_task);
+  // Before the loop, which reads it.
+  GraspLink grasp_link;
+  std::optional<Grasp> grasp;
+  set_up_grasp(options, node.start, tool.felt != nullptr, grasp_link, step, grasp);
+  const TouchScene felt_first = couple_scene(scene.touch_scene(), options.method.coupling_n_per_m);
+  PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
+                      !has_effects && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
+                      {.bits_per_s = 1e6 * options.patch_mbit_per_s});
+  ReplyLoop loop(node.client, node.clock, step, builder, setup, options.method.build_on_approach, node.facts);
+  loop.set_patch_sender(&patches);
+  if (has_effects) loop.set_effects(&node.effects);
+  loop.set_longest_spin(std::llround(1e3 * options.spin_us));
+  const auto gains_of = [&](const TouchScene& touched) { return find_felt_gains(tool, grasp.has_value(), touched); };
+  StiffnessAdviser adviser(gains_of(felt_first));
+  loop.set_stiffness_adviser(&adviser);
+  InsideWatch inside(felt_first);
+  loop.set_inside_watch(&inside);
+  HapticScene felt(felt_first, gains_of, adviser, inside, patches);
+  MaterialTuner::DescribeTool describe_tool;
+  if (tool) describe_tool = [&](double stiffness_n_per_m) { return tool.describe(stiffness_n_per_m); };
+  MaterialTuner tuner(
+      scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); }, describe_tool);
+  loop.set_material_tuner(&tuner);
+  const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
+  ObjectChanges changes(scene, step, source);
+  restore_carves(options, node.start.carved, source, step, changes);
+  use_changes(changes, loop);
+  SceneWatcher watcher(make_watcher_options(options, node.start, tool.felt != nullptr, felt),
+                       options.watch_scene ? node.start.loaded : Scene(), tuner, builder);
+  if (options.watch_scene) watcher.start();
+  std::optional<GraspTask> grasp_task;
+  if (grasp) {
+    grasp_task.emplace(make_grasp_options(options, felt, adviser), node.start.loaded, node.start.put_down, grasp_link, tuner, builder,
+                       node.clock);
+    grasp_task->start();
+  }
+  if (const auto entered = enter_realtime_and_log(options.realtime); !entered) return entered;
+  fmt::print("ready for the hub at {}\n", to_string(node.hub));
+  std::fflush(stdout);
+
+  loop.run(node.stop, options.seconds);
+  node.client.leave();  // the reports take longer than the hub waits for a force
+  print_report(node, step, loop, changes.shaper);
+  stop_and_print(tool_task, tool, grasp_task);
+  return {};
+}
+
 int run(const HapticsOptions& options) {
   const StopSignal stop;  // first, so that a signal ends the program in order at any point
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   const auto key = find_role_key(options.key_file, *hub, KeyRole::haptics);
   if (!key) return give_up(key.error());
-  SteadyClock clock;
+  const SteadyClock clock;
   PluginEffects effects(clock, options.plugin_budget_ns());
   if (const auto loaded = load_effects(options.effects, effects); !loaded) return give_up(loaded.error());
   const auto start = load_start_scene(options, effects);
   if (!start) return give_up(start.error());
-  const Scene* const scene = &start->placed;
-  const SceneFacts facts = make_scene_facts(*scene);
+  const SceneFacts facts = make_scene_facts(start->placed);
   const MakeMethod make = [&](MethodSettings& settings, const TouchScene& touched) { return make_any(options, settings, touched, clock); };
   MethodSettings settings = options.method;
   auto method =
-      build_and_notify([&] { return make(settings, scene->touch_scene()); },
+      build_and_notify([&] { return make(settings, start->placed.touch_scene()); },
                        [&, began_ns = clock.now_ns()](DoneSignal& done) { notify_hub(options, *hub, *key, clock, facts, began_ns, done); });
   if (!method) return give_up(method.error());
-  if (!scene->tool) log_method(**method);  // nobody touches with it otherwise
-  const auto tool = make_live_tool(options, *scene);
+  if (!start->placed.tool) log_method(**method);  // nobody touches with it otherwise
+  const auto tool = make_live_tool(options, start->placed);
   if (!tool) return give_up(tool.error());
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
   if (!endpoint) return give_up(endpoint.error());
@@ -207,101 +359,19 @@ int run(const HapticsOptions& options) {
   sealing.worker = AgreementWorker::Where::own_thread;
   SealedClient sealed(**endpoint, clock, *key, *hub, sealing);
   HubClient client(sealed, clock, NodeRole::haptics, *hub);
-  HapticsStep step(std::make_unique<TouchStep>(std::move(*method), scene->touch_scene()), options.method.offset_m);
-  if (!effects.empty()) step.use_effects(&effects);
-  MethodBuilder builder(options.method, scene->touch_scene(), step.touch().share_method(), make);
-  HapticsSetup setup = make_haptics_setup(start->path, options.loading, hash_scene(scene->touch_scene()), settings);
-  std::optional<ToolTask> tool_task;
-  if (*tool) {
-    step.hold(tool->felt.get(), make_tool_obstacles(scene->touch_scene()).parts);
-    setup.method = tool->describe(tool->coupling.stiffness_n_per_m);
-    if (tool->followed != nullptr) tool_task.emplace(*tool->followed);
-  }
-  // Before the loop, which reads it.
-  GraspLink grasp_link;
-  std::optional<Grasp> grasp;
-  set_up_grasp(options, *start, tool->felt != nullptr, grasp_link, step, grasp);
-  const TouchScene felt_first = couple_scene(scene->touch_scene(), options.method.coupling_n_per_m);
-  PatchSender patches(felt_first, options.method.probe_radius_m, setup.scene_hash,
-                      effects.empty() && PatchSender::can_offer({setup.method.data(), setup.method.size()}),
-                      {.bits_per_s = 1e6 * options.patch_mbit_per_s});
-  ReplyLoop loop(client, clock, step, builder, setup, options.method.build_on_approach, facts);
-  loop.set_patch_sender(&patches);
-  if (!effects.empty()) loop.set_effects(&effects);
-  loop.set_longest_spin(std::llround(1e3 * options.spin_us));
-  const auto gains_of = [&](const TouchScene& touched) {
-    if (*tool) return find_gains(*tool, touched);
-    return grasp ? find_largest_gains(touched).largest_of(find_tool_gains(touched)) : find_largest_gains(touched);
-  };
-  StiffnessAdviser adviser(gains_of(felt_first));
-  loop.set_stiffness_adviser(&adviser);
-  InsideWatch inside(felt_first);
-  loop.set_inside_watch(&inside);
-  HapticScene felt(felt_first, gains_of, adviser, inside, patches);
-  MaterialTuner::DescribeTool describe_tool;
-  if (*tool) describe_tool = [&](double stiffness_n_per_m) { return tool->describe(stiffness_n_per_m); };
-  MaterialTuner tuner(
-      *scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); }, describe_tool);
-  loop.set_material_tuner(&tuner);
-  const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
-  ObjectMover mover(*scene, source);
-  loop.set_object_mover(&mover);
-  ObjectShaper shaper(*scene, step.touch(), source);
-  if (shaper.has_objects()) {
-    loop.set_object_shaper(&shaper);
-    shaper.start();
-    log_info("programs may deform {} of the objects", shaper.count());
-  }
-  CarveParts carves;
-  restore_carves(options, start->carved, source, step, carves);
-  if (carves.sender) {
-    loop.set_carve_sender(&*carves.sender);
-    loop.set_carve_undo(&*carves.undo);
-  }
-  SceneWatcher watcher({.path = start->path,
-                        .loading = options.loading,
-                        .coupling_n_per_m = options.method.coupling_n_per_m,
-                        .has_tool = tool->felt != nullptr,
-                        .on_scene = [&](const TouchScene& now) { felt.follow(now); }},
-                       options.watch_scene ? start->loaded : Scene(), tuner, builder);
-  if (options.watch_scene) watcher.start();
-  std::optional<GraspTask> grasp_task;
-  if (grasp) {
-    const auto on_scene = [&](const TouchScene& now, std::uint32_t revision) { felt.place(now, revision); };
-    const auto on_tool = [&](const ToolCoupling& held) { adviser.note_tool(held.rotational_stiffness_nm_per_rad); };
-    grasp_task.emplace(GraspTask::Options{.coupling_n_per_m = options.method.coupling_n_per_m,
-                                          .rotational_stiffness_nm_per_rad = options.tool_nm_per_rad,
-                                          .threads = options.tool_threads,
-                                          .shading_crease_rad = options.shading_crease_rad(),
-                                          .on_scene = on_scene,
-                                          .on_tool = on_tool},
-                       start->loaded, start->put_down, grasp_link, tuner, builder, clock);
-    grasp_task->start();
-  }
-  const auto realtime = enter_realtime(options.realtime);
-  if (!realtime) return give_up(realtime.error());
-  const auto lines = realtime->to_lines();
-  log_info("{}", lines.front());
-  for (std::size_t n = 1; n < lines.size(); ++n) log_warning("{}", lines[n]);
-
-  fmt::print("ready for the hub at {}\n", to_string(*hub));
-  std::fflush(stdout);
-
-  loop.run(stop, options.seconds);
-  client.leave();  // the reports take longer than the hub waits for a force
-  fmt::print("{}", make_haptics_report(step, client, loop.compute_times(), loop.step_times()));
-  fmt::print("{}", describe_spins(loop.wait()));
-  print_shapes(shaper);
-  fmt::print("{}", effects.describe());
-  if (tool_task) {
-    tool_task->stop();
-    fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
-    if (const std::string late = describe_late_tool(tool->followed->lateness()); !late.empty()) log_warning("{}", late);
-  }
-  if (grasp_task) {
-    grasp_task->stop();
-    if (grasp_task->pose_times().count() > 0) fmt::print("{}", describe_times("pose of held objects", grasp_task->pose_times()));
-  }
+  const auto served = serve({.options = options,
+                             .stop = stop,
+                             .clock = clock,
+                             .hub = *hub,
+                             .client = client,
+                             .effects = effects,
+                             .start = *start,
+                             .facts = facts,
+                             .tool = *tool,
+                             .make = make,
+                             .settings = settings},
+                            std::move(*method));
+  if (!served) return give_up(served.error());
   if (options.seconds > 0.0 && client.counts().joins == 0 && !stop.stop_requested()) {
     return give_up(explain_no_hub(client.state(), *hub, options.seconds));
   }
