@@ -58,6 +58,62 @@ std::string why_dropped(ServoForce::Verdict verdict, const BridgeSettings& setti
   return {};
 }
 
+// Null: forces are not accepted.
+Result<std::unique_ptr<ForceReplier>> start_replier(const BridgeSettings& settings, RosNode& node) {
+  if (!settings.accept_forces_n) return std::unique_ptr<ForceReplier>();
+  HubConnection::Settings hub = settings.hub;
+  if (!settings.haptics_key_file.empty()) hub.key_file = settings.haptics_key_file;
+  hub.has_worker = true;
+  return ForceReplier::start(node, {.hub = hub,
+                                    .most_n = *settings.accept_forces_n,
+                                    .most_nm = settings.accept_torques_nm,
+                                    .frame = settings.ros.frame,
+                                    .realtime = settings.realtime});
+}
+
+std::string describe_topics(const BridgeSettings& settings) {
+  const std::string& prefix = settings.ros.prefix;
+  std::string text = fmt::format("publishing {}/measured_cf and more in DDS domain {}", prefix, settings.ros.domain);
+  if (!settings.accept_forces_n) return text;
+  text += fmt::format("; forces of up to {} N", *settings.accept_forces_n);
+  if (settings.accept_torques_nm > 0.0) text += fmt::format(" and torques of up to {} Nm", settings.accept_torques_nm);
+  return text + fmt::format(" are taken from {}/servo_cf", prefix);
+}
+
+// Once: where the hub sends so many samples that some are skipped. Empty: nothing to say.
+class RateAdvice {
+ public:
+  explicit RateAdvice(std::int64_t start_ns) : known_ns_(start_ns + kRateKnownNs) {}
+
+  std::string take(std::uint64_t samples, std::uint64_t skipped, double servo_rate_hz, std::int64_t now_ns) {
+    if (is_given_ || now_ns < known_ns_) return {};
+    is_given_ = true;
+    const double all = static_cast<double>(samples + skipped);
+    if (static_cast<double>(skipped) < kMostSkipped * all) return {};
+    return fmt::format("{:.0f} of {:.0f} samples a second arrive; with io_node --vision-rate {:.0f}, as many as this host can handle",
+                       static_cast<double>(samples) / all * servo_rate_hz, servo_rate_hz, std::min(2.0 * servo_rate_hz, kMaxServoRateHz));
+  }
+
+ private:
+  std::int64_t known_ns_;
+  bool is_given_ = false;
+};
+
+// Says what was dropped, seldom.
+class DropWarnings {
+ public:
+  std::string take(ForceReplier* replier, const BridgeSettings& settings, std::int64_t now_ns) {
+    if (replier == nullptr || now_ns < next_ns_) return {};
+    const auto warning = replier->take_warning();
+    if (!warning) return {};
+    next_ns_ = now_ns + kWarnEveryNs;
+    return why_dropped(*warning, settings);
+  }
+
+ private:
+  std::int64_t next_ns_ = 0;
+};
+
 }  // namespace
 
 std::optional<RosSample> SampleMaker::make(const ProbeState& probe, std::uint64_t session, std::int64_t received_ns,
@@ -97,26 +153,9 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
   const auto connection = HubConnection::open(NodeRole::vision, settings.hub);
   if (!connection) return tl::unexpected(connection.error());
   if (const auto joined = (*connection)->wait_until_joined(kBridgePatienceS); !joined) return tl::unexpected(joined.error());
-  std::unique_ptr<ForceReplier> replier;
-  if (ros.takes_forces) {
-    HubConnection::Settings hub = settings.hub;
-    if (!settings.haptics_key_file.empty()) hub.key_file = settings.haptics_key_file;
-    hub.has_worker = true;
-    auto started = ForceReplier::start(**node, {.hub = hub,
-                                                .most_n = *settings.accept_forces_n,
-                                                .most_nm = settings.accept_torques_nm,
-                                                .frame = ros.frame,
-                                                .realtime = settings.realtime});
-    if (!started) return tl::unexpected(started.error());
-    replier = std::move(*started);
-  }
-  say(fmt::format(
-      "publishing {0}/measured_cf and more in DDS domain {1}{2}", ros.prefix, ros.domain,
-      ros.takes_forces
-          ? fmt::format("; forces of up to {} N{} are taken from {}/servo_cf", *settings.accept_forces_n,
-                        settings.accept_torques_nm > 0.0 ? fmt::format(" and torques of up to {} Nm", settings.accept_torques_nm) : "",
-                        ros.prefix)
-          : ""));
+  const auto replier = start_replier(settings, **node);
+  if (!replier) return tl::unexpected(replier.error());
+  say(describe_topics(settings));
 
   const auto rights = enter_realtime({.mode = settings.realtime, .priority = kPublisherPriority, .lock_memory = false});
   if (!rights) return tl::unexpected(rights.error());
@@ -126,19 +165,17 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
   const std::int64_t end_ns =
       settings.seconds > 0.0 ? start_ns + static_cast<std::int64_t>(1e9 * settings.seconds) : std::numeric_limits<std::int64_t>::max();
   SampleMaker maker(is_loopback(*address));
+  RateAdvice advice(start_ns);
+  DropWarnings warnings;
+  const auto say_if_any = [&](const std::string& text) {
+    if (!text.empty()) say(text);
+  };
   BridgeSummary summary;
-  bool is_rate_told = false;
-  std::int64_t next_warning_ns = 0;
   Datagram datagram;
   while (clock.now_ns() < end_ns && !is_over()) {
     const bool has_datagram = client.receive(datagram, clock.now_ns() + kBridgeTurnNs);
     const std::int64_t now_ns = clock.now_ns();
-    if (replier && now_ns >= next_warning_ns) {
-      if (const auto warning = replier->take_warning()) {
-        say(why_dropped(*warning, settings));
-        next_warning_ns = now_ns + kWarnEveryNs;
-      }
-    }
+    say_if_any(warnings.take(replier->get(), settings, now_ns));
     const auto* probe = has_datagram ? std::get_if<ProbeState>(&datagram.message) : nullptr;
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     // First: it asks for the next state.
@@ -147,18 +184,12 @@ Result<BridgeSummary> run_bridge(const BridgeSettings& settings, const std::func
     if (!sample) continue;
     (*node)->publish(*sample);
     ++summary.samples;
-    if (is_rate_told || now_ns - start_ns < kRateKnownNs) continue;
-    is_rate_told = true;
-    const double all = static_cast<double>(summary.samples + maker.skipped());
-    if (static_cast<double>(maker.skipped()) < kMostSkipped * all) continue;
-    say(fmt::format("{:.0f} of {:.0f} samples a second arrive; with io_node --vision-rate {:.0f}, as many as this host can handle",
-                    static_cast<double>(summary.samples) / all * client.servo_rate_hz(), client.servo_rate_hz(),
-                    std::min(2.0 * client.servo_rate_hz(), kMaxServoRateHz)));
+    say_if_any(advice.take(summary.samples, maker.skipped(), client.servo_rate_hz(), now_ns));
   }
-  if (replier) {
-    replier->stop();
-    summary.forces = replier->counts();
-    summary.replies = replier->replies();
+  if (*replier) {
+    (*replier)->stop();
+    summary.forces = (*replier)->counts();
+    summary.replies = (*replier)->replies();
   }
   summary.skipped = maker.skipped();
   summary.lost = client.sequence_counts().lost;
