@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -78,6 +79,44 @@ TEST(PassiveStiffness, ALagOfTheAmplifierCountsAsDelayOfSlowMotions) {
   const double lag = viscous({.damping_ns_per_m = 2.0, .amplifier_s = 5e-4});
   EXPECT_LT(lag, viscous({.damping_ns_per_m = 2.0}));
   EXPECT_LE(lag, 2.0 / (0.5e-3 + 0.5e-3) * (1.0 + 1e-9));
+}
+
+// The weighted sum over all aliases of a frequency, term by term, and the stiffness at which 1 + K times it leaves the disk that any
+// passive hand can reach: the definition, on a grid of its own. Of a spring alone, without delay.
+double by_the_sum_of_aliases(double b, double period_s, double amplifier_s) {
+  constexpr int kTerms = 100'000;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 1; i <= 60; ++i) {
+    const double angle = std::numbers::pi * i / 60.0;
+    const std::complex<double> difference = 1.0 - std::polar(1.0, -angle);
+    std::complex<double> centre;
+    double radius = 0.0;
+    for (int n = -kTerms; n <= kTerms; ++n) {
+      const std::complex<double> jw(0.0, (angle + 2.0 * std::numbers::pi * n) / period_s);
+      // Hold, lag and integration of a hand's velocity; the admittance of hand and device lies in the disk about 1 / 2b with that radius.
+      const std::complex<double> weight = difference / (jw * jw * period_s * (1.0 + jw * amplifier_s)) / (2.0 * b);
+      centre += weight;
+      radius += std::abs(weight);
+    }
+    const auto stays_clear = [&](double stiffness) { return std::abs(1.0 + stiffness * centre) > stiffness * radius; };
+    double low = 0.0;
+    double high = 4.0 * b / period_s;
+    for (int k = 0; k < 50; ++k) {
+      const double middle = 0.5 * (low + high);
+      (stays_clear(middle) ? low : high) = middle;
+    }
+    least = std::min(least, low);
+  }
+  return least;
+}
+
+TEST(PassiveStiffness, WithAnAmplifierIsThatOfTheSumOfAllAliases) {
+  for (const double amplifier_s : {1e-4, 5e-4}) {
+    const double limit = viscous({.damping_ns_per_m = 2.0, .amplifier_s = amplifier_s});
+    const double by_definition = by_the_sum_of_aliases(2.0, 1e-3, amplifier_s);
+    EXPECT_LE(limit, by_definition * (1.0 + 1e-6)) << amplifier_s << ": the grid may miss the least";
+    EXPECT_GE(limit, 0.9 * by_definition) << amplifier_s;
+  }
 }
 
 // Abbott and Okamura 2005.

@@ -264,6 +264,37 @@ TEST_F(GraspTaskTest, ObjectsArePreparedWhileThereIsNothingElseToDoAndOnlyWhatHa
   EXPECT_EQ(count(), 2);
 }
 
+struct GraspOnImages : GraspTaskTest {
+  static void put_images_on_the_plate(Scene& scene) {
+    const std::shared_ptr<const TriangleMesh> mesh = scene.objects[kPlate].mesh;
+    auto mapped = std::make_shared<std::vector<MappedTriangle>>(mesh->triangles.size());
+    for (std::size_t t = 0; t < mapped->size(); ++t) {
+      for (int k = 0; k < 3; ++k) (*mapped)[t].corner[static_cast<std::size_t>(k)] = mesh->corner(t, k);
+    }
+    const auto image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F});
+    scene.objects[kPlate].effects.maps = {.triangles = mapped, .friction = {.image = image, .at_black = 0.0, .at_white = 1.0}};
+  }
+  GraspOnImages() : GraspTaskTest({}, {}, put_images_on_the_plate) {}
+};
+
+TEST_F(GraspOnImages, ASurfaceWithImagesIsPreparedAheadAndGoesIntoTheSceneThatIsBuilt) {
+  int prepared = 0;
+  while (task->run_once()) ++prepared;
+  EXPECT_EQ(prepared, 4) << "three objects, and the images of one";
+  reply(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  go(at, 1);
+  ASSERT_TRUE(step->holds_tool());
+  go({0.0, 0.0, 0.03}, 1);
+  rest(0, 1);
+  wait_for_method(1);
+  ASSERT_EQ(felt_scenes.size(), 1U);
+  ASSERT_EQ(felt_scenes[0].mapped.size(), 3U);
+  ASSERT_NE(felt_scenes[0].mapped[kPlate], nullptr);
+  EXPECT_EQ(felt_scenes[0].mapped[kPlate]->triangles(), scene.objects[kPlate].effects.maps.triangles);
+  EXPECT_EQ(felt_scenes[0].mapped[kCube], nullptr);
+}
+
 TEST_F(GraspTaskTest, SaysHowLongAPickUpTookIfTheHandHadToWaitAndCountsTheTimesOfPoses) {
   reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);

@@ -37,8 +37,8 @@ struct Relays : testing::Test {
   }
 
   // Sends this many numbered datagrams to the hub and lets the relay handle all of them.
-  void send_numbered(Endpoint& from, int count) {
-    for (int n = 0; n < count; ++n) {
+  void send_numbered(Endpoint& from, int count, int first = 0) {
+    for (int n = first; n < first + count; ++n) {
       const auto before = relay->to_hub().received;
       ASSERT_TRUE(from.send(relay->local_address(), bytes_of(std::to_string(n))));
       const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
@@ -114,6 +114,20 @@ TEST_F(Relays, DeliverLateWhatIsDelayedAndOutOfOrderWhatIsHeldBack) {
   const auto arrived = receive_rest(*hub, 50);
   EXPECT_EQ(std::set<std::string>(arrived.begin(), arrived.end()).size(), 50U);
   EXPECT_GT(relay->to_hub().held_back, 0U);
+}
+
+// Each datagram is due when its delay is over, however many come after it.
+TEST_F(Relays, DeliverDelayedDatagramsInOrderWhileMoreCome) {
+  open({.delay_ns = 20 * kMs});
+  std::vector<std::string> arrived;
+  const std::int64_t end_ns = clock.now_ns() + kPatienceNs;
+  for (int n = 0; arrived.size() < 10 && clock.now_ns() < end_ns; ++n) {
+    send_numbered(*node, 1, n);
+    relay->run_for_ns(kMs);
+    last = hub->receive(buffer, 0);
+    if (last.bytes > 0) arrived.emplace_back(reinterpret_cast<const char*>(buffer.data()), last.bytes);
+  }
+  EXPECT_THAT(arrived, testing::ElementsAre("0", "1", "2", "3", "4", "5", "6", "7", "8", "9"));
 }
 
 TEST_F(Relays, KeepTheTwoWaysApart) {

@@ -137,6 +137,20 @@ TEST(PatchChain, PatchesThatFollowTheHandGiveTheSameForce) {
   EXPECT_GT(compared.in_contact, 800);
 }
 
+// No new patch comes, and the hand goes on beyond the edge of the one there is.
+TEST(PatchChain, CountsWhatItsBodiesCount) {
+  TouchScene scene = machine();
+  scene.objects[0].mesh = made::shared(made::sheet(0.05, 0.0, 60));
+  scene = on_patch_grid(scene);
+  ChainStage stage(scene, 256);
+  for (int n = 1; n < 50; ++n) (void)stage.step({0.03, -0.03, std::max(0.001 - 0.0001 * n, -0.001)});
+  EXPECT_EQ(stage.chain().counts().beyond, 0U);
+  EXPECT_GT(stage.chain().counts().contact_steps, 0U);
+  for (int n = 1; n < 60; ++n) (void)stage.step({0.03 - 0.001 * n, -0.03, -0.001}, Pose::Identity(), false);
+  EXPECT_EQ(stage.chain().counts().beyond, 1U);
+  EXPECT_GT(stage.chain().counts().beyond_steps, 10U);
+}
+
 // Each move comes to the hub up to half a second after it began, or in the wrong order: the surface under the hand never jumps, and is
 // where everybody has it once it is at rest.
 TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {

@@ -50,6 +50,20 @@ TEST(SceneReport, SaysWhatMovesByItself) {
   EXPECT_NE(to_json(*report).find("\"motion_s\": 4.8"), std::string::npos);
 }
 
+TEST(SceneReport, SaysWhichButtonTurnsWhichEffectOn) {
+  const ScratchFolder folder;
+  folder.write("a.obj", sample::obj(sample::tetrahedron()));
+  const auto file = folder.write("a.toml",
+                                 "[[object]]\nmesh = 'a.obj'\n[[effect]]\ntype = 'spring'\nobject = 'a'\n"
+                                 "[[effect]]\ntype = 'burst'\ndirection = [0, 0, 1]\nbutton = 2\n");
+  const auto report = make_scene_report(file);
+  ASSERT_TRUE(report) << report.error().what;
+  const auto json = nlohmann::json::parse(to_json(*report));
+  ASSERT_EQ(json["effects"].size(), 2U);
+  EXPECT_FALSE(json["effects"][0].contains("button"));
+  EXPECT_EQ(json["effects"][1]["button"], 2);
+}
+
 TEST(SceneReport, SaysWhatCanBeCarved) {
   const auto report = make_scene_report(HAPTON_SOURCE_DIR "/scenes/clay.toml");
   ASSERT_TRUE(report) << report.error().what;

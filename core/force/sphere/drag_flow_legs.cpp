@@ -228,7 +228,7 @@ class DragLegs::FlowSearch {
   OffsetDrag::Pull pull_;
   double excess_rate_ = 0.0;
   double stability_ = 0.0;
-  Vec3 slope_ = Vec3::Zero();
+  Vec3 slope_;
   bool comes_out_ = false;  // the device, of the surface, at the target
   double target_ = 1.0;     // time
   double length_ = 0.0;     // of the leg

@@ -318,13 +318,13 @@ class DragLegs::FollowSearch {
   const Vec3 device_;
   const bool is_flat_ = drag_.is_flat();
   OffsetDrag::Pull pull_;
-  Vec3 rate_ = Vec3::Zero();
+  Vec3 rate_;
   double release_ = kInfinity;  // when the device comes out, as a share of what is left
   double release_span_ = 0.0;
   double span_ = 0.0;  // time of the leg
   bool is_straight_ = false;
-  Vec3 middle_ = Vec3::Zero();
-  Vec3 end_ = Vec3::Zero();
+  Vec3 middle_;
+  Vec3 end_;
   OffsetDrag::Pull there_;  // at end_
 };
 
