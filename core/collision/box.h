@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// An axis-aligned box, empty until it is grown.
+// An axis-aligned box, empty until it is grown. Frame and units: those of its points. RT: yes.
 struct Box {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());

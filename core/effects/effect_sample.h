@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// What an effect knows of the device at one sample. Frame: S. Units: m, m/s, s.
+// What an effect knows of the device at one sample. Frame: S. Units: m, m/s, s. RT: yes.
 struct EffectSample {
   Vec3 p_SD = Vec3::Zero();
   Vec3 v_SD = Vec3::Zero();  // smoothed (SmoothVelocity)

@@ -11,7 +11,7 @@ class TextureModels;
 
 // The vibration of a recorded surface: the acceleration a of its models at the present speed along the surface and normal force, as force
 //   F = mass a (n x t),   t the direction of motion along the surface,
-// so that it never drives or brakes the hand where it moves straight on. TextureVoice computes it. Units: SI.
+// so that it never drives or brakes the hand where it moves straight on. TextureVoice computes it. Frame: S. Units: SI. RT: yes.
 //
 // Bound: max_force_n, and the normal force, so that it begins and ends with the contact. Zero below kRestMPerS. Passivity: active; at most
 // the bound times the path of the hand across its direction of motion. Source: Culbertson, Lopez Delgado and Kuchenbecker (2014), One

@@ -16,7 +16,7 @@
 
 namespace hapton {
 
-// An effect in free space: it acts on the device whether a surface is touched or not.
+// An effect in free space: it acts on the device whether a surface is touched or not. Frame: S. Units: SI. RT: yes.
 using SpaceEffect =
     std::variant<SpringEffect, ConstantEffect, SnapEffect, GravityWellEffect, ViscousEffect, WaveEffect, BurstEffect, MassEffect>;
 

@@ -12,7 +12,7 @@
 
 namespace hapton {
 
-// What a surface does beyond the spring, damper and friction of its material. By default all is off.
+// What a surface does beyond the spring, damper and friction of its material. By default all is off. Units: SI. RT: yes.
 struct SurfaceEffects {
   ProgressiveStiffness progressive = {};
   TissueLayers layers = {};  // in place of the material's spring; not together with progressive

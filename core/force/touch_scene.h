@@ -27,7 +27,7 @@ struct Material {
   bool two_sided = true;          // false: contact only on the side that the normals point to
 };
 
-// One object of a scene: a mesh posed in the static scene.
+// One object of a scene: a mesh posed in the static scene. RT: set-up only.
 struct TouchObject {
   std::shared_ptr<const TriangleMesh> mesh;  // frame S, metres
   Material material;

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Counts of the mesh's edges, from its welded indices alone.
+// Counts of the mesh's edges, from its welded indices alone. RT: none of this header.
 struct EdgeCensus {
   std::size_t edges = 0;         // undirected, both ends different
   std::size_t boundary = 0;      // used by one triangle

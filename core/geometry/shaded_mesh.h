@@ -9,7 +9,7 @@
 namespace hapton {
 
 // A mesh with a unit normal at every corner of every triangle. Triangles that meet smoothly at a vertex share one normal there; across a
-// sharp edge they have different ones.
+// sharp edge they have different ones. Frame and units: those of the mesh. RT: reading yes.
 struct ShadedMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;

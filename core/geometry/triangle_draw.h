@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// Draws triangles with a probability proportional to their area. RT: no.
+// Draws triangles with a probability proportional to their area. Units: any. RT: no. Threads: drawing any.
 class TriangleDraw {
  public:
   explicit TriangleDraw(const TriangleMesh& mesh) {

@@ -20,7 +20,8 @@ struct TrianglePairIds {
 //
 // The tool's triangles are in tree order, eight consecutive ones form a cluster, and clusters are the leaves of an implicit binary tree of
 // boxes along the tool's axes. A box that is turned into the scene is looked up in the scene's trees; where nothing is near, what lies
-// under it is skipped. RT: collect yes, construction set-up only. Pre: both geometries outlive this; the scene is built at once.
+// under it is skipped. Frame and units: TouchGeometry's local ones. RT: collect yes, construction set-up only. Pre: both geometries outlive
+// this; the scene is built at once.
 class NearPairs {
  public:
   NearPairs(const ObjectGeometry& tool, const TouchGeometry& scene, std::size_t most_pairs);

@@ -5,7 +5,8 @@
 namespace hapton {
 
 // Tells whether a placement of the tool is free, by other means than the proxy's: triangles against triangles with exact signs. For tests,
-// benches and stress. RT: no (it costs what lies near the tool). Pre: the geometries outlive this; the scene is built at once.
+// benches and stress. Units: TouchGeometry's local ones. RT: no (it costs what lies near the tool). Pre: the geometries outlive this; the
+// scene is built at once.
 class PenetrationCheck {
  public:
   PenetrationCheck(const ObjectGeometry& tool, const TouchGeometry& scene);

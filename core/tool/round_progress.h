@@ -5,7 +5,7 @@
 namespace hapton {
 
 // Tells when the rounds of a step bring the tool no nearer to the device: they may go round placements whose contacts lead from one to the
-// next, or along an edge in ever shorter motions. RT: yes.
+// next, or along an edge in ever shorter motions. Units: TouchGeometry's local ones. RT: yes.
 class RoundProgress {
  public:
   // Rounds without a gain. Cycles of two to five rounds were seen; steps that converge have gone without a gain for four.

@@ -5,7 +5,7 @@
 namespace hapton {
 
 // A motion of the tool, with what bounds the paths of its points: each is its straight line from start to end, to within the sagitta of its
-// arc. RT: yes.
+// arc. Frame and units: TouchGeometry's local ones; rad. RT: yes.
 struct ToolSweep {
   Placement from;
   Mat3 orientation;  // at the start

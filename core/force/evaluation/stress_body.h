@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A body of the stress test.
+// A body of the stress test, in metres. RT: no.
 struct StressBody {
   std::string name;
   TriangleMesh touched;  // what the method gets; may have needles, duplicates, cracks, flipped faces

@@ -65,7 +65,7 @@ struct StressSettings {
 };
 
 // One body at one position, and the method under test. An episode begins with a reset on the free side and runs one motion of up to 400
-// steps, or a long walk. It depends only on body, settings and its number, so each can be repeated alone.
+// steps, or a long walk. It depends only on body, settings and its number, so each can be repeated alone. RT: no.
 class StressRun {
  public:
   using MethodMaker = std::function<Result<std::unique_ptr<ForceMethod>>(const MethodSettings&, const TouchScene&)>;

@@ -6,7 +6,7 @@
 namespace hapton {
 
 // Bodies with cracks and T-junctions, sealed as a mesh is when it is loaded for touch. The sealed mesh defines the solid; a body that is
-// not closed after sealing has none. About 0.1 m long. width_share: width of the widest gap as a share of the extent.
+// not closed after sealing has none. About 0.1 m long. width_share: width of the widest gap as a share of the extent. RT: no.
 
 // Cracks at every edge: a sphere, and a star with sharp spikes.
 StressBody make_sealed_tears(double width_share);
