@@ -328,7 +328,9 @@ class DragLegs::FollowSearch {
   OffsetDrag::Pull there_;  // at end_
 };
 
-DragOutcome DragLegs::make_followed_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept {
+// Flattened: nearly every step under friction comes here, and this way the search stays in registers.
+[[gnu::flatten]] DragOutcome DragLegs::make_followed_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time,
+                                                         DragLeg& leg) noexcept {
   return FollowSearch(*this, drag, from, to, time).make(leg);
 }
 

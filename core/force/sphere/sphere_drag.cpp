@@ -316,8 +316,8 @@ class SphereFollower::StickSearch {
   double restick_ = kInfinity;
 };
 
-// Sticks until the pull leaves the cone of the active contacts.
-SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept {
+// Sticks until the pull leaves the cone of the active contacts. Flattened, so that the search stays in registers.
+[[gnu::flatten]] SphereFollower::Next SphereFollower::stay_with_friction(const Vec3& from, const Vec3& to, double& time) noexcept {
   const Vec3 start = on_path(from, to, time) - centre_;
   const Vec3 motion = (1.0 - time) * (to - from);
   const Vec3 end = to - centre_;
