@@ -180,6 +180,10 @@ TEST(SimulatedPhantom, TheLedHandTurnsTheStylus) {
     ASSERT_TRUE(device.turn_hand({4.0 * std::numbers::pi, 0.0, 0.0}));
     EXPECT_NEAR(turned_in(1.0), 2.0, 0.3);
     EXPECT_NEAR(turned_in(7.0), 4.0 * std::numbers::pi - 2.0, 0.3);
+    device.turn_hand({0.5, 0.0, 0.0});
+    EXPECT_NEAR(turned_in(1.0), -2.0, 0.3) << "to anywhere but zero all turns are turned back";
+    device.turn_hand({4.0 * std::numbers::pi, 0.0, 0.0});
+    EXPECT_NEAR(turned_in(2.0), 2.0, 0.3);
     device.turn_hand(Vec3::Zero());
     EXPECT_NEAR(turned_in(2.0), 0.0, 0.3) << "whole turns are not turned back";
     device.turn_hand({1.0, 0.0, 0.0});

@@ -236,6 +236,31 @@ TEST(PassivityController, CreditIsBounded) {
   EXPECT_DOUBLE_EQ(controller.given_j(), -PassivityController::kMostCreditM * kMaxForceN);
 }
 
+// What a mass that moves away gets from the force until the next sample: force times (velocity times period, and what the force adds).
+TEST(PassivityController, AForceGetsTheWholeCreditAndInADeficitNothing) {
+  constexpr double kCreditPeriodS = 1e-3;
+  PassivityController controller({.mass_kg = kMassKg});
+  const auto sample = [&](double force_n, double moved_m) {
+    controller.held(Vec3(force_n, 0, 0), kCreditPeriodS);
+    controller.observe(kMaxForceN, Vec3(moved_m, 0, 0));
+  };
+  sample(1.0, -1e-3);
+  for (const double moved_m : {1e-4, -1e-4, 2e-5}) {
+    sample(0.1, moved_m);
+    const double credit_j = -controller.given_j();
+    ASSERT_GT(credit_j, 0.0);
+    const double force_n = controller.shape(Vec3(1000.0, 0, 0), 0.0).x();
+    const double gained_m = std::max(0.0, 0.5 * kCreditPeriodS * kCreditPeriodS * 0.1 / kMassKg);
+    const double given_j = force_n * (moved_m + gained_m + 0.5 * force_n * kCreditPeriodS * kCreditPeriodS / kMassKg);
+    EXPECT_NEAR(given_j, credit_j, 1e-12) << moved_m;
+  }
+  sample(2.0, 2e-3);
+  ASSERT_GT(controller.given_j(), 0.0);
+  EXPECT_EQ(controller.shape(Vec3(3, 0, 0), 0.0), Vec3(0, 0, 0)) << "neither given nor reversed";
+  EXPECT_TRUE(controller.has_limited());
+  EXPECT_GT(controller.shape(Vec3(-3, 0, 0), 0.0).dot(Vec3(-1, 0, 0)), 2.0) << "a force against the motion takes energy back";
+}
+
 TEST(PassivityController, BeforeTheFirstSampleNothingIsLimited) {
   PassivityController controller({.mass_kg = kMassKg});
   EXPECT_EQ(controller.shape(Vec3(1, 2, 3), 20.0), Vec3(1, 2, 3));

@@ -141,6 +141,19 @@ TEST(TouchGeometry, CountsTheBytesOfBothHierarchiesAndOfWhatIsBuilt) {
   EXPECT_LT(geometry.bytes(), TouchGeometry(std::vector<const TriangleMesh*>{near.get(), far.get()}).bytes());
 }
 
+TEST(TouchGeometry, MayHaveLargeFansWhereAnObjectHasOneOrIsNotBuiltYet) {
+  const auto few = std::make_shared<TriangleMesh>(make_cylinder(0.05, 0.02, 12));
+  const auto many = std::make_shared<TriangleMesh>(make_cylinder(0.05, 0.02, SurfaceAdjacency::kLargeFan + 6));
+  EXPECT_FALSE(TouchGeometry({few}).may_have_large_fans());
+  EXPECT_TRUE(TouchGeometry({few, many}).may_have_large_fans());
+  EXPECT_TRUE(TouchGeometry({many, few}).may_have_large_fans());
+  TouchGeometry geometry({few}, BuildPolicy::on_approach);
+  EXPECT_TRUE(geometry.may_have_large_fans());
+  geometry.request_ahead(geometry.to_local({0, 0.06, 0}), 0.0);
+  ASSERT_TRUE(geometry.build_wanted());
+  EXPECT_FALSE(geometry.may_have_large_fans());
+}
+
 TEST(TouchGeometry, ToLocalAndBackIsTheSamePoint) {
   const TriangleMesh mesh = make_icosphere(0.05, 1);
   const TouchGeometry geometry({&mesh});
