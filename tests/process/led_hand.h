@@ -22,15 +22,19 @@ struct LedHand {
 
   // The report's note has gone above `least`.
   testing::AssertionResult goes_above(const std::string& note, double least) {
-    if (System::wait_until([&] { return io.out().find("hub on ") != std::string::npos || !io.is_running(); }) && io.is_running() &&
+    if (System::wait_until([&] { return is_up() || !io.is_running(); }) && io.is_running() &&
         System::wait_until([&] { return read_note(note) > least; })) {
       return testing::AssertionSuccess();
     }
     return testing::AssertionFailure() << note << " is not above " << least << "\n" << haptics.err() << io.err();
   }
 
+  // It takes signals from then on.
+  bool is_up() const { return io.out().find("hub on ") != std::string::npos; }
+
   // A counter of the report; -1: there is no report.
   std::int64_t read_counter(const std::string& counter) {
+    if (!is_up()) return -1;
     io.send_signal(SIGUSR1);
     const Json report = Json::parse(read_text(scratch.path() / "out" / "report.json"), nullptr, false);
     return report.is_object() ? report.at("counters").at(counter).get<std::int64_t>() : -1;
