@@ -30,6 +30,7 @@ ObjectShaper::Object::Object(std::int32_t number, const SceneObject& object, Str
       method(&streamed),
       maker(streamed, *object.program_shape),
       parts(static_cast<std::uint32_t>(object.mesh->vertices.size())),
+      parts_before(parts.total()),
       start{.source = source, .object = number, .total = parts.total()},
       again_from(parts.total()) {}
 
@@ -120,29 +121,55 @@ void ObjectShaper::accept(const ShapeRequest& part, std::int64_t now_ns) noexcep
     object->shape = 0;
     object->is_given = false;
     object->parts.clear();
+    object->parts_before.clear();
   }
   object->part_ns = now_ns;
-  if (part.shape < object->shape) return;  // overtaken
+  if (part.shape < object->shape) return add_overtaken(*object, part);
   if (part.shape == object->shape && object->is_given) {
     const bool is_again = part.part.first == 0 && object->reply.stream == part.stream && object->reply.shape == part.shape;
     if (is_again) push_reply(object->reply);
     return;
   }
-  if (part.shape != object->shape) {
-    counts_.incomplete += object->parts.is_empty() || object->is_given ? 0 : 1;
-    object->parts.clear();
-    object->shape = part.shape;
-    object->is_given = false;
-  }
+  if (part.shape != object->shape) begin_shape(*object, part.shape);
   object->parts.add(part.part);
   if (!object->parts.is_whole()) return;
-  WantedShape& draft = object->maker.draft();
+  give(*object, part, object->parts);
+  object->is_given = true;
+  leave_out_before(*object);
+}
+
+// The one before may still become whole: parts overtake one another.
+void ObjectShaper::begin_shape(Object& object, std::uint32_t shape) noexcept {
+  leave_out_before(object);
+  if (!object.is_given) {
+    std::swap(object.parts_before, object.parts);
+    object.shape_before = object.shape;
+  }
+  object.parts.clear();
+  object.shape = shape;
+  object.is_given = false;
+}
+
+void ObjectShaper::add_overtaken(Object& object, const ShapeRequest& part) noexcept {
+  if (object.parts_before.is_empty() || part.shape != object.shape_before) return;  // left out, or given
+  object.parts_before.add(part.part);
+  if (!object.parts_before.is_whole()) return;
+  give(object, part, object.parts_before);
+  object.parts_before.clear();
+}
+
+void ObjectShaper::leave_out_before(Object& object) noexcept {
+  counts_.incomplete += object.parts_before.is_empty() ? 0 : 1;
+  object.parts_before.clear();
+}
+
+void ObjectShaper::give(Object& object, const ShapeRequest& part, const ShapeParts& parts) noexcept {
+  WantedShape& draft = object.maker.draft();
   draft.stream = part.stream;
   draft.shape = part.shape;
   draft.over_s = part.over_s;
-  std::copy(object->parts.displacements_m().begin(), object->parts.displacements_m().end(), draft.displacements_m.begin());
-  object->maker.publish();
-  object->is_given = true;
+  std::copy(parts.displacements_m().begin(), parts.displacements_m().end(), draft.displacements_m.begin());
+  object.maker.publish();
 }
 
 void ObjectShaper::accept(const ShapeStatus& status, std::int64_t now_ns) noexcept {

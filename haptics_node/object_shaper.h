@@ -69,7 +69,7 @@ class ObjectShaper {
 
   struct Counts {
     std::uint64_t shapes = 0;      // taken
-    std::uint64_t incomplete = 0;  // a newer one came before they were whole
+    std::uint64_t incomplete = 0;  // not whole before the next one was, or before the one after that began
     std::uint64_t rejected = 0;    // parts that were rejected, and shapes that the surface cannot take
   };
   const Counts& counts() const noexcept { return counts_; }
@@ -87,11 +87,13 @@ class ObjectShaper {
     StreamedMethod* method;
     ShapeMaker maker;
     ShapeParts parts;
-    std::uint32_t stream = 0;  // of the program that deforms it; 0: none yet
-    std::uint32_t shape = 0;   // whose parts come
-    bool is_given = false;     // ... are all there, and with the maker
-    std::int64_t part_ns = 0;  // the last one came
-    ShapeStart start;          // newest
+    ShapeParts parts_before;         // of the shape before, if it was not whole when the newer one began
+    std::uint32_t shape_before = 0;  // its number
+    std::uint32_t stream = 0;        // of the program that deforms it; 0: none yet
+    std::uint32_t shape = 0;         // whose parts come
+    bool is_given = false;           // ... are all there, and with the maker
+    std::int64_t part_ns = 0;        // the last one came
+    ShapeStart start;                // newest
     // The newest, the last one of `start`: what parts are sent again of.
     struct Announced {
       std::uint32_t serial = 0;  // 0: none
@@ -107,6 +109,10 @@ class ObjectShaper {
   };
 
   Object* find(const ShapeRequest& part) noexcept;
+  void begin_shape(Object& object, std::uint32_t shape) noexcept;
+  void add_overtaken(Object& object, const ShapeRequest& part) noexcept;
+  void leave_out_before(Object& object) noexcept;
+  void give(Object& object, const ShapeRequest& part, const ShapeParts& parts) noexcept;
   std::string_view explain(const ShapeRequest& part) const noexcept;
   void reject(const ShapeRequest& part, std::int32_t object, std::string_view why, std::int64_t now_ns) noexcept;
   void push_reply(const ShapeReply& reply) noexcept;

@@ -199,6 +199,35 @@ TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
 }
 
 // Each object moves on its own: a slow motion of one does not delay fast motions of the other.
+// Without a loss. The first part of the next shape comes before the last one of this, as with jitter where a program sends without pause.
+TEST_F(ObjectShaperTest, PartsThatOvertakeOneAnotherLeaveNoShapeOut) {
+  constexpr std::uint32_t kGiven = 20;
+  const auto send = [&](std::uint32_t shape, std::uint32_t part) {
+    ShapeRequest request{.stream = 7, .shape = shape, .over_s = 0.01};
+    request.part = make_shape_part(raised(169, 1e-4 * shape), part * ShapePart::kMostHere);
+    shaper_.accept(request, now_ns_);
+  };
+  send(1, 0);
+  for (std::uint32_t shape = 1; shape <= kGiven; ++shape) {
+    send(shape, 1);
+    send(shape + 1, 0);
+    send(shape, 2);
+    for (int n = 0; n < 40; ++n) cycle();
+  }
+  EXPECT_EQ(starts_.size(), kGiven);
+  EXPECT_NEAR(announced_height(), 1e-4 * kGiven, 1e-9);
+  EXPECT_EQ(shaper_.counts().incomplete, 0U);
+  // A part that comes again, or once a newer shape is whole, changes nothing.
+  give(0, kGiven + 2, raised(169, 0.01));
+  send(kGiven + 1, 1);
+  send(kGiven + 1, 2);
+  send(kGiven, 2);
+  for (int n = 0; n < 100; ++n) cycle();
+  EXPECT_EQ(starts_.size(), kGiven + 1);
+  EXPECT_NEAR(announced_height(), 0.01, 1e-6);
+  EXPECT_EQ(shaper_.counts().incomplete, 1U);
+}
+
 TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
   give(0, 1, raised(169, 0.005), 5.0);
   for (int n = 0; n < 20; ++n) cycle();
