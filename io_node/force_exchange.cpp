@@ -106,6 +106,13 @@ double ForceExchange::find_median_s(std::size_t most) const noexcept {
   return static_cast<double>(*middle);
 }
 
+void ForceExchange::settle_round_trip() noexcept {
+  const double newest_s = find_round_trip_s();
+  if (newest_s < 0.0) return;
+  trips_s_.fill(static_cast<float>(newest_s));
+  trips_ = kTrips;
+}
+
 void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept {
   if (!cycle.local) return;
   history_.note_local({.echo_sample = cycle.number,

@@ -54,6 +54,8 @@ class ForceExchange {
   double find_round_trip_s() const noexcept { return find_median_s(kNewestTrips); }
   // As above, of 3.2 s, or of all since the haptics node joined: what lasts for less than half of that does not count.
   double find_lasting_round_trip_s() const noexcept { return find_median_s(kTrips); }
+  // From now on the newest round trips count as if they had lasted for 3.2 s: what was before them is over.
+  void settle_round_trip() noexcept;
   // view_revision: of the view that forces of the device side are computed with.
   void note_local(const DeviceCycle& cycle, std::uint32_t view_revision) noexcept;
 

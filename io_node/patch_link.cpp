@@ -115,6 +115,9 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   }
   if (state_ == State::leaving && (forces.has_resumed() || !forces.is_local())) {
     state_ = State::remote;
+    // Samples are few while the force is local, so most round trips that are known are from before the network became fast.
+    forces.settle_round_trip();
+    round_trip_s_ = forces.find_round_trip_s();
     orders_.is_wanted = false;
     local_.publish(orders_);
     send_status(round_trip_s_, now_ns);

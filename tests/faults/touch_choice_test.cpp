@@ -96,6 +96,28 @@ TEST(TouchChoice, TheForceOfAHandAtRestNeverChanges) {
   }
 }
 
+// The haptics node gets few samples while the force is local, so the time before counts for more round trips than the time after.
+TEST(TouchChoice, ANetworkThatHasBecomeFastIsChosenForOnce) {
+  SimulatedSystem system(13, TouchChoice::automatic);
+  ASSERT_NO_FATAL_FAILURE(press_in_near(system));
+  system.set_faults(one_way(12.0), one_way(12.0));
+  system.run_for_ns(10'000 * kMs);
+  ASSERT_TRUE(system.wait_for_patches());
+  LinkFaults near = one_way(0.2);
+  near.loss = 0.1;
+  system.set_faults(near, near);
+  const std::size_t first = system.device.written.size();
+  int changes = 0;
+  for (int n = 0; n < 800; ++n) {
+    const bool wanted = system.wants_patches();
+    system.run_for_ns(10 * kMs);
+    changes += system.wants_patches() != wanted ? 1 : 0;
+  }
+  EXPECT_EQ(changes, 1);
+  EXPECT_FALSE(system.wants_patches());
+  EXPECT_GT(extent_since(system.device, first).least_n, kForceN - kRoundingN);
+}
+
 // Another haptics node, with the same scene: far away, and then near.
 TEST(TouchChoice, AHapticsNodeThatIsStartedAgainIsChosenForByItsOwnRoundTrip) {
   SimulatedSystem system(12, TouchChoice::automatic);
