@@ -56,7 +56,7 @@ bool LocalPatch::take_over(std::atomic<T*>& offered, std::atomic<T*>& retired) n
 void LocalPatch::exchange_patches() noexcept {
   for (std::size_t link = 0; link < kLinks; ++link) {
     exchange_patch(link);
-    exchange_stage(link);
+    if (touch_.is_in_use(link)) exchange_stage(link);
   }
   (void)take_over(materials_, retired_materials_);
   const PatchChain& known = touch_;

@@ -45,11 +45,8 @@ bool PatchBuilder::clear() noexcept {
 }
 
 std::optional<ShapeStatus> PatchBuilder::take_shape_request() noexcept {
-  const std::size_t first = first_request_.load(std::memory_order_relaxed);
-  if (first == end_request_.load(std::memory_order_acquire)) return std::nullopt;
-  const ShapeStatus request = shape_requests_[first % kRequests];
-  first_request_.store(first + 1, std::memory_order_release);
-  return request;
+  ShapeStatus request;
+  return shape_requests_.pop(request) ? std::optional(request) : std::nullopt;
 }
 
 void PatchBuilder::run() {
@@ -129,18 +126,10 @@ bool PatchBuilder::build_where_due() {
 
 void PatchBuilder::look_after_shapes() {
   const std::int64_t now_ns = SteadyClock().now_ns();
-  if (const auto newest = store_.take_shape_request(now_ns)) request(*newest);
+  if (const auto newest = store_.take_shape_request(now_ns)) (void)shape_requests_.push(*newest);
   requests_.clear();
   store_.take_shape_requests_ahead(now_ns, requests_);
-  for (const ShapeStatus& ahead : requests_) request(ahead);
-}
-
-// One that finds no room is left out: the newest shape is requested again.
-void PatchBuilder::request(const ShapeStatus& shape) noexcept {
-  const std::size_t end = end_request_.load(std::memory_order_relaxed);
-  if (end - first_request_.load(std::memory_order_acquire) == kRequests) return;
-  shape_requests_[end % kRequests] = shape;
-  end_request_.store(end + 1, std::memory_order_release);
+  for (const ShapeStatus& ahead : requests_) (void)shape_requests_.push(ahead);
 }
 
 void PatchBuilder::build_if_due(std::size_t link) {

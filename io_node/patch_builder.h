@@ -11,6 +11,7 @@
 #include "link/messages.h"
 #include "patch/patch_maker.h"
 #include "patch/patch_store.h"
+#include "runtime/handoff_ring.h"
 #include "runtime/mailbox.h"
 
 namespace hapton {
@@ -73,7 +74,6 @@ class PatchBuilder {
   bool is_in_use(std::size_t link) const noexcept;
   void build_if_due(std::size_t link);
   void look_after_shapes();
-  void request(const ShapeStatus& shape) noexcept;
 
   LocalPatch& local_;
   std::array<Slot, kRing> ring_;
@@ -82,10 +82,7 @@ class PatchBuilder {
   std::uint32_t clears_ = 0;
   Mailbox<Status> statuses_;
   Mailbox<PatchBuilderCounts> counts_;
-  static constexpr std::size_t kRequests = 64;
-  std::array<ShapeStatus, kRequests> shape_requests_;
-  alignas(64) std::atomic<std::size_t> first_request_{0};
-  alignas(64) std::atomic<std::size_t> end_request_{0};
+  HandoffRing<ShapeStatus, 64> shape_requests_;  // of a full one the newest shape is requested again
 
   // The builder's thread.
   PatchStore store_;

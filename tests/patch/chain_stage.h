@@ -1,5 +1,8 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -43,6 +46,20 @@ inline std::vector<Message> parts_of(const TiledScene& tiled, std::uint32_t epoc
     if (!part && now_ns > 1'140'000'000) return parts;
     if (part) parts.push_back(std::move(*part));
   }
+}
+
+// The body is whole once all parts are there, whatever kind comes last; and again in the next epoch.
+template <class... Last>
+void expect_known_whichever_is_last(const TiledScene& tiled, std::uint32_t body) {
+  PatchStore store;
+  std::uint32_t epoch = 0;
+  const auto expect_known_with_last = [&](auto&& is_last) {
+    std::vector<Message> parts = parts_of(tiled, ++epoch);
+    std::stable_partition(parts.begin(), parts.end(), [&](const Message& part) { return !is_last(part); });
+    for (const Message& part : parts) (void)store.accept_part(part);
+    EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, body).scene.has_deformation()) << epoch;
+  };
+  (expect_known_with_last([](const Message& part) { return std::holds_alternative<Last>(part); }), ...);
 }
 
 // A scene that moves, touched whole and by patches of its bodies, on an ideal link: the same samples, the same scene time.

@@ -186,22 +186,8 @@ TEST(DeformingPatch, IsKnownOnlyWhenAllOfItIsThere) {
   EXPECT_EQ(piece.objects, std::vector<int>{1});
 }
 
-// Whatever comes last; and again in the next epoch.
 TEST(DeformingPatch, IsKnownInWhateverOrderItsPartsCome) {
-  const TiledScene tiled = make_tiles(busy_cushion());
-  PatchStore store;
-  std::uint32_t epoch = 0;
-  const auto expect_known_with_last = [&](auto&& is_last) {
-    std::vector<Message> parts = parts_of(tiled, ++epoch);
-    std::stable_partition(parts.begin(), parts.end(), [&](const Message& part) { return !is_last(part); });
-    for (const Message& part : parts) (void)store.accept_part(part);
-    EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_deformation()) << epoch;
-  };
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBegin>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBody>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchTile>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchDeformation>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchDisplacements>(part); });
+  expect_known_whichever_is_last<PatchBegin, PatchBody, PatchTile, PatchDeformation, PatchDisplacements>(make_tiles(busy_cushion()), 1);
 }
 
 TEST(DeformingPatch, SeveralObjectsThatDeformAreEachSentWhole) {

@@ -261,19 +261,7 @@ TEST(StreamedPatch, IsKnownWhenAllOfItIsThereAndItsShape) {
 }
 
 TEST(StreamedPatch, IsKnownInWhateverOrderItsPartsCome) {
-  const TiledScene tiled = make_tiles(skin_on_floor());
-  PatchStore store;
-  std::uint32_t epoch = 0;
-  const auto expect_known_with_last = [&](auto&& is_last) {
-    std::vector<Message> parts = parts_of(tiled, ++epoch);
-    std::stable_partition(parts.begin(), parts.end(), [&](const Message& part) { return !is_last(part); });
-    for (const Message& part : parts) (void)store.accept_part(part);
-    EXPECT_TRUE(store.make_piece(Vec3::Zero(), 1.0, 1, 1).scene.has_streamed()) << epoch;
-  };
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBegin>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchBody>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchTile>(part); });
-  expect_known_with_last([](const Message& part) { return std::holds_alternative<PatchStream>(part); });
+  expect_known_whichever_is_last<PatchBegin, PatchBody, PatchTile, PatchStream>(make_tiles(skin_on_floor()), 1);
 }
 
 // Each vertex of the joined mesh moves with the one of the scene that has its place at rest, as the scene file poses it.
