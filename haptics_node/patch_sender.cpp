@@ -8,6 +8,7 @@
 #include "core/force/motion_groups.h"
 #include "core/math/rigid_pose.h"
 #include "link/commanded_move.h"
+#include "patch/effect_codec.h"
 #include "patch/patch_store.h"
 #include "runtime/clock.h"
 #include "runtime/log.h"
@@ -29,7 +30,7 @@ constexpr double kVelocityS = 0.1;      // over which the hand's velocity is a m
 constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
 const char* find_scene_obstacle(const TouchScene& scene) {
-  if (scene.has_effects()) return "the scene has effects";
+  if (scene.effects.size() > kMostSpaceEffects) return "the scene has more than 256 effects in free space";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
   std::size_t triangles = 0;
   for (const TouchObject& object : scene.objects) triangles += object.mesh->triangles.size();
@@ -53,6 +54,7 @@ const char* find_obstacle(const TiledScene& tiles, double probe_radius_m) {
   if (tiles.tiles.size() > PatchStore::kMostTiles) return kTooLarge;
   if (tiles.has_unlisted) return "too many triangles of the scene overlap in one place";
   if (tiles.displaced.size() > PatchStore::kMostDisplaced) return "the shapes of the objects that deform are more than the hub keeps";
+  if (tiles.effects.size() > PatchEffects::kMostAllBytes) return "images of effects of the scene are more than the hub keeps (2 MB)";
   if (tiles.has_parting) return "an object of the scene deforms and comes apart";
   return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object of the scene deforms that cannot be felt on the grid of its parts";
 }
@@ -165,6 +167,7 @@ void PatchSender::run() {
       wanted_until_ns = status.is_wanted ? time_ns + kWantedNs : 0;
       wants_ = status.is_wanted;
       request_ = status.request;
+      hub_knows_effects_ = status.knows_effects;
       if (source_) source_->accept(status);
     }
     // After the status: what is withdrawn when the hub requests parts stays so. Before the scene: what is offered again is the one that was
@@ -283,7 +286,12 @@ bool PatchSender::make_parts() {
 
 // With a method that parts of the scene do not serve, and while they are withdrawn, the hub gets an epoch without any.
 void PatchSender::follow_method(std::uint32_t withdrawals) {
-  const bool offers = withdrawals % 2 == 0 && is_offered() && (tiles_ || make_parts());
+  bool offers = withdrawals % 2 == 0 && is_offered() && (tiles_ || make_parts());
+  if (offers && !tiles_->effects.empty() && !hub_knows_effects_) {
+    offers = false;
+    if (!std::exchange(has_told_of_effects_, true))
+      log_warning("io_node is of an earlier version, which cannot compute effects itself: the force stays remote; update io_node");
+  }
   if (source_ && offers == was_offered_ && source_withdrawals_ == withdrawals && source_request_ == request_) return;
   was_offered_ = offers;
   source_withdrawals_ = withdrawals;

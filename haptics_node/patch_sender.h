@@ -52,8 +52,7 @@ class PatchSender {
   // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force,
   // also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
-  // Another method is in use: parts of the scene are as good as it, or not. Parts hold no effects, so a scene with effects, or with objects
-  // that can be carved, is never offered.
+  // Another method is in use: parts of the scene are as good as it, or not. A scene with objects that can be carved is never offered.
   void set_offered(bool is_offered) noexcept { is_served_.store(is_offered, std::memory_order_release); }
   // True: the hub is to have no parts until this is called with false; then it gets those of the scene anew, and no patch begins where a
   // reply before method_serial had the probe (ForceCommand). What was not sent before a change is never sent.
@@ -173,7 +172,9 @@ class PatchSender {
   std::unique_ptr<TiledScene> tiles_;
   std::unique_ptr<PatchSource> source_;
   bool was_offered_ = false;
-  bool wants_ = false;         // the hub, as its newest status says
+  bool wants_ = false;              // the hub, as its newest status says
+  bool hub_knows_effects_ = false;  // ... likewise
+  bool has_told_of_effects_ = false;
   std::uint32_t request_ = 0;  // of that
   std::uint32_t source_request_ = 0;
   std::uint32_t source_withdrawals_ = 0;

@@ -92,7 +92,8 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   const std::int64_t passed_ns = sample.time_ns - std::exchange(last_ns_, sample.time_ns);
   const double dt_s = passed_ns > 0 ? std::min(1e-9 * static_cast<double>(passed_ns), kLongestStepS) : kFirstStepS;
   scene_ns_ = scene_time_of(sample, passed_ns);
-  const TouchInput input{.p_WD = sample.p_WD, .X_WS = orders.X_WS, .dt_s = dt_s, .time_s = 1e-9 * static_cast<double>(scene_ns_)};
+  const TouchInput input{
+      .p_WD = sample.p_WD, .X_WS = orders.X_WS, .dt_s = dt_s, .buttons = sample.buttons, .time_s = 1e-9 * static_cast<double>(scene_ns_)};
   const std::optional<PatchOutput> output = touch_.step(input);
   counts_.publish(touch_.counts());
   touch_.for_each_link([&](std::size_t link) {

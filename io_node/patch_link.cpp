@@ -169,6 +169,7 @@ void PatchLink::send_status(double round_trip_s, std::int64_t now_ns) noexcept {
   status.newest_move = moves_.newest();
   status.moves_received = moves_.received();
   status.request = request();
+  status.knows_effects = true;
   status.round_trip_s = static_cast<float>(std::max(round_trip_s, 0.0));
   status_ns_ = now_ns;
   has_news_ = is_reply_due_ = false;

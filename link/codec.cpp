@@ -131,12 +131,14 @@ constexpr std::tuple kMessageKinds{
         &wire::Envelope::has_patch_displacements, &wire::Envelope::patch_displacements, &wire::Envelope::mutable_patch_displacements},
     MessageKind<PatchStream, wire::PatchStream>{&wire::Envelope::has_patch_stream, &wire::Envelope::patch_stream,
                                                 &wire::Envelope::mutable_patch_stream},
+    MessageKind<PatchEffects, wire::PatchEffects>{&wire::Envelope::has_patch_effects, &wire::Envelope::patch_effects,
+                                                  &wire::Envelope::mutable_patch_effects},
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
 static_assert(kKindCount == std::variant_size_v<Message>);
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
-static_assert(wire::Envelope::kPatchStreamFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
+static_assert(wire::Envelope::kPatchEffectsFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 
 // Calls visit with each kind until one returns true.
 template <class Visit>
@@ -271,6 +273,7 @@ void reserve(wire::PatchStream& m) {
   reserve_field(*m.mutable_to_scene());
   m.mutable_vertices()->Reserve(kMaxDatagramBytes);
 }
+void reserve(wire::PatchEffects& m) { m.mutable_bytes()->reserve(kMaxDatagramBytes); }
 void reserve(wire::PatchMaterial&) {}
 void reserve(wire::PatchStatus& m) { m.mutable_received()->reserve(kMaxDatagramBytes); }
 void reserve(wire::MaterialRequest& m) { m.mutable_object()->reserve(kMaxDatagramBytes); }

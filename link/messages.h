@@ -376,7 +376,7 @@ using Message = std::variant<Hello, Welcome, Bye, DeviceState, ForceCommand, Vie
                              HapticsSetup, ReportRequest, ReportPart, SceneFacts, ViewRejected, PatchBegin, PatchCell, PatchTile,
                              PatchStatus, LoopFacts, MaterialRequest, MaterialState, ObjectPose, Marker, MarkerReply, MoveRequest,
                              MoveReply, ObjectMove, Carves, CarveStatus, PatchBody, PatchMaterial, CarveUndo, ShapeRequest, ShapeReply,
-                             ObjectShape, ShapeStart, ShapeStatus, PatchDeformation, PatchDisplacements, PatchStream>;
+                             ObjectShape, ShapeStart, ShapeStatus, PatchDeformation, PatchDisplacements, PatchStream, PatchEffects>;
 
 // A part of the scene. RT: yes.
 inline bool is_scene_part(const Message& message) noexcept {

@@ -106,6 +106,7 @@ void write(const PatchBegin& from, wire::PatchBegin& to) {
   to.set_body_count(from.body_count);
   to.set_request(from.request);
   to.set_method_serial(from.method_serial);
+  to.set_effect_bytes(from.effect_bytes);
 }
 
 void write(const PatchCell& from, wire::PatchCell& to) {
@@ -140,6 +141,7 @@ void write(const PatchStatus& from, wire::PatchStatus& to) {
   to.set_newest_move(from.newest_move);
   to.set_moves_received(from.moves_received);
   to.set_request(from.request);
+  to.set_knows_effects(from.knows_effects);
 }
 
 void write(const PatchBody& from, wire::PatchBody& to) {
@@ -216,6 +218,13 @@ void write(const PatchStream& from, wire::PatchStream& to) {
   add_numbers(std::span(from.vertices).first(std::min<std::size_t>(from.vertex_count, from.vertices.size())), *to.mutable_vertices());
 }
 
+void write(const PatchEffects& from, wire::PatchEffects& to) {
+  to.set_epoch(from.epoch);
+  to.set_serial(from.serial);
+  to.set_part(from.part);
+  to.mutable_bytes()->assign(reinterpret_cast<const char*>(from.bytes.data()), std::min<std::size_t>(from.byte_count, from.bytes.size()));
+}
+
 bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.epoch = from.epoch();
   to.serial = from.serial();
@@ -225,7 +234,8 @@ bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.body_count = std::max(from.body_count(), 1U);
   to.request = from.request();
   to.method_serial = from.method_serial();
-  if (to.body_count > PatchBody::kMostBodies) return false;
+  to.effect_bytes = from.effect_bytes();
+  if (to.body_count > PatchBody::kMostBodies || to.effect_bytes > PatchEffects::kMostAllBytes) return false;
   return read_vector(from.origin_m(), to.origin_m) && std::isnormal(to.step_m) && is_amount(to.step_m) && is_amount(to.probe_radius_m);
 }
 
@@ -344,6 +354,17 @@ bool read(const wire::PatchStream& from, PatchStream& to) {
   return std::all_of(from.vertices().begin(), from.vertices().end(), [&](std::uint32_t vertex) { return vertex < to.total; });
 }
 
+bool read(const wire::PatchEffects& from, PatchEffects& to) {
+  to.epoch = from.epoch();
+  to.serial = from.serial();
+  to.part = from.part();
+  to.byte_count = static_cast<std::uint32_t>(from.bytes().size());
+  constexpr std::uint32_t kMostParts = PatchEffects::kMostAllBytes / PatchEffects::kMostBytes + 1;
+  if (to.byte_count == 0 || to.byte_count > to.bytes.size() || to.part >= kMostParts) return false;
+  std::copy(from.bytes().begin(), from.bytes().end(), to.bytes.begin());
+  return true;
+}
+
 bool read(const wire::PatchStatus& from, PatchStatus& to) {
   to.is_wanted = from.is_wanted();
   to.epoch = from.epoch();
@@ -352,6 +373,7 @@ bool read(const wire::PatchStatus& from, PatchStatus& to) {
   to.newest_move = from.newest_move();
   to.moves_received = from.moves_received();
   to.request = from.request();
+  to.knows_effects = from.knows_effects();
   if (from.received().size() != to.received.size()) return false;
   std::copy(from.received().begin(), from.received().end(), to.received.begin());
   return is_amount(static_cast<double>(to.round_trip_s));

@@ -29,6 +29,18 @@ struct PatchBegin {
   std::uint32_t body_count = 1;     // bodies, each announced by PatchBody; 1: nothing moves, and no PatchBody comes
   std::uint32_t request = 0;        // PatchStatus::request that it replies to: the epoch is of no use to a later one. 0: any
   std::uint32_t method_serial = 0;  // a patch begins where a reply with this one or a later one has the probe. 0: any
+  std::uint32_t effect_bytes = 0;   // of the effects, which come in PatchEffects; 0: there are none
+};
+
+// haptics -> hub: some bytes of the scene's effects (patch/effect_codec.h), in order. Nothing is felt before all have come.
+struct PatchEffects {
+  static constexpr std::size_t kMostBytes = 960;             // in a part: one datagram. All but the last have as many
+  static constexpr std::uint32_t kMostAllBytes = 1U << 21U;  // of a scene: 17 s at 1 Mbit/s
+  std::uint32_t epoch = 0;
+  std::uint32_t serial = 0;
+  std::uint32_t part = 0;  // from 0
+  std::uint32_t byte_count = 0;
+  std::array<std::uint8_t, kMostBytes> bytes = {};
 };
 
 // haptics -> hub: a cluster of triangles of one object.
@@ -163,7 +175,7 @@ constexpr bool kIsOneOf = (std::is_same_v<Kind, Kinds> || ...);
 // The messages above: what PatchStore keeps, and only a haptics node sends.
 template <class Kind>
 constexpr bool kIsScenePart =
-    kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation, PatchDisplacements, PatchStream>;
+    kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation, PatchDisplacements, PatchStream, PatchEffects>;
 
 // hub -> haptics, while it wants parts: which it has received.
 struct PatchStatus {
@@ -176,6 +188,7 @@ struct PatchStatus {
   std::uint32_t newest_move = 0;                         // serial of ObjectMove; 0: none
   std::uint64_t moves_received = 0;                      // bit i: newest_move - i
   std::uint32_t request = 0;                             // another one whenever the hub has dropped all parts
+  bool knows_effects = false;                            // PatchEffects is understood
 };
 
 }  // namespace hapton

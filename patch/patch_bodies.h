@@ -6,6 +6,7 @@
 
 #include "core/math/keyframe_motion.h"
 #include "core/math/types.h"
+#include "patch/felt_effects.h"
 
 namespace hapton {
 
@@ -28,6 +29,7 @@ struct PatchBodies {
   std::uint32_t generation = 0;
   double extent_m = 0.0;  // of the scene
   std::vector<PatchBodyMotion> bodies;
+  std::unique_ptr<FeltEffects> effects = nullptr;  // null: the scene has none
 
   bool any_moves() const noexcept { return bodies.size() > 1; }
 };

@@ -17,6 +17,7 @@ PatchChain::PatchChain() : touches_(kLinks) { p_OD_.fill(Vec3::Zero()); }
 std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodies) noexcept {
   if (has_arrived_ && body_count() == 1) start_ = {touches_[0].proxy(), touches_[0].outward(), time_s_};
   std::swap(bodies_, bodies);
+  if (bodies != nullptr && bodies->effects != nullptr && bodies_->effects != nullptr) bodies_->effects->follow_hand(*bodies->effects);
   has_arrived_ = false;
   are_new_ = true;
   proxy_.set_extent(bodies_->extent_m);
@@ -59,6 +60,7 @@ std::unique_ptr<Patch> PatchChain::offer(std::size_t link, std::unique_ptr<Patch
 
 void PatchChain::forget() noexcept {
   for (PatchTouch& touch : touches_) touch.forget();
+  if (bodies_ != nullptr && bodies_->effects != nullptr) bodies_->effects->forget();
   proxy_.forget();
   has_arrived_ = false;
   start_.reset();
@@ -110,7 +112,28 @@ bool PatchChain::is_ready() const noexcept {
   return true;
 }
 
+class PatchChain::Places final : public BodyPlaces {
+ public:
+  Places(const PatchChain& chain, double time_s) : chain_(chain), time_s_(time_s) {}
+
+  Pose pose(std::size_t body) const noexcept override { return chain_.pose_of(body, time_s_); }
+  std::optional<SurfacePlace> place(std::size_t body, int object) const noexcept override {
+    return body < kLinks ? chain_.touches_[body].find_place(object) : std::nullopt;
+  }
+
+ private:
+  const PatchChain& chain_;
+  double time_s_;
+};
+
 std::optional<PatchOutput> PatchChain::step(const TouchInput& input) noexcept {
+  std::optional<PatchOutput> output = step_bodies(input);
+  if (bodies_ != nullptr && bodies_->effects != nullptr) [[unlikely]]
+    bodies_->effects->add(input, Places(*this, input.time_s), output);
+  return output;
+}
+
+std::optional<PatchOutput> PatchChain::step_bodies(const TouchInput& input) noexcept {
   time_s_ = input.time_s;
   if (body_count() > 1) return step_chain(input);
   p_OD_[0] = to_frame(input.X_WS, input.p_WD);

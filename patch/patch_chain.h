@@ -22,7 +22,7 @@ namespace hapton {
 // while it moves, and past the edge of one the plane of the last contact moves with the body. The bodies have one proxy as in MovingMethod
 // (CommonProxy): the force is that of the whole scene's method at the same scene time.
 //
-// Of a scene where nothing moves it is the one PatchTouch.
+// Of a scene where nothing moves it is the one PatchTouch. The scene's effects are added to the force (FeltEffects).
 //
 // Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
 class PatchChain {
@@ -77,7 +77,8 @@ class PatchChain {
   std::uint64_t late_moves() const noexcept { return late_moves_; }
 
  private:
-  class Felt;  // the bodies, in one sample
+  class Felt;    // the bodies, in one sample
+  class Places;  // likewise, for effects
 
   // A place of the proxy, frame S, at a scene time.
   struct Start {
@@ -92,6 +93,7 @@ class PatchChain {
   void start_new_bodies() noexcept;
   void start_body(std::size_t body, const Start& start, double age_s) noexcept;
   void note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept;
+  std::optional<PatchOutput> step_bodies(const TouchInput& input) noexcept;
   std::optional<PatchOutput> step_chain(const TouchInput& input) noexcept;
 
   std::vector<PatchTouch> touches_;

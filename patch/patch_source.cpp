@@ -40,6 +40,7 @@ double bytes_of(const PatchBegin&) { return kOverheadBytes; }
 
 double bytes_of(const PatchBody& body) { return kOverheadBytes + 100.0 + 64.0 * body.key_count; }
 double bytes_of(const PatchMaterial&) { return kOverheadBytes; }
+double bytes_of(const PatchEffects& effects) { return kOverheadBytes + effects.byte_count; }
 double bytes_of(const ObjectMove&) { return kOverheadBytes + 150.0; }
 
 double bytes_of(const PatchDeformation& deformation) {
@@ -67,6 +68,7 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
       in_flight_(kSerials, 0),
       credit_bytes_(kBurstBytes) {
   begin_.body_count = static_cast<std::uint32_t>(std::max<std::size_t>(scene_.bodies.size(), 1));
+  begin_.effect_bytes = static_cast<std::uint32_t>(scene_.effects.size());
   hands_.resize(begin_.body_count);
   ahead_.resize(begin_.body_count);
   for (std::uint32_t b = 0; begin_.body_count > 1 && b < begin_.body_count; ++b) {
@@ -323,7 +325,13 @@ Message PatchSource::make_message(std::size_t item) {
     begin_.serial = serial_;
     return begin_;
   }
-  if (item < item_of_cell(0)) return make_body(body_parts_[item - 1]);
+  if (item < item_of_effects(0)) return make_body(body_parts_[item - 1]);
+  if (item < item_of_cell(0)) {
+    PatchEffects effects = make_effect_part(scene_.effects, static_cast<std::uint32_t>(item - item_of_effects(0)));
+    effects.epoch = begin_.epoch;
+    effects.serial = serial_;
+    return effects;
+  }
   if (item >= item_of_material(0)) {
     const auto& [object, material] = tuned_[item - item_of_material(0)];
     return PatchMaterial{begin_.epoch,

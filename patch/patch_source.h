@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "link/messages.h"
+#include "patch/effect_parts.h"
 #include "patch/tile_partition.h"
 
 namespace hapton {
@@ -101,7 +102,8 @@ class PatchSource {
   };
 
   void begin_again() noexcept;
-  std::size_t item_of_cell(std::size_t cell) const noexcept { return 1 + body_parts_.size() + cell; }
+  std::size_t item_of_effects(std::size_t part) const noexcept { return 1 + body_parts_.size() + part; }
+  std::size_t item_of_cell(std::size_t cell) const noexcept { return item_of_effects(count_effect_parts(scene_.effects.size())) + cell; }
   std::size_t item_of_tile(std::size_t tile) const noexcept { return item_of_cell(scene_.cells.size()) + tile; }
   std::size_t item_of_weights(std::size_t part) const noexcept { return item_of_tile(scene_.tiles.size()) + part; }
   std::size_t item_of_displaced(std::size_t at) const noexcept { return item_of_weights(weight_parts_.size()) + at; }
@@ -131,7 +133,7 @@ class PatchSource {
   std::vector<MoveItem> moves_;           // by object
   std::vector<TunedObject> tuned_;        // other materials than tiles have
   std::vector<Material> of_tiles_;        // by object
-  std::vector<Item> items_;               // the beginning, bodies, cells, tiles, weights, displacements, streams, materials
+  std::vector<Item> items_;               // the beginning, bodies, effects, cells, tiles, weights, displacements, streams, materials
   std::vector<std::uint32_t> in_flight_;  // by serial modulo kSerials: the item
   std::uint32_t serial_ = 0;
   double round_trip_s_ = 0.0;

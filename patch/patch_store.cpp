@@ -53,6 +53,8 @@ void PatchStore::clear() {
 void PatchStore::drop_parts() {
   begin_.reset();
   bodies_ = {};
+  effect_parts_ = {};
+  effects_.reset();
   materials_.clear();
   material_serials_.clear();
   cells_.clear();
@@ -100,8 +102,31 @@ void PatchStore::accept(const PatchBegin& begin) {
     begin_ = begin;
     grid_ = {begin.origin_m, begin.step_m};
     for (Body& body : bodies_) (void)complete_deforming(body);
+    (void)complete_effects();
   }
   confirm(begin.serial);
+}
+
+void PatchStore::accept(const PatchEffects& effects) {
+  if (!adopt(effects.epoch, effects.serial)) return;
+  if (!effect_parts_.take(effects) || !complete_effects()) {
+    ++counts_.rejected;
+    return;
+  }
+  confirm(effects.serial);
+}
+
+// False: they are none that a scene may have, and all that came of them is dropped.
+bool PatchStore::complete_effects() {
+  if (!begin_ || effects_ || begin_->effect_bytes == 0 || !effect_parts_.is_whole(begin_->effect_bytes)) return true;
+  const std::string bytes = effect_parts_.join();
+  auto effects = bytes.size() == begin_->effect_bytes ? decode_effects(bytes) : fail("not as many bytes as announced");
+  if (!effects) {
+    effect_parts_ = {};
+    return false;
+  }
+  effects_ = std::move(*effects);
+  return true;
 }
 
 namespace {
@@ -234,7 +259,7 @@ bool PatchStore::accept_part(const Message& message) {
 }
 
 bool PatchStore::has_bodies() const noexcept {
-  if (!has_begun()) return false;
+  if (!has_begun() || (begin_->effect_bytes > 0 && !effects_)) return false;
   if (begin_->body_count == 1) return true;
   const auto is_there = [this](const Body& body) { return body.is_known && is_wide_enough(body.head); };
   return std::all_of(bodies_.begin(), bodies_.begin() + begin_->body_count, is_there);
@@ -251,6 +276,7 @@ std::unique_ptr<PatchBodies> PatchStore::make_bodies(std::uint32_t generation) c
   auto made = std::make_unique<PatchBodies>();
   made->extent_m = std::ldexp(grid_.step_m, kPatchGridBits - 1);
   made->generation = generation;
+  if (effects_) made->effects = std::make_unique<FeltEffects>(*effects_);
   made->bodies.resize(begin_->body_count);
   for (std::size_t b = 1; b < made->bodies.size(); ++b) {
     const PatchBody& head = bodies_[b].head;

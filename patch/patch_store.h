@@ -15,6 +15,8 @@
 #include "link/known_shapes.h"
 #include "link/messages.h"
 #include "patch/deforming_parts.h"
+#include "patch/effect_codec.h"
+#include "patch/effect_parts.h"
 #include "patch/patch_bodies.h"
 #include "patch/patch_grid.h"
 #include "patch/streamed_parts.h"
@@ -69,6 +71,7 @@ class PatchStore {
   void accept(const PatchDeformation& deformation);
   void accept(const PatchDisplacements& displaced);
   void accept(const PatchStream& stream);
+  void accept(const PatchEffects& effects);
   // Any of these, which kIsScenePart lists. False: another message.
   bool accept_part(const Message& message);
   // What programs deform, and how: ObjectShape and ShapeStart, of whatever epoch. False: another message. arrival: as KnownShapes has it.
@@ -92,7 +95,7 @@ class PatchStore {
   // as many as the tiles at the point itself have, if that is more. Of a body that deforms: the whole of it, or nothing. Pre: has_begun().
   Piece make_piece(const Vec3& p_S, double most_m, std::size_t most_triangles, std::uint32_t body = 0) const;
 
-  // All bodies are announced. Before that nothing can be felt: something that moves may be anywhere.
+  // All bodies are announced, and all effects are there. Before that nothing can be felt: something that moves may be anywhere.
   bool has_bodies() const noexcept;
   // Pre: has_bodies().
   std::unique_ptr<PatchBodies> make_bodies(std::uint32_t generation) const;
@@ -131,6 +134,7 @@ class PatchStore {
   };
 
   void drop_parts();
+  bool complete_effects();
   bool adopt(std::uint32_t epoch, std::uint32_t serial);
   void confirm(std::uint32_t serial) noexcept;
   std::size_t count_new_cells(const PatchCell& cell) const;
@@ -155,6 +159,8 @@ class PatchStore {
   std::optional<PatchBegin> begin_;
   PatchGrid grid_;
   std::array<Body, PatchBody::kMostBodies> bodies_;
+  EffectParts effect_parts_;
+  std::optional<SceneEffectSet> effects_;  // once all of it has come
   std::map<std::uint32_t, Material> materials_;
   std::map<std::uint32_t, std::uint32_t> material_serials_;
   std::uint32_t material_version_ = 0;

@@ -190,6 +190,13 @@ double PatchTouch::damping_of(int object) const noexcept {
   return patch_->materials[n].damping_ns_per_m;
 }
 
+std::optional<SurfacePlace> PatchTouch::find_place(int object) const noexcept {
+  if (is_beyond_ || patch_ == nullptr || patch_->step == nullptr) return std::nullopt;
+  const auto found = std::find(patch_->objects.begin(), patch_->objects.end(), object);
+  if (found == patch_->objects.end()) return std::nullopt;
+  return patch_->step->method().find_place(static_cast<int>(found - patch_->objects.begin()));
+}
+
 // No patch takes over meanwhile.
 std::optional<PatchOutput> PatchTouch::correct(const TouchInput& input, const Vec3& p_SD) noexcept {
   newest_p_SD_ = p_SD;

@@ -153,6 +153,8 @@ class PatchTouch {
   bool is_frictionless() const noexcept;
   // Of an object of the scene, N s/m, by its patch.
   double damping_of(int object) const noexcept;
+  // Of an object of the scene that deforms: see ForceMethod.
+  std::optional<SurfacePlace> find_place(int object) const noexcept;
   const Vec3& outward() const noexcept { return outward_S_; }
   // Where the hand is, for whoever makes the next patch.
   PatchHandState hand_at(const Vec3& p_SD, std::int64_t time_ns) const noexcept;

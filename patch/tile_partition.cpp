@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "patch/effect_codec.h"
 #include "patch/patch_store.h"
 
 namespace hapton {
@@ -319,6 +320,17 @@ void add_body(const TouchScene& scene, MotionGroup group, TiledScene& tiled) {
   if (first < tiled.tiles.size() && !deforms) CellDivider(tiled, static_cast<std::uint32_t>(tiled.bodies.size() - 1)).divide(first);
 }
 
+SceneEffectSet effects_of(const TouchScene& scene, const std::vector<TileBody>& bodies) {
+  SceneEffectSet effects;
+  effects.space = scene.effects;
+  for (const TouchObject& object : scene.objects) effects.surfaces.push_back(object.effects);
+  effects.body_of.resize(effects.surfaces.size(), 0);
+  for (std::size_t body = 1; body < bodies.size(); ++body) {
+    for (const int object : bodies[body].group.objects) effects.body_of[static_cast<std::size_t>(object)] = static_cast<int>(body);
+  }
+  return effects;
+}
+
 }  // namespace
 
 TiledScene make_tiles(const TouchScene& scene) {
@@ -332,6 +344,7 @@ TiledScene make_tiles(const TouchScene& scene) {
   std::vector<MotionGroup> groups = group_by_motion(scene);
   if (groups.front().moves()) groups.insert(groups.begin(), MotionGroup());
   for (MotionGroup& group : groups) add_body(scene, std::move(group), tiled);
+  tiled.effects = encode_effects(effects_of(scene, tiled.bodies));
   return tiled;
 }
 

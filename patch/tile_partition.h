@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/force/motion_groups.h"
@@ -60,6 +61,7 @@ struct TiledScene {
   bool has_unlisted = false;                  // so many tiles overlap somewhere that no datagram can list them: that place is never known
   std::vector<PatchDisplacements> displaced;  // of the bodies that deform; epoch and serial are left to the sender
   std::vector<PatchStream> streams;           // ... of those that programs deform, without shape_serial
+  std::string effects;                        // encode_effects
   bool has_parting = false;                   // vertices of one that are one on the grid move apart: it cannot be sent
 };
 

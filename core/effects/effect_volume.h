@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 
 #include "core/math/types.h"
 
@@ -36,6 +38,15 @@ class EffectVolume {
   // Meaningless where it acts everywhere.
   const Vec3& centre() const noexcept { return centre_; }
 
+  // All that defines it, as for_each_number visits it. Nothing: no volume has these numbers.
+  static std::optional<EffectVolume> from_numbers(const std::array<double, 7>& numbers) noexcept {
+    const double shape = numbers[0];
+    if (shape != 0.0 && shape != 1.0 && shape != 2.0) return std::nullopt;
+    const Vec3 centre(numbers[1], numbers[2], numbers[3]);
+    const Vec3 half_size(numbers[4], numbers[5], numbers[6]);
+    if (!centre.allFinite() || !(half_size.array() >= 0.0).all() || !half_size.allFinite()) return std::nullopt;
+    return EffectVolume(static_cast<Shape>(static_cast<int>(shape)), centre, half_size);
+  }
   // Calls visit(number) for all that defines it.
   template <class Visit>
   void for_each_number(Visit&& visit) const {

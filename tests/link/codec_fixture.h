@@ -104,7 +104,16 @@ class RandomDatagrams {
       case 14:
         return ViewRejected{bits32()};
       case 15:
-        return PatchBegin{bits32(), bits32(), vector(), number(1e-9, 1), number(0, 1), bits(), 1 + draw_body_number(), bits32(), bits32()};
+        return PatchBegin{bits32(),
+                          bits32(),
+                          vector(),
+                          number(1e-9, 1),
+                          number(0, 1),
+                          bits(),
+                          1 + draw_body_number(),
+                          bits32(),
+                          bits32(),
+                          static_cast<std::uint32_t>(bits32() % (PatchEffects::kMostAllBytes + 1))};
       case 16:
         return draw_cell();
       case 17:
@@ -154,6 +163,8 @@ class RandomDatagrams {
         return draw_displacements();
       case 40:
         return draw_stream();
+      case 41:
+        return draw_effects();
       default:
         return LoopFacts{
             {'s', 'i', 'm'}, number(kMinServoRateHz, kMaxServoRateHz), static_cast<float>(number(0, 1)), static_cast<float>(number(0, 1))};
@@ -344,8 +355,15 @@ class RandomDatagrams {
     return stream;
   }
 
+  PatchEffects draw_effects() {
+    PatchEffects effects{bits32(), bits32(), static_cast<std::uint32_t>(bits32() % 2000)};
+    effects.byte_count = static_cast<std::uint32_t>(1 + bits32() % PatchEffects::kMostBytes);
+    for (std::size_t i = 0; i < effects.byte_count; ++i) effects.bytes[i] = static_cast<std::uint8_t>(bits());
+    return effects;
+  }
+
   PatchStatus draw_status() {
-    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits(), bits32()};
+    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits(), bits32(), flag()};
     for (std::uint8_t& byte : status.received) byte = static_cast<std::uint8_t>(bits());
     return status;
   }

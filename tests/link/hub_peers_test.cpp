@@ -383,6 +383,7 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       {PatchDeformation{.epoch = 1, .tile_count = 1, .target_count = 1, .all_keys = 1, .key_count = 1}, NodeRole::haptics},
       {PatchDisplacements{.epoch = 1, .vertex_count = 1}, NodeRole::haptics},
       {PatchStream{.epoch = 1, .tile_count = 1, .total = 1, .reach_m = 1.0, .vertex_count = 1}, NodeRole::haptics},
+      {PatchEffects{.epoch = 1, .byte_count = 1}, NodeRole::haptics},
       {PatchBody{.epoch = 1}, NodeRole::haptics},
       {PatchMaterial{.epoch = 1}, NodeRole::haptics},
       {CarveStatus{.source = 1}, NodeRole::vision},

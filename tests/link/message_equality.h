@@ -224,8 +224,9 @@ inline void expect_equal(const LoopFacts& a, const LoopFacts& b) {
   EXPECT_EQ(std::tie(a.device, a.servo_rate_hz, a.round_trip_s), std::tie(b.device, b.servo_rate_hz, b.round_trip_s));
 }
 inline void expect_equal(const PatchBegin& a, const PatchBegin& b) {
-  EXPECT_EQ(std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash, a.body_count, a.request, a.method_serial),
-            std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash, b.body_count, b.request, b.method_serial));
+  EXPECT_EQ(
+      std::tie(a.epoch, a.serial, a.step_m, a.probe_radius_m, a.scene_hash, a.body_count, a.request, a.method_serial, a.effect_bytes),
+      std::tie(b.epoch, b.serial, b.step_m, b.probe_radius_m, b.scene_hash, b.body_count, b.request, b.method_serial, b.effect_bytes));
   EXPECT_EQ(a.origin_m, b.origin_m);
 }
 inline void expect_equal(const PatchCell& a, const PatchCell& b) {
@@ -239,8 +240,10 @@ inline void expect_equal(const PatchTile& a, const PatchTile& b) {
                      b.two_sided, b.vertex_count, b.triangle_count, b.vertices, b.triangles));
 }
 inline void expect_equal(const PatchStatus& a, const PatchStatus& b) {
-  EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s, a.newest_move, a.moves_received, a.request),
-            std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s, b.newest_move, b.moves_received, b.request));
+  EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s, a.newest_move, a.moves_received, a.request,
+                     a.knows_effects),
+            std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s, b.newest_move, b.moves_received, b.request,
+                     b.knows_effects));
 }
 inline void expect_equal(const PatchBody& a, const PatchBody& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.motion, a.deforms, a.lowest, a.highest, a.radius_m, a.object, a.move_serial, a.loops,
@@ -270,6 +273,10 @@ inline void expect_equal(const PatchStream& a, const PatchStream& b) {
             std::tie(b.epoch, b.serial, b.body, b.first_tile, b.tile_count, b.object, b.total, b.reach_m, b.shape_serial, b.tile,
                      b.vertex_count, b.vertices));
   EXPECT_EQ(a.to_scene, b.to_scene);
+}
+
+inline void expect_equal(const PatchEffects& a, const PatchEffects& b) {
+  EXPECT_EQ(std::tie(a.epoch, a.serial, a.part, a.byte_count, a.bytes), std::tie(b.epoch, b.serial, b.part, b.byte_count, b.bytes));
 }
 
 inline void expect_equal(const Datagram& a, const Datagram& b) {

@@ -96,6 +96,13 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
   EXPECT_EQ(other([](PatchStream& m) { m.vertex_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.vertices[1] = 30; }), DecodeStatus::bad_value) << "not of the mesh";
 
+  PatchEffects effects{.epoch = 1, .serial = 2, .part = 3, .byte_count = 4};
+  EXPECT_EQ(round_trip(effects), DecodeStatus::ok);
+  effects.part = PatchEffects::kMostAllBytes / PatchEffects::kMostBytes + 1;
+  EXPECT_EQ(round_trip(effects), DecodeStatus::bad_value) << "no scene has so many parts";
+  EXPECT_EQ(round_trip(PatchEffects{.epoch = 1, .serial = 2}), DecodeStatus::bad_value) << "no bytes";
+  EXPECT_EQ(round_trip(PatchBegin{.epoch = 1, .step_m = 1e-8, .effect_bytes = PatchEffects::kMostAllBytes + 1}), DecodeStatus::bad_value);
+
   PatchDisplacements moved{.epoch = 1, .serial = 2, .tile = 3, .target = 1, .vertex_count = 2};
   EXPECT_EQ(round_trip(moved), DecodeStatus::ok);
   moved.target = PatchDeformation::kMostTargets;

@@ -65,7 +65,9 @@ void lengthen(LoopFacts& m) {
   m = {{}, kMaxServoRateHz, 1e3F / 3.0F};
   fill_text(m.device);
 }
-void lengthen(PatchBegin& m) { m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64, PatchBody::kMostBodies}; }
+void lengthen(PatchBegin& m) {
+  m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64, PatchBody::kMostBodies, kMost32, kMost32, PatchEffects::kMostAllBytes};
+}
 void lengthen(PatchBody& m) {
   constexpr std::uint32_t kLast = (1U << kPatchGridBits) - 1;
   m = {.epoch = kMost32, .serial = kMost32, .body = PatchBody::kMostBodies - 1, .motion = PatchBody::Motion::keyframes};
@@ -111,7 +113,11 @@ void lengthen(PatchStream& m) {
   m.vertex_count = PatchTile::kMostVertices;
   m.vertices.fill(m.total - 1);
 }
-void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64}; }
+void lengthen(PatchEffects& m) {
+  m = {kMost32, kMost32, PatchEffects::kMostAllBytes / PatchEffects::kMostBytes, PatchEffects::kMostBytes};
+  m.bytes.fill(0xFF);
+}
+void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64, kMost32, true}; }
 constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 void lengthen(MaterialRequest& m) {
   m = {kMost32, {}, kChange};

@@ -87,7 +87,9 @@ class ChainStage {
     const TouchInput input{.p_WD = p_WD, .X_WS = X_WS, .dt_s = kStepS, .time_s = time_s_};
     if (is_first_) whole_->reset(input);
     // Before the first step there is no hand: patches that are there then are made where it will be.
-    if (std::exchange(is_first_, false)) (void)chain_.step(input);
+    TouchInput before = input;
+    before.dt_s = before_s_;
+    if (std::exchange(is_first_, false)) (void)chain_.step(before);
     if (may_make) make_patches();
     return {chain_.step(input), whole_->step(input)};
   }
@@ -120,7 +122,8 @@ class ChainStage {
   const CommandedMotion* find_commanded(int object) const { return whole_->find_commanded(object); }
 
   double time_s() const { return time_s_; }
-  // Before the first step.
+  // Before the first step: the chain's time begins with it, as that of the whole scene does.
+  void begin_together() { before_s_ = 1e-12; }
   void skip_to(double time_s) { time_s_ = time_s; }
   PatchChain& chain() { return chain_; }
   TouchStep& whole() { return *whole_; }
@@ -159,6 +162,7 @@ class ChainStage {
   MoveTable moves_;
   double time_s_ = 0.0;
   bool is_first_ = true;
+  double before_s_ = kStepS;
 };
 
 }  // namespace hapton

@@ -23,7 +23,7 @@ const char* name_of(const Message& message) {
       "ViewRejected",  "PatchBegin",  "PatchCell",   "PatchTile",        "PatchStatus",        "LoopFacts",     "MaterialRequest",
       "MaterialState", "ObjectPose",  "Marker",      "MarkerReply",      "MoveRequest",        "MoveReply",     "ObjectMove",
       "Carves",        "CarveStatus", "PatchBody",   "PatchMaterial",    "CarveUndo",          "ShapeRequest",  "ShapeReply",
-      "ObjectShape",   "ShapeStart",  "ShapeStatus", "PatchDeformation", "PatchDisplacements", "PatchStream"};
+      "ObjectShape",   "ShapeStart",  "ShapeStatus", "PatchDeformation", "PatchDisplacements", "PatchStream",   "PatchEffects"};
   static_assert(kNames.size() == std::variant_size_v<Message>);
   return kNames[message.index()];
 }

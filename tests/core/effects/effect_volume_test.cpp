@@ -53,5 +53,30 @@ TEST(EffectVolume, NamesAllItsNumbers) {
   EXPECT_NE(ball, numbers(EffectVolume::everywhere()));
 }
 
+TEST(EffectVolume, IsMadeOfItsNumbers) {
+  const auto numbers_of = [](const EffectVolume& volume) {
+    std::array<double, 7> all = {};
+    std::size_t n = 0;
+    volume.for_each_number([&](double number) { all[n++] = number; });
+    return all;
+  };
+  for (const EffectVolume& volume :
+       {EffectVolume::everywhere(), EffectVolume::ball({1, 2, 3}, 0.5), EffectVolume::box({0.1, 0.2, 0.3}, {1.4, 2.5, 3.6})}) {
+    const auto same = EffectVolume::from_numbers(numbers_of(volume));
+    ASSERT_TRUE(same.has_value());
+    EXPECT_EQ(numbers_of(*same), numbers_of(volume));
+  }
+  const auto changed = [&](std::size_t at, double number) {
+    auto numbers = numbers_of(EffectVolume::ball({1, 2, 3}, 0.5));
+    numbers[at] = number;
+    return EffectVolume::from_numbers(numbers);
+  };
+  EXPECT_TRUE(changed(1, -7.0));
+  for (const double shape : {-1.0, 0.5, 3.0}) EXPECT_FALSE(changed(0, shape)) << shape;
+  EXPECT_FALSE(changed(2, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_FALSE(changed(4, -0.1)) << "a size";
+  EXPECT_FALSE(changed(5, std::numeric_limits<double>::infinity()));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -1,0 +1,204 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/effects/space_effect.h"
+#include "core/effects/surface_effects.h"
+
+// The numbers that define each effect, in the order in which they cross the network. One function each, for both ways: NumberWriter appends
+// them, NumberReader takes them and checks their range.
+namespace hapton {
+
+class NumberWriter {
+ public:
+  void finite(double number) { numbers_.push_back(number); }
+  void amount(double number) { numbers_.push_back(number); }
+  void positive(double number) { numbers_.push_back(number); }
+  void force(double number_n) { numbers_.push_back(number_n); }
+  void force_or_none(double number_n) { numbers_.push_back(number_n); }
+  void point(const Vec3& p) {
+    for (int k = 0; k < 3; ++k) numbers_.push_back(p[k]);
+  }
+  void force(const Vec3& force_n) { point(force_n); }
+  void direction(const Vec3& unit) { point(unit); }
+  void volume(const EffectVolume& volume) {
+    volume.for_each_number([this](double number) { numbers_.push_back(number); });
+  }
+  template <class Choice>
+  void choice(Choice chosen, Choice) {
+    numbers_.push_back(static_cast<double>(chosen));
+  }
+  std::vector<double> take() { return std::move(numbers_); }
+
+ private:
+  std::vector<double> numbers_;
+};
+
+// A number out of its range, or one too few, makes it fail for good; what is read then is as it was.
+class NumberReader {
+ public:
+  explicit NumberReader(std::span<const double> numbers) : numbers_(numbers) {}
+
+  // All were read, and each is in its range.
+  bool is_done() const { return is_good_ && at_ == numbers_.size(); }
+
+  void finite(double& number) { take(number, -kMost, kMost); }
+  void amount(double& number) { take(number, 0.0, kMost); }
+  void positive(double& number) { take(number, std::numeric_limits<double>::min(), kMost); }
+  void force(double& number_n) { take(number_n, 0.0, kMostEffectForceN); }
+  // Infinite: there is no such force.
+  void force_or_none(double& number_n) {
+    take(number_n, 0.0, std::numeric_limits<double>::infinity());
+    is_good_ = is_good_ && (std::isinf(number_n) || number_n <= kMostEffectForceN);
+  }
+  void point(Vec3& p) {
+    for (int k = 0; k < 3; ++k) finite(p[k]);
+  }
+  void force(Vec3& force_n) {
+    point(force_n);
+    is_good_ = is_good_ && force_n.norm() <= kMostEffectForceN;
+  }
+  void direction(Vec3& unit) {
+    point(unit);
+    is_good_ = is_good_ && std::abs(unit.norm() - 1.0) <= kUnit;
+  }
+  void volume(EffectVolume& volume) {
+    std::array<double, 7> numbers = {};
+    for (double& number : numbers) finite(number);
+    const auto read = EffectVolume::from_numbers(numbers);
+    is_good_ = is_good_ && read;
+    if (is_good_) volume = *read;
+  }
+  template <class Choice>
+  void choice(Choice& chosen, Choice last) {
+    double number = 0.0;
+    take(number, 0.0, static_cast<double>(last));
+    is_good_ = is_good_ && number == std::floor(number);
+    if (is_good_) chosen = static_cast<Choice>(static_cast<int>(number));
+  }
+
+ private:
+  static constexpr double kMost = 1e9;   // a choice: squares and products of a few stay finite
+  static constexpr double kUnit = 1e-6;  // a choice: far above the rounding of a unit vector
+
+  void take(double& number, double least, double most) {
+    is_good_ = is_good_ && at_ < numbers_.size() && numbers_[at_] >= least && numbers_[at_] <= most;
+    if (is_good_) number = numbers_[at_++];
+  }
+
+  std::span<const double> numbers_;
+  std::size_t at_ = 0;
+  bool is_good_ = true;
+};
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, SpringEffect& effect) {
+  numbers.point(effect.centre);
+  numbers.amount(effect.stiffness_n_per_m);
+  numbers.force(effect.max_force_n);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, ConstantEffect& effect) {
+  numbers.force(effect.force_n);
+  numbers.volume(effect.volume);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, SnapEffect& effect) {
+  numbers.choice(effect.target, SnapEffect::Target::plane);
+  numbers.point(effect.position);
+  numbers.direction(effect.direction);
+  numbers.positive(effect.range_m);
+  numbers.force(effect.max_force_n);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, GravityWellEffect& effect) {
+  numbers.point(effect.centre);
+  numbers.positive(effect.radius_m);
+  numbers.force(effect.max_force_n);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, ViscousEffect& effect) {
+  numbers.amount(effect.damping_ns_per_m);
+  numbers.force(effect.max_force_n);
+  numbers.volume(effect.volume);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, WaveEffect& effect) {
+  numbers.choice(effect.waveform, Waveform::sawtooth);
+  numbers.direction(effect.direction);
+  numbers.force(effect.amplitude_n);
+  numbers.amount(effect.frequency_hz);
+  numbers.volume(effect.volume);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, BurstEffect& effect) {
+  numbers.direction(effect.direction);
+  numbers.force(effect.amplitude_n);
+  numbers.amount(effect.frequency_hz);
+  numbers.positive(effect.decay_s);
+  numbers.positive(effect.duration_s);
+  numbers.volume(effect.volume);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, MassEffect& effect) {
+  numbers.amount(effect.mass_kg);
+  numbers.positive(effect.filter_s);
+  numbers.force(effect.max_force_n);
+  numbers.volume(effect.volume);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, TissueLayer& layer) {
+  numbers.amount(layer.depth_m);
+  numbers.amount(layer.stiffness_n_per_m);
+  numbers.force_or_none(layer.pop_force_n);
+  numbers.amount(layer.drag_ns_per_m);
+}
+
+// All but layers, images and recorded textures.
+template <class Numbers>
+void visit_numbers(Numbers& numbers, SurfaceEffects& surface) {
+  numbers.amount(surface.progressive.n_per_m2);
+  numbers.choice(surface.bumps.pattern, SurfaceBumps::Pattern::grid);
+  numbers.amount(surface.bumps.height_m);
+  numbers.positive(surface.bumps.length_m);
+  numbers.direction(surface.bumps.direction);
+  numbers.amount(surface.viscosity.damping_ns_per_m);
+  numbers.amount(surface.snap.stiffness_n_per_m);
+  numbers.amount(surface.snap.range_m);
+  numbers.amount(surface.tap.ns_per_m);
+  numbers.amount(surface.tap.frequency_hz);
+  numbers.positive(surface.tap.decay_s);
+  numbers.force(surface.tap.max_force_n);
+}
+
+// Those of an effect, a layer or a surface.
+template <class Effect>
+std::vector<double> numbers_of(Effect effect) {
+  NumberWriter writer;
+  visit_numbers(writer, effect);
+  return writer.take();
+}
+
+// False: the numbers define none.
+template <class Effect>
+bool read_numbers(std::span<const double> numbers, Effect& effect) {
+  NumberReader reader(numbers);
+  visit_numbers(reader, effect);
+  return reader.is_done();
+}
+
+}  // namespace hapton

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "link/patch_messages.h"
+
+namespace hapton {
+
+// How many parts these bytes of effects take (PatchEffects). RT: yes.
+constexpr std::uint32_t count_effect_parts(std::size_t bytes) noexcept {
+  return static_cast<std::uint32_t>((bytes + PatchEffects::kMostBytes - 1) / PatchEffects::kMostBytes);
+}
+
+// One of these parts, without epoch and serial. Pre: there is one.
+inline PatchEffects make_effect_part(std::string_view bytes, std::uint32_t part) noexcept {
+  const std::string_view here = bytes.substr(part * PatchEffects::kMostBytes, PatchEffects::kMostBytes);
+  PatchEffects message{.part = part, .byte_count = static_cast<std::uint32_t>(here.size())};
+  std::copy(here.begin(), here.end(), message.bytes.begin());
+  return message;
+}
+
+// Collects the parts of a scene's effects, in any order. RT: no. Threads: one.
+class EffectParts {
+ public:
+  // False: it does not fit: another part of that number came before, or it is not as long as its number says.
+  bool take(const PatchEffects& part) {
+    if (part.part >= parts_.size()) parts_.resize(part.part + 1);
+    std::string& own = parts_[part.part];
+    const std::string_view here(reinterpret_cast<const char*>(part.bytes.data()),
+                                std::min<std::size_t>(part.byte_count, part.bytes.size()));
+    if (!own.empty()) return own == here;
+    own = here;
+    return true;
+  }
+
+  // All have come, of so many bytes.
+  bool is_whole(std::size_t bytes) const {
+    const std::size_t count = count_effect_parts(bytes);
+    return parts_.size() >= count && std::none_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count),
+                                                  [](const std::string& part) { return part.empty(); });
+  }
+  std::string join() const {
+    std::string all;
+    for (const std::string& part : parts_) all += part;
+    return all;
+  }
+
+ private:
+  std::vector<std::string> parts_;  // by number; empty: has not come
+};
+
+}  // namespace hapton

@@ -1,0 +1,86 @@
+#include "patch/felt_effects.h"
+
+#include <algorithm>
+
+namespace hapton {
+namespace {
+
+// The numbers of their frames, by object.
+std::vector<int> frames_of(const std::vector<int>& body_of, std::vector<std::size_t>& bodies) {
+  std::vector<int> frames;
+  for (const int body : body_of) {
+    const auto number = static_cast<std::size_t>(body);
+    auto known = std::find(bodies.begin(), bodies.end(), number);
+    if (body > 0 && known == bodies.end()) known = bodies.insert(known, number);
+    frames.push_back(body > 0 ? static_cast<int>(known - bodies.begin()) : EffectStep::kStill);
+  }
+  if (bodies.empty()) frames.clear();
+  return frames;
+}
+
+Vec3 to_frame(const Pose& X_AB, const Vec3& p_A) noexcept { return X_AB.linear().transpose() * (p_A - X_AB.translation()); }
+
+}  // namespace
+
+FeltEffects::FeltEffects(const SceneEffectSet& effects)
+    : effects_(effects.surfaces, effects.space, frames_of(effects.body_of, bodies_)), body_of_(effects.body_of) {
+  X_SF_.resize(bodies_.size(), Pose::Identity());
+  for (const SurfaceEffects& surface : effects.surfaces) {
+    maps_.push_back(surface.maps.is_on() ? std::make_unique<MapFinder>(surface.maps) : nullptr);
+  }
+}
+
+std::size_t FeltEffects::body_of(int object) const noexcept {
+  const auto number = static_cast<std::size_t>(object);
+  return object >= 0 && number < body_of_.size() ? static_cast<std::size_t>(body_of_[number]) : 0;
+}
+
+void FeltEffects::follow_hand(const FeltEffects& other) noexcept {
+  if (!other.has_last_) return;
+  effects_.follow_hand(other.effects_);
+  last_ = other.last_;
+  has_last_ = true;
+}
+
+// A scene that was moved is no motion of the hand.
+void FeltEffects::note_scene(const TouchInput& input) noexcept {
+  if (has_last_ && last_.X_WS.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_.p_WD));
+  last_ = input;
+  has_last_ = true;
+}
+
+void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::optional<PatchOutput>& output) noexcept {
+  const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
+  if (!p_SD.allFinite()) return;
+  note_scene(input);
+  for (std::size_t f = 0; f < bodies_.size(); ++f) X_SF_[f] = bodies.pose(bodies_[f]);
+  effects_.place(X_SF_);
+  SurfaceContact contact{.p_SP = p_SD};
+  std::optional<SurfacePlace> place;
+  std::optional<MapSample> map;
+  if (output && output->contact) {
+    contact.force_n = input.X_WS.linear().transpose() * output->force_n;
+    contact.p_SP += input.X_WS.linear().transpose() * output->visual_offset_m;
+    contact.contact = true;
+    if (!output->is_beyond) touched_ = output->object;
+    contact.object = touched_;
+    const std::size_t body = body_of(touched_);
+    if (!output->is_beyond && body > 0) place = bodies.place(body, touched_);
+    if (place) contact.place = &*place;
+    MapFinder* const finder =
+        touched_ >= 0 && touched_ < static_cast<int>(maps_.size()) ? maps_[static_cast<std::size_t>(touched_)].get() : nullptr;
+    if (finder != nullptr) {
+      const Vec3 at_rest = place ? place->p_rest : body > 0 ? to_frame(bodies.pose(body), contact.p_SP) : contact.p_SP;
+      contact.map = &map.emplace(finder->find(at_rest));
+    }
+  } else {
+    touched_ = -1;
+  }
+  const EffectResult felt = effects_.step(p_SD, input.dt_s, contact, input.buttons);
+  if (!output) return;
+  output->force_n = felt.is_felt ? Vec3(input.X_WS.linear() * felt.force_n) : Vec3(Vec3::Zero());
+  if (output->contact) output->visual_offset_m = input.X_WS.linear() * (felt.p_SP - p_SD);
+  output->contact = felt.is_felt;
+}
+
+}  // namespace hapton

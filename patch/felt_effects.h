@@ -1,0 +1,54 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/effects/effect_step.h"
+#include "core/force/map_finder.h"
+#include "core/force/touch_step.h"
+#include "patch/effect_codec.h"
+#include "patch/patch_touch.h"
+
+namespace hapton {
+
+// Where the bodies of a scene in parts are, at one sample.
+class BodyPlaces {
+ public:
+  virtual ~BodyPlaces() = default;
+  // X_SO of a body.
+  virtual Pose pose(std::size_t body) const noexcept = 0;
+  // Of an object that deforms, where it was touched in the last step (ForceMethod::find_place). None: it keeps its shape.
+  virtual std::optional<SurfacePlace> place(std::size_t body, int object) const noexcept = 0;
+};
+
+// The effects of a scene, added to the force of its patches as TouchStep adds them to that of the whole scene. Past the edge of a patch the
+// plane of the last contact has the effects of the object touched last.
+//
+// Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
+class FeltEffects {
+ public:
+  explicit FeltEffects(const SceneEffectSet& effects);
+
+  // output: of the patches in that step; none: it is not known what they would give, and nothing is felt.
+  void add(const TouchInput& input, const BodyPlaces& bodies, std::optional<PatchOutput>& output) noexcept;
+  // Forgets contact and time.
+  void forget() noexcept { effects_.reset(); }
+  // As EffectStep.
+  void follow_hand(const FeltEffects& other) noexcept;
+
+ private:
+  void note_scene(const TouchInput& input) noexcept;
+  std::size_t body_of(int object) const noexcept;
+
+  std::vector<std::size_t> bodies_;  // that move and have effects, by number of their frame
+  EffectStep effects_;
+  std::vector<int> body_of_;                      // by object
+  std::vector<Pose> X_SF_;                        // likewise
+  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none
+  TouchInput last_;                               // of the last step
+  bool has_last_ = false;
+  int touched_ = -1;  // object of the last contact within a patch
+};
+
+}  // namespace hapton

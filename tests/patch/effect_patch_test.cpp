@@ -1,0 +1,280 @@
+// The effects of a scene over patches of it, against those of the whole scene.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "patch/effect_parts.h"
+#include "patch/felt_effects.h"
+#include "tests/core/force/made_effects.h"
+#include "tests/patch/chain_stage.h"
+#include "tests/support/allocation_guard.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kFloorStiffness = 800.0;
+constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+
+enum class Under : std::uint8_t { stands, moves, programmed, deforms };
+
+// A block with these effects, on a floor without any; that they do not stop at its edge is seen by what comes after.
+TouchScene block_on_floor(const NamedEffects& effects, Under under, double friction = 0.0) {
+  const Material material{.stiffness_n_per_m = kFloorStiffness, .friction_static = friction, .friction_dynamic = 0.8 * friction};
+  TouchScene scene;
+  scene.objects.push_back({made::shared(made::sheet(0.06, -0.002, 12)), material});
+  TouchObject block{made::shared(made::box({-0.02, -0.02, -0.01}, {0.02, 0.02, 0.0})), material};
+  block.effects = effects.make(*block.mesh);
+  if (under == Under::moves) {
+    block.motion = std::make_shared<const KeyframeMotion>(
+        Vec3::Zero(),
+        std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()},
+                              {0.5, Vec3(0.004, 0.002, 0.001), Quat(Eigen::AngleAxisd(0.15, Vec3(1, 2, 5).normalized()))},
+                              {1.0, Vec3::Zero(), Quat::Identity()}},
+        true);
+  }
+  if (under == Under::programmed) block.command_pivot = Vec3::Zero();
+  if (under == Under::deforms) {
+    MorphTarget lean;
+    for (std::uint32_t v = 0; v < block.mesh->vertices.size(); ++v) {
+      const Vec3& p = block.mesh->vertices[v];
+      lean.vertices.push_back(v);
+      lean.displacements.emplace_back(Vec3(0.1 * p.x(), 0.0, 0.05 * p.y()).cast<float>().cast<double>());
+    }
+    block.deformation =
+        std::make_shared<const MeshDeformation>(std::vector{lean}, std::vector<MorphKey>{{0.0, {0.0}}, {0.3, {1.0}}, {0.6, {0.0}}}, true);
+  }
+  scene.objects.push_back(block);
+  return on_patch_grid(scene);
+}
+
+// Taps the block, slides over it with changing depth, leaves it by less than the range of a snap and comes again; with reach_m above the
+// block's 20 mm it goes down beside it as well.
+Vec3 hand_on_block(double t_s, double reach_m = 0.024) {
+  return {reach_m * std::sin(2.3 * t_s), 0.012 * std::cos(3.1 * t_s), 0.004 * std::cos(17.0 * t_s) - 0.0028};
+}
+
+struct Difference {
+  double worst_n = 0.0;
+  double most_n = 0.0;
+  int contacts = 0;
+};
+
+Difference compare_block(const TouchScene& scene, int steps, double reach_m = 0.024, const Pose& X_WS = Pose::Identity()) {
+  ChainStage stage(scene);
+  stage.begin_together();
+  Difference found;
+  for (int n = 0; n < steps; ++n) {
+    const ChainStage::Felt felt = stage.step(X_WS * hand_on_block(stage.time_s(), reach_m), X_WS);
+    EXPECT_TRUE(felt.patch.has_value()) << n;
+    if (!felt.patch) return found;
+    EXPECT_EQ(felt.patch->contact, felt.whole.contact) << n;
+    found.worst_n = std::max(found.worst_n, (felt.patch->force_n - felt.whole.force_n).norm());
+    found.worst_n = std::max(found.worst_n, kFloorStiffness * (felt.patch->visual_offset_m - felt.whole.visual_offset_m).norm());
+    found.most_n = std::max(found.most_n, felt.whole.force_n.norm());
+    found.contacts += felt.whole.object == 1 ? 1 : 0;
+  }
+  return found;
+}
+
+// Images and their triangles are rounded on the way, all else only where bodies share the proxy (CommonProxy), and where two triangles that
+// deform meet.
+double tolerance_n(const NamedEffects& effects, const Difference& found) {
+  return (std::string(effects.name).ends_with("map") ? 1e-4 : 1e-6) * found.most_n;
+}
+
+struct EffectPatch : testing::TestWithParam<Under> {};
+
+TEST_P(EffectPatch, FeelsEachSurfaceEffectAsTheHapticsNodeDoes) {
+  for (const NamedEffects& effects : all_effects()) {
+    for (const double friction : {0.0, 0.4}) {
+      SCOPED_TRACE(std::string(effects.name) + " " + std::to_string(friction));
+      const Difference found = compare_block(block_on_floor(effects, GetParam(), friction), 3000, friction > 0.0 ? 0.015 : 0.024);
+      EXPECT_LT(found.worst_n, tolerance_n(effects, found));
+      EXPECT_GT(found.most_n, 0.5);
+      EXPECT_GT(found.contacts, 500);
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Blocks, EffectPatch, testing::Values(Under::stands, Under::moves, Under::programmed, Under::deforms));
+
+TEST(EffectPatches, IsFeltAlikeInATurnedView) {
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  X_WS.translation() = Vec3(0.1, -0.2, 0.05);
+  for (const NamedEffects& effects : all_effects()) {
+    const Difference found = compare_block(block_on_floor(effects, Under::moves), 1500, 0.024, X_WS);
+    EXPECT_LT(found.worst_n, tolerance_n(effects, found)) << effects.name;
+  }
+}
+
+std::vector<SwitchedEffect> all_space_effects() {
+  const EffectVolume ball = EffectVolume::ball({0.005, 0, 0}, 0.015);
+  return {SpringEffect{.centre = {0.01, 0, 0.01}},
+          ConstantEffect{.force_n = {0.1, 0.2, -0.3}, .volume = ball},
+          SnapEffect{.target = SnapEffect::Target::line, .position = {0, 0, 0.001}, .direction = {1, 0, 0}},
+          GravityWellEffect{.centre = {-0.01, 0.01, 0.0}},
+          ViscousEffect{.volume = EffectVolume::box({-0.02, -0.02, -0.01}, {0.0, 0.02, 0.01})},
+          WaveEffect{.waveform = Waveform::triangle, .frequency_hz = 13.0},
+          BurstEffect{.volume = ball},
+          MassEffect{.mass_kg = 0.04},
+          SwitchedEffect(ConstantEffect{.force_n = {0, 0, 0.5}}, EffectSwitch{.button = 1})};
+}
+
+TEST(EffectPatches, FeelsEachEffectInFreeSpaceAsTheHapticsNodeDoes) {
+  for (const SwitchedEffect& effect : all_space_effects()) {
+    TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
+    scene.effects = {effect};
+    const Difference found = compare_block(scene, 2000);
+    EXPECT_LT(found.worst_n, 1e-8 * found.most_n) << effect.effect.index();
+    EXPECT_GT(found.most_n, 0.5) << effect.effect.index();
+  }
+}
+
+TEST(EffectPatches, ActsWhileAButtonIsDown) {
+  TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
+  scene.effects = {all_space_effects().back()};
+  ChainStage stage(scene);
+  const Vec3 p_WD(0, 0, 0.01);
+  for (int n = 0; n < 100; ++n) (void)stage.step(p_WD);
+  const TouchInput pressed{.p_WD = p_WD, .dt_s = 1e-3, .buttons = 1, .time_s = 0.1};
+  for (int n = 0; n < 30; ++n) (void)stage.chain().step(pressed);
+  const auto felt = stage.chain().step(pressed);
+  ASSERT_TRUE(felt.has_value());
+  EXPECT_NEAR(felt->force_n.z(), 0.5, 1e-12);
+  EXPECT_TRUE(felt->contact);
+  EXPECT_EQ(felt->visual_offset_m, Vec3::Zero());
+}
+
+class OneBody final : public BodyPlaces {
+ public:
+  Pose pose(std::size_t) const noexcept override { return Pose::Identity(); }
+  std::optional<SurfacePlace> place(std::size_t, int) const noexcept override { return std::nullopt; }
+};
+
+// What a patch gives of a floor at z = 0, as object 2.
+std::optional<PatchOutput> on_floor(double z, bool is_beyond) {
+  if (z >= 0.0) return PatchOutput{.is_beyond = is_beyond};
+  return PatchOutput{.force_n = {0, 0, -kFloorStiffness * z},
+                     .visual_offset_m = {0, 0, -z},
+                     .contact = true,
+                     .is_beyond = is_beyond,
+                     .object = is_beyond ? -1 : 2};
+}
+
+// A needle in the second layer: past the edge of a patch the plane holds it as the surface did, and no layer is whole again.
+TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
+  SceneEffectSet effects;
+  effects.surfaces.resize(3);
+  effects.surfaces[2] = skin_and_flesh();
+  effects.body_of.resize(3, 0);
+  FeltEffects felt(effects);
+  const auto press = [&](double z, bool is_beyond) {
+    std::optional<PatchOutput> output = on_floor(z, is_beyond);
+    felt.add({.p_WD = {0, 0, z}, .dt_s = 1e-3}, OneBody(), output);
+    return *output;
+  };
+  for (int n = 0; n <= 800; ++n) (void)press(0.002 - 1e-5 * n, false);
+  for (int n = 0; n < 10; ++n) (void)press(-0.006, false);
+  const double held_n = 800.0 * (0.006 - 0.004);
+  EXPECT_NEAR(press(-0.006, false).force_n.z(), held_n, 1e-9);
+  EXPECT_NEAR(press(-0.006, true).force_n.z(), held_n, 1e-9);
+  EXPECT_NEAR(press(-0.006, false).force_n.z(), held_n, 1e-9) << "another patch";
+  (void)press(0.001, true);
+  EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9) << "another contact there, of nobody knows what";
+}
+
+// Where patches give no force it is not known what they would give: there is no contact, and nothing is made up.
+TEST(EffectPatches, AddsNothingToNoForce) {
+  SceneEffectSet effects;
+  effects.space = {ConstantEffect{.force_n = {1, 0, 0}}};
+  FeltEffects felt(effects);
+  std::optional<PatchOutput> none;
+  felt.add({.p_WD = {0, 0, 1}}, OneBody(), none);
+  EXPECT_FALSE(none.has_value());
+  std::optional<PatchOutput> free = PatchOutput();
+  felt.add({.p_WD = {0, 0, 1}}, OneBody(), free);
+  EXPECT_EQ(free->force_n, Vec3(1, 0, 0));
+  free = PatchOutput();
+  felt.add({.p_WD = {0, 0, kNowhere}}, OneBody(), free);
+  EXPECT_EQ(free->force_n, Vec3::Zero());
+}
+
+TEST(EffectPatches, NothingIsFeltBeforeAllPartsHaveCome) {
+  TouchScene scene = block_on_floor(all_effects().back(), Under::moves);
+  scene.effects = all_space_effects();
+  const std::vector<Message> parts = parts_of(make_tiles(scene));
+  const auto is_effects = [](const Message& part) { return std::holds_alternative<PatchEffects>(part); };
+  ASSERT_GT(std::count_if(parts.begin(), parts.end(), is_effects), 3);
+  std::vector<Message> last_first(parts.rbegin(), parts.rend());
+  std::stable_partition(last_first.begin(), last_first.end(), [&](const Message& part) { return !is_effects(part); });
+  PatchStore store;
+  for (const Message& part : last_first) {
+    EXPECT_FALSE(store.has_bodies());
+    (void)store.accept_part(part);
+  }
+  ASSERT_TRUE(store.has_bodies());
+  EXPECT_NE(store.make_bodies(0)->effects, nullptr);
+  EXPECT_EQ(store.counts().rejected, 0U);
+  (void)store.accept_part(PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-8});
+  EXPECT_TRUE(store.has_bodies()) << "a scene without any";
+  EXPECT_EQ(store.make_bodies(0)->effects, nullptr);
+}
+
+// Bytes that are no effects are never confirmed.
+TEST(EffectPatches, WhatNoSceneMayHaveIsDropped) {
+  TouchScene scene = block_on_floor(all_effects().front(), Under::stands);
+  scene.effects = {SpringEffect{.max_force_n = 101.0}};
+  PatchStore store;
+  for (const Message& part : parts_of(make_tiles(scene))) (void)store.accept_part(part);
+  EXPECT_FALSE(store.has_bodies());
+  EXPECT_GT(store.counts().rejected, 0U);
+
+  PatchStore other;
+  (void)other.accept_part(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-8, .effect_bytes = 2});
+  (void)other.accept_part(PatchEffects{.epoch = 1, .serial = 2, .part = 0, .byte_count = 3});
+  EXPECT_FALSE(other.has_bodies()) << "more bytes than announced";
+  (void)other.accept_part(PatchEffects{.epoch = 1, .serial = 3, .part = 2000, .byte_count = 960});
+  EXPECT_FALSE(other.has_bodies());
+  EXPECT_EQ(other.status().newest_serial, 3U) << "what may still become whole is kept";
+}
+
+TEST(EffectPatches, ContainsTheWholeTextInParts) {
+  std::string bytes(3 * PatchEffects::kMostBytes + 5, 'x');
+  for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<char>(n * 7);
+  ASSERT_EQ(count_effect_parts(bytes.size()), 4U);
+  EXPECT_EQ(count_effect_parts(3 * PatchEffects::kMostBytes), 3U);
+  EXPECT_EQ(count_effect_parts(0), 0U);
+  EffectParts parts;
+  for (const std::uint32_t part : {3U, 0U, 2U, 0U, 1U}) {
+    EXPECT_FALSE(parts.is_whole(bytes.size()));
+    EXPECT_TRUE(parts.take(make_effect_part(bytes, part)));
+  }
+  ASSERT_TRUE(parts.is_whole(bytes.size()));
+  EXPECT_EQ(parts.join(), bytes);
+  PatchEffects other = make_effect_part(bytes, 1);
+  other.bytes[3] ^= 1;
+  EXPECT_FALSE(parts.take(other)) << "another one of that number";
+}
+
+TEST(EffectPatches, AStepUsesNoHeap) {
+  TouchScene scene = block_on_floor(all_effects().back(), Under::deforms);
+  scene.objects[0].effects = SurfaceEffects{.texture = {.models = made::texture(1000.0, 20, 18)}};
+  scene.effects = all_space_effects();
+  ChainStage stage(scene);
+  for (int n = 0; n < 200; ++n) (void)stage.step(hand_on_block(stage.time_s()));
+  const AllocationGuard guard;
+  for (int n = 0; n < 400; ++n) {
+    const double time_s = 0.2 + 1e-3 * n;
+    (void)stage.chain().step({.p_WD = hand_on_block(time_s), .dt_s = 1e-3, .time_s = time_s});
+  }
+  EXPECT_EQ(guard.count(), 0U);
+}
+
+}  // namespace
+}  // namespace hapton
