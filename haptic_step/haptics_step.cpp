@@ -56,9 +56,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     // What the hub knows may be from before an object was put down. After longer the hand may have gone round what it touched.
     const bool is_recent = ns_between(last_time_ns_, state.sample_time_ns) <= kOwnPlaceNs;
     const bool is_felt = tool_ == nullptr && output_.contact && is_recent;
-    restart();
-    if (is_felt) p_WP_ = input_.p_WD + output_.visual_offset_m;
-    outward_W_ = output_.visual_offset_m;
+    restart_here(is_felt);
   }
   state_ = state;
   has_state_ = true;
@@ -89,6 +87,8 @@ ForceCommand HapticsStep::reply() noexcept {
   // Where a tool was held a moment ago it fades; otherwise there is none.
   reply.torque_nm = torque_fade_.step(reply.torque_nm, reply.contact, input_.dt_s);
   if (effects_ != nullptr) add_effects(reply, begins);
+  // Always in such a scene: its presence does not tell of contact.
+  if (touch_->has_layers()) reply.held_offset_m = touch_->held_offset().value_or(reply.visual_offset_m);
   last_sample_ = state_.sample;
   ++counts_.replied;
   counts_.contact_steps += reply.contact ? 1 : 0;
@@ -294,11 +294,16 @@ void HapticsStep::look_around() noexcept {
   replied_before_ = replied_before;
 }
 
-void HapticsStep::resume() noexcept {
-  const bool is_felt = running_ && output_.contact;
+void HapticsStep::resume() noexcept { restart_here(running_ && output_.contact); }
+
+Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().value_or(output_.visual_offset_m); }
+
+// The probe goes on from where it is, if it is felt there.
+void HapticsStep::restart_here(bool is_felt) noexcept {
+  const Vec3 held_m = held_offset();
   restart();
-  if (is_felt) p_WP_ = input_.p_WD + output_.visual_offset_m;
-  outward_W_ = output_.visual_offset_m;
+  if (is_felt) p_WP_ = input_.p_WD + held_m;
+  outward_W_ = held_m;
 }
 
 // Shifts the known replies by the number of samples passed, and adds the last one.
@@ -332,6 +337,7 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
 
 std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch) noexcept {
   ++counts_.method_changes;
+  const Vec3 held_m = held_offset();
   std::swap(touch_, touch);
   touch_->follow_commands(*touch);
   touch_->follow_carves(*touch);
@@ -346,8 +352,8 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
       start.p_WD = put_down->p_W + offset_m_ * put_down->outward;
     } else if (output_.contact) {
       // With effects the force need not point off the surface.
-      const Vec3 outward = touch_->has_effects() ? output_.visual_offset_m : output_.force_n;
-      start.p_WD += output_.visual_offset_m + offset_m_ * outward.normalized();
+      const Vec3 outward = touch_->has_effects() ? held_m : output_.force_n;
+      start.p_WD += held_m + offset_m_ * outward.normalized();
     }
     touch_->reset(start);
     // On the path from there to the device, which the hand did not take, it comes into contact and settles.

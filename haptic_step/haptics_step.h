@@ -138,6 +138,8 @@ class HapticsStep {
   const TouchStep& touch() const noexcept { return *touch_; }
 
  private:
+  Vec3 held_offset() const noexcept;
+  void restart_here(bool is_felt) noexcept;
   void remember_reply() noexcept;
   void feel_probe(ForceCommand& reply) noexcept;
   void feel_tool(ForceCommand& reply) noexcept;

@@ -122,7 +122,8 @@ void ForceExchange::note_local(const DeviceCycle& cycle, std::uint32_t view_revi
                        .contact = cycle.local->contact,
                        .view_revision = view_revision,
                        .object = cycle.local->object,
-                       .scene_time_ns = std::max<std::int64_t>(cycle.local->scene_time_ns, 0)});
+                       .scene_time_ns = std::max<std::int64_t>(cycle.local->scene_time_ns, 0),
+                       .held_offset_m = cycle.local->held_offset_m});
 }
 
 void ForceExchange::on_haptics_joined() noexcept {

@@ -103,7 +103,7 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
   if (!output || are_bodies_awaited_ || sample.time_ns >= orders.until_ns) return std::nullopt;
   const std::int64_t scene_ns = touch_.body_count() > 1 ? scene_ns_ : -1;
   return LocalForce{output->force_n,      output->visual_offset_m, output->contact, output->is_handed_over,
-                    output->difference_n, output->object,          scene_ns};
+                    output->difference_n, output->object,          scene_ns,        output->held_offset_m};
 }
 
 bool LocalPatch::read_hand_state(PatchHandState& hand, std::size_t link) noexcept {

@@ -17,6 +17,8 @@ struct LocalForce {
   Vec3 difference_n = Vec3::Zero();  // ... or where that is known for this sample, just this
   int object = -1;                   // touched, of the scene's objects; -1: none
   std::int64_t scene_time_ns = -1;   // of the sample, in a scene that moves; below 0: nothing moves
+  // Proxy minus device point, where the probe is drawn elsewhere (ForceCommand). None: visual_offset_m.
+  std::optional<Vec3> held_offset_m = {};
 };
 
 // Works out forces on the device's own thread, for the device loop. While it does, forces from the network are not used.

@@ -155,12 +155,12 @@ void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revis
   const std::optional<Vec3> p_WP = forces.history().find_probe();
   if (!p_WP) return;
   told_ns_ = now_ns;
-  const double depth = last.visual_offset_m.norm();
+  const double depth = last.held_offset().norm();
   note_start(last.method_serial);
   orders_.start_ns = last.echo_sample_time_ns;
   orders_.start_scene_ns = last.scene_time_ns;
   orders_.p_WP = *p_WP;
-  orders_.outward_W = last.contact && depth > 0.0 ? Vec3(last.visual_offset_m / depth) : Vec3(Vec3::Zero());
+  orders_.outward_W = last.contact && depth > 0.0 ? Vec3(last.held_offset() / depth) : Vec3(Vec3::Zero());
 }
 
 void PatchLink::send_status(double round_trip_s, std::int64_t now_ns) noexcept {

@@ -17,8 +17,8 @@ void ProbeHistory::note_reply(const ForceCommand& command) noexcept {
 void ProbeHistory::note_local(const ForceCommand& command) noexcept {
   last_ = command;
   const bool is_at_rest = command.contact && is_known(command.echo_sample);
-  p_WP_ = is_at_rest ? std::optional<Vec3>(poses_[command.echo_sample % kSamples].p_WD + command.visual_offset_m) : std::nullopt;
-  outward_W_ = command.visual_offset_m;
+  p_WP_ = is_at_rest ? std::optional<Vec3>(poses_[command.echo_sample % kSamples].p_WD + command.held_offset()) : std::nullopt;
+  outward_W_ = command.held_offset();
 }
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
@@ -28,7 +28,7 @@ std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noex
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {
   if (!is_known(last_.echo_sample)) return std::nullopt;
-  return poses_[last_.echo_sample % kSamples].p_WD + last_.visual_offset_m;
+  return poses_[last_.echo_sample % kSamples].p_WD + last_.held_offset();
 }
 
 void ProbeHistory::show(bool has_timed_out, ProbeState& probe) const noexcept {

@@ -215,6 +215,7 @@ void reserve(wire::ForceCommand& m) {
   reserve_field(*m.mutable_visual_turn());
   reserve_field(*m.mutable_push_force_n());
   reserve_field(*m.mutable_push_torque_nm());
+  reserve_field(*m.mutable_held_offset_m());
 }
 void reserve(wire::ProbeState& m) {
   reserve_field(*m.mutable_p_wd_m());

@@ -221,6 +221,17 @@ void lay_out_haptons(Wire& wire, Haptons& haptons) {
   if (haptons) wire.number(kField, *haptons);
 }
 
+template <class Wire, class Offset>
+void lay_out_held_offset(Wire& wire, Offset& offset_m) {
+  constexpr std::uint32_t kField = 22;
+  if constexpr (Wire::kReads) {
+    offset_m.reset();
+    if (!wire.is_next(kField, WireType::length_delimited)) return;
+    offset_m.emplace();
+  }
+  if (offset_m) lay_out_vector(wire, kField, *offset_m);
+}
+
 template <class Wire, class Message>
 void lay_out_force_command(Wire& wire, Message& m) {
   wire.number(1, m.echo_sample);
@@ -243,6 +254,7 @@ void lay_out_force_command(Wire& wire, Message& m) {
   lay_out_push(wire, m.push);
   wire.number(20, m.shape_serial);
   lay_out_haptons(wire, m.haptons);
+  lay_out_held_offset(wire, m.held_offset_m);
 }
 
 template <class Wire, class Message>

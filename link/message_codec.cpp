@@ -113,6 +113,8 @@ void write(const ForceCommand& from, wire::ForceCommand& to) {
   to.set_shape_serial(from.shape_serial);
   write_push(from.push, to);
   write_haptons(from.haptons, to);
+  to.clear_held_offset_m();
+  if (from.held_offset_m) write_vector(*to.mutable_held_offset_m(), *from.held_offset_m);
 }
 
 void write(const ViewTransform& from, wire::ViewTransform& to) {
@@ -279,9 +281,11 @@ bool read(const wire::ForceCommand& from, ForceCommand& to) {
   to.carve_serial = from.carve_serial();
   to.shape_serial = from.shape_serial();
   to.haptons = read_haptons(from);
+  to.held_offset_m.reset();
   return is_wire_time(to.echo_sample_time_ns) && is_wire_time(to.scene_time_ns) && read_vector(from.force_n(), to.force_n) &&
          read_vector(from.visual_offset_m(), to.visual_offset_m) && read_optional_vector(from.torque_nm(), to.torque_nm) &&
-         read_optional_vector(from.visual_turn(), to.visual_turn) && read_push(from, to.push);
+         read_optional_vector(from.visual_turn(), to.visual_turn) && read_push(from, to.push) &&
+         (from.held_offset_m().empty() || read_vector(from.held_offset_m(), to.held_offset_m.emplace()));
 }
 
 bool read(const wire::ProbeState& from, ProbeState& to) {

@@ -81,6 +81,11 @@ struct ForceCommand {
   // On `object`. None: the stylus holds no rigid tool, or programs move nothing; so its presence does not tell of contact.
   std::optional<ObjectPush> push = {};
   std::optional<std::uint32_t> haptons = {};  // pairs of triangles of a rigid tool in contact (memo, section 5); none: none can be held
+  // Proxy minus device point, in a scene with layers, where a needle is drawn elsewhere. None: visual_offset_m; so its presence does not
+  // tell of contact.
+  std::optional<Vec3> held_offset_m = {};
+
+  const Vec3& held_offset() const noexcept { return held_offset_m ? *held_offset_m : visual_offset_m; }
 };
 
 constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};  // replied_before of a first reply that goes on from an earlier session

@@ -174,8 +174,8 @@ constexpr bool kIsOneOf = (std::is_same_v<Kind, Kinds> || ...);
 
 // The messages above: what PatchStore keeps, and only a haptics node sends.
 template <class Kind>
-constexpr bool kIsScenePart =
-    kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation, PatchDisplacements, PatchStream, PatchEffects>;
+constexpr bool kIsScenePart = kIsOneOf<Kind, PatchBegin, PatchCell, PatchTile, PatchBody, PatchMaterial, PatchDeformation,
+                                       PatchDisplacements, PatchStream, PatchEffects>;
 
 // hub -> haptics, while it wants parts: which it has received.
 struct PatchStatus {

@@ -1,6 +1,7 @@
 #include "patch/felt_effects.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -79,7 +80,8 @@ void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::op
   const EffectResult felt = effects_.step(p_SD, input.dt_s, contact, input.buttons);
   if (!output) return;
   output->force_n = felt.is_felt ? Vec3(input.X_WS.linear() * felt.force_n) : Vec3(Vec3::Zero());
-  if (output->contact) output->visual_offset_m = input.X_WS.linear() * (felt.p_SP - p_SD);
+  if (output->contact && felt.p_SP != contact.p_SP)
+    output->held_offset_m = std::exchange(output->visual_offset_m, input.X_WS.linear() * (felt.p_SP - p_SD));
   output->contact = felt.is_felt;
 }
 

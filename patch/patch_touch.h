@@ -50,6 +50,8 @@ struct PatchOutput {
   Vec3 difference_n = Vec3::Zero();  // ... or by just this much, where the patch before could tell it for this sample too. Frame W
   bool is_beyond = false;            // past the edge of what is known
   int object = -1;                   // touched, of the scene's objects; -1: none, or beyond
+  // Frame W: proxy minus device point, where the probe is drawn elsewhere: a needle in layers. None: visual_offset_m.
+  std::optional<Vec3> held_offset_m = {};
 };
 
 // A ball around the last proxy within a patch and all positions of the device since: what a patch has to cover so that the proxy can follow

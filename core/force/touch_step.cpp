@@ -44,6 +44,7 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
   std::vector<SurfaceEffects> surfaces;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     surfaces.push_back(scene.objects[o].effects);
+    has_layers_ = has_layers_ || surfaces.back().layers.is_on();
     maps_.push_back(make_finder(scene, o));
   }
   auto frames = std::make_unique<EffectFrames>(scene);
@@ -71,6 +72,7 @@ void TouchStep::set_materials(std::span<const Material> materials) noexcept {
   method_->set_materials(materials);
   if (effects_ == nullptr) return;
   take_drag();
+  held_offset_m_.reset();
   const bool used_effects = std::exchange(uses_effects_, effects_->any());
   has_new_effects_ = uses_effects_ && (has_new_effects_ || !used_effects);
 }
@@ -147,6 +149,8 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
     }
   }
   EffectResult felt = effects_->step(sample.p_SD, sample.dt_s, contact, input.buttons);
+  held_offset_m_.reset();
+  if (contact.contact && felt.p_SP != contact.p_SP) held_offset_m_ = input.X_WS.linear() * (contact.p_SP - sample.p_SD);
   if (has_body) [[unlikely]] {
     felt.force_n += body.force_n;
     felt.p_SP += body.extension_m;
@@ -217,6 +221,7 @@ void TouchStep::resume(const TouchInput& input) noexcept {
 
 void TouchStep::forget_effects(const TouchInput& input) noexcept {
   has_new_effects_ = false;
+  held_offset_m_.reset();
   if (effects_ == nullptr) return;
   effects_->reset();
   last_ = input;

@@ -53,6 +53,11 @@ class TouchStep {
   // See ForceMethod: what the surfaces of the scene do beyond their materials stays as it was made.
   void set_materials(std::span<const Material> materials) noexcept;
   const ForceMethod& method() const { return *method_; }
+  // Proxy minus device point of the last step, frame W, where the probe is drawn elsewhere: a needle in layers. None: it is
+  // visual_offset_m.
+  const std::optional<Vec3>& held_offset() const noexcept { return held_offset_m_; }
+  // A surface of the scene has layers.
+  bool has_layers() const noexcept { return has_layers_; }
   // Of the scene, or damping and friction of materials that the method leaves out.
   bool has_effects() const { return uses_effects_; }
   // Objects of the scene move by themselves: the force depends on TouchInput::time_s.
@@ -104,13 +109,15 @@ class TouchStep {
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;
-  std::unique_ptr<EffectStep> effects_;           // null: there are none, and never will be
-  bool uses_effects_ = false;                     // there are some
+  std::unique_ptr<EffectStep> effects_;  // null: there are none, and never will be
+  bool uses_effects_ = false;            // there are some
+  bool has_layers_ = false;
   bool has_new_effects_ = false;                  // since the last step
   bool knows_drag_ = false;                       // not at once: the method may be in use by another step, in another thread
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
   std::unique_ptr<EffectFrames> frames_;          // null: no object with effects moves
   TouchInput last_;                               // of the last step; used with effects only
+  std::optional<Vec3> held_offset_m_;             // as held_offset() returns it
   bool has_motion_ = false;
   std::vector<Commanded> commanded_;  // in the order of the scene
   std::vector<Pose> X_SO_;            // of these, at the time of the last step

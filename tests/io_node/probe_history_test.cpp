@@ -118,5 +118,18 @@ TEST_F(Memory, AReplyToASampleFromBeforeTheRequestDoesNotCount) {
   EXPECT_FALSE(memory.is_haptics_new());
 }
 
+// A needle is drawn at its tip, and goes on from where the surface holds it.
+TEST_F(Memory, ContactGoesOnFromTheProxyWhereverTheProbeIsDrawn) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  ForceCommand command = reply_to(1, true);
+  command.held_offset_m = Vec3(0, 0, 0.007);
+  memory.note_reply(command);
+  memory.show(false, shown);
+  EXPECT_EQ(shown.visual_offset_m.z(), 0.002);
+  EXPECT_EQ(*memory.find_probe(), Vec3(0.1, 0, 0.007));
+  memory.note_new_haptics();
+  EXPECT_EQ(*memory.find_resume_point(Vec3(0.1, 0, 0)), Vec3(0.1, 0, 0.007));
+}
+
 }  // namespace
 }  // namespace hapton

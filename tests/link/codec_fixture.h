@@ -41,6 +41,7 @@ class RandomDatagrams {
 
  private:
   bool flag() { return (random_() & 1U) != 0; }
+  std::optional<Vec3> held() { return flag() ? std::optional(vector()) : std::nullopt; }
   std::optional<std::uint32_t> haptons() { return flag() ? std::optional(bits32()) : std::nullopt; }
   std::optional<ObjectPush> push() { return flag() ? std::optional(ObjectPush{vector(), vector()}) : std::nullopt; }
   Vec3 vector() { return {number(-10, 10), number(-1e-6, 1e-6), number(-1e6, 1e6)}; }
@@ -61,8 +62,8 @@ class RandomDatagrams {
       case 3:
         return draw_state(time);
       case 4:
-        return ForceCommand{bits(),   time,     vector(), vector(), flag(), bits32(), bits32(), bits32(), bits32(), bits(),
-                            bits32(), object(), vector(), vector(), time,   bits32(), bits32(), bits32(), push(),   haptons()};
+        return ForceCommand{bits(),   time,     vector(), vector(), flag(),   bits32(), bits32(), bits32(), bits32(),  bits(), bits32(),
+                            object(), vector(), vector(), time,     bits32(), bits32(), bits32(), push(),   haptons(), held()};
       case 5:
         return draw_view();
       case 6:

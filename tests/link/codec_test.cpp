@@ -58,6 +58,8 @@ TEST_F(CodecTest, WhatTheHandFeelsHasOneLengthWhateverItSays) {
        ProbeState{.object = 7, .torque_nm = odd, .visual_turn = odd}},
       // With a tool that can push something, whether it does or not.
       {ForceCommand{.push = ObjectPush(), .haptons = 0}, ForceCommand{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}},
+      // With layers, whether a needle is in them or not.
+      {ForceCommand{.held_offset_m = Vec3::Zero()}, ForceCommand{.contact = true, .held_offset_m = odd}},
       {ProbeState{.push = ObjectPush(), .haptons = 0}, ProbeState{.contact = true, .push = ObjectPush{odd, odd}, .haptons = ~0U}}};
   for (const auto& messages : kinds) {
     std::set<std::size_t> lengths;

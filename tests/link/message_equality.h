@@ -44,6 +44,7 @@ inline void expect_equal(const ForceCommand& a, const ForceCommand& b) {
   EXPECT_EQ(a.visual_turn, b.visual_turn);
   EXPECT_EQ(a.push, b.push);
   EXPECT_EQ(a.haptons, b.haptons);
+  EXPECT_EQ(a.held_offset_m, b.held_offset_m);
   EXPECT_EQ(a.scene_time_ns, b.scene_time_ns);
   EXPECT_EQ(a.move_serial, b.move_serial);
   EXPECT_EQ(a.carve_serial, b.carve_serial);

@@ -182,7 +182,11 @@ TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   for (int n = 0; n <= 800; ++n) (void)press(0.002 - 1e-5 * n, false);
   for (int n = 0; n < 10; ++n) (void)press(-0.006, false);
   const double held_n = 800.0 * (0.006 - 0.004);
-  EXPECT_NEAR(press(-0.006, false).force_n.z(), held_n, 1e-9);
+  const PatchOutput held = press(-0.006, false);
+  EXPECT_NEAR(held.force_n.z(), held_n, 1e-9);
+  EXPECT_NEAR(held.visual_offset_m.z(), 0.002, 1e-12) << "drawn on the layer";
+  ASSERT_TRUE(held.held_offset_m.has_value());
+  EXPECT_EQ(held.held_offset_m->z(), 0.006);
   EXPECT_NEAR(press(-0.006, true).force_n.z(), held_n, 1e-9);
   EXPECT_NEAR(press(-0.006, false).force_n.z(), held_n, 1e-9) << "another patch";
   (void)press(0.001, true);
