@@ -88,6 +88,7 @@ bool write_sealed() {
                        {kHaptics, PatchDisplacements{.epoch = 1, .serial = 8, .vertex_count = 3}},
                        {kHaptics,
                         PatchStream{.epoch = 1, .serial = 9, .body = 2, .tile_count = 1, .total = 3, .reach_m = 0.01, .vertex_count = 3}},
+                       {kHaptics, PatchEffects{.epoch = 1, .serial = 10, .byte_count = 2}},
                        {kVision, PatchTile{.epoch = 1, .serial = 4, .vertex_count = 3, .triangle_count = 1}},
                        {kToNode, PatchStatus{.is_wanted = true}}})) &&
          write("sealed", "vision",
@@ -221,6 +222,16 @@ TouchObject swelling_square() {
   return square;
 }
 
+// A square with layers, bumps and a snap.
+TouchObject needle_block() {
+  TouchObject square{.mesh = made::shared(made::sheet(0.01, 0.0, 1)), .material = {}};
+  square.effects.bumps = {.height_m = 0.0005, .length_m = 0.002};
+  square.effects.snap.range_m = 0.001;
+  square.effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 0.4});
+  square.effects.layers.add({.depth_m = 0.002});
+  return square;
+}
+
 bool write_patch() {
   const TouchObject floor{.mesh = made::shared(made::sheet(0.02, 0.0, 1)), .material = {}};
   TouchObject sliding = floor;
@@ -240,6 +251,7 @@ bool write_patch() {
                          ShapeStart{.source = 7, .serial = 1, .object = 1, .total = 4, .start_ns = 2'000'000, .end_ns = 12'000'000},
                          ObjectShape{.source = 7, .serial = 2, .object = 1, .part = {.total = 4}},
                          ShapeStart{.source = 7, .serial = 2, .before = 1, .object = 1, .total = 4, .start_ns = 3, .end_ns = 4}})) &&
+         write("patch", "effects", parts_of({.objects = {needle_block(), floor}, .effects = {SpringEffect(), WaveEffect()}})) &&
          write("patch", "next_epoch", parts_of({.objects = {heaving_square()}}, {PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-8}}));
 }
 
@@ -265,6 +277,7 @@ bool write_codec_parts() {
   stream.vertices = {0, 2, 1};
   return put("patch_body", body) && put("patch_stream", stream) && put("patch_deformation", weights) &&
          put("patch_displacements", displaced) &&
+         put("patch_effects", PatchEffects{.epoch = 1, .serial = 6, .part = 1, .byte_count = 3, .bytes = {8, 1, 7}}) &&
          put("patch_material", PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 300.0, .friction_static = 0.4});
 }
 

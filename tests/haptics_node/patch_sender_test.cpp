@@ -28,6 +28,7 @@ struct SenderStage {
     PatchStatus status = store.status();
     status.is_wanted = true;
     status.request = request;
+    status.knows_effects = knows_effects;
     status.newest_move = confirmed.newest();
     status.moves_received = confirmed.received();
     sender.accept(status, clock.now_ns());
@@ -67,6 +68,7 @@ struct SenderStage {
   std::vector<ObjectMove> moves;
   MoveTable confirmed;
   std::uint32_t request = 9;
+  bool knows_effects = true;
   std::uint64_t sample = 0;
   int received = 0;
 };
@@ -141,12 +143,12 @@ TEST(PatchSender, AnotherSceneIsOfferedWherePartsCanHoldIt) {
   SenderStage stage;
   ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole(); }));
   const std::uint32_t epoch = stage.store.status().epoch;
-  TouchScene with_effects = scene_of(made::sheet(0.05, 0.0, 20));
-  with_effects.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
+  TouchScene carved = scene_of(made::sheet(0.05, 0.0, 20));
+  carved.objects[0].sculpt.emplace();
   stage.sender.set_offered(true);
-  stage.sender.set_scene(with_effects, 8);
+  stage.sender.set_scene(carved, 8);
   EXPECT_FALSE(stage.sender.is_offered());
-  EXPECT_EQ(stage.sender.obstacle(), "the scene has effects");
+  EXPECT_EQ(stage.sender.obstacle(), "objects of the scene can be carved");
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 1; }));
   stage.receive_for(std::chrono::milliseconds(200));
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
@@ -178,15 +180,38 @@ TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   EXPECT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
 }
 
-// Parts hold no effects: without them the hub's own step would give other forces.
-TEST(PatchSender, ASceneWithEffectsIsNeverOffered) {
+// One that does not would compute other forces.
+TEST(PatchSender, ASceneWithEffectsIsForHubsThatKnowThem) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].effects.viscosity.damping_ns_per_m = 1.0;
+  scene.effects = {ConstantEffect{.force_n = {0, 0, 1}}};
   SenderStage stage(true, scene);
-  stage.sender.set_offered(true);
+  stage.knows_effects = false;
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
   stage.receive_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles, 0U);
+  EXPECT_EQ(stage.triangles(), 0U);
+  EXPECT_EQ(stage.store.begin().effect_bytes, 0U);
+  stage.knows_effects = true;
+  stage.request += 2;
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole() && stage.store.has_bodies(); }));
+  EXPECT_EQ(stage.triangles(), 800U);
+  EXPECT_NE(stage.store.make_bodies(0)->effects, nullptr);
+}
+
+// An image of more than a million texels.
+TEST(PatchSender, ASceneWithMoreEffectsThanTheHubKeepsIsNotOffered) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 2));
+  SurfaceMaps& maps = scene.objects[0].effects.maps;
+  maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(1);
+  maps.height.image = std::make_shared<const SurfaceImage>(1100, 1000, std::vector<float>(1'100'000, 0.5F));
+  maps.height.at_black = -1e-3;
+  SenderStage stage(true, scene);
+  ASSERT_TRUE(stage.receive_until([&] { return !stage.sender.obstacle().empty(); }));
+  EXPECT_EQ(stage.sender.obstacle(), "images of effects of the scene are more than the hub keeps (2 MB)");
+
+  TouchScene many = scene_of(made::sheet(0.05, 0.0, 2));
+  many.effects.resize(257, ConstantEffect());
+  EXPECT_EQ(SenderStage(true, many).sender.obstacle(), "the scene has more than 256 effects in free space");
 }
 
 // The hub would keep parts of it only, and take the rest for unknown.

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "patch/effect_codec.h"
+#include "patch/effect_parts.h"
 #include "tests/process/system.h"
 #include "tests/process/watched_force.h"
 
@@ -62,7 +64,19 @@ class Parts {
     begin.step_m = std::abs(any()) + 1e-300;
     begin.probe_radius_m = one_in(2) ? 0.0 : std::abs(any());
     begin.body_count = one_in(2) ? 1U : static_cast<std::uint32_t>(1 + random_() % 3);
+    effects_ = one_in(2) ? draw_effects() : std::string();
+    begin.effect_bytes = static_cast<std::uint32_t>(effects_.size());
     return begin;
+  }
+  // Those of the epoch, all of them; without any, some that nobody announced.
+  void send_effects(HostileHaptics& hostile) {
+    const std::string& bytes = effects_.empty() ? kNotAnnounced : effects_;
+    for (std::uint32_t part = 0; part < count_effect_parts(bytes.size()); ++part) {
+      PatchEffects effects = make_effect_part(bytes, part);
+      effects.epoch = epoch_;
+      effects.serial = ++serial_;
+      hostile.send(effects);
+    }
   }
   // About the hand, and all of it at once: as many triangles through one another as one cell holds.
   void send_tangle(HostileHaptics& hostile, const Vec3& p_WD) {
@@ -215,6 +229,25 @@ class Parts {
   bool one_in(unsigned n) { return random_() % n == 0; }
 
  private:
+  // In the range of scene files, at its ends; one in four with a byte that is another.
+  std::string draw_effects() {
+    SceneEffectSet effects;
+    const double stiff = one_in(2) ? 1e9 : 1e-300;
+    effects.space = {SpringEffect{.centre = place(), .stiffness_n_per_m = stiff, .max_force_n = 100.0},
+                     WaveEffect{.waveform = Waveform::square, .amplitude_n = 100.0, .frequency_hz = stiff},
+                     MassEffect{.mass_kg = stiff, .max_force_n = 100.0}};
+    SurfaceEffects surface;
+    surface.progressive.n_per_m2 = stiff;
+    surface.snap = {.stiffness_n_per_m = 100.0 / 0.01, .range_m = 0.01};
+    surface.tap = {.ns_per_m = stiff, .frequency_hz = stiff, .decay_s = 1e-300, .max_force_n = 100.0};
+    surface.viscosity.damping_ns_per_m = stiff;
+    if (one_in(2)) surface.layers.add({.depth_m = 1e-9, .stiffness_n_per_m = stiff, .drag_ns_per_m = 1e9});
+    effects.surfaces.assign(3, surface);
+    effects.body_of = {0, 1, 2};
+    std::string bytes = encode_effects(effects);
+    if (one_in(4)) bytes[random_() % bytes.size()] = static_cast<char>(random_());
+    return bytes;
+  }
   Vec3 place() {
     const auto number = [this] { return std::clamp(any(), -kMaxTranslationM, kMaxTranslationM); };
     return {number(), number(), number()};
@@ -231,6 +264,8 @@ class Parts {
   std::uint32_t serial_ = 0;
   std::uint32_t moves_ = 0;
   std::uint32_t shapes_ = 0;
+  inline static const std::string kNotAnnounced = std::string(2000, 'x');
+  std::string effects_;  // of this epoch
 };
 
 TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
@@ -246,6 +281,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       if (round % 4 == 0) {
         parts.begin_epoch();
         hostile.send(parts.begin());
+        parts.send_effects(hostile);
       }
       if (round % 20 == 18) {
         parts.send_tangle(hostile, hostile.state().p_WD);

@@ -223,7 +223,14 @@ TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
   system.end_all();
 }
 
-// The file is saved with the cube half a millimetre lower, and then with honey on it, which parts do not hold.
+// 257, none of which is felt.
+std::string many_effects() {
+  std::string lines;
+  for (int n = 0; n < 257; ++n) lines += "[[effect]]\ntype = \"viscous\"\ndamping_ns_per_m = 0.000001\n";
+  return lines;
+}
+
+// The file is saved with the cube half a millimetre lower, then with honey on it, and then in more air than parts hold.
 TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
   system.add_arguments("haptics_node", {"--watch-scene"});
   ASSERT_NO_FATAL_FAILURE(press());
@@ -241,7 +248,10 @@ TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
   expect_felt_again();
   if (has_patches() && GetParam().name != "AutoFar") {
     save("material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 0.1\n");
-    EXPECT_TRUE(System::wait_until([&] { return system["haptics_node"].err().find("but the scene has effects") != std::string::npos; }));
+    expect_felt_again();
+    save(many_effects());
+    EXPECT_TRUE(
+        System::wait_until([&] { return system["haptics_node"].err().find("but the scene has more than 256") != std::string::npos; }));
     SteadyClock clock;
     EXPECT_TRUE(System::wait_until([&] {
       const std::int64_t before = count(system.request_report(), "local_forces");
@@ -290,10 +300,11 @@ INSTANTIATE_TEST_SUITE_P(
     All, TouchUnserved,
     ::testing::Values(Unserved{"Shading", kPlainScene, {"--shading", "1"}, "but force shading is on: this node computes the forces"},
                       Unserved{"Method", kPlainScene, {"--method", "sweep"}, "but the method is not proxy: this node computes"},
-                      Unserved{"Effects",
-                               kPlainScene + "material = \"honey\"\n[material.honey]\nviscosity_ns_per_m = 1.0\n",
+                      Unserved{"Clay",
+                               kPlainScene + "sculpt = true\nvoxel_mm = 2.0\ntool_radius_mm = 4.0\n",
                                {},
-                               "but the scene has effects: this node computes"}),
+                               "but objects of the scene can be carved: this node computes"},
+                      Unserved{"Effects", kPlainScene + many_effects(), {}, "but the scene has more than 256 effects in free space"}),
     [](const auto& unserved) { return unserved.param.name; });
 
 // Over a slow and lossy network a hand takes the cube 20 mm aside. From patches, it is felt where it lies, before and after.
