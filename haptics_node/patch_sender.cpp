@@ -1,7 +1,10 @@
 #include "haptics_node/patch_sender.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <chrono>
+#include <string>
 #include <tuple>
 #include <utility>
 
@@ -279,8 +282,10 @@ bool PatchSender::make_parts() {
   for (const TileBody& body : tiles_->bodies) commanded_.emplace_back(body.pivot_m);
   hand_ns_ = 0;
   begin_moves();
-  log_info("the hub requests the scene in parts: {} tiles in {} cells, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
-           1e-6 * options_.bits_per_s);
+  const std::string effects =
+      tiles_->effects.empty() ? "" : fmt::format(", {:.3g} kB of effects", 1e-3 * static_cast<double>(tiles_->effects.size()));
+  log_info("the hub requests the scene in parts: {} tiles in {} cells{}, at most {:g} Mbit/s", tiles_->tiles.size(), tiles_->cells.size(),
+           effects, 1e-6 * options_.bits_per_s);
   return true;
 }
 
