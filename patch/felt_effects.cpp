@@ -36,6 +36,11 @@ std::size_t FeltEffects::body_of(int object) const noexcept {
   return object >= 0 && number < body_of_.size() ? static_cast<std::size_t>(body_of_[number]) : 0;
 }
 
+MapFinder* FeltEffects::find_maps(int object) const noexcept {
+  const auto number = static_cast<std::size_t>(object);
+  return object >= 0 && number < maps_.size() ? maps_[number].get() : nullptr;
+}
+
 void FeltEffects::follow_hand(const FeltEffects& other) noexcept {
   if (!other.has_last_) return;
   effects_.follow_hand(other.effects_);
@@ -63,16 +68,15 @@ void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::op
     contact.force_n = input.X_WS.linear().transpose() * output->force_n;
     contact.p_SP += input.X_WS.linear().transpose() * output->visual_offset_m;
     contact.contact = true;
-    if (!output->is_beyond) touched_ = output->object;
+    // Past the edge of a patch there is no object, unless another body is touched there.
+    if (!output->is_beyond || output->object >= 0) touched_ = output->object;
     contact.object = touched_;
     const std::size_t body = body_of(touched_);
-    if (!output->is_beyond && body > 0) place = bodies.place(body, touched_);
+    if (body > 0) place = bodies.place(body, touched_);
     if (place) contact.place = &*place;
-    MapFinder* const finder =
-        touched_ >= 0 && touched_ < static_cast<int>(maps_.size()) ? maps_[static_cast<std::size_t>(touched_)].get() : nullptr;
-    if (finder != nullptr) {
-      const Vec3 at_rest = place ? place->p_rest : body > 0 ? to_frame(bodies.pose(body), contact.p_SP) : contact.p_SP;
-      contact.map = &map.emplace(finder->find(at_rest));
+    if (MapFinder* const finder = find_maps(touched_); finder != nullptr) {
+      const Vec3 p_OP = body > 0 ? to_frame(bodies.pose(body), contact.p_SP) : contact.p_SP;
+      contact.map = &map.emplace(finder->find(place ? place->p_rest : p_OP));
     }
   } else {
     touched_ = -1;

@@ -40,6 +40,7 @@ class FeltEffects {
  private:
   void note_scene(const TouchInput& input) noexcept;
   std::size_t body_of(int object) const noexcept;
+  MapFinder* find_maps(int object) const noexcept;
 
   std::vector<std::size_t> bodies_;  // that move and have effects, by number of their frame
   EffectStep effects_;
