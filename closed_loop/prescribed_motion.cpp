@@ -161,10 +161,11 @@ EnergyOnset find_energy_onset(const DeviceModel& device, std::int64_t period_ns,
 }
 
 std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t period_ns, double frequency_hz, double bias_m,
-                                                double amplitude_m, int cycles) {
+                                                double amplitude_m, std::int64_t settle_ns, int cycles) {
   const double omega = 2.0 * std::numbers::pi * frequency_hz;
-  const auto begin_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz));
-  const auto end_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * (1 + cycles)));
+  const double settling = std::max(1.0, std::ceil(frequency_hz * seconds(settle_ns)));
+  const auto begin_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * settling));
+  const auto end_ns = static_cast<std::int64_t>(std::llround(1e9 / frequency_hz * (settling + cycles)));
   Complex force;
   const auto turned = [&](std::int64_t ns) { return std::polar(1.0, -omega * seconds(ns)); };
   follow(

@@ -35,9 +35,9 @@ struct EnergyOnset {
 EnergyOnset find_energy_onset(const DeviceModel& device, std::int64_t period_ns, std::int64_t delay_ns);
 
 // Force over position at one frequency, negated: for a spring its stiffness. Real part: rendered stiffness; imaginary part over 2 pi f:
-// rendered damping, which delay and hold make negative. The device oscillates about bias_m with this amplitude: one period to settle, then
-// `cycles` periods that are measured.
+// rendered damping, which delay and hold make negative. The device oscillates about bias_m with this amplitude: whole periods to settle,
+// one at least and settle_ns together, then `cycles` periods that are measured. Pre: by settle_ns forces arrive.
 std::complex<double> measure_rendered_stiffness(ForceChain& chain, std::int64_t period_ns, double frequency_hz, double bias_m,
-                                                double amplitude_m, int cycles);
+                                                double amplitude_m, std::int64_t settle_ns, int cycles);
 
 }  // namespace hapton

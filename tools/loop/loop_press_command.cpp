@@ -96,6 +96,12 @@ std::string to_csv(const std::vector<SpectrumPeak>& spectrum) {
 
 nlohmann::ordered_json number(double value) { return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(); }
 
+// Until forces arrive, whatever is lost.
+std::int64_t find_settle_ns(const PressOptions& options) {
+  constexpr double kSamples = 50.0;
+  return ms_to_ns(options.delay_ms + 2.0 * options.jitter_ms + 1e3 * kSamples / options.rate_hz);
+}
+
 // About the pressed depth, by a fifth of it, so that contact is never lost.
 Result<nlohmann::ordered_json> measure_impedance(const PressOptions& options, const NamedLoop& loop) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
@@ -106,7 +112,8 @@ Result<nlohmann::ordered_json> measure_impedance(const PressOptions& options, co
     if (!bench) return tl::unexpected(bench.error());
     bench->chain.gate = ForceChain::Gate::newest;
     ForceChain chain(*bench->law, bench->chain);
-    const auto stiffness = measure_rendered_stiffness(chain, bench->period_ns, frequency_hz, -depth_m, 0.2 * depth_m, 40);
+    const auto stiffness =
+        measure_rendered_stiffness(chain, bench->period_ns, frequency_hz, -depth_m, 0.2 * depth_m, find_settle_ns(options), 40);
     list.push_back({{"frequency_hz", frequency_hz},
                     {"stiffness_n_per_m", stiffness.real()},
                     {"damping_ns_per_m", stiffness.imag() / (2.0 * std::numbers::pi * frequency_hz)}});
