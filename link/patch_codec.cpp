@@ -142,6 +142,7 @@ void write(const PatchStatus& from, wire::PatchStatus& to) {
   to.set_moves_received(from.moves_received);
   to.set_request(from.request);
   to.set_knows_effects(from.knows_effects);
+  to.set_shape_s_per_vertex(from.shape_s_per_vertex);
 }
 
 void write(const PatchBody& from, wire::PatchBody& to) {
@@ -374,9 +375,10 @@ bool read(const wire::PatchStatus& from, PatchStatus& to) {
   to.moves_received = from.moves_received();
   to.request = from.request();
   to.knows_effects = from.knows_effects();
+  to.shape_s_per_vertex = from.shape_s_per_vertex();
   if (from.received().size() != to.received.size()) return false;
   std::copy(from.received().begin(), from.received().end(), to.received.begin());
-  return is_amount(static_cast<double>(to.round_trip_s));
+  return is_amount(static_cast<double>(to.round_trip_s)) && is_amount(static_cast<double>(to.shape_s_per_vertex));
 }
 
 }  // namespace hapton

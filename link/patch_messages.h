@@ -189,6 +189,7 @@ struct PatchStatus {
   std::uint64_t moves_received = 0;                      // bit i: newest_move - i
   std::uint32_t request = 0;                             // another one whenever the hub has dropped all parts
   bool knows_effects = false;                            // PatchEffects is understood
+  float shape_s_per_vertex = 0.0F;                       // that making a shape of a program ready took lately; 0: not known
 };
 
 }  // namespace hapton

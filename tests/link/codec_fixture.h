@@ -364,7 +364,7 @@ class RandomDatagrams {
   }
 
   PatchStatus draw_status() {
-    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits(), bits32(), flag()};
+    PatchStatus status{flag(), bits32(), bits32(), {}, rate(), bits32(), bits(), bits32(), flag(), rate()};
     for (std::uint8_t& byte : status.received) byte = static_cast<std::uint8_t>(bits());
     return status;
   }

@@ -242,9 +242,9 @@ inline void expect_equal(const PatchTile& a, const PatchTile& b) {
 }
 inline void expect_equal(const PatchStatus& a, const PatchStatus& b) {
   EXPECT_EQ(std::tie(a.is_wanted, a.epoch, a.newest_serial, a.received, a.round_trip_s, a.newest_move, a.moves_received, a.request,
-                     a.knows_effects),
+                     a.knows_effects, a.shape_s_per_vertex),
             std::tie(b.is_wanted, b.epoch, b.newest_serial, b.received, b.round_trip_s, b.newest_move, b.moves_received, b.request,
-                     b.knows_effects));
+                     b.knows_effects, b.shape_s_per_vertex));
 }
 inline void expect_equal(const PatchBody& a, const PatchBody& b) {
   EXPECT_EQ(std::tie(a.epoch, a.serial, a.body, a.motion, a.deforms, a.lowest, a.highest, a.radius_m, a.object, a.move_serial, a.loops,

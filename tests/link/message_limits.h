@@ -96,6 +96,7 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_GE(static_cast<std::int32_t>(tile->object), 0);
   } else if (const auto* status = std::get_if<PatchStatus>(&datagram.message)) {
     EXPECT_TRUE(std::isfinite(status->round_trip_s) && status->round_trip_s >= 0.0F);
+    EXPECT_TRUE(std::isfinite(status->shape_s_per_vertex) && status->shape_s_per_vertex >= 0.0F);
   } else if (const auto* request = std::get_if<MaterialRequest>(&datagram.message)) {
     EXPECT_NE(request->request, 0U);
     EXPECT_EQ(request->object.back(), '\0');
