@@ -75,7 +75,9 @@ void ForceExchange::accept(const Header& header, const ForceCommand& command) no
 void ForceExchange::note_written() noexcept {
   const DeviceSide& side = loop_.latest();
   if (!posted_ || side.command != posted_->number) return;
-  stats_.force_age.record(side.written_ns - posted_->command.echo_sample_time_ns);
+  // The command filter rejects an older one: what was written then is not this force.
+  const std::int64_t sample_ns = posted_->command.echo_sample_time_ns;
+  if (side.ready_ns - sample_ns < kCommandTimeoutNs) stats_.force_age.record(side.written_ns - sample_ns);
   if (hops_ != nullptr) hops_->on_force_written(side.ready_ns, side.written_ns);
   note_round_trip(posted_->header, posted_->command, side.ready_ns);
   posted_.reset();

@@ -44,6 +44,18 @@ TEST_F(Servos, LateForcesAreCountedAndTheNewestWins) {
   EXPECT_EQ(stats().responses.lost, 0U);
 }
 
+TEST_F(Servos, AForceThatIsTooOldToBeWrittenHasNoAge) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  reply_delay_ns = 30'000 * kUs;
+  run(200);
+  EXPECT_GT(stats().governor.counters.rejected_old, 100U);
+  EXPECT_GE(stats().round_trip.max_ns(), 30'000 * kUs);
+  EXPECT_LT(stats().force_age.max_ns(), kCommandTimeoutNs);
+  EXPECT_GT(stats().force_age.count(), 150U);
+}
+
 TEST_F(Servos, AnOvertakenForceIsNotWritten) {
   make();
   join(kHaptics, NodeRole::haptics);
