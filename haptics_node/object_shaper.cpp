@@ -20,8 +20,6 @@ static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
 constexpr std::chrono::milliseconds kShapeLook(2);
 constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // since a part was requested again
 constexpr std::int64_t kMostAtOnce = 4;                        // parts, after a pause, where they are paced
-// In which the hub makes a stage ready, as this node does: 15 us a vertex for large meshes (decision 191), and as much to spare.
-constexpr std::int64_t kStageNsPerVertex = 30'000;
 
 }  // namespace
 
@@ -207,7 +205,8 @@ void ObjectShaper::take_rejection(Object& object) noexcept {
 
 std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
   if (pace_.lead_ns == 0) return 0;
-  return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + kStageNsPerVertex * object.start.total;
+  const std::int64_t stage_ns = std::clamp(2 * pace_.stage_ns_per_vertex, kLeastStageNsPerVertex, kMostStageNsPerVertex);
+  return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + stage_ns * object.start.total;
 }
 
 // So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent.

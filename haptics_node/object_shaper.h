@@ -31,6 +31,10 @@ class ObjectShaper {
   static constexpr std::int64_t kAheadNs = 20'000'000;
   // A program that is silent for so long may be replaced by another one.
   static constexpr std::int64_t kSilentNs = 1'000'000'000;
+  // The time that the hub gets to make a shape ready: twice what it took lately, within these. The first is 15 us a vertex of large meshes
+  // (decision 191), and as much to spare; the other the same at an eighth of the speed.
+  static constexpr std::int64_t kLeastStageNsPerVertex = 30'000;
+  static constexpr std::int64_t kMostStageNsPerVertex = 240'000;
   // Between two replies that reject parts.
   static constexpr std::int64_t kRejectEveryNs = 100'000'000;
 
@@ -55,7 +59,8 @@ class ObjectShaper {
   struct Pace {
     std::int64_t lead_ns = 0;
     std::int64_t part_ns = 0;
-    std::int64_t again_ns = 0;  // that a lost part takes to be sent again: motions begin so much later while parts get lost
+    std::int64_t again_ns = 0;             // that a lost part takes to be sent again: motions begin so much later while parts get lost
+    std::int64_t stage_ns_per_vertex = 0;  // that the hub took lately to make a shape ready; 0: not known
   };
   void set_pace(const Pace& pace) noexcept { pace_ = pace; }
   // The next message to the hub, if one is due. A ShapeStart has begun in the step, or waits there, before this returns it.

@@ -108,6 +108,7 @@ void PatchSender::accept(const PatchStatus& status, std::int64_t now_ns, std::ui
   const bool is_present = static_cast<std::uint32_t>(empty >> 32) == withdrawals_.load(std::memory_order_relaxed);
   if (is_present && status.epoch != 0 && status.epoch == static_cast<std::uint32_t>(empty)) has_sent_parts_ = false;
   round_trip_s_ = status.round_trip_s;
+  shape_s_per_vertex_ = status.shape_s_per_vertex;
   statuses_.publish({status, now_ns});
 }
 

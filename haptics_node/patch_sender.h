@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -49,6 +50,10 @@ class PatchSender {
   double bits_per_s() const noexcept { return options_.bits_per_s; }
   // As the hub measures it.
   std::int64_t round_trip_ns() const noexcept;
+  // That the hub took lately to make a shape of a program ready, at most 1 ms; 0: not known.
+  std::int64_t shape_ns_per_vertex() const noexcept {
+    return static_cast<std::int64_t>(1e9 * std::min(static_cast<double>(shape_s_per_vertex_.load(std::memory_order_relaxed)), 1e-3));
+  }
   // How much later than the last reply moves have to begin, so that the hub knows of them before: 0 while it does not compute the force,
   // also because the parts are withdrawn.
   std::int64_t find_lead_ns(std::int64_t now_ns) const noexcept;
@@ -145,6 +150,7 @@ class PatchSender {
   PatchSource::Options options_;
   std::atomic<std::int64_t> wanted_until_ns_ = 0;
   std::atomic<float> round_trip_s_ = 0.0F;
+  std::atomic<float> shape_s_per_vertex_ = 0.0F;
   SentMoves sent_;  // the caller's
   Mailbox<SentMoves> moves_;
   SentShapes sent_shapes_;  // the caller's

@@ -38,6 +38,7 @@ void ReplyLoop::deform_objects() {
   if (lead_ns > 0) {
     pace.part_ns = static_cast<std::int64_t>(1e9 * kPartBits / (kShapeShare * patches_->bits_per_s()));
     pace.again_ns = kAgainNs + patches_->round_trip_ns();
+    pace.stage_ns_per_vertex = patches_->shape_ns_per_vertex();
   }
   shapes_->set_pace(pace);
   for (int n = 0; n < kMostShapeMessages; ++n) {

@@ -1,5 +1,6 @@
 #include "io_node/patch_builder.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -13,11 +14,15 @@ namespace {
 // Polls, since to wake it would be a system call in the servo. While parts come a patch is due every few milliseconds.
 constexpr auto kLookEvery = std::chrono::milliseconds(2);
 constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
+// A stage of fewer vertices counts as one of so many: a moment without the CPU would say nothing about the large ones.
+constexpr std::uint32_t kFewVertices = 1000;
+constexpr float kForgetShare = 0.125F;  // of the difference, with each stage that takes less time
 
 }  // namespace
 
 PatchBuilder::PatchBuilder(LocalPatch& local) : local_(local) {
   for (std::uint32_t body = 0; body < PatchBody::kMostBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
+  failed_work_.assign(makers_.size(), WorkShare(kFailureShare, kFailureBurstNs));
   thread_ = start_thread([this] { run(); });
 }
 
@@ -55,8 +60,10 @@ void PatchBuilder::run() {
     const bool has_parts = drain();
     const bool has_hand = build_where_due();
     look_after_shapes();
-    if (has_parts) {
-      statuses_.publish({store_.status(), cleared_});
+    if (std::exchange(has_made_stage_, false) || has_parts) {
+      PatchStatus status = store_.status();
+      status.shape_s_per_vertex = shape_s_per_vertex_;
+      statuses_.publish({status, cleared_});
       told_.store = store_.counts();
       counts_.publish(told_);
     }
@@ -118,8 +125,7 @@ bool PatchBuilder::build_where_due() {
     makers_[link].note_hand(hand);
     if (!are_bodies_offered_) continue;
     build_if_due(link);
-    if (!local_.has_room(link)) continue;
-    if (auto stage = makers_[link].make_stage_if_due(store_)) local_.offer(std::move(stage), link);
+    if (local_.has_room(link)) make_stage_if_due(link);
   }
   return has_hand;
 }
@@ -132,12 +138,34 @@ void PatchBuilder::look_after_shapes() {
   for (const ShapeStatus& ahead : requests_) (void)shape_requests_.push(ahead);
 }
 
+void PatchBuilder::make_stage_if_due(std::size_t link) {
+  const SteadyClock clock;
+  const std::int64_t began_ns = clock.now_ns();
+  if (!stage_work_.may_begin(began_ns)) return;
+  auto stage = makers_[link].make_stage_if_due(store_);
+  const std::int64_t took_ns = clock.now_ns() - began_ns;
+  stage_work_.note(took_ns);
+  told_.stages_s += 1e-9 * static_cast<double>(took_ns);
+  if (stage == nullptr) return;
+  if (const StreamedParts* const stream = store_.find_stream(static_cast<std::uint32_t>(link))) note_stage(took_ns, stream->total());
+  local_.offer(std::move(stage), link);
+}
+
+// The time that it takes here includes what other programs take of the CPU. It rises at once, as one that comes late is felt.
+void PatchBuilder::note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept {
+  const float newest_s = 1e-9F * static_cast<float>(took_ns) / static_cast<float>(std::max(vertices, kFewVertices));
+  shape_s_per_vertex_ = std::max(newest_s, shape_s_per_vertex_ + kForgetShare * (newest_s - shape_s_per_vertex_));
+  has_made_stage_ = true;
+  ++told_.stages;
+}
+
 void PatchBuilder::build_if_due(std::size_t link) {
   PatchMaker& maker = makers_[link];
   const SteadyClock clock;
   const std::int64_t began_ns = clock.now_ns();
+  if (!failed_work_[link].may_begin(began_ns)) return;
   std::unique_ptr<Patch> patch = maker.make_if_due(store_, generation_);
-  if (patch == nullptr) return;
+  if (patch == nullptr) return failed_work_[link].note(clock.now_ns() - began_ns);
   local_.offer(std::move(patch), link);
   ++told_.built;
   told_.triangles = maker.triangles();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "io_node/local_patch.h"
+#include "io_node/work_share.h"
 #include "link/messages.h"
 #include "patch/patch_maker.h"
 #include "patch/patch_store.h"
@@ -23,12 +24,22 @@ struct PatchBuilderCounts {
   std::uint64_t triangles = 0;  // of the newest
   double radius_m = 0.0;        // of the newest; infinity: the whole scene
   double build_ms = 0.0;        // of the newest
+  std::uint64_t stages = 0;     // to shapes of programs
+  double stages_s = 0.0;        // in which they were made, those that failed included
 };
 
 // Builds patches from the parts of the scene that have come, around the hand, in a thread of its own: that one keeps the parts, too.
+//
+// The haptics node decides how many shapes come, and which patches fail. So stages to shapes take at most kStageShare of the time, and
+// patches of one body that fail at most kFailureShare, beyond a burst; both wait where there are more.
 // RT: push, clear, take_status and counts yes; making one and ending it is set-up only. Threads: one, the network side's.
 class PatchBuilder {
  public:
+  static constexpr double kStageShare = 0.5;
+  static constexpr std::int64_t kStageBurstNs = 1'000'000'000;  // several of the largest in a row
+  static constexpr double kFailureShare = 0.5 / PatchBody::kMostBodies;
+  static constexpr std::int64_t kFailureBurstNs = 250'000'000;
+
   // Pre: outlives this.
   explicit PatchBuilder(LocalPatch& local);
   ~PatchBuilder();
@@ -73,6 +84,8 @@ class PatchBuilder {
   bool build_where_due();
   bool is_in_use(std::size_t link) const noexcept;
   void build_if_due(std::size_t link);
+  void make_stage_if_due(std::size_t link);
+  void note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept;
   void look_after_shapes();
 
   LocalPatch& local_;
@@ -94,6 +107,10 @@ class PatchBuilder {
   std::uint32_t material_version_ = 0;  // as offered
   std::vector<ShapeStatus> requests_;
   PatchBuilderCounts told_;
+  WorkShare stage_work_{kStageShare, kStageBurstNs};
+  std::vector<WorkShare> failed_work_;  // by link
+  float shape_s_per_vertex_ = 0.0F;     // PatchStatus
+  bool has_made_stage_ = false;         // since the last status
 
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -150,6 +150,28 @@ TEST_F(ObjectShaperTest, ShapesAreAnnouncedAheadWhileTheHubComputesTheForce) {
   EXPECT_LT(starts_.back().start_ns, force_.scene_time_ns + 30'000'000);
 }
 
+// As far ahead as the hub needs to make the shape ready, by what it says; not below 30 us a vertex, and not without end.
+TEST_F(ObjectShaperTest, ABusyHubKnowsOfShapesEarlier) {
+  constexpr std::int64_t kLeadNs = 100'000'000;
+  constexpr std::array<std::pair<std::int64_t, std::int64_t>, 5> kStages = {
+      {{0, 30'000}, {5'000, 30'000}, {100'000, 200'000}, {1'000'000, 240'000}, {0, 30'000}}};
+  std::uint32_t shape = 0;
+  for (const auto& [took_ns, given_ns] : kStages) {
+    shaper_.set_pace({.lead_ns = kLeadNs, .part_ns = 1'000'000, .stage_ns_per_vertex = took_ns});
+    for (int n = 0; n < 1000; ++n) cycle();
+    const std::size_t before = starts_.size();
+    ++shape;
+    give(0, shape, raised(169, 0.002 + 0.001 * (shape % 2)), 0.01);
+    std::int64_t begun_ns = 0;
+    for (int n = 0; n < 100 && starts_.size() == before; ++n) {
+      cycle();
+      begun_ns = force_.scene_time_ns;
+    }
+    ASSERT_EQ(starts_.size(), before + 1) << took_ns;
+    EXPECT_EQ(starts_.back().start_ns - begun_ns, kLeadNs + 169 * given_ns + 1) << took_ns;
+  }
+}
+
 // A fifth of the parts is lost, and the hub requests what is missing: nearly all shapes are whole before they begin.
 TEST_F(ObjectShaperTest, LostPartsAreSentAgainBeforeTheirShapeBegins) {
   constexpr std::int64_t kTripNs = 40'000'000;  // one way

@@ -280,6 +280,17 @@ TEST(PatchSender, ASceneThatMovesIsOfferedWithItsBodies) {
   EXPECT_EQ(stage.store.make_piece(Vec3::Zero(), 1.0, 100'000, 1).triangles, 12U);
 }
 
+TEST(PatchSender, KnowsHowLongTheHubTakesForAShape) {
+  SenderStage stage(true);
+  EXPECT_EQ(stage.sender.shape_ns_per_vertex(), 0);
+  PatchStatus status;
+  for (const auto& [said_s, known_ns] : {std::pair(2.5e-5F, 25'000), std::pair(1e9F, 1'000'000), std::pair(0.0F, 0)}) {
+    status.shape_s_per_vertex = said_s;
+    stage.sender.accept(status, stage.clock.now_ns());
+    EXPECT_NEAR(static_cast<double>(stage.sender.shape_ns_per_vertex()), known_ns, 1.0);
+  }
+}
+
 // The caller sends a move at once; here it is sent again until the hub confirms it.
 TEST(PatchSender, AMoveIsSentAgainUntilTheHubConfirmsIt) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));

@@ -5,9 +5,15 @@
 #include <chrono>
 #include <functional>
 #include <thread>
+#include <utility>
+#include <vector>
 
+#include "link/shape_parts.h"
+#include "patch/patch_source.h"
 #include "patch/tile_partition.h"
+#include "runtime/clock.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/made_meshes.h"
 #include "tests/support/made_scene.h"
 #include "tests/support/time_units.h"
 
@@ -120,6 +126,104 @@ TEST(PatchBuilder, ANewEpochReplacesTheOneBefore) {
     (void)stage.builder.take_status();
     return stage.builder.status().epoch == kEpoch + 1 && force.has_value();
   }));
+}
+
+// A sheet that programs deform, all of whose parts have come, and a haptics node that sends shapes of it.
+struct ShapedStage {
+  ShapedStage() {
+    TouchScene scene = scene_of(made::sheet(0.05, 0.0, 90));
+    scene.objects.front().stream_reach_m = 0.01;
+    total = static_cast<std::uint32_t>(scene.objects.front().mesh->vertices.size());
+    local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs});
+    PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
+    PatchStore received;
+    for (std::int64_t now_ns = 1000 * kMs; now_ns < 2000 * kMs; now_ns += kMs) {
+      const auto part = source.take(now_ns);
+      if (!part) continue;
+      builder.push(*part);
+      (void)received.accept_part(*part);
+      PatchStatus status = received.status();
+      status.is_wanted = true;
+      source.accept(status);
+      // Some at a time, so that there is room for all.
+      if (++sent % 64 == 0) cycle(std::chrono::milliseconds(60));
+    }
+  }
+  void cycle(std::chrono::milliseconds wait = std::chrono::milliseconds(2)) {
+    time_ns += kMs;
+    is_felt = local.step({time_ns, Vec3(0, 0, -0.0005), Quat::Identity(), 0, true}).has_value();
+    std::this_thread::sleep_for(wait);
+  }
+  // Shape after shape, each of which the surface has at once.
+  void send_shape() {
+    ++serial;
+    const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, serial % 2 == 0 ? 0.0F : 1e-6F});
+    for (std::uint32_t first = 0; first < total; first += ShapePart::kMostHere) {
+      builder.push_shape(ObjectShape{.source = 5, .serial = serial, .object = 0, .part = make_shape_part(shape, first)}, Arrival::newest);
+    }
+    builder.push_shape(
+        ShapeStart{.source = 5, .serial = serial, .before = serial - 1, .total = total, .start_ns = time_ns, .end_ns = time_ns},
+        Arrival::newest);
+  }
+  double seconds() const { return 1e-9 * static_cast<double>(clock.now_ns() - began_ns); }
+
+  SteadyClock clock;
+  std::int64_t began_ns = clock.now_ns();
+  LocalPatch local;
+  PatchBuilder builder{local};
+  std::uint32_t total = 0;
+  std::uint32_t serial = 0;
+  int sent = 0;
+  bool is_felt = false;
+  std::int64_t time_ns = 0;
+};
+
+TEST(PatchBuilder, SaysHowLongShapesTake) {
+  ShapedStage stage;
+  for (int n = 0; n < 15000 && stage.builder.counts().stages < 3; ++n) {
+    if (n % 100 == 0) stage.send_shape();
+    stage.cycle();
+  }
+  ASSERT_GE(stage.builder.counts().stages, 3U);
+  for (int n = 0; n < 5000 && stage.builder.status().shape_s_per_vertex == 0.0F; ++n) {
+    stage.cycle();
+    (void)stage.builder.take_status();
+  }
+  const auto per_vertex_s = static_cast<double>(stage.builder.status().shape_s_per_vertex);
+  EXPECT_GT(per_vertex_s, 1e-8);
+  EXPECT_LE(per_vertex_s, stage.builder.counts().stages_s / stage.total) << "no single one took longer than all of them";
+  ASSERT_TRUE(stage.builder.clear());
+  EXPECT_EQ(stage.builder.status().shape_s_per_vertex, 0.0F);
+}
+
+// However many shapes a haptics node sends.
+TEST(PatchBuilder, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
+  ShapedStage stage;
+  for (int n = 0; n < 15000 && stage.builder.counts().stages < 1; ++n) {
+    if (n % 100 == 0) stage.send_shape();
+    stage.cycle();
+  }
+  ASSERT_GE(stage.builder.counts().stages, 1U);
+  stage.began_ns = stage.clock.now_ns();
+  const double before_s = stage.builder.counts().stages_s;
+  double worst = 0.0;
+  std::uint64_t made = 0;
+  for (int idle = 0; stage.seconds() < 5.0; ++idle) {
+    // The next one comes while one is being made; the ring has room for no more.
+    const std::uint64_t stages = stage.builder.counts().stages;
+    if (std::exchange(made, stages) != stages || idle > 200) {
+      stage.send_shape();
+      idle = 0;
+    }
+    stage.cycle(std::chrono::milliseconds(1));
+    const double most_s = 1e-9 * static_cast<double>(PatchBuilder::kStageBurstNs) + PatchBuilder::kStageShare * stage.seconds();
+    worst = std::max(worst, stage.builder.counts().stages_s - before_s - most_s);
+  }
+  const PatchBuilderCounts counts = stage.builder.counts();
+  EXPECT_GT(counts.stages, 3U) << "it goes on";
+  EXPECT_LT(worst, 0.3) << "above its share by no more than the stage that was being made";
+  RecordProperty("stages", static_cast<int>(counts.stages));
+  RecordProperty("stages_ms", static_cast<int>(1e3 * (counts.stages_s - before_s)));
 }
 
 TEST(PatchBuilder, TakesPartsWithoutHeap) {

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+namespace hapton {
+
+// Bounds the time that work takes whose amount another node decides: at most this share of the time, and as much more at once as burst_ns.
+// A piece of work that has begun is not interrupted: the next one waits until its time is made up for. Units: ns of a clock that does not
+// go back. RT: yes. Threads: one.
+class WorkShare {
+ public:
+  WorkShare(double share, std::int64_t burst_ns) noexcept : share_(share), burst_ns_(static_cast<double>(burst_ns)), left_ns_(burst_ns_) {}
+
+  bool may_begin(std::int64_t now_ns) noexcept {
+    if (last_ns_ != 0) left_ns_ = std::min(left_ns_ + share_ * static_cast<double>(now_ns - last_ns_), burst_ns_);
+    last_ns_ = now_ns;
+    return left_ns_ > 0.0;
+  }
+  void note(std::int64_t took_ns) noexcept { left_ns_ -= static_cast<double>(took_ns); }
+
+ private:
+  double share_;
+  double burst_ns_;
+  double left_ns_;
+  std::int64_t last_ns_ = 0;  // 0: not asked yet
+};
+
+}  // namespace hapton

@@ -1,0 +1,41 @@
+#include "io_node/work_share.h"
+
+#include <gtest/gtest.h>
+
+namespace hapton {
+namespace {
+
+// As fast as it may, from a rest on: the time that it works within a while.
+std::int64_t worked_ns(WorkShare& share, std::int64_t from_ns, std::int64_t while_ns, std::int64_t piece_ns) {
+  std::int64_t sum_ns = 0;
+  for (std::int64_t now_ns = from_ns; now_ns < from_ns + while_ns;) {
+    const bool may = share.may_begin(now_ns);
+    if (may) share.note(piece_ns);
+    sum_ns += may ? piece_ns : 0;
+    now_ns += may ? piece_ns : 1'000'000;
+  }
+  return sum_ns;
+}
+
+TEST(WorkShare, WorksForItsShareAndABurstAtMost) {
+  for (const std::int64_t piece_ns : {1'000, 2'000'000, 300'000'000}) {
+    WorkShare share(0.25, 1'000'000'000);
+    const std::int64_t first_ns = worked_ns(share, 5'000'000, 20'000'000'000, piece_ns);
+    EXPECT_LE(first_ns, 6'000'000'000 + piece_ns) << piece_ns;
+    EXPECT_GE(first_ns, 5'700'000'000) << piece_ns;
+    // A long rest gives one burst, no more.
+    const std::int64_t later_ns = worked_ns(share, 900'000'000'000, 20'000'000'000, piece_ns);
+    EXPECT_LE(later_ns, 6'000'000'000 + piece_ns) << piece_ns;
+  }
+}
+
+TEST(WorkShare, WhatTakesLessNeverWaits) {
+  WorkShare share(0.5, 100'000'000);
+  for (std::int64_t now_ns = 1; now_ns < 10'000'000'000; now_ns += 10'000'000) {
+    ASSERT_TRUE(share.may_begin(now_ns)) << now_ns;
+    share.note(4'900'000);
+  }
+}
+
+}  // namespace
+}  // namespace hapton
