@@ -117,7 +117,7 @@ void lengthen(PatchEffects& m) {
   m = {kMost32, kMost32, PatchEffects::kMostAllBytes / PatchEffects::kMostBytes, PatchEffects::kMostBytes};
   m.bytes.fill(0xFF);
 }
-void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64, kMost32, true}; }
+void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64, kMost32, true, kRate}; }
 constexpr MaterialChange kChange = {MaterialChange::kAll, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
 void lengthen(MaterialRequest& m) {
   m = {kMost32, {}, kChange};
