@@ -42,28 +42,8 @@ std::string describe_round_trip(double seconds) {
   return seconds > 0.0 ? fmt::format("touch, round trip {:.1f} ms", 1e3 * seconds) : "touch, round trip not known yet";
 }
 
-std::string describe(const ServoEvent& event, const IoOptions& options) {
+std::string describe_fault(const ServoEvent& event, const IoOptions& options) {
   switch (event.kind) {
-    case ServoEvent::Kind::joined:
-      return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
-    case ServoEvent::Kind::left:
-      return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
-    case ServoEvent::Kind::rejected:
-      return fmt::format("a {} node was rejected: the hub has no free slot for it; it keeps trying", name_of(event.role));
-    case ServoEvent::Kind::rate_changed:
-      return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
-    case ServoEvent::Kind::method_requested:
-      return fmt::format("method requested: {}", std::string_view(event.method.data()).substr(0, 16));
-    case ServoEvent::Kind::material_requested:
-      return "change of a material requested";
-    case ServoEvent::Kind::wrong_key:
-      return "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: "
-             "hapton keygen --role ROLE "
-             "--master MASTER FILE";
-    case ServoEvent::Kind::wrong_version:
-      return "a node uses another protocol version; if it is yours, build all nodes from the same sources, and make new keys "
-             "(hapton keygen) if it is older "
-             "than version 3";
     case ServoEvent::Kind::latched:
       return fmt::format("fault latched, no force: {}{}; fix the cause, then: hapton set --reset-faults (docs/safety.md)",
                          describe(event.fault), name_plugin(options));
@@ -79,13 +59,60 @@ std::string describe(const ServoEvent& event, const IoOptions& options) {
           "fault reset rejected: the operator at {} is on another host and no dead man's switch is held; reset it here, or while someone "
           "holds the switch (--dead-mans-switch)",
           to_string(event.address));
+    default:
+      return {};
+  }
+}
+
+// A node or a sender of datagrams that is not let in.
+std::string describe_rejection(const ServoEvent& event) {
+  switch (event.kind) {
+    case ServoEvent::Kind::rejected:
+      return fmt::format("a {} node was rejected: the hub has no free slot for it; it keeps trying", name_of(event.role));
+    case ServoEvent::Kind::wrong_key:
+      return "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: "
+             "hapton keygen --role ROLE "
+             "--master MASTER FILE";
+    case ServoEvent::Kind::wrong_version:
+      return "a node uses another protocol version; if it is yours, build all nodes from the same sources, and make new keys "
+             "(hapton keygen) if it is older "
+             "than version 3";
+    case ServoEvent::Kind::role_violation:
+      return "a node requested a role that its key does not allow; if it is yours, give it the key of its role: hapton keygen "
+             "--role ROLE --master MASTER FILE";
     case ServoEvent::Kind::flood:
       return fmt::format("flood of {} from {}{}, {:.0f} a second: {}; the force is not delayed", describe(event.flood),
                          to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz,
                          event.is_kept_out ? "dropped in the kernel (nodes may take longer to join)" : "rejected");
+    default:
+      return {};
+  }
+}
+
+std::string describe(const ServoEvent& event, const IoOptions& options) {
+  switch (event.kind) {
+    case ServoEvent::Kind::joined:
+      return fmt::format("{} joined from {}", name_of(event.role), to_string(event.address));
+    case ServoEvent::Kind::left:
+      return fmt::format("{} at {} left", name_of(event.role), to_string(event.address));
+    case ServoEvent::Kind::rejected:
+    case ServoEvent::Kind::wrong_key:
+    case ServoEvent::Kind::wrong_version:
     case ServoEvent::Kind::role_violation:
-      return "a node requested a role that its key does not allow; if it is yours, give it the key of its role: hapton keygen "
-             "--role ROLE --master MASTER FILE";
+    case ServoEvent::Kind::flood:
+      return describe_rejection(event);
+    case ServoEvent::Kind::latched:
+    case ServoEvent::Kind::reset:
+    case ServoEvent::Kind::reset_rejected:
+    case ServoEvent::Kind::reset_without_right:
+    case ServoEvent::Kind::reset_without_person:
+      return describe_fault(event, options);
+    case ServoEvent::Kind::rate_changed:
+      return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
+    case ServoEvent::Kind::method_requested:
+      return fmt::format("method requested: {}", std::string_view(event.method.data()).substr(0, 16));
+    case ServoEvent::Kind::material_requested:
+      return "change of a material requested";
     case ServoEvent::Kind::out_of_reach:
       return "the scene is out of the device's reach: give its --unit, place it with a scene file (docs/scene-files.md), or leave out "
              "--no-fit";

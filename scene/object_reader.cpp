@@ -39,6 +39,47 @@ Result<void> read_changes(const toml::table& table, const std::string& name, Obj
   return {};
 }
 
+// A tool has a grip, and no material yet.
+std::vector<std::string_view> keys_of(const std::string& name) {
+  std::vector<std::string_view> keys = {"name",     "mesh",         "part",       "unit",  "scale",
+                                        "rotation", "rotation_deg", "position_m", "color", "seal_cracks"};
+  if (name == kToolTable) {
+    keys.emplace_back("grip");
+  } else {
+    keys.insert(keys.end(),
+                {"material", "group", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed",
+                 kAcceptedFindingsKey, "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button", "deformed_by", "reach_m"});
+  }
+  return keys;
+}
+
+void read_mesh_position(TableReader& reader, Vec3& p_SM) {
+  std::array<double, 3> position = {};
+  reader.read("position_m", position, -kMaxLengthM, kMaxLengthM);
+  p_SM = Vec3(position[0], position[1], position[2]);
+}
+
+void read_grip(TableReader& reader, ToolGrip& grip) {
+  std::string name = "origin";
+  reader.read("grip", name);
+  if (const auto parsed = parse_tool_grip(name); parsed) {
+    grip = *parsed;
+  } else {
+    reader.fail_at("grip", "{}", parsed.error().what);
+  }
+}
+
+void read_unit(TableReader& reader, std::optional<Unit>& unit) {
+  std::string name;
+  reader.read("unit", name);
+  if (reader.error() || !reader.has("unit")) return;
+  if (const auto parsed = parse_unit(name); parsed) {
+    unit = *parsed;
+  } else {
+    reader.fail_at("unit", "'unit': {}", parsed.error().what);
+  }
+}
+
 }  // namespace
 
 Result<ObjectSpec> read_object(const toml::table& table, const std::string& name) {
@@ -52,17 +93,7 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   spec.material_line = line_of("material");
   spec.group_line = line_of("group");
   TableReader reader(table, name);
-  // A tool has a grip, and no material yet.
-  std::vector<std::string_view> keys = {"name",     "mesh",         "part",       "unit",  "scale",
-                                        "rotation", "rotation_deg", "position_m", "color", "seal_cracks"};
-  if (name == kToolTable) {
-    keys.emplace_back("grip");
-  } else {
-    keys.insert(keys.end(),
-                {"material", "group", "movable", "moved_by", "mass_kg", "keyframe", "loop", "pivot_m", "animation", "animation_speed",
-                 kAcceptedFindingsKey, "morph", "sculpt", "voxel_mm", "tool_radius_mm", "carve_button", "deformed_by", "reach_m"});
-  }
-  reader.allow(keys);
+  reader.allow(keys_of(name));
   if (!reader.has("mesh")) reader.fail_at("mesh", "{} has no 'mesh': name its mesh file", name);
   reader.read_name("name", spec.name);
   reader.read("mesh", spec.mesh);
@@ -74,26 +105,10 @@ Result<ObjectSpec> read_object(const toml::table& table, const std::string& name
   read_scale(reader, spec.scale);
   reader.read("color", spec.colour, 0.0, 1.0);
   spec.has_colour = reader.has("color");
-  std::array<double, 3> position = {};
-  reader.read("position_m", position, -kMaxLengthM, kMaxLengthM);
-  spec.p_SM = Vec3(position[0], position[1], position[2]);
+  read_mesh_position(reader, spec.p_SM);
   if (!reader.error()) read_rotation(table, reader, spec.q_SM);
-  std::string grip = "origin";
-  reader.read("grip", grip);
-  if (const auto parsed = parse_tool_grip(grip); parsed) {
-    spec.grip = *parsed;
-  } else {
-    reader.fail_at("grip", "{}", parsed.error().what);
-  }
-  std::string unit;
-  reader.read("unit", unit);
-  if (!reader.error() && reader.has("unit")) {
-    const Result<Unit> parsed = parse_unit(unit);
-    if (parsed)
-      spec.unit = *parsed;
-    else
-      reader.fail_at("unit", "'unit': {}", parsed.error().what);
-  }
+  read_grip(reader, spec.grip);
+  read_unit(reader, spec.unit);
   if (reader.error()) return tl::unexpected(*reader.error());
   if (const auto accepted = read_accepted_findings(table, name); !accepted) return tl::unexpected(accepted.error());
   if (const auto read = read_changes(table, name, spec); !read) return tl::unexpected(read.error());

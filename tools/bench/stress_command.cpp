@@ -146,6 +146,27 @@ Result<bool> run_stress(StressOptions& options) {
   return sum.total_faults() == 0;
 }
 
+// What is tested, for how long.
+void add_method_and_bodies(const CommandLine& command, StressOptions& options) {
+  StressPlan& plan = options.plan;
+  command.add_option("--method", plan.method.name, "Force method, one of: " + method_names()).shows_default();
+  command
+      .add_option("--layer", plan.method.smooth_layer,
+                  "smooth: share of RADIUS over which force builds up outside the surface; 1: Algorithm 1 of the FDH paper")
+      .between(0.0, 1.0)
+      .shows_default();
+  command
+      .add_option("--steps", plan.steps,
+                  "Minimum number of steps of each body, shared by all scales and places; an episode of up to 400 is never shortened. If "
+                  "one scale gets 10,000, walks of 20,000 steps follow")
+      .positive()
+      .shows_default();
+  command.add_option("--seed", plan.seed, "Seed of every random choice").shows_default();
+  command.add_option("--body", options.bodies, "Only this body, may be repeated: " + body_names());
+  command.add_option("--mesh", options.files, "A mesh file in place of the bodies, may be repeated");
+  command.add_flag("--no-seal", plan.no_seal, "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
+}
+
 }  // namespace
 
 void add_stress_command(CommandLine app, int& exit_code) {
@@ -153,23 +174,7 @@ void add_stress_command(CommandLine app, int& exit_code) {
   options->plan.method.name = "proxy";
   options->plan.threads = std::max(1U, std::thread::hardware_concurrency());
   const CommandLine command = app.add_subcommand("stress", "Numerical stress test of a force method; exit code 0 only without faults");
-  command.add_option("--method", options->plan.method.name, "Force method, one of: " + method_names()).shows_default();
-  command
-      .add_option("--layer", options->plan.method.smooth_layer,
-                  "smooth: share of RADIUS over which force builds up outside the surface; 1: Algorithm 1 of the FDH paper")
-      .between(0.0, 1.0)
-      .shows_default();
-  command
-      .add_option("--steps", options->plan.steps,
-                  "Minimum number of steps of each body, shared by all scales and places; an episode of up to 400 is never shortened. If "
-                  "one scale gets 10,000, walks of 20,000 steps follow")
-      .positive()
-      .shows_default();
-  command.add_option("--seed", options->plan.seed, "Seed of every random choice").shows_default();
-  command.add_option("--body", options->bodies, "Only this body, may be repeated: " + body_names());
-  command.add_option("--mesh", options->files, "A mesh file in place of the bodies, may be repeated");
-  command.add_flag("--no-seal", options->plan.no_seal,
-                   "Touch mesh files as they are: cracks up to 1e-4 of the longest side are not sealed");
+  add_method_and_bodies(command, *options);
   const CommandOption patches = command.add_flag(
       "--patches", options->plan.by_patches,
       "Compute the force from patches of each body, as io_node --touch patch does, at its own scale and place, without and with friction");

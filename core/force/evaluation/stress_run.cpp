@@ -278,6 +278,31 @@ struct StressRun::Impl {
     }
   }
 
+  // Where the touched body is no solid, a probe that was free before and after a step has not gone through a surface. False: one of both
+  // positions is on the surface up to rounding, which has no side.
+  template <class Note>
+  bool check_through(const MethodOutput& output_before, const MethodOutput& output, double moved, const Note& note) const {
+    if (output.contact || output_before.contact || probe_radius > 0.0 || !goes_through(output_before.p_SP, output.p_SP)) return true;
+    if (leads_round(output_before.p_SP, output.p_SP)) return true;
+    if (is_on_surface(output.p_SP, slop()) || is_on_surface(output_before.p_SP, slop())) return false;
+    note(StressFault::through, moved);
+    return true;
+  }
+
+  // The force changes by no more than stiffness times the device's motion. Pre: shows_discontinuities().
+  template <class Note>
+  void check_discontinuity(const MethodOutput& output_before, const MethodOutput& output, double moved, const Note& note) const {
+    const double jump = (output.force_n - output_before.force_n).norm() / settings.material.stiffness_n_per_m;
+    const double above = jump - moved * (1.0 + 1e-6) - 10.0 * slop();
+    if (above > 0.0) note(StressFault::discontinuity, above);
+  }
+
+  // Whether the local minimum is checked in this step. With friction the proxy is not at the minimum.
+  bool is_comparison_due(const MethodOutput& output, const Vec3& device, std::uint64_t step) const {
+    if (!output.contact || has_friction()) return false;
+    return (output.p_SP - device).norm() > kStuckShare * extent || (settings.compare_every > 0 && step % settings.compare_every == 0);
+  }
+
   // Out of work, a method carries the rest of a motion into the next step. The same sample again leads to where it can be judged.
   MethodOutput finish(const MethodOutput& first, const Vec3& device, StressCount& count) {
     MethodOutput output = first;
@@ -367,7 +392,6 @@ Result<StressRun> StressRun::make(const StressBody& body, const StressSettings& 
 std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
   Impl& in = *impl_;
   const double extent = in.extent;
-  const double stiffness = in.settings.material.stiffness_n_per_m;
   StressEpisode episode(in.walk_mesh, in.walk, extent, !in.body.room, in.settings.seed, in.body.name, number);
   episode.draw([&](const Vec3& p) { return in.is_free(p); }, in.positions);
   // If no free position was found, the sides are unknown and the episode is skipped.
@@ -399,29 +423,18 @@ std::size_t StressRun::run_episode(std::uint64_t number, StressCount& count) {
       output_before = output;
       continue;
     }
-    const double length = (output.p_SP - device).norm();
-    const double slop = in.slop();
+    const double moved = (device - before).norm();
     in.check_consistency(output, device, note);
     if (in.solid) {
       in.check_sides(first, output, device, note);
-    } else if (!output.contact && !output_before.contact && in.probe_radius == 0.0 && in.goes_through(output_before.p_SP, output.p_SP) &&
-               !in.leads_round(output_before.p_SP, output.p_SP)) {
-      // A position on the surface up to rounding has no side: only motions between positions off it are checked.
-      if (in.is_on_surface(output.p_SP, slop) || in.is_on_surface(output_before.p_SP, slop)) continue;
-      note(StressFault::through, (device - before).norm());
+    } else if (!in.check_through(output_before, output, moved, note)) {
+      continue;
     }
-    // With friction the proxy is not at the minimum.
-    const bool suspicious = length > kStuckShare * extent;
-    if (output.contact && !in.has_friction() &&
-        (suspicious || (in.settings.compare_every > 0 && (i + number) % in.settings.compare_every == 0))) {
+    if (in.is_comparison_due(output, device, i + number)) {
       ++count.compared_steps;
-      if (!in.is_proved(output.p_SP, device, slop)) in.check_minimum(output.p_SP, device, before, note);
+      if (!in.is_proved(output.p_SP, device, in.slop())) in.check_minimum(output.p_SP, device, before, note);
     }
-    if (in.shows_discontinuities() && i > 0 && before.allFinite()) {
-      const double jump = (output.force_n - output_before.force_n).norm() / stiffness;
-      const double above = jump - (device - before).norm() * (1.0 + 1e-6) - 10.0 * slop;
-      if (above > 0.0) note(StressFault::discontinuity, above);
-    }
+    if (in.shows_discontinuities() && i > 0 && before.allFinite()) in.check_discontinuity(output_before, output, moved, note);
     before = device;
     output_before = output;
   }
