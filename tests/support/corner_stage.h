@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/force/sphere/contact_set.h"
@@ -11,12 +13,12 @@
 
 namespace hapton {
 
-// A small sphere inside a box, in its lower corner, held by all three walls; and what else there is. Local units.
+// A small sphere inside a box, in its lower corner, or in that of other walls, held by all three; and what else there is. Local units.
 struct CornerStage {
   static constexpr Clearance kClearance{1e-5, 0x1p-40, 0x1p-46};
 
-  // gathered: the radius of the ball of triangles.
-  explicit CornerStage(double gathered, std::vector<const TriangleMesh*> others = {}) {
+  // gathered: the radius of the ball of triangles. walls: they meet at 0.
+  explicit CornerStage(double gathered, std::vector<const TriangleMesh*> others = {}, TriangleMesh walls = room()) : box(std::move(walls)) {
     others.insert(others.begin(), &box);
     geometry = std::make_unique<TouchGeometry>(others);
     materials.resize(others.size());
@@ -30,7 +32,21 @@ struct CornerStage {
     contacts.activate_all();
   }
 
-  TriangleMesh box = made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8));  // the diagonals of its sides miss the centre
+  // The diagonals of its sides miss the centre.
+  static TriangleMesh room() { return made::box(Vec3::Zero(), Vec3(1.0, 0.9, 0.8)); }
+  // Three triangles that go through one another: where they meet, none has an edge or a vertex.
+  static TriangleMesh crossing_walls() {
+    TriangleMesh mesh;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 u = Vec3::Unit((axis + 1) % 3), v = Vec3::Unit((axis + 2) % 3);
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      mesh.vertices.insert(mesh.vertices.end(), {-0.5 * u - 0.6 * v, 1.5 * u - 0.5 * v, -0.4 * u + 1.5 * v});
+      mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    return mesh;
+  }
+
+  TriangleMesh box;
   std::unique_ptr<TouchGeometry> geometry;
   std::vector<Material> materials;
   std::unique_ptr<GatheredTriangles> near;

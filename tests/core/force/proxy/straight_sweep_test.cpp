@@ -204,22 +204,51 @@ TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreF
 
 INSTANTIATE_TEST_SUITE_P(Seeds, StraightSweepOnACap, testing::Values(1U, 2U, 3U));
 
+// Small triangles around the x axis, a little farther from it than the probe's radius.
+TriangleMesh make_tube(std::size_t count, double radius_m, std::mt19937_64& random) {
+  TriangleMesh tube;
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (std::uint32_t t = 0; t < count; ++t) {
+    const double angle = 3.15 * unit(random);
+    const Vec3 out(0.0, std::cos(angle), std::sin(angle));
+    const Vec3 at = 0.05 * unit(random) * Vec3::UnitX() + 1.05 * radius_m * out;
+    tube.vertices.insert(tube.vertices.end(), {at, at + 1e-4 * Vec3::UnitX(), at + 1e-4 * Vec3::UnitX().cross(out)});
+    tube.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+  }
+  return tube;
+}
+
+// From where a call stopped, the next one begins with pieces as long as the last: the whole motion costs hardly more tests than it has
+// triangles.
+TEST_P(StraightSweepAmongMany, TheWholeMotionInManyStepsTestsEachTriangleAFewTimes) {
+  RecordProperty("seed", std::to_string(GetParam()));
+  std::mt19937_64 random(GetParam());
+  constexpr double kRadius_m = 0.004;
+  StraightStage stage(make_tube(20000, kRadius_m, random), kRadius_m);
+  Vec3 from = stage.geometry.to_local(Vec3(-0.04, 0.0, 0.0));
+  const Vec3 to = stage.geometry.to_local(Vec3(0.04, 0.0, 0.0));
+  int work = 0;
+  int calls = 0;
+  for (auto end = StraightSweep::End::stopped; end != StraightSweep::End::free; ++calls) {
+    ASSERT_LT(calls, 1000);
+    stage.proxy.settle_at(from);
+    if (!stage.sweep.is_interrupted()) stage.sweep.start(from, to - from);
+    int of_call = 0;
+    end = stage.sweep.go_on(stage.proxy, stage.keep, 0, of_call, 1000);
+    work += of_call;
+    if (end == StraightSweep::End::stopped) from += stage.sweep.time() * (to - from);
+  }
+  EXPECT_LT(work, 2 * 20000);
+  EXPECT_LT(calls, 40);
+}
+
 // Along a motion among thousands of triangles, each call that has searched a piece goes there: only before the first piece is found free
 // does the probe wait.
 TEST_P(StraightSweepAmongMany, OutOfWorkItGoesAsFarAsItHasSearched) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());
   constexpr double kRadius_m = 0.004;
-  TriangleMesh tube;  // around the x axis
-  std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  for (std::uint32_t t = 0; t < 20000; ++t) {
-    const double angle = 3.15 * unit(random);
-    const Vec3 out(0.0, std::cos(angle), std::sin(angle));
-    const Vec3 at = 0.05 * unit(random) * Vec3::UnitX() + 1.05 * kRadius_m * out;
-    tube.vertices.insert(tube.vertices.end(), {at, at + 1e-4 * Vec3::UnitX(), at + 1e-4 * Vec3::UnitX().cross(out)});
-    tube.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
-  }
-  StraightStage stage(tube, kRadius_m);
+  StraightStage stage(make_tube(20000, kRadius_m, random), kRadius_m);
   const Vec3 from = stage.geometry.to_local(Vec3(-0.04, 0.0, 0.0));
   const Vec3 motion = stage.geometry.to_local(Vec3(0.04, 0.0, 0.0)) - from;
   stage.proxy.settle_at(from);

@@ -12,7 +12,8 @@ namespace {
 
 // A point in the corner; and what else there is.
 struct PointInCorner : CornerStage {
-  explicit PointInCorner(std::vector<const TriangleMesh*> others = {}) : CornerStage(0.05, std::move(others)) {}
+  explicit PointInCorner(std::vector<const TriangleMesh*> others = {}, TriangleMesh walls = room())
+      : CornerStage(0.05, std::move(others), std::move(walls)) {}
   CornerExit corner() { return {contacts, *near, centre, memory, work}; }
 
   CornerExit::Memory memory;
@@ -28,6 +29,25 @@ TEST(CornerExitOf, TheFreeDirectionsAreThoseOfTheOctant) {
       for (const double z : {-0.9, 0.4}) EXPECT_EQ(cone.contains(Vec3(x, y, z).normalized()), x > 0.0 && y > 0.0 && z > 0.0);
     }
   }
+}
+
+// No triangle has a vertex there: the apex is where the planes of the three faces meet.
+TEST(CornerExitOf, ThreeFacesThatGoThroughOneAnotherMakeTheSameCorner) {
+  PointInCorner in({}, CornerStage::crossing_walls());
+  ASSERT_TRUE(in.corner().find_cone(0.0));
+  const TangentCone& cone = in.corner().cone();
+  EXPECT_LT((cone.apex() - in.apex).norm(), 1e-12);
+  EXPECT_TRUE(cone.contains(Vec3(0.3, 0.7, 0.4).normalized()));
+  for (const Vec3& outside : {Vec3(-0.5, 0.7, 0.4), Vec3(0.3, -0.2, 0.4), Vec3(0.3, 0.7, -0.9)})
+    EXPECT_FALSE(cone.contains(outside.normalized()));
+}
+
+// Two faces hold it, and no vertex is near: it can slide away.
+TEST(CornerExitOf, BetweenTwoFacesThereIsNoCorner) {
+  PointInCorner in({}, CornerStage::crossing_walls());
+  const OffsetContact kept[] = {in.contacts[0], in.contacts[1]};
+  in.contacts.hold_by(kept);
+  EXPECT_FALSE(in.corner().find_cone(0.0));
 }
 
 // The device comes to pull along the x axis: from then on the way out along it leads nearer by more than kLeastBetter offsets.
