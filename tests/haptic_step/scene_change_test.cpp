@@ -77,7 +77,7 @@ TEST_F(SceneChanges, OfMaterialsAreAStateOfTheSceneBefore) {
   EXPECT_EQ(describe_materials(after, after)->object_count, 0U);
 }
 
-TEST_F(SceneChanges, OfMoreMaterialsThanAStateHoldsAreNone) {
+TEST_F(SceneChanges, MoreMaterialsThanAStateHoldsAreNotDescribed) {
   Scene before;
   Scene after;
   for (std::size_t n = 0; n <= MaterialState::kMostObjects; ++n) {

@@ -257,7 +257,7 @@ TEST(HaptonHidReports, AForceComesThroughToTheMicronewton) {
   EXPECT_FLOAT_EQ(torque[2], -1e-6f);
 }
 
-TEST(HaptonHidReports, WhatIsNoForceIsZeroOrTheFormatsMost) {
+TEST(HaptonHidReports, NaNIsSentAsZeroAndTooLargeAForceAsTheLargest) {
   const auto report = encode_force(
       {.is_on = true, .force_n = Vec3(std::numeric_limits<double>::quiet_NaN(), 1e300, -std::numeric_limits<double>::infinity())});
   const auto at = [&](std::size_t byte) {

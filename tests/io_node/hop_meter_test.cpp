@@ -110,7 +110,7 @@ TEST_F(Ways, UnknownTimesAreLeftOut) {
   EXPECT_EQ(stats().motion_to_photon.count(), 0U);
 }
 
-TEST_F(Ways, MotionToPhotonEndsWithThePictureNotWithTheNewsOfIt) {
+TEST_F(Ways, MotionToPhotonEndsWithTheFrameNotWithItsAcknowledgement) {
   const std::array<std::byte, 10> bytes = {};
   ways.on_joined(3, {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1}, 5});
   const std::int64_t sample_ns = clock.now_ns();

@@ -56,7 +56,7 @@ TEST_F(ReleaseWatchTest, ReleasesInTimeWhenTheLoopStalls) {
   EXPECT_EQ(loop->collect_stats().cuts, 1U);
 }
 
-TEST_F(ReleaseWatchTest, WithoutAForceItLooksSoonAgain) {
+TEST_F(ReleaseWatchTest, WithoutAForceItChecksAgainSoon) {
   EXPECT_LE(watch.check() - clock.now_ns(), ReleaseWatch::kIdleNs);
   EXPECT_FALSE(is_cut());
 }

@@ -78,7 +78,7 @@ TEST_F(ResponseTrackerTest, ALieAboutSkippingExcusesNoMoreThanThereIs) {
 }
 
 // 1 has a response; 2 and 5 are sent, 3 and 4 are not, because there was a newer one; the node skips 2 and 5 and responds to 6.
-TEST_F(ResponseTrackerTest, WhatWasNeverSentIsNoneOfTheSkipped) {
+TEST_F(ResponseTrackerTest, SamplesThatWereNeverSentDoNotCountAsSkipped) {
   take(1, 1);
   tracker->reply(to(1));
   take(2, 2);
@@ -94,7 +94,7 @@ TEST_F(ResponseTrackerTest, WhatWasNeverSentIsNoneOfTheSkipped) {
 }
 
 // The numbers in between are of cycles that were never reported, once in the slots of old samples and once in fresh ones.
-TEST_F(ResponseTrackerTest, NumbersThatWereLeftOutAreNoneOfTheSkipped) {
+TEST_F(ResponseTrackerTest, NumbersOfCyclesThatWereNotReportedDoNotCountAsSkipped) {
   for (const std::uint64_t before : {std::uint64_t{3}, 2 * ResponseTracker::kCapacity}) {
     tracker = std::make_unique<ResponseTracker>();
     for (std::uint64_t s = 1; s <= before; ++s) {

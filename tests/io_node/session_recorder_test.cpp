@@ -98,7 +98,7 @@ TEST_F(Recorders, WriteAllThatHappensInOrder) {
   EXPECT_EQ(recorder.counts().file_bytes, std::filesystem::file_size(file));
 }
 
-TEST_F(Recorders, NeverWaitForRoomButCountWhatFoundNone) {
+TEST_F(Recorders, WithAFullRingCountWhatIsDroppedInsteadOfWaiting) {
   auto recorder = make({.record = file, .ring_bytes = 1024});
   for (int n = 0; n < 100; ++n) recorder.on_sent(kPeer, kBytes, n);  // before start no thread drains
   ASSERT_TRUE(recorder.start());

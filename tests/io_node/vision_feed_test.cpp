@@ -87,7 +87,7 @@ TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
   EXPECT_EQ(received.back().energy_percent, 0U);
 }
 
-TEST_F(Feed, AWordAboutWhatWasNeverSentIsPassedOver) {
+TEST_F(Feed, AcknowledgementsOfFramesThatWereNeverSentAreIgnored) {
   report(0.01);
   for (const FrameAck& lie : {FrameAck{0, clock.now_ns(), 60.0F}, FrameAck{99, clock.now_ns(), 60.0F},
                               FrameAck{1, clock.now_ns() + kMs, 60.0F}, FrameAck{1, stats->start_ns - kMs, 60.0F}}) {

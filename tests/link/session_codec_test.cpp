@@ -128,7 +128,7 @@ TEST(SessionCodec, ACycleMayLackTheDevicesSampleAndALocalForce) {
 }
 
 // The file counts objects from 1, and its counter can be larger than any index.
-TEST(SessionCodec, AnObjectThatNoSceneCanHaveIsNone) {
+TEST(SessionCodec, AnObjectNumberThatNoSceneCanHaveIsReadAsNoObject) {
   SessionCodec codec;
   constexpr std::int32_t kLargest = std::numeric_limits<std::int32_t>::max();
   for (const auto& [written, read_back] : {std::pair{-1, -1}, {0, 0}, {1, 1}, {kLargest - 1, kLargest - 1}, {kLargest, -1}}) {

@@ -135,7 +135,7 @@ TEST(Latency, RunOfItsOwnLeavesEveryHopAndAVerdictAndCanBeCompared) {
   EXPECT_EQ(Json::parse(read_text(system.folder() / "c.json"), nullptr, false).at("schema"), "hapton.latency-compare/1");
 }
 
-TEST(Latency, OfAHubThatRunsIsThatOfTheTimeItLooked) {
+TEST(Latency, OfARunningHubCoversOnlyTheMeasuredSeconds) {
   System system;
   system.start("io_node");
   system.start("haptics_node");

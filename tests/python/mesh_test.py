@@ -48,7 +48,7 @@ class MeshTest(unittest.TestCase):
             info = hapton.mesh_info(path, unit="mm")
             self.assertEqual(info["triangles"], 4)
 
-    def test_says_why_a_file_is_none(self):
+    def test_names_the_file_or_unit_that_is_wrong(self):
         with self.assertRaisesRegex(ValueError, "nowhere.obj"):
             hapton.load_mesh("nowhere.obj")
         with self.assertRaisesRegex(ValueError, "'miles'"):

@@ -73,7 +73,7 @@ TEST(ArrivalForecast, FollowsADelayThatBecameLongerAfterTwoBlocks) {
   EXPECT_EQ(forecast.find_next_ns(), static_cast<std::int64_t>(next) * kSenderPeriodNs + kSenderOffsetNs + 20'000'000);
 }
 
-TEST(ArrivalForecast, HasNoneWhereSamplesAreLeftOut) {
+TEST(ArrivalForecast, ForecastsNothingWhileSamplesAreMissing) {
   ArrivalForecast forecast;
   std::uint64_t next = feed(forecast, 1, 100, 50'000);
   next = feed(forecast, next + 15, 1, 50'000);

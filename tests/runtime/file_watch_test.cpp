@@ -23,7 +23,7 @@ struct FileWatchTest : testing::Test {
   int writes = 0;
 };
 
-TEST_F(FileWatchTest, AChangeCountsOnceTheFileWasTheSameForTwoLooks) {
+TEST_F(FileWatchTest, AChangeCountsOnceTheFileIsTheSameInTwoChecks) {
   write("one");
   FileWatch watch(file);
   EXPECT_EQ(watch.check(), State::unchanged);

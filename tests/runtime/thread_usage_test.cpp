@@ -29,7 +29,7 @@ TEST(ThreadUsage, OfAThreadThatWorksGrows) {
   EXPECT_GE(after->stolen_s, 0.0);
 }
 
-TEST(ThreadUsage, OfAThreadThatIsGoneIsNone) { EXPECT_FALSE(read_thread_usage(-1)); }
+TEST(ThreadUsage, AThreadThatHasEndedHasNoUsage) { EXPECT_FALSE(read_thread_usage(-1)); }
 
 TEST(RealtimeShare, IsAShareWhereTheSystemProvidesIt) {
   const auto share = read_realtime_share();

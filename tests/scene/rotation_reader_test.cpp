@@ -29,13 +29,13 @@ TEST(RotationReader, TakesAQuaternionAndMakesItsLengthOne) {
   EXPECT_NEAR(q.y() / q.w(), 0.8001 / 0.6, 1e-12);
 }
 
-TEST(RotationReader, LeavesItAsItIsWhereTheTableHasNone) {
+TEST(RotationReader, KeepsTheRotationIfTheTableHasNoKeyForIt) {
   Quat q(0.6, 0.0, 0.8, 0.0);
   EXPECT_EQ(read("other = 1", q), "");
   EXPECT_EQ(q.coeffs(), Quat(0.6, 0.0, 0.8, 0.0).coeffs());
 }
 
-TEST(RotationReader, RejectsTwoOrWhatIsNoRotation) {
+TEST(RotationReader, RejectsTwoKeysAndInvalidRotations) {
   Quat q = Quat::Identity();
   EXPECT_NE(read("rotation = [1, 0, 0, 0]\nrotation_deg = [0, 0, 0]", q).find("keep one"), std::string::npos);
   EXPECT_NE(read("rotation = [1, 1, 0, 0]", q).find("length 1"), std::string::npos);

@@ -59,7 +59,7 @@ TEST(LivePlots, CallForTenPicturesASecondWhileThereIsAHub) {
   EXPECT_GT(after[0].points.back().age_s, 1.9) << "no force is claimed while nobody tells one";
 }
 
-TEST(LivePlots, NumbersThatAreNoneBreakNothing) {
+TEST(LivePlots, NaNIsNotPlotted) {
   LivePlots plots(true);
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   plots.receive(state_with(std::numeric_limits<double>::quiet_NaN(), kNaN), 1000 * kMs);

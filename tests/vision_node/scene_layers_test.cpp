@@ -198,7 +198,7 @@ TEST(SceneLayers, AnotherModeOfStereoLooksAsIfItHadBeenOpenedInIt) {
   }
 }
 
-TEST(SceneLayers, SwappedEyesAreTheOtherWayRound) {
+TEST(SceneLayers, SwappedEyesExchangeTheirImages) {
   const std::vector<ShownObject> objects = {{make_marker(Vec3(0.02, 0.01, 0.06), 0.02), {1, 1, 1}}};
   auto view = open_or_fail(plain_settings(StereoMode::side_by_side, 640, 360), objects);
   ASSERT_TRUE(view);

@@ -149,7 +149,7 @@ TEST_F(VrpnTrackerClient, ABodyOfAnotherLengthIsNoPose) {
   EXPECT_TRUE(client.take_newest()) << "and what follows is understood";
 }
 
-TEST_F(VrpnTrackerClient, EndsAtAGoodbyeAndAtLengthsThatAreNone) {
+TEST_F(VrpnTrackerClient, DisconnectsAtAGoodbyeAndAtInvalidLengths) {
   Bytes goodbye;
   append_empty(goodbye, {0, kDisconnect, {}, 1});
   EXPECT_FALSE(client.receive(goodbye));

@@ -158,7 +158,7 @@ TEST(VrpnWire, NamesAreTakenByTheirLengthAndZero) {
 }
 
 // At most 100 bytes with the zero.
-TEST(VrpnWire, ANameThatIsTooLongIsNone) {
+TEST(VrpnWire, ANameThatIsTooLongIsReadAsEmpty) {
   for (const std::size_t letters : {std::size_t{99}, std::size_t{100}}) {
     Bytes out;
     append_description(out, kSenderDescription, 1, std::string(letters, 'x'), {}, 1);

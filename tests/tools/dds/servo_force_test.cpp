@@ -43,7 +43,7 @@ TEST(ServoForce, ALimitOfZeroGivesZero) {
   EXPECT_EQ(force.take(command(Vec3::Zero()), 0), Verdict::accepted);
 }
 
-TEST(ServoForce, WhatIsNoForceReleasesTheLastOne) {
+TEST(ServoForce, AnInvalidForceReleasesTheLastOne) {
   ServoForce force("world", 2.0);
   for (const double bad : {kNan, kInf, -kInf}) {
     force.take(command(Vec3(1.0, 0.0, 0.0)), 0);

@@ -84,7 +84,7 @@ TEST(SoakVerdict, MemoryThatGrowsInTheFirstTenthOnlyOrShrinksIsFlat) {
   EXPECT_TRUE(evaluate_soak(run).flat);
 }
 
-TEST(SoakVerdict, OneLookThatIsOffIsNotHeeded) {
+TEST(SoakVerdict, OneOutlierDoesNotFailTheRun) {
   SoakRun run = an_hour();
   run.samples.back().processes[0] = {90'000, 40, 12};
   run.samples[60].processes[1].descriptors = 13;

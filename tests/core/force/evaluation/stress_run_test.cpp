@@ -196,7 +196,7 @@ class Nothing : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override { return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false}; }
 };
 
-TEST(StressRun, SeesAWayThroughAnOpenSheet) {
+TEST(StressRun, ReportsAProbeThatGoesThroughAnOpenSheet) {
   const auto maker = [](const MethodSettings&, const TouchScene&) -> Result<std::unique_ptr<ForceMethod>> {
     return std::make_unique<Nothing>();
   };
