@@ -20,7 +20,7 @@ TEST(AxisMotion, AMassOnASpringSwingsAsTheFormulaSays) {
   }
 }
 
-TEST(AxisMotion, FrictionBringsTheFormulasRestPoint) {
+TEST(AxisMotion, StopsWhereTheFormulaOfCoulombFrictionSays) {
   // From 9.5 mm with a dead band of 2 mm: half swings about +-2 mm, turning at -5.5 mm, 1.5 mm; there it sticks.
   const AxisMotion motion({.mass_kg = 0.5, .friction_n = 0.4}, {.stiffness_n_per_m = 200.0});
   AxisMotion::State state = motion.rest_at(0.0095);

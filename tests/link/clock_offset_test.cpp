@@ -26,6 +26,15 @@ TEST(ClockOffsetTest, EqualPathTimesGiveItExactly) {
   EXPECT_NEAR(static_cast<double>(offset.error_bound_ns(1'065'000)), 30e3, 2.0);
 }
 
+// Faster than the clocks count: both ends of the interval are the offset.
+TEST(ClockOffsetTest, AnExchangeThatTakesNoTimeGivesItExactly) {
+  ClockOffset offset;
+  offset.add(exchange(0, 5, 0, 0));
+  ASSERT_TRUE(offset.is_known());
+  EXPECT_EQ(offset.offset_ns(), 5);
+  EXPECT_LE(offset.error_bound_ns(0), 6);
+}
+
 TEST(ClockOffsetTest, TheTruthIsWithinTheBoundWhateverTheNetworkDoes) {
   std::mt19937_64 random(5);
   std::exponential_distribution<double> queueing(1.0 / 200e3);

@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <boost/crc.hpp>
+#include <cstdint>
 #include <limits>
+#include <string>
 #include <utility>
 
 namespace hapton {
@@ -95,6 +98,41 @@ TEST(SessionCodec, GivesBackEveryKindOfEntry) {
     EXPECT_EQ(result.bytes, bytes.size());
     expect_equal(make(kind), read);
   }
+}
+
+// The bytes of a message as they are in a file: length, message, CRC as the field 15 (session.proto). At most 127 bytes.
+std::string with_length_and_check(const std::string& message) {
+  boost::crc_32_type crc;
+  crc.process_bytes(message.data(), message.size());
+  std::string bytes(1, static_cast<char>(message.size() + 5));
+  bytes += message + '\x7D';
+  for (int byte = 0; byte < 4; ++byte) bytes += static_cast<char>(crc.checksum() >> (8 * byte) & 0xFFU);
+  return bytes;
+}
+
+// The file is whole, and the address is none that a socket can have.
+TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
+  SessionCodec codec;
+  std::string bytes;
+  codec.append(make(Kind::received), bytes);
+  const std::string message = bytes.substr(1, bytes.size() - 6);
+  ASSERT_EQ(with_length_and_check(message), bytes);
+  SessionEntry read;
+  ASSERT_EQ(codec.read(bytes, read).status, Status::ok);
+
+  std::string port = message;
+  const std::size_t at = port.find("\xFF\xFF\x03");  // 65535 as a varint
+  ASSERT_NE(at, std::string::npos);
+  port[at + 2] = 7;  // 131071
+  EXPECT_EQ(codec.read(with_length_and_check(port), read).status, Status::damaged);
+
+  std::string ip = message;
+  const std::size_t begin = ip.find("\x0A\x10\x01\x02\x03");  // field 1 of 16 bytes; the size of the datagram is the byte before
+  ASSERT_NE(begin, std::string::npos);
+  --ip[begin - 1];
+  --ip[begin + 1];
+  ip.erase(begin + 2, 1);
+  EXPECT_EQ(codec.read(with_length_and_check(ip), read).status, Status::damaged);
 }
 
 // A file may hold any text: a reader gives out none that an export could not write.

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
 #include <cstdio>
 #include <functional>
 #include <map>
@@ -79,6 +80,17 @@ TEST(StreamEndpoint, TwoConnectSpeakAndPart) {
   server.endpoint->close(there);
   ASSERT_TRUE(until({&server, &client}, [&] { return server.closed.size() == 1 && client.closed.size() == 1; }));
   EXPECT_FALSE(client.endpoint->send(id, bytes_of("gone")));
+}
+
+// errno is that of the last call that failed, whoever made it.
+TEST(StreamEndpoint, AnErrorOfAnotherCallClosesNoConnection) {
+  Party server, client;
+  const auto id = client.endpoint->connect(server.endpoint->local_address());
+  ASSERT_TRUE(until({&server, &client}, [&] { return !client.peers.empty() && !server.peers.empty(); }));
+  errno = EPIPE;
+  ASSERT_TRUE(client.endpoint->send(id, bytes_of("still here")));
+  ASSERT_TRUE(until({&server, &client}, [&] { return server.arrived[server.peers.begin()->first] == "still here"; }));
+  EXPECT_TRUE(client.closed.empty());
 }
 
 TEST(StreamEndpoint, MuchArrivesWhole) {

@@ -149,6 +149,11 @@ TEST(PatchChain, CountsWhatItsBodiesCount) {
   for (int n = 1; n < 60; ++n) (void)stage.step({0.03 - 0.001 * n, -0.03, -0.001}, Pose::Identity(), false);
   EXPECT_EQ(stage.chain().counts().beyond, 1U);
   EXPECT_GT(stage.chain().counts().beyond_steps, 10U);
+  // With new patches the probe follows the way that the hand has made meanwhile.
+  EXPECT_EQ(stage.chain().counts().followed, 0U);
+  for (int n = 1; n < 60; ++n) (void)stage.step({-0.029, -0.03, -0.001});
+  EXPECT_GT(stage.chain().counts().followed, 0U);
+  EXPECT_LT(stage.chain().counts().followed, 200U);
 }
 
 // Each move comes to the hub up to half a second after it began, or in the wrong order: the surface under the hand never jumps, and is

@@ -75,7 +75,7 @@ TEST(MenuFigure, HasAFieldForEachEntryWhereItIsChosen) {
   EXPECT_FALSE(parts.is_any_shown());
 }
 
-TEST(MenuFigure, WhatThePenDoesIsMarkedAndTheEntryAtTheTipIsLight) {
+TEST(MenuFigure, TheModeOfThePenIsMarkedAndTheEntryAtTheTipIsHighlighted) {
   MenuFigure figure;
   const FigureParts parts(figure);
   TouchMenu menu = opened_menu();
@@ -99,7 +99,7 @@ TEST(MenuFigure, WhatThePenDoesIsMarkedAndTheEntryAtTheTipIsLight) {
   EXPECT_EQ(lit[4], kLitField);
   EXPECT_EQ(lit[1], kChosenField);
   menu.receive(menu.pose() * place_entry(Entry::draw), 0);
-  EXPECT_EQ(colours(PenMode::draw)[1], kLitField) << "lit goes before";
+  EXPECT_EQ(colours(PenMode::draw)[1], kLitField) << "the highlight of the tip takes precedence";
 }
 
 }  // namespace
