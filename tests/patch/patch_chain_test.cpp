@@ -150,9 +150,9 @@ TEST(PatchChain, CountsWhatItsBodiesCount) {
   EXPECT_EQ(stage.chain().counts().beyond, 1U);
   EXPECT_GT(stage.chain().counts().beyond_steps, 10U);
   // With new patches the probe follows the way that the hand has made meanwhile.
-  EXPECT_EQ(stage.chain().counts().followed, 0U);
+  const std::uint64_t before = stage.chain().counts().followed;
   for (int n = 1; n < 60; ++n) (void)stage.step({-0.029, -0.03, -0.001});
-  EXPECT_GT(stage.chain().counts().followed, 0U);
+  EXPECT_GT(stage.chain().counts().followed, before);
   EXPECT_LT(stage.chain().counts().followed, 200U);
 }
 
