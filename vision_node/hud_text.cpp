@@ -110,7 +110,8 @@ std::string compose_hud(const HudFacts& facts) {
   } else {
     text += "waiting for the hub ...\n\n";
   }
-  text += fmt::format("{:.0f} frames/s   {}{}", facts.frame_rate_hz, facts.stereo, facts.cull ? "" : ", no cull");
+  if (facts.frame_rate_hz > 0.0) text += fmt::format("{:.0f} frames/s   ", facts.frame_rate_hz);
+  text += fmt::format("{}{}", facts.stereo, facts.cull ? "" : ", no cull");
   if (facts.recording.empty()) {
     text += fmt::format("   dials {:.0f} {:.0f} {:.0f}", facts.dials_degrees.x(), facts.dials_degrees.y(), facts.dials_degrees.z());
   }

@@ -10,7 +10,7 @@ namespace hapton {
 struct HudFacts {
   bool connected = false;
   ProbeState state;
-  double frame_rate_hz = 0.0;
+  double frame_rate_hz = 0.0;  // 0: too few frames were drawn to know it
   Vec3 dials_degrees = Vec3::Zero();
   std::string_view stereo;
   bool cull = true;

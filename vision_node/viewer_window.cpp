@@ -189,6 +189,9 @@ void ViewerWindow::refine_scene() {
 }
 
 Result<void> ViewerWindow::take_screenshot(const std::filesystem::path& file) {
+  // Those in the window may be older than its probe and its bar of the force.
+  const VisionStep::Texts texts = step_.compose_texts(clock_.now_ns());
+  view_.set_hud(texts.hud, texts.help, texts.notice);
   if (auto saved = view_.save_png(file); !saved) return saved;
   log_info("screenshot written to {}", file.string());
   return {};

@@ -51,7 +51,7 @@ class ViewerWindow {
   // A little at a time, so that a probe that begins to move is drawn at once.
   void refine_scene();
 
-  // Error: a file that cannot be written.
+  // Texts, probe and bar of the force are those of the newest state. Error: a file that cannot be written.
   Result<void> take_screenshot(const std::filesystem::path& file);
   // hapton_001.png and so on, the first that does not exist.
   Result<void> take_numbered_screenshot();

@@ -167,6 +167,21 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts()) != hud_shown_;
 }
 
+std::string_view VisionStep::help() const {
+  if (!help_) return {};
+  return recorded_X_WS_ ? recording_keys_help() : keys_help();
+}
+
+VisionStep::Texts VisionStep::compose_texts(std::int64_t now_ns) {
+  const HudFacts facts = hud_facts();
+  hud_shown_ = compose_hud(facts);
+  notice_shown_ = compose_notice(facts);
+  hud_contact_ = contact();
+  hud_object_ = touched_object();
+  hud_ns_ = now_ns;
+  return {hud_shown_, help(), notice_shown_};
+}
+
 VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   Shown shown;
   shown.X_WS = scene_pose();
@@ -175,16 +190,11 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.framing.head = head_shown_;
   shown.probe = newest_probe();
   if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_ || touched_object() != hud_object_) {
-    const HudFacts facts = hud_facts();
-    hud_shown_ = compose_hud(facts);
-    notice_shown_ = compose_notice(facts);
-    hud_contact_ = contact();
-    hud_object_ = touched_object();
-    hud_ns_ = now_ns;
+    compose_texts(now_ns);
   }
   shown.hud = hud_shown_;
   shown.notice = notice_shown_;
-  if (help_) shown.help = recorded_X_WS_ ? recording_keys_help() : keys_help();
+  shown.help = help();
   shown.cull = cull_;
   shown.depth_cues = depth_cues_;
   shown.plots = plots_.compose(now_ns);

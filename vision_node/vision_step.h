@@ -62,6 +62,11 @@ class VisionStep {
     bool depth_cues = true;
     std::vector<PlotShown> plots;
   };
+  struct Texts {
+    std::string_view hud;
+    std::string_view help;
+    std::string_view notice;
+  };
 
   explicit VisionStep(VisionStepSettings settings);
 
@@ -119,7 +124,10 @@ class VisionStep {
   bool wants_picture(std::int64_t now_ns, const Screen& where);
   // Whether the rate allows a frame now.
   bool may_draw(std::int64_t now_ns) const;
+  // Its numbers are renewed ten times a second, so that they can be read.
   Shown compose(std::int64_t now_ns);
+  // The texts of the newest state, for a picture that stays; valid until the next call or compose().
+  Texts compose_texts(std::int64_t now_ns);
   // The newest probe, for a frame that is being drawn.
   std::optional<ProbeShown> newest_probe() const;
   // Nothing but the probe has moved for long enough that the scene is worth drawing in full detail.
@@ -179,6 +187,7 @@ class VisionStep {
 
  private:
   HudFacts hud_facts() const;
+  std::string_view help() const;
   bool has_head_moved(const Screen& where) const;
   ProbeShown probe_shown() const { return show_probe(*state_, settings_.stylus_lean); }
 

@@ -23,6 +23,14 @@ TEST(Hud, ShowsThatHapticsIsPreparingInsteadOfMissing) {
   EXPECT_EQ(compose_hud(facts).find("prepares"), std::string::npos) << "the device has to be repaired first";
 }
 
+TEST(Hud, SaysNoFrameRateBeforeItIsKnown) {
+  HudFacts facts;
+  facts.stereo = "mono";
+  EXPECT_EQ(compose_hud(facts).find("frames/s"), std::string::npos) << compose_hud(facts);
+  facts.frame_rate_hz = 29.0;
+  EXPECT_NE(compose_hud(facts).find("29 frames/s   mono"), std::string::npos) << compose_hud(facts);
+}
+
 TEST(Hud, SaysWhyTheSavedSceneFileIsNotShown) {
   HudFacts facts;
   EXPECT_EQ(compose_hud(facts).find("SCENE FILE"), std::string::npos);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/time_units.h"
+#include "vision_node/hud_text.h"
 
 namespace hapton {
 namespace {
@@ -442,6 +443,23 @@ TEST_F(VisionStepTest, HudFollowsButSlowly) {
   EXPECT_GE(pictures, 8);
   EXPECT_LE(pictures, 11);
   EXPECT_NE(step.compose(5000 * kMs).hud.find("4010"), std::string::npos);
+}
+
+// The bar of the force is that of the newest state; in a picture that is looked at for long, the number must be the same.
+TEST_F(VisionStepTest, TheTextsOfAPictureThatStaysAreOfTheNewestState) {
+  VisionStep step(settings());
+  ProbeState state = state_at(0.01, 1);
+  state.contact = true;
+  state.force_n = {0.0, 0.0, 0.68};
+  step.receive(state);
+  ASSERT_TRUE(turn(step, 0));
+  state.force_n = {0.0, 0.0, 0.72};
+  step.receive(state);
+  EXPECT_NE(step.compose(50 * kMs).hud.find("0.68 N"), std::string::npos) << "later, so that it can be read";
+  const VisionStep::Texts texts = step.compose_texts(51 * kMs);
+  EXPECT_NE(texts.hud.find("0.72 N"), std::string::npos) << texts.hud;
+  EXPECT_EQ(texts.help, keys_help());
+  EXPECT_EQ(step.compose(52 * kMs).hud, texts.hud);
 }
 
 TEST_F(VisionStepTest, WhatIsDrawnOnTheSceneCallsForAPictureAndLeavesTheSceneAtRest) {
