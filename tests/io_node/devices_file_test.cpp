@@ -132,6 +132,31 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
   EXPECT_THAT(read_devices_file(scratch.path() / "none.toml", {}).error().what, HasSubstr("none.toml"));
 }
 
+// Each number at its limits is read, and just beyond them is rejected with its name.
+TEST_F(DevicesFiles, NumbersAreReadUpToTheirLimits) {
+  struct Limits {
+    const char* key;
+    std::string below, least, most, above;  // empty: not tried
+  };
+  const Limits all[] = {{"cpu", "-2", "-1", "4095", "4096"},
+                        {"clutch_button", "-1", "0", "32", "33"},
+                        {"passive_mass_kg", "-0.001", "0", "100", "100.001"},
+                        {"passive_damping_ns_per_m", "-0.001", "0", "1000", "1000.001"},
+                        {"passive_friction_n", "-0.001", "0", "100", "100.001"},
+                        {"passive_position_step_m", "-0.001", "0", "0.01", "0.0100001"},
+                        {"seed", "-1", "0", "", ""}};
+  for (const Limits& of : all) {
+    for (const std::string& inside : {of.least, of.most}) {
+      if (inside.empty()) continue;
+      EXPECT_EQ(rejection(kLeft + of.key + " = " + inside + "\n"), "it was read") << of.key << " = " << inside;
+    }
+    for (const std::string& outside : {of.below, of.above}) {
+      if (outside.empty()) continue;
+      EXPECT_THAT(rejection(kLeft + of.key + " = " + outside + "\n"), HasSubstr(std::string("'") + of.key + "'")) << outside;
+    }
+  }
+}
+
 TEST_F(DevicesFiles, OfThePackageAreRight) {
   const auto devices = read_devices_file(HAPTON_SOURCE_DIR "/deploy/etc/devices.toml", {});
   ASSERT_TRUE(devices) << devices.error().what;
