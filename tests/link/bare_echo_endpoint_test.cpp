@@ -7,10 +7,12 @@
 #include <cstring>
 #include <string_view>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "link/udp_endpoint.h"
 #include "runtime/clock.h"
+#include "tests/support/open_files.h"
 
 namespace hapton {
 namespace {
@@ -48,6 +50,16 @@ void expect_echo(const char* bind_address) {
 }
 
 TEST(BareEchoEndpoint, ReturnsWhatItGets) { expect_echo("127.0.0.1:0"); }
+
+// Also the one that was moved from, which has none any more.
+TEST(BareEchoEndpoint, ItsSocketIsClosedWithIt) {
+  EXPECT_FALSE(leaves_files_open([] {
+    auto echo = BareEchoEndpoint::open("127.0.0.1:0");
+    ASSERT_TRUE(echo);
+    const BareEchoEndpoint moved = std::move(*echo);
+    EXPECT_NE(moved.local_address().port, 0);
+  }));
+}
 
 TEST(BareEchoEndpoint, IgnoresWhatIsNoRequest) {
   auto echo = BareEchoEndpoint::open("127.0.0.1:0");
