@@ -203,16 +203,23 @@ void ObjectShaper::take_rejection(Object& object) noexcept {
   push_reply(object.reply);
 }
 
-std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
+// That the hub gets to make a shape ready.
+std::int64_t ObjectShaper::find_stage_ns(const Object& object) const noexcept {
   if (pace_.lead_ns == 0) return 0;
-  const std::int64_t stage_ns = std::clamp(2 * pace_.stage_ns_per_vertex, kLeastStageNsPerVertex, kMostStageNsPerVertex);
-  return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + stage_ns * object.start.total;
+  return std::clamp(2 * pace_.stage_ns_per_vertex, kLeastStageNsPerVertex, kMostStageNsPerVertex) * object.start.total;
 }
 
-// So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent.
+std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
+  if (pace_.lead_ns == 0) return 0;
+  return pace_.lead_ns + (is_lossy_ ? pace_.again_ns : 0) + find_stage_ns(object);
+}
+
+// So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent, and to
+// be made ready by a hub that spends half of its time on shapes at most.
 double ObjectShaper::find_least_s(const Object& object) const noexcept {
   const std::int64_t of_queue_ns = find_lead_ns(object) / static_cast<std::int64_t>(StreamedMethod::kMostWaiting - 1);
-  return 1e-9 * static_cast<double>(std::max(of_queue_ns, ShapePart::count_parts(object.start.total) * pace_.part_ns));
+  const std::int64_t of_parts_ns = ShapePart::count_parts(object.start.total) * pace_.part_ns;
+  return 1e-9 * static_cast<double>(std::max({of_queue_ns, of_parts_ns, find_stage_ns(object)}));
 }
 
 bool ObjectShaper::has_room(const Object& object) const noexcept {

@@ -124,6 +124,7 @@ class ObjectShaper {
   void take_rejection(Object& object) noexcept;
   bool begin_sending(Object& object, std::int64_t scene_time_ns) noexcept;
   Message begin_motion(Object& object, HapticsStep& step) noexcept;
+  std::int64_t find_stage_ns(const Object& object) const noexcept;
   std::int64_t find_lead_ns(const Object& object) const noexcept;
   double find_least_s(const Object& object) const noexcept;
   bool has_room(const Object& object) const noexcept;

@@ -169,6 +169,7 @@ TEST_F(ObjectShaperTest, ABusyHubKnowsOfShapesEarlier) {
     }
     ASSERT_EQ(starts_.size(), before + 1) << took_ns;
     EXPECT_EQ(starts_.back().start_ns - begun_ns, kLeadNs + 169 * given_ns + 1) << took_ns;
+    EXPECT_GE(starts_.back().end_ns - starts_.back().start_ns, 169 * given_ns) << "the next one has its time, too";
   }
 }
 
