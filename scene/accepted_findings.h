@@ -11,8 +11,8 @@
 namespace hapton {
 
 // Findings of `hapton check` that may be intended, by their names there. Those that concern the stability of the loop are not among them.
-inline constexpr std::array<std::string_view, 6> kAcceptableFindings = {"thin-wall", "opening",    "crack",
-                                                                        "flipped",   "inside-out", "out-of-reach"};
+inline constexpr std::array<std::string_view, 8> kAcceptableFindings = {"thin-wall",  "opening",      "crack",     "flipped",
+                                                                        "inside-out", "out-of-reach", "coincides", "enclosed"};
 inline constexpr std::string_view kAcceptedFindingsKey = "accepted_findings";
 
 // The list of these names that an [[object]] has; empty: none. name: of the table, for errors. RT: set-up only. Error: one line with the

@@ -104,9 +104,11 @@ std::string compose_hud(const HudFacts& facts) {
   std::string text;
   if (!facts.recording.empty()) text += facts.recording + "\n";
   if (facts.connected) {
-    text +=
-        fmt::format("servo {:.0f} Hz   round trip p50 {:.0f}  p99 {:.0f} us\n", s.servo_rate_hz, s.round_trip_p50_us, s.round_trip_p99_us);
-    text += force_text(facts) + "\n";
+    text += fmt::format("servo {:.0f} Hz", s.servo_rate_hz);
+    // None is measured while no haptics_node replies.
+    if (s.round_trip_p99_us > 0.0F)
+      text += fmt::format("   round trip p50 {:.0f}  p99 {:.0f} us", s.round_trip_p50_us, s.round_trip_p99_us);
+    text += "\n" + force_text(facts) + "\n";
   } else {
     text += "waiting for the hub ...\n\n";
   }

@@ -31,6 +31,17 @@ TEST(Hud, SaysNoFrameRateBeforeItIsKnown) {
   EXPECT_NE(compose_hud(facts).find("29 frames/s   mono"), std::string::npos) << compose_hud(facts);
 }
 
+TEST(Hud, SaysNoRoundTripOfRepliesThatThereAreNot) {
+  HudFacts facts;
+  facts.connected = true;
+  facts.state.servo_rate_hz = 1000.0F;
+  facts.state.status = ProbeStatus::no_haptics;
+  EXPECT_EQ(compose_hud(facts).find("servo 1000 Hz\n"), 0U) << compose_hud(facts);
+  facts.state.round_trip_p50_us = 40.0F;
+  facts.state.round_trip_p99_us = 120.0F;
+  EXPECT_NE(compose_hud(facts).find("round trip p50 40  p99 120 us\n"), std::string::npos) << compose_hud(facts);
+}
+
 TEST(Hud, SaysWhyTheSavedSceneFileIsNotShown) {
   HudFacts facts;
   EXPECT_EQ(compose_hud(facts).find("SCENE FILE"), std::string::npos);

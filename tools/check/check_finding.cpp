@@ -16,6 +16,14 @@ std::string_view name_of(SceneFault fault) noexcept {
       return "flipped";
     case SceneFault::inside_out:
       return "inside-out";
+    case SceneFault::coincides:
+      return "coincides";
+    case SceneFault::enclosed:
+      return "enclosed";
+    case SceneFault::view_inside:
+      return "view-inside";
+    case SceneFault::rough:
+      return "rough";
     case SceneFault::coarse_voxels:
       return "coarse-voxels";
     case SceneFault::no_inertia:

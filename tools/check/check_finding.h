@@ -18,6 +18,10 @@ enum class SceneFault : std::uint8_t {
   large_fan,           // more triangles at a vertex than a step can follow
   flipped,             // triangles whose fronts are on the wrong side
   inside_out,          // a closed body with its fronts inside
+  coincides,           // the same shape in the same place as another object
+  enclosed,            // altogether inside another object
+  view_inside,         // the camera or a light inside a body
+  rough,               // more friction than any surface has
   coarse_voxels,       // of what can be carved, for its walls or for the tool
   no_inertia,          // a body to push whose surface is not closed
   odd_tool,            // a rigid tool far smaller or larger than the scene, or far from where it is held

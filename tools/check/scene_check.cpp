@@ -8,6 +8,7 @@
 
 #include "closed_loop/device_model.h"
 #include "tools/check/loop_check.h"
+#include "tools/check/place_check.h"
 #include "tools/check/reach_check.h"
 #include "tools/check/sculpt_check.h"
 #include "tools/check/surface_check.h"
@@ -90,9 +91,13 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
   const bool has_tool =
       scene.tool || std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.is_movable; });
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
+  const CheckFindings places = check_places(scene);
   for (const SceneObject& object : scene.objects) {
     check.triangles += object.mesh->triangles.size();
     CheckFindings found = check_surface(object, settings.probe_radius_m);
+    std::copy_if(places.begin(), places.end(), std::back_inserter(found),
+                 [&](const CheckFinding& place) { return place.object == object.name; });
+    append(check_friction(object), found);
     append(check_inertia(object), found);
     append(check_sculpt(object), found);
     append(check_softness(object, settings.loops), found);
@@ -103,6 +108,8 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     for (const DevicePreset* device : reaching) append(check_reach(object, *device), found);
     sort_findings(object, settings, std::move(found), check);
   }
+  std::copy_if(places.begin(), places.end(), std::back_inserter(check.findings),
+               [](const CheckFinding& place) { return place.object.empty(); });
   for (const SceneEffect& effect : scene.effects) {
     append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
     append(check_damping(effect, held, settings.rate_hz, settings.delay_s), check.findings);

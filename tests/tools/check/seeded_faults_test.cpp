@@ -420,7 +420,7 @@ TEST(CheckCommand, OnlyFindingsOfItsOwnCanBeAccepted) {
     const CommandRun seen = check({scene.string()});
     EXPECT_EQ(seen.code, 2) << wrong << seen.out;
     EXPECT_THAT(seen.err, HasSubstr("scene.toml: line 3: 'accepted_findings' in [[object]] 1"));
-    EXPECT_THAT(seen.err, HasSubstr("thin-wall, opening, crack, flipped, inside-out, out-of-reach"));
+    EXPECT_THAT(seen.err, HasSubstr("thin-wall, opening, crack, flipped, inside-out, out-of-reach, coincides, enclosed"));
     EXPECT_EQ(std::count(seen.err.begin(), seen.err.end(), '\n'), 1) << seen.err;
   }
 }

@@ -1,0 +1,143 @@
+#include "tools/check/place_check.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "core/geometry/boundary_loops.h"
+#include "core/geometry/point_in_mesh.h"
+
+namespace hapton {
+namespace {
+
+bool stands_still(const SceneObject& object) { return !object.moves() && !object.is_movable && !object.sculpt; }
+
+struct Extent {
+  Vec3 low = Vec3::Zero();
+  Vec3 high = Vec3::Zero();
+
+  explicit Extent(const TriangleMesh& mesh) {
+    if (mesh.vertices.empty()) return;
+    low = high = mesh.vertices.front();
+    for (const Vec3& v : mesh.vertices) {
+      low = low.cwiseMin(v);
+      high = high.cwiseMax(v);
+    }
+  }
+  bool holds(const Vec3& p) const { return (p.array() > low.array()).all() && (p.array() < high.array()).all(); }
+  bool holds(const Extent& other) const { return holds(other.low) && holds(other.high); }
+};
+
+// Two files of one shape, or one file twice.
+bool coincide(const TriangleMesh& a, const TriangleMesh& b) {
+  if (a.vertices.size() != b.vertices.size() || a.triangles != b.triangles) return false;
+  const Extent extent(a);
+  const double near_m = 1e-9 * (extent.high - extent.low).maxCoeff();  // rounding of poses
+  return std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(),
+                    [near_m](const Vec3& p, const Vec3& q) { return (p - q).norm() <= near_m; });
+}
+
+// A body that may have something inside. Its queries are made when they are needed.
+class ClosedBody {
+ public:
+  explicit ClosedBody(const SceneObject& object) : object_(&object), extent_(*object.mesh) {}
+
+  const SceneObject& object() const { return *object_; }
+  bool holds(const Vec3& p) { return extent_.holds(p) && is_closed() && inside_->is_inside(p); }
+  bool holds(const TriangleMesh& mesh) {
+    if (mesh.vertices.empty() || !extent_.holds(Extent(mesh)) || !is_closed()) return false;
+    const std::size_t stride = 1 + mesh.vertices.size() / kMostPlaces;
+    for (std::size_t i = 0; i < mesh.vertices.size(); i += stride) {
+      if (!inside_->is_inside(mesh.vertices[i])) return false;
+    }
+    return true;
+  }
+
+ private:
+  bool is_closed() {
+    if (!is_known_ && find_boundary_loops(*object_->mesh).empty()) inside_ = std::make_unique<PointInMesh>(*object_->mesh);
+    is_known_ = true;
+    return inside_ != nullptr;
+  }
+
+  const SceneObject* object_;
+  Extent extent_;
+  bool is_known_ = false;
+  std::unique_ptr<PointInMesh> inside_ = {};
+};
+
+std::vector<ClosedBody> list_bodies(const Scene& scene) {
+  std::vector<ClosedBody> bodies;
+  for (const SceneObject& object : scene.objects) {
+    if (stands_still(object)) bodies.emplace_back(object);
+  }
+  return bodies;
+}
+
+void check_view(const SceneView& view, std::vector<ClosedBody>& bodies, CheckFindings& findings) {
+  const auto find = [&](const Vec3& p) {
+    return std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& body) { return body.holds(p); });
+  };
+  if (view.camera) {
+    const Vec3& p = view.camera->p_WE;
+    if (const auto body = find(p); body != bodies.end()) {
+      findings.push_back({SceneFault::view_inside, "", p,
+                          fmt::format("the camera is inside object '{}', and shows it from there", body->object().name),
+                          "move position_m of [camera] out of it"});
+    }
+  }
+  for (std::size_t i = 0; i < view.lights.size(); ++i) {
+    if (!view.lights[i].has_position) continue;
+    const Vec3& p = view.lights[i].towards_or_p_W;
+    if (const auto body = find(p); body != bodies.end()) {
+      findings.push_back({SceneFault::view_inside, "", p,
+                          fmt::format("[[light]] {} is inside object '{}', and lights no outside of it", i + 1, body->object().name),
+                          "move its position_m out of it, or give a direction"});
+    }
+  }
+}
+
+}  // namespace
+
+CheckFindings check_places(const Scene& scene) {
+  CheckFindings findings;
+  std::vector<ClosedBody> bodies = list_bodies(scene);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const SceneObject& object = bodies[i].object();
+    const auto twin = std::find_if(bodies.begin(), bodies.begin() + static_cast<std::ptrdiff_t>(i),
+                                   [&](const ClosedBody& other) { return coincide(*other.object().mesh, *object.mesh); });
+    if (twin != bodies.begin() + static_cast<std::ptrdiff_t>(i)) {
+      findings.push_back({SceneFault::coincides, object.name, object.mesh->vertices.front(),
+                          fmt::format("the same shape in the same place as object '{}': which of the two is felt and drawn is chance",
+                                      twin->object().name),
+                          "move one of them, or leave it out"});
+      continue;
+    }
+    const auto outer = std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& other) {
+      return &other.object() != &object && !other.object().effects.layers.is_on() && other.holds(*object.mesh);
+    });
+    if (outer == bodies.end()) continue;
+    findings.push_back(
+        {SceneFault::enclosed, object.name, object.mesh->vertices.front(),
+         fmt::format("altogether inside object '{}', whose surface keeps the probe out: nobody can touch it", outer->object().name),
+         "move it out, or give the material of the outer one layers that give way"});
+  }
+  check_view(scene.view, bodies, findings);
+  return findings;
+}
+
+CheckFindings check_friction(const SceneObject& object) {
+  const double most = object.material.friction_static;
+  if (!(most > kMostFriction)) return {};
+  const double degrees = std::atan(most) * 180.0 / std::numbers::pi;
+  return {
+      {SceneFault::rough, object.name, std::nullopt,
+       fmt::format("friction_static = {:.3g}: the tip sticks until it is pulled {:.3g} degrees away from the normal, as on no dry surface",
+                   most, degrees),
+       fmt::format("give friction_static up to {:g} (0.8 is rough, 1.2 rubber)", kMostFriction)}};
+}
+
+}  // namespace hapton
