@@ -41,11 +41,17 @@ inline TouchScene on_patch_grid(TouchScene scene) {
 inline std::vector<Message> parts_of(const TiledScene& tiled, std::uint32_t epoch = 1) {
   std::vector<Message> parts;
   PatchSource source(tiled, 0.0, 7, epoch, {.bits_per_s = 1e15, .least_reach_m = 1e3});
-  for (std::int64_t now_ns = 1'000'000'000;; now_ns += 1'000'000) {
-    auto part = source.take(now_ns);
-    if (!part && now_ns > 1'140'000'000) return parts;
-    if (part) parts.push_back(std::move(*part));
+  PatchStore store;  // what it has is not sent again
+  std::int64_t last_ns = 1'000'000'000;
+  for (std::int64_t now_ns = last_ns; now_ns - last_ns < 50'000'000; now_ns += 1'000'000) {
+    while (auto part = source.take(now_ns)) {
+      (void)store.accept_part(*part);
+      parts.push_back(std::move(*part));
+      last_ns = now_ns;
+    }
+    source.accept(store.status());
   }
+  return parts;
 }
 
 // The body is whole once all parts are there, whatever kind comes last; and again in the next epoch.

@@ -147,7 +147,8 @@ std::vector<SeededFault> seeded_faults() {
       {"OutsideABall", good_block(), "position_m = [0.05, 0.05, 0]\n", "", {"--device", "touch"}, "out-of-reach"},
       {"FarAway", good_ball(), "position_m = [1, 0, 0]\n", "", {}, "out-of-reach", Vec3(1.04, 0, 0)},
       {"HalfOutside", good_ball(), "position_m = [0, 0.09525, 0]\n", "", {}, "out-of-reach", Vec3(0, 0.13525, 0)},
-      {"WrongUnit", scaled_and_moved(good_ball(), 1000.0, Vec3::Zero()), "", "", {}, "out-of-reach"},
+      // what is of the right size is inside it
+      {"WrongUnit", scaled_and_moved(good_ball(), 1000.0, Vec3::Zero()), "", "", {}, "out-of-reach", {}, 0.005, {"enclosed"}},
       {"ASpeck", good_ball(), "unit = 'mm'\n", "", {}, "too-small"},
       // a ball over hundreds of triangles takes tens of microseconds, of the one that a cycle has
       {"TooSlow",
