@@ -1,0 +1,75 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <thread>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "haptics_node/patch_sender.h"
+#include "patch/patch_store.h"
+#include "runtime/clock.h"
+#include "tests/support/made_scene.h"
+
+namespace hapton {
+
+inline constexpr std::array<float, 12> kAtW = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+
+// A sender, and a hub that wants the scene.
+struct SenderStage {
+  explicit SenderStage(bool is_offered = true, TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20)))
+      : sender(std::move(scene), 0.0, 7, is_offered, {.bits_per_s = 1e8, .least_reach_m = 1.0}) {}
+
+  void want() {
+    PatchStatus status = store.status();
+    status.is_wanted = true;
+    status.request = request;
+    status.knows_effects = knows_effects;
+    status.newest_move = confirmed.newest();
+    status.moves_received = confirmed.received();
+    sender.accept(status, clock.now_ns());
+    sender.note_hand({.sample = ++sample, .sample_time_ns = clock.now_ns()}, kAtW);
+  }
+  // Takes what is sent for that long.
+  void receive_for(std::chrono::milliseconds time) {
+    for (const auto end = std::chrono::steady_clock::now() + time; std::chrono::steady_clock::now() < end;) {
+      want();
+      for (const Message* part = sender.front(); part != nullptr; part = sender.front()) {
+        if (!store.accept_part(*part)) moves.push_back(std::get<ObjectMove>(*part));
+        ++received;
+        sender.pop();
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+  }
+  // What is sent is lost, and so is all that the hub says.
+  bool lose_until(const auto& holds) {
+    for (int n = 0; n < 6000 && !holds(); ++n) {
+      for (; sender.front() != nullptr && !holds(); sender.pop()) {
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return holds();
+  }
+  std::size_t triangles() const { return store.make_piece(Vec3::Zero(), 1.0, 100'000).triangles; }
+  bool receive_until(const auto& holds) {
+    for (int n = 0; n < 600 && !holds(); ++n) receive_for(std::chrono::milliseconds(50));
+    return holds();
+  }
+  bool is_whole() const { return store.has_begun() && std::isinf(store.known_radius(Vec3::Zero())); }
+
+  SteadyClock clock;
+  PatchSender sender;
+  PatchStore store;
+  std::vector<ObjectMove> moves;
+  MoveTable confirmed;
+  std::uint32_t request = 9;
+  bool knows_effects = true;
+  std::uint64_t sample = 0;
+  int received = 0;
+};
+
+}  // namespace hapton
