@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "patch/to_frame.h"
+
 namespace hapton {
 namespace {
 
@@ -15,25 +17,22 @@ std::vector<int> frames_of(const std::vector<int>& body_of, std::vector<std::siz
     if (body > 0 && known == bodies.end()) known = bodies.insert(known, number);
     frames.push_back(body > 0 ? static_cast<int>(known - bodies.begin()) : EffectStep::kStill);
   }
-  if (bodies.empty()) frames.clear();
   return frames;
 }
-
-Vec3 to_frame(const Pose& X_AB, const Vec3& p_A) noexcept { return X_AB.linear().transpose() * (p_A - X_AB.translation()); }
 
 }  // namespace
 
 FeltEffects::FeltEffects(const SceneEffectSet& effects)
-    : effects_(effects.surfaces, effects.space, frames_of(effects.body_of, bodies_)), body_of_(effects.body_of) {
+    : frame_of_(frames_of(effects.body_of, bodies_)), effects_(effects.surfaces, effects.space, frame_of_) {
   X_SF_.resize(bodies_.size(), Pose::Identity());
   for (const SurfaceEffects& surface : effects.surfaces) {
     maps_.push_back(surface.maps.is_on() ? std::make_unique<MapFinder>(surface.maps) : nullptr);
   }
 }
 
-std::size_t FeltEffects::body_of(int object) const noexcept {
+int FeltEffects::frame_of(int object) const noexcept {
   const auto number = static_cast<std::size_t>(object);
-  return object >= 0 && number < body_of_.size() ? static_cast<std::size_t>(body_of_[number]) : 0;
+  return object >= 0 && number < frame_of_.size() ? frame_of_[number] : EffectStep::kStill;
 }
 
 MapFinder* FeltEffects::find_maps(int object) const noexcept {
@@ -71,11 +70,12 @@ void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::op
     // Past the edge of a patch there is no object, unless another body is touched there.
     if (!output->is_beyond || output->object >= 0) touched_ = output->object;
     contact.object = touched_;
-    const std::size_t body = body_of(touched_);
-    if (body > 0) place = bodies.place(body, touched_);
+    const int frame = frame_of(touched_);
+    const bool moves = frame != EffectStep::kStill;
+    if (moves) place = bodies.place(bodies_[static_cast<std::size_t>(frame)], touched_);
     if (place) contact.place = &*place;
     if (MapFinder* const finder = find_maps(touched_); finder != nullptr) {
-      const Vec3 p_OP = body > 0 ? to_frame(bodies.pose(body), contact.p_SP) : contact.p_SP;
+      const Vec3 p_OP = moves ? to_frame(X_SF_[static_cast<std::size_t>(frame)], contact.p_SP) : contact.p_SP;
       contact.map = &map.emplace(finder->find(place ? place->p_rest : p_OP));
     }
   } else {

@@ -39,13 +39,13 @@ class FeltEffects {
 
  private:
   void note_scene(const TouchInput& input) noexcept;
-  std::size_t body_of(int object) const noexcept;
+  int frame_of(int object) const noexcept;
   MapFinder* find_maps(int object) const noexcept;
 
   std::vector<std::size_t> bodies_;  // that move and have effects, by number of their frame
+  std::vector<int> frame_of_;        // by object, that number; EffectStep::kStill: it stands still, or has no effects
   EffectStep effects_;
-  std::vector<int> body_of_;                      // by object
-  std::vector<Pose> X_SF_;                        // likewise
+  std::vector<Pose> X_SF_;                        // of these bodies, at the newest sample
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none
   TouchInput last_;                               // of the last step
   bool has_last_ = false;

@@ -4,13 +4,9 @@
 #include <utility>
 
 #include "link/commanded_move.h"
+#include "patch/to_frame.h"
 
 namespace hapton {
-namespace {
-
-Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpose() * (p_S - X_SO.translation()); }
-
-}  // namespace
 
 PatchChain::PatchChain() : touches_(kLinks) { p_OD_.fill(Vec3::Zero()); }
 

@@ -124,7 +124,7 @@ class VisionStep {
   bool wants_picture(std::int64_t now_ns, const Screen& where);
   // Whether the rate allows a frame now.
   bool may_draw(std::int64_t now_ns) const;
-  // Its numbers are renewed ten times a second, so that they can be read.
+  // What is to be drawn. The numbers of its texts are renewed ten times a second, so that they can be read.
   Shown compose(std::int64_t now_ns);
   // The texts of the newest state, for a picture that stays; valid until the next call or compose().
   Texts compose_texts(std::int64_t now_ns);

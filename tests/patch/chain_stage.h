@@ -128,7 +128,7 @@ class ChainStage {
   const CommandedMotion* find_commanded(int object) const { return whole_->find_commanded(object); }
 
   double time_s() const { return time_s_; }
-  // Before the first step: the chain's time begins with it, as that of the whole scene does.
+  // Both before the first step. The chain's time begins with it, as that of the whole scene does: almost none has passed before.
   void begin_together() { before_s_ = 1e-12; }
   void skip_to(double time_s) { time_s_ = time_s; }
   PatchChain& chain() { return chain_; }
