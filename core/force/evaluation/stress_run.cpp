@@ -39,13 +39,18 @@ constexpr double kRelative = 4e-9;        // a method may use this share of the 
 constexpr int kMostCarried = 1024;        // steps that a motion may take
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 
-// Where the segment crosses a face, well away from its edges. Tests every triangle.
+// Where the segment crosses a face, well away from its edges. Tests every triangle whose box meets that of the segment.
 std::optional<Vec3> find_crossing(const TriangleMesh& mesh, const Vec3& from, const Vec3& to) {
   const Vec3 motion = to - from;
+  const Vec3 low = from.cwiseMin(to);
+  const Vec3 high = from.cwiseMax(to);
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Vec3& a = mesh.corner(i, 0);
-    const Vec3 ab = mesh.corner(i, 1) - a;
-    const Vec3 ac = mesh.corner(i, 2) - a;
+    const Vec3& b = mesh.corner(i, 1);
+    const Vec3& c = mesh.corner(i, 2);
+    if ((a.cwiseMax(b).cwiseMax(c).array() < low.array()).any() || (a.cwiseMin(b).cwiseMin(c).array() > high.array()).any()) continue;
+    const Vec3 ab = b - a;
+    const Vec3 ac = c - a;
     const Vec3 n = ab.cross(ac);
     const double slope = -motion.dot(n);
     const Vec3 ap = from - a;

@@ -25,6 +25,26 @@ bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const 
   return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
 }
 
+// False only if the segment stays farther than `reach` from the box. The axes are the edges of the box, and those perpendicular to one of
+// them and to the segment. Of the reach, a few roundings are lost.
+bool comes_near(const Vec3& middle, const Vec3& half, const Vec3& low, const Vec3& high, double reach) {
+  const Vec3 off = (0.5 * (low + high) - middle).cwiseAbs();
+  const Vec3 side = 0.5 * (high - low) + Vec3::Constant(reach);
+  const Vec3 length = half.cwiseAbs();
+  if ((off.array() > (side + length).array()).any()) return false;
+  const Vec3 across = (0.5 * (low + high) - middle).cross(half).cwiseAbs();
+  return across.x() <= side.y() * length.z() + side.z() * length.y() && across.y() <= side.z() * length.x() + side.x() * length.z() &&
+         across.z() <= side.x() * length.y() + side.y() * length.x();
+}
+
+// The whole motion stays on one side of the triangle's plane, farther from it than `reach`.
+bool stays_beside(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double reach) {
+  if (!triangle.has_face) return false;
+  const double height = triangle.normal.dot(from - triangle.corner[triangle.base]);
+  const double height_after = height + triangle.normal.dot(motion);
+  return std::min(height, height_after) > reach || std::max(height, height_after) < -reach;
+}
+
 }  // namespace
 
 ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces)
@@ -323,14 +343,15 @@ bool ReferenceProxy::is_local(const Vec3& p, double bound) const noexcept {
 // The first of `count` faces on the path, and its time.
 template <class FaceAt>
 ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
-  const Vec3 end = state_.position + motion;
-  const Vec3 low = state_.position.cwiseMin(end).array() - (rest_offset_ + 2.0 * kTolerance);
-  const Vec3 high = state_.position.cwiseMax(end).array() + (rest_offset_ + 2.0 * kTolerance);
+  const double reach = rest_offset_ + 2.0 * kTolerance;
+  const Vec3 half = 0.5 * motion;
+  const Vec3 middle = state_.position + half;
   FirstHit first;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = face_at(k);
     const Face& face = faces_[i];
-    if (!boxes_meet(boxes_[i].low, boxes_[i].high, low, high) || !can_meet(face)) continue;
+    if (!comes_near(middle, half, boxes_[i].low, boxes_[i].high, reach) || !can_meet(face)) continue;
+    if (stays_beside(face.shape, state_.position, motion, reach)) continue;
     const double distance = closest_point(face.shape, state_.position).distance;
     // A motion ends at the rest offset less the tolerance. Where the distance is already smaller, a motion may reduce it by one kErosion
     // more, but never below half, so any number of motions stays on the proxy's side.
