@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::array<std::pair<StereoMode, std::string_view>, 16> kNames = {{
+constexpr auto kNames = std::to_array<std::pair<StereoMode, std::string_view>>({
     {StereoMode::automatic, "auto"},
     {StereoMode::mono, "mono"},
     {StereoMode::side_by_side, "side_by_side"},
@@ -25,7 +25,8 @@ constexpr std::array<std::pair<StereoMode, std::string_view>, 16> kNames = {{
     {StereoMode::fake, "fake"},
     {StereoMode::emulate, "emulate"},
     {StereoMode::openxr, "openxr"},
-}};
+});
+static_assert(kNames.size() == static_cast<std::size_t>(StereoMode::openxr) + 1, "each mode has a name; openxr is the last");
 
 }  // namespace
 

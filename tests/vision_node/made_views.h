@@ -59,7 +59,7 @@ inline std::unique_ptr<StereoView> open_or_fail(const ViewSettings& settings, co
 
 // A minute at most.
 inline void wait_for_levels(StereoView& view) {
-  for (int turns = 0; turns < 6'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int turns = 0; turns < 30'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   ASSERT_EQ(view.detail_progress(), 1.0);
 }
 
