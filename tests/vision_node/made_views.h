@@ -57,7 +57,7 @@ inline std::unique_ptr<StereoView> open_or_fail(const ViewSettings& settings, co
   return std::move(*view);
 }
 
-// A minute at most.
+// Five minutes at most: levels are made at the lowest priority, and other programs may be running.
 inline void wait_for_levels(StereoView& view) {
   for (int turns = 0; turns < 30'000 && view.detail_progress() < 1.0; ++turns) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   ASSERT_EQ(view.detail_progress(), 1.0);
