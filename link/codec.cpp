@@ -136,7 +136,7 @@ constexpr std::tuple kMessageKinds{
     MessageKind<Bye, wire::Bye>{&wire::Envelope::has_bye, &wire::Envelope::bye, &wire::Envelope::mutable_bye},
 };
 constexpr std::size_t kKindCount = std::tuple_size_v<decltype(kMessageKinds)>;
-static_assert(kKindCount == std::variant_size_v<Message>);
+static_assert(kKindCount == std::variant_size_v<Message>, "each kind of Message has a line in kMessageKinds");
 // Fields 1 to 5 of an Envelope are its header, the others one kind each, from 16 on.
 static_assert(wire::Envelope::kPatchEffectsFieldNumber == 15 + kKindCount, "the last kind of hapton.proto, and its line in kMessageKinds");
 

@@ -24,7 +24,7 @@ const char* name_of(const Message& message) {
       "MaterialState", "ObjectPose",  "Marker",      "MarkerReply",      "MoveRequest",        "MoveReply",     "ObjectMove",
       "Carves",        "CarveStatus", "PatchBody",   "PatchMaterial",    "CarveUndo",          "ShapeRequest",  "ShapeReply",
       "ObjectShape",   "ShapeStart",  "ShapeStatus", "PatchDeformation", "PatchDisplacements", "PatchStream",   "PatchEffects"};
-  static_assert(kNames.size() == std::variant_size_v<Message>);
+  static_assert(kNames.size() == std::variant_size_v<Message>, "each kind of Message has its name here");
   return kNames[message.index()];
 }
 
