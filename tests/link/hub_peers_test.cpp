@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <random>
+#include <set>
+#include <variant>
 #include <vector>
 
 #include "link/hub_client.h"
@@ -392,6 +394,14 @@ TEST_F(RoleRights, EachRoleSendsWhatIsItsOwn) {
       {ObjectShape{.source = 1, .serial = 1, .part = {.total = 1}}, NodeRole::haptics},
       {ShapeStart{.source = 1, .total = 1}, NodeRole::haptics},
       {ShapeStatus{.source = 1, .serial = 1}, NodeRole::vision}};
+  // The hub's own, those of every role, and those of two roles, below.
+  const std::vector<Message> others = {Hello{},      Welcome{},    Bye{},          DeviceState{}, ProbeState{},
+                                       ReportPart{}, SceneFacts{}, ViewRejected{}, PatchStatus{}, LoopFacts{},
+                                       ObjectPose{}, Marker{},     MarkerReply{},  MoveRequest{}, ShapeRequest{}};
+  std::set<std::size_t> kinds;
+  for (const auto& [message, owner] : messages) kinds.insert(message.index());
+  for (const Message& message : others) kinds.insert(message.index());
+  EXPECT_EQ(kinds.size(), std::variant_size_v<Message>) << "who may send a kind that is in neither list?";
   const std::vector<std::pair<NodeRole, KeyRole>> nodes = {
       {NodeRole::haptics, KeyRole::haptics}, {NodeRole::vision, KeyRole::vision}, {NodeRole::tool, KeyRole::tool}};
   for (std::size_t n = 0; n < nodes.size(); ++n) {
