@@ -117,11 +117,12 @@ class DragLegs::SlipSearch {
     return true;
   }
 
-  // Halves the slip until it is nearly a cubic.
+  // Halves the slip until it is nearly a cubic. Along an edge that the device is straight below, the centre goes a long way before it turns
+  // from one side of the edge to the other, within an offset: a cubic over all of it would lead through the faces. False: it is not found.
   bool make_path(SlipPath& slip) noexcept {
     const Vec3& centre = legs_.centre_;
     const Vec3& direction = slip.direction;
-    for (int i = 0;; ++i) {
+    for (int i = 0; i <= kMostHalvings; ++i) {
       slip.length = length_;
       if (drag_.is_flat() || !(length_ > 0.0)) {
         slip.path = CentrePath::straight(centre, end_.centre);
@@ -133,16 +134,19 @@ class DragLegs::SlipSearch {
       const Vec3 guess = 0.5 * (centre + last.centre) + 0.125 * length_ * (direction - last.slope);
       const double uneven = (end_.centre - guess).norm();
       slip.is_exact = uneven <= kExact;
-      if (i == kMostRounds || uneven <= legs_.most_uneven(length_)) break;
+      if (uneven <= legs_.most_uneven(length_)) {
+        legs_.contacts_.guide(slip.path);
+        return true;
+      }
       length_ *= 0.5;
       slip.stops = false;
       slip.released = -1;
     }
-    legs_.contacts_.guide(slip.path);
-    return true;
+    return false;
   }
 
-  static constexpr int kMostRounds = 8;  // of Newton's method, and of halving; then the slip goes as far as it may
+  static constexpr int kMostRounds = 8;     // of Newton's method
+  static constexpr int kMostHalvings = 40;  // from the size of the scene to a thousandth of a contact offset
 
   DragLegs& legs_;
   const OffsetDrag& drag_;

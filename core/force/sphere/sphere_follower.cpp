@@ -164,7 +164,8 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
     moved[static_cast<std::size_t>(i % 3)] = turn.norm();
-    if (contacts_.is_empty() || (i % 3 != 2 && turn.norm() <= LocalMinimum::kAtMinimum) || work_ > most_work_) break;
+    if (contacts_.is_empty() || (i % 3 != 2 && turn.norm() <= LocalMinimum::kAtMinimum)) break;
+    if (work_ > most_work_) return Outcome::exhausted;
     const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;
     ahead = turn * std::min(share / (1.0 - share), 1.0 / turn.norm());
   }

@@ -140,7 +140,9 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"probe-star", 10, 308, false, false, 0.0, 0.0, 1e6},      // a minimum that vanishes exactly at the sample
            {"needles", 8, 644, false, false, 1e6},                    // a groove of 1e-10 of the extent holds the point
            {"touching-parts", 22, 307, false, false, 0.0, 0.0, 1e6},  // from a place exactly on an edge, within the plane of a face
-           {"overlapping-parts", 21, 39, false, false, 1e6},          // a piece of path went over to the other of two nearly parallel lines
+           {"needles", 1, 83, true},                          // a slip along an edge, the device straight below: one cubic for half a turn
+           {"sealed-box", 2, 203, false, false, 1000.0},      // a device a thousand extents off, out of work before it had arrived
+           {"overlapping-parts", 21, 39, false, false, 1e6},  // a piece of path went over to the other of two nearly parallel lines
        }) {
     StressPlan plan;
     plan.method.name = "proxy";

@@ -76,6 +76,41 @@ TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
   EXPECT_EQ(stage.follower->centre(), there);
 }
 
+// A roof whose ridge is the y axis.
+TriangleMesh make_roof() {
+  TriangleMesh roof;
+  for (const double y : {-1.0, 1.0}) {
+    for (const Vec3& p : {Vec3(0, y, 0), Vec3(-1, y, -1), Vec3(1, y, -1)}) roof.vertices.push_back(p);
+  }
+  roof.triangles = {{0, 2, 1}, {3, 4, 5}, {0, 3, 5}, {0, 5, 2}, {0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}};
+  return roof;
+}
+
+// The centre slips along the ridge, and turns off it within an offset, in a place that depends on the logarithm of how far aside the device
+// is. It must not come out on the other side of the faces.
+TEST(SphereFollowerWithFriction, AlongARidgeWithTheDeviceStraightBelowItStaysOutside) {
+  constexpr double kStart = -0.9;
+  int turned = 0;
+  for (const double offset_m : {1e-9, 1e-6, 1e-3}) {
+    for (const double aside_m : {0.0, 1e-300, -1e-129, 1e-60, 1e-30, -1e-16, 1e-12, 1e-9, -1e-6, 1e-3}) {
+      for (const double along_m : {-0.8999, -0.89, -0.8, -0.3, 0.2, 0.8}) {
+        Stage stage(make_roof(), offset_m, kRubs);
+        stage.put({0.0, kStart, 0.1});
+        ASSERT_EQ(stage.move({0.0, kStart, -1e-3}), Outcome::settled);
+        ASSERT_FALSE(stage.follower->is_free());
+        const Outcome outcome = stage.finish(stage.geometry.to_local(Vec3(aside_m, along_m, -0.02)));
+        const Vec3 centre = stage.centre();
+        ASSERT_FALSE(stage.follower->is_free()) << "offset " << offset_m << ", aside " << aside_m << ", along " << along_m;
+        ASSERT_GE(centre.z() + std::fabs(centre.x()), 0.0)
+            << "offset " << offset_m << ", aside " << aside_m << ", along " << along_m << ": " << centre.transpose();
+        ASSERT_TRUE(outcome != Outcome::settled || stage.distance_to_nearest() >= stage.offset - kSlop);
+        turned += std::fabs(centre.x()) > offset_m ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(turned, 10) << "the test is about something";
+}
+
 class OverBumpsWithFriction : public testing::TestWithParam<std::tuple<std::uint64_t, double, double>> {};
 
 TEST_P(OverBumpsWithFriction, OneStepIsTheSameMotionInParts) {
