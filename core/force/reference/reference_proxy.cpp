@@ -25,8 +25,8 @@ bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const 
   return (low_a.array() <= high_b.array()).all() && (low_b.array() <= high_a.array()).all();
 }
 
-// False only if the segment stays farther than `reach` from the box. The axes are the edges of the box, and those perpendicular to one of
-// them and to the segment. Of the reach, a few roundings are lost.
+// False only if the segment stays farther than `reach` from the box; reach includes the rounding of positions along the segment. The axes
+// are the edges of the box, and those perpendicular to one of them and to the segment.
 bool comes_near(const Vec3& middle, const Vec3& half, const Vec3& low, const Vec3& high, double reach) {
   const Vec3 off = (0.5 * (low + high) - middle).cwiseAbs();
   const Vec3 side = 0.5 * (high - low) + Vec3::Constant(reach);
@@ -343,9 +343,11 @@ bool ReferenceProxy::is_local(const Vec3& p, double bound) const noexcept {
 // The first of `count` faces on the path, and its time.
 template <class FaceAt>
 ReferenceProxy::FirstHit ReferenceProxy::find_first(const Vec3& motion, std::size_t count, const FaceAt& face_at) const noexcept {
-  const double reach = rest_offset_ + 2.0 * kTolerance;
   const Vec3 half = 0.5 * motion;
   const Vec3 middle = state_.position + half;
+  // A device may be so far off that this rounding is more than all the rest.
+  const double rounding = 0x1p-49 * (1.0 + state_.position.cwiseAbs().sum() + motion.cwiseAbs().sum());
+  const double reach = rest_offset_ + 2.0 * kTolerance + rounding;
   FirstHit first;
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = face_at(k);
