@@ -46,7 +46,7 @@ void add_scene_options(CLI::App& app, HapticsOptions& options, HapticsWords& wor
                "Read the scene file again when it is saved: materials, effects and objects fade in; an error leaves the scene as it is");
   app.add_option("--probe", options.probe,
                  "Probe of the scene file that this node computes, by the name of its [[probe]]: radius, method and shading (default: the "
-                 "first one); flags count more");
+                 "first one); flags take precedence");
   app.add_option("--unit", words.unit, "Unit of a mesh file: m (default), cm, mm or in")->check(accepts(parse_unit));
   app.add_flag("--no-seal", words.no_seal, "Do not seal cracks: by default those up to 1e-4 of the longest side are closed");
   app.add_flag("--no-fit", words.no_fit, "Keep a mesh file's position and size; default: centred and scaled to the workspace");

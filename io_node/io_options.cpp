@@ -78,13 +78,13 @@ void add_device_options(CLI::App& app, IoOptions& options) {
       "--trajectory", options.device.trajectory,
       "CSV of the motion that is replayed (replay), or that the simulated hand follows: t_s,x_m,y_m,z_m[,qw,qx,qy,qz][,buttons]");
   app.add_flag("--loop", options.device.loop,
-               "Repeat the trajectory; without it a replay ends the program, and the simulated hand stays at its last row");
+               "Repeat the trajectory; otherwise a replay ends with it, and the simulated hand stays at its last row");
 }
 
 void add_run_options(CLI::App& app, IoOptions& options) {
   app.add_option("--rate", options.rate_hz, "Servo rate, Hz")->check(between(kMinServoRateHz, kMaxServoRateHz))->capture_default_str();
   app.add_option("--vision-rate", options.vision_rate_hz,
-                 "Largest rate of probe states to each vision node, Hz, which gets no more than it draws; 0: none")
+                 "Largest rate of probe states to each vision node, Hz; a node gets no more than it draws; 0: none")
       ->check(between(0.0, kMaxServoRateHz))
       ->capture_default_str();
   app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
@@ -111,7 +111,7 @@ void add_limit_options(CLI::App& app, IoOptions& options) {
 
 void add_button_options(CLI::App& app, IoOptions& options) {
   auto* dead_mans_switch = app.add_option("--dead-mans-switch", options.device.dead_mans_switch,
-                                          "Dead man's switch: force only while this button is held; 1 the first; 0: none")
+                                          "Dead man's switch: force only while this button is held; 1: the first; 0: none")
                                ->check(between(0, 32));
   // Its old name counts from 0, unlike all other buttons.
   auto* const hold_button =
@@ -129,7 +129,7 @@ void add_button_options(CLI::App& app, IoOptions& options) {
   dead_mans_switch->remove_excludes(hold_button);  // CLI11 sets both directions, and --help would list a hidden option as an empty name
   app.add_option(
          "--clutch-button", options.device.clutch_button,
-         "Clutch: while this button is held the probe stands still, without force, and the hand can be moved back; 1 the first; 0: none")
+         "Clutch: while this button is held the probe stands still, without force, and the hand can be moved back; 1: the first; 0: none")
       ->check(between(0, 32));
 }
 

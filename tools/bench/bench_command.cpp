@@ -3,7 +3,8 @@
 namespace hapton {
 
 void add_bench_command(CommandLine app, int& exit_code) {
-  const CommandLine bench = app.add_subcommand("bench", "Measure methods and structures beside other libraries; alone: numbers");
+  const CommandLine bench =
+      app.add_subcommand("bench", "Measure methods and structures beside other libraries; without a subcommand: numbers");
   bench.require_subcommands(0, 1);
   add_bench_effects_command(bench, exit_code);
   add_bench_sixdof_command(bench, exit_code);

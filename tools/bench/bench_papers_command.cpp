@@ -105,7 +105,7 @@ void add_bench_papers_command(CommandLine bench, int& exit_code) {
   auto options = std::make_shared<PapersOptions>();
   const CommandLine command = bench.add_subcommand("papers", "Both papers' own figures measured again: paper, ours, ratio");
   command.add_flag("--quick", options->quick, "Short runs: about half a minute");
-  command.add_flag("--no-nodes", options->without_nodes, "Leave out what needs io_node, haptics_node and vision_node");
+  command.add_flag("--no-nodes", options->without_nodes, "Leave out the figures that need io_node, haptics_node and vision_node");
   const CommandOption json = command.add_flag("--json", options->json, "Print the JSON report instead of the table");
   command.add_flag("--csv", options->csv, "Print the CSV table instead").excludes(json);
   command.add_option("--mesh", options->mesh, "Mesh for the FDH paper's figures (its models have some 20,000 triangles)").shows_default();

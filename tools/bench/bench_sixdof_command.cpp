@@ -62,8 +62,8 @@ void add_bench_sixdof_command(CommandLine bench, int& exit_code) {
       .between(100, 10'000'000)
       .shows_default();
   command.add_option("--seed", options->settings.seed, "Seed of the motions and of the bumpy bodies").shows_default();
-  command.add_flag("--proxy-only", options->proxy_only, "Without voxels and the libraries it is compared with");
-  command.add_option("--threads", options->threads, "Number of threads with which the tool is measured as well")
+  command.add_flag("--proxy-only", options->proxy_only, "Measure only the proxy, without voxels and other libraries");
+  command.add_option("--threads", options->threads, "Measure the tool with this number of threads as well")
       .between(1, WorkerTeam::kMaxWorkers)
       .shows_default();
   command.add_option("--out", options->out, "Folder for sixdof.txt, sixdof.csv, sixdof.json and sixdof.png; default: none are written")

@@ -157,8 +157,8 @@ void add_method_and_bodies(const CommandLine& command, StressOptions& options) {
       .shows_default();
   command
       .add_option("--steps", plan.steps,
-                  "Minimum number of steps of each body, shared by all scales and places; an episode of up to 400 is never shortened. If "
-                  "one scale gets 10,000, walks of 20,000 steps follow")
+                  "Minimum number of steps for each body, over all scales and places together; an episode of up to 400 steps is never "
+                  "shortened. If one scale gets 10,000 steps or more, walks of 20,000 steps follow")
       .positive()
       .shows_default();
   command.add_option("--seed", plan.seed, "Seed of every random choice").shows_default();
@@ -173,7 +173,8 @@ void add_stress_command(CommandLine app, int& exit_code) {
   auto options = std::make_shared<StressOptions>();
   options->plan.method.name = "proxy";
   options->plan.threads = std::max(1U, std::thread::hardware_concurrency());
-  const CommandLine command = app.add_subcommand("stress", "Numerical stress test of a force method; exit code 0 only without faults");
+  const CommandLine command =
+      app.add_subcommand("stress", "Run a numerical stress test of a force method; exit code 0 only without faults");
   add_method_and_bodies(command, *options);
   const CommandOption patches = command.add_flag(
       "--patches", options->plan.by_patches,

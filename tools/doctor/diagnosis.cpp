@@ -22,7 +22,7 @@ constexpr std::array kChecks = {
     Check{"devices", "what is plugged in, its node, driver and rights", false, check_devices},
     Check{"libraries", "vendors' libraries", false, check_libraries},
     Check{"services", "daemons that affect devices", false, check_services},
-    Check{"hub", "what a running io_node says of its device", false, check_hub},
+    Check{"hub", "what a running io_node reports about its device", false, check_hub},
     Check{"rights", "what the servo loop may request", true, check_rights},
     Check{"sleep", "how long CPUs take to wake", true, check_sleep},
     Check{"cpus", "number, frequency, hypervisor", true, check_cpus},

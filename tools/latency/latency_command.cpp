@@ -99,7 +99,7 @@ void add_run_options(CommandLine command, LatencyRunOptions& options) {
       command.add_flag("--vision", options.vision, "Include a vision node: device to frame, motion to photon"),
       command
           .add_option("--cpu", options.cpu,
-                      "Pin io_node and echo to this CPU; -1: any; default: measured, the nodes share the last CPU or have one each")
+                      "Pin io_node and echo to this CPU; -1: any; by default measured: the nodes share the last CPU, or have one each")
           .between(-1, 1023),
       command.add_option("--haptics-cpu", options.haptics_cpu, "Pin haptics_node to this CPU; -1: any; default: as --cpu, or measured")
           .between(-1, 1023)};

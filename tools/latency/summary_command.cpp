@@ -33,7 +33,7 @@ void add_summary_command(CommandLine app, int& exit_code) {
   const CommandLine command =
       app.add_subcommand("summary", "Print in two lines what a run touched, and whether it kept its rate without faults");
   command.add_option("folder", options->folder, "Folder with the run's report.json, or that file").required();
-  command.add_option("--scene", options->scene, "Scene of the run, for the text");
+  command.add_option("--scene", options->scene, "Scene of the run, to name it in the text");
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -134,9 +134,8 @@ void add_screen_command(CommandLine app, int& exit_code) {
   command.add_option("--hub", options->hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->hub.key_file, kKeyHelp);
   command.add_option("--corners", options->corners,
-                     "The touched points, in place of touching them with a device: \"X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z\" in m, frame W: lower left, "
-                     "lower right, upper right, "
-                     "upper left");
+                     "Corners that were measured without the device: \"X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z\" in m, frame W: lower left, lower right, "
+                     "upper right, upper left");
   command.add_option("--out", options->out, "File (TOML) to write").file_to_write().shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }

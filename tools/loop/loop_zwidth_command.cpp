@@ -142,7 +142,7 @@ void add_loop_merge_command(CommandLine loop, int& exit_code) {
   auto options = std::make_shared<MergeOptions>();
   const CommandLine command = loop.add_subcommand("merge", "Join the CSV files of all shards of a grid");
   command.add_option("parts", options->parts, "CSV files, one a shard").required();
-  command.add_option("--out", options->out, "The whole grid").file_to_write().required();
+  command.add_option("--out", options->out, "File for the whole grid").file_to_write().required();
   command.on_run([options, &exit_code] {
     const auto merged = merge_csv({options->parts.begin(), options->parts.end()});
     const auto done = merged ? write_file_atomically(options->out, *merged) : Result<void>(tl::unexpected(merged.error()));

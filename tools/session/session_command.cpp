@@ -196,7 +196,7 @@ void add_session_command(CommandLine app, int& exit_code) {
   const CommandLine session = app.add_subcommand("session", "Inspect, export or replay a recorded session (io_node --record)");
   session.require_subcommands(1, 1);
 
-  const CommandLine info = session.add_subcommand("info", "Show what is in it: nodes, datagrams, rates, latencies, faults");
+  const CommandLine info = session.add_subcommand("info", "Show its contents: nodes, datagrams, rates, latencies, faults");
   info.add_option("file", options->file, "Recorded session").required();
   info.on_run([options, &exit_code] { exit_code = report(show_info(*options), "info"); });
 
