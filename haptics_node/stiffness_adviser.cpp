@@ -112,7 +112,7 @@ void add_turning(const LoopFacts& facts, StiffnessAdvice& advice) {
   }
 }
 
-// 0 where it has not risen.
+// 0 if it has not risen.
 double if_risen(double before, double now) { return now > before ? now : 0.0; }
 
 }  // namespace
@@ -159,7 +159,7 @@ StiffnessAdviser::~StiffnessAdviser() {
   thread_.join();
 }
 
-// What a stiffness is due to before it: read after it, it is at least as new.
+// Stores each cause before its stiffness. A reader loads the stiffness first, so the cause that it gets is at least as new.
 void StiffnessAdviser::set_gains(const LargestGains& gains) noexcept {
   cause_.store(gains.cause, std::memory_order_release);
   stiffness_n_per_m_.store(gains.stiffness_n_per_m, std::memory_order_release);
@@ -190,7 +190,7 @@ LargestGains StiffnessAdviser::read_gains() const noexcept {
 }
 
 void StiffnessAdviser::run() {
-  // Polls, since to wake this thread would be a system call in the thread that replies to the hub.
+  // Polls, because waking this thread would be a system call in the thread that replies to the hub.
   constexpr auto kPeriod = std::chrono::milliseconds(50);
   while (!stop_.load()) {
     if (facts_.take()) consider(facts_.value());

@@ -6,11 +6,11 @@ namespace hapton {
 
 // How far the clock of another host is ahead of ours, from datagrams that go there and back, with an error bound.
 //
-// An exchange leaves us at t1 and arrives there at t2 on their clock; the reply leaves at t3 on theirs and arrives here at t4. However
-// long each direction took, the offset is between t3 - t4 and t2 - t1. The middle is the estimate, and half the time on the wire its error
-// bound. The shortest exchange is the most accurate. Its bound grows with its age by kDriftShare, the fastest relative drift of two clocks
-// that the kernel slews in opposite directions. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter. Units: ns. RT: yes.
-// Threads: one.
+// A request leaves us at t1 on our clock and arrives at t2 on their clock; the reply leaves at t3 on theirs and arrives at t4 on ours.
+// However long each direction took, the offset is between t3 - t4 and t2 - t1. The middle is the estimate, and half the time on the wire
+// its error bound. The shortest exchange is the most accurate. Its bound grows with its age by kDriftShare, the fastest relative drift of
+// two clocks that the kernel slews in opposite directions. Source: D. Mills, RFC 5905 (NTP), section 10, the clock filter. Units: ns. RT:
+// yes. Threads: one.
 class ClockOffset {
  public:
   static constexpr double kDriftShare = 1e-3;  // 500 ppm each, the most that adjtime(2) slews
@@ -19,18 +19,18 @@ class ClockOffset {
     std::int64_t t1_ns = 0;  // ours: leaves
     std::int64_t t2_ns = 0;  // theirs: arrives
     std::int64_t t3_ns = 0;  // theirs: the reply leaves
-    std::int64_t t4_ns = 0;  // ours: it is here
+    std::int64_t t4_ns = 0;  // ours: the reply arrives
   };
 
   // Adds an exchange; one with impossible times (or whose difference overflows) is ignored.
   void add(const Exchange& exchange) noexcept;
-  // Another process is there: its clock is another one.
+  // Call when another process replies: its clock is another one.
   void forget() noexcept { *this = ClockOffset(); }
 
   bool is_known() const noexcept { return is_known_; }
   // Theirs minus ours. Pre: is_known().
   std::int64_t offset_ns() const noexcept { return offset_ns_; }
-  // The true offset is no further away than this at now_ns, our clock.
+  // Largest distance of the true offset from offset_ns() at now_ns, our clock.
   std::int64_t error_bound_ns(std::int64_t now_ns) const noexcept;
 
  private:

@@ -15,11 +15,10 @@
 
 namespace hapton {
 
-// What a session does with its window, whether it is live or recorded: events, head, stereo, detail, screenshots. Threads: the window's.
-// RT: no.
+// The window of a session, live or recorded: events, head, stereo, level of detail, screenshots. Threads: the window's. RT: no.
 class ViewerWindow {
  public:
-  // True: the event was meant for something else, and is used up.
+  // Returns true if it has used the event; the window then ignores it.
   using TakeEvent = std::function<bool(const WindowEvent&)>;
   // The surface under the pointer, frame W.
   using FindSurface = std::function<std::optional<Vec3>(const WindowEvent&)>;
@@ -30,11 +29,11 @@ class ViewerWindow {
   void set_head_tracker(HeadTracker* tracker) { head_tracker_ = tracker; }
   void set_space_head(SpaceHead* head) { space_head_ = head; }
 
-  // What makes teaching views; null: there are none. Pre: it outlives this.
+  // The maker of teaching views; null: no teaching views. Pre: it outlives this.
   void set_teacher(TeachBuilder* teacher) { teacher_ = teacher; }
-  // options and the view have another scene, with a teacher of its own. is_view_new: see VisionStep::change_scene.
+  // Call after options and view got another scene, with the teacher of that scene. is_view_new: see VisionStep::change_scene.
   void change_scene(TeachBuilder* teacher, bool is_view_new);
-  // The method in use: the radius of the probe, the size of the local set.
+  // Takes the radius of the probe and the size of the local set from the method in use.
   void use_setup(const HapticsSetup& setup);
 
   StereoView& view() { return view_; }
@@ -42,18 +41,18 @@ class ViewerWindow {
   const VisionStep& step() const { return step_; }
   VisionStep::Screen where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
 
-  // All that happened in the window since the last call. Returns the user's requests; those on stereo are done.
+  // Handles all events of the window since the last call. Returns the user's requests; those about stereo are done already.
   UserRequests attend(const TakeEvent& take, const FindSurface& find_surface);
-  // Waits until a teaching view shows the present probe, for a picture that stays.
+  // Waits until the teaching view shows the present probe, before a screenshot.
   void finish_teaching();
-  // Gives the view all of it but the probe.
+  // Updates everything in the view except the probe.
   void show(const VisionStep::Shown& shown);
-  // A little at a time, so that a probe that begins to move is drawn at once.
+  // Draws one more part of the scene in full detail. It takes a short time, so that a probe that begins to move is drawn at once.
   void refine_scene();
 
-  // Texts, probe and bar of the force are those of the newest state. Error: a file that cannot be written.
+  // The picture has the texts, the probe and the force bar of the newest state. Error: a file that cannot be written.
   Result<void> take_screenshot(const std::filesystem::path& file);
-  // hapton_001.png and so on, the first that does not exist.
+  // Writes hapton_001.png, or the next number that is free.
   Result<void> take_numbered_screenshot();
 
  private:

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kRing_m = 0.035;  // of each torus, with the next: 100 mm across
+constexpr double kRing_m = 0.035;  // of each torus; with kTube_m it is 100 mm across
 constexpr double kTube_m = 0.015;
 constexpr double kSpacing_m = 0.14;  // 40 mm between neighbours: the free trajectory goes 11 mm away
 
@@ -25,7 +25,7 @@ struct Scenes {
   std::shared_ptr<const TriangleMesh> touched;
 };
 
-// Twice as many quads round the axis as round the tube are about square.
+// Quads are about square if there are twice as many of them round the axis as round the tube.
 TriangleMesh make_object(std::size_t triangles) {
   const int around_tube = std::max(3, static_cast<int>(std::lround(std::sqrt(0.25 * static_cast<double>(triangles)))));
   const int around_axis = std::max(3, static_cast<int>(std::lround(0.5 * static_cast<double>(triangles) / around_tube)));

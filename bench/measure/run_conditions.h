@@ -24,7 +24,7 @@ struct RunConditions {
   double seconds = 0.0;
   std::vector<std::string> missing_peers;
 
-  // More was running than the machine has CPUs, this program included.
+  // Whether the load, this program included, was above the number of CPUs.
   bool was_shared() const;
   // One line for people.
   std::string to_text() const;

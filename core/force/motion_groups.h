@@ -17,7 +17,7 @@ struct MotionGroup {
 
   bool is_alone() const { return is_deforming || commanded >= 0; }
   bool moves() const { return motion != nullptr || is_deforming || commanded >= 0; }
-  // X_SO: where it is at that sample. RT: yes.
+  // X_SO, the pose of the group at the sample of the input. RT: yes.
   Pose pose_at(const MethodInput& input) const noexcept {
     if (commanded >= 0 && static_cast<std::size_t>(commanded) < input.commanded.size()) {
       return input.commanded[static_cast<std::size_t>(commanded)];
@@ -26,11 +26,11 @@ struct MotionGroup {
   }
 };
 
-// What stands still first, if anything does; the others in the order of the scene. RT: no.
+// The group that does not move comes first, if there is one; the others in the order of the scene. RT: no.
 std::vector<MotionGroup> group_by_motion(const TouchScene& scene);
 
-// Of a part of the scene while others hold the proxy as well (CommonProxy): without static friction, and damping is left to the common
-// proxy. RT: yes.
+// The material of a part of the scene while other parts hold the proxy as well (CommonProxy): without static friction, and without damping,
+// which the common proxy computes. RT: yes.
 inline Material shared_material(Material material) noexcept {
   material.friction_static = material.friction_dynamic;
   material.damping_ns_per_m = 0.0;

@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// The shapes of objects that programs deform that a haptics node had begun before its first force in a recording: it repeats the newest
-// start of each, and the hub requests their vertices (decision 208). Gathered in a first pass over the recording, by sender of the
-// datagrams. RT: no.
+// The shapes that a haptics node had begun before its first force in a recording, of objects that programs deform. The recording has them,
+// because the node repeats the newest start of each object, and the hub requests the vertices (decision 208). Collected in a first pass
+// over the recording, by sender of the datagrams. RT: no.
 class FirstShapes {
  public:
   struct Sender {
@@ -25,11 +25,11 @@ class FirstShapes {
   void add(std::uint64_t sender, const ObjectShape& shape);
   void add(std::uint64_t sender, const ShapeStart& start);
 
-  // Null: it sent nothing.
+  // Null if this sender sent nothing.
   const Sender* find(std::uint64_t sender) const;
 
  private:
-  // Before the first force nobody knows which serials count; a file may have any number of them.
+  // Limit on the shapes that are kept before the first force, which tells the serials that are in use; a file may have any number.
   static constexpr std::size_t kMostEarly = 64;
 
   std::map<std::uint64_t, Sender> senders_;

@@ -120,7 +120,7 @@ class ShapeRows {
 class JoinedHdf5 {
  public:
   explicit JoinedHdf5(const std::filesystem::path& path) {
-    // Its own messages on stderr would be a second voice: every failure is reported in one line.
+    // Without HDF5's own messages on stderr: every failure is reported in one line.
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     file_ = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose);
     if (!file_.is_good()) return;
@@ -199,7 +199,7 @@ class JoinedHdf5 {
     });
   }
 
-  // True: all was written. Closes the file, which may be the first to fail.
+  // Closes the file, which may fail as well. Returns whether everything was written.
   bool finish() {
     write_block();
     is_good_ = is_good_ && H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0;
@@ -276,10 +276,10 @@ class JoinedHdf5 {
 }  // namespace
 
 Result<JoinedCounts> write_joined_hdf5(SessionReader& reader, const std::filesystem::path& path, std::span<const ObjectName> names) {
-  // After a full disk the library keeps what it could not write, and crashes where it tries once more at the end of the program. All that
-  // is written is closed below, so nothing is left for it to do then.
+  // After a full disk the library keeps what it could not write, and crashes when it tries again at the end of the program. Everything is
+  // closed below, so nothing remains for it to do then.
   H5dont_atexit();
-  PartPath part(path);  // first: it is removed after the file was closed
+  PartPath part(path);  // declared first, so that it is removed after the file is closed
   JoinedHdf5 file(part.part());
   if (!file.is_open())
     return fail("{}: cannot be written as HDF5: check that the folder can be written to and that the disk is not full", path.string());
