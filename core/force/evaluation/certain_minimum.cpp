@@ -42,10 +42,11 @@ bool is_concave(const TriangleMesh& mesh, const std::vector<NearFace>& faces, co
 
 }  // namespace
 
-bool is_certain_minimum(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& device, double radius) {
+bool is_certain_minimum(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& proxy, const Vec3& device, double radius) {
   std::vector<NearFace> faces;
   std::vector<HalfSpace> planes;
-  for (const Triangle& triangle : mesh.triangles) {
+  for (const std::uint32_t i : boxes.find_near(proxy, radius)) {
+    const Triangle& triangle = mesh.triangles[i];
     const Vec3& a = mesh.vertices[triangle[0]];
     const Vec3& b = mesh.vertices[triangle[1]];
     const Vec3& c = mesh.vertices[triangle[2]];

@@ -9,6 +9,7 @@
 #include "core/force/evaluation/certain_minimum.h"
 #include "core/force/evaluation/close_up_minimum.h"
 #include "core/force/reference/reference_method.h"
+#include "core/force/reference/triangle_boxes.h"
 #include "core/force/smooth/smooth_method.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
@@ -39,16 +40,13 @@ constexpr double kRelative = 4e-9;        // a method may use this share of the 
 constexpr int kMostCarried = 1024;        // steps that a motion may take
 constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
 
-// Where the segment crosses a face, well away from its edges. Tests every triangle whose box meets that of the segment.
-std::optional<Vec3> find_crossing(const TriangleMesh& mesh, const Vec3& from, const Vec3& to) {
+// Where the segment crosses a face, well away from its edges. Tests every triangle.
+std::optional<Vec3> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& from, const Vec3& to) {
   const Vec3 motion = to - from;
-  const Vec3 low = from.cwiseMin(to);
-  const Vec3 high = from.cwiseMax(to);
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+  for (const std::uint32_t i : boxes.find_near(0.5 * (from + to), 0.5 * motion.norm())) {
     const Vec3& a = mesh.corner(i, 0);
     const Vec3& b = mesh.corner(i, 1);
     const Vec3& c = mesh.corner(i, 2);
-    if ((a.cwiseMax(b).cwiseMax(c).array() < low.array()).any() || (a.cwiseMin(b).cwiseMin(c).array() > high.array()).any()) continue;
     const Vec3 ab = b - a;
     const Vec3 ac = c - a;
     const Vec3 n = ab.cross(ac);
@@ -112,6 +110,7 @@ struct StressRun::Impl {
         extent(compute_bounds(body_.touched).extent() * settings_.scale),
         offset(settings_.offset_extents * extent * Vec3(1.0, -1.0, 1.0)),
         body(placed(body_, settings_.scale, offset)),
+        boxes(body.touched.vertices, body.touched.triangles),
         walk_mesh(body.solid.triangles.empty() ? body.touched : body.solid),
         walk(walk_mesh) {
     probe_radius = body.probe_share * extent;
@@ -142,7 +141,7 @@ struct StressRun::Impl {
   bool goes_through(const Vec3& from, const Vec3& to) const {
     const double step = (to - from).norm();
     if (!(step > 0.0) || step > kThroughStep * extent) return false;
-    const std::optional<Vec3> crossing = find_crossing(body.touched, from, to);
+    const std::optional<Vec3> crossing = find_crossing(body.touched, boxes, from, to);
     if (!crossing) return false;
     return !is_near_boundary(*crossing, 10.0 * step);
   }
@@ -219,13 +218,13 @@ struct StressRun::Impl {
   bool gains_with_moved(const Vec3& move, const Vec3& p, const Vec3& device) const {
     const Vec3 start = outside_start(p, device);
     if (!gains(clear_start(p), p, device + move)) return false;
-    if (find_crossing(body.touched, start, start + move) || (solid && is_beyond(start + move))) return true;
+    if (find_crossing(body.touched, boxes, start, start + move) || (solid && is_beyond(start + move))) return true;
     return gains(start + move, p + move, device + move);
   }
 
   // The minimum is proved, even if the reference climbs over the step that holds the point.
   bool is_proved(const Vec3& p, const Vec3& device, double contact_offset) const {
-    return probe_radius == 0.0 && is_certain_minimum(body.touched, p, device, kProofOffsets * contact_offset);
+    return probe_radius == 0.0 && is_certain_minimum(body.touched, boxes, p, device, kProofOffsets * contact_offset);
   }
 
   // What holds the proxy may be lower than the steps that the reference lifts itself over in the whole body; these tests use points a
@@ -362,6 +361,7 @@ struct StressRun::Impl {
   double extent;
   Vec3 offset;
   StressBody body;
+  mutable TriangleBoxes boxes;  // of what is touched
   TriangleMesh walk_mesh;
   SurfaceWalk walk;
   double probe_radius = 0.0;

@@ -17,9 +17,7 @@ constexpr double kJump = 8.0;           // of the device's motion: a longer moti
 constexpr double kLeastPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
 constexpr std::size_t kLevels = 48;     // of halving: down to kLeastPart for motions up to 2^9
 constexpr int kMostHalvings = 1024;     // in one pass over a step
-
-float float_below(double x) { return std::nextafter(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
-float float_above(double x) { return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity()); }
+constexpr std::size_t kMostPrepared = std::size_t{1} << 17;  // 40 MB; triangles of larger scenes are prepared when they are gathered
 
 // Of the vertices that triangles name.
 MeshBounds bounds_of(const TouchScene& scene) {
@@ -97,16 +95,11 @@ ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScen
       object_of_.push_back(number);
     }
   }
-  for (int axis = 0; axis < 3; ++axis) {
-    low_[axis].reserve(triangles_.size());
-    high_[axis].reserve(triangles_.size());
-    for (const auto& [a, b, c] : triangles_) {
-      const auto [least, most] = std::minmax({vertices_[a][axis], vertices_[b][axis], vertices_[c][axis]});
-      low_[axis].push_back(float_below(least));
-      high_[axis].push_back(float_above(most));
-    }
+  boxes_.emplace(vertices_, triangles_);
+  if (triangles_.size() <= kMostPrepared) {
+    prepared_.reserve(triangles_.size());
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) prepared_.push_back(prepare_triangle(i));
   }
-  in_range_.resize(triangles_.size());
   proxy_ = std::make_unique<ReferenceProxy>(settings.probe_radius_m / unit_m_, std::move(materials), triangles_.size());
   start_ = proxy_->make_state();
   for (std::size_t i = 0; i < kLevels; ++i) levels_.push_back(proxy_->make_state());
@@ -128,25 +121,13 @@ PreparedTriangle ReferenceMethod::prepare_triangle(std::uint32_t triangle) const
 // Gathers the triangles whose boxes are within `bound` of the device point; all triangles without the prefilter.
 void ReferenceMethod::gather(const Vec3& device, double bound) noexcept {
   proxy_->clear_faces();
-  const float centre[3] = {static_cast<float>(device.x()), static_cast<float>(device.y()), static_cast<float>(device.z())};
-  // Rounding in single precision: of the centre, three differences, their squares and the sum.
-  const double loss = 1e-6 * (1.0 + device.norm() + bound);
-  const float limit = float_above((bound + loss) * (bound + loss) * (1.0 + 1e-6));
-  const std::size_t n = triangles_.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    float distance2 = 0.0F;
-    for (int axis = 0; axis < 3; ++axis) {
-      const float below = low_[axis][i] - centre[axis];
-      const float above = centre[axis] - high_[axis][i];
-      const float out = std::max(std::max(below, above), 0.0F);
-      distance2 += out * out;
-    }
-    in_range_[i] = distance2 <= limit;
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (prefilter_ && !in_range_[i]) continue;
-    const auto triangle = static_cast<std::uint32_t>(i);
-    proxy_->add_face({prepare_triangle(triangle), triangle, object_of_[i]});
+  const auto add = [&](std::uint32_t triangle) {
+    proxy_->add_face({prepared_.empty() ? prepare_triangle(triangle) : prepared_[triangle], triangle, object_of_[triangle]});
+  };
+  if (prefilter_) {
+    for (const std::uint32_t triangle : boxes_->find_near(device, bound)) add(triangle);
+  } else {
+    for (std::uint32_t triangle = 0; triangle < triangles_.size(); ++triangle) add(triangle);
   }
   counters_.candidates += proxy_->faces();
 }

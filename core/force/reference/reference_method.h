@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "core/force/force_method.h"
 #include "core/force/reference/reference_proxy.h"
+#include "core/force/reference/triangle_boxes.h"
 
 namespace hapton {
 
@@ -94,11 +96,11 @@ class ReferenceMethod final : public ForceMethod {
   int substeps_ = 1;
   int substep_limit_ = 1;
   bool prefilter_ = true;
-  std::vector<Vec3> vertices_;            // local
-  std::vector<Triangle> triangles_;       // into vertices_
-  std::vector<std::uint32_t> object_of_;  // of triangles_
-  std::vector<float> low_[3], high_[3];   // boxes of triangles_, rounded outwards
-  std::vector<std::uint8_t> in_range_;    // of triangles_, this step
+  std::vector<Vec3> vertices_;              // local
+  std::vector<Triangle> triangles_;         // into vertices_
+  std::vector<std::uint32_t> object_of_;    // of triangles_
+  std::optional<TriangleBoxes> boxes_;      // of triangles_
+  std::vector<PreparedTriangle> prepared_;  // triangles_; empty if they are many
 
   std::unique_ptr<ReferenceProxy> proxy_;
   ReferenceProxy::State start_;                // at the start of the step

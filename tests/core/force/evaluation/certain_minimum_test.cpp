@@ -24,6 +24,11 @@ TriangleMesh make_corner() {
   return mesh;
 }
 
+bool is_certain_minimum(const TriangleMesh& mesh, const Vec3& proxy, const Vec3& device, double radius) {
+  TriangleBoxes boxes(mesh.vertices, mesh.triangles);
+  return is_certain_minimum(mesh, boxes, proxy, device, radius);
+}
+
 const Vec3 kAboveEdge(0.0, 0.2, kContactOffset);
 const Vec3 kInCorner = Vec3::Constant(kContactOffset);
 
