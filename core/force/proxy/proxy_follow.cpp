@@ -68,7 +68,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0);
+  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && failures_ < kMostFailures;
   if (may_follow && follow_offset(last, device, time)) return;
   ++counters_.swept;
   if (may_follow && sphere_.is_in_slit()) return sweep_from_slit(last, device);
@@ -96,7 +96,8 @@ void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexc
   if (proxy_.is_free || swept_.is_shrunk()) return;
   if (work_left_ <= 0 && is_point_ && last != device) return carry(device);
   double here = 0.0;
-  if (work_left_ > 0 && !follow_offset(device, device, here) && sphere_.is_in_slit()) copy_sphere_state(device);
+  if (work_left_ > 0 && failures_ < kMostFailures && !follow_offset(device, device, here) && sphere_.is_in_slit())
+    copy_sphere_state(device);
 }
 
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {

@@ -110,6 +110,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   carried_from_.reset();
   unconverged_ = false;
   sweeps_finish_ = false;
+  failures_ = 0;
   is_lifted_ = false;
   touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
@@ -158,6 +159,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   last_device_ = device;
   if (!carried_from_) {
     sweeps_finish_ = false;
+    failures_ = 0;
     is_lifted_ = false;
   }
   const Vec3 from = carried_from_.value_or(last);

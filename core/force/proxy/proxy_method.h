@@ -97,6 +97,9 @@ class ProxyMethod final : public ForceMethod {
   // The contact offset, local units. 2^21 times the rounding of local coordinates, so distances of this size keep six digits; far below
   // what can be felt (1e-10 m on a 100 mm scene).
   static constexpr double kContactOffset = 0x1p-30;
+  // Of the sphere follower in one motion; then sweeps finish it. Where each of the two undoes what the other has done, none would. A
+  // choice.
+  static constexpr int kMostFailures = 4;
   static constexpr double kBeside = 512.0;          // contact offsets: distance within which an edge or vertex affects the proxy
   static constexpr double kLookAheadSteps = 500.0;  // steps: 0.5 s at 1 kHz; an object is requested this long before the probe can reach it
 
@@ -159,6 +162,7 @@ class ProxyMethod final : public ForceMethod {
   bool unconverged_ = false;          // the last step ran out of work
   Lifted lifted_;                     // the last time
   bool is_lifted_ = false;            // in the motion that is carried
+  int failures_ = 0;                  // of the sphere follower in this motion, over all steps that it takes
   bool sweeps_finish_ = false;        // a flight among too many triangles has given up: none starts again while the sphere touches nothing
   int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;

@@ -19,6 +19,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   work_left_ -= sphere_.work();
   if (outcome == SphereFollower::Outcome::failed) {
     sweeps_finish_ |= sphere_.has_given_up_flight();
+    failures_ += sphere_.is_in_slit() ? 0 : 1;
     copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
     if (!sphere_.is_in_slit()) sphere_.stop_tracking();
     active_offset_ = kContactOffset;

@@ -30,9 +30,7 @@ bool SweptMotion::descend(ProxyState& proxy, const Vec3& device, int most_work) 
   return has_settled_;
 }
 
-void SweptMotion::keep_only(double offset) noexcept {
-  keep_ = {.offset = offset, .slop = 0x1p-3 * offset, .tolerance = 0x1p-9 * offset};
-}
+void SweptMotion::keep_only(double offset) noexcept { keep_ = {.offset = offset, .slop = 0x1p-3 * offset, .tolerance = 0x1p-9 * offset}; }
 
 void SweptMotion::forget_progress() noexcept {
   nearest_ = std::numeric_limits<double>::infinity();
