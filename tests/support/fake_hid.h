@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// A HID device in this process that behaves as one behind the kernel: it queues 64 reports for the reader, drops new ones when the queue is
-// full, and may be unplugged and plugged in again at any time.
+// A HID device in this process that behaves like one behind the kernel: it queues 64 reports for the reader, drops new ones when the queue
+// is full, and may be unplugged and plugged in again at any time.
 class FakeHid {
  public:
   using Bytes = std::vector<std::uint8_t>;

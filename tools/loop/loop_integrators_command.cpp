@@ -30,7 +30,7 @@ struct Row {
 };
 
 constexpr std::int64_t kStepsNs[] = {1'000'000, 500'000, 200'000, 100'000, 50'000, 20'000, 10'000, 5'000, 2'000};  // from 1 ms to 2 us
-// What everything is held against: another method than the exact one, 20 times finer than the finest step.
+// All results are compared with Runge-Kutta at this step: a method other than the exact one, 20 times finer than the finest step.
 constexpr std::int64_t kReferenceNs = 100;
 
 class Comparison {

@@ -49,7 +49,7 @@ TEST(TissueLayers, ANeedleDrawnBackMeetsNoSpring) {
   for (double depth = 0.0126; depth > 0.0; depth -= 0.0005) EXPECT_EQ(layers.force(depth, 0, state), 0.0) << depth;
 }
 
-// One large step through two layers: neither may give back energy that nobody has put in.
+// One large step through two layers: neither may give back more energy than the hand has put in.
 TEST(TissueLayers, APunctureLeavesNoTension) {
   const TissueLayers layers = made_layers();
   TissueLayers::State state;

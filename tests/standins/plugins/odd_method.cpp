@@ -1,5 +1,6 @@
-// A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. does=nan|nan_proxy|exception|reject|tell,
-// after=CALLS. tell: in free space the force is the velocity, the proxy time, buttons and the stylus's axis y along x.
+// A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. Parameters: does=nan|nan_proxy|odd_object|
+// exception, from call after=CALLS on; does=reject; does=tell: the force is the velocity, and the proxy's x, y and z are the time, the
+// buttons and the x component of the stylus's axis y.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,7 +30,7 @@ void* create(const hapton_request* request, const hapton_object* objects, std::s
     std::snprintf(request->why, request->why_size, "it wants one object, not %zu", object_count);
     return nullptr;
   }
-  // Every number of the mesh is there.
+  // Read every number of the mesh: all must be finite.
   double sum = 0.0;
   for (std::size_t t = 0; t < 3 * objects[0].triangle_count; ++t) {
     for (int k = 0; k < 3; ++k) sum += objects[0].vertices_m[3 * objects[0].triangles[t] + static_cast<unsigned>(k)];

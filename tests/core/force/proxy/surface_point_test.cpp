@@ -16,7 +16,7 @@ using On = SurfacePoint::On;
 
 constexpr double kPi = std::numbers::pi;
 
-// Two triangles with a common edge along x. The first leads to -y, its front up; the second leads to +y, turned up by the angle.
+// Two triangles with a common edge along x. The first extends to -y, with its front up; the second to +y, turned up by the angle.
 TriangleMesh make_dihedral(double angle_rad, bool flip_second = false) {
   TriangleMesh mesh;
   mesh.vertices = {{-0.5, 0, 0}, {0.5, 0, 0}, {0, -1, 0}, {0, std::cos(angle_rad), std::sin(angle_rad)}};
@@ -150,7 +150,7 @@ TEST(SurfacePoint, FindsTheExitThatHalvingFinds) {
   EXPECT_GT(left, 600);
 }
 
-// It came from a vertex, so it can only leave over the opposite edge; over an edge that it is on, at once.
+// A point that came from a vertex can only leave over the opposite edge. A point on an edge leaves over that edge at once.
 TEST(SurfacePoint, FindsTheExitFromAVertexAndFromAnEdge) {
   SurfaceStage stage(make_saddle(2, 0.4, 8));
   const Vec3 apex = stage.local(0, 0, 0);
