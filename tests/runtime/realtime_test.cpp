@@ -92,6 +92,16 @@ TEST(RealtimeTest, ADenialIsReportedWithItsRemedyAndOnlyRequireFails) {
   EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
 }
 
+TEST(RealtimeTest, TheShareOfRealTimeThreadsIsSaidInPercent) {
+  RealtimeReport report;
+  report.items.push_back({.name = "priority", .requested = "SCHED_FIFO 80", .obtained = true, .reason = {}, .remedy = {}});
+  EXPECT_EQ(report.to_text().find("the kernel allows"), std::string::npos);
+  report.allowed_share = 0.95;
+  EXPECT_NE(report.to_text().find("; the kernel allows real-time threads 95 % of each CPU"), std::string::npos) << report.to_text();
+  ASSERT_EQ(report.to_lines().size(), 1U);
+  EXPECT_NE(report.to_lines()[0].find("; the kernel allows real-time threads 95 % of each CPU"), std::string::npos);
+}
+
 TEST(RealtimeTest, InvalidSettingsAreAnErrorInEveryMode) {
   EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = 100}));
   EXPECT_FALSE(enter_realtime({.mode = RealtimeMode::attempt, .priority = -1}));
