@@ -149,7 +149,7 @@ Picture screenshot_of(StereoView& view) {
 
 // Its first frame has a part of the triangles, and holes where the others are.
 TEST(SceneLayers, AScreenshotOfALargeMeshIsInFullDetailFromTheFirstFrameOn) {
-  const std::vector<ShownObject> objects = {{bumpy(500'000), {0.6, 0.6, 0.6}}};
+  const std::vector<ShownObject> objects = {{bumpy(1'000'000), {0.6, 0.6, 0.6}}};
   ViewSettings settings = lit_settings(StereoMode::mono, 480, 480);
   settings.depth_cues = false;  // the shadow is that of a coarse level, and comes with it
   auto early = open_or_fail(settings, objects);

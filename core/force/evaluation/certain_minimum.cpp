@@ -50,6 +50,7 @@ bool is_certain_minimum(const TriangleMesh& mesh, TriangleBoxes& boxes, const Ve
     const Vec3& a = mesh.vertices[triangle[0]];
     const Vec3& b = mesh.vertices[triangle[1]];
     const Vec3& c = mesh.vertices[triangle[2]];
+    // Far from the origin the boxes of single precision let many more through.
     const Vec3 beside = (a.cwiseMin(b).cwiseMin(c) - proxy).cwiseMax(proxy - a.cwiseMax(b).cwiseMax(c));
     if (beside.maxCoeff() > radius) continue;
     const PreparedTriangle shape(a, b, c);
