@@ -24,6 +24,18 @@ bool DescentPath::make(const Vec3& device, const Vec3& hint, bool is_unstable, C
   return true;
 }
 
+bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
+  constexpr double kClose = 0.125;  // offsets: half of how near a centre has to be to its path (SphereFollower::is_near_path)
+  if (contacts_.active_count() != 2 || contacts_[0].part != Part::face || contacts_[1].part != Part::face) return false;
+  // At a larger angle the slop leads less far: slop / sine.
+  const double angle = contacts_.clearance().slop / (kClose * contacts_.offset());
+  if (1.0 - std::fabs(contacts_[0].normal.dot(contacts_[1].normal)) > 0.5 * angle * angle) return false;
+  Vec3 end = centre_;
+  if (!contacts_.restore(end, work_) || !((end - centre_).norm() > kClose * contacts_.offset())) return false;
+  path = CentrePath::straight(centre_, end);
+  return true;
+}
+
 // Around an edge or a vertex in the steepest direction: along a helix, until it is level with the device along the edge, or closest to it
 // around the edge. The squared distance is the sum of both parts, and neither rises.
 CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, const Vec3& hint) const noexcept {

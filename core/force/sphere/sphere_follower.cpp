@@ -303,7 +303,9 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     return Next::again;
   }
   CentrePath path;
-  if (!DescentPath(contacts_, centre_, work_).make(device, hint_, is_unstable, path)) {
+  const DescentPath descent_path(contacts_, centre_, work_);
+  const bool returns = !is_unstable && descent_path.return_to_crease(path);
+  if (!returns && !descent_path.make(device, hint_, is_unstable, path)) {
     if (!is_unstable) return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
     // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
     if (contacts_.active_count() == 2 && is_point_ && (are_one() || minimum().find_stability(centre_, device) <= 0.0))
@@ -319,7 +321,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   bool is_restored = true;
   events_on().place(path, event, centre_, [&](double share) {
     centre_ = path.at(share);
-    is_restored = contacts_.restore(centre_, work_) && is_near_path(centre_, path, share);
+    is_restored = returns || (contacts_.restore(centre_, work_) && is_near_path(centre_, path, share));
   });
   if (!is_restored) {
     centre_ = before;

@@ -167,6 +167,7 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
   struct Once {
     std::uint64_t seed, episode;
     double scale = 1.0;
+    double offset = 0.0;
   };
   struct OnMesh {
     std::string name;
@@ -174,7 +175,20 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
   };
   for (const auto& [name, episodes] :
        {OnMesh{"meshes/barkour_body_dirty.stl",
-               {{1, 103}, {1, 138}, {1, 222}, {1, 820}, {1, 1098}, {2, 229}, {4, 8}, {4, 57}, {5, 141}, {1, 163, 1e-6}, {1, 173, 1e6}}},
+               {{1, 103},
+                {1, 138},
+                {1, 222},
+                {1, 820},
+                {1, 1098},
+                {2, 229},
+                {4, 8},
+                {4, 57},
+                {5, 141},  //
+                {1, 163, 1e-6},
+                {1, 173, 1e6},
+                {1, 468, 1e-6},
+                {1, 486, 1e-3},
+                {1, 274, 1.0, 1e6}}},
         OnMesh{"meshes/nist_assembly_insert.obj", {{1, 65}, {2, 200}, {3, 94}, {4, 179}, {4, 202}, {5, 80}, {7, 687}, {8, 684}}}}) {
     auto file = load_touch_mesh(std::string(HAPTON_SOURCE_DIR) + "/" + name);
     ASSERT_TRUE(file) << file.error().what;
@@ -182,9 +196,10 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
     StressPlan plan;
     plan.method.name = "proxy";
     plan.variants.resize(1);
-    for (const auto& [seed, episode, scale] : episodes) {
+    for (const auto& [seed, episode, scale, offset] : episodes) {
       plan.seed = seed;
       plan.variants[0].scale = scale;
+      plan.variants[0].offset_extents = offset;
       const auto results = run_episode({body}, plan, episode);
       ASSERT_TRUE(results) << results.error().what;
       EXPECT_EQ(sum_of(*results).total_faults(), 0U) << to_text(*results, plan);

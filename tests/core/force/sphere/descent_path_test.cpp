@@ -56,6 +56,47 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
   EXPECT_GT(arrived, 200);
 }
 
+// Two faces of a blade, and a point between them that is as far into one as the slop allows: many offsets from where it would be an offset
+// from both.
+TEST_F(DescentPathOf, BetweenNearlyParallelFacesACentreReturnsToWhereBothAreAtTheOffset) {
+  constexpr Clearance kOfPoint{0x1p-31, 0x1p-40, 0x1p-46};
+  for (const double angle : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
+    for (int i = 0; i < 50; ++i) {
+      const Vec3 along = made.vector().normalized();
+      const Vec3 up = along.unitOrthogonal();
+      const Vec3 out = along.cross(up);
+      ContactSet contacts(kOfPoint);
+      for (const double side : {1.0, -1.0}) {
+        const Vec3 far = std::cos(0.5 * angle) * out + side * std::sin(0.5 * angle) * up;
+        contacts.add(OffsetContact::on_face(side > 0.0 ? 0U : 1U, {-along, along, far}, -side * up));
+      }
+      contacts.activate_all();
+      // An offset from both is this far out; and from there towards the edge until half of the slop is used up.
+      const double tip = kOfPoint.offset / std::sin(0.5 * angle);
+      const double short_by = 0.5 * kOfPoint.slop / std::sin(0.5 * angle);
+      const Vec3 c = 0.2 * made.unit() * along + (tip - short_by) * out;
+      int work = 0;
+      CentrePath path;
+      ASSERT_TRUE(DescentPath(contacts, c, work).return_to_crease(path)) << angle;
+      EXPECT_TRUE(path.is_straight());
+      EXPECT_EQ(path.start(), c);
+      EXPECT_LE(distance_off(contacts, path.end()), kOfPoint.tolerance);
+      EXPECT_NEAR((path.end() - c).dot(out) / short_by, 1.0, 1e-3) << angle;
+      const Vec3 there = path.end();
+      EXPECT_FALSE(DescentPath(contacts, there, work).return_to_crease(path)) << angle << ": it is there";
+    }
+  }
+}
+
+TEST_F(DescentPathOf, FacesAtALargerAngleNeedNoReturn) {
+  for (int i = 0; i < 300; ++i) {
+    const HeldCentre at = made.held(1 + i % 3);
+    int work = 0;
+    CentrePath path;
+    EXPECT_FALSE(DescentPath(at.contacts, at.c + 1e-10 * made.vector(), work).return_to_crease(path));
+  }
+}
+
 // Straight above a vertex all directions are alike: the hint decides.
 TEST_F(DescentPathOf, TheHintDecidesStraightAboveAVertex) {
   const Vec3 c(0.0, 0.0, MadeContacts::kOffset);
