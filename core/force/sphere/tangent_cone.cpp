@@ -13,6 +13,10 @@ constexpr double kClosed = 0x1p-17;         // rad; a slit this narrow is closed
 
 Vec3 tangent(const Vec3& normal, const Vec3& at, bool ahead) { return ahead ? Vec3(normal.cross(at)) : Vec3(at.cross(normal)); }
 
+// From `at` towards the middle of an arc with an end there. Where that end is off by what counts as the same direction, the tangent may
+// lead in front of an arc that the arc is behind.
+Vec3 heading_to_middle(const Vec3& middle, const Vec3& at) { return (middle - at.dot(middle) * at).normalized(); }
+
 }  // namespace
 
 void TangentCone::begin(const Vec3& apex) {
@@ -112,7 +116,7 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
     if (!begins && !ends && !is_on(arc, at)) continue;
     for (const bool ahead : {true, false}) {
       if (ahead ? ends : begins) continue;
-      const Vec3 heading = tangent(arc.normal, at, ahead);
+      const Vec3 heading = begins || ends ? heading_to_middle(arc.a + arc.b, at) : tangent(arc.normal, at, ahead);
       double angle = std::atan2(heading.dot(up), heading.dot(back));
       const bool is_tip = (is_end || begins || ends) && std::fabs(arc.normal.dot(at)) <= kSameDirection * angle;
       if (angle <= (is_tip ? kSameDirection : kClosed)) angle += 2.0 * std::numbers::pi;

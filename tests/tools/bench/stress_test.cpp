@@ -188,7 +188,10 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
                 {1, 173, 1e6},
                 {1, 468, 1e-6},
                 {1, 486, 1e-3},
-                {1, 274, 1.0, 1e6}}},
+                {1, 274, 1.0, 1e6},
+                {2, 76, 1e-6},
+                {2, 76, 1e6},
+                {2, 76, 1.0, 1e6}}},
         OnMesh{"meshes/nist_assembly_insert.obj", {{1, 65}, {2, 200}, {3, 94}, {4, 179}, {4, 202}, {5, 80}, {7, 687}, {8, 684}}}}) {
     auto file = load_touch_mesh(std::string(HAPTON_SOURCE_DIR) + "/" + name);
     ASSERT_TRUE(file) << file.error().what;

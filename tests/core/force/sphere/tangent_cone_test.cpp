@@ -216,6 +216,35 @@ TEST(TangentCone, AWedgeWithATipIsNoSlit) {
 }
 
 // One after the other, from the steepest to the least steep.
+// A part below a sheet, with its apex on it. Its face upwards lies in the sheet but for a corner 4e-8 above: less than what counts as the
+// same direction. The boundary below the sheet goes along the sheet, not along that face and around to the other side.
+TEST(TangentCone, AFaceBehindASheetByLessThanTheSameDirectionStaysBehindIt) {
+  const Vec3 o = Vec3::Zero();
+  const Vec3 down(0.000471402, 0.0255323, -0.0230239);
+  const Vec3 aside(0.0132902, 0.0261019, -0.0114792);
+  const Vec3 back(0.0, -0.0246177, -0.0147981);
+  for (const double above : {0.0, 1e-9, 1e-8, 4.26326e-8, 6e-8}) {
+    const Vec3 corner(0.0160687, 0.0265931, above);
+    const Vec3 level(0.0190735, 0.0547409, 0.0);
+    TangentCone cone = cone_of(o, {{down, aside, o},
+                                   {down, o, back},
+                                   {{0.0287414, -0.072056, 0.0}, {-0.0260774, 0.0174666, 0.0}, {-0.00715255, 0.0572205, 0.0}},
+                                   {o, aside, corner},
+                                   {o, level, {0.0134301, 0.0637876, 0.0}},
+                                   {o, corner, level},
+                                   {{0.0134301, 0.0637876, 0.0}, {-0.0228882, 0.0736582, 0.0}, o},
+                                   {o, {0.0, -0.038147, 0.0}, back},
+                                   {o, {-0.00190732, -0.038147, 0.0}, {0.0, -0.038147, 0.0}},
+                                   {{-0.0228882, 0.0736582, 0.0}, {-0.00190732, -0.038147, 0.0}, o}});
+    // The walk begins at whichever arc is nearest: the sheet's, or that of the face below.
+    for (const double depth : {0.2, 0.248, 0.249, 0.3}) {
+      ASSERT_TRUE(cone.find_boundary(Vec3(0.221153, 0.943101, -depth).normalized())) << above;
+      EXPECT_TRUE(cone.is_around_start()) << above << ", " << depth;
+      for (const TangentCone::Piece& piece : cone.boundary()) EXPECT_LT(piece.normal.z(), 0.9) << above << ", " << depth;
+    }
+  }
+}
+
 TEST(TangentCone, TellsTheNextSteepestDirections) {
   TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
   ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));
