@@ -305,28 +305,36 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   CentrePath path;
   const DescentPath descent_path(contacts_, centre_, work_);
   const bool returns = !is_unstable && descent_path.return_to_crease(path);
-  if (!returns && !descent_path.make(device, hint_, is_unstable, path)) {
-    if (!is_unstable) return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
-    // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
-    if (contacts_.active_count() == 2 && is_point_ && (are_one() || minimum().find_stability(centre_, device) <= 0.0))
-      return drop_weaker(pull);
-    is_descending_ = false;
-    contacts_.keep_active();
-    ++idle_;
-    return Next::wait;
-  }
+  if (!returns && !descent_path.make(device, hint_, is_unstable, path)) return descend_no_farther(device, is_unstable);
+  return descend_along(path, device, !returns);
+}
+
+// There is no piece of a descent from here.
+SphereFollower::Next SphereFollower::descend_no_farther(const Vec3& device, bool is_unstable) noexcept {
+  const bool may_drop = contacts_.active_count() == 2 && is_point_;
+  if (!is_unstable) return may_drop ? drop_weaker(device - centre_) : Next::failed;
+  // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
+  if (may_drop && (are_one() || minimum().find_stability(centre_, device) <= 0.0)) return drop_weaker(device - centre_);
+  is_descending_ = false;
+  contacts_.keep_active();
+  ++idle_;
+  return Next::wait;
+}
+
+// Until the first event on the path. `is_on_contacts`: the exact path stays at the offset from the active contacts.
+SphereFollower::Next SphereFollower::descend_along(const CentrePath& path, const Vec3& device, bool is_on_contacts) noexcept {
   Event event;
   if (!events_on().find(path, event)) return Next::failed;
   const Vec3 before = centre_;
   bool is_restored = true;
   events_on().place(path, event, centre_, [&](double share) {
     centre_ = path.at(share);
-    is_restored = returns || (contacts_.restore(centre_, work_) && is_near_path(centre_, path, share));
+    is_restored = !is_on_contacts || (contacts_.restore(centre_, work_) && is_near_path(centre_, path, share));
   });
   if (!is_restored) {
     centre_ = before;
     events_on().undo_level_faces();
-    return contacts_.active_count() == 2 && is_point_ ? drop_weaker(pull) : Next::failed;
+    return contacts_.active_count() == 2 && is_point_ ? drop_weaker(device - centre_) : Next::failed;
   }
   note_move(before);
   note_gain(device, false);
