@@ -170,7 +170,7 @@ void add_room_options(CLI::App& app, RoomWords& words) {
 // Pre: each of the words is accepted.
 void set_room(const RoomWords& words, VisionOptions& options) {
   options.room = words.space == "stage" ? RoomSpace::stage : RoomSpace::local;
-  const std::string_view at_m = !words.at_m.empty() ? words.at_m : options.room == RoomSpace::stage ? kAboveTheFloor : kBeforeTheEyes;
+  const std::string at_m = !words.at_m.empty() ? words.at_m : options.room == RoomSpace::stage ? kAboveTheFloor : kBeforeTheEyes;
   options.X_OW = Eigen::Translation3d(*parse_triple(at_m)) * Pose(turn_by_degrees(*parse_triple(words.turn_deg)));
 }
 
