@@ -7,10 +7,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace hapton {
 namespace {
 
 using ::testing::ExitedWithCode;
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr const char* kNothingElse = "\n";  // this sanitizer opens a pipe to look at a pointer, and complains after the line
+#else
+constexpr const char* kNothingElse = "\n$";
+#endif
 
 TEST(DescriptorCheckTest, CountsWhatIsOpen) {
   const DescriptorRoom before = find_descriptor_room();
@@ -37,7 +45,9 @@ TEST(DescriptorCheckTest, EndsWithOneLineWhereThereIsTooLittle) {
   const std::uint64_t in_use = find_descriptor_room().in_use;
   // None left at all, not even one to look, up to one too few.
   for (const std::uint64_t allowed : {std::uint64_t{0}, std::uint64_t{3}, std::uint64_t{8}, in_use + kDescriptorsNeeded - 1}) {
-    EXPECT_EXIT(check_with(allowed), ExitedWithCode(1), "^this_test: only [0-9]+ file descriptors .*ulimit -n 1024[^\n]*\n$") << allowed;
+    EXPECT_EXIT(check_with(allowed), ExitedWithCode(1),
+                std::string("^this_test: only [0-9]+ file descriptors .*ulimit -n 1024[^\n]*") + kNothingElse)
+        << allowed;
   }
   // The test program may have a few more open in the child.
   EXPECT_EXIT(check_with(in_use + kDescriptorsNeeded + 8), ExitedWithCode(0), "^$");
