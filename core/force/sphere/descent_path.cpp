@@ -29,7 +29,7 @@ bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
   if (contacts_.active_count() != 2 || contacts_[0].part != Part::face || contacts_[1].part != Part::face) return false;
   // At a larger angle the slop leads less far: slop / sine.
   const double angle = contacts_.clearance().slop / (kClose * contacts_.offset());
-  if (1.0 - std::fabs(contacts_[0].normal.dot(contacts_[1].normal)) > 0.5 * angle * angle) return false;
+  if (1.0 + contacts_[0].normal.dot(contacts_[1].normal) > 0.5 * angle * angle) return false;
   Vec3 end = centre_;
   if (!contacts_.restore(end, work_) || !((end - centre_).norm() > kClose * contacts_.offset())) return false;
   path = CentrePath::straight(centre_, end);

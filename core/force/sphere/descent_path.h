@@ -18,8 +18,8 @@ class DescentPath {
   // `is_unstable`: the centre is where a minimum along a curve has vanished, and goes along `hint` or against it, whichever leads nearer.
   // `hint` also decides the side on which the centre leaves a place straight above an edge or a vertex. False: no way leads nearer.
   bool make(const Vec3& device, const Vec3& hint, bool is_unstable, CentrePath& path) const noexcept;
-  // Between two faces that are nearly parallel, a centre within the slop of one may be far from where both are at the offset: straight to
-  // there. False: the centre is close to it.
+  // Between two faces whose normals are nearly opposite, a centre within the slop of one may be far from where both are at the offset:
+  // straight to there. False: the centre is close to it.
   bool return_to_crease(CentrePath& path) const noexcept;
 
  private:

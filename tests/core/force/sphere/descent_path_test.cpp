@@ -58,7 +58,7 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
 
 // Two faces of a blade, and a point between them that is as far into one as the slop allows: many offsets from where it would be an offset
 // from both.
-TEST_F(DescentPathOf, BetweenNearlyParallelFacesACentreReturnsToWhereBothAreAtTheOffset) {
+TEST_F(DescentPathOf, BetweenNearlyOppositeFacesACentreReturnsToWhereBothAreAtTheOffset) {
   constexpr Clearance kOfPoint{0x1p-31, 0x1p-40, 0x1p-46};
   for (const double angle : {1e-3, 1e-4, 1e-5, 1e-6, 1e-7}) {
     for (int i = 0; i < 50; ++i) {
