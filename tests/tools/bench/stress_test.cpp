@@ -183,7 +183,7 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
                 {2, 229},
                 {4, 8},
                 {4, 57},
-                {5, 141},  //
+                {5, 141},
                 {1, 163, 1e-6},
                 {1, 173, 1e6},
                 {1, 468, 1e-6},
