@@ -18,21 +18,8 @@
 #include "tests/support/scratch_folder.h"
 #include "tests/tools/command_run.h"
 
-#if defined(__SANITIZE_ADDRESS__)
-#include <sanitizer/lsan_interface.h>
-#endif
-
 namespace hapton {
 namespace {
-
-// HDF5 keeps what it could not write. Other leaks are still looked for outside this scope.
-struct DiskFull {
-  explicit DiskFull(rlim_t bytes) : limit(bytes) {}
-  FileSizeLimit limit;
-#if defined(__SANITIZE_ADDRESS__)
-  __lsan::ScopedDisabler not_looked_for;
-#endif
-};
 
 // A recording of many cycles, with a force for every second one and a fault.
 std::filesystem::path write_recording(const ScratchFolder& scratch, std::uint64_t samples) {
@@ -289,7 +276,7 @@ TEST(JoinedFiles, OnAFullDiskThereIsOneLineAndNoFile) {
     std::filesystem::remove(path);
     for (const double share : {0.0, 0.001, 0.01, 0.1, 0.3, 0.6, 0.9, 0.99, 0.9999}) {
       const auto written = [&] {
-        const DiskFull full(static_cast<rlim_t>(share * static_cast<double>(bytes)));
+        const FileSizeLimit full(static_cast<rlim_t>(share * static_cast<double>(bytes)));
         return write();
       }();
       ASSERT_FALSE(written) << path << " of " << bytes << " bytes, limited to " << share;
@@ -323,7 +310,7 @@ TEST(JoinedFiles, TheCommandFailsOnAFullDisk) {
     const ScratchFolder out;
     CommandRun run;
     {
-      const DiskFull full(50'000);
+      const FileSizeLimit full(50'000);
       run = run_hapton({"session", "export", recording.string(), "--out", out.path().string(), "--format", format});
     }
     EXPECT_EQ(run.code, 1) << format;
