@@ -8,6 +8,17 @@ namespace {
 
 using Part = OffsetContact::Part;
 
+// Straight above an edge (with an axis) or a vertex (without): the direction, across the normal and the axis, in which a centre leaves.
+// What is left of a hint along these is rounding, and need not be across them: a second projection shows what of it is.
+Vec3 choose_side(const Vec3& normal, const Vec3& axis, const Vec3& hint) {
+  constexpr double kRounding = 0x1p-20;  // of what is left
+  const auto project = [&](const Vec3& v) { return Vec3(v - normal.dot(v) * normal - axis.dot(v) * axis); };
+  const Vec3 left = project(hint);
+  const Vec3 sideways = project(left);
+  if (sideways.norm() > kRounding * left.norm()) return sideways;
+  return axis.isZero(0.0) ? normal.unitOrthogonal() : axis.cross(normal);
+}
+
 }  // namespace
 
 bool DescentPath::make(const Vec3& device, const Vec3& hint, bool is_unstable, CentrePath& path) const noexcept {
@@ -50,9 +61,8 @@ CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, c
   const double distance = across.norm();
   double side = sideways.norm();
   if (side <= LocalMinimum::kAtMinimum) {
-    if (ahead < 0.0) sideways = hint - normal.dot(hint) * normal - axis.dot(hint) * axis;
+    if (ahead < 0.0 || sideways.isZero(0.0)) sideways = choose_side(normal, axis, hint);
     side = ahead < 0.0 ? 0.0 : side;
-    if (!(sideways.norm() > 0.0)) sideways = is_edge ? axis.cross(normal) : normal.unitOrthogonal();
   }
   const Vec3 direction = sideways.normalized();
   const double angle = distance > LocalMinimum::kAtMinimum ? std::atan2(side, ahead) : 0.0;

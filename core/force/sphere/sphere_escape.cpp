@@ -77,7 +77,7 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
   // The way out begins where the centre is.
   bool has_left = corner().find_cone(0.0) && leave_corner(device, motion);
   if (!has_left && last_fly_over_ != motion_) {
-    has_left = leave_by_flight(device, motion);
+    has_left = leave_slit_sideways(device, motion) || leave_by_flight(device, motion);
     if (!has_escapes_left_) last_fly_over_ = motion_;
   }
   if (has_escapes_left_) escapes_left_at_ = centre_;
@@ -103,6 +103,25 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
     const Vec3 along = pull - normal.dot(pull) * normal;
     const double length = along.norm();
     if (!normal.isZero(0.0) && length > corner().least_exit(pull) && leads_over(along / length)) return true;
+  }
+  return false;
+}
+
+// Over the boundary of a face that holds the centre in a slit: a minimum over the faces, but beyond the boundary the slit is wider.
+bool SphereFollower::leave_slit_sideways(const Vec3& device, const Vec3& motion) noexcept {
+  constexpr double kBeyond = 32.0;  // offsets; a free choice
+  if (!is_in_narrow_slit()) return false;
+  for (int i = 0; i < contacts_.active_count(); ++i) {
+    const ContactTriangle face = contacts_[i].shape;
+    for (int k = 0; k < 3 && !face.normal().isZero(0.0); ++k) {
+      const Vec3 outwards = face.edge(k).cross(face.normal()) / face.length(k);
+      if (!(std::fabs(outwards.dot(centre_ - face.corner(k))) <= kBalance)) continue;
+      const auto go = [&] {
+        fly_straight(kBeyond * clearance().offset * outwards, 0.0);
+        return true;
+      };
+      if (try_escape(device, motion, go)) return true;
+    }
   }
   return false;
 }

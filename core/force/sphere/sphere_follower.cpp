@@ -275,6 +275,10 @@ bool SphereFollower::is_near_path(const Vec3& centre, const CentrePath& path, do
 
 // With the device held: one piece of the steepest descent, until the centre is at a minimum.
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
+  if (is_point_ && contacts_.count() > 1) {
+    contacts_.activate_all();
+    if (straighten_in_slit()) return Next::again;
+  }
   const Vec3 pull = device - centre_;
   Vec3 descent;
   if (!contacts_.find_active(centre_, pull, motion, descent)) return Next::failed;
@@ -286,7 +290,6 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
 
   bool is_unstable = false;
   if (contacts_.active_count() == 3 || descent.norm() <= LocalMinimum::kAtMinimum) {
-    if (is_point_ && straighten_in_slit()) return Next::again;
     is_unstable = contacts_.active_count() < 3 && !minimum().is_on_axis(device) &&
                   (has_lost_minimum_ || minimum().find_stability(centre_, device) <= 0.0);
     if (!is_unstable) {

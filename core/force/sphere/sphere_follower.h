@@ -198,6 +198,8 @@ class SphereFollower {
   int find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept;
   bool roll_off_face() noexcept;
   bool leave_by_flight(const Vec3& device, const Vec3& motion) noexcept;
+  bool leave_slit_sideways(const Vec3& device, const Vec3& motion) noexcept;
+  bool is_in_narrow_slit() const noexcept;  // between active contacts at nearly opposite sides
   bool straighten_in_slit() noexcept;
   bool fills_slit() noexcept;
   bool leave_slit_to_sweeps(bool has_device_moved) noexcept;

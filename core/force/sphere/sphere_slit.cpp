@@ -8,12 +8,16 @@
 
 namespace hapton {
 
+bool SphereFollower::is_in_narrow_slit() const noexcept {
+  constexpr double kOpposite = 2.0 - 2.0 * 0.99;  // within 8 degrees, where contacts press with seven times the pull and more
+  return contacts_.find_most_opposite(centre_) < kOpposite;
+}
+
 // In a slit, contacts at nearly opposite sides press with many times the pull, and a small turn of a normal decides where they let the
 // centre go. At an edge, within the hysteresis of its boundary (PathEvents::kOnBoundary), the normal may be a ten-thousandth beyond that of
 // the face that the centre is over. True: such a contact is on the face now.
 bool SphereFollower::straighten_in_slit() noexcept {
-  constexpr double kOpposite = 2.0 - 2.0 * 0.99;  // within 8 degrees, where they press with seven times the pull and more
-  if (!(contacts_.find_most_opposite(centre_) < kOpposite) || !near_.covers(centre_, clearance().offset + clearance().slop)) return false;
+  if (!is_in_narrow_slit() || !near_.covers(centre_, clearance().offset + clearance().slop)) return false;
   bool any = false;
   for (int i = contacts_.active_count() - 1; i >= 0; --i) {
     OffsetContact& contact = contacts_[i];
