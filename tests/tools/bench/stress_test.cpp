@@ -191,8 +191,11 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
                 {1, 274, 1.0, 1e6},
                 {2, 76, 1e-6},
                 {2, 76, 1e6},
-                {2, 76, 1.0, 1e6}}},
-        OnMesh{"meshes/nist_assembly_insert.obj", {{1, 65}, {2, 200}, {3, 94}, {4, 179}, {4, 202}, {5, 80}, {7, 687}, {8, 684}}}}) {
+                {2, 76, 1.0, 1e6},
+                {2, 422, 1.0, 1e6}}},
+        OnMesh{"meshes/nist_pump_assembly.glb", {{5, 249}, {5, 249, 1e-3}, {5, 249, 1e-6}, {5, 249, 1.0, 1e6}}},
+        OnMesh{"meshes/nist_assembly_insert.obj",
+               {{1, 65}, {2, 200}, {3, 94}, {4, 179}, {4, 202}, {5, 80}, {7, 687}, {8, 684}, {5, 440, 1.0, 1e6}}}}) {
     auto file = load_touch_mesh(std::string(HAPTON_SOURCE_DIR) + "/" + name);
     ASSERT_TRUE(file) << file.error().what;
     const StressBody body = make_stress_body(name, std::move(file->mesh));

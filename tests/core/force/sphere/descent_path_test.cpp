@@ -114,5 +114,25 @@ TEST_F(DescentPathOf, TheHintDecidesStraightAboveAVertex) {
   }
 }
 
+// Of a hint along the edge or the normal only rounding is left across them.
+TEST_F(DescentPathOf, StraightAboveAnEdgeAHintAlongItIsNoDirection) {
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 axis = made.vector().normalized();
+    const Vec3 normal = axis.cross(made.vector()).normalized();
+    const Vec3 c = MadeContacts::kOffset * normal;
+    ContactSet contacts(MadeContacts::kClearance);
+    contacts.add(OffsetContact::on_edge(0, {-axis, axis, axis.cross(normal) - normal}, 0));
+    contacts.activate_all();
+    const Vec3 hint = std::ldexp(1.0, -50 * (i % 2)) * (made.unit() * axis + (i % 3 == 0 ? 0.0 : made.unit()) * normal);
+    CentrePath path;
+    int work = 0;
+    ASSERT_TRUE(DescentPath(contacts, c, work).make(-normal, hint, false, path));
+    const Vec3 moved = path.end() - c;
+    EXPECT_GT(moved.norm(), 0.1 * MadeContacts::kOffset);
+    EXPECT_NEAR(path.end().norm(), MadeContacts::kOffset, 1e-9 * MadeContacts::kOffset);
+    EXPECT_NEAR(path.slope(0.0).dot(normal), 0.0, 1e-9 * path.slope(0.0).norm());
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -61,8 +61,34 @@ INSTANTIATE_TEST_SUITE_P(Gaps, UnderAPlate,
                                          Notch{1.9, std::numbers::pi / 3.0}, Notch{1.5, 0.3}, Notch{1.8, 0.3}, Notch{1.5, 2.0},
                                          Notch{1.9, 2.0}));
 
-// The same with little work a call. To find that no wedge of planes holds the point takes a part of it, which may leave too little for a way
-// out: the next call goes on with the ways out, and each call tries one at least.
+// Two sheets that meet in a corner at a small angle and end at y = 0, and a point between them whose device is exactly in that plane, in
+// front of the corner: over the sheets it is at a minimum, but beyond their boundary the slit is wider.
+TEST(APointInASlit, LeavesItOverTheBoundaryThatItIsAt) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  for (const double gap : {3e-7, 1e-6, 1e-5}) {
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Quaterniond turn = i == 0
+                                          ? Eigen::Quaterniond::Identity()
+                                          : Eigen::Quaterniond(normal(random), normal(random), normal(random), normal(random)).normalized();
+      TriangleMesh mesh;
+      mesh.vertices = {{-0.5, 0.0, 0.0}, {0.5, 0.0, 0.0}, {0.5, 0.4, 0.0}, {-0.5, 0.4, 0.0}, {-0.5, 0.0, gap}, {-0.5, 0.4, gap}};
+      mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 1, 2}, {4, 2, 5}};
+      for (Vec3& vertex : mesh.vertices) vertex = turn * vertex;
+      Stage stage(mesh, kPointOffset);
+      stage.follower = std::make_unique<SphereFollower>(stage.geometry, stage.materials, stage.offset, true);
+      stage.put(turn * Vec3(-0.6, 0.1, 0.5 * gap));
+      for (const Vec3& to : {Vec3(-0.45, 0.1, 0.45 * gap), Vec3(-0.3, 0.01, -0.01), Vec3(0.9, 0.0, -0.01), Vec3(0.92, 0.0, -0.011)})
+        stage.finish(stage.geometry.to_local(turn * to));
+      EXPECT_TRUE(stage.follower->is_free() || (stage.device - stage.follower->centre()).norm() < 0.1)
+          << gap << " " << i << ": " << (turn.conjugate() * stage.centre()).transpose();
+      EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
+    }
+  }
+}
+
+// The same with little work a call. To find that no wedge of planes holds the point takes a part of it, which may leave too little for a
+// way out: the next call goes on with the ways out, and each call tries one at least.
 TEST(APointInANotch, ComesToAnEndHoweverLittleWorkACallHas) {
   const TriangleMesh mesh = make_notch_under_plate(1.5 * kPointOffset, std::numbers::pi / 3.0);
   for (int most_work = 10; most_work <= 160; most_work += 5) {
