@@ -172,7 +172,7 @@ void add_bench_remote_command(CommandLine bench, int& exit_code) {
   command.add_option("--speed", options->speeds, "Speed of the sliding hand, mm/s; a list or range (default: 100,300)");
   command.add_option("--round-trip", options->round_trips, "Round trip of the network, ms; a list or range (default: 0 to 1000, six)");
   command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range (default: 0,0.1,0.3)");
-  command.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 1000.0).shows_default();
+  command.add_option("--jitter", options->jitter_ms, "Random extra delay each way, up to this, ms").between(0.0, 1000.0).shows_default();
   const CommandOption stall = command
                                   .add_option("--stall", options->stall_ms,
                                               "Mean length of the stalls of the device's machine, about five a second, ms; for the "

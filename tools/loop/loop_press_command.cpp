@@ -243,7 +243,7 @@ void add_loop_press_command(CommandLine loop, int& exit_code) {
   command.add_option("--rate", options->rate_hz, "Servo rate, Hz").between(10.0, 1e6).shows_default();
   const CommandLine link = command.add_group("link", "Between device and force program");
   link.add_option("--delay", options->delay_ms, "From the sample to its force on the motors, ms").between(0.0, 10'000.0).shows_default();
-  link.add_option("--jitter", options->jitter_ms, "Up to this much more each way, ms").between(0.0, 10'000.0).shows_default();
+  link.add_option("--jitter", options->jitter_ms, "Random extra delay each way, up to this, ms").between(0.0, 10'000.0).shows_default();
   link.add_option("--loss", options->link.loss, "Share of the datagrams lost each way").between(0.0, 0.99).shows_default();
   link.add_option("--reorder", options->link.reorder, "Share that is held back 2 ms each way").between(0.0, 1.0).shows_default();
   link.add_option("--seed", options->seed, "Seed of jitter, loss and reordering").shows_default();

@@ -111,7 +111,7 @@ void add_loop_zwidth_command(CommandLine loop, int& exit_code) {
   add_loop_flags(command, options->loop, true);
   command.add_option("--rate", options->rates, "Servo rate, Hz; a list a,b or a range LOW:HIGH:COUNT or LOW:HIGH:COUNTlog").shows_default();
   command.add_option("--delay", options->delays, "From the sample to its force on the motors, ms; a list or range").shows_default();
-  command.add_option("--jitter", options->jitters, "Up to this much more each way, drawn for each datagram, ms; a list or range")
+  command.add_option("--jitter", options->jitters, "Random extra delay each way, up to this, drawn for each datagram, ms; a list or range")
       .shows_default();
   command.add_option("--loss", options->losses, "Share of the datagrams lost each way; a list or range").shows_default();
   command.add_option("--seed", options->seed, "Seed of jitter and loss").shows_default();

@@ -130,7 +130,7 @@ void add_relay_command(CommandLine app, int& exit_code) {
           .one_of({"both", "to-hub", "to-nodes"})
           .shows_default(),
       command.add_option("--delay-ms", options->delay_ms, "Delay of every datagram").between(0.0, kLongestDelayMs),
-      command.add_option("--jitter-ms", options->jitter_ms, "Up to this much more delay, at random").between(0.0, kLongestDelayMs),
+      command.add_option("--jitter-ms", options->jitter_ms, "Random extra delay, up to this").between(0.0, kLongestDelayMs),
       command.add_option("--loss", faults.loss, "Share of datagrams lost, each independently").between(0.0, 1.0),
       command.add_option("--burst-share", faults.burst_share, "Share in a burst (Gilbert-Elliott)").between(0.0, 1.0),
       command.add_option("--burst-length", faults.burst_length, "Datagrams in a burst, on average").between(1.0, 1e6).shows_default(),
