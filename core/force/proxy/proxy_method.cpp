@@ -152,33 +152,10 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   ++counters_.steps;
   const Vec3 device = within_limits(geometry_.to_local(input.p_SD));
   if (!has_sample_) reset(input.p_SD);
-  const Vec3 last = last_device_;
-  if (!input.is_correction || counters_.skipped != sample_skipped_) sample_from_ = last;
-  sample_skipped_ = counters_.skipped;
-  const double displacement = (device - last).norm();
-  last_device_ = device;
-  if (!carried_from_) {
-    sweeps_finish_ = false;
-    failures_ = 0;
-    is_lifted_ = false;
-  }
-  const Vec3 from = carried_from_.value_or(last);
-  carried_from_.reset();
-  work_left_ = StepWork::kMost;
-  const std::size_t waiting = geometry_.waiting_count();
-  const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
-  if (geometry_.waiting_count() != waiting) {  // new objects are not in what they have found
-    sphere_.forget_near();
-    swept_.drop_motion();
-  }
-  const double distance = (device - proxy_.position).norm();
-  double clear = 0.0;
-  if (proxy_.is_free && ball_.is_due()) {
-    clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - distance);
-    work_left_ -= ball_.work();
-  }
-  ball_.note_motion(displacement);
-  if (distance < clear) {
+  const Vec3 last = std::exchange(last_device_, device);
+  const Vec3 from = begin_motion(input, last);
+  const double clear = find_clear(device, (device - last).norm());
+  if ((device - proxy_.position).norm() < clear) {
     proxy_.settle_at(device);
     ball_.enter(geometry_, input.p_SD, clear);
   } else {
@@ -187,24 +164,51 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     counters_.most_events = std::max(counters_.most_events, surface_.events() - events);
     counters_.most_work = std::max(counters_.most_work, StepWork::kMost - work_left_);
   }
-  if (proxy_.is_free) {
-    touched_object_ = -1;
-    return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
-  }
+  if (!proxy_.is_free) return render_contact(input, device);
+  touched_object_ = -1;
+  return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
+}
 
+Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexcept {
+  if (!input.is_correction || counters_.skipped != sample_skipped_) sample_from_ = last;
+  sample_skipped_ = counters_.skipped;
+  if (!carried_from_) {
+    sweeps_finish_ = false;
+    failures_ = 0;
+    is_lifted_ = false;
+  }
+  work_left_ = StepWork::kMost;
+  return std::exchange(carried_from_, std::nullopt).value_or(last);
+}
+
+double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept {
+  const std::size_t waiting = geometry_.waiting_count();
+  const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
+  if (geometry_.waiting_count() != waiting) {  // new objects are not in what they have found
+    sphere_.forget_near();
+    swept_.drop_motion();
+  }
+  double clear = 0.0;
+  if (proxy_.is_free && ball_.is_due()) {
+    clear = ball_.find(geometry_, device, displacement, clearance_.offset, may_go - (device - proxy_.position).norm());
+    work_left_ -= ball_.work();
+  }
+  ball_.note_motion(displacement);
+  return clear;
+}
+
+MethodOutput ProxyMethod::render_contact(const MethodInput& input, const Vec3& device) noexcept {
   ++counters_.contact_steps;
   if (proxy_.contact_count > 0) touched_object_ = surfaces_.strongest_object(proxy_);
-  const Vec3 p_SP = geometry_.to_scene(proxy_.position);
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
   // The surface is one contact offset nearer to the device than the proxy.
   const Vec3 extension = proxy_.position - device;
   const double length = extension.norm();
   const Vec3 turned = shading_ > 0.0 ? shaded(extension) : extension;
-  const Vec3 extension_m =
-      length > active_offset_ ? Vec3(turned * ((length - active_offset_) / length * geometry_.unit_m())) : Vec3::Zero();
   const bool is_contact = length > active_offset_;
+  const Vec3 extension_m = is_contact ? Vec3(turned * ((length - active_offset_) / length * geometry_.unit_m())) : Vec3::Zero();
   return {.force_n = force_of(extension_m, (device - sample_from_) * speed_m_per_s),
-          .p_SP = p_SP,
+          .p_SP = geometry_.to_scene(proxy_.position),
           .contact = is_contact,
           .object = is_contact ? touched_object_ : -1};
 }

@@ -112,6 +112,11 @@ class ProxyMethod final : public ForceMethod {
   static constexpr int kLeastSweptWork = 100;  // however little is left, so that a motion that the followers cannot finish goes on
 
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
+  // Returns where the device's motion to this sample begins: at the last sample, or where the last step ran out of work.
+  Vec3 begin_motion(const MethodInput& input, const Vec3& last) noexcept;
+  // Requests what is ahead. Returns the radius of the empty ball around the device, local; 0: not looked for, or there is none.
+  double find_clear(const Vec3& device, double displacement) noexcept;
+  MethodOutput render_contact(const MethodInput& input, const Vec3& device) noexcept;
   void leave_ball() noexcept;
   Vec3 shaded(const Vec3& extension) noexcept;
   Material felt_material() const noexcept;
