@@ -308,8 +308,14 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   CentrePath path;
   const DescentPath descent_path(contacts_, centre_, work_);
   const bool returns = !is_unstable && descent_path.return_to_crease(path);
-  if (!returns && !descent_path.make(device, hint_, is_unstable, path)) return descend_no_farther(device, is_unstable);
-  return descend_along(path, device, !returns);
+  const bool has_path = returns || descent_path.make(device, hint_, is_unstable, path);
+  return has_path && !opens_within_rounding(path) ? descend_along(path, device, !returns) : descend_no_farther(device, is_unstable);
+}
+
+// Along an edge in a slit, the curve of both contacts may end nearer than positions are exact: there the slit opens.
+bool SphereFollower::opens_within_rounding(const CentrePath& path) const noexcept {
+  return is_point_ && contacts_.active_count() == 2 && (path.end() - path.start()).norm() <= LocalMinimum::kLeastMotion &&
+         is_in_narrow_slit();
 }
 
 // There is no piece of a descent from here.
