@@ -9,8 +9,6 @@ namespace {
 // The value of a node beyond the grid.
 constexpr float kOutside = 1.0F;
 
-int round_down(int value, int step) { return value >= 0 ? value / step : -((step - 1 - value) / step); }
-
 }  // namespace
 
 SurfaceNets::Index SurfaceNets::count_blocks(const Index& nodes) {
@@ -24,8 +22,8 @@ SurfaceNets::Blocks SurfaceNets::find_changed(const Index& nodes, const Index& f
   const Index count = count_blocks(nodes);
   Blocks changed;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    changed.first[axis] = std::clamp(round_down(first[axis] - 1, kBlock), 0, count[axis]);
-    changed.end[axis] = std::clamp(round_down(end[axis] - 1 + kLargestStride, kBlock) + 1, changed.first[axis], count[axis]);
+    changed.first[axis] = std::clamp((first[axis] - 1) / kBlock, 0, count[axis]);
+    changed.end[axis] = std::clamp((end[axis] - 1 + kLargestStride) / kBlock + 1, changed.first[axis], count[axis]);
     if (end[axis] <= first[axis]) changed.end[axis] = changed.first[axis];
   }
   return changed;

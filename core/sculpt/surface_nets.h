@@ -38,6 +38,7 @@ class SurfaceNets {
   static Index count_blocks(const Index& nodes);
 
   // The blocks whose surface, at any stride, depends on the nodes first <= node < end. Half-open as well.
+  // Pre: first >= 0.
   struct Blocks {
     Index first = {};
     Index end = {};

@@ -315,6 +315,24 @@ TEST(Intersect8, KnowsWhatItCannotDecide) {
   EXPECT_GT(tally.unclear, 5000);
 }
 
+TEST(PackPair, GivesEveryCornerFromTheFirstOneAndLeavesTheOtherLanes) {
+  Random random(26);
+  const TrianglePair pair = random_pair(random, 1.0, Vec3(5.0, -3.0, 2.0));
+  for (int lane = 0; lane < 8; ++lane) {
+    TrianglePairs8 packed = {};
+    pack_pair(pair, lane, packed);
+    for (int other = 0; other < 8; ++other) {
+      for (int corner = 0; corner < 3; ++corner) {
+        for (int axis = 0; axis < 3; ++axis) {
+          const bool is_own = other == lane;
+          EXPECT_EQ(packed.a[corner][axis][other], is_own ? static_cast<float>(pair.a[corner][axis] - pair.a[0][axis]) : 0.0F);
+          EXPECT_EQ(packed.b[corner][axis][other], is_own ? static_cast<float>(pair.b[corner][axis] - pair.a[0][axis]) : 0.0F);
+        }
+      }
+    }
+  }
+}
+
 TEST(Intersect8, LeavesDegenerateLanesUnclear) {
   TrianglePairs8 packed;
   const TrianglePair flat = {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}};

@@ -53,6 +53,16 @@ TEST(MeshDistances, AreThoseByBruteForce) {
                         grid_around(0.06, 0.012), 0.03);
 }
 
+// A grid in a part of the mesh: no node beyond it is written, and all within have their values.
+TEST(MeshDistances, OfAMeshThatGoesBeyondTheGridAreThoseOfItsNodes) {
+  const TriangleMesh ball = make_icosphere(0.05, 2);
+  for (const double x : {-0.06, -0.02, 0.02}) {
+    for (const double yz : {-0.055, -0.01, 0.025}) {
+      expect_as_brute_force(ball, {.origin_m = {x, yz, yz}, .spacing_m = 0.0051, .nodes = {8, 7, 6}}, 0.012);
+    }
+  }
+}
+
 // Rows of nodes lie in faces, in edges and through vertices.
 TEST(MeshDistances, OfABoxWhoseFacesLieInTheGridAreExact) {
   const FieldGrid grid{.origin_m = Vec3::Constant(-0.08), .spacing_m = 0.01, .nodes = {20, 17, 17}};

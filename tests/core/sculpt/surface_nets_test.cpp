@@ -151,9 +151,106 @@ TEST(SurfaceNets, OneQuadForEachEdgeThatIsCrossed) {
   }
 }
 
+// By brute force: in each cell of a block, and in those just before it, one vertex if the surface passes through, and none elsewhere.
+TEST(SurfaceNets, OneVertexForEachCellThatTheSurfacePassesThrough) {
+  const SampledNodes ball = sampled_ball();
+  const SurfaceNets::Index count = SurfaceNets::count_blocks(ball.counts);
+  const auto is_inside = [&](int x, int y, int z) {
+    if (std::min({x, y, z}) < 0 || x >= ball.counts[0] || y >= ball.counts[1] || z >= ball.counts[2]) return false;
+    return ball.values[static_cast<std::size_t>(x + ball.counts[0] * (y + ball.counts[1] * z))] < 0.0F;
+  };
+  SurfaceNets nets;
+  SurfaceNet net;
+  for (const int stride : {1, 2, 4}) {
+    for (int block = 0; block < count[0] * count[1] * count[2]; ++block) {
+      const SurfaceNets::Index at = {block % count[0], block / count[0] % count[1], block / count[0] / count[1]};
+      std::set<SurfaceNets::Index> cells;
+      const auto first = [&](std::size_t k) { return at[k] * SurfaceNets::kBlock - stride; };
+      const auto end = [&](std::size_t k) { return (at[k] + 1) * SurfaceNets::kBlock; };
+      for (int z = first(2); z < end(2); z += stride) {
+        for (int y = first(1); y < end(1); y += stride) {
+          for (int x = first(0); x < end(0); x += stride) {
+            int inside = 0;
+            for (int n = 0; n < 8; ++n) inside += is_inside(x + (n & 1) * stride, y + (n >> 1 & 1) * stride, z + (n >> 2) * stride) ? 1 : 0;
+            if (inside != 0 && inside != 8) cells.insert({x, y, z});
+          }
+        }
+      }
+      nets.compute(ball.view(), at, stride, net);
+      std::set<SurfaceNets::Index> found;
+      for (const Eigen::Vector3f& p : net.positions) {
+        const Eigen::Vector3i cell = (p / static_cast<float>(stride)).array().floor().cast<int>() * stride;
+        found.insert({cell.x(), cell.y(), cell.z()});
+      }
+      EXPECT_EQ(found, cells) << block << " at " << stride;
+      EXPECT_EQ(net.positions.size(), cells.size()) << block << " at " << stride;
+    }
+  }
+}
+
 TEST(SurfaceNets, NothingWhereThereIsNoSurface) {
   const SampledNodes empty({20, 20, 20}, [](const Vec3&) { return 0.0; });
   EXPECT_TRUE(WholeNet(empty.view(), 1).quads.empty()) << "zero is outside";
+}
+
+// At random: nodes of value 0 make the cells and quads that those slightly outside make.
+TEST(SurfaceNets, ZeroIsOutside) {
+  constexpr unsigned kSeed = 78;
+  std::mt19937 random(kSeed);
+  RecordProperty("seed", kSeed);
+  SampledNodes zeros({14, 13, 15}, [&](const Vec3& p) {
+    const bool is_border = p.minCoeff() == 0.0 || p.x() == 13 || p.y() == 12 || p.z() == 14;
+    return is_border ? 1.0 : static_cast<double>(random() % 3) - 1.0;
+  });
+  SurfaceNets nets;
+  SurfaceNet of_zeros, of_halves;
+  nets.compute(zeros.view(), {0, 0, 0}, 1, of_zeros);
+  std::replace(zeros.values.begin(), zeros.values.end(), 0.0F, 0.5F);
+  nets.compute(zeros.view(), {0, 0, 0}, 1, of_halves);
+  EXPECT_GT(of_halves.quads.size(), 500U);
+  EXPECT_EQ(of_zeros.quads, of_halves.quads);
+  EXPECT_EQ(of_zeros.positions.size(), of_halves.positions.size());
+}
+
+// A box whose faces lie between the border of the grid and the nodes beside it.
+TEST(SurfaceNets, NodesAtTheBorderCountWithTheirValues) {
+  for (const int nodes : {8, 17}) {
+    const double middle = 0.5 * (nodes - 1);
+    const SampledNodes box({nodes, nodes, nodes},
+                           [&](const Vec3& p) { return (p - Vec3::Constant(middle)).cwiseAbs().maxCoeff() - (middle - 0.25); });
+    const WholeNet net(box.view(), 1);
+    Eigen::Vector3f low = net.positions.at(0), high = low;
+    for (const Eigen::Vector3f& p : net.positions) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+    EXPECT_EQ(low, Eigen::Vector3f::Constant(0.25F)) << nodes;
+    EXPECT_EQ(high, Eigen::Vector3f::Constant(static_cast<float>(nodes) - 1.25F)) << nodes;
+  }
+}
+
+// The nodes of a block: from one stride before its first cell to the end of its last one.
+TEST(SurfaceNets, ABlockChangesWithTheNodesFromAStrideBeforeItToItsEnd) {
+  EXPECT_EQ(SurfaceNets::count_blocks({16, 17, 48}), (SurfaceNets::Index{1, 2, 3}));
+  constexpr int kNodes = 64;
+  const auto changed_by = [&](int node) {
+    const SurfaceNets::Blocks changed =
+        SurfaceNets::find_changed({kNodes, kNodes, kNodes}, {node, node, node}, {node + 1, node + 1, node + 1});
+    for (std::size_t axis = 1; axis < 3; ++axis) {
+      EXPECT_EQ(changed.first[axis], changed.first[0]);
+      EXPECT_EQ(changed.end[axis], changed.end[0]);
+    }
+    return std::pair(changed.first[0], changed.end[0]);
+  };
+  for (int node = 0; node < kNodes; ++node) {
+    int first = kNodes, end = 0;
+    for (int block = 0; block < kNodes / SurfaceNets::kBlock; ++block) {
+      if (node < SurfaceNets::kBlock * block - SurfaceNets::kLargestStride || node > SurfaceNets::kBlock * (block + 1)) continue;
+      first = std::min(first, block);
+      end = std::max(end, block + 1);
+    }
+    EXPECT_EQ(changed_by(node), std::pair(first, end)) << node;
+  }
 }
 
 // A change of one node changes only the blocks that are listed, and all of these at one stride or another.
