@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <random>
@@ -58,6 +59,39 @@ TEST_F(SealedHubTest, WithAnotherKeyThereIsNoReplyAndACount) {
   EXPECT_EQ(hub_endpoint_.sent(), before);
   EXPECT_GT(hub_->seal_counts().wrong_key, 0U);
   EXPECT_FALSE(reply(*outsider, "no"));
+}
+
+// Whoever can send from the hub's address can forge replies: a waiting node counts them, and then joins all the same.
+TEST_F(SealedHubTest, AForgedReplyToAHandshakeIsCountedAndHarmless) {
+  const auto node = make_node(2);
+  say(*node, "first");
+  const auto forge = [&](seal::Kind kind, std::size_t size) {
+    Bytes forged(size, std::byte{0x5A});
+    std::fill_n(forged.begin() + seal::kRoleAt + 1, 3, std::byte{0});  // of a request, always
+    seal::write_lead(kind, seal::bytes_of(std::span(forged)));
+    node->endpoint.put_in(hub_at_, forged);
+    EXPECT_TRUE(node_receives(*node).empty());
+  };
+  const std::size_t sent = node->endpoint.sent();
+  forge(seal::Kind::reply, seal::kReplyBytes);
+  EXPECT_EQ(node->sealed.seal_counts().wrong_key, 1U);
+  forge(seal::Kind::retry, seal::kRetryBytes);
+  EXPECT_EQ(node->sealed.seal_counts().wrong_key, 2U);
+  forge(seal::Kind::request, seal::kRequestBytes);
+  EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U) << "a hub requests nothing";
+  EXPECT_EQ(node->endpoint.sent(), sent) << "and none gets a reply";
+  EXPECT_EQ(meet(*node).count("first"), 1U);
+  EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U);
+  EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
+  // Without a handshake a late reply is no fault.
+  forge(seal::Kind::reply, seal::kReplyBytes);
+  EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U);
+  EXPECT_EQ(node->sealed.seal_counts().unknown_session, 0U);
+  ASSERT_TRUE(reply(*node, "welcome"));
+  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"welcome"});
+  node->endpoint.put_in(memory_address(66, 6), node->endpoint.arrived().back().bytes);
+  EXPECT_TRUE(node_receives(*node).empty()) << "from another address";
+  EXPECT_EQ(node->sealed.seal_counts().unknown_session, 1U);
 }
 
 TEST_F(SealedHubTest, AnotherVersionAndJunkGetNoReplyAndACount) {
@@ -247,33 +281,44 @@ TEST_F(SealedHubTest, ANodeThatWasBusyForLongRequestsNothing) {
 TEST_F(SealedHubTest, UntilTheHubUsesTheNewSessionTheOldOneIsAccepted) {
   const auto node = make_node(2);
   join(*node);
-  clock_.advance_ns(SealedClient::kPeerTimeoutNs);
-  node_receives(*node);  // requests
-  hub_receives();        // cookie
-  say(*node, "lost on the way");
-  node_receives(*node);  // requests with it
-  hub_receives();        // agrees
-  node_receives(*node);  // has a new session, and sends its datagram in it
-  std::array<std::byte, kMaxDatagramBytes> into;
-  while (hub_endpoint_.receive(into, 0).bytes != 0) {
+  for (std::uint64_t round = 1; round <= 3; ++round) {
+    SCOPED_TRACE(round);
+    clock_.advance_ns(SealedClient::kPeerTimeoutNs);
+    node_receives(*node);  // requests
+    hub_receives();        // cookie
+    say(*node, "lost on the way");
+    node_receives(*node);  // requests with it
+    hub_receives();        // agrees
+    node_receives(*node);  // has a new session, and sends its datagram in it
+    std::array<std::byte, kMaxDatagramBytes> into;
+    while (hub_endpoint_.receive(into, 0).bytes != 0) {
+    }
+    EXPECT_EQ(node->sealed.seal_counts().handshakes, round + 1);
+    EXPECT_EQ(hub_->seal_counts().handshakes, round);
+    EXPECT_TRUE(reply(*node, "still the old one"));
+    EXPECT_EQ(node_receives(*node), std::vector<std::string>{"still the old one"});
+    const Bytes old = node->endpoint.arrived().back().bytes;
+    // After one datagram in each direction of the new one, the old one is over, except for late datagrams.
+    say(*node, "heard");
+    EXPECT_EQ(hub_receives().count("heard"), 1U);
+    EXPECT_TRUE(reply(*node, "the new one"));
+    EXPECT_EQ(node_receives(*node), std::vector<std::string>{"the new one"});
+    clock_.advance_ns(SealedClient::kOverlapNs);
+    EXPECT_TRUE(reply(*node, "later"));
+    EXPECT_EQ(node_receives(*node), std::vector<std::string>{"later"});
+    const std::uint64_t unknown = node->sealed.seal_counts().unknown_session;
+    node->endpoint.put_in(hub_at_, old);
+    EXPECT_TRUE(node_receives(*node).empty());
+    EXPECT_EQ(node->sealed.seal_counts().unknown_session, unknown + 1);
   }
+}
+
+TEST_F(SealedHubTest, ANewSessionSendsNothingOfTheOldOneAgain) {
+  const auto node = make_node(2);
+  join(*node);
+  clock_.advance_ns(SealedClient::kRekeyEveryNs);
+  EXPECT_TRUE(meet(*node).empty());
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 2U);
-  EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
-  EXPECT_TRUE(reply(*node, "still the old one"));
-  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"still the old one"});
-  const Bytes old = node->endpoint.arrived().back().bytes;
-  // After one datagram in each direction of the new one, the old one is over, except for late datagrams.
-  say(*node, "heard");
-  EXPECT_EQ(hub_receives().count("heard"), 1U);
-  EXPECT_TRUE(reply(*node, "the new one"));
-  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"the new one"});
-  clock_.advance_ns(SealedClient::kOverlapNs);
-  EXPECT_TRUE(reply(*node, "later"));
-  EXPECT_EQ(node_receives(*node), std::vector<std::string>{"later"});
-  const std::uint64_t unknown = node->sealed.seal_counts().unknown_session;
-  node->endpoint.put_in(hub_at_, old);
-  EXPECT_TRUE(node_receives(*node).empty());
-  EXPECT_EQ(node->sealed.seal_counts().unknown_session, unknown + 1);
 }
 
 TEST_F(SealedHubTest, ARestartedNodeAtTheSameAddressReplacesItsOwnSession) {
