@@ -3,8 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <random>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/allocation_guard.h"
@@ -65,6 +71,95 @@ TEST(VoxelTool, IsNotThrownThroughAWall) {
   EXPECT_GT((*tool)->placement().position.z(), 0.018);
 }
 
+// Twin by brute force: each point of the shell that lies in a voxel of the scene, beyond the plane through its middle.
+int count_contacts(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene, double voxel_m,
+                   const Pose& X_SD) {
+  Vec3 low = scene.front()->vertices.front();
+  for (const auto& mesh : scene) {
+    for (const Vec3& vertex : mesh->vertices) low = low.cwiseMin(vertex);
+  }
+  const VoxelGrid grid{low - Vec3::Constant(voxel_m), voxel_m};
+  std::set<std::array<int, 3>> cells;
+  for (const auto& mesh : scene) {
+    const auto voxels = find_surface_voxels(*mesh, grid);
+    for (const SurfaceVoxel& voxel : *voxels) cells.insert({voxel.cell.x(), voxel.cell.y(), voxel.cell.z()});
+  }
+  const VoxelGrid of_tool{Vec3::Zero(), voxel_m};
+  const auto shell = find_surface_voxels(tool, of_tool);
+  int count = 0;
+  for (const SurfaceVoxel& voxel : *shell) {
+    const Vec3 p = X_SD * of_tool.centre_m(voxel.cell);
+    const Eigen::Vector3i cell = ((p - grid.origin_m) / voxel_m).array().floor().cast<int>();
+    const double outward_m = (grid.centre_m(cell) - p).dot(X_SD.linear() * voxel.normal);
+    count += outward_m < 0.0 && cells.contains({cell.x(), cell.y(), cell.z()}) ? 1 : 0;
+  }
+  return count;
+}
+
+// Two boxes of unlike sides in opposite corners of a grid that is mostly empty.
+TEST(VoxelTool, FindsTheContactsThatBruteForceFinds) {
+  constexpr double kVoxelM = 0.0013;
+  const TriangleMesh tool = make_icosphere(0.006, 2);
+  const std::vector<std::shared_ptr<const TriangleMesh>> scene = {
+      shared_mesh(make_box({0.013, 0.009, 0.011}, 1)),
+      shared_mesh(scaled_and_moved(make_box({0.011, 0.013, 0.007}, 1), 1.0, {0.043, 0.031, 0.037}))};
+  auto made = VoxelTool::make(tool, scene, kSoftCoupling, kVoxelM);
+  ASSERT_TRUE(made);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> share(-0.2, 1.2);
+  int touching = 0;
+  for (int n = 0; n < 600; ++n) {
+    const Vec3 corner = n % 3 == 0 ? Vec3::Zero() : Vec3(0.043, 0.031, 0.037);
+    const Vec3 apart(share(random), share(random), share(random));
+    ToolInput input;
+    input.X_WD.linear() = Eigen::AngleAxisd(6.0 * share(random), Vec3(share(random), 1.0, share(random)).normalized()).toRotationMatrix();
+    input.X_WD.translation() =
+        n % 3 == 2 ? Vec3(0.043 * apart.x(), 0.031 * apart.y(), 0.037 * apart.z()) : Vec3(corner + 0.02 * (apart - Vec3::Constant(0.5)));
+    (*made)->reset(input);
+    const ToolOutput felt = (*made)->step(input);
+    const int expected = count_contacts(tool, scene, kVoxelM, input.X_WD);
+    ASSERT_EQ(felt.proxy.haptons, expected) << n;
+    ASSERT_EQ(felt.contact, expected > 0) << n;
+    touching += expected > 0 ? 1 : 0;
+  }
+  EXPECT_GT(touching, 100);
+  EXPECT_LT(touching, 500);
+}
+
+TEST(VoxelTool, TheRotationalStiffnessChangesWithTheOther) {
+  auto tool = VoxelTool::make(make_icosphere(0.01, 2), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.002);
+  ASSERT_TRUE(tool);
+  EXPECT_EQ((*tool)->coupling().rotational_stiffness_nm_per_rad, 0.2);
+  (*tool)->set_stiffness(500.0);
+  EXPECT_EQ((*tool)->coupling().stiffness_n_per_m, 500.0);
+  EXPECT_NEAR((*tool)->coupling().rotational_stiffness_nm_per_rad, 0.1, 1e-12);
+}
+
+// A bar held at one end and turned at once: the limit is that of its far end, wherever the grip is.
+TEST(VoxelTool, NoPointMovesFartherThanHalfAVoxelAStepHoweverItIsTurned) {
+  constexpr double kVoxelM = 0.001;
+  constexpr double kLengthM = 0.04;
+  for (const double middle_m : {-0.5 * kLengthM, 0.5 * kLengthM}) {
+    const TriangleMesh bar = scaled_and_moved(make_box({0.004, 0.004, kLengthM}, 1), 1.0, {0.0, 0.0, middle_m});
+    auto tool = VoxelTool::make(bar, {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, kVoxelM);
+    ASSERT_TRUE(tool);
+    ToolInput input = at({0.0, 0.0, 0.1});
+    (*tool)->reset(input);
+    input.X_WD.linear() = Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()).toRotationMatrix();
+    const Vec3 far_end(0.0, 0.0, 2.0 * middle_m);
+    const auto far_point = [&] { return Vec3((*tool)->placement().position + (*tool)->placement().orientation * far_end); };
+    double farthest_m = 0.0;
+    for (int i = 0; i < 200; ++i) {
+      const Vec3 before = far_point();
+      (void)(*tool)->step(input);
+      farthest_m = std::max(farthest_m, (far_point() - before).norm());
+    }
+    EXPECT_LE(farthest_m, 0.55 * kVoxelM) << "the end lies up to half a voxel beyond the last point";
+    EXPECT_GT(farthest_m, 0.45 * kVoxelM) << "and no slower than it may";
+    EXPECT_LE((far_point() - input.X_WD * far_end).norm(), 1e-6) << "it gets there";
+  }
+}
+
 TEST(VoxelTool, AStepTakesNothingFromTheHeap) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_plane_grid(0.2, 10))}, kSoftCoupling, 0.001);
   ASSERT_TRUE(tool);
@@ -87,12 +182,21 @@ TEST(VoxelTool, WhatIsNoPoseIsNotFollowed) {
 TEST(VoxelTool, ImpossibleSizesAreErrorsThatNameOneThatFits) {
   const auto scene = shared_mesh(make_plane_grid(0.2, 10));
   const auto cube = shared_mesh(make_box(Vec3::Constant(0.2), 2));
-  EXPECT_FALSE(VoxelTool::make(make_icosphere(0.01, 2), {scene}, kSoftCoupling, 0.0));
-  EXPECT_FALSE(VoxelTool::make(make_icosphere(0.01, 2), {scene}, kSoftCoupling, std::numeric_limits<double>::quiet_NaN()));
+  for (const double none : {0.0, -0.001, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    const auto made = VoxelTool::make(make_icosphere(0.01, 2), {scene}, kSoftCoupling, none);
+    ASSERT_FALSE(made) << none;
+    EXPECT_THAT(made.error().what, testing::HasSubstr("give a positive size")) << none;
+  }
   const auto tiny = VoxelTool::make(make_icosphere(0.01, 2), {cube}, kSoftCoupling, 1e-6);
   ASSERT_FALSE(tiny);
-  EXPECT_THAT(tiny.error().what, testing::HasSubstr("fits"));
-  EXPECT_FALSE(VoxelTool::make(TriangleMesh{}, {scene}, kSoftCoupling, 0.001));
+  // 2^30 cells are a cube of 1024: 0.2 m at 0.195 mm, and a twentieth more.
+  EXPECT_THAT(tiny.error().what, testing::EndsWith("; 0.000205 m fits"));
+  const auto nothing = VoxelTool::make(TriangleMesh{}, {scene}, kSoftCoupling, 0.001);
+  ASSERT_FALSE(nothing);
+  EXPECT_EQ(nothing.error().what, ToolStep::make(TriangleMesh{}, {scene}, kSoftCoupling).error().what);
+  const auto far = VoxelTool::make(scaled_and_moved(make_icosphere(0.01, 2), 1.0, {3000.0, 0.0, 0.0}), {scene}, kSoftCoupling, 0.001);
+  ASSERT_FALSE(far);
+  EXPECT_THAT(far.error().what, testing::HasSubstr("voxel"));
 }
 
 }  // namespace
