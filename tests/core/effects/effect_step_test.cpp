@@ -386,6 +386,38 @@ TEST(EffectStep, FrictionGoesOnFromFrameToFrame) {
   EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0.1, 2)).norm(), 1e-12) << "it takes that point along";
 }
 
+// Dampers, friction and the frames of moving surfaces go on as if the hand rested.
+TEST(EffectStep, ASceneThatIsMovedIsNoMotionOfTheHand) {
+  const SurfaceEffects rough{.drag = {.friction = {0.5, 0.5}}};
+  const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
+  const Pose X_SF = Pose::Identity();
+  const Vec3 p(0.0, 0.0, -2e-3);
+  const Vec3 moved = p + Vec3(5e-4, 0.0, 0.0);
+  for (const bool is_noted : {true, false}) {
+    for (const SurfaceEffects& surface : {rough, thick}) {
+      for (const int frame : {EffectStep::kStill, 0}) {
+        EffectStep step({surface}, {}, {frame});
+        const auto felt = [&](const Vec3& at) {
+          step.place({&X_SF, 1});
+          return step.step(at, kMs, on_plane(at)).force_n;
+        };
+        for (int n = 0; n < 20; ++n) (void)felt(p);
+        if (is_noted) step.note_scene_moved(moved);
+        const double sideways_n = felt(moved).head<2>().norm();
+        if (is_noted) {
+          EXPECT_LT(sideways_n, 1e-12) << frame;
+        } else {
+          EXPECT_GT(sideways_n, 0.1) << frame;
+        }
+      }
+    }
+    EffectStep space({}, {ViscousEffect{}});
+    for (int n = 0; n < 20; ++n) (void)space.step_in_space(p, kMs);
+    if (is_noted) space.note_scene_moved(moved);
+    EXPECT_EQ(space.step_in_space(moved, kMs).isZero(1e-12), is_noted);
+  }
+}
+
 // As free space, but for the surface that held the device: a tool took its place.
 TEST(EffectStep, InSpaceIsWithoutAnySurface) {
   EffectStep tool({everything()}, everywhere());

@@ -81,6 +81,18 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
   EXPECT_EQ(map_gradients(flat).du, Vec3(0, 0, 0)) << "without area";
 }
 
+// Texture coordinates of a file may be any numbers: one direction that overflows leaves no gradient, rather than a force that is none.
+TEST(SurfaceMaps, AGradientThatIsNotFiniteIsNone) {
+  for (const bool is_along_u : {true, false}) {
+    MappedTriangle triangle = {{Vec3(0, 0, 0), Vec3(1e-3, 0, 0), Vec3(0, 1e-3, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {0, 1}}};
+    EXPECT_GT(map_gradients(triangle).du.norm() * map_gradients(triangle).dv.norm(), 1e5);
+    for (Eigen::Vector2d& texcoord : triangle.texcoord) texcoord[is_along_u ? 0 : 1] *= 1e308;
+    const MapPlace place = map_gradients(triangle);
+    EXPECT_EQ(place.du, Vec3(0, 0, 0)) << is_along_u;
+    EXPECT_EQ(place.dv, Vec3(0, 0, 0)) << is_along_u;
+  }
+}
+
 // An image of a ramp is an inclined plane: f(d + h) (n - grad h) with h linear.
 TEST(SurfaceMaps, ARampPushesDownhillByTheFormula) {
   const ImageMap height = {.image = shared_image(256, [](double u, double) { return u; }), .at_black = -1e-3, .at_white = 0.0};
