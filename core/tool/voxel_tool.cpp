@@ -72,7 +72,6 @@ Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, con
 }
 
 bool VoxelTool::is_surface(const Eigen::Vector3i& cell) const noexcept {
-  if ((cell.array() < 0).any() || (cell.array() >= cells_.array()).any()) return false;
   const std::size_t n = index_of(cell, cells_);
   return (is_surface_[n / 64] >> n % 64 & 1U) != 0;
 }

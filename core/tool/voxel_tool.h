@@ -55,7 +55,7 @@ class VoxelTool {
   };
 
   VoxelTool() = default;
-  bool is_surface(const Eigen::Vector3i& cell) const noexcept;
+  bool is_surface(const Eigen::Vector3i& cell) const noexcept;  // Pre: within the grid
   int gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& pull) const noexcept;
 
   ToolCoupling coupling_;

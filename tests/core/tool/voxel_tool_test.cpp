@@ -191,6 +191,11 @@ TEST(VoxelTool, ImpossibleSizesAreErrorsThatNameOneThatFits) {
   ASSERT_FALSE(tiny);
   // 2^30 cells are a cube of 1024: 0.2 m at 0.195 mm, and a twentieth more.
   EXPECT_THAT(tiny.error().what, testing::EndsWith("; 0.000205 m fits"));
+  // The normals of its two sides cancel in every voxel.
+  const TriangleMesh sheet = joined(make_plane_grid(0.02, 2), flipped(make_plane_grid(0.02, 2)));
+  const auto flat = VoxelTool::make(sheet, {scene}, kSoftCoupling, 0.001);
+  ASSERT_FALSE(flat);
+  EXPECT_THAT(flat.error().what, testing::HasSubstr("no points"));
   const auto nothing = VoxelTool::make(TriangleMesh{}, {scene}, kSoftCoupling, 0.001);
   ASSERT_FALSE(nothing);
   EXPECT_EQ(nothing.error().what, ToolStep::make(TriangleMesh{}, {scene}, kSoftCoupling).error().what);
