@@ -386,6 +386,27 @@ TEST(EffectStep, FrictionGoesOnFromFrameToFrame) {
   EXPECT_LT((felt(7e-4, 0) - Vec3(-0.7, 0.1, 2)).norm(), 1e-12) << "it takes that point along";
 }
 
+// As when another method takes over: it goes on with the speed of the hand, also as surfaces that move see it.
+TEST(EffectStep, FollowsTheHandAsAnotherDid) {
+  const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
+  const Pose X_SF = Pose::Identity();
+  for (const int frame : {EffectStep::kStill, 0}) {
+    EffectStep other({thick}, {}, {frame});
+    EffectStep next({thick}, {}, {frame});
+    const auto felt = [&](EffectStep& step, int n) {
+      step.place({&X_SF, 1});
+      const Vec3 p(1e-4 * n, 0.0, -2e-3);
+      return step.step(p, kMs, on_plane(p)).force_n;
+    };
+    for (int n = 0; n < 20; ++n) (void)felt(other, n);
+    (void)felt(next, 19);
+    next.follow_hand(other);
+    const Vec3 expected_n = felt(other, 20);
+    EXPECT_NEAR(expected_n.x(), -0.4, 1e-9) << frame;
+    EXPECT_LT((felt(next, 20) - expected_n).norm(), 1e-12) << frame;
+  }
+}
+
 // Dampers, friction and the frames of moving surfaces go on as if the hand rested.
 TEST(EffectStep, ASceneThatIsMovedIsNoMotionOfTheHand) {
   const SurfaceEffects rough{.drag = {.friction = {0.5, 0.5}}};
