@@ -334,6 +334,29 @@ TEST(SphereFollower, ADeviceFarOutIsFollowed) {
   EXPECT_FALSE(stage.follower->is_free()) << "its way leads through the sheet";
 }
 
+// Each call sees the far device at another place, so its distance from there says nothing about the calls before.
+TEST(SphereFollower, ADeviceFarOutIsFollowedHoweverLittleWorkACallHas) {
+  constexpr int kLittle = 40;  // units
+  std::mt19937_64 random(29);
+  std::normal_distribution<double> normal;
+  int carried = 0;
+  for (int i = 0; i < 60; ++i) {
+    Stage stage(made::sphere(0.4, 24, 0.05), 0.005);
+    const Vec3 side = Vec3(normal(random), normal(random), normal(random)).normalized();
+    stage.put(0.6 * side);
+    ASSERT_EQ(stage.finish(stage.geometry.to_local(0.4 * side)), Outcome::settled);
+    const Vec3 far = 1000.0 * Vec3(normal(random), normal(random), normal(random)).normalized();
+    Outcome outcome = Outcome::exhausted;
+    for (int call = 0; call < 2000 && outcome == Outcome::exhausted; ++call) {
+      double time = 0.0;
+      outcome = stage.follower->follow(call == 0 ? stage.device : far, far, time, kLittle);
+      carried += outcome == Outcome::exhausted ? 1 : 0;
+    }
+    EXPECT_EQ(outcome, Outcome::settled) << i;
+  }
+  EXPECT_GT(carried, 60);
+}
+
 TEST(SphereFollower, WhatIsNotFiniteIsUnclearAndChangesNothing) {
   Stage stage(made::sheet(0.5, 0.0, 5), kOffset);
   stage.put({0.1, 0.2, 0.3});
