@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <span>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 #include "core/force/virtual_coupling.h"
 #include "scene/material_limits.h"
 #include "scene/scene_file.h"
@@ -118,7 +118,7 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
   const std::vector<std::size_t> objects = find_objects(name);
   if (objects.empty()) {
     const std::vector<std::string_view> known(names_.begin(), names_.end());
-    return fail("the scene has no object '{}'{}", printable(name), near_miss_hint(name, known));
+    return fail("the scene has no object '{}'{}", printable(name), similar_word_hint(name, known));
   }
   MaterialState changed = state_;
   bool has_room = true;

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/near_miss.h"
 #include "core/base/result.h"
+#include "core/base/similar_word.h"
 #include "runtime/build_id.h"
 #include "runtime/flag_checks.h"
 #include "runtime/regular_file.h"
@@ -96,7 +96,7 @@ std::string ConfigFile::suggest_key(std::string_view key) const {
       if (name != key) known.emplace_back(name);
     }
   }
-  const std::string_view best = find_near_miss(key, known);
+  const std::string_view best = find_similar_word(key, known);
   return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
 }
 
@@ -199,7 +199,7 @@ std::string suggest_flag(const CLI::App& app) {
   std::vector<std::string> words;
   add_words(innermost_command(app), words);
   const std::vector<std::string_view> known(words.begin(), words.end());
-  const std::string_view best = find_near_miss(std::string_view(unknown.front()).substr(0, unknown.front().find('=')), known);
+  const std::string_view best = find_similar_word(std::string_view(unknown.front()).substr(0, unknown.front().find('=')), known);
   return best.empty() ? std::string() : fmt::format("; did you mean '{}'?", best);
 }
 

@@ -85,7 +85,7 @@ class Expansion {
     std::vector<std::string_view> known;
     for (const auto& [one, number] : numbers_) known.emplace_back(one);
     return fail("line {}: there is no [[group]] named '{}'{}", line, printable(name),
-                known.empty() ? ": add it" : near_miss_hint(name, known));
+                known.empty() ? ": add it" : similar_word_hint(name, known));
   }
 
   template <class Spec>
@@ -162,7 +162,7 @@ class Expansion {
       known.emplace_back(name);
     }
     for (const auto& [name, number] : numbers_) known.emplace_back(name);
-    return near_miss_hint(instance.of, known);
+    return similar_word_hint(instance.of, known);
   }
 
   // ---- the objects of the scene

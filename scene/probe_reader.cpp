@@ -62,7 +62,7 @@ Result<const ProbeSpec*> find_probe(const std::vector<ProbeSpec>& probes, std::s
   if (found != probes.end()) return &*found;
   std::vector<std::string_view> known;
   for (const ProbeSpec& probe : probes) known.emplace_back(probe.name);
-  return fail("there is no [[probe]] named '{}'{}", printable(name), known.empty() ? ": add it" : near_miss_hint(name, known));
+  return fail("there is no [[probe]] named '{}'{}", printable(name), known.empty() ? ": add it" : similar_word_hint(name, known));
 }
 
 std::string describe(const ProbeSpec& probe) {

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <utility>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 #include "scene/animated_object.h"
 #include "scene/effect_reader.h"
 #include "scene/file_bytes.h"
@@ -226,7 +226,7 @@ Result<void> add_effects(const SceneSpec& spec, Scene& scene) {
     }
     if (box.isEmpty()) {
       return fail("line {}: there is no object named {}{}", effect.object_line, printable(effect.object),
-                  near_miss_hint(effect.object, names));
+                  similar_word_hint(effect.object, names));
     }
     place_at_object(scene.effects.back().effect, box.min(), box.max());
   }

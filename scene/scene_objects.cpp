@@ -30,7 +30,7 @@ Result<void> check_materials(const std::vector<Spec>& specs, std::span<const std
   for (const Spec& spec : specs) {
     if (spec.material.empty() || std::find(known.begin(), known.end(), spec.material) != known.end()) continue;
     return fail("line {}: there is no [material.{}]{}", spec.material_line, printable(spec.material),
-                known.empty() ? ": add it" : near_miss_hint(spec.material, known));
+                known.empty() ? ": add it" : similar_word_hint(spec.material, known));
   }
   return {};
 }

@@ -15,8 +15,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/near_miss.h"
 #include "core/base/result.h"
+#include "core/base/similar_word.h"
 #include "core/math/types.h"
 #include "scene/text_cursor.h"
 
@@ -49,7 +49,7 @@ class TableReader {
   void allow(std::span<const std::string_view> known) {
     for (const auto& [key, node] : table_) {
       if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-      set_error(node, "unknown key '{}' in {}{}", printable(key.str()), where_, near_miss_hint(key.str(), known));
+      set_error(node, "unknown key '{}' in {}{}", printable(key.str()), where_, similar_word_hint(key.str(), known));
     }
   }
 

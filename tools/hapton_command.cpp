@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 #include "runtime/config.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
@@ -33,7 +33,7 @@ std::string hint_command(const std::string& word, const std::vector<const CLI::A
     if (!command->get_group().empty()) names.push_back(command->get_name());
   }
   const std::vector<std::string_view> known(names.begin(), names.end());
-  return near_miss_hint(word, known);
+  return similar_word_hint(word, known);
 }
 
 // True if a word is in the position of a command but unknown; prints that, with a suggestion.

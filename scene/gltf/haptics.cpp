@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 #include "scene/file_bytes.h"
 #include "scene/gltf/uri.h"
 #include "scene/text_cursor.h"
@@ -144,7 +144,7 @@ class HapticReader {
     for (const auto& [name, value] : json.items()) {
       if (std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end()) continue;
       if (std::find(kNotFelt.begin(), kNotFelt.end(), name) == kNotFelt.end()) {
-        note("{}.{} is ignored: the extension has no such property{}", where, printable(name), near_miss_hint(name, kOthers));
+        note("{}.{} is ignored: the extension has no such property{}", where, printable(name), similar_word_hint(name, kOthers));
       } else if (!value.empty()) {
         note("{}.{} is ignored: only stiffness, friction, vibrotactileTexture and custom are supported", where, name);
       }

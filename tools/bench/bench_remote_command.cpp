@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 #include "runtime/atomic_file.h"
 #include "runtime/clock.h"
 #include "tools/bench/remote_processes.h"
@@ -74,7 +74,7 @@ Result<std::vector<const RemoteMethod*>> read_methods(const std::string& text) {
     } else if (const RemoteMethod* method = find_remote_method(name)) {
       methods.push_back(method);
     } else {
-      return fail("--method '{}' is unknown{}", name, near_miss_hint(name, known));
+      return fail("--method '{}' is unknown{}", name, similar_word_hint(name, known));
     }
   }
   if (methods.empty()) return fail("--method: no name is given; known are {}, and all", remote_method_names());

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 
 namespace hapton {
 namespace {
@@ -25,7 +25,7 @@ Result<std::vector<std::string>> names_of(const std::string& flag, const std::st
       continue;
     }
     if (std::find(known.begin(), known.end(), name) == known.end())
-      return fail("{} '{}' is unknown{}", flag, name, near_miss_hint(name, known));
+      return fail("{} '{}' is unknown{}", flag, name, similar_word_hint(name, known));
     names.push_back(name);
   }
   if (names.empty()) return fail("{}: no name is given; known are {}, and all", flag, fmt::join(known, ", "));

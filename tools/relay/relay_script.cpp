@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 #include "runtime/regular_file.h"
 
 namespace hapton {
@@ -23,7 +23,7 @@ class FaultTable {
   void refuse_all_but(const std::vector<std::string_view>& known) {
     for (const auto& [key, node] : table_) {
       if (std::find(known.begin(), known.end(), key.str()) == known.end()) {
-        set_error(node, fmt::format("unknown key '{}'{}", key.str(), near_miss_hint(key.str(), known)));
+        set_error(node, fmt::format("unknown key '{}'{}", key.str(), similar_word_hint(key.str(), known)));
       }
     }
   }

@@ -7,9 +7,9 @@
 namespace hapton {
 
 // The known word within a few letters of this one; empty if there is none. RT: no.
-std::string_view find_near_miss(std::string_view word, std::span<const std::string_view> known);
+std::string_view find_similar_word(std::string_view word, std::span<const std::string_view> known);
 
 // "; did you mean 'x'?" if a known word is within a few letters of the word, otherwise "; known are a, b, c".
-std::string near_miss_hint(std::string_view word, std::span<const std::string_view> known);
+std::string similar_word_hint(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace hapton

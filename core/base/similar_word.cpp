@@ -1,4 +1,4 @@
-#include "core/base/near_miss.h"
+#include "core/base/similar_word.h"
 
 #include <fmt/core.h>
 
@@ -27,7 +27,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string_view find_near_miss(std::string_view word, std::span<const std::string_view> known) {
+std::string_view find_similar_word(std::string_view word, std::span<const std::string_view> known) {
   std::string_view best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string_view candidate : known) {
@@ -42,8 +42,8 @@ std::string_view find_near_miss(std::string_view word, std::span<const std::stri
   return best;
 }
 
-std::string near_miss_hint(std::string_view word, std::span<const std::string_view> known) {
-  const std::string_view best = find_near_miss(word, known);
+std::string similar_word_hint(std::string_view word, std::span<const std::string_view> known) {
+  const std::string_view best = find_similar_word(word, known);
   if (!best.empty()) return fmt::format("; did you mean '{}'?", best);
   std::string all;
   for (const std::string_view candidate : known) all += fmt::format("{}{}", all.empty() ? "" : ", ", candidate);
