@@ -223,7 +223,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   if (running_) {
     remember_reply();
   } else {
-    touch_->forget_effects(input_);
+    touch_->reset_effects(input_);
     tool_->forget_motion();
     free_starts_ += grasp_ == nullptr && !tool_->is_known() ? 1 : 0;
   }
@@ -339,8 +339,8 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   ++counts_.method_changes;
   const Vec3 held_m = held_offset();
   std::swap(touch_, touch);
-  touch_->follow_commands(*touch);
-  touch_->follow_carves(*touch);
+  touch_->copy_commands(*touch);
+  touch_->exchange_carves(*touch);
   const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_start(X_WS_) : std::nullopt;
   if (put_down && !running_) {
     p_WP_ = put_down->p_W;
@@ -361,7 +361,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     // It is no sample: nothing is carved in it.
     if (touch_->has_sculpture()) settling.buttons = 0;
     const TouchOutput settled = touch_->step(settling);
-    touch_->follow_hand(*touch);
+    touch_->continue_hand_motion(*touch);
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
     if (was_held || output_.contact || fade_.is_felt() || settled.contact) fade_.begin();

@@ -109,7 +109,7 @@ class HapticsStep {
   bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept;
   // Takes the place of the method that is there, without a change of method: for a replay that begins anew with whole bodies.
   void begin_anew(std::unique_ptr<TouchStep> touch) noexcept {
-    touch->follow_commands(*touch_);
+    touch->copy_commands(*touch_);
     touch_ = std::move(touch);
     restart();
   }

@@ -40,15 +40,15 @@ MapFinder* FeltEffects::find_maps(int object) const noexcept {
   return object >= 0 && number < maps_.size() ? maps_[number].get() : nullptr;
 }
 
-void FeltEffects::follow_hand(const FeltEffects& other) noexcept {
+void FeltEffects::continue_hand_motion(const FeltEffects& other) noexcept {
   if (!other.has_last_) return;
-  effects_.follow_hand(other.effects_);
+  effects_.continue_hand_motion(other.effects_);
   last_ = other.last_;
   has_last_ = true;
 }
 
 // A scene that was moved is no motion of the hand.
-void FeltEffects::note_scene(const TouchInput& input) noexcept {
+void FeltEffects::compensate_scene_motion(const TouchInput& input) noexcept {
   if (has_last_ && last_.X_WS.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_.p_WD));
   last_ = input;
   has_last_ = true;
@@ -57,7 +57,7 @@ void FeltEffects::note_scene(const TouchInput& input) noexcept {
 void FeltEffects::add(const TouchInput& input, const BodyPlaces& bodies, std::optional<PatchOutput>& output) noexcept {
   const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
   if (!p_SD.allFinite()) return;
-  note_scene(input);
+  compensate_scene_motion(input);
   for (std::size_t f = 0; f < bodies_.size(); ++f) X_SF_[f] = bodies.pose(bodies_[f]);
   effects_.place(X_SF_);
   SurfaceContact contact{.p_SP = p_SD};

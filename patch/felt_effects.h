@@ -35,10 +35,10 @@ class FeltEffects {
   // Forgets contact and time.
   void forget() noexcept { effects_.reset(); }
   // As EffectStep.
-  void follow_hand(const FeltEffects& other) noexcept;
+  void continue_hand_motion(const FeltEffects& other) noexcept;
 
  private:
-  void note_scene(const TouchInput& input) noexcept;
+  void compensate_scene_motion(const TouchInput& input) noexcept;
   int frame_of(int object) const noexcept;
   MapFinder* find_maps(int object) const noexcept;
 

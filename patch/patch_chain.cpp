@@ -13,7 +13,8 @@ PatchChain::PatchChain() : touches_(kLinks) { p_OD_.fill(Vec3::Zero()); }
 std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodies) noexcept {
   if (has_arrived_ && body_count() == 1) start_ = {touches_[0].proxy(), touches_[0].outward(), time_s_};
   std::swap(bodies_, bodies);
-  if (bodies != nullptr && bodies->effects != nullptr && bodies_->effects != nullptr) bodies_->effects->follow_hand(*bodies->effects);
+  if (bodies != nullptr && bodies->effects != nullptr && bodies_->effects != nullptr)
+    bodies_->effects->continue_hand_motion(*bodies->effects);
   has_arrived_ = false;
   are_new_ = true;
   proxy_.set_extent(bodies_->extent_m);

@@ -11,19 +11,19 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
-SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, SweepCollision& collision) noexcept {
+SweepOutcome compute_collision(const SweepLine& line, const TrianglePlane& plane, SweepCollision& collision) noexcept {
   const Vec3 from = line.last - plane.origin;
   const Vec3 to = line.current - plane.origin;
   const double height_from = plane.normal.dot(from);
   const double height_to = plane.normal.dot(to);
   const double drop = height_from - height_to;
   if (drop == 0.0) {
-    return SweepEnd::parallel;
+    return SweepOutcome::parallel;
   }
   const bool starts_above = height_from >= 0.0;
   const bool ends_above = height_to >= 0.0;
   if (starts_above == ends_above) {
-    return SweepEnd::out_of_length;
+    return SweepOutcome::out_of_length;
   }
 
   const double t = height_from / drop;
@@ -36,7 +36,7 @@ SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, Sw
   const double along_error = std::min(1.0, rounding / std::abs(drop));
   if (!plane.contains(meet[plane.u_axis], meet[plane.v_axis], rounding, along_error * along[plane.u_axis],
                       along_error * along[plane.v_axis])) {
-    return SweepEnd::out_of_triangle;
+    return SweepOutcome::out_of_triangle;
   }
 
   collision.t = t;
@@ -44,7 +44,7 @@ SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, Sw
   collision.normal = starts_above ? plane.normal : Vec3(-plane.normal);
   collision.depth = std::abs(height_to);
   collision.from_behind = !starts_above;
-  return SweepEnd::collision;
+  return SweepOutcome::collision;
 }
 
 }  // namespace hapton

@@ -13,7 +13,7 @@ struct SweepLine {
 };
 
 // How far the test of one triangle got (steps of the memo's figure 3).
-enum class SweepEnd : std::uint8_t {
+enum class SweepOutcome : std::uint8_t {
   parallel,         // step 2: the line never meets the plane
   out_of_length,    // step 3: it meets the plane before its start or beyond its end
   out_of_triangle,  // step 4: it meets the plane outside the triangle
@@ -31,7 +31,7 @@ struct SweepCollision {
 
 // Tests one triangle, steps 2 to 4. A point with height >= 0 is above the plane, any other below: a line collides if its ends are on
 // different sides, so of two lines that share an end on the plane exactly one collides. Post: collision is written only if the result is
-// SweepEnd::collision. RT: yes. Source: memo 4.2.2.
-SweepEnd compute_collision(const SweepLine& line, const TrianglePlane& plane, SweepCollision& collision) noexcept;
+// SweepOutcome::collision. RT: yes. Source: memo 4.2.2.
+SweepOutcome compute_collision(const SweepLine& line, const TrianglePlane& plane, SweepCollision& collision) noexcept;
 
 }  // namespace hapton

@@ -117,7 +117,7 @@ SurfaceEffectState& EffectStep::state_of(int object) noexcept {
   return state.effects;
 }
 
-void EffectStep::follow_hand(const EffectStep& other) noexcept {
+void EffectStep::continue_hand_motion(const EffectStep& other) noexcept {
   velocity_ = other.velocity_;
   last_p_SD_ = other.last_p_SD_;
   if (frame_of_ != other.frame_of_) return;

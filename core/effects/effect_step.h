@@ -64,7 +64,7 @@ class EffectStep {
   bool any() const noexcept;
   // Goes on with the velocities of the device that `other` has followed to its last sample: of the hand, and relative to moving
   // surfaces if these are as many. Pre: a step at that sample.
-  void follow_hand(const EffectStep& other) noexcept;
+  void continue_hand_motion(const EffectStep& other) noexcept;
   // The scene was moved, so that the last device point has other coordinates in frame S: this is no motion of the hand.
   void note_scene_moved(const Vec3& last_p_SD) noexcept;
 

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Damping and friction of a material where the force method has neither (ForceMethod::drag_left_out). Damping: the contact force is less by
-// b v, v the speed along the normal away from the surface, and never attractive: max(0, f - b v). Friction: MapFriction. Units: SI. RT:
+// Damping and friction of a material where the force method has neither (ForceMethod::unrendered_drag). Damping: the contact force is less
+// by b v, v the speed along the normal away from the surface, and never attractive: max(0, f - b v). Friction: MapFriction. Units: SI. RT:
 // yes. Bound: of damping, b times the speed of the approach; of friction, the static coefficient times the contact force. Passivity:
 // dissipative.
 struct SurfaceDrag {

@@ -22,9 +22,9 @@ struct TouchInput;
 
 // One device sample, in the static scene's frame.
 struct MethodInput {
-  Vec3 p_SD = Vec3::Zero();   // device point, m
-  double dt_s = 1e-3;         // time since the sample before
-  double time_s = 0.0;        // scene time, for objects that move or deform
+  Vec3 p_SD = Vec3::Zero();  // device point, m
+  double dt_s = 1e-3;        // time since the sample before
+  double time_s = 0.0;       // scene time, for objects that move or deform
   // The sample of the step before once more, with another device point, which takes the place of the other: damping sees the motion since
   // the sample before that one. Only methods that are parts of another one get it (CommonProxy).
   bool is_correction = false;
@@ -80,7 +80,7 @@ class ForceMethod {
 
   // The material of each object, if the method renders neither its damping nor its friction, so that TouchStep adds them as effects of the
   // surface. Empty: the method renders them itself. RT: yes.
-  virtual std::span<const Material> drag_left_out() const noexcept { return {}; }
+  virtual std::span<const Material> unrendered_drag() const noexcept { return {}; }
 
   // Of the last step, if MethodOutput::object is another object: effects of its surface do not act on this part. RT: yes.
   virtual BodyPush body_push() const noexcept { return {}; }

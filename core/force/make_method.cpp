@@ -17,8 +17,8 @@ namespace {
 struct Entry {
   std::string_view name;
   Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
-  bool feels_motion = false;       // has a proxy that does not cross a surface, whatever comes upon it
-  bool feels_deformation = false;  // is the proxy of DeformingMethod
+  bool supports_motion = false;       // has a proxy that does not cross a surface, whatever comes upon it
+  bool supports_deformation = false;  // is the proxy of DeformingMethod
 };
 
 constexpr std::array kMethods = {
@@ -62,13 +62,13 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
   for (const Entry& entry : kMethods) {
     if (entry.name != settings.name) continue;
     const TouchScene coupled = couple_scene(scene, settings.coupling_n_per_m);
-    if (scene.has_deformation() && !entry.feels_deformation) {
+    if (scene.has_deformation() && !entry.supports_deformation) {
       return fail("method {}: objects of the scene deform, which it does not support; choose proxy", settings.name);
     }
-    if (scene.has_motion() && !entry.feels_motion) {
+    if (scene.has_motion() && !entry.supports_motion) {
       return fail("method {}: objects of the scene move, which it does not support; choose proxy or reference", settings.name);
     }
-    if (scene.has_sculpt()) return SculptMethod::make(entry.make, entry.feels_motion, settings, coupled);
+    if (scene.has_sculpt()) return SculptMethod::make(entry.make, entry.supports_motion, settings, coupled);
     return scene.has_motion() ? MovingMethod::make(entry.make, settings, coupled) : entry.make(settings, coupled);
   }
   return fail("method '{}' is not known; choose one of: {}", settings.name, method_names());

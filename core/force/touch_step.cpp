@@ -39,7 +39,7 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
     if (const auto& pivot = scene.objects[o].command_pivot) commanded_.push_back({static_cast<int>(o), CommandedMotion(*pivot)});
   }
   X_SO_.resize(commanded_.size(), Pose::Identity());
-  const bool adds_drag = !method_->drag_left_out().empty();
+  const bool adds_drag = !method_->unrendered_drag().empty();
   if (!scene.has_effects() && !adds_drag) return;
   std::vector<SurfaceEffects> surfaces;
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
@@ -57,9 +57,9 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
 }
 
 // Damping and friction of the materials, where the method has neither.
-void TouchStep::take_drag() noexcept {
-  knows_drag_ = true;
-  const std::span<const Material> materials = method_->drag_left_out();
+void TouchStep::update_drag() noexcept {
+  has_set_drag_ = true;
+  const std::span<const Material> materials = method_->unrendered_drag();
   for (std::size_t o = 0; o < materials.size(); ++o) {
     const Material& material = materials[o];
     effects_->set_drag(o, {.damping_ns_per_m = material.damping_ns_per_m,
@@ -71,7 +71,7 @@ void TouchStep::take_drag() noexcept {
 void TouchStep::set_materials(std::span<const Material> materials) noexcept {
   method_->set_materials(materials);
   if (effects_ == nullptr) return;
-  take_drag();
+  update_drag();
   held_offset_m_.reset();
   const bool used_effects = std::exchange(uses_effects_, effects_->any());
   has_new_effects_ = uses_effects_ && (has_new_effects_ || !used_effects);
@@ -98,7 +98,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
 }
 
 // Of effects: a scene that was moved is no motion of the hand.
-void TouchStep::note_scene(const TouchInput& input) noexcept {
+void TouchStep::compensate_scene_motion(const TouchInput& input) noexcept {
   if (last_.X_WS.matrix() != input.X_WS.matrix())
     effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
   last_ = input;
@@ -106,8 +106,8 @@ void TouchStep::note_scene(const TouchInput& input) noexcept {
 
 Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   if (!uses_effects_) return Vec3::Zero();
-  if (has_new_effects_) forget_effects(input);
-  note_scene(input);
+  if (has_new_effects_) reset_effects(input);
+  compensate_scene_motion(input);
   return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);
 }
 
@@ -126,9 +126,9 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
 // Not inlined: its registers and stack would cost every step of a scene without effects.
 [[gnu::noinline]] TouchOutput TouchStep::add_effects(const TouchInput& input, const MethodInput& sample,
                                                      const MethodOutput& result) noexcept {
-  if (has_new_effects_) forget_effects(input);
-  if (!knows_drag_) take_drag();
-  note_scene(input);
+  if (has_new_effects_) reset_effects(input);
+  if (!has_set_drag_) update_drag();
+  compensate_scene_motion(input);
   MethodOutput own = result;
   const BodyPush body = method_->body_push();
   const bool has_body = !body.force_n.isZero(0.0) || !body.extension_m.isZero(0.0);
@@ -196,13 +196,13 @@ std::vector<int> TouchStep::commanded_objects() const {
   return objects;
 }
 
-void TouchStep::follow_hand(const TouchStep& other) noexcept {
+void TouchStep::continue_hand_motion(const TouchStep& other) noexcept {
   if (!uses_effects_ || !other.uses_effects_ || other.has_new_effects_) return;
-  effects_->follow_hand(*other.effects_);
+  effects_->continue_hand_motion(*other.effects_);
   last_ = other.last_;
 }
 
-void TouchStep::follow_commands(const TouchStep& other) noexcept {
+void TouchStep::copy_commands(const TouchStep& other) noexcept {
   if (commanded_.size() != other.commanded_.size()) return;
   std::copy(other.commanded_.begin(), other.commanded_.end(), commanded_.begin());
   placed_s_ = -std::numeric_limits<double>::infinity();
@@ -211,15 +211,15 @@ void TouchStep::follow_commands(const TouchStep& other) noexcept {
 
 void TouchStep::reset(const TouchInput& input) noexcept {
   method_->reset(to_static_scene(input).p_SD);
-  forget_effects(input);
+  reset_effects(input);
 }
 
 void TouchStep::resume(const TouchInput& input) noexcept {
   method_->resume(to_static_scene(input).p_SD);
-  forget_effects(input);
+  reset_effects(input);
 }
 
-void TouchStep::forget_effects(const TouchInput& input) noexcept {
+void TouchStep::reset_effects(const TouchInput& input) noexcept {
   has_new_effects_ = false;
   held_offset_m_.reset();
   if (effects_ == nullptr) return;

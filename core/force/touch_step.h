@@ -34,7 +34,7 @@ struct TouchOutput {
 
 // One haptic step: transforms the device point into the static scene's frame, runs the method, adds the scene's effects, and transforms
 // force and visual offset back to the world. The live node, replay, tests and benches all call it. RT: step, step_in_space, reset,
-// forget_effects, resume, set_materials, command, follow_commands, follow_carves, restore_carves and repeat_carve yes.
+// reset_effects, resume, set_materials, command, copy_commands, exchange_carves, restore_carves and repeat_carve yes.
 class TouchStep {
  public:
   // Without effects.
@@ -47,7 +47,7 @@ class TouchStep {
   Vec3 step_in_space(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
   // As reset, of the effects alone: a tool is held from the first sample on.
-  void forget_effects(const TouchInput& input) noexcept;
+  void reset_effects(const TouchInput& input) noexcept;
   // See ForceMethod: the input's device is where the proxy was held.
   void resume(const TouchInput& input) noexcept;
   // See ForceMethod: what the surfaces of the scene do beyond their materials stays as it was made.
@@ -70,9 +70,9 @@ class TouchStep {
   // All objects that programs may move. RT: no.
   std::vector<int> commanded_objects() const;
   // After a reset and a step at the last sample of `other`: effects know the velocity of the hand that it has followed.
-  void follow_hand(const TouchStep& other) noexcept;
+  void continue_hand_motion(const TouchStep& other) noexcept;
   // Takes over the commanded motions of `other`, a step for the same scene. If the numbers of such objects differ, it does nothing.
-  void follow_commands(const TouchStep& other) noexcept;
+  void copy_commands(const TouchStep& other) noexcept;
   // Bodies of material can be carved by the buttons of TouchInput.
   bool has_sculpture() const { return method_->sculpture() != nullptr; }
   // What the last step carved; null: nothing.
@@ -81,7 +81,7 @@ class TouchStep {
     return sculpture != nullptr && sculpture->made() ? &*sculpture->made() : nullptr;
   }
   // Goes on with the shapes that `other`, a step for the same scene, has carved, and gives it its own.
-  void follow_carves(TouchStep& other) noexcept {
+  void exchange_carves(TouchStep& other) noexcept {
     if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
   }
   // See ForceMethod.
@@ -102,8 +102,8 @@ class TouchStep {
   };
 
   void place_commanded(double time_s) noexcept;
-  void note_scene(const TouchInput& input) noexcept;
-  void take_drag() noexcept;
+  void compensate_scene_motion(const TouchInput& input) noexcept;
+  void update_drag() noexcept;
   std::optional<SurfacePlace> place_frames(const MethodInput& sample, const MethodOutput& result) noexcept;
   Vec3 find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept;
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
@@ -113,7 +113,7 @@ class TouchStep {
   bool uses_effects_ = false;            // there are some
   bool has_layers_ = false;
   bool has_new_effects_ = false;                  // since the last step
-  bool knows_drag_ = false;                       // not at once: the method may be in use by another step, in another thread
+  bool has_set_drag_ = false;                     // not at once: the method may be in use by another step, in another thread
   std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
   std::unique_ptr<EffectFrames> frames_;          // null: no object with effects moves
   TouchInput last_;                               // of the last step; used with effects only

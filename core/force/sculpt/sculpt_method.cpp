@@ -45,7 +45,7 @@ Result<std::unique_ptr<ForceMethod>> SculptMethod::make(SceneParts::Make make, b
     made->bodies_.push_back({.ball = CarvingBall(*object.sculpt), .material = object.material});
   }
   for (std::size_t part = 0; part < made->others_.size(); ++part) {
-    if (!made->others_.method(part).drag_left_out().empty()) made->left_out_.resize(scene.objects.size());
+    if (!made->others_.method(part).unrendered_drag().empty()) made->left_out_.resize(scene.objects.size());
   }
   made->note_left_out();
   return std::unique_ptr<ForceMethod>(std::move(made));
@@ -54,7 +54,7 @@ Result<std::unique_ptr<ForceMethod>> SculptMethod::make(SceneParts::Make make, b
 void SculptMethod::note_left_out() noexcept {
   if (left_out_.empty()) return;
   for (std::size_t part = 0; part < others_.size(); ++part) {
-    const std::span<const Material> own = others_.method(part).drag_left_out();
+    const std::span<const Material> own = others_.method(part).unrendered_drag();
     for (std::size_t i = 0; i < own.size(); ++i) left_out_[static_cast<std::size_t>(others_.objects(part)[i])] = own[i];
   }
 }

@@ -36,7 +36,7 @@ class SculptMethod final : public ForceMethod {
   std::optional<Vec3> held_at() const noexcept override;
   void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
-  std::span<const Material> drag_left_out() const noexcept override { return left_out_; }
+  std::span<const Material> unrendered_drag() const noexcept override { return left_out_; }
   BodyPush body_push() const noexcept override { return body_push_; }
   const Sculpture* sculpture() const noexcept override { return sculpture_.get(); }
   void exchange_sculpture(ForceMethod& other) noexcept override;

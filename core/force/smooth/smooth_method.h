@@ -55,7 +55,7 @@ class SmoothMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
-  std::span<const Material> drag_left_out() const noexcept override { return materials_; }
+  std::span<const Material> unrendered_drag() const noexcept override { return materials_; }
   std::string describe() const override;
 
   // The slow task: selects the set that the fast task requested last, if any, and hands it over.

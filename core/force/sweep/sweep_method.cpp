@@ -157,14 +157,14 @@ SweepMethod::Deepest SweepMethod::find_deepest(const SweepLine& line) noexcept {
   for (int z = box.begin[2]; z < box.end[2]; ++z) {
     for (int y = box.begin[1]; y < box.end[1]; ++y) {
       for (int x = box.begin[0]; x < box.end[0]; ++x) {
-        handle_cell(line, grid_.triangles_in(x, y, z), deepest);
+        test_cell(line, grid_.triangles_in(x, y, z), deepest);
       }
     }
   }
   return deepest;
 }
 
-void SweepMethod::handle_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept {
+void SweepMethod::test_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept {
   ++step_.cells_visited;
   if (triangles.empty()) {
     ++step_.empty_cells;
@@ -172,27 +172,27 @@ void SweepMethod::handle_cell(const SweepLine& line, std::span<const std::uint32
   }
   for (const std::uint32_t triangle : triangles) {
     if (stamps_.first_visit(triangle)) {
-      handle_triangle(line, triangle, deepest);
+      test_triangle(line, triangle, deepest);
     } else {
       ++step_.repeated_triangles;
     }
   }
 }
 
-void SweepMethod::handle_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept {
+void SweepMethod::test_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept {
   ++step_.triangles_tested;
   SweepCollision collision;
   switch (compute_collision(line, planes_[triangle], collision)) {
-    case SweepEnd::parallel:
+    case SweepOutcome::parallel:
       ++step_.parallel;
       return;
-    case SweepEnd::out_of_length:
+    case SweepOutcome::out_of_length:
       ++step_.out_of_length;
       return;
-    case SweepEnd::out_of_triangle:
+    case SweepOutcome::out_of_triangle:
       ++step_.out_of_triangle;
       return;
-    case SweepEnd::collision:
+    case SweepOutcome::collision:
       break;
   }
   if (collision.from_behind && !materials_[object_of_[triangle]].two_sided) {

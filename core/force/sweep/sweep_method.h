@@ -41,7 +41,7 @@ class SweepMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
-  std::span<const Material> drag_left_out() const noexcept override { return materials_; }
+  std::span<const Material> unrendered_drag() const noexcept override { return materials_; }
   std::string describe() const override;
 
   const UniformGrid& grid() const { return grid_; }
@@ -60,8 +60,8 @@ class SweepMethod final : public ForceMethod {
               std::size_t degenerate, double offset_m);
   Vec3 within_limits(const Vec3& p_SD) const noexcept;
   Deepest find_deepest(const SweepLine& line) noexcept;
-  void handle_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept;
-  void handle_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept;
+  void test_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept;
+  void test_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept;
 
   UniformGrid grid_;
   std::vector<TrianglePlane> planes_;

@@ -18,7 +18,7 @@ const TrianglePlane kFlat = *compute_triangle_plane({0, 0, 0}, {4, 0, 0}, {0, 4,
 
 TEST(SweepLine, FindsPointDepthAndSideFromAbove) {
   SweepCollision hit;
-  ASSERT_EQ(compute_collision({{1, 1, 1}, {1.5, 1, -1}}, kFlat, hit), SweepEnd::collision);
+  ASSERT_EQ(compute_collision({{1, 1, 1}, {1.5, 1, -1}}, kFlat, hit), SweepOutcome::collision);
   EXPECT_EQ(hit.t, 0.5);
   EXPECT_EQ(hit.point, Vec3(1.25, 1, 0));
   EXPECT_EQ(hit.normal, Vec3(0, 0, 1));
@@ -28,7 +28,7 @@ TEST(SweepLine, FindsPointDepthAndSideFromAbove) {
 
 TEST(SweepLine, FromBelowTheNormalTurnsRound) {
   SweepCollision hit;
-  ASSERT_EQ(compute_collision({{1, 1, -1}, {1, 1, 3}}, kFlat, hit), SweepEnd::collision);
+  ASSERT_EQ(compute_collision({{1, 1, -1}, {1, 1, 3}}, kFlat, hit), SweepOutcome::collision);
   EXPECT_EQ(hit.point, Vec3(1, 1, 0));
   EXPECT_EQ(hit.normal, Vec3(0, 0, -1));
   EXPECT_EQ(hit.depth, 3.0);
@@ -37,12 +37,12 @@ TEST(SweepLine, FromBelowTheNormalTurnsRound) {
 
 TEST(SweepLine, EachStepEndsAsTheMemoSays) {
   SweepCollision hit;
-  EXPECT_EQ(compute_collision({{1, 1, 1}, {2, 2, 1}}, kFlat, hit), SweepEnd::parallel);
-  EXPECT_EQ(compute_collision({{1, 1, 0}, {2, 1, 0}}, kFlat, hit), SweepEnd::parallel);
-  EXPECT_EQ(compute_collision({{1, 1, 1}, {1, 1, 1}}, kFlat, hit), SweepEnd::parallel);  // no line at all
-  EXPECT_EQ(compute_collision({{1, 1, 3}, {1, 1, 1}}, kFlat, hit), SweepEnd::out_of_length);
-  EXPECT_EQ(compute_collision({{1, 1, -1}, {1, 1, -3}}, kFlat, hit), SweepEnd::out_of_length);
-  EXPECT_EQ(compute_collision({{3, 3, 1}, {3, 3, -1}}, kFlat, hit), SweepEnd::out_of_triangle);
+  EXPECT_EQ(compute_collision({{1, 1, 1}, {2, 2, 1}}, kFlat, hit), SweepOutcome::parallel);
+  EXPECT_EQ(compute_collision({{1, 1, 0}, {2, 1, 0}}, kFlat, hit), SweepOutcome::parallel);
+  EXPECT_EQ(compute_collision({{1, 1, 1}, {1, 1, 1}}, kFlat, hit), SweepOutcome::parallel);  // no line at all
+  EXPECT_EQ(compute_collision({{1, 1, 3}, {1, 1, 1}}, kFlat, hit), SweepOutcome::out_of_length);
+  EXPECT_EQ(compute_collision({{1, 1, -1}, {1, 1, -3}}, kFlat, hit), SweepOutcome::out_of_length);
+  EXPECT_EQ(compute_collision({{3, 3, 1}, {3, 3, -1}}, kFlat, hit), SweepOutcome::out_of_triangle);
 }
 
 TEST(SweepLine, TwoLinesThatMeetOnThePlaneCollideOnce) {
@@ -51,8 +51,8 @@ TEST(SweepLine, TwoLinesThatMeetOnThePlaneCollideOnce) {
     const Vec3 on(1, 1, 0);
     const Vec3 beyond(1, 1, -direction);
     SweepCollision hit;
-    const int first = compute_collision({far, on}, kFlat, hit) == SweepEnd::collision ? 1 : 0;
-    const int second = compute_collision({on, beyond}, kFlat, hit) == SweepEnd::collision ? 1 : 0;
+    const int first = compute_collision({far, on}, kFlat, hit) == SweepOutcome::collision ? 1 : 0;
+    const int second = compute_collision({on, beyond}, kFlat, hit) == SweepOutcome::collision ? 1 : 0;
     EXPECT_EQ(first + second, 1) << direction;
   }
 }
@@ -83,7 +83,7 @@ TEST(SweepLine, NoLineSlipsBetweenNeighbours) {
           int hits = 0;
           for (const TrianglePlane& plane : planes) {
             SweepCollision hit;
-            hits += compute_collision({outside, middle}, plane, hit) == SweepEnd::collision ? 1 : 0;
+            hits += compute_collision({outside, middle}, plane, hit) == SweepOutcome::collision ? 1 : 0;
           }
           ASSERT_GE(hits, 1) << "triangle " << t << " edge " << k << " scale " << scale;
           touching_two += hits >= 2 ? 1 : 0;
@@ -127,7 +127,7 @@ TEST(SweepLine, AgreesWithSignedVolumes) {
       const bool same = (volumes[2] > 0) == (volumes[3] > 0) && (volumes[3] > 0) == (volumes[4] > 0);
       const bool expected = (volumes[0] > 0) != (volumes[1] > 0) && same;
       SweepCollision hit;
-      ASSERT_EQ(compute_collision(line, *plane, hit) == SweepEnd::collision, expected) << "triangle " << t << " line " << i;
+      ASSERT_EQ(compute_collision(line, *plane, hit) == SweepOutcome::collision, expected) << "triangle " << t << " line " << i;
       ++decided;
       if (expected) {
         ++hits;

@@ -136,7 +136,7 @@ TEST(CommandedObjectsOfAStep, AnotherMethodHasThemWhereTheyAre) {
   const auto before = touch_with(commanded_scene());
   before->command(1, {.serial = 3, .from = two_keys()[0], .to = two_keys()[1]});
   const auto after = touch_with(commanded_scene());
-  after->follow_commands(*before);
+  after->copy_commands(*before);
   bool is_touched = false;
   for (int i = 0; i < 300; ++i) {
     const TouchInput input{.p_WD = {0.02, 0.01, 0.012}, .time_s = 0.1 + 1e-3 * i};
@@ -146,7 +146,7 @@ TEST(CommandedObjectsOfAStep, AnotherMethodHasThemWhereTheyAre) {
   }
   EXPECT_TRUE(is_touched);
   const auto other = touch_with(floor_and_plate());
-  other->follow_commands(*before);
+  other->copy_commands(*before);
   EXPECT_TRUE(other->commanded_objects().empty());
 }
 

@@ -29,7 +29,7 @@ TEST(SpaceStep, IsWhatAProbeFeelsInFreeSpaceWhileTheSceneTurns) {
   TouchStep beside(*make_method({.name = "proxy"}, scene), scene);
   TouchStep probe(*make_method({.name = "proxy"}, scene), scene);
   TouchInput input{.p_WD = {0.0, 0.0, 0.05}};
-  beside.forget_effects(input);
+  beside.reset_effects(input);
   probe.reset(input);
   const AllocationGuard guard;
   for (int n = 0; n < 200; ++n) {

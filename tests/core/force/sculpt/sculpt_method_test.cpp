@@ -305,15 +305,15 @@ TEST(SculptMethod, WhatWasCarvedStaysWhenTheMethodChanges) {
   ASSERT_GT(carves, 20U);
   const Sculpture* shape = before->method().sculpture();
   const auto after = step_of(scene, {.name = "reference"});
-  after->follow_carves(*before);
+  after->exchange_carves(*before);
   EXPECT_EQ(after->method().sculpture(), shape);
   EXPECT_EQ(before->method().sculpture()->newest(), 0U);
   // Not for another scene.
   const auto other = step_of({.objects = {clay_object(Vec3(0, 0, 0.001))}});
-  other->follow_carves(*after);
+  other->exchange_carves(*after);
   EXPECT_EQ(other->method().sculpture()->newest(), 0U);
   // Nor with itself.
-  after->follow_carves(*after);
+  after->exchange_carves(*after);
   EXPECT_EQ(after->method().sculpture()->newest(), carves);
 }
 
@@ -355,7 +355,7 @@ TEST(SculptMethod, StepsUseNoHeap) {
   const std::vector<TouchInput> hand = carving_hand(46, 3000);
   const AllocationGuard guard;
   for (const TouchInput& input : hand) step->step(input);
-  next->follow_carves(*step);
+  next->exchange_carves(*step);
   next->reset(hand.back());
   next->step(hand.back());
   EXPECT_EQ(guard.count(), 0U);

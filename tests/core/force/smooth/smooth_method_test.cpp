@@ -171,12 +171,12 @@ TEST(SmoothMethod, DescribesWhatItDid) {
 
 TEST(SmoothMethod, LeavesDampingAndFrictionOfTheMaterialsInUseToItsStep) {
   const auto method = make(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
-  ASSERT_EQ(method->drag_left_out().size(), 1U);
-  EXPECT_EQ(method->drag_left_out()[0].friction_static, 0.5);
+  ASSERT_EQ(method->unrendered_drag().size(), 1U);
+  EXPECT_EQ(method->unrendered_drag()[0].friction_static, 0.5);
   const Material other = {.damping_ns_per_m = 2.0};
   method->set_materials({&other, 1});
-  EXPECT_EQ(method->drag_left_out()[0].friction_static, 0.0);
-  EXPECT_EQ(method->drag_left_out()[0].damping_ns_per_m, 2.0);
+  EXPECT_EQ(method->unrendered_drag()[0].friction_static, 0.0);
+  EXPECT_EQ(method->unrendered_drag()[0].damping_ns_per_m, 2.0);
 }
 
 }  // namespace
