@@ -284,7 +284,7 @@ TouchInput HapticsStep::make_start() noexcept {
   return start;
 }
 
-void HapticsStep::look_around() noexcept {
+void HapticsStep::announce_start() noexcept {
   const std::optional<Vec3> p_WP = p_WP_;
   const std::uint64_t replied_before = replied_before_;
   input_ = {.p_WD = state_.p_WD, .X_WS = X_WS_, .dt_s = kFirstStepS, .time_s = 1e-9 * static_cast<double>(scene_time_ns_)};

@@ -71,7 +71,7 @@ class HapticsStep {
 
   // Tells the method where it will start, so that its slow task can build the objects there; changes nothing else. Pre: has_state(), not
   // is_running().
-  void look_around() noexcept;
+  void announce_start() noexcept;
 
   // The force for the newest state, with its echo; compute_ns is left to the caller. Pre: has_state().
   ForceCommand reply() noexcept;

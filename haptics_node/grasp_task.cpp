@@ -152,7 +152,7 @@ void GraspTask::put_down(const GraspOrder& order) {
   while (map_next()) {
   }
   made->touch.mapped = mapped_;
-  if (const auto built = builder_.follow(made); !built) {
+  if (const auto built = builder_.rebuild_for(made); !built) {
     log_warning("{} cannot be put down there: {}; it is back where it was before it was picked up", printable(object.name),
                 built.error().what);
     object = before;

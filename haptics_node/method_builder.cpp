@@ -27,7 +27,7 @@ MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::wea
 MethodBuilder::~MethodBuilder() {
   stop_.store(true);
   thread_.join();
-  follow_scene();  // whoever waits for it
+  build_requested_scene();  // whoever waits for it
   free_retired();
   delete built_.load();
 }
@@ -45,12 +45,12 @@ void MethodBuilder::run() {
   constexpr auto kPeriod = std::chrono::milliseconds(10);
   while (!stop_.load()) {
     free_retired();
-    follow_scene();
+    build_requested_scene();
     if (requests_.take()) {
       build(requests_.value());
     }
     if (!prepare()) {
-      idle_looks_.fetch_add(1, std::memory_order_acq_rel);
+      idle_polls_.fetch_add(1, std::memory_order_acq_rel);
       std::this_thread::sleep_for(kPeriod);
     }
   }
@@ -61,7 +61,7 @@ bool MethodBuilder::prepare() {
   return method != nullptr && method->prepare();
 }
 
-Result<void> MethodBuilder::follow(std::shared_ptr<const NewScene> scene) {
+Result<void> MethodBuilder::rebuild_for(std::shared_ptr<const NewScene> scene) {
   std::future<Result<void>> built;
   {
     const std::scoped_lock lock(scene_mutex_);
@@ -72,7 +72,7 @@ Result<void> MethodBuilder::follow(std::shared_ptr<const NewScene> scene) {
   return built.get();
 }
 
-void MethodBuilder::follow_scene() {
+void MethodBuilder::build_requested_scene() {
   std::shared_ptr<const NewScene> scene;
   std::promise<Result<void>> done;
   {

@@ -54,10 +54,10 @@ class MethodBuilder {
 
   // Methods are made for this scene from now on; the method in use is made again for it, or kept if the shape is the same. Returns when it
   // is ready to be taken. Error, one line: it cannot be built; the present scene stays in use. Threads: any but the caller of take. RT: no.
-  Result<void> follow(std::shared_ptr<const NewScene> scene);
+  Result<void> rebuild_for(std::shared_ptr<const NewScene> scene);
 
   // How often the slow task found nothing to do: two more than before mean that everything requested until then is built.
-  std::uint64_t idle_looks() const noexcept { return idle_looks_.load(std::memory_order_acquire); }
+  std::uint64_t idle_polls() const noexcept { return idle_polls_.load(std::memory_order_acquire); }
 
   // The method built last, once; none when there is no new one.
   std::unique_ptr<BuiltMethod> take() noexcept;
@@ -76,7 +76,7 @@ class MethodBuilder {
 
   void run();
   void build(const Request& request);
-  void follow_scene();
+  void build_requested_scene();
   Result<void> build_scene(const std::shared_ptr<const NewScene>& scene);
   void publish(std::unique_ptr<BuiltMethod> ready);
   bool prepare();
@@ -90,7 +90,7 @@ class MethodBuilder {
   std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;
-  std::atomic<std::uint64_t> idle_looks_ = 0;
+  std::atomic<std::uint64_t> idle_polls_ = 0;
   std::mutex scene_mutex_;
   std::shared_ptr<const NewScene> next_scene_;  // requested, not begun
   std::promise<Result<void>> scene_built_;

@@ -174,12 +174,12 @@ void ReplyLoop::reject_method(std::uint32_t request) noexcept {
 // True at once except for the first reply.
 bool ReplyLoop::is_ready() noexcept {
   if (!builds_on_approach_ || step_.is_running() || step_.holds_tool()) return true;
-  if (!looks_before_) {
-    looks_before_ = builder_.idle_looks();
-    step_.look_around();
+  if (!idle_polls_before_) {
+    idle_polls_before_ = builder_.idle_polls();
+    step_.announce_start();
   }
-  if (builder_.idle_looks() < *looks_before_ + 2) return false;
-  looks_before_.reset();
+  if (builder_.idle_polls() < *idle_polls_before_ + 2) return false;
+  idle_polls_before_.reset();
   return true;
 }
 

@@ -146,7 +146,7 @@ class ReplyLoop {
   std::uint64_t tool_shown_ = 0;      // the same of its tool (SceneFacts::tool_hash)
   std::uint64_t tool_reported_ = 0;
   bool builds_on_approach_;
-  std::optional<std::uint64_t> looks_before_;  // of the builder, at the call of look_around
+  std::optional<std::uint64_t> idle_polls_before_;  // of the builder, at the call of announce_start
   std::int64_t next_setup_ns_ = 0;
   std::int64_t setup_sent_ns_ = 0;
   std::int64_t preparing_since_ns_ = 0;  // a state waits for the first reply since then; 0: none

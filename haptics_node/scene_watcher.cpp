@@ -168,7 +168,7 @@ SceneWatcher::Look SceneWatcher::take_scene(Scene scene, SceneChange change) {
   for (const auto& note : scene.notes) log_info("{}", note);
   const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, change != SceneChange::shape);
   // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
-  if (const auto built = builder_.follow(made); !built) {
+  if (const auto built = builder_.rebuild_for(made); !built) {
     log_warning("{}: {}; the present scene stays in use", options_.path.string(), built.error().what);
     return Look::rejected;
   }

@@ -139,7 +139,7 @@ class SimulatedHaptics {
   void set_scene(const Scene& scene) {
     touched_ = scene.touch_scene();
     const auto made = make_new_scene(scene, 0.0, ++revision_, false);
-    const auto built = builder_.follow(made);
+    const auto built = builder_.rebuild_for(made);
     EXPECT_TRUE(built) << built.error().what;
     patches_.set_scene(touched_, made->hash);
   }

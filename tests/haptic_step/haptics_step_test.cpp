@@ -129,7 +129,7 @@ TEST(HapticsStep, LookingAroundBuildsWhatIsNearAndChangesNothingElse) {
   inside.p_WP = {0.01, 0.01, 0.0};
   step.offer(inside);
   EXPECT_FALSE(method->prepare());
-  step.look_around();
+  step.announce_start();
   EXPECT_TRUE(method->prepare());
   EXPECT_FALSE(method->prepare());
   EXPECT_FALSE(step.is_running());

@@ -64,7 +64,7 @@ class GraspLoopTest : public ReplyLoopStage {
     made->materials.resize(2);
     made->revision = revision;
     made->put_down = 1;
-    return builder_.follow(made).has_value();
+    return builder_.rebuild_for(made).has_value();
   }
 
   GraspLink link_;

@@ -423,7 +423,7 @@ TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
   made->hash = 77;
   made->facts.given_hash = 78;
   made->revision = 1;
-  ASSERT_TRUE(builder_.follow(made));
+  ASSERT_TRUE(builder_.rebuild_for(made));
   for (int i = 0; i < 200; ++i) forces_n_.push_back(exchange({0.01, 0.01, -0.002})->force_n[2]);
   EXPECT_NEAR(forces_n_.back(), 0.8, 1e-4) << "1 mm deep, and what was tuned before is of the scene before";
   for (std::size_t i = 1; i < forces_n_.size(); ++i) EXPECT_LE(std::abs(forces_n_[i] - forces_n_[i - 1]), 0.07) << i;
