@@ -249,11 +249,11 @@ Result<void> DeviceHub::start_watchdog() {
 }
 
 // A fault that was latched when this program last ended stays latched.
-void DeviceHub::latch_again() {
+void DeviceHub::restore_latched_fault() {
   const SafetyFault fault = parts_->latch_file.read();
   parts_->session.set_latch_file(&parts_->latch_file);
   if (fault == SafetyFault::none) return;
-  parts_->servo->device_loop().latch_again(fault);
+  parts_->servo->device_loop().restore_latched_fault(fault);
   log_warning(
       "{}no force: a fault latched before this start has not been reset: {}; fix the cause, then: hapton set --reset-faults "
       "(docs/safety.md)",
@@ -261,7 +261,7 @@ void DeviceHub::latch_again() {
 }
 
 Result<void> DeviceHub::run(const StopSignal& stop) {
-  latch_again();
+  restore_latched_fault();
   if (auto watched = start_watchdog(); !watched) return watched;
   if (const auto started = parts_->recorder.start(); !started) return started;
   const auto ended = parts_->session.run(stop);

@@ -31,7 +31,7 @@ class DeviceHub {
   struct Parts;
   explicit DeviceHub(std::unique_ptr<Parts> parts);
   Result<void> start_watchdog();
-  void latch_again();
+  void restore_latched_fault();
   std::unique_ptr<Parts> parts_;
 };
 

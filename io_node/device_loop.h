@@ -130,7 +130,7 @@ class DeviceLoop {
   void set_local_touch(LocalTouch* local) noexcept { local_ = local; }
 
   // ... and the fault that an earlier process left latched.
-  void latch_again(SafetyFault fault) noexcept { governor_.latch_again(fault); }
+  void restore_latched_fault(SafetyFault fault) noexcept { governor_.restore_latched_fault(fault); }
 
   // --- the cycle's thread
 

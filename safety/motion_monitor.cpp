@@ -23,29 +23,29 @@ Vec3 turn_between(const Quat& from, const Quat& to) {
 
 }  // namespace
 
-void MotionMonitor::rest() noexcept {
+void MotionMonitor::set_at_rest() noexcept {
   velocity_m_per_s_ = Vec3::Zero();
   speed_m_per_s_ = 0.0;
 }
 
-MotionMonitor::Verdict MotionMonitor::look(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s,
-                                           bool has_torque) noexcept {
+MotionMonitor::Verdict MotionMonitor::update(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s,
+                                             bool has_torque) noexcept {
   moved_m_ = turned_rad_ = Vec3::Zero();
-  if (!is_pose(sample)) return Verdict::no_pose;
+  if (!is_pose(sample)) return Verdict::invalid_pose;
   const bool knows_motion = std::exchange(has_begun_, true);
   const std::int64_t passed_ns = time_ns - std::exchange(time_ns_, time_ns);
   const double passed_s = 1e-9 * static_cast<double>(passed_ns);
   const Vec3 moved_m = sample.p_WD - std::exchange(p_WD_, sample.p_WD);
   const Quat before = std::exchange(q_WT_, sample.q_WT);
   if (!knows_motion) {
-    rest();
+    set_at_rest();
     return Verdict::fine;
   }
   const Vec3 turned_rad = has_torque ? turn_between(before, q_WT_) : Vec3(Vec3::Zero());
   if (passed_ns >= kGapNs) {
-    rest();
+    set_at_rest();
   } else if (moved_m.norm() > max_speed_m_per_s * passed_s + kJumpM || turned_rad.norm() > kFastestTurnRadPerS * passed_s + kJumpRad) {
-    rest();
+    set_at_rest();
     return Verdict::jump;
   } else {
     velocity_m_per_s_ += (moved_m - velocity_m_per_s_ * passed_s) / (kSmoothS + passed_s);

@@ -23,10 +23,10 @@ class MotionMonitor {
   // Time constant of the velocity filter: one encoder count in one cycle (1/800 in at 10 kHz) would otherwise read as 0.3 m/s.
   static constexpr double kSmoothS = 0.004;
 
-  enum class Verdict : std::uint8_t { fine, no_pose, jump };
+  enum class Verdict : std::uint8_t { fine, invalid_pose, jump };
 
   // Pre: time_ns, that of the sample, never goes back.
-  Verdict look(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s, bool has_torque) noexcept;
+  Verdict update(const DeviceSample& sample, std::int64_t time_ns, double max_speed_m_per_s, bool has_torque) noexcept;
   // Restarts with the next sample: the motion until then was not observed.
   void forget() noexcept { has_begun_ = false; }
 
@@ -41,7 +41,7 @@ class MotionMonitor {
   const Vec3& turned_rad() const noexcept { return turned_rad_; }
 
  private:
-  void rest() noexcept;
+  void set_at_rest() noexcept;
 
   Vec3 p_WD_ = Vec3::Zero();
   Quat q_WT_ = Quat::Identity();

@@ -80,18 +80,18 @@ void SafetyGovernor::observe(const DeviceSample& sample, DeviceStatus status) no
   if (status == DeviceStatus::away || status == DeviceStatus::calibrating) {
     motion_.forget();
   } else {
-    look(sample);
+    check_motion(sample);
   }
   // However short it was shut: a ramp follows.
   is_open_ = is_open_ && gate() == GovernorState::live;
 }
 
-void SafetyGovernor::look(const DeviceSample& sample) noexcept {
+void SafetyGovernor::check_motion(const DeviceSample& sample) noexcept {
   const DeviceLimits& limits = limits_.now();
-  switch (motion_.look(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
+  switch (motion_.update(sample, now_ns_, limits.max_speed_m_per_s, limits.max_torque_nm > 0.0)) {
     case MotionMonitor::Verdict::fine:
       break;
-    case MotionMonitor::Verdict::no_pose:
+    case MotionMonitor::Verdict::invalid_pose:
       ++counters_.bad_samples;
       if (bad_samples_.note(now_ns_)) latch(SafetyFault::position);
       return;
@@ -99,7 +99,7 @@ void SafetyGovernor::look(const DeviceSample& sample) noexcept {
       latch(SafetyFault::jump);
       break;
   }
-  if (SpeedLimit::is_broken(limits, motion_.speed_m_per_s())) latch(SafetyFault::speed);
+  if (SpeedLimit::is_exceeded(limits, motion_.speed_m_per_s())) latch(SafetyFault::speed);
   energy_.observe(limits.max_force_n, out_, motion_.moved_m(), motion_.turned_rad());
   if (passivity_) passivity_->observe(limits.max_force_n, motion_.moved_m());
 }
@@ -158,7 +158,7 @@ Vec3 SafetyGovernor::shaped_n(double ramp) noexcept {
   const DeviceLimits& limits = limits_.now();
   const double most_damping = most_damping_n_s_per_m();
   const Vec3 wanted_n = ramp * shortened(filter_.wanted().force_n, limits.max_force_n);
-  Vec3 force_n = SpeedLimit::shape(limits, most_damping, wanted_n, motion_);
+  Vec3 force_n = SpeedLimit::limit_force(limits, most_damping, wanted_n, motion_);
   was_braked_ = SpeedLimit::is_soft(limits, motion_.speed_m_per_s());
   if (passivity_) {
     force_n = passivity_->shape(force_n, most_damping);

@@ -98,7 +98,7 @@ class SafetyGovernor {
   }
 
   // Set-up: this fault was latched before this program started and has not been reset. It is latched again, and not counted again.
-  void latch_again(SafetyFault fault) noexcept { fault_ = fault; }
+  void restore_latched_fault(SafetyFault fault) noexcept { fault_ = fault; }
 
   // A person says that the cause of the latched fault is fixed. False: it is still there, and so is the fault. The force ramps up.
   bool reset_faults() noexcept;
@@ -131,7 +131,7 @@ class SafetyGovernor {
   void latch(SafetyFault fault) noexcept;
   bool is_cause_there() const noexcept;
   void take(const WrenchCommand& wanted) noexcept;
-  void look(const DeviceSample& sample) noexcept;
+  void check_motion(const DeviceSample& sample) noexcept;
   GovernorState gate() const noexcept;
   double allowed_share() const noexcept;
   void follow(double ramp, double share, double left_s, double passed_s) noexcept;

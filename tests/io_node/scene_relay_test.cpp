@@ -78,7 +78,7 @@ TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {
   EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
   reply_delay_ns = 100 * kUs;
   run(500);
-  servo->device_loop().latch_again(SafetyFault::speed);
+  servo->device_loop().restore_latched_fault(SafetyFault::speed);
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::fault_latched);
 }

@@ -26,7 +26,7 @@ TEST(MotionMonitor, FindsTheVelocityBehindTheStepsOfAnEncoder) {
     for (int n = 0; n < static_cast<int>(rate_hz); ++n) {
       const double t_s = n / rate_hz;
       const auto time_ns = static_cast<std::int64_t>(1e9 * t_s);
-      ASSERT_EQ(motion.look(at(Vec3(std::round(0.2 * t_s / kStepM) * kStepM, 0, 0)), time_ns, 3.0, false), MotionMonitor::Verdict::fine);
+      ASSERT_EQ(motion.update(at(Vec3(std::round(0.2 * t_s / kStepM) * kStepM, 0, 0)), time_ns, 3.0, false), MotionMonitor::Verdict::fine);
       most = std::max(most, motion.speed_m_per_s());
     }
     EXPECT_NEAR(motion.velocity_m_per_s().x(), 0.2, 0.02) << rate_hz;
@@ -36,22 +36,22 @@ TEST(MotionMonitor, FindsTheVelocityBehindTheStepsOfAnEncoder) {
 
 TEST(MotionMonitor, TwoReadsAtOnceAreNoSpeed) {
   MotionMonitor motion;
-  motion.look(at(Vec3::Zero()), 0, 3.0, false);
-  EXPECT_EQ(motion.look(at(Vec3(3e-5, 0, 0)), 10, 3.0, false), MotionMonitor::Verdict::fine);
+  motion.update(at(Vec3::Zero()), 0, 3.0, false);
+  EXPECT_EQ(motion.update(at(Vec3(3e-5, 0, 0)), 10, 3.0, false), MotionMonitor::Verdict::fine);
   EXPECT_LT(motion.speed_m_per_s(), 0.01);
 }
 
 TEST(MotionMonitor, LeavesOutInvalidPoses) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   MotionMonitor motion;
-  motion.look(at(Vec3(0.01, 0, 0)), 0, 3.0, false);
+  motion.update(at(Vec3(0.01, 0, 0)), 0, 3.0, false);
   for (const double bad : {kNan, std::numeric_limits<double>::infinity(), 1e300, -1e7}) {
-    EXPECT_EQ(motion.look(at(Vec3(0, bad, 0)), kMs, 3.0, false), MotionMonitor::Verdict::no_pose);
+    EXPECT_EQ(motion.update(at(Vec3(0, bad, 0)), kMs, 3.0, false), MotionMonitor::Verdict::invalid_pose);
   }
   for (const Quat& bad : {Quat(0, 0, 0, 0), Quat(2, 0, 0, 0), Quat(kNan, 0, 0, 0)}) {
     DeviceSample sample = at(Vec3(0.01, 0, 0));
     sample.q_WT = bad;
-    EXPECT_EQ(motion.look(sample, kMs, 3.0, false), MotionMonitor::Verdict::no_pose);
+    EXPECT_EQ(motion.update(sample, kMs, 3.0, false), MotionMonitor::Verdict::invalid_pose);
   }
   EXPECT_EQ(motion.p_WD(), Vec3(0.01, 0, 0));
   EXPECT_EQ(motion.moved_m(), Vec3::Zero());
@@ -62,40 +62,40 @@ TEST(MotionMonitor, LeavesOutInvalidPoses) {
 TEST(MotionMonitor, ATurnIsAJumpOnlyWhereMotorsTurn) {
   for (const bool has_torque : {false, true}) {
     MotionMonitor motion;
-    motion.look(at(Vec3::Zero()), 0, 3.0, has_torque);
+    motion.update(at(Vec3::Zero()), 0, 3.0, has_torque);
     DeviceSample sample;
     sample.q_WT = Quat(Eigen::AngleAxisd(0.2, Vec3::UnitX()));
-    EXPECT_EQ(motion.look(sample, kMs, 3.0, has_torque), MotionMonitor::Verdict::fine);
+    EXPECT_EQ(motion.update(sample, kMs, 3.0, has_torque), MotionMonitor::Verdict::fine);
     EXPECT_NEAR(motion.turned_rad().x(), has_torque ? 0.2 : 0.0, 1e-3);
     sample.q_WT = Quat(Eigen::AngleAxisd(1.2, Vec3::UnitX()));
-    EXPECT_EQ(motion.look(sample, 2 * kMs, 3.0, has_torque), has_torque ? MotionMonitor::Verdict::jump : MotionMonitor::Verdict::fine);
+    EXPECT_EQ(motion.update(sample, 2 * kMs, 3.0, has_torque), has_torque ? MotionMonitor::Verdict::jump : MotionMonitor::Verdict::fine);
   }
 }
 
 TEST(MotionMonitor, QAndItsNegativeAreOneRotation) {
   MotionMonitor motion;
-  motion.look(at(Vec3::Zero()), 0, 3.0, true);
+  motion.update(at(Vec3::Zero()), 0, 3.0, true);
   DeviceSample sample;
   sample.q_WT.coeffs() *= -1.0;
-  EXPECT_EQ(motion.look(sample, kMs, 3.0, true), MotionMonitor::Verdict::fine);
+  EXPECT_EQ(motion.update(sample, kMs, 3.0, true), MotionMonitor::Verdict::fine);
   EXPECT_LT(motion.turned_rad().norm(), 1e-12);
   for (const double sign : {1.0, -1.0}) {
     const Vec3 before = sample.q_WT.vec();
     sample.q_WT = Quat(Eigen::AngleAxisd(before.norm() < 1e-3 ? 0.2 : 0.4, Vec3::UnitX()));
     sample.q_WT.coeffs() *= sign;
-    EXPECT_EQ(motion.look(sample, (sign > 0.0 ? 20 : 40) * kMs, 3.0, true), MotionMonitor::Verdict::fine);
+    EXPECT_EQ(motion.update(sample, (sign > 0.0 ? 20 : 40) * kMs, 3.0, true), MotionMonitor::Verdict::fine);
     EXPECT_NEAR(motion.turned_rad().x(), 0.2, 1e-3) << sign;
   }
 }
 
 TEST(MotionMonitor, WhatWasForgottenIsNoJump) {
   MotionMonitor motion;
-  motion.look(at(Vec3::Zero()), 0, 3.0, false);
+  motion.update(at(Vec3::Zero()), 0, 3.0, false);
   motion.forget();
   EXPECT_FALSE(motion.is_current(0));
-  EXPECT_EQ(motion.look(at(Vec3(1, 0, 0)), kMs, 3.0, false), MotionMonitor::Verdict::fine);
+  EXPECT_EQ(motion.update(at(Vec3(1, 0, 0)), kMs, 3.0, false), MotionMonitor::Verdict::fine);
   EXPECT_EQ(motion.moved_m(), Vec3::Zero());
-  EXPECT_EQ(motion.look(at(Vec3(0.9, 0, 0)), 2 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
+  EXPECT_EQ(motion.update(at(Vec3(0.9, 0, 0)), 2 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
 }
 
 // A tenth of a second without a sample: the hand may have moved anywhere meanwhile.
@@ -103,8 +103,8 @@ TEST(MotionMonitor, AGapBeginsAtATenthOfASecond) {
   for (const auto& [gap_ns, expected] :
        {std::pair{100 * kMs - 1, MotionMonitor::Verdict::jump}, {100 * kMs, MotionMonitor::Verdict::fine}}) {
     MotionMonitor motion;
-    motion.look(at(Vec3::Zero()), 0, 3.0, false);
-    EXPECT_EQ(motion.look(at(Vec3(1, 0, 0)), gap_ns, 3.0, false), expected) << gap_ns;
+    motion.update(at(Vec3::Zero()), 0, 3.0, false);
+    EXPECT_EQ(motion.update(at(Vec3(1, 0, 0)), gap_ns, 3.0, false), expected) << gap_ns;
   }
 }
 
@@ -115,11 +115,11 @@ TEST(MotionMonitor, ATurnFasterThanAnyHandIsAJump) {
       DeviceSample turned = at(Vec3::Zero());
       turned.q_WT = Quat(Eigen::AngleAxisd(sign * turn_rad, Vec3(1, 2, 2) / 3.0));
       MotionMonitor motion;
-      motion.look(at(Vec3::Zero()), 0, 3.0, true);
-      EXPECT_EQ(motion.look(turned, 10 * kMs, 3.0, true), expected) << sign * turn_rad;
+      motion.update(at(Vec3::Zero()), 0, 3.0, true);
+      EXPECT_EQ(motion.update(turned, 10 * kMs, 3.0, true), expected) << sign * turn_rad;
       MotionMonitor without_torque;
-      without_torque.look(at(Vec3::Zero()), 0, 3.0, false);
-      EXPECT_EQ(without_torque.look(turned, 10 * kMs, 3.0, false), MotionMonitor::Verdict::fine);
+      without_torque.update(at(Vec3::Zero()), 0, 3.0, false);
+      EXPECT_EQ(without_torque.update(turned, 10 * kMs, 3.0, false), MotionMonitor::Verdict::fine);
     }
   }
 }

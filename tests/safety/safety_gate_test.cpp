@@ -7,7 +7,7 @@ namespace {
 
 TEST(SafetyGovernor, WhatWasLatchedBeforeItsTimeStaysLatchedUntilTheReset) {
   Bench bench;
-  bench.governor.latch_again(SafetyFault::jump);
+  bench.governor.restore_latched_fault(SafetyFault::jump);
   EXPECT_EQ(bench.press(2.0, 300), Vec3(0, 0, 0));
   EXPECT_EQ(bench.governor.state(), GovernorState::latched);
   EXPECT_EQ(bench.governor.fault(), SafetyFault::jump);

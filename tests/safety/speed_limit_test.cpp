@@ -16,7 +16,7 @@ MotionMonitor moving_at(double speed_m_per_s) {
   DeviceSample sample;
   for (int n = 0; n < 300; ++n) {
     sample.p_WD.x() = 1e-3 * speed_m_per_s * n;
-    motion.look(sample, n * kMs, 3.0, false);
+    motion.update(sample, n * kMs, 3.0, false);
   }
   EXPECT_NEAR(motion.speed_m_per_s(), speed_m_per_s, 1e-9);
   return motion;
@@ -24,7 +24,7 @@ MotionMonitor moving_at(double speed_m_per_s) {
 
 TEST(SpeedLimit, BelowTheSoftLimitTheForceStays) {
   const Vec3 force_n(3.0, -2.0, 1.0);
-  EXPECT_EQ(SpeedLimit::shape(kFastest, kDamping, force_n, moving_at(1.1)), force_n);
+  EXPECT_EQ(SpeedLimit::limit_force(kFastest, kDamping, force_n, moving_at(1.1)), force_n);
   EXPECT_FALSE(SpeedLimit::is_soft(kFastest, 1.2));
   EXPECT_TRUE(SpeedLimit::is_soft(kFastest, 1.21));
 }
@@ -33,16 +33,16 @@ TEST(SpeedLimit, BelowTheSoftLimitTheForceStays) {
 TEST(SpeedLimit, TakesAwayWhatPushesAlongTheMotionAndNothingElse) {
   const MotionMonitor motion = moving_at(1.6);
   const Vec3 damped(-0.5 * kDamping * 1.6, 0.0, 0.0);
-  EXPECT_LT((SpeedLimit::shape(kFastest, kDamping, Vec3(4.0, 1.0, 0.0), motion) - Vec3(2.0, 1.0, 0.0) - damped).norm(), 1e-9);
-  EXPECT_LT((SpeedLimit::shape(kFastest, kDamping, Vec3(-4.0, 1.0, 0.0), motion) - Vec3(-4.0, 1.0, 0.0) - damped).norm(), 1e-9)
+  EXPECT_LT((SpeedLimit::limit_force(kFastest, kDamping, Vec3(4.0, 1.0, 0.0), motion) - Vec3(2.0, 1.0, 0.0) - damped).norm(), 1e-9);
+  EXPECT_LT((SpeedLimit::limit_force(kFastest, kDamping, Vec3(-4.0, 1.0, 0.0), motion) - Vec3(-4.0, 1.0, 0.0) - damped).norm(), 1e-9)
       << "what slows the device down stays";
 }
 
 TEST(SpeedLimit, AtTheLimitNothingPushesAndTheDeviceIsOutOfControl) {
-  const Vec3 left = SpeedLimit::shape(kFastest, kDamping, Vec3(8.0, 0.0, 2.0), moving_at(2.0));
+  const Vec3 left = SpeedLimit::limit_force(kFastest, kDamping, Vec3(8.0, 0.0, 2.0), moving_at(2.0));
   EXPECT_LT((left - Vec3(-kDamping * 2.0, 0.0, 2.0)).norm(), 1e-9);
-  EXPECT_TRUE(SpeedLimit::is_broken(kFastest, 2.0));
-  EXPECT_FALSE(SpeedLimit::is_broken(kFastest, 1.999));
+  EXPECT_TRUE(SpeedLimit::is_exceeded(kFastest, 2.0));
+  EXPECT_FALSE(SpeedLimit::is_exceeded(kFastest, 1.999));
 }
 
 }  // namespace
