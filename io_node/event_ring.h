@@ -47,7 +47,7 @@ struct ServoEvent {
   SafetyFault fault = SafetyFault::none;   // of latched, reset and reset_rejected
   Rejection flood = Rejection::malformed;  // of flood: its kind
   bool is_from_several = false;            // of flood: from other addresses, too
-  bool is_kept_out = false;                // of flood: most of it in the kernel
+  bool is_mostly_filtered = false;         // of flood: most of it in the kernel
   double round_trip_s = -1.0;              // of parts_requested and force_from_haptics; below 0: not known
 };
 

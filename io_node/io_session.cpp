@@ -83,7 +83,7 @@ std::string describe_rejection(const ServoEvent& event) {
     case ServoEvent::Kind::flood:
       return fmt::format("flood of {} from {}{}, {:.0f} a second: {}; the force is not delayed", describe(event.flood),
                          to_string(event.address), event.is_from_several ? " and others" : "", event.rate_hz,
-                         event.is_kept_out ? "dropped in the kernel (nodes may take longer to join)" : "rejected");
+                         event.is_mostly_filtered ? "dropped in the kernel (nodes may take longer to join)" : "rejected");
     default:
       return {};
   }

@@ -22,7 +22,7 @@ void PeerNotices::check(std::int64_t now_ns) noexcept {
     ServoEvent event{ServoEvent::Kind::flood, NodeRole::tool, flood->from, flood->per_second, {}, {}};
     event.flood = flood->rejection;
     event.is_from_several = flood->is_from_several;
-    event.is_kept_out = flood->is_kept_out;
+    event.is_mostly_filtered = flood->is_mostly_filtered;
     events_.push(event);
   }
   unknown_.check(peers_.seal_counts(), peers_.counts(), now_ns, [&](ServoEvent::Kind kind) { push(kind, NodeRole::tool, {}); });

@@ -29,8 +29,8 @@ Result<BareEchoEndpoint> BareEchoEndpoint::open(std::string_view bind_address) {
   if (::bind(socket, local.get(), local.size) != 0) {
     return fail("echo: cannot bind {}: {}; choose another port, or 0 for a free one", bind_address, std::strerror(errno));
   }
-  const timeval patience = {.tv_sec = 0, .tv_usec = 100'000};
-  if (::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience) != 0) {
+  const timeval timeout = {.tv_sec = 0, .tv_usec = 100'000};
+  if (::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) != 0) {
     return fail("echo: cannot set a time limit on {}: {}", bind_address, std::strerror(errno));
   }
   echo.local_.port = hapton::local_address(socket).port;

@@ -27,7 +27,7 @@ struct SocketCounts {
   std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
   std::uint64_t unknown_peers = 0;  // received, but not data from a known peer: handshakes, invalid or oversized datagrams
   std::uint64_t dropped = 0;        // dropped by the kernel: filtered during a flood, or its buffer was full
-  std::uint64_t kept_out = 0;       // the part of `dropped` that was filtered during a flood
+  std::uint64_t filtered = 0;       // the part of `dropped` that was filtered during a flood
   std::uint64_t floods = 0;         // floods that began
   double flood_per_s = 0.0;         // datagrams a second, of the newest flood
   Address last_unknown_sender;

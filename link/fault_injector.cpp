@@ -51,17 +51,17 @@ Result<void> check_faults(const LinkFaults& faults) {
 // Bits rather than std::uniform_real_distribution: the same numbers with every standard library.
 double FaultInjector::draw_share() noexcept { return static_cast<double>(random_() >> 11) * 0x1p-53; }
 
-void FaultInjector::draw_spell() noexcept {
+void FaultInjector::draw_state() noexcept {
   const double leave = 1.0 / faults_.burst_length;
   const double enter = faults_.burst_share * leave / (1.0 - faults_.burst_share);
   const double drawn = draw_share();
-  is_bad_spell_ = is_bad_spell_ ? drawn >= leave : drawn < enter;
-  if (faults_.burst_share <= 0.0) is_bad_spell_ = false;
+  is_bad_state_ = is_bad_state_ ? drawn >= leave : drawn < enter;
+  if (faults_.burst_share <= 0.0) is_bad_state_ = false;
 }
 
 Fate FaultInjector::draw(std::int64_t now_ns) noexcept {
-  draw_spell();
-  const bool is_lost = draw_share() < (is_bad_spell_ ? faults_.burst_loss : faults_.loss);
+  draw_state();
+  const bool is_lost = draw_share() < (is_bad_state_ ? faults_.burst_loss : faults_.loss);
   Fate fate;
   fate.held_back = draw_share() < faults_.reorder;
   fate.copies = draw_share() < faults_.duplicate ? 2 : 1;
@@ -73,7 +73,7 @@ Fate FaultInjector::draw(std::int64_t now_ns) noexcept {
   }
   // The copy is not held back with it.
   if (fate.held_back) fate.due_ns[0] += faults_.reorder_by_ns;
-  if (is_lost) fate.kind = is_bad_spell_ ? Fate::Kind::lost_in_burst : Fate::Kind::lost;
+  if (is_lost) fate.kind = is_bad_state_ ? Fate::Kind::lost_in_burst : Fate::Kind::lost;
   if (faults_.partition) fate.kind = Fate::Kind::partitioned;
   return fate;
 }

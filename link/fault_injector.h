@@ -58,11 +58,11 @@ class FaultInjector {
 
  private:
   double draw_share() noexcept;
-  void draw_spell() noexcept;
+  void draw_state() noexcept;
 
   std::mt19937_64 random_;
   LinkFaults faults_;
-  bool is_bad_spell_ = false;
+  bool is_bad_state_ = false;
 };
 
 // Changes one byte, as given by Fate::damage; an empty datagram is unchanged. RT: yes.

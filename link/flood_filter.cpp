@@ -88,7 +88,7 @@ FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t 
   const std::uint32_t newly_dropped = window_ns_ == 0 ? 0 : dropped - dropped_;
   dropped_ = dropped;
   counts_.dropped += newly_dropped;
-  counts_.kept_out += is_shut_ ? newly_dropped : 0;
+  counts_.filtered += is_shut_ ? newly_dropped : 0;
   const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - window_ns_, 1));
   const double rate_per_s = static_cast<double>(unknown_datagrams_ + newly_dropped) / passed_s;
   const bool is_loud = unknown_datagrams_ + newly_dropped >= kFlood;

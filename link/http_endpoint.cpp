@@ -24,14 +24,14 @@ constexpr std::size_t kMostBytes = 1 << 16;  // of a reply: a version and a few 
 // One request and its reply, with one time limit for both.
 class HttpExchange {
  public:
-  error_code run(const Address& to, std::string_view target, std::int64_t patience_ns) {
+  error_code run(const Address& to, std::string_view target, std::int64_t timeout_ns) {
     request_.method(http::verb::get);
     request_.target(beast::string_view(target.data(), target.size()));
     request_.set(http::field::host, to_string(to));
     request_.set(http::field::connection, "close");
     parser_.body_limit(kMostBytes);
     error_code result;
-    stream_.expires_after(std::chrono::nanoseconds(patience_ns));
+    stream_.expires_after(std::chrono::nanoseconds(timeout_ns));
     stream_.async_connect(tcp::endpoint(to_asio(to), to.port), [&](const error_code& connected) {
       if (result = connected; result) return;
       http::async_write(stream_, request_, [&](const error_code& written, std::size_t) {
@@ -54,10 +54,10 @@ class HttpExchange {
 
 }  // namespace
 
-Result<std::string> read_http(const Address& to, std::string_view target, std::int64_t patience_ns) {
+Result<std::string> read_http(const Address& to, std::string_view target, std::int64_t timeout_ns) {
   auto exchange = make_with_context<HttpExchange>();
   if (!exchange) return tl::unexpected(exchange.error());
-  const error_code error = (*exchange)->run(to, target, patience_ns);
+  const error_code error = (*exchange)->run(to, target, timeout_ns);
   if (error) return fail("{}", error == beast::error::timeout ? "no reply in time" : error.message());
   const auto& response = (*exchange)->response();
   if (response.result() != http::status::ok) return fail("HTTP status {} for {}", response.result_int(), target);

@@ -92,15 +92,15 @@ struct MetricsEndpoint::State {
       if (!is_scrape(parser.get())) return reply();
       is_waiting = true;
       state.is_requested.store(true, std::memory_order_release);
-      patience.expires_after(std::chrono::nanoseconds(kFreshNs));
-      patience.async_wait([self = shared_from_this()](const error_code& ended) {
+      timer.expires_after(std::chrono::nanoseconds(kFreshNs));
+      timer.async_wait([self = shared_from_this()](const error_code& ended) {
         if (!ended) self->reply_if_waiting();
       });
     }
 
     void reply_if_waiting() {
       if (!std::exchange(is_waiting, false)) return;
-      patience.cancel();
+      timer.cancel();
       reply();
     }
 
@@ -118,7 +118,7 @@ struct MetricsEndpoint::State {
     beast::flat_buffer buffer{kMostRequestBytes};
     http::request_parser<http::empty_body> parser;
     Response response;
-    asio::steady_timer patience{stream.get_executor()};
+    asio::steady_timer timer{stream.get_executor()};
     bool is_waiting = false;
   };
 

@@ -36,15 +36,15 @@ std::optional<Flood> RejectionMonitor::take(std::int64_t now_ns) noexcept {
   std::uint64_t noted = 0;
   for (const Seen& seen : seen_) noted += seen.count;
   // Each noted rejection represents this many.
-  const double weight = noted == 0 ? 0.0 : static_cast<double>(noted + kept_out_) / static_cast<double>(noted);
+  const double weight = noted == 0 ? 0.0 : static_cast<double>(noted + filtered_) / static_cast<double>(noted);
   for (std::size_t n = 0; n < kRejections; ++n) {
     const auto rejection = static_cast<Rejection>(n);
     const double per_second = 1e9 * weight * static_cast<double>(seen_[n].count) / static_cast<double>(now_ns - since_ns_);
     if (per_second <= is_flood_above(rejection) || (flood && per_second <= flood->per_second)) continue;
-    flood = Flood{rejection, seen_[n].from, seen_[n].is_from_several, per_second, kept_out_ > noted};
+    flood = Flood{rejection, seen_[n].from, seen_[n].is_from_several, per_second, filtered_ > noted};
   }
   seen_ = {};
-  kept_out_ = 0;
+  filtered_ = 0;
   since_ns_ = now_ns;
   return flood;
 }

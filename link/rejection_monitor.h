@@ -31,10 +31,10 @@ std::string_view describe(Rejection rejection) noexcept;
 // A flood of rejected datagrams.
 struct Flood {
   Rejection rejection = Rejection::malformed;
-  Address from;                  // of the newest
-  bool is_from_several = false;  // from other addresses as well
-  double per_second = 0.0;       // with those that were kept out
-  bool is_kept_out = false;      // most of it before it was received
+  Address from;                     // of the newest
+  bool is_from_several = false;     // from other addresses as well
+  double per_second = 0.0;          // with those that were kept out
+  bool is_mostly_filtered = false;  // most of it before it was received
 };
 
 // Detects floods: reports rejections above is_flood_above once a second, the most frequent kind only.
@@ -57,7 +57,7 @@ class RejectionMonitor {
   }
 
   // Adds rejections that the kernel dropped at random before they were seen: they count for each kind in its noted share.
-  void note_kept_out(std::uint64_t count) noexcept { kept_out_ += count; }
+  void note_filtered(std::uint64_t count) noexcept { filtered_ += count; }
 
   // Call it at least once a second, as often as you like.
   std::optional<Flood> take(std::int64_t now_ns) noexcept;
@@ -69,7 +69,7 @@ class RejectionMonitor {
     bool is_from_several = false;
   };
   std::array<Seen, kRejections> seen_ = {};
-  std::uint64_t kept_out_ = 0;
+  std::uint64_t filtered_ = 0;
   std::int64_t since_ns_ = 0;
   bool has_begun_ = false;
 };

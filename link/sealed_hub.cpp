@@ -90,9 +90,9 @@ std::optional<Flood> SealedHub::take_flood(std::int64_t now_ns) noexcept {
   const SocketCounts socket = endpoint_.socket_counts();
   const std::uint64_t oversized = socket.oversized - oversized_noted_;
   if (oversized != 0) watch_.note(Rejection::oversized, socket.last_oversized, oversized);
-  watch_.note_kept_out(socket.kept_out - kept_out_noted_);
+  watch_.note_filtered(socket.filtered - filtered_noted_);
   oversized_noted_ = socket.oversized;
-  kept_out_noted_ = socket.kept_out;
+  filtered_noted_ = socket.filtered;
   return watch_.take(now_ns);
 }
 

@@ -98,7 +98,7 @@ class SealedHub final : public Endpoint {
   std::array<SourceLimit, kNodeKeyRoles> agreement_limits_;
   RejectionMonitor watch_;
   std::uint64_t oversized_noted_ = 0;
-  std::uint64_t kept_out_noted_ = 0;
+  std::uint64_t filtered_noted_ = 0;
   std::array<Session, kPlaces> sessions_ = {};
   std::array<std::uint8_t, 16> hints_ = {};  // slot that was last sent to, by the lower bits of its port
   std::uint32_t generation_ = 0;             // the upper bits of a connection's number; the lower ones are its slot

@@ -28,8 +28,8 @@ class SettingsTalk {
 
   // Receives from the hub until the condition holds or the time is over, and keeps what the haptics node sends.
   template <class Condition>
-  bool wait_until(std::int64_t patience_ns, Condition&& holds) {
-    const std::int64_t end_ns = clock_.now_ns() + patience_ns;
+  bool wait_until(std::int64_t timeout_ns, Condition&& holds) {
+    const std::int64_t end_ns = clock_.now_ns() + timeout_ns;
     Datagram datagram;
     while (!holds()) {
       const std::int64_t now_ns = clock_.now_ns();
@@ -44,9 +44,9 @@ class SettingsTalk {
  private:
   // Sends the request twice a second until the reply comes, because a datagram may be lost.
   template <class Request, class Condition>
-  bool repeat_until(std::int64_t patience_ns, const Request& request, Condition&& has_reply) {
+  bool repeat_until(std::int64_t timeout_ns, const Request& request, Condition&& has_reply) {
     std::int64_t next_request_ns = clock_.now_ns() + kRepeatSettingNs;
-    return wait_until(patience_ns, [&] {
+    return wait_until(timeout_ns, [&] {
       if (has_reply()) return true;
       if (clock_.now_ns() >= next_request_ns) {
         client_.send(request);

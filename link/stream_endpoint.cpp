@@ -277,7 +277,7 @@ void SocketStreams::accept_some(Listener& listener) {
     }
     // A connection above the limit is closed silently.
     if (count_open() >= kMostConnections) {
-      const Id given_up = listener.give_up_for_another();
+      const Id given_up = listener.choose_connection_to_evict();
       if (given_up == 0) continue;
       close(given_up);
     }

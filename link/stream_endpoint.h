@@ -28,7 +28,7 @@ class StreamEndpoint {
     virtual void on_closed(Id id) = 0;
     virtual void on_datagram(const Address& from, std::span<const std::byte> bytes) = 0;
     // Called when all slots are taken and another client connects: the connection to close for it; 0: none.
-    virtual Id give_up_for_another() { return 0; }
+    virtual Id choose_connection_to_evict() { return 0; }
   };
 
   // Listens at the address, by TCP and UDP; port 0 takes one that is free for both. Error: one line: bad address, port in use.

@@ -22,37 +22,37 @@ using boost::system::error_code;
 
 class BeastEndpoint final : public WebSocketEndpoint {
  public:
-  bool open(const Address& to, std::int64_t patience_ns) {
+  bool open(const Address& to, std::int64_t timeout_ns) {
     // The stream's own time limits would be restarted by every byte.
     stream_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(), websocket::stream_base::none(), false});
     stream_.read_message_max(kMostMessageBytes);
-    const bool is_there = run(patience_ns, [&](auto&& done) {
+    const bool is_there = run(timeout_ns, [&](auto&& done) {
       lowest().async_connect(tcp::endpoint(to_asio(to), to.port), [done](const error_code& error) { done(error); });
     });
     if (!is_there) return false;
     error_code ignored;
     lowest().socket().set_option(tcp::no_delay(true), ignored);
-    return run(patience_ns,
+    return run(timeout_ns,
                [&](auto&& done) { stream_.async_handshake(to_string(to), "/", [done](const error_code& error) { done(error); }); });
   }
 
-  bool send(std::string_view text, std::int64_t patience_ns) override {
+  bool send(std::string_view text, std::int64_t timeout_ns) override {
     stream_.text(true);
-    return run(patience_ns, [&](auto&& done) {
+    return run(timeout_ns, [&](auto&& done) {
       stream_.async_write(asio::buffer(text), [done](const error_code& error, std::size_t) { done(error); });
     });
   }
 
-  bool receive(std::string& into, std::int64_t patience_ns) override {
+  bool receive(std::string& into, std::int64_t timeout_ns) override {
     buffer_.clear();
     const bool is_there =
-        run(patience_ns, [&](auto&& done) { stream_.async_read(buffer_, [done](const error_code& error, std::size_t) { done(error); }); });
+        run(timeout_ns, [&](auto&& done) { stream_.async_read(buffer_, [done](const error_code& error, std::size_t) { done(error); }); });
     if (is_there) into = beast::buffers_to_string(buffer_.cdata());
     return is_there;
   }
 
-  bool close(std::int64_t patience_ns) override {
-    const bool is_closed = run(patience_ns, [&](auto&& done) {
+  bool close(std::int64_t timeout_ns) override {
+    const bool is_closed = run(timeout_ns, [&](auto&& done) {
       stream_.async_close(websocket::close_code::normal, [done](const error_code& error) { done(error); });
     });
     if (is_closed) reason_ = "closed by this side";
@@ -67,9 +67,9 @@ class BeastEndpoint final : public WebSocketEndpoint {
 
   // Starts one operation and waits for its end. One that takes too long ends the connection: half a message is of no use.
   template <class Start>
-  bool run(std::int64_t patience_ns, Start&& start) {
+  bool run(std::int64_t timeout_ns, Start&& start) {
     if (is_over_) return false;
-    lowest().expires_after(std::chrono::nanoseconds(patience_ns));
+    lowest().expires_after(std::chrono::nanoseconds(timeout_ns));
     error_code result;
     start([&result](const error_code& error) { result = error; });
     context_.restart();
@@ -91,11 +91,11 @@ class BeastEndpoint final : public WebSocketEndpoint {
 
 }  // namespace
 
-Result<std::unique_ptr<WebSocketEndpoint>> WebSocketEndpoint::connect(const Address& to, std::int64_t patience_ns) {
+Result<std::unique_ptr<WebSocketEndpoint>> WebSocketEndpoint::connect(const Address& to, std::int64_t timeout_ns) {
   auto made = make_with_context<BeastEndpoint>();
   if (!made) return fail("{}: {}", to_string(to), made.error().what);
   std::unique_ptr<BeastEndpoint> endpoint = std::move(*made);
-  if (!endpoint->open(to, patience_ns)) return fail("{}: {}", to_string(to), endpoint->reason());
+  if (!endpoint->open(to, timeout_ns)) return fail("{}: {}", to_string(to), endpoint->reason());
   return endpoint;
 }
 

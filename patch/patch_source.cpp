@@ -91,14 +91,14 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
   }
 }
 
-std::int64_t PatchSource::patience_ns() const noexcept {
+std::int64_t PatchSource::resend_after_ns() const noexcept {
   const double round_trip_s = std::min(round_trip_s_, 10.0);
   const double wait_s = round_trip_s < kLongRoundTripS ? 1.2 * round_trip_s : 0.5 * round_trip_s;
   return kLeastPatienceNs + static_cast<std::int64_t>(1e9 * wait_s);
 }
 
 bool PatchSource::is_due(const Item& item, std::int64_t now_ns) const noexcept {
-  return item.state == State::missing || (item.state == State::sent && now_ns - item.sent_ns > patience_ns());
+  return item.state == State::missing || (item.state == State::sent && now_ns - item.sent_ns > resend_after_ns());
 }
 
 void PatchSource::accept(const PatchStatus& status) noexcept {

@@ -110,7 +110,7 @@ class PatchSource {
   std::size_t item_of_stream(std::size_t at) const noexcept { return item_of_displaced(scene_.displaced.size()) + at; }
   std::size_t item_of_material(std::size_t tuned) const noexcept { return item_of_stream(scene_.streams.size()) + tuned; }
   bool is_due(const Item& item, std::int64_t now_ns) const noexcept;
-  std::int64_t patience_ns() const noexcept;
+  std::int64_t resend_after_ns() const noexcept;
   void plan(std::int64_t now_ns);
   void plan_bodies(std::int64_t now_ns);
   void plan_tiles(std::int64_t now_ns);

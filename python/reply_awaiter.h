@@ -20,13 +20,13 @@ template <class Request, class Reply>
 class ReplyAwaiter {
  public:
   // Blocks until the reply or the end of the time; none: no reply came.
-  std::optional<Reply> request(const Request& request, std::chrono::seconds patience) {
+  std::optional<Reply> request(const Request& request, std::chrono::seconds timeout) {
     const std::scoped_lock one_at_a_time(requesting_);
     std::unique_lock lock(mutex_);
     request_ = request;
     reply_.reset();
     next_send_ns_ = 0;
-    came_.wait_for(lock, patience, [&] { return reply_.has_value(); });
+    came_.wait_for(lock, timeout, [&] { return reply_.has_value(); });
     request_.reset();
     return reply_;
   }

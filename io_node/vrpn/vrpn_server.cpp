@@ -17,12 +17,12 @@
 namespace hapton::vrpn {
 namespace {
 
-constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;     // interval of checks without clients
-constexpr std::int64_t kCookiePatienceNs = 5 * kNanosecondsPerSecond;  // for the first bytes of a client
-constexpr std::int32_t kButtons = 32;                                  // as many as a sample has bits
-constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;          // of vrpn_ForceDevice Force_Error
-constexpr int kNiceness = 10;                                          // below the servo and the haptics node, which may share its CPU
-constexpr double kSlowestHz = 0.1;                                     // a client that requests less gets this
+constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;    // interval of checks without clients
+constexpr std::int64_t kCookieTimeoutNs = 5 * kNanosecondsPerSecond;  // for the first bytes of a client
+constexpr std::int32_t kButtons = 32;                                 // as many as a sample has bits
+constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;         // of vrpn_ForceDevice Force_Error
+constexpr int kNiceness = 10;                                         // below the servo and the haptics node, which may share its CPU
+constexpr double kSlowestHz = 0.1;                                    // a client that requests less gets this
 
 // VRPN stamps its messages with the time of day.
 Time to_time_of_day(std::int64_t monotonic_ns) {
@@ -33,7 +33,7 @@ Time to_time_of_day(std::int64_t monotonic_ns) {
 }
 
 // Whether a client gave its own address, as a number. Names are not resolved.
-bool names_itself(const std::string& text, const Address& peer) {
+bool is_own_address(const std::string& text, const Address& peer) {
   const std::string with_port = to_string(peer);
   const std::string port = ":" + std::to_string(peer.port);
   return with_port == text + port || with_port == "[" + text + "]" + port;
@@ -66,7 +66,7 @@ struct Server::State final : StreamEndpoint::Listener {
     std::int64_t since_ns = 0;
     bool is_open = false;      // its TCP connection is open
     bool is_reported = false;  // the log has a line on it
-    bool knows_buttons = false;
+    bool has_button_states = false;
     bool is_rejection_logged = false;
     bool is_touching = false;  // contact in the last message to it
     std::int64_t next_report_ns = 0;
@@ -81,7 +81,7 @@ struct Server::State final : StreamEndpoint::Listener {
   void on_bytes(StreamEndpoint::Id id, std::span<const std::byte> bytes) override;
   void on_closed(StreamEndpoint::Id id) override;
   void on_datagram(const Address& from, std::span<const std::byte> bytes) override;
-  StreamEndpoint::Id give_up_for_another() override;
+  StreamEndpoint::Id choose_connection_to_evict() override;
 
   void reply(StreamEndpoint::Id id, Peer& peer);
   void follow_udp_request(Peer& peer);
@@ -91,8 +91,8 @@ struct Server::State final : StreamEndpoint::Listener {
   void report_to(Peer& peer, Time time);
   bool is_due(Peer& peer) const;
   template <class Append>
-  void to_those_who_know(OurType type, Append&& append);
-  bool is_anybody_there() const {
+  void append_to_reporting_clients(OurType type, Append&& append);
+  bool has_client() const {
     return std::any_of(peers.begin(), peers.end(), [](const auto& peer) { return peer.second.client.is_connected(); });
   }
 
@@ -115,13 +115,13 @@ void Server::State::run() {
   const auto period_ns = static_cast<std::int64_t>(1e9 / options.rate_hz);
   std::int64_t next_ns = clock.now_ns();
   while (!ends.load(std::memory_order_relaxed)) {
-    const bool is_watched = is_anybody_there();
-    feed.set_wanted(is_watched);
-    if (!is_watched) {
+    const bool has_clients = has_client();
+    feed.set_wanted(has_clients);
+    if (!has_clients) {
       newest = sent = std::nullopt;
       proxy.reset();
     }
-    endpoint->wait(is_watched ? next_ns : clock.now_ns() + kIdleNs, *this);
+    endpoint->wait(has_clients ? next_ns : clock.now_ns() + kIdleNs, *this);
     const std::int64_t now_ns = clock.now_ns();
     drop_timed_out(now_ns);
     if (now_ns < next_ns) continue;
@@ -164,7 +164,7 @@ void Server::State::on_bytes(StreamEndpoint::Id id, std::span<const std::byte> b
 // Datagrams go only to the host of the connection.
 void Server::State::follow_udp_request(Peer& peer) {
   if (!peer.client.udp_request() || peer.udp) return;
-  if (!names_itself(peer.client.udp_request()->address, peer.address)) return;
+  if (!is_own_address(peer.client.udp_request()->address, peer.address)) return;
   peer.udp = peer.address;
   peer.udp->port = peer.client.udp_request()->port;
 }
@@ -198,7 +198,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
 }
 
 // The client that connected first of those that have sent no cookie, to be closed: 16 such clients must not keep all others out.
-StreamEndpoint::Id Server::State::give_up_for_another() {
+StreamEndpoint::Id Server::State::choose_connection_to_evict() {
   StreamEndpoint::Id longest = 0;
   std::int64_t since_ns = 0;
   for (const auto& [id, peer] : peers) {
@@ -212,15 +212,15 @@ StreamEndpoint::Id Server::State::give_up_for_another() {
 // Closes clients that connect and send no cookie in time.
 void Server::State::drop_timed_out(std::int64_t now_ns) {
   for (const auto& [id, peer] : peers) {
-    if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookiePatienceNs) endpoint->close(id);
+    if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookieTimeoutNs) endpoint->close(id);
   }
 }
 
 template <class Append>
-void Server::State::to_those_who_know(OurType type, Append&& append) {
+void Server::State::append_to_reporting_clients(OurType type, Append&& append) {
   const Time time = to_time_of_day(newest->device.time_ns);
   for (auto& [id, peer] : peers) {
-    if (peer.knows_buttons) append(peer.client.out(), peer.client.header(type, time));
+    if (peer.has_button_states) append(peer.client.out(), peer.client.header(type, time));
   }
 }
 
@@ -233,13 +233,13 @@ void Server::State::take_samples() {
     for (std::int32_t n = 0; n < kButtons; ++n) {
       const std::uint32_t bit = std::uint32_t{1} << n;
       if (((before ^ sample.device.buttons) & bit) == 0) continue;
-      to_those_who_know(OurType::button_change, [&](Bytes& out, const Header& header) {
+      append_to_reporting_clients(OurType::button_change, [&](Bytes& out, const Header& header) {
         append_button_change(out, header, n, (sample.device.buttons & bit) != 0);
       });
     }
     const bool has_error = sample.status != DeviceStatus::ready;
     if (has_error == had_error) return;
-    to_those_who_know(OurType::force_error, [&](Bytes& out, const Header& header) {
+    append_to_reporting_clients(OurType::force_error, [&](Bytes& out, const Header& header) {
       append_force_error(out, header, has_error ? kMiscellaneousError : kNoError);
     });
   });
@@ -269,7 +269,7 @@ void Server::State::report() {
   const Time time = newest ? to_time_of_day(newest->device.time_ns) : Time{};
   for (auto& [id, peer] : peers) {
     if (!peer.is_open) continue;
-    if (newest && peer.client.is_connected() && !std::exchange(peer.knows_buttons, true)) {
+    if (newest && peer.client.is_connected() && !std::exchange(peer.has_button_states, true)) {
       append_button_states(peer.client.out(), peer.client.header(OurType::button_states, time), newest->device.buttons, kButtons);
     }
     if (is_known && peer.client.is_connected() && is_due(peer)) report_to(peer, time);

@@ -179,9 +179,9 @@ TEST_F(FloodFilterTest, EndlessHandshakesDisplaceNoPeerThatIsSentData) {
 TEST_F(FloodFilterTest, FilteredAndOverflownDatagramsAreCountedSeparately) {
   window(0);
   EXPECT_EQ(window(0, 500), FloodFilter::Action::install);
-  EXPECT_EQ(filter.counts().kept_out, 0U);
+  EXPECT_EQ(filter.counts().filtered, 0U);
   window(20, 480);
-  EXPECT_EQ(filter.counts().kept_out, 480U);
+  EXPECT_EQ(filter.counts().filtered, 480U);
   EXPECT_EQ(filter.counts().dropped, 980U);
 }
 

@@ -73,19 +73,19 @@ TEST(RejectionMonitorTest, WhatWasKeptOutCountsForEachKindInItsShare) {
   watch.take(kSecond);
   note(watch, Rejection::malformed, kOne, 300);
   note(watch, Rejection::unknown_session, kOther, 100);
-  watch.note_kept_out(99'600);
+  watch.note_filtered(99'600);
   const auto flood = watch.take(2 * kSecond);
   ASSERT_TRUE(flood);
   EXPECT_EQ(flood->rejection, Rejection::malformed);
   EXPECT_NEAR(flood->per_second, 75'000.0, 1e-6);
-  EXPECT_TRUE(flood->is_kept_out);
-  watch.note_kept_out(1000);
+  EXPECT_TRUE(flood->is_mostly_filtered);
+  watch.note_filtered(1000);
   EXPECT_FALSE(watch.take(3 * kSecond)) << "nobody knows what of";
   note(watch, Rejection::malformed, kOne, 5000);
   const auto next = watch.take(4 * kSecond);
   ASSERT_TRUE(next);
   EXPECT_NEAR(next->per_second, 5000.0, 1e-6);
-  EXPECT_FALSE(next->is_kept_out);
+  EXPECT_FALSE(next->is_mostly_filtered);
 }
 
 TEST(RejectionMonitorTest, ARateIsOfTheTimeThatPassed) {

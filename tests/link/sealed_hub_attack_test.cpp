@@ -102,13 +102,13 @@ TEST_F(SealedHubTest, AFloodThatAFilterKeepsOutIsNamedWithAllOfIt) {
   hub_->take_flood(clock_.now_ns());
   for (int i = 0; i < 500; ++i) hub_endpoint_.put_in(memory_address(66, 6), Bytes(40, std::byte{1}));
   while (hub_->seal_counts().malformed < 500) hub_receives();
-  hub_endpoint_.keep_out(199'500);
+  hub_endpoint_.filter(199'500);
   clock_.advance_ns(kNanosecondsPerSecond);
   const auto flood = hub_->take_flood(clock_.now_ns());
   ASSERT_TRUE(flood);
   EXPECT_EQ(flood->rejection, Rejection::malformed);
   EXPECT_NEAR(flood->per_second, 200'000.0, 1e-3);
-  EXPECT_TRUE(flood->is_kept_out);
+  EXPECT_TRUE(flood->is_mostly_filtered);
 }
 
 // The reply's session number is sealed: the filter must be notified of it, or it drops the node's first data.

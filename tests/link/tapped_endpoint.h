@@ -55,7 +55,7 @@ class TappedEndpoint final : public Endpoint {
   // The addresses and sessions from which the hub expects data.
   const std::vector<std::pair<Address, std::uint32_t>>& expected() const { return expected_; }
   // As if a filter in the kernel had dropped this many.
-  void keep_out(std::uint64_t count) { counts_.kept_out += count; }
+  void filter(std::uint64_t count) { counts_.filtered += count; }
 
  private:
   std::unique_ptr<Endpoint> endpoint_;
