@@ -59,7 +59,7 @@ class ForceDimensionDevice final : public VendorDevice {
   void wait_for_hand_calibration();
   bool wait_warning();
   bool tick(std::int64_t now_ns);
-  void look_at_status(std::int64_t now_ns);
+  void check_status(std::int64_t now_ns);
   void log_away(std::int64_t now_ns, const std::string& why);
   void try_to_reopen(std::int64_t now_ns);
   void publish(DeviceStatus status, std::int64_t now_ns);
@@ -81,7 +81,7 @@ class ForceDimensionDevice final : public VendorDevice {
   bool is_open_ = false;
   DeviceExchange::Reading reading_;
   int failures_ = 0;
-  int ticks_to_look_ = 0;
+  int ticks_to_check_ = 0;
   bool is_force_off_ = false;
   std::int64_t next_reopen_ns_ = 0;
   std::int64_t next_line_ns_ = 0;
@@ -139,7 +139,7 @@ Result<void> ForceDimensionDevice::open() {
   dhd_.set_gravity_compensation(1, id_);
   dhd_.set_watchdog(dhd::kWatchdogUnits, id_);
   failures_ = 0;
-  ticks_to_look_ = 0;
+  ticks_to_check_ = 0;
   is_force_off_ = false;
   return {};
 }
@@ -238,16 +238,16 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   const Vec3 f = from_w(wrench.force_n);
   const Vec3 t = from_w(wrench.torque_nm);
   if (dhd_.set_force_and_torque_and_gripper_force(f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), 0.0, id_) < 0) return false;
-  if (--ticks_to_look_ <= 0) {
-    ticks_to_look_ = kTicksPerStatusCheck;
-    look_at_status(now_ns);
+  if (--ticks_to_check_ <= 0) {
+    ticks_to_check_ = kTicksPerStatusCheck;
+    check_status(now_ns);
   }
   if (!is_open_) return true;
   publish(reading_.is_calibrated ? DeviceStatus::ready : DeviceStatus::calibrating, now_ns);
   return true;
 }
 
-void ForceDimensionDevice::look_at_status(std::int64_t now_ns) {
+void ForceDimensionDevice::check_status(std::int64_t now_ns) {
   dhd::Status status = {};
   if (dhd_.get_status(status.data(), id_) < 0) return;
   if (status[dhd::kStatusConnected] == 0) return log_away(now_ns, "it reports that it is not connected");

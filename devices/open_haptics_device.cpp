@@ -21,13 +21,13 @@ namespace {
 
 constexpr double kMPerMm = 1e-3;
 constexpr double kMNmPerNm = 1e3;
-constexpr auto kLookEvery = std::chrono::milliseconds(20);  // at errors and the calibration, for the log
+constexpr auto kPollPeriod = std::chrono::milliseconds(20);  // at errors and the calibration, for the log
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kReopenBesideOthersEveryNs = 10 * kNanosecondsPerSecond;  // the others are interrupted meanwhile
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                 // of the same state; more often is not worth a line
 // The library's scheduler calls a thousand times a second. Without a call for this time, it or the device has stopped.
 constexpr std::int64_t kSchedulerTimeoutNs = kNanosecondsPerSecond / 2;
-constexpr int kTicksPerLook = 100;                                             // at temperature and calibration
+constexpr int kTicksPerConditionCheck = 100;                                   // at temperature and calibration
 constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
 constexpr int kMostErrorsATick = 8;                                            // taken from the library's queue: bounds the work of a tick
 // The library does not report these: conservative values of our own, see docs/vendor-devices.md.
@@ -85,7 +85,7 @@ class OpenHapticsDevice final : public VendorDevice {
   void tick() noexcept;
   void read_frame(DeviceSample& sample) noexcept;
   void write_frame(const Wrench& wrench) noexcept;
-  void look_at_condition() noexcept;
+  void check_condition() noexcept;
   void check_calibration() noexcept;
   void collect_errors(std::int64_t now_ns) noexcept;
 
@@ -111,7 +111,7 @@ class OpenHapticsDevice final : public VendorDevice {
 
   // The scheduler's thread.
   DeviceExchange::Reading reading_;
-  int ticks_to_look_ = 0;
+  int ticks_to_check_ = 0;
   std::int64_t pause_until_ns_ = 0;
 
   // From the scheduler's thread to the keeper's.
@@ -199,7 +199,7 @@ Result<void> OpenHapticsDevice::set_up() {
     hd::forget_errors(hd_);
   }
   reading_ = {};
-  ticks_to_look_ = 0;
+  ticks_to_check_ = 0;
   pause_until_ns_ = 0;
   device_error_ = hd::kSuccess;
   calibration_ = logged_calibration_ = Calibration::unknown;
@@ -234,9 +234,9 @@ void OpenHapticsDevice::tick() noexcept {
   hd_.make_current_device(device_);
   hd_.begin_frame(device_);
   read_frame(reading_.sample);
-  if (--ticks_to_look_ <= 0) {
-    ticks_to_look_ = kTicksPerLook;
-    look_at_condition();
+  if (--ticks_to_check_ <= 0) {
+    ticks_to_check_ = kTicksPerConditionCheck;
+    check_condition();
   }
   write_frame(now_ns < pause_until_ns_ ? Wrench{} : exchange_.wrench(now_ns));
   hd_.end_frame(device_);
@@ -275,7 +275,7 @@ void OpenHapticsDevice::write_frame(const Wrench& wrench) noexcept {
   hd_.set_doubles(hd::kCurrentTorque, torque_mnm.data());
 }
 
-void OpenHapticsDevice::look_at_condition() noexcept {
+void OpenHapticsDevice::check_condition() noexcept {
   std::array<double, 16> temperatures = {};
   temperatures.fill(-1.0);
   hd_.get_doubles(hd::kMotorTemperature, temperatures.data());
@@ -325,7 +325,7 @@ void OpenHapticsDevice::collect_errors(std::int64_t now_ns) noexcept {
 
 void OpenHapticsDevice::keep() {
   while (!ends_.load(std::memory_order_relaxed)) {
-    std::this_thread::sleep_for(kLookEvery);
+    std::this_thread::sleep_for(kPollPeriod);
     const std::int64_t now_ns = clock_.now_ns();
     log_calibration();
     log_errors(now_ns);

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 // Between two looks for requests: a person does not notice it, and a thread that sleeps so long takes no time from the force.
-constexpr std::chrono::milliseconds kUndoLook(5);
+constexpr std::chrono::milliseconds kUndoPollPeriod(5);
 
 }  // namespace
 
@@ -71,7 +71,7 @@ void CarveUndoTask::run() {
       if (!is_again) pending = 0;
       stage_.store(is_ready ? Stage::ready : Stage::idle, std::memory_order_release);
     }
-    std::this_thread::sleep_for(kUndoLook);
+    std::this_thread::sleep_for(kUndoPollPeriod);
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 // The least winding number inside a body. It is a whole number for a closed body; small holes reduce it slightly.
 constexpr double kLeastWinding = 0.9;
-constexpr auto kLookEvery = std::chrono::milliseconds(50);
+constexpr auto kInsideCheckPeriod = std::chrono::milliseconds(50);
 constexpr int kLooksBetween = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
 
 Box box_of(const TriangleMesh& mesh) {
@@ -47,15 +47,15 @@ void InsideWatch::set_scene(TouchScene scene) {
 // Polls, since to wake this thread would be a system call in the loop that replies to the hub.
 void InsideWatch::run() {
   for (int rest = 0; !stop_.load();) {
-    std::this_thread::sleep_for(kLookEvery);
+    std::this_thread::sleep_for(kInsideCheckPeriod);
     if (rest-- > 0 || !hands_.take()) continue;
-    look(hands_.value());
+    check(hands_.value());
     rest = is_inside() ? kLooksBetween : 0;
   }
 }
 
-void InsideWatch::look(const Hand& hand) {
-  const bool is_start = std::exchange(looked_, hand.start) != hand.start;
+void InsideWatch::check(const Hand& hand) {
+  const bool is_start = std::exchange(checked_start_, hand.start) != hand.start;
   const bool was_inside = is_inside();
   if (!is_start && !was_inside) return;  // since then no hand gets inside without contact
   Enclosure enclosure;

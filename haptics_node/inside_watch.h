@@ -58,7 +58,7 @@ class InsideWatch {
   };
 
   void run();
-  void look(const Hand& hand);
+  void check(const Hand& hand);
 
   std::mutex mutex_;  // of the scene
   TouchScene scene_;
@@ -67,7 +67,7 @@ class InsideWatch {
   std::atomic<bool> is_watching_ = false;
   std::atomic<bool> is_inside_ = false;
   std::atomic<bool> stop_ = false;
-  std::uint64_t looked_ = 0;  // this thread's: the start that it knows
+  std::uint64_t checked_start_ = 0;  // this thread's: the start that it knows
   std::thread thread_;
 };
 

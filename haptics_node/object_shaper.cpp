@@ -17,7 +17,7 @@ static_assert(ProgramShape::kMostObjects <= ShapePart::kMostObjects);
 static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
 
 // Between two looks for shapes: a small part of the time between two of them.
-constexpr std::chrono::milliseconds kShapeLook(2);
+constexpr std::chrono::milliseconds kShapePollPeriod(2);
 constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // since a part was requested again
 constexpr std::int64_t kMostAtOnce = 4;                        // parts, after a pause, where they are paced
 
@@ -56,7 +56,7 @@ void ObjectShaper::start() {
 void ObjectShaper::run() {
   // Polls instead of waiting: waking a sleeping thread would be a system call in the real-time loop.
   while (!stop_.load()) {
-    if (!work()) std::this_thread::sleep_for(kShapeLook);
+    if (!work()) std::this_thread::sleep_for(kShapePollPeriod);
   }
 }
 
@@ -280,8 +280,8 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
     return reply;
   }
   for (std::size_t looked = 0; looked < objects_.size() && sending_ == nullptr; ++looked) {
-    Object& object = *objects_[next_look_];
-    next_look_ = (next_look_ + 1) % objects_.size();
+    Object& object = *objects_[next_object_];
+    next_object_ = (next_object_ + 1) % objects_.size();
     begin_sending(object, step.scene_time_ns());
   }
   const bool is_whole = sending_ == nullptr || sending_->sent_to >= sending_->start.total;

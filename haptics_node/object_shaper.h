@@ -140,8 +140,8 @@ class ObjectShaper {
   std::array<ShapeReply, kMostReplies> replies_ = {};  // to be sent, a ring
   std::size_t first_reply_ = 0;
   std::size_t reply_count_ = 0;
-  Object* sending_ = nullptr;  // whose shape is being sent
-  std::size_t next_look_ = 0;  // the object that is looked at first
+  Object* sending_ = nullptr;    // whose shape is being sent
+  std::size_t next_object_ = 0;  // the object that is looked at first
   std::uint32_t serial_ = 0;
   // Vertices of an announced shape.
   struct Again {

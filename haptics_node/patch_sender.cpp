@@ -22,8 +22,8 @@ namespace {
 
 constexpr std::int64_t kWantedNs = kNanosecondsPerSecond;  // after the last status that says so
 // Polls: a call that wakes it would be a system call in the loop that replies.
-constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
-constexpr auto kLookEvery = std::chrono::milliseconds(4);
+constexpr auto kIdleSenderPollPeriod = std::chrono::milliseconds(50);
+constexpr auto kSenderPollPeriod = std::chrono::milliseconds(4);
 // The scene time of this node is that of the hub's newest sample here: up to 50 ms old, as the hub sends 20 a second, and half a round
 // trip. A move takes another half; the rest is for jitter, and where the round trip is short for sending it again.
 constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
@@ -188,7 +188,7 @@ void PatchSender::run() {
       // To make parts takes time.
       if (fill(clock.now_ns(), withdrawals) || has_status) counts_.publish(source_->counts());
     }
-    std::this_thread::sleep_for(is_busy ? kLookEvery : kIdleLookEvery);
+    std::this_thread::sleep_for(is_busy ? kSenderPollPeriod : kIdleSenderPollPeriod);
   }
 }
 

@@ -10,10 +10,10 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kLookAroundNs = 50 * kNanosecondsPerMillisecond;  // between two looks while no state comes
-constexpr std::int64_t kPatchLookNs = 4 * kNanosecondsPerMillisecond;    // the same while parts of the scene wait to be sent
-constexpr int kMostPatches = 4;                                          // parts of the scene sent between two states
-constexpr std::int64_t kWaitedNs = 20'000;                               // longer than it takes to receive what is there
+constexpr std::int64_t kIdlePollNs = 50 * kNanosecondsPerMillisecond;  // between two looks while no state comes
+constexpr std::int64_t kPatchPollNs = 4 * kNanosecondsPerMillisecond;  // the same while parts of the scene wait to be sent
+constexpr int kMostPatches = 4;                                        // parts of the scene sent between two states
+constexpr std::int64_t kWaitedNs = 20'000;                             // longer than it takes to receive what is there
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
@@ -65,7 +65,7 @@ void ReplyLoop::run(const StopSignal& stop, double seconds) {
       return;
     }
     const bool sends_patches = sends_parts(now_ns);
-    turn(std::min(end_ns, now_ns + (sends_patches ? kPatchLookNs : kLookAroundNs)));
+    turn(std::min(end_ns, now_ns + (sends_patches ? kPatchPollNs : kIdlePollNs)));
   }
 }
 

@@ -78,31 +78,31 @@ void SceneWatcher::run() {
   // Two looks a second: a change counts at the second one that sees it.
   constexpr auto kPeriod = std::chrono::milliseconds(500);
   do {
-    (void)look();
+    (void)poll();
   } while (calls_.sleep(kPeriod));
 }
 
-SceneWatcher::Look SceneWatcher::look() {
+SceneWatcher::Outcome SceneWatcher::poll() {
   switch (file_.check()) {
     case FileWatch::State::gone:
       log_warning("{} is gone; the present scene stays in use, and the file is read once it is back", options_.path.string());
-      return Look::unchanged;
+      return Outcome::unchanged;
     case FileWatch::State::unchanged:
-      return Look::unchanged;
+      return Outcome::unchanged;
     case FileWatch::State::waiting:
-      return Look::waiting;
+      return Outcome::waiting;
     case FileWatch::State::changed:
       break;
   }
   file_.accept();
   auto result = calls_.call([read = options_.read, path = options_.path, loading = options_.loading] { return read(path, loading); });
-  if (!result) return Look::waiting;
+  if (!result) return Outcome::waiting;
   Result<Scene>& scene = *result;
   if (!scene) {
     log_warning("{}; the present scene stays in use", scene.error().what);
-    return Look::rejected;
+    return Outcome::rejected;
   }
-  return may_replace(*scene) ? take(std::move(*scene)) : Look::rejected;
+  return may_replace(*scene) ? take(std::move(*scene)) : Outcome::rejected;
 }
 
 // Otherwise the log has the reason.
@@ -147,37 +147,37 @@ bool SceneWatcher::may_replace(const Scene& scene) const {
   return true;
 }
 
-SceneWatcher::Look SceneWatcher::take(Scene scene) {
+SceneWatcher::Outcome SceneWatcher::take(Scene scene) {
   const SceneChange change = compare_scenes(used_, scene);
   if (change == SceneChange::none) {
     log_info("{} was read again: nothing that affects the forces has changed", options_.path.string());
-    return Look::same;
+    return Outcome::same;
   }
   if (change == SceneChange::materials) {
     if (const auto state = describe_materials(base_, scene)) {
       tuner_.follow(*state);
       used_ = std::move(scene);
       log_info("{} was read again: its materials fade in", options_.path.string());
-      return Look::materials;
+      return Outcome::materials;
     }
   }
   return take_scene(std::move(scene), change);
 }
 
-SceneWatcher::Look SceneWatcher::take_scene(Scene scene, SceneChange change) {
+SceneWatcher::Outcome SceneWatcher::take_scene(Scene scene, SceneChange change) {
   for (const auto& note : scene.notes) log_info("{}", note);
   const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, change != SceneChange::shape);
   // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
   if (const auto built = builder_.rebuild_for(made); !built) {
     log_warning("{}: {}; the present scene stays in use", options_.path.string(), built.error().what);
-    return Look::rejected;
+    return Outcome::rejected;
   }
   tuner_.follow(scene, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} was read again: {}", options_.path.string(), describe(change));
   base_ = scene;
   used_ = std::move(scene);
-  return Look::scene;
+  return Outcome::scene;
 }
 
 }  // namespace hapton

@@ -17,7 +17,7 @@ namespace hapton {
 
 // Looks at a scene file and brings what has changed in it under the hand, without a force discontinuity: materials as MaterialTuner changes
 // them, everything else by a method that MethodBuilder swaps. A file with an error is one line in the log, and the scene in use goes on.
-// A thread of its own, or whoever calls look(). Its end does not wait for a file that is being read. RT: no.
+// A thread of its own, or whoever calls poll(). Its end does not wait for a file that is being read. RT: no.
 class SceneWatcher {
  public:
   struct Options {
@@ -40,7 +40,7 @@ class SceneWatcher {
   // Looks twice a second in a thread of its own, from now on.
   void start();
 
-  enum class Look : std::uint8_t {
+  enum class Outcome : std::uint8_t {
     unchanged,  // the file
     waiting,    // it has just changed, and may be being written; or the watcher ends while it is read
     rejected,   // it has an error
@@ -50,13 +50,13 @@ class SceneWatcher {
   };
   // One look. A change counts once the file was the same for two looks. A file that is gone changes nothing; at the second look the log
   // says so.
-  Look look();
+  Outcome poll();
 
  private:
   void run();
   bool may_replace(const Scene& scene) const;
-  Look take(Scene scene);
-  Look take_scene(Scene scene, SceneChange change);
+  Outcome take(Scene scene);
+  Outcome take_scene(Scene scene, SceneChange change);
 
   Options options_;
   Scene base_;  // that the tuner's states differ from: what the method in use was made for

@@ -21,7 +21,7 @@ namespace hapton {
 namespace {
 
 // Between two checks for a new sample: little against a step of the pose, and a processor's thousandth.
-constexpr auto kLook = std::chrono::microseconds(100);
+constexpr auto kToolPollPeriod = std::chrono::microseconds(100);
 
 // What goes with a rigid tool only, where there is none.
 Result<void> check_without_tool(const HapticsOptions& options, const Scene& scene) {
@@ -135,7 +135,7 @@ void ToolTask::run() noexcept {
     if (tool_.follow()) {
       pose_times_.record(clock.now_ns() - begin_ns);
     } else {
-      std::this_thread::sleep_for(kLook);
+      std::this_thread::sleep_for(kToolPollPeriod);
     }
   }
 }

@@ -11,7 +11,7 @@ namespace hapton {
 namespace {
 
 // Between two looks at what the hardware says of itself, for people.
-constexpr std::int64_t kLookNs = 250 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kTemperatureCheckNs = 250 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
@@ -36,7 +36,7 @@ std::int64_t DeviceLoop::period_ns() const noexcept { return std::llround(1e9 / 
 void DeviceLoop::start() noexcept {
   tick_ns_ = clock_.now_ns() + period_ns();
   stats_.start_ns = stats_.end_ns = tick_ns_;
-  next_look_ns_ = tick_ns_ + kLookNs;
+  next_check_ns_ = tick_ns_ + kTemperatureCheckNs;
 }
 
 void DeviceLoop::begin_cycle() noexcept {
@@ -193,8 +193,8 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
 
 void DeviceLoop::grant_requests() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
-  if (now_ns >= next_look_ns_) {
-    next_look_ns_ = now_ns + kLookNs;
+  if (now_ns >= next_check_ns_) {
+    next_check_ns_ = now_ns + kTemperatureCheckNs;
     governor_.observe_temperature(device_.condition().motor_temperature);
   }
   if (!requests_box_.take()) return;

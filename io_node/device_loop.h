@@ -244,7 +244,7 @@ class DeviceLoop {
   bool is_behind_ = false;         // the loop came to wait for this tick when it had passed
   bool is_finished_ = false;
   DeviceCycle cycle_;
-  std::int64_t next_look_ns_ = 0;  // at the motors' temperature
+  std::int64_t next_check_ns_ = 0;  // at the motors' temperature
   std::uint32_t hands_granted_ = 0;
   std::uint32_t aims_granted_ = 0;
   std::uint32_t resets_granted_ = 0;

@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::int64_t kWatchEveryNs = kNanosecondsPerSecond / 4;     // between two checks of scheduling, and that the device loop lives
 constexpr std::int64_t kMetricsLeastNs = kNanosecondsPerSecond / 10;  // between two copies of the statistics for requests
-constexpr auto kLookEvery =
+constexpr auto kSessionPollPeriod =
     std::chrono::milliseconds(20);  // between two checks for events, reports and the end; too short for a person to notice
 
 // Names the plug-in in a message on a fault of its device: " (device plugin:./pen.so)". Empty for other devices.
@@ -187,7 +187,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
                                    : std::numeric_limits<std::int64_t>::max();
-  Result<void> reported = started_ ? look_after(stop) : started_;
+  Result<void> reported = started_ ? supervise(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
   servo.join();
   device_.stop();
@@ -206,13 +206,13 @@ Result<void> IoSession::run(const StopSignal& stop) {
   return reported;
 }
 
-Result<void> IoSession::look_after(const StopSignal& stop) {
+Result<void> IoSession::supervise(const StopSignal& stop) {
   Result<void> reported;
   log_info("{}{}", prefix_, realtime_lines_.front());
   if (device_.realtime_lines().front() != realtime_lines_.front()) log_info("{}device loop, {}", prefix_, device_.realtime_lines().front());
   for (std::size_t n = 1; n < realtime_lines_.size(); ++n) log_warning("{}{}", prefix_, realtime_lines_[n]);
   while (!is_over(stop)) {
-    std::this_thread::sleep_for(kLookEvery);
+    std::this_thread::sleep_for(kSessionPollPeriod);
     print_events();
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
     notify_service();
@@ -227,7 +227,7 @@ Result<void> IoSession::look_after(const StopSignal& stop) {
 void IoSession::watch_scheduling(bool now) {
   if (!now) return;
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
-  look_after_watchdog();
+  check_watchdog();
   // Both together: the kernel counts real-time threads by CPU, and they may share one.
   auto usage = read_thread_usage(servo_thread_);
   const auto device = read_thread_usage(device_.id());
@@ -247,9 +247,9 @@ void IoSession::watch_scheduling(bool now) {
   }
 }
 
-void IoSession::look_after_watchdog() {
+void IoSession::check_watchdog() {
   if (watchdog_ == nullptr) return;
-  if (watchdog_->look_after(clock_.now_ns())) {
+  if (watchdog_->restart_if_dead(clock_.now_ns())) {
     log_warning(
         "{}the watchdog process had ended or hung, and was restarted; find out why: without it nothing releases the force of a frozen "
         "io_node",

@@ -43,14 +43,14 @@ class IoSession {
  private:
   void servo_thread();
   bool is_over(const StopSignal& stop) const;
-  Result<void> look_after(const StopSignal& stop);
+  Result<void> supervise(const StopSignal& stop);
   void note_requests(const StopSignal& stop);
   Result<void> serve_requests(const ServoStats& stats);
   void print_events();
   void keep_latch(const ServoEvent& event);
   std::string described(const ServoStats& stats) const;
   void watch_scheduling(bool now);
-  void look_after_watchdog();
+  void check_watchdog();
   void notify_service();
   Result<void> write_report_of(const ServoStats& stats);
 

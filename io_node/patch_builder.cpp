@@ -12,8 +12,8 @@ namespace hapton {
 namespace {
 
 // Polls, since to wake it would be a system call in the servo. While parts come a patch is due every few milliseconds.
-constexpr auto kLookEvery = std::chrono::milliseconds(2);
-constexpr auto kIdleLookEvery = std::chrono::milliseconds(50);
+constexpr auto kBuilderPollPeriod = std::chrono::milliseconds(2);
+constexpr auto kIdleBuilderPollPeriod = std::chrono::milliseconds(50);
 // A stage of fewer vertices counts as one of so many: a moment without the CPU would say nothing about the large ones.
 constexpr std::uint32_t kFewVertices = 1000;
 constexpr float kForgetShare = 0.125F;  // of the difference, with each stage that takes less time
@@ -67,7 +67,7 @@ void PatchBuilder::run() {
       told_.store = store_.counts();
       counts_.publish(told_);
     }
-    std::this_thread::sleep_for(has_hand || has_parts ? kLookEvery : kIdleLookEvery);
+    std::this_thread::sleep_for(has_hand || has_parts ? kBuilderPollPeriod : kIdleBuilderPollPeriod);
   }
 }
 

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kLookNs = 100 * kNanosecondsPerMillisecond;  // between two looks at the round trip
+constexpr std::int64_t kRoundTripCheckNs = 100 * kNanosecondsPerMillisecond;  // between two looks at the round trip
 
 // As the device side has it.
 std::int64_t scene_time_at(const ForceCommand& last, std::int64_t sample_ns) noexcept {
@@ -73,7 +73,7 @@ void PatchLink::on_haptics_joined() noexcept {
   local_.publish(moves_);
 }
 
-void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept {
+void PatchLink::update(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept {
   if (must_clear_) must_clear_ = !builder_.clear();
   choose(forces, now_ns);
   if (state_ == State::remote) {
@@ -95,8 +95,8 @@ void PatchLink::look_after(ForceExchange& forces, const std::optional<ViewTransf
 }
 
 void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
-  if (now_ns >= next_look_ns_) {
-    next_look_ns_ = now_ns + kLookNs;
+  if (now_ns >= next_check_ns_) {
+    next_check_ns_ = now_ns + kRoundTripCheckNs;
     round_trip_s_ = state_ == State::remote ? forces.find_lasting_round_trip_s() : forces.find_round_trip_s();
   }
   const bool is_wanted = peers_.has_haptics() && chooser_.wants_patch(round_trip_s_, now_ns);

@@ -47,7 +47,7 @@ class PatchLink {
   void accept_shape(const Message& shape, Arrival arrival) noexcept;
   void on_haptics_joined() noexcept;
   // Once a cycle, after the force. view: where the scene is; none: at W.
-  void look_after(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
+  void update(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
 
   bool is_wanted() const noexcept { return state_ != State::remote; }
   // The median by which that was chosen; below 0: not known.
@@ -87,8 +87,8 @@ class PatchLink {
   bool was_local_ = false;          // the force of the cycle before came from a patch
   std::int64_t told_ns_ = 0;        // when the device side got the probe's position
   bool has_news_ = false;
-  std::int64_t status_ns_ = 0;     // the last one
-  std::int64_t next_look_ns_ = 0;  // at the round trip
+  std::int64_t status_ns_ = 0;      // the last one
+  std::int64_t next_check_ns_ = 0;  // at the round trip
   double round_trip_s_ = -1.0;
 };
 

@@ -114,7 +114,7 @@ void Servo::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
   if (patches_ != nullptr) {
-    patches_->look_after(forces_, view_.view(), now_ns);
+    patches_->update(forces_, view_.view(), now_ns);
     touch_notices_.check(*patches_, forces_.is_local(), peers_.has_haptics(), [this](const ServoEvent& event) { events_.push(event); });
   }
   stats_.status = find_probe_status(loop_.latest(), peers_.has_haptics(), scene_.reach(), scene_.is_hand_inside());

@@ -10,7 +10,7 @@ namespace {
 // What one call passes over once its deadline has come, so that a flood of it cannot hold the caller.
 constexpr int kMaxRejectedPerPoll = 64;
 // While the worker thread is at work the wait is cut into pieces of this length.
-constexpr std::int64_t kWorkerLookNs = kNanosecondsPerMillisecond / 2;
+constexpr std::int64_t kWorkerPollNs = kNanosecondsPerMillisecond / 2;
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
@@ -63,8 +63,8 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
 }
 
 std::int64_t SealedClient::next_due_ns(std::int64_t now_ns) const noexcept {
-  const std::int64_t look_ns = handshake_.is_working() ? now_ns + kWorkerLookNs : kNever;
-  return std::min(look_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_received_ns_ + timeout_ns_));
+  const std::int64_t poll_ns = handshake_.is_working() ? now_ns + kWorkerPollNs : kNever;
+  return std::min(poll_ns, handshake_.is_pending() ? next_request_ns_ : std::min(rekey_ns_, last_received_ns_ + timeout_ns_));
 }
 
 bool SealedClient::is_rekey_due(std::int64_t now_ns) const noexcept {

@@ -22,7 +22,7 @@ Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence, boo
     return advance(ahead);
   }
   if (behind <= kMaxGap && !(may_begin_again && behind > 0)) {
-    return look_back(sequence, behind);
+    return check_late_arrival(sequence, behind);
   }
   ++counts_.jumps;
   start(sequence);
@@ -52,7 +52,7 @@ Arrival SequenceTracker::advance(std::uint64_t gap) noexcept {
   return Arrival::newest;
 }
 
-Arrival SequenceTracker::look_back(std::uint64_t sequence, std::uint64_t age) noexcept {
+Arrival SequenceTracker::check_late_arrival(std::uint64_t sequence, std::uint64_t age) noexcept {
   if (age >= kWindow || test_and_mark(sequence)) {
     ++counts_.duplicate;
     return Arrival::duplicate;

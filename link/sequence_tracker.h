@@ -44,7 +44,7 @@ class SequenceTracker {
 
   void start(std::uint64_t sequence) noexcept;
   Arrival advance(std::uint64_t gap) noexcept;
-  Arrival look_back(std::uint64_t sequence, std::uint64_t age) noexcept;
+  Arrival check_late_arrival(std::uint64_t sequence, std::uint64_t age) noexcept;
   bool test_and_mark(std::uint64_t sequence) noexcept;
 
   SequenceCounts counts_;

@@ -83,8 +83,8 @@ void RemotePatch::run_haptics(std::int64_t now_ns) {
     source_.accept(*status);
     is_asked_ = true;
   }
-  if (!is_asked_ || !hand_ns_ || now_ns - looked_ns_ < kSendNs) return;
-  looked_ns_ = now_ns;
+  if (!is_asked_ || !hand_ns_ || now_ns - last_send_check_ns_ < kSendNs) return;
+  last_send_check_ns_ = now_ns;
   while (const auto part = source_.take(now_ns)) {
     part_sent_ns_ = now_ns;
     down_.send(*part, packet_bytes_of(*part), now_ns);

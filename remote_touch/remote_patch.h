@@ -59,7 +59,7 @@ class RemotePatch final : public RemoteTouch {
   HandMotion hand_;
   std::optional<std::int64_t> hand_ns_;
   bool is_asked_ = false;
-  std::int64_t looked_ns_ = 0;
+  std::int64_t last_send_check_ns_ = 0;
   std::int64_t part_sent_ns_ = -1;
 
   // The hub.

@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 // Some 20 to 50 us: calls within one step follow each other closer than that, and waking a thread takes 5 to 50.
-constexpr int kLooks = 2000;
+constexpr int kSpins = 2000;
 
 }  // namespace
 
@@ -32,7 +32,7 @@ void WorkerThreads::run_each(Function function, const void* context) noexcept {
   calls_.fetch_add(1, std::memory_order_release);
   calls_.notify_all();
   function(context, 0);
-  for (int looks = 0; looks < kLooks && busy_.load(std::memory_order_acquire) != 0; ++looks) spin_pause();
+  for (int spins = 0; spins < kSpins && busy_.load(std::memory_order_acquire) != 0; ++spins) spin_pause();
   for (int busy = busy_.load(std::memory_order_acquire); busy != 0; busy = busy_.load(std::memory_order_acquire)) {
     busy_.wait(busy, std::memory_order_acquire);
   }
@@ -41,7 +41,7 @@ void WorkerThreads::run_each(Function function, const void* context) noexcept {
 void WorkerThreads::serve(int worker) noexcept {
   std::uint32_t seen = 0;
   for (;;) {
-    for (int looks = 0; looks < kLooks && calls_.load(std::memory_order_acquire) == seen; ++looks) spin_pause();
+    for (int spins = 0; spins < kSpins && calls_.load(std::memory_order_acquire) == seen; ++spins) spin_pause();
     calls_.wait(seen, std::memory_order_acquire);
     ++seen;  // a call begins only when the one before has ended, so none is missed
     if (stop_.load(std::memory_order_relaxed)) return;

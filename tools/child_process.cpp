@@ -72,7 +72,7 @@ ChildProcess::~ChildProcess() {
 }
 
 std::optional<int> ChildProcess::wait(double seconds) {
-  constexpr std::int64_t kLookNs = 5 * kNanosecondsPerMillisecond;  // between two checks whether the child has ended; a free choice
+  constexpr std::int64_t kCheckNs = 5 * kNanosecondsPerMillisecond;  // between two checks whether the child has ended; a free choice
   SteadyClock clock;
   const double end_ns = static_cast<double>(clock.now_ns()) + 1e9 * seconds;
   while (!exit_code_) {
@@ -84,7 +84,7 @@ std::optional<int> ChildProcess::wait(double seconds) {
     } else if (static_cast<double>(clock.now_ns()) >= end_ns) {
       return std::nullopt;
     } else {
-      clock.sleep_until_ns(clock.now_ns() + kLookNs);
+      clock.sleep_until_ns(clock.now_ns() + kCheckNs);
     }
   }
   return exit_code_;

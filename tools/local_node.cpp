@@ -58,9 +58,9 @@ Result<LocalNode> LocalNode::start(const std::filesystem::path& folder, const st
 
 template <class Holds>
 Result<void> LocalNode::wait_until(Holds&& holds_of_log) {
-  constexpr double kLookSeconds = 0.05;  // between two readings of the log; a free choice
-  for (double waited = 0.0; waited < kLoadSeconds; waited += kLookSeconds) {
-    const auto code = process_.wait(kLookSeconds);
+  constexpr double kPollSeconds = 0.05;  // between two readings of the log; a free choice
+  for (double waited = 0.0; waited < kLoadSeconds; waited += kPollSeconds) {
+    const auto code = process_.wait(kPollSeconds);
     if (holds_of_log(read_text(log_))) {
       return {};
     }

@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 // As SceneWatcher of haptics_node: a change counts at the second look that sees it.
-constexpr std::chrono::milliseconds kLookEvery(500);
+constexpr std::chrono::milliseconds kPollPeriod(500);
 // A force has the processor first.
 constexpr int kReloadNiceness = 10;
 
@@ -40,11 +40,11 @@ void SceneReload::start() {
 void SceneReload::run() {
   (void)::setpriority(PRIO_PROCESS, 0, kReloadNiceness);  // of this thread alone
   do {
-    look();
-  } while (calls_.sleep(kLookEvery));
+    poll();
+  } while (calls_.sleep(kPollPeriod));
 }
 
-void SceneReload::look() {
+void SceneReload::poll() {
   const FileWatch::State state = file_.check();
   set_gone(file_.is_gone());
   switch (state) {

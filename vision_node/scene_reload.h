@@ -15,7 +15,7 @@
 namespace hapton {
 
 // Reads the scene file again when it was saved, in a thread of its own: no frame waits for it, and neither does the end of the program. A
-// file with an error is one line in the log, and in problem(). Threads: take() from one; look() from one, that of start() if it was called.
+// file with an error is one line in the log, and in problem(). Threads: take() from one; poll() from one, that of start() if it was called.
 // RT: no.
 class SceneReload {
  public:
@@ -30,7 +30,7 @@ class SceneReload {
   // Looks twice a second from now on, in its thread.
   void start();
   // One look: a file that was saved, and is the same at the next look, is read then.
-  void look();
+  void poll();
 
   // The newest scene that was read since the last call; none: nothing was.
   std::optional<Scene> take();

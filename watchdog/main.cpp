@@ -40,7 +40,7 @@ bool is_gone(int process_file) {
 // Sleeps until the next check, or until the process ends.
 void rest(int process_file) {
   pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
-  const timespec every = {.tv_sec = 0, .tv_nsec = OuterWatchdog::kLookEveryNs};
+  const timespec every = {.tv_sec = 0, .tv_nsec = OuterWatchdog::kCheckPeriodNs};
   ::ppoll(&ended, 1, &every, nullptr);
 }
 
@@ -62,7 +62,7 @@ void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
   bool is_reported = false;
   while (true) {
     const bool has_ended = is_gone(process_file);
-    const OuterWatchdog::Verdict verdict = watchdog.look(page, has_ended, clock.now_ns());
+    const OuterWatchdog::Verdict verdict = watchdog.check(page, has_ended, clock.now_ns());
     page.guard_beat_ns.store(clock.now_ns(), std::memory_order_release);
     if (verdict == OuterWatchdog::Verdict::fine) {
       if (has_ended) return;
@@ -76,7 +76,7 @@ void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
     cutter.cut();
     if (verdict == OuterWatchdog::Verdict::gone) {
       for (int n = 1; n < kTimesAtTheEnd; ++n) {
-        clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kLookEveryNs);
+        clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kCheckPeriodNs);
         cutter.cut();
       }
       if (reports) report("has ended", watchdog, cutter);

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-OuterWatchdog::Verdict OuterWatchdog::look(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept {
+OuterWatchdog::Verdict OuterWatchdog::check(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept {
   const std::int64_t heartbeat_ns = page.heartbeat_ns.load(std::memory_order_acquire);
   const std::int64_t sample_ns = page.force_sample_ns.load(std::memory_order_acquire);
   silence_ns_ = heartbeat_ns != 0 ? std::max(now_ns - heartbeat_ns, std::int64_t{0}) : 0;

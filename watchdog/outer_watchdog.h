@@ -19,17 +19,17 @@ namespace hapton {
 class OuterWatchdog {
  public:
   // io_node releases the force itself after 20 ms; this is for when it does not.
-  // With kLookEveryNs and kGraceNs the force is off 27 ms after io_node was frozen, of the 50 ms that docs/safety-case.md promises.
+  // With kCheckPeriodNs and kGraceNs the force is off 27 ms after io_node was frozen, of the 50 ms that docs/safety-case.md promises.
   static constexpr std::int64_t kHeartbeatLimitNs = 21'000'000;
   // Later than the release watch (20.5 ms), which goes first while io_node lives.
   static constexpr std::int64_t kForceLimitNs = 30'000'000;
-  static constexpr std::int64_t kLookEveryNs = 2'000'000;
+  static constexpr std::int64_t kCheckPeriodNs = 2'000'000;
   static constexpr std::int64_t kGraceNs = 4'000'000;  // two checks
 
   enum class Verdict : std::uint8_t { fine, frozen, stale, gone };
 
   // As of now; is_gone: the process has ended.
-  Verdict look(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept;
+  Verdict check(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept;
 
   // At the last check.
   std::int64_t force_age_ns() const noexcept { return force_age_ns_; }

@@ -58,7 +58,7 @@ Result<void> WatchdogProcess::spawn() {
   return {};
 }
 
-bool WatchdogProcess::look_after(std::int64_t now_ns) {
+bool WatchdogProcess::restart_if_dead(std::int64_t now_ns) {
   if (process_ <= 0 || now_ns - started_ns_ < kPeerTimeoutNs) return false;
   const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) == process_;
   const bool has_timed_out = now_ns - memory_->page().guard_beat_ns.load() > kPeerTimeoutNs;

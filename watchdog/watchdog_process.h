@@ -23,7 +23,7 @@ class WatchdogProcess {
   Result<void> start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority);
 
   // Call it a few times a second. True: the watchdog had died or hung, and was restarted; the caller reports that.
-  bool look_after(std::int64_t now_ns);
+  bool restart_if_dead(std::int64_t now_ns);
 
   bool is_started() const noexcept { return process_ > 0; }
   pid_t id() const noexcept { return process_; }

@@ -95,7 +95,7 @@ class CarriedProxy {
   double last_time_s() const noexcept { return last_time_s_; }
 
  private:
-  static constexpr double kLookSteps = 64.0;  // a search covers what hand and surface can reach in this many steps
+  static constexpr double kSearchSteps = 64.0;  // a search covers what hand and surface can reach in this many steps
 
   // Where hand and surface were in the last step: they had not met.
   void come_near() noexcept {
@@ -126,7 +126,7 @@ class CarriedProxy {
   void search_around(const Vec3& p_SD, double moved_m) noexcept {
     to_travel_m_ -= moved_m;
     if (to_travel_m_ > 0.0) return;
-    const double reach_m = kLookSteps * moved_m;
+    const double reach_m = kSearchSteps * moved_m;
     const double unit_m = proxy_.geometry().unit_m();
     // Less the rounding of the conversion to local units.
     const double clear_m = proxy_.anchor(reach_m).distance * unit_m * (1.0 - 0x1p-40) - 0x1p-48 * (unit_m + p_SD.norm());

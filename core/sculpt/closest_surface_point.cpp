@@ -35,7 +35,7 @@ class SurfaceSearch {
   SurfaceSearch(const CarvedField& field, const Vec3& p) : field_(field), p_(p), place_((p - field.origin_m()) / field.spacing_m()) {}
 
   // In the cells that come within `reach` spacings along each axis. True: these were all cells.
-  bool look(double reach) {
+  bool search_within(double reach) {
     std::array<int, 3> first = {}, last = {};
     bool is_all = true;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -47,7 +47,7 @@ class SurfaceSearch {
     }
     for (int z = first[2]; z <= last[2]; ++z) {
       for (int y = first[1]; y <= last[1]; ++y) {
-        for (int x = first[0]; x <= last[0]; ++x) look_into(x, y, z);
+        for (int x = first[0]; x <= last[0]; ++x) search_cell(x, y, z);
       }
     }
     return is_all;
@@ -63,7 +63,7 @@ class SurfaceSearch {
     return field_.spacing_m() * field_.spacing_m() * beside.squaredNorm();
   }
 
-  void look_into(int x, int y, int z) {
+  void search_cell(int x, int y, int z) {
     if (squared_distance_to_cell(x, y, z) >= squared_) return;
     FieldCell cell;
     bool is_inside = false, is_outside = false;
@@ -76,10 +76,10 @@ class SurfaceSearch {
     if (!is_inside || !is_outside) return;
     for (int k = 0; k < 8; ++k)
       cell.corner[static_cast<std::size_t>(k)] = field_.grid().node(x + (k & 1), y + ((k >> 1) & 1), z + (k >> 2));
-    for (const auto& corners : kTetrahedra) look_into(cell, corners);
+    for (const auto& corners : kTetrahedra) search_cell(cell, corners);
   }
 
-  void look_into(const FieldCell& cell, const std::array<std::size_t, 4>& corners) {
+  void search_cell(const FieldCell& cell, const std::array<std::size_t, 4>& corners) {
     std::array<std::size_t, 4> inside = {}, outside = {};
     std::size_t within = 0, without = 0;
     for (const std::size_t c : corners) (cell.value[c] < 0.0 ? inside[within++] : outside[without++]) = c;
@@ -144,7 +144,7 @@ Vec3 slide_below(const CarvedField& field, const Vec3& p, Vec3 q) {
 std::optional<Vec3> find_closest_surface_point(const CarvedField& field, const Vec3& p) {
   SurfaceSearch search(field, p);
   double reach = 2.0;
-  while (!search.look(reach) && !(search.distance_m() <= reach * field.spacing_m())) reach *= 2.0;
+  while (!search.search_within(reach) && !(search.distance_m() <= reach * field.spacing_m())) reach *= 2.0;
   if (!std::isfinite(search.distance_m())) return std::nullopt;
   return slide_below(field, p, go_to_zero(field, search.closest()));
 }

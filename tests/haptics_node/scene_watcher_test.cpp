@@ -17,7 +17,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// A scene of one triangle, its file, and who brings its changes under the hand. The test looks itself, and takes as the reply loop does.
+// A scene of one triangle, its file, and who brings its changes under the hand. The test polls itself, and takes as the reply loop does.
 struct SceneWatcherTest : testing::Test {
   SceneWatcherTest() {
     folder.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
@@ -38,13 +38,13 @@ struct SceneWatcherTest : testing::Test {
     std::filesystem::last_write_time(path, std::filesystem::file_time_type::clock::now() + std::chrono::seconds(++writes));
     return path;
   }
-  SceneWatcher::Look look_twice() {
-    SceneWatcher::Look look = SceneWatcher::Look::waiting;
+  SceneWatcher::Outcome poll_twice() {
+    SceneWatcher::Outcome outcome = SceneWatcher::Outcome::waiting;
     log = log_of([&] {
-      EXPECT_EQ(watcher->look(), SceneWatcher::Look::waiting);
-      look = watcher->look();
+      EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::waiting);
+      outcome = watcher->poll();
     });
-    return look;
+    return outcome;
   }
   std::unique_ptr<TunedMaterials> wait_for_materials() {
     std::unique_ptr<TunedMaterials> result;
@@ -55,7 +55,7 @@ struct SceneWatcherTest : testing::Test {
   ScratchFolder folder;
   std::filesystem::path file;
   int writes = 0;
-  std::string log;  // of the last two looks
+  std::string log;  // of the last two polls
   TouchScene felt;
   std::shared_ptr<ForceMethod> method;
   std::optional<MaterialTuner> tuner;
@@ -64,13 +64,13 @@ struct SceneWatcherTest : testing::Test {
 };
 
 TEST_F(SceneWatcherTest, AFileThatIsNotTouchedIsNotRead) {
-  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
+  EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged);
   write("stiffness_n_per_m = 500");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::same) << "saved without a change";
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::same) << "saved without a change";
   EXPECT_THAT(log, HasSubstr("a.toml was read again: nothing that affects the forces has changed"));
-  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
+  EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged);
   std::filesystem::remove(file);
-  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "as an editor has it for a moment";
+  EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged) << "as an editor has it for a moment";
 }
 
 // A mesh of ten million triangles takes many seconds: a person who quits does not wait for it.
@@ -102,13 +102,13 @@ TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
 TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
   constexpr const char* kRejected = "a.toml: the stylus picks up objects of this scene, so only stiffness, damping and friction may change";
   write("stiffness_n_per_m = 500", "movable = true");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << "it was not movable at the start";
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << "it was not movable at the start";
   EXPECT_THAT(log, HasSubstr(kRejected));
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded);
   watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, *builder);
   write("stiffness_n_per_m = 700", "movable = true");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   const auto tuned = wait_for_materials();
   ASSERT_NE(tuned, nullptr);
   EXPECT_EQ(tuned->materials[0].stiffness_n_per_m, 700.0);
@@ -117,43 +117,43 @@ TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
         std::pair("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1", "movable = true"),
         std::pair("stiffness_n_per_m = 700", "movable = true\nname = 'other'"), std::pair("stiffness_n_per_m = 700", "")}) {
     write(material, object);
-    EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << material << object;
+    EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << material << object;
     EXPECT_THAT(log, HasSubstr(kRejected));
   }
   EXPECT_EQ(builder->take(), nullptr);
   write("stiffness_n_per_m = 700", "movable = true");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::same);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::same);
 }
 
 TEST_F(SceneWatcherTest, AToolStaysTheSame) {
   constexpr const char* kChanged = "a.toml: [tool] has changed: start haptics_node again";
   const std::string tool = "\n[tool]\nmesh = 'a.obj'";
   write("stiffness_n_per_m = 500" + tool);
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << "there was none at the start";
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << "there was none at the start";
   EXPECT_THAT(log, HasSubstr(kChanged));
   EXPECT_EQ(builder->take(), nullptr);
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded);
   watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .has_tool = true}, *loaded, *tuner, *builder);
   write("stiffness_n_per_m = 700" + tool);
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   const auto tuned = wait_for_materials();
   ASSERT_NE(tuned, nullptr);
   EXPECT_EQ(tuned->materials[0].stiffness_n_per_m, 700.0);
   write("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1" + tool);
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected);
   EXPECT_THAT(log, HasSubstr("a.toml: the stylus holds a rigid tool in this scene, so only stiffness, damping and friction may change"));
   write("stiffness_n_per_m = 700" + tool + "\ngrip = 'centre'");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected);
   EXPECT_THAT(log, HasSubstr(kChanged));
   write("stiffness_n_per_m = 700");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected);
   EXPECT_THAT(log, HasSubstr(kChanged));
 }
 
 TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   write("stiffness_n_per_m = 700\nfriction_static = 0.3");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   EXPECT_THAT(log, HasSubstr("a.toml was read again: its materials fade in"));
   auto result = wait_for_materials();
   ASSERT_NE(result, nullptr);
@@ -166,7 +166,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   EXPECT_EQ(builder->take(), nullptr);
   // Back to what it was: the state says so.
   write("stiffness_n_per_m = 500");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   result = wait_for_materials();
   ASSERT_NE(result, nullptr);
   EXPECT_EQ(result->materials[0].stiffness_n_per_m, 500.0);
@@ -175,7 +175,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
 
 TEST_F(SceneWatcherTest, OtherNamesComeWithTheSameMethodAndFadeNothing) {
   write("stiffness_n_per_m = 500", "name = 'other'");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene);
   EXPECT_THAT(log, HasSubstr("a.toml was read again: only its names have changed; changes by hapton set end, and effects begin anew"));
   EXPECT_THAT(log, ::testing::Not(HasSubstr("fade")));
   auto built = builder->take();
@@ -186,7 +186,7 @@ TEST_F(SceneWatcherTest, OtherNamesComeWithTheSameMethodAndFadeNothing) {
 
 TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne) {
   write("stiffness_n_per_m = 600\nviscosity_ns_per_m = 2");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene);
   EXPECT_THAT(log, HasSubstr("a.toml was read again: its effects fade in"));
   auto built = builder->take();
   ASSERT_NE(built, nullptr);
@@ -199,7 +199,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
   builder->retire(std::move(built));
 
   write("stiffness_n_per_m = 600", "[[object]]\nmesh = 'a.obj'\nposition_m = [0, 0, 0.02]");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene);
   EXPECT_THAT(log, HasSubstr("a.toml was read again: its objects fade in"));
   ASSERT_TRUE(wait_until([&] { return (built = builder->take()) != nullptr; }));
   EXPECT_NE(built->step->share_method(), method);
@@ -218,7 +218,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
 
 TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
   write("stiffness_n_per_m = 700\n[[effect]]\ntype = 'plugin'\nlibrary = 'x.so'");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected);
   EXPECT_THAT(log, HasSubstr("its plug-ins have changed: start haptics_node again to use it; the present scene stays in use"));
   EXPECT_EQ(tuner->take(), nullptr);
   EXPECT_EQ(builder->take(), nullptr);
@@ -242,11 +242,11 @@ TEST_F(SceneWatcherTest, WhatCanBeCarvedStaysTheSameObject) {
   for (const std::string& changed : {with_clay("voxel_mm = 5"), with_clay("voxel_mm = 4\ntool_radius_mm = 21"),
                                      with_clay("voxel_mm = 4\nposition_m = [0, 0, 0.02]"), std::string()}) {
     write("stiffness_n_per_m = 500", changed);
-    EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << changed;
+    EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << changed;
     EXPECT_THAT(log, HasSubstr("objects of this scene can be carved, and the shapes of its objects have changed"));
   }
   write("stiffness_n_per_m = 650", with_clay("voxel_mm = 4"));
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
 }
 
 TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
@@ -259,7 +259,7 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
   watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, of_lid);
 
   write("stiffness_n_per_m = 500", lid + block + "position_m = [0, 0, 0.03]\n");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::scene) << "another object has another place";
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene) << "another object has another place";
   for (const std::string& changed :
        {lid + "\nposition_m = [0, 0, 0.02]" + block, lid + "\nscale = 0.5" + block, lid + "\nrotation_deg = [0, 0, 5]" + block,
         "name = 'lid'\nmoved_by = 'program'\npivot_m = [0, 0, 0]" + block, "name = 'lid'" + block,
@@ -268,41 +268,41 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
             block,
         lid, lid + block + "moved_by = 'program'\n"}) {
     write("stiffness_n_per_m = 500", changed);
-    EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected) << changed;
+    EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << changed;
     EXPECT_THAT(log, HasSubstr("programs move objects of this scene, and their shapes"));
   }
   write("stiffness_n_per_m = 650", lid + block + "position_m = [0, 0, 0.03]\n");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
 }
 
 TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   write("stifness_n_per_m = 700");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::rejected);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected);
   EXPECT_THAT(log, HasSubstr("; the present scene stays in use"));
   EXPECT_THAT(log, HasSubstr("stifness_n_per_m"));
-  EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged) << "one line, not one a second";
+  EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged) << "one line, not one a second";
   EXPECT_EQ(tuner->take(), nullptr);
   EXPECT_EQ(builder->take(), nullptr);
   write("stiffness_n_per_m = 700");
-  EXPECT_EQ(look_twice(), SceneWatcher::Look::materials);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
 }
 
 // Once, and not for the moment that an editor takes to replace it.
 TEST_F(SceneWatcherTest, AFileThatIsGoneIsOneLine) {
   const auto aside = folder.path() / "aside.toml";
-  const auto log_of_looks = [&](int looks) {
+  const auto log_of_polls = [&](int polls) {
     return log_of([&] {
-      for (int i = 0; i < looks; ++i) EXPECT_EQ(watcher->look(), SceneWatcher::Look::unchanged);
+      for (int i = 0; i < polls; ++i) EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged);
     });
   };
   std::filesystem::rename(file, aside);
-  EXPECT_EQ(log_of_looks(1), "");
-  EXPECT_THAT(log_of_looks(1), HasSubstr("a.toml is gone; the present scene stays in use"));
-  EXPECT_EQ(log_of_looks(3), "");
+  EXPECT_EQ(log_of_polls(1), "");
+  EXPECT_THAT(log_of_polls(1), HasSubstr("a.toml is gone; the present scene stays in use"));
+  EXPECT_EQ(log_of_polls(3), "");
   std::filesystem::rename(aside, file);
-  EXPECT_EQ(log_of_looks(1), "") << "the same as before";
+  EXPECT_EQ(log_of_polls(1), "") << "the same as before";
   std::filesystem::rename(file, aside);
-  EXPECT_THAT(log_of_looks(2), HasSubstr("is gone"));
+  EXPECT_THAT(log_of_polls(2), HasSubstr("is gone"));
 }
 
 TEST_F(SceneWatcherTest, LooksByItself) {

@@ -52,7 +52,7 @@ struct Party final : StreamEndpoint::Listener {
     datagrams.push_back(text_of(bytes));
     last_from = from;
   }
-  void look() { endpoint->wait(0, *this); }
+  void poll() { endpoint->wait(0, *this); }
 };
 
 bool until(const std::vector<Party*>& parties, const std::function<bool()>& holds) {
@@ -60,7 +60,7 @@ bool until(const std::vector<Party*>& parties, const std::function<bool()>& hold
   const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
   while (!holds()) {
     if (clock.now_ns() > end_ns) return false;
-    for (Party* party : parties) party->look();
+    for (Party* party : parties) party->poll();
     clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond / 4);
   }
   return true;
@@ -131,9 +131,9 @@ TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
   std::size_t sent = 0;
   while (server.endpoint->send(id, bytes_of(much))) {
     ASSERT_LT(sent += much.size(), 100'000'000U);
-    server.look();
+    server.poll();
   }
-  server.look();
+  server.poll();
   EXPECT_EQ(server.closed.size(), 1U);
 }
 

@@ -158,12 +158,12 @@ TEST_F(VendorDevices, VrpnProgramsSeeTheStylusAndItsButtons) {
   vrpn::Program program;
   program.request_callbacks(*address);
   ASSERT_TRUE(System::wait_until([&] {
-    program.look();
+    program.poll();
     return program.has_received("vrpn_Tracker Pos_Quat") && program.has_received("vrpn_Button States");
   }));
   board->buttons = 1;
   EXPECT_TRUE(System::wait_until([&] {
-    program.look();
+    program.poll();
     return program.has_received("vrpn_Button Change");
   }));
   end();

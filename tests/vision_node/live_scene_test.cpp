@@ -43,8 +43,8 @@ struct LiveSceneTest : testing::Test {
   }
   std::unique_ptr<LiveScene::Change> save(const std::string& keys, std::int64_t now_ns = 0) {
     write(keys);
-    reload->look();
-    reload->look();
+    reload->poll();
+    reload->poll();
     return live->follow(now_ns);
   }
   std::optional<Vec2> find(int channel) {

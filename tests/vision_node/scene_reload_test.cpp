@@ -28,8 +28,8 @@ struct SceneReloadTest : testing::Test {
   }
   static std::string log_of_two_looks(SceneReload& reload) {
     return log_of([&] {
-      reload.look();
-      reload.look();
+      reload.poll();
+      reload.poll();
     });
   }
 
@@ -53,17 +53,17 @@ TEST_F(SceneReloadTest, ASavedFileIsReadOnce) {
 // The picture warns of another scene only after that.
 TEST_F(SceneReloadTest, IsReadingFromTheFirstLookThatSeesTheChangeOn) {
   SceneReload reload(file, {});
-  reload.look();
+  reload.poll();
   EXPECT_FALSE(reload.is_reading());
   for (const char* keys : {"color = [0, 1, 0]", "colr = [0, 1, 0]"}) {
     write(keys);
-    (void)log_of([&] { reload.look(); });
+    (void)log_of([&] { reload.poll(); });
     EXPECT_TRUE(reload.is_reading()) << keys;
-    (void)log_of([&] { reload.look(); });
+    (void)log_of([&] { reload.poll(); });
     EXPECT_FALSE(reload.is_reading()) << keys;
   }
   write("color = [0, 0, 1]");
-  reload.look();
+  reload.poll();
   std::filesystem::remove(file);
   (void)log_of_two_looks(reload);
   EXPECT_FALSE(reload.is_reading()) << "it is gone";

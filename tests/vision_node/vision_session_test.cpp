@@ -354,8 +354,8 @@ TEST(VisionSession, SaysInThePictureThatTheSavedSceneFileHasAnError) {
   vision.session->set_live_scene(&live);
   const auto save_and_run = [&](const std::string& keys) {
     folder.write("a.toml", object + keys);
-    reload.look();
-    reload.look();
+    reload.poll();
+    reload.poll();
     EXPECT_TRUE(vision.session->run(vision.stop));
     return vision.session->step().scene_problem();
   };

@@ -25,10 +25,10 @@ struct Watched : testing::Test {
   Verdict live(int looks) {
     Verdict verdict = Verdict::fine;
     for (int n = 0; n < looks; ++n) {
-      now_ns += OuterWatchdog::kLookEveryNs;
+      now_ns += OuterWatchdog::kCheckPeriodNs;
       page.heartbeat_ns = now_ns - kMs / 2;
       page.force_sample_ns = now_ns - kMs / 2;
-      verdict = watchdog.look(page, false, now_ns);
+      verdict = watchdog.check(page, false, now_ns);
     }
     return verdict;
   }
@@ -36,8 +36,8 @@ struct Watched : testing::Test {
   double noticed_after_ms(Verdict expected) {
     const std::int64_t begin_ns = now_ns;
     while (now_ns - begin_ns < 200 * kMs) {
-      now_ns += OuterWatchdog::kLookEveryNs;
-      if (watchdog.look(page, false, now_ns) == expected) return 1e-6 * static_cast<double>(now_ns - begin_ns);
+      now_ns += OuterWatchdog::kCheckPeriodNs;
+      if (watchdog.check(page, false, now_ns) == expected) return 1e-6 * static_cast<double>(now_ns - begin_ns);
     }
     return -1.0;
   }
@@ -65,14 +65,14 @@ TEST_F(Watched, EachLimitIsReachedAtItsOwnTime) {
       live(2);
       const std::int64_t begin_ns = now_ns;
       page.heartbeat_ns = page.force_sample_ns = begin_ns;
-      const auto look_after = [&](std::int64_t after_ns) {
+      const auto restart_if_dead = [&](std::int64_t after_ns) {
         now_ns = begin_ns + after_ns;
         if (!is_frozen) page.heartbeat_ns = now_ns;
-        return watchdog.look(page, false, now_ns);
+        return watchdog.check(page, false, now_ns);
       };
-      EXPECT_EQ(look_after(limit_ns - early_ns), Verdict::fine) << "it may be the whole machine";
+      EXPECT_EQ(restart_if_dead(limit_ns - early_ns), Verdict::fine) << "it may be the whole machine";
       const Verdict expected = early_ns > 0 ? Verdict::fine : is_frozen ? Verdict::frozen : Verdict::stale;
-      EXPECT_EQ(look_after(limit_ns - early_ns + grace_ns), expected) << is_frozen << early_ns;
+      EXPECT_EQ(restart_if_dead(limit_ns - early_ns + grace_ns), expected) << is_frozen << early_ns;
     }
   }
 }
@@ -81,7 +81,7 @@ TEST_F(Watched, WithoutAForceThereIsNothingToTakeAway) {
   live(100);
   page.force_sample_ns = 0;
   EXPECT_LT(noticed_after_ms(Verdict::frozen), 0.0);
-  EXPECT_EQ(watchdog.look(page, true, now_ns), Verdict::fine);
+  EXPECT_EQ(watchdog.check(page, true, now_ns), Verdict::fine);
 }
 
 // The barrier against a device side that lives and yet holds a force, by a fault of its governor.
@@ -90,9 +90,9 @@ TEST_F(Watched, ALoopThatHoldsAForceIsNoticed) {
   const std::int64_t begin_ns = now_ns;
   Verdict verdict = Verdict::fine;
   while (verdict == Verdict::fine && now_ns - begin_ns < 200 * kMs) {
-    now_ns += OuterWatchdog::kLookEveryNs;
+    now_ns += OuterWatchdog::kCheckPeriodNs;
     page.heartbeat_ns = now_ns;
-    verdict = watchdog.look(page, false, now_ns);
+    verdict = watchdog.check(page, false, now_ns);
   }
   EXPECT_EQ(verdict, Verdict::stale);
   EXPECT_LE(now_ns - begin_ns, 40 * kMs);
@@ -101,14 +101,14 @@ TEST_F(Watched, ALoopThatHoldsAForceIsNoticed) {
 TEST_F(Watched, AProcessThatEndedWithAForceOutIsNoticedAtOnce) {
   live(100);
   now_ns += 1;
-  EXPECT_EQ(watchdog.look(page, true, now_ns), Verdict::gone);
+  EXPECT_EQ(watchdog.check(page, true, now_ns), Verdict::gone);
 }
 
 // A suspended machine stops both: what then looks like a frozen loop gets the time to show that it is none.
 TEST_F(Watched, AMachineThatStoodStillIsNoFault) {
   live(100);
   now_ns += 5000 * kMs;
-  EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::fine);
+  EXPECT_EQ(watchdog.check(page, false, now_ns), Verdict::fine);
   EXPECT_EQ(live(10), Verdict::fine);
 }
 
@@ -119,18 +119,18 @@ TEST_F(Watched, HoweverRarelyItLooksTheSecondBadLookTrips) {
     live(100);
     Verdict verdict = Verdict::fine;
     now_ns += 25 * kMs;
-    verdict = watchdog.look(page, false, now_ns);
+    verdict = watchdog.check(page, false, now_ns);
     EXPECT_EQ(verdict, Verdict::fine);
     now_ns += every_ns;
-    EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::frozen) << every_ns;
+    EXPECT_EQ(watchdog.check(page, false, now_ns), Verdict::frozen) << every_ns;
   }
 }
 
 TEST_F(Watched, OneBadLookIsNotEnough) {
   live(100);
   page.heartbeat_ns = now_ns - 25 * kMs;
-  now_ns += OuterWatchdog::kLookEveryNs;
-  EXPECT_EQ(watchdog.look(page, false, now_ns), Verdict::fine);
+  now_ns += OuterWatchdog::kCheckPeriodNs;
+  EXPECT_EQ(watchdog.check(page, false, now_ns), Verdict::fine);
   EXPECT_EQ(live(1), Verdict::fine);
 }
 

@@ -36,10 +36,10 @@ struct WatchdogProcessTest : testing::Test {
 TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
-  EXPECT_FALSE(watchdog.look_after(clock.now_ns()));
+  EXPECT_FALSE(watchdog.restart_if_dead(clock.now_ns()));
   const pid_t first = watchdog.id();
   ::kill(first, SIGKILL);
-  ASSERT_TRUE(wait_until([&] { return watchdog.look_after(clock.now_ns()); }));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
   EXPECT_NE(watchdog.id(), first);
   EXPECT_EQ(watchdog.restarts(), 1U);
   ::kill(watchdog.id(), SIGKILL);
@@ -50,7 +50,7 @@ TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
   const pid_t stalled = watchdog.id();
   ::kill(stalled, SIGSTOP);
-  ASSERT_TRUE(wait_until([&] { return watchdog.look_after(clock.now_ns()); }));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
   EXPECT_NE(watchdog.id(), stalled);
   EXPECT_EQ(::kill(stalled, 0), -1) << "it is gone, and no zombie";
   const std::int64_t replaced_ns = clock.now_ns();
@@ -86,9 +86,9 @@ TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   const std::int64_t started_ns = clock.now_ns();
   ::kill(watchdog.id(), SIGKILL);
-  EXPECT_FALSE(watchdog.look_after(started_ns));
-  EXPECT_FALSE(WatchdogProcess().look_after(started_ns + 3'600'000 * kMs)) << "none was started";
-  ASSERT_TRUE(wait_until([&] { return watchdog.look_after(clock.now_ns()); }));
+  EXPECT_FALSE(watchdog.restart_if_dead(started_ns));
+  EXPECT_FALSE(WatchdogProcess().restart_if_dead(started_ns + 3'600'000 * kMs)) << "none was started";
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
   EXPECT_EQ(watchdog.restarts(), 1U);
   ::kill(watchdog.id(), SIGKILL);
 }
@@ -102,8 +102,8 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   std::filesystem::remove(copy);
   ::kill(watchdog.id(), SIGKILL);
   std::int64_t tried_ns = 0;
-  ASSERT_TRUE(wait_until([&] { return watchdog.look_after(tried_ns = clock.now_ns()); }));
-  EXPECT_FALSE(watchdog.look_after(tried_ns + 1));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(tried_ns = clock.now_ns()); }));
+  EXPECT_FALSE(watchdog.restart_if_dead(tried_ns + 1));
 }
 
 TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {

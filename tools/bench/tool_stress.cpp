@@ -73,7 +73,7 @@ class ToolEpisodes {
       device.linear() = turn_by(turn * (axis + jitter * draw())).toRotationMatrix() * device.linear();
       device.linear() = Quat(device.linear()).normalized().toRotationMatrix();
       move_body(speed, turn, jitter);
-      look(step_.step(input(device)), count);
+      evaluate(step_.step(input(device)), count);
     }
     device.translation() = size_ * 3.0 * axis;
     step_.step(input(device));
@@ -104,7 +104,7 @@ class ToolEpisodes {
     return part == 0 ? at : step_.proxy().part_placement(part - 1).inverse() * at;
   }
 
-  void look(const ToolOutput& out, ToolStressCount& count) {
+  void evaluate(const ToolOutput& out, ToolStressCount& count) {
     ++count.steps;
     if (!out.force_n.allFinite() || !out.torque_nm.allFinite() || !out.X_WP.matrix().allFinite()) ++count.not_finite;
     if (out.proxy.is_blocked) return;

@@ -16,7 +16,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr auto kLookEvery = std::chrono::milliseconds(2);  // between two checks whether the child has ended; a free choice
+constexpr auto kPollPeriod = std::chrono::milliseconds(2);  // between two checks whether the child has ended; a free choice
 
 bool write_all(int file, std::string_view text) {
   while (!text.empty()) {
@@ -53,7 +53,7 @@ std::string wait_for(pid_t child, double at_most_s) {
       ::waitpid(child, &status, 0);
       return fmt::format("it did not come back within {:g} s", at_most_s);
     }
-    std::this_thread::sleep_for(kLookEvery);
+    std::this_thread::sleep_for(kPollPeriod);
   }
   if (WIFSIGNALED(status)) return fmt::format("it ended the process with signal {} ({})", WTERMSIG(status), ::strsignal(WTERMSIG(status)));
   return WEXITSTATUS(status) == 0 ? "" : fmt::format("it ended the process with exit code {}", WEXITSTATUS(status));

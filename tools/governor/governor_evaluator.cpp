@@ -124,7 +124,7 @@ void GovernorEvaluator::receive(const HostileStep& step) noexcept {
   accepted_ns_ = step.wanted->sample_time_ns;
 }
 
-void GovernorEvaluator::look(const HostileStep& step, bool was_reset, const Wrench& out) noexcept {
+void GovernorEvaluator::evaluate(const HostileStep& step, bool was_reset, const Wrench& out) noexcept {
   see(step);
   pass(step.now_ns);
   is_current_ = has_pose_ && now_ns_ - pose_ns_ < kPeerTimeoutNs;

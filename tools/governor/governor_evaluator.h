@@ -47,7 +47,7 @@ class GovernorEvaluator {
   GovernorEvaluator(const HostileProgram& program, const SafetyGovernor& governor) noexcept;
 
   // After each turn.
-  void look(const HostileStep& step, bool was_reset, const Wrench& out) noexcept;
+  void evaluate(const HostileStep& step, bool was_reset, const Wrench& out) noexcept;
 
   const std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)>& breaches() const noexcept { return breaches_; }
   const GovernorWorst& worst() const noexcept { return worst_; }

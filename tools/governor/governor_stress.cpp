@@ -73,7 +73,7 @@ void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count)
     if (step.temperature >= 0.0) governor.observe_temperature(step.temperature);
     governor.observe(step.sample, step.status);
     out = governor.step(step.wanted, step.now_ns);
-    evaluator.look(step, was_reset, out);
+    evaluator.evaluate(step, was_reset, out);
     count.forceful += out.force_n != Vec3::Zero() ? 1 : 0;
     if (evaluator.breaches() == breaches) continue;
     for (std::size_t n = 0; n < breaches.size(); ++n) {

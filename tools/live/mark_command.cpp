@@ -54,7 +54,7 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
   return fail("no reply to the marker: the hub is gone, or of an earlier version");
 }
 
-constexpr std::int64_t kLookNs = 500'000;  // at the line: twice a sample at 1 kHz
+constexpr std::int64_t kPollNs = 500'000;  // at the line: twice a sample at 1 kHz
 constexpr int kLinePriority = 10;          // below all nodes (80), above ordinary programs
 
 Result<LineMarker> make_line_marker(const MarkOptions& options, const LineInput& input) {
@@ -92,9 +92,9 @@ Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
     if (!is_on) return tl::unexpected(is_on.error());
     marker->see(*is_on, clock.now_ns());
     while (const auto next = marker->next(clock.now_ns())) client.send(*next);
-    const std::int64_t look_ns = clock.now_ns() + kLookNs;
+    const std::int64_t poll_ns = clock.now_ns() + kPollNs;
     Datagram datagram;
-    while (client.receive(datagram, look_ns)) {
+    while (client.receive(datagram, poll_ns)) {
       const auto* reply = std::get_if<MarkerReply>(&datagram.message);
       const auto said = reply != nullptr ? marker->take(*reply) : std::nullopt;
       if (said) fmt::print("{}\n", *said);

@@ -23,8 +23,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kLongestDelayMs = 60'000.0;                            // a minute; a free choice
-constexpr std::int64_t kLookEveryNs = 50 * kNanosecondsPerMillisecond;  // between two checks whether to end; a free choice
+constexpr double kLongestDelayMs = 60'000.0;                              // a minute; a free choice
+constexpr std::int64_t kCheckPeriodNs = 50 * kNanosecondsPerMillisecond;  // between two checks whether to end; a free choice
 
 struct RelayOptions {
   std::string listen = "127.0.0.1:0";
@@ -98,7 +98,7 @@ Result<void> relay(const RelayOptions& options) {
   PhaseTeller teller(settings->schedule);
   while (!stop.stop_requested() && (options.seconds <= 0.0 || passed_s() < options.seconds)) {
     teller.look(*opened);
-    opened->run_for_ns(kLookEveryNs);
+    opened->run_for_ns(kCheckPeriodNs);
   }
   fmt::print("{}", relay_text(*opened, settings->seed));
   if (options.json.empty()) return {};

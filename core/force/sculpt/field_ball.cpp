@@ -20,9 +20,9 @@ constexpr double kPushStep = 0.25;   // longest step out of the material
 constexpr double kSettled = 1e-5;    // a shorter step ends the search
 constexpr double kRoom = 1.0;        // motion of the centre for which the chosen candidates stay valid
 // Bounds of the work, for real time (decision 160 has the times); a share:
-constexpr double kShorter = 0.35;  // what is kept of a step that would end in the material
-constexpr int kMostLooks = 28;     // evaluations of the field at the points, in one move
-constexpr int kMostAdvances = 32;  // steps of one advance
+constexpr double kShorter = 0.35;     // what is kept of a step that would end in the material
+constexpr int kMostEvaluations = 28;  // evaluations of the field at the points, in one move
+constexpr int kMostAdvances = 32;     // steps of one advance
 
 }  // namespace
 
@@ -50,14 +50,14 @@ FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3&
   const double near = kNear * field.spacing_m();
   Nearest nearest;
   nearest.clearance_m = std::numeric_limits<double>::infinity();
-  const auto look_at = [&](std::size_t i) {
+  const auto evaluate = [&](std::size_t i) {
     const double value = field.value(centre + points_[i]);
     nearest.clearance_m = std::min(nearest.clearance_m, value);
     if (value < near) insert(nearest, {i, value});
     return value;
   };
   if ((centre - candidates.centre).norm() <= candidates.room_m) {
-    for (std::size_t k = 0; k < candidates.count; ++k) look_at(candidates.points[k]);
+    for (std::size_t k = 0; k < candidates.count; ++k) evaluate(candidates.points[k]);
     // Those that were left out are farther than what counts as near.
     nearest.clearance_m = std::min(nearest.clearance_m, near);
     return nearest;
@@ -67,7 +67,7 @@ FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3&
   candidates.room_m = kRoom * field.spacing_m();
   const double reach = near + kSteepest * candidates.room_m;
   for (std::size_t i = 0; i < points_.size(); ++i) {
-    if (look_at(i) < reach) candidates.points[candidates.count++] = static_cast<std::uint8_t>(i);
+    if (evaluate(i) < reach) candidates.points[candidates.count++] = static_cast<std::uint8_t>(i);
   }
   if (nearest.clearance_m >= near) candidates.room_m = -1.0;  // in free space the next step needs the clearance of all points
   return nearest;
@@ -117,7 +117,7 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
   Moved moved{.centre = from};
   Candidates candidates;
   Nearest nearest = find_nearest(field, from, candidates);
-  for (int looks = 1; looks < kMostLooks;) {
+  for (int evaluations = 1; evaluations < kMostEvaluations;) {
     const Vec3 to_goal = goal - moved.centre;
     const double distance = to_goal.norm();
     if (!(distance > 0.0)) return {.centre = goal};
@@ -126,26 +126,26 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
       candidates.room_m = -1.0;
       if (nearest.clearance_m <= kNear * spacing) {  // only a lower bound so far: find the clearance itself
         nearest = find_nearest(field, moved.centre, candidates);
-        ++looks;
+        ++evaluations;
       }
       const double free = (nearest.clearance_m - 0.5 * kNear * spacing) / kSteepest;
       if (free >= distance) return {.centre = goal};
       moved.normal = Vec3::Zero();
       moved.centre += to_goal * (free / distance);
       nearest = find_nearest(field, moved.centre, candidates);
-      ++looks;
+      ++evaluations;
       continue;
     }
     Vec3 step = slide(field, moved.centre, to_goal, nearest, moved);
     // Each step ends clear of the material and nearer to the goal, so the ball comes to rest. A ball in the material leaves it first.
     const double least = std::min(0.0, nearest.clearance_m);
     Nearest next = find_nearest(field, moved.centre + step, candidates);
-    ++looks;
+    ++evaluations;
     const auto is_good = [&] {
       return next.clearance_m >= least && (nearest.clearance_m < 0.0 || (to_goal - step).squaredNorm() < distance * distance);
     };
-    for (; !is_good(); ++looks) {
-      if (looks >= kMostLooks || step.norm() < kSettled * spacing) return moved;
+    for (; !is_good(); ++evaluations) {
+      if (evaluations >= kMostEvaluations || step.norm() < kSettled * spacing) return moved;
       step *= kShorter;
       next = find_nearest(field, moved.centre + step, candidates);
     }

@@ -13,12 +13,12 @@
 #include <utility>
 #include <vector>
 
-#include "vrpn/vrpn_wire.h"
 #include "link/endpoint.h"
+#include "vrpn/vrpn_wire.h"
 
 namespace hapton::vrpn {
 
-// A VRPN client like its own client library, connecting in either way. Nothing blocks: look() takes what is there.
+// A VRPN client like its own client library, connecting in either way. Nothing blocks: poll() takes what is there.
 class Program {
  public:
   // Messages received: by name, newest last; and whether by UDP.
@@ -81,7 +81,7 @@ class Program {
   void say(const Bytes& bytes) { to_say_.insert(to_say_.end(), bytes.begin(), bytes.end()); }
 
   // Sends pending messages and takes those received.
-  void look() {
+  void poll() {
     if (tcp_ < 0 && listening_ >= 0 && is_readable(listening_)) tcp_ = ::accept(listening_, nullptr, nullptr);
     if (tcp_ >= 0 && !to_say_.empty()) {
       const ssize_t sent = ::send(tcp_, to_say_.data(), to_say_.size(), MSG_NOSIGNAL | MSG_DONTWAIT);

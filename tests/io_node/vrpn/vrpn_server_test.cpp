@@ -64,7 +64,7 @@ struct VrpnServer : testing::Test {
       sample.device.p_WD.x() +=
           speed_m_per_s * 1e-9 * static_cast<double>(sample.device.time_ns - std::exchange(fed_ns, sample.device.time_ns));
       feed.push(sample);
-      program.look();
+      program.poll();
       clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
     }
     return true;
@@ -185,7 +185,7 @@ TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
     return std::count_if(program.received().begin(), program.received().end(), [](const auto& r) { return r.name == kPosition; });
   };
   ASSERT_TRUE(feed_until(slow, [&] {
-    fast.look();
+    fast.poll();
     return positions(slow) > 0 && positions(fast) > 0;
   }));
   slow.forget();
@@ -193,7 +193,7 @@ TEST_F(VrpnServer, SendsAClientNoMoreReportsThanItAskedFor) {
   const std::int64_t begin_ns = clock.now_ns();
   // On a busy machine the samples themselves are few, and a second is longer.
   EXPECT_TRUE(feed_until(slow, [&] {
-    fast.look();
+    fast.poll();
     return clock.now_ns() - begin_ns > kNanosecondsPerSecond && positions(slow) > 0 && positions(fast) > 2 * positions(slow);
   }));
   EXPECT_LE(positions(slow), 2 + 10 * (clock.now_ns() - begin_ns) / kNanosecondsPerSecond);
@@ -237,7 +237,7 @@ TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
   Program program;
   program.connect(at());
   ASSERT_TRUE(feed_until(babbler, [&] {
-    program.look();
+    program.poll();
     return babbler.is_closed();
   }));
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
@@ -246,8 +246,8 @@ TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
 TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
   open();
   std::vector<std::unique_ptr<Program>> programs;
-  const auto look = [&] {
-    for (const auto& program : programs) program->look();
+  const auto poll_all = [&] {
+    for (const auto& program : programs) program->poll();
   };
   for (int n = 0; n < 24; ++n) {
     programs.push_back(std::make_unique<Program>());
@@ -255,7 +255,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
     // A client that has said nothing yet would make room for the next.
     if (n == 15) {
       ASSERT_TRUE(feed_until(*programs.front(), [&] {
-        look();
+        poll_all();
         return std::all_of(programs.begin(), programs.end(), [](const auto& p) { return p->has_received(kPosition); });
       }));
     }
@@ -264,7 +264,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
     return std::count_if(programs.begin(), programs.end(), [&](const auto& p) { return holds(*p); });
   };
   ASSERT_TRUE(feed_until(*programs.front(), [&] {
-    look();
+    poll_all();
     return count([](const Program& p) { return p.is_closed(); }) + count([](const Program& p) { return p.has_received(kPosition); }) == 24;
   }));
   EXPECT_EQ(count([](const Program& p) { return p.has_received(kPosition); }), 16);
@@ -287,7 +287,7 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   Program program;
   program.connect(at());
   EXPECT_TRUE(feed_until(program, [&] {
-    program.look();
+    program.poll();
     return program.has_received(kPosition) || program.is_closed();
   }));
   EXPECT_TRUE(program.has_received(kPosition));
@@ -326,7 +326,7 @@ TEST_F(VrpnServer, DisconnectsClientsThatDoNotReadAndServesTheNext) {
   Program lazy;
   lazy.connect(at(), 4096);
   // Its cookie, so that it is served at all; from then on it does not read.
-  lazy.look();
+  lazy.poll();
   const StderrFile log;
   Program nobody;
   ASSERT_TRUE(feed_until(nobody, [&] {

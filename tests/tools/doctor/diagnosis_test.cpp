@@ -258,7 +258,7 @@ class SeededFaults : public testing::TestWithParam<Fault> {};
 TEST_P(SeededFaults, AreNamedAndFixed) {
   FakeMachine machine;
   GetParam().seed(machine);
-  const Diagnosis diagnosis = diagnose(machine.look());
+  const Diagnosis diagnosis = diagnose(machine.make());
   const auto is_reported =
       AllOf(Field("verdict", &Finding::verdict, GetParam().verdict), Field("seen", &Finding::seen, HasSubstr(GetParam().seen)),
             Field("remedy", &Finding::remedy, HasSubstr(GetParam().remedy)));
@@ -272,7 +272,7 @@ INSTANTIATE_TEST_SUITE_P(Doctor, SeededFaults, testing::ValuesIn(kFaults), [](co
 
 TEST(Diagnosis, FindsNothingToFixOnAHealthyMachine) {
   const FakeMachine machine;
-  const Diagnosis diagnosis = diagnose(machine.look());
+  const Diagnosis diagnosis = diagnose(machine.make());
   EXPECT_THAT(complaints_of(diagnosis), IsEmpty()) << to_text(diagnosis, false);
   EXPECT_TRUE(diagnosis.is_fit());
   const std::string text = to_text(diagnosis, false);
@@ -288,13 +288,13 @@ TEST(Diagnosis, CountsTheCpusOfAList) {
   FakeMachine machine;
   machine.write("/sys/devices/system/cpu/online", "0-3,5,8-9\n");
   machine.write("/sys/devices/system/cpu/isolated", "2-3\n");
-  const std::string text = to_text(diagnose(machine.look(), std::vector<std::string>{"cpus"}), false);
+  const std::string text = to_text(diagnose(machine.make(), std::vector<std::string>{"cpus"}), false);
   EXPECT_THAT(text, HasSubstr("7, of which 2-3 are isolated for real time: io_node --cpu 2"));
 }
 
 TEST(Diagnosis, ChecksOnlyWhatIsRequested) {
   const FakeMachine machine;
-  const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"clock", "keys"});
+  const Diagnosis diagnosis = diagnose(machine.make(), std::vector<std::string>{"clock", "keys"});
   ASSERT_EQ(diagnosis.sections.size(), 2U);
   EXPECT_EQ(diagnosis.sections.front().name, "clock");
 }
@@ -302,7 +302,7 @@ TEST(Diagnosis, ChecksOnlyWhatIsRequested) {
 TEST(Diagnosis, IsJsonForPrograms) {
   FakeMachine machine;
   machine.write("/sys/devices/system/clocksource/clocksource0/current_clocksource", "hpet\n");
-  const auto json = nlohmann::json::parse(to_json(diagnose(machine.look(), std::vector<std::string>{"clock"})));
+  const auto json = nlohmann::json::parse(to_json(diagnose(machine.make(), std::vector<std::string>{"clock"})));
   EXPECT_EQ(json.at("schema"), "hapton.doctor/1");
   EXPECT_FALSE(json.at("build").get<std::string>().empty());
   EXPECT_EQ(json.at("fit"), false);
@@ -317,15 +317,15 @@ TEST(Diagnosis, SaysWhatIsInTheWayOfOneKilohertz) {
   FakeMachine machine;
   machine.set_limits("0", "unlimited");
   machine.write("/proc/cpuinfo", "flags\t\t: hypervisor\n");
-  const Diagnosis diagnosis = diagnose(machine.look());
+  const Diagnosis diagnosis = diagnose(machine.make());
   EXPECT_EQ(diagnosis.obstacles_to_1_khz(), (std::vector<std::string>{"real-time priority", "virtual machine"}));
   EXPECT_THAT(to_text(diagnosis, false), HasSubstr("obstacles to 1 kHz: real-time priority, virtual machine\n"));
-  EXPECT_FALSE(diagnose(machine.look(), std::vector<std::string>{"rights"}).obstacles_to_1_khz());
+  EXPECT_FALSE(diagnose(machine.make(), std::vector<std::string>{"rights"}).obstacles_to_1_khz());
 }
 
 TEST(Diagnosis, UsesColoursOnlyOnRequest) {
   const FakeMachine machine;
-  const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"clock"});
+  const Diagnosis diagnosis = diagnose(machine.make(), std::vector<std::string>{"clock"});
   EXPECT_THAT(to_text(diagnosis, true), HasSubstr("\x1b["));
   EXPECT_THAT(to_text(diagnosis, false), testing::Not(HasSubstr("\x1b[")));
 }
@@ -343,7 +343,7 @@ TEST(Diagnosis, FindsHaptonHidByItsUsageWhateverTheMaker) {
   machine.write("/sys/devices/usb1/1-1/1-1:1.0/hidraw0/report_descriptor", std::string("\x06\x48\xff\x09\x01\xa1\x01\xc0", 8));
   machine.write("/sys/devices/usb1/1-1/idVendor", "cafe\n");
   machine.write("/sys/devices/usb1/1-1/idProduct", "4001\n");
-  EXPECT_THAT(to_text(diagnose(machine.look(), std::vector<std::string>{"devices"}), false),
+  EXPECT_THAT(to_text(diagnose(machine.make(), std::vector<std::string>{"devices"}), false),
               HasSubstr("Hapton HID device cafe:4001: /dev/hidraw0 (hid-generic), open to ada; io_node --device hapton-hid"));
 }
 
@@ -351,7 +351,7 @@ TEST(Diagnosis, SaysOfADeviceThatNothingDrivesThatNothingDoes) {
   FakeMachine machine;
   machine.write("/sys/devices/usb1/1-1/idVendor", "16c0\n");
   machine.write("/sys/devices/usb1/1-1/idProduct", "0486\n");
-  const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"devices"});
+  const Diagnosis diagnosis = diagnose(machine.make(), std::vector<std::string>{"devices"});
   EXPECT_THAT(complaints_of(diagnosis), IsEmpty());
   EXPECT_THAT(to_text(diagnosis, false), HasSubstr("Hapton cannot drive it"));
 }
@@ -360,7 +360,7 @@ TEST(Diagnosis, SaysHowToLookWhenNothingIsPluggedIn) {
   FakeMachine machine;
   machine.remove("/sys/bus");
   machine.remove("/sys/class");
-  const Diagnosis diagnosis = diagnose(machine.look(), std::vector<std::string>{"devices"});
+  const Diagnosis diagnosis = diagnose(machine.make(), std::vector<std::string>{"devices"});
   EXPECT_THAT(to_text(diagnosis, false), AllOf(HasSubstr("none is plugged in"), HasSubstr("lsusb")));
 }
 

@@ -81,7 +81,7 @@ class FakeMachine {
   uid_t unknown() const { return ::getuid() + 1; }
   std::string user_groups() const { return fmt::format("{} 7001", own_group()); }
 
-  Machine look() const { return Machine(root(), replies, settings); }
+  Machine make() const { return Machine(root(), replies, settings); }
   const std::filesystem::path& root() const { return scratch_.path(); }
 
   Machine::Questions replies;

@@ -14,7 +14,7 @@ TEST(Machine, ReadsFilesBelowItsRoot) {
   const FakeMachine fake;
   fake.write("/sys/thing", "  7.5 \n\n");
   fake.write("/sys/bytes", std::string("a\0b", 3));
-  const Machine machine = fake.look();
+  const Machine machine = fake.make();
   EXPECT_EQ(machine.read("/sys/thing"), "  7.5");
   EXPECT_EQ(machine.read_number("/sys/thing"), 7.5);
   EXPECT_EQ(machine.read_bytes("/sys/bytes"), std::string("a\0b", 3));
@@ -28,7 +28,7 @@ TEST(Machine, ReadsFilesBelowItsRoot) {
 
 TEST(Machine, FollowsLinksWithoutLeavingItsRoot) {
   const FakeMachine fake;
-  const Machine machine = fake.look();
+  const Machine machine = fake.make();
   EXPECT_EQ(machine.real_path("/sys/class/hidraw/hidraw0"), "/sys/devices/usb1/1-1/1-1:1.0/hidraw0/hidraw/hidraw0");
   EXPECT_EQ(machine.link_name("/sys/class/hidraw/hidraw0/device/driver"), "hid-generic");
   EXPECT_EQ(machine.real_path("/sys/nothing"), "");
@@ -39,7 +39,7 @@ TEST(Machine, KnowsTheUserAndItsGroups) {
   const FakeMachine fake;
   fake.be_user(4321, "7001 7002", "0000000000800000");
   fake.write("/etc/group", "hapton:x:7001:\nplugdev:x:46:ada,bob\naudio:x:63:bob\nbroken\n");
-  const Machine machine = fake.look();
+  const Machine machine = fake.make();
   EXPECT_EQ(machine.user().uid, 4321U);
   EXPECT_EQ(machine.user().name, "ada");
   EXPECT_TRUE(machine.user().is_in(7777));
@@ -57,7 +57,7 @@ TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
   const FakeMachine fake;
   const auto may_use = [&](mode_t mode) {
     fake.write("/dev/thing", "", mode);
-    return fake.look().may_use("/dev/thing");
+    return fake.make().may_use("/dev/thing");
   };
   EXPECT_TRUE(may_use(0660));
   EXPECT_FALSE(may_use(0640));
@@ -65,13 +65,13 @@ TEST(Machine, ChecksRightsByOwnerGroupAndOthers) {
   fake.be_user(fake.unknown(), "7001");
   EXPECT_FALSE(may_use(0660));
   EXPECT_TRUE(may_use(0606));
-  EXPECT_FALSE(fake.look().may_use("/dev/nothing"));
+  EXPECT_FALSE(fake.make().may_use("/dev/nothing"));
 }
 
 TEST(Machine, SeesProcessesAndTheEnvironment) {
   const FakeMachine fake;
   fake.set_environment(std::string("A=1\0HOME=/home/ada\0EMPTY=\0", 26));
-  const Machine machine = fake.look();
+  const Machine machine = fake.make();
   EXPECT_EQ(machine.find_process("io_node"), 77);
   EXPECT_FALSE(machine.find_process("sofa"));
   EXPECT_EQ(machine.environment("HOME"), "/home/ada");

@@ -20,7 +20,7 @@ struct UdevRules : testing::Test {
     device.where = "/sys/devices/usb1/1-2";
     machine.remove("/usr/lib/udev/rules.d");
   }
-  std::optional<UdevRule> find() { return find_udev_rule(machine.look(), device, node); }
+  std::optional<UdevRule> find() { return find_udev_rule(machine.make(), device, node); }
 
   FakeMachine machine;
   PluggedDevice device;
@@ -92,7 +92,7 @@ TEST_F(UdevRules, OfThePackageAreUnderstood) {
   EXPECT_TRUE(granted(0x256f, 0xc63a, DevicePath::hidraw, false));
   EXPECT_TRUE(granted(0xcafe, 0x4001, DevicePath::hidraw, true, "hapton-hid"));
   EXPECT_TRUE(granted(0x2988, 0x0302, DevicePath::serial));
-  EXPECT_TRUE(keeps_modem_manager_off(machine.look(), device, node));
+  EXPECT_TRUE(keeps_modem_manager_off(machine.make(), device, node));
   EXPECT_TRUE(granted(0x1451, 0x0402, DevicePath::usb));
   EXPECT_TRUE(granted(0x0403, 0xcb48, DevicePath::usb));
   EXPECT_FALSE(granted(0x046d, 0xc077, DevicePath::hidraw)) << "a Logitech mouse is no affair of ours";
