@@ -205,7 +205,7 @@ void StiffnessAdviser::run() {
                              .viscosity_ns_per_m = if_risen(before.viscosity_ns_per_m, now.viscosity_ns_per_m),
                              .rotational_nm_per_rad = if_risen(before.rotational_nm_per_rad, now.rotational_nm_per_rad)};
     if (risen.any()) advise(considered_, risen);
-    looks_.fetch_add(1, std::memory_order_release);
+    checks_.fetch_add(1, std::memory_order_release);
     std::this_thread::sleep_for(kPeriod);
   }
 }

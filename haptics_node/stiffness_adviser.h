@@ -56,7 +56,7 @@ class StiffnessAdviser {
   // The stylus holds a rigid tool with this rotational stiffness. Of several, and those of set_gains, the largest counts. Threads: any.
   void note_tool(double nm_per_rad) noexcept;
   // How often its thread has looked for new facts and gains, and said what it had to. Threads: any.
-  std::uint64_t looks() const noexcept { return looks_.load(std::memory_order_acquire); }
+  std::uint64_t checks() const noexcept { return checks_.load(std::memory_order_acquire); }
 
  private:
   void run();
@@ -77,7 +77,7 @@ class StiffnessAdviser {
   Mailbox<LoopFacts> facts_;
   LoopFacts considered_;           // of the last advice; used by its own thread alone
   LargestGains considered_gains_;  // then; the same
-  std::atomic<std::uint64_t> looks_ = 0;
+  std::atomic<std::uint64_t> checks_ = 0;
   std::atomic<bool> stop_ = false;
   std::thread thread_;
 };

@@ -25,7 +25,7 @@ void FieldNode::stop() {
   link_.reset();
 }
 
-bool FieldNode::is_watch_over() const noexcept {
+bool FieldNode::has_watch_expired() const noexcept {
   return 1e-9 * static_cast<double>(clock_.now_ns() - watched_ns_.load(std::memory_order_relaxed)) > watch_s_;
 }
 
@@ -69,13 +69,13 @@ void FieldNode::run() {
 
 void FieldNode::reply(const DeviceState& state) noexcept {
   if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
-  if (take_law()) laws_sample_ = state.sample;
+  if (take_law()) changed_sample_ = state.sample;
   const double dt_s = std::clamp(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0, kLongestStepS);
   last_ns_ = state.sample_time_ns;
   Vec3 wanted_n = law_->step(state.p_WD, dt_s);
-  const bool is_over = is_watch_over();
-  if (is_over) wanted_n.setZero();
-  if (std::exchange(was_watch_over_, is_over) != is_over) fade_.begin();
+  const bool has_expired = has_watch_expired();
+  if (has_expired) wanted_n.setZero();
+  if (std::exchange(had_watch_expired_, has_expired) != has_expired) fade_.begin();
   const Vec3 force_n = fade_.step(wanted_n, true, std::max(dt_s, 1e-6));
   link_->reply(force_n);
   note(state, force_n);
@@ -89,7 +89,7 @@ bool FieldNode::take_law() noexcept {
   old_ = std::exchange(law_, std::move(next_));
   fade_.begin();
   is_law_waiting_.store(false, std::memory_order_relaxed);
-  ++laws_;
+  ++changes_;
   return true;
 }
 
@@ -106,9 +106,9 @@ void FieldNode::note(const DeviceState& state, const Vec3& force_n) noexcept {
   state_.is_joined = true;
   state_.replies = link_->replies();
   state_.superseded = link_->superseded();
-  state_.laws = laws_;
-  state_.laws_sample = laws_sample_;
-  state_.is_watch_over = was_watch_over_;
+  state_.changes = changes_;
+  state_.changed_sample = changed_sample_;
+  state_.has_watch_expired = had_watch_expired_;
   state_.rate_hz = t_s > 0.0 ? static_cast<double>(link_->replies() - 1) / t_s : 0.0;
   if (state.sample_time_ns < histogram_ns_) return;
   histogram_ns_ = state.sample_time_ns + kHistogramEveryNs;

@@ -24,10 +24,10 @@ struct FieldNodeState {
   bool is_joined = false;
   std::uint64_t replies = 0;
   std::uint64_t superseded = 0;
-  std::uint64_t laws = 0;         // fields set and in use
-  std::uint64_t laws_sample = 0;  // the first sample that the present fields had a reply for
-  bool is_watch_over = false;     // no force: Python has been silent for longer than watch_s
-  double rate_hz = 0.0;           // replies a second since the first
+  std::uint64_t changes = 0;         // fields set and in use
+  std::uint64_t changed_sample = 0;  // the first sample that the present fields had a reply for
+  bool has_watch_expired = false;    // no force: Python has been silent for longer than watch_s
+  double rate_hz = 0.0;              // replies a second since the first
   double compute_p50_us = 0.0;
   double compute_p99_us = 0.0;
 };
@@ -57,20 +57,20 @@ class FieldNode {
   void note(const DeviceState& state, const Vec3& force_n) noexcept;
   // Python is alive.
   void rewind_watch() noexcept { watched_ns_.store(clock_.now_ns(), std::memory_order_relaxed); }
-  bool is_watch_over() const noexcept;
+  bool has_watch_expired() const noexcept;
 
   SteadyClock clock_;
   double watch_s_;
   std::atomic<std::int64_t> watched_ns_;
-  bool was_watch_over_ = false;
+  bool had_watch_expired_ = false;
   std::unique_ptr<NodeLink> link_;
   std::shared_ptr<Markers> markers_;
   std::unique_ptr<FieldLaw> law_ = std::make_unique<FieldLaw>();
   ForceFade fade_;
   std::int64_t first_ns_ = 0;
   std::int64_t last_ns_ = 0;
-  std::uint64_t laws_ = 0;
-  std::uint64_t laws_sample_ = 0;
+  std::uint64_t changes_ = 0;
+  std::uint64_t changed_sample_ = 0;
 
   std::mutex mutex_;                // of what follows; the node's thread only tries it
   std::unique_ptr<FieldLaw> next_;  // set and not in use yet

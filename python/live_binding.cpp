@@ -247,9 +247,9 @@ py::dict describe_node(FieldNode& node) {
   state["replies"] = now.replies;
   state["answers"] = now.replies;  // its name before
   state["superseded"] = now.superseded;
-  state["changes"] = now.laws;
-  state["changed_sample"] = now.laws_sample;
-  state["watch_over"] = now.is_watch_over;
+  state["changes"] = now.changes;
+  state["changed_sample"] = now.changed_sample;
+  state["watch_over"] = now.has_watch_expired;
   state["rate_hz"] = now.rate_hz;
   state["compute_p50_us"] = now.compute_p50_us;
   state["compute_p99_us"] = now.compute_p99_us;

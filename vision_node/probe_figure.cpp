@@ -32,12 +32,12 @@ void dress(vtkActor* actor, vtkPolyData* shape, const Vec3& colour, double ambie
   mapper->SetInputData(shape);
   mapper->ScalarVisibilityOff();
   actor->SetMapper(mapper);
-  vtkProperty* look = actor->GetProperty();
-  look->SetColor(colour.x(), colour.y(), colour.z());
-  look->SetAmbient(ambient);
-  look->SetDiffuse(1.0 - ambient);
-  look->SetSpecular(specular);
-  look->SetSpecularPower(30.0);
+  vtkProperty* material = actor->GetProperty();
+  material->SetColor(colour.x(), colour.y(), colour.z());
+  material->SetAmbient(ambient);
+  material->SetDiffuse(1.0 - ambient);
+  material->SetSpecular(specular);
+  material->SetSpecularPower(30.0);
 }
 
 // The original once more, dotted over everything.

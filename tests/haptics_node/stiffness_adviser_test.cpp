@@ -22,9 +22,9 @@ constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 
 
 // Until it has looked once from beginning to end.
 void wait_for(const StiffnessAdviser& adviser) {
-  const std::uint64_t before = adviser.looks();
+  const std::uint64_t before = adviser.checks();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);
-  while (adviser.looks() < before + 2) {
+  while (adviser.checks() < before + 2) {
     ASSERT_LT(std::chrono::steady_clock::now(), deadline);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }

@@ -68,11 +68,11 @@ TEST(Soak, OfANodeThatDiesEndsAtOnceAndSaysWhichOne) {
   const std::string scene = HAPTON_SOURCE_DIR "/scenes/car_front.toml";
   Program soak("hapton", {"soak", "--seconds", "200", "--every", "0.5", "--scene", scene, "--out", out}, folder.path());
   // It reports its first sample when the nodes are running.
-  const std::regex kFirstLook("soak: [0-9]+ of 200 s");
-  for (int tries = 0; tries < 1200 && !std::regex_search(soak.out(), kFirstLook) && soak.is_running(); ++tries) {
+  const std::regex kFirstProgress("soak: [0-9]+ of 200 s");
+  for (int tries = 0; tries < 1200 && !std::regex_search(soak.out(), kFirstProgress) && soak.is_running(); ++tries) {
     (void)soak.wait(Seconds(0.05));
   }
-  ASSERT_TRUE(std::regex_search(soak.out(), kFirstLook)) << soak.out() << soak.err();
+  ASSERT_TRUE(std::regex_search(soak.out(), kFirstProgress)) << soak.out() << soak.err();
   const pid_t node = find_child(soak.pid(), "haptics_node");
   ASSERT_GT(node, 0);
   ASSERT_EQ(::kill(node, SIGKILL), 0);

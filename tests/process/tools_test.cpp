@@ -36,10 +36,10 @@ TEST(Top, ShowsNodesRatesLatenciesAndCountersAsText) {
                               HasSubstr("contact_samples"), Not(HasSubstr("\x1b"))));
   const Ended json = hapton(system, {"top", "--hub", system.hub(), "--once", "--json"});
   EXPECT_EQ(json.exit_code, 0) << json.err;
-  const Json look = Json::parse(json.out, nullptr, false);
-  ASSERT_TRUE(look.is_object()) << json.out;
-  EXPECT_GT(look["per_second"]["samples"], 0.0);
-  EXPECT_EQ(look["report"]["nodes"][0]["role"], "haptics");
+  const Json top = Json::parse(json.out, nullptr, false);
+  ASSERT_TRUE(top.is_object()) << json.out;
+  EXPECT_GT(top["per_second"]["samples"], 0.0);
+  EXPECT_EQ(top["report"]["nodes"][0]["role"], "haptics");
   system.end_all();
 }
 

@@ -29,7 +29,7 @@ struct DemoOptions {
 
 std::string step_text(std::size_t number) {
   const DemoStep& step = demo_steps()[number - 1];
-  return fmt::format("{}  {}\n{}\n", number, step.name, step.look);
+  return fmt::format("{}  {}\n{}\n", number, step.name, step.watch_for);
 }
 
 void list_steps() {

@@ -88,16 +88,16 @@ int Diagnosis::count(Verdict verdict) const {
 
 std::optional<std::vector<std::string>> Diagnosis::obstacles_to_1_khz() const {
   std::vector<std::string> obstacles;
-  std::ptrdiff_t looked_at = 0;
+  std::ptrdiff_t checked = 0;
   for (const Section& section : sections) {
     if (!section.is_timing) continue;
-    ++looked_at;
+    ++checked;
     for (const Finding& finding : section.findings) {
       if (finding.verdict == Verdict::warning || finding.verdict == Verdict::problem) obstacles.push_back(finding.subject);
     }
   }
-  if (looked_at < std::count_if(
-                      kChecks.begin(), kChecks.end(), [](const Check& check) { return check.is_timing; }))
+  if (checked < std::count_if(
+                    kChecks.begin(), kChecks.end(), [](const Check& check) { return check.is_timing; }))
     return std::nullopt;
   return obstacles;
 }
@@ -106,7 +106,7 @@ Diagnosis diagnose(const Machine& machine, std::span<const std::string> only) {
   Diagnosis diagnosis;
   for (const Check& check : kChecks) {
     if (is_wanted(check, only))
-      diagnosis.sections.push_back({std::string(check.name), std::string(check.about), check.is_timing, check.look(machine)});
+      diagnosis.sections.push_back({std::string(check.name), std::string(check.about), check.is_timing, check.run(machine)});
   }
   return diagnosis;
 }

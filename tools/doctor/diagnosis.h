@@ -16,7 +16,7 @@ struct Check {
   std::string_view name;   // for --only
   std::string_view about;  // a few words
   bool is_timing = false;  // it is about whether a loop keeps time
-  Findings (*look)(const Machine&) = nullptr;
+  Findings (*run)(const Machine&) = nullptr;
 };
 
 // All of them, in the order of the report.

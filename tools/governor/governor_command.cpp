@@ -117,7 +117,7 @@ int run(const GovernorOptions& options) {
   print_worst(count.worst);
   print_breaches(count);
   fmt::print("governor: {} breaches in {} steps of {} programs, {:.1f} % with force, {:.0f} s\n", count.total_breaches(), count.turns,
-             count.programs, 100.0 * static_cast<double>(count.forceful) / static_cast<double>(count.turns), seconds);
+             count.programs, 100.0 * static_cast<double>(count.turns_with_force) / static_cast<double>(count.turns), seconds);
   return count.total_breaches() == 0 ? 0 : 1;
 }
 

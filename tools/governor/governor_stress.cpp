@@ -27,7 +27,7 @@ void add_to(GovernorCounters& sum, const GovernorCounters& more) {
   for (std::size_t fault = 0; fault < sum.faults.size(); ++fault) sum.faults[fault] += more.faults[fault];
 }
 
-void keep_worse(GovernorWorst& worst, const GovernorWorst& other) {
+void keep_maxima(GovernorWorst& worst, const GovernorWorst& other) {
   worst.force = std::max(worst.force, other.force);
   worst.torque = std::max(worst.torque, other.torque);
   worst.force_slew = std::max(worst.force_slew, other.force_slew);
@@ -46,13 +46,13 @@ std::uint64_t GovernorStressCount::total_breaches() const noexcept {
 void GovernorStressCount::add(const GovernorStressCount& other) noexcept {
   turns += other.turns;
   programs += other.programs;
-  forceful += other.forceful;
+  turns_with_force += other.turns_with_force;
   for (std::size_t n = 0; n < breaches.size(); ++n) {
     if (breaches[n] == 0) findings[n] = other.findings[n];
     breaches[n] += other.breaches[n];
   }
   add_to(governors, other.governors);
-  keep_worse(worst, other.worst);
+  keep_maxima(worst, other.worst);
 }
 
 std::uint64_t GovernorStress::program_seed(std::uint64_t program) const noexcept {
@@ -74,7 +74,7 @@ void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count)
     governor.observe(step.sample, step.status);
     out = governor.step(step.wanted, step.now_ns);
     evaluator.evaluate(step, was_reset, out);
-    count.forceful += out.force_n != Vec3::Zero() ? 1 : 0;
+    count.turns_with_force += out.force_n != Vec3::Zero() ? 1 : 0;
     if (evaluator.breaches() == breaches) continue;
     for (std::size_t n = 0; n < breaches.size(); ++n) {
       if (evaluator.breaches()[n] > breaches[n] && count.breaches[n] + breaches[n] == 0) count.findings[n] = {program_seed, turn};
@@ -85,7 +85,7 @@ void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count)
   count.turns += static_cast<std::uint64_t>(program.turns());
   ++count.programs;
   add_to(count.governors, governor.counters());
-  keep_worse(count.worst, evaluator.worst());
+  keep_maxima(count.worst, evaluator.worst());
 }
 
 }  // namespace hapton

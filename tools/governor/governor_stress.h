@@ -17,7 +17,7 @@ struct GovernorFinding {
 struct GovernorStressCount {
   std::uint64_t turns = 0;
   std::uint64_t programs = 0;
-  std::uint64_t forceful = 0;  // turns with a force on the motors
+  std::uint64_t turns_with_force = 0;  // turns with a force on the motors
   std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)> breaches = {};
   std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::count)> findings = {};  // of each breach there is
   GovernorCounters governors;  // counts of the stages, to show that each has been reached

@@ -38,12 +38,12 @@ Result<void> top(const TopOptions& options) {
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
   const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once && !options.json;
-  std::optional<TopLook> before;
+  std::optional<TopSnapshot> before;
   TouchedNames names;
   do {
     const auto texts = (*reader)->read();
     if (!texts) return stop.stop_requested() ? Result<void>() : tl::unexpected(texts.error());
-    auto now = read_top_look(texts->json, texts->csv);
+    auto now = read_top_snapshot(texts->json, texts->csv);
     if (!now) return tl::unexpected(now.error());
     const auto make = options.json ? make_top_json : make_top_view;
     const std::string view = make(options.hub, *now, before ? &*before : nullptr, names.describe(now->report));

@@ -29,7 +29,7 @@ struct Span {
   double seconds;
 };
 
-Span make_span(const TopLook& now, const TopLook* before) {
+Span make_span(const TopSnapshot& now, const TopSnapshot* before) {
   const double passed_s = before == nullptr ? 0.0 : json_number_of(now.report, "seconds") - json_number_of(before->report, "seconds");
   if (passed_s <= 0.0) return {now.report, nullptr, json_number_of(now.report, "seconds")};
   return {now.report, &before->report, passed_s};
@@ -102,18 +102,18 @@ std::string counters_text(const Span& span) {
 
 }  // namespace
 
-Result<TopLook> read_top_look(const std::string& json, const std::string& csv) {
-  TopLook look;
-  look.report = ReportJson::parse(json, nullptr, false);
-  if (!look.report.is_object() || word(look.report, "schema") != kReportSchema) {
+Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string& csv) {
+  TopSnapshot snapshot;
+  snapshot.report = ReportJson::parse(json, nullptr, false);
+  if (!snapshot.report.is_object() || word(snapshot.report, "schema") != kReportSchema) {
     return fail("the hub's report is not of schema {}; it is another build", kReportSchema);
   }
   // A hub that has no durations yet is not an error.
-  if (auto hops = parse_latency_csv(csv, "the hub's latency.csv")) look.hops = std::move(*hops);
-  return look;
+  if (auto hops = parse_latency_csv(csv, "the hub's latency.csv")) snapshot.hops = std::move(*hops);
+  return snapshot;
 }
 
-std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched) {
+std::string make_top_view(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched) {
   const Span span = make_span(now, before);
   const ReportJson& rates = section(now.report, "rates_hz");
   std::string text =
@@ -132,13 +132,13 @@ std::string make_top_view(const std::string& hub, const TopLook& now, const TopL
   return text + counters_text(span);
 }
 
-std::string make_top_json(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched) {
+std::string make_top_json(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched) {
   const Span span = make_span(now, before);
   ReportJson rates = ReportJson::object();
   for (const auto& counter : section(now.report, "counters").items()) rates[counter.key()] = per_second(span, counter.key().c_str());
-  const ReportJson look = {{"schema", "hapton.top/1"}, {"hub", hub},         {"span_s", span.seconds},
-                           {"per_second", rates},      {"touched", touched}, {"report", now.report}};
-  return look.dump(-1, ' ', false, ReportJson::error_handler_t::replace) + "\n";
+  const ReportJson snapshot = {{"schema", "hapton.top/1"}, {"hub", hub},         {"span_s", span.seconds},
+                               {"per_second", rates},      {"touched", touched}, {"report", now.report}};
+  return snapshot.dump(-1, ' ', false, ReportJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace hapton

@@ -10,21 +10,21 @@
 namespace hapton {
 
 // A hub's report at one moment.
-struct TopLook {
+struct TopSnapshot {
   nlohmann::ordered_json report;
   std::vector<HopCounts> hops;
 };
 
 // From the hub's texts. Error: they are not a report.
-Result<TopLook> read_top_look(const std::string& json, const std::string& csv);
+Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string& csv);
 
 // What `hapton top` shows: nodes with their datagrams a second, hops, counters that are not zero. Rates, hops and the second column of the
 // counters are of the time between the two looks; without an earlier one, of the time since the hub's start.
 // touched: what the hand touches, for a line of its own; empty: none. RT: no.
-std::string make_top_view(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched = {});
+std::string make_top_view(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched = {});
 
 // The same look for programs, one JSON object in one line: schema (hapton.top/1), hub, span_s (the time that per_second is of), per_second
 // (each counter), touched, and report (docs/formats.md), which counts from the hub's start. RT: no.
-std::string make_top_json(const std::string& hub, const TopLook& now, const TopLook* before, const std::string& touched = {});
+std::string make_top_json(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched = {});
 
 }  // namespace hapton

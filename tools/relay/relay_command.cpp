@@ -68,10 +68,10 @@ Result<RelaySettings> make_settings(const RelayOptions& options) {
 }
 
 // Reports the beginning of each phase.
-class PhaseTeller {
+class PhaseReporter {
  public:
-  explicit PhaseTeller(const FaultSchedule& schedule) : schedule_(schedule) {}
-  void look(const RelayEndpoint& relay) {
+  explicit PhaseReporter(const FaultSchedule& schedule) : schedule_(schedule) {}
+  void report_changes(const RelayEndpoint& relay) {
     if (relay.phase() == phase_shown_) return;
     phase_shown_ = relay.phase();
     if (schedule_.phases.size() == 1 && schedule_.phases[0].duration_ns == FaultPhase::kForever) return;
@@ -95,9 +95,9 @@ Result<void> relay(const RelayOptions& options) {
   const SteadyClock clock;
   const std::int64_t start_ns = clock.now_ns();
   const auto passed_s = [&] { return 1e-9 * static_cast<double>(clock.now_ns() - start_ns); };
-  PhaseTeller teller(settings->schedule);
+  PhaseReporter reporter(settings->schedule);
   while (!stop.stop_requested() && (options.seconds <= 0.0 || passed_s() < options.seconds)) {
-    teller.look(*opened);
+    reporter.report_changes(*opened);
     opened->run_for_ns(kCheckPeriodNs);
   }
   fmt::print("{}", relay_text(*opened, settings->seed));

@@ -12,14 +12,14 @@
 namespace hapton {
 namespace {
 
-constexpr double kFewestLooks = 10.0;  // observations, without which no trend can be found; a free choice
+constexpr double kFewestSamples = 10.0;  // observations, without which no trend can be found; a free choice
 constexpr double kSecondsAnHour = 3600.0;
 
 int run(const SoakOptions& options) {
-  if (options.seconds < kFewestLooks * look_interval_s(options)) {
+  if (options.seconds < kFewestSamples * sample_interval_s(options)) {
     fmt::print(stderr,
                "hapton soak: {:g} s are too few for {:g} observations, one every {:g} s; give more --seconds or a smaller --every\n",
-               options.seconds, kFewestLooks, look_interval_s(options));
+               options.seconds, kFewestSamples, sample_interval_s(options));
     return 2;
   }
   const auto ended = run_soak(options);

@@ -26,9 +26,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLooks = 120.0;             // in a run, whatever its length
+constexpr double kSamplesInARun = 120.0;     // in a run, whatever its length
 constexpr double kShortestInterval_s = 2.0;  // between observations, s; a free choice
-constexpr double kTurn_s = 0.1;              // the longest sleep before a stop is noticed, s; a free choice
+constexpr double kPollPeriod_s = 0.1;        // the longest sleep before a stop is noticed, s; a free choice
 constexpr double kProgressEvery_s = 10.0;    // least interval of progress lines, s
 constexpr double kMostProgressLines = 60.0;  // in a run, whatever its length; a free choice
 constexpr double kFirstForce_s = 30.0;       // patience until the first force: large meshes
@@ -108,12 +108,12 @@ class Watch {
     while (now_s() < end_s && !stop.stop_requested()) {
       auto reading = read();
       if (!reading) return tl::unexpected(reading.error());
-      if (counter(reading->look.report, "forces") > 0 && (!nodes_.has_vision || counter(reading->look.report, "drawn") > 0)) {
+      if (counter(reading->snapshot.report, "forces") > 0 && (!nodes_.has_vision || counter(reading->snapshot.report, "drawn") > 0)) {
         first_ = last_ = std::move(*reading);
         return {};
       }
       if (const auto running = nodes_.check_running(); !running) return running;
-      idle(kTurn_s);
+      idle(kPollPeriod_s);
     }
     return fail("no force (or, with --vision, no frame) within {:g} s; see the logs", kFirstForce_s);
   }
@@ -126,11 +126,15 @@ class Watch {
     if (!reading) return tl::unexpected(reading.error());
     SoakSample sample;
     sample.seconds = reading->time_s - first_->time_s;
-    const double passed_s = reading->look.report.value("seconds", 0.0) - last_->look.report.value("seconds", 0.0);
+    const double passed_s = reading->snapshot.report.value("seconds", 0.0) - last_->snapshot.report.value("seconds", 0.0);
     const auto rate = [&](const char* name) {
-      return passed_s > 0.0 ? static_cast<double>(counter(reading->look.report, name) - counter(last_->look.report, name)) / passed_s : 0.0;
+      return passed_s > 0.0
+                 ? static_cast<double>(counter(reading->snapshot.report, name) - counter(last_->snapshot.report, name)) / passed_s
+                 : 0.0;
     };
-    const auto since_first = [&](const char* name) { return counter(reading->look.report, name) - counter(first_->look.report, name); };
+    const auto since_first = [&](const char* name) {
+      return counter(reading->snapshot.report, name) - counter(first_->snapshot.report, name);
+    };
     sample.samples_hz = rate("samples");
     sample.forces_hz = rate("forces");
     sample.contacts_hz = rate("contact_samples");
@@ -140,7 +144,7 @@ class Watch {
     sample.superseded = since_first("superseded");
     sample.missed_cycles = since_first("missed_cycles");
     sample.drift_ms = 1e3 * (static_cast<double>(since_first("samples") + sample.missed_cycles) / rate_hz_ - sample.seconds);
-    for (const HopCounts& hop : subtract_hops(reading->look.hops, last_->look.hops)) {
+    for (const HopCounts& hop : subtract_hops(reading->snapshot.hops, last_->snapshot.hops)) {
       if (hop.name != "round_trip" || hop.total() == 0) continue;
       sample.round_trip_p50_us = hop.quantile_us(0.5);
       sample.round_trip_p99_us = hop.quantile_us(0.99);
@@ -158,7 +162,7 @@ class Watch {
  private:
   struct Reading {
     double time_s = 0.0;
-    TopLook look;
+    TopSnapshot snapshot;
   };
 
   double now_s() const { return 1e-9 * static_cast<double>(clock_.now_ns()); }
@@ -167,9 +171,9 @@ class Watch {
     const double time_s = now_s();
     const auto texts = reader_->read();
     if (!texts) return tl::unexpected(texts.error());
-    auto look = read_top_look(texts->json, texts->csv);
-    if (!look) return tl::unexpected(look.error());
-    return Reading{time_s, std::move(*look)};
+    auto snapshot = read_top_snapshot(texts->json, texts->csv);
+    if (!snapshot) return tl::unexpected(snapshot.error());
+    return Reading{time_s, std::move(*snapshot)};
   }
 
   SteadyClock clock_;
@@ -198,12 +202,12 @@ Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch,
   const std::filesystem::path table = options.out / "soak.csv";
   std::ofstream csv(table);
   csv << soak_csv_header(run.processes) << std::flush;
-  const double every_s = look_interval_s(options);
+  const double every_s = sample_interval_s(options);
   double due_s = every_s;
   double next_progress_s = 0.0;
   while (due_s <= options.seconds + 1e-6) {
     while (watch.seconds() < due_s && run.ended.empty()) {
-      watch.idle(std::clamp(due_s - watch.seconds(), 0.0, kTurn_s));
+      watch.idle(std::clamp(due_s - watch.seconds(), 0.0, kPollPeriod_s));
       if (const auto running = nodes.check_running(); !running) run.ended = running.error().what;
       if (stop.stop_requested()) run.ended = "stopped early";
     }
@@ -242,8 +246,8 @@ Result<SoakRun> soak(const SoakOptions& options) {
 
 }  // namespace
 
-double look_interval_s(const SoakOptions& options) {
-  return options.every_s > 0.0 ? options.every_s : std::max(kShortestInterval_s, options.seconds / kLooks);
+double sample_interval_s(const SoakOptions& options) {
+  return options.every_s > 0.0 ? options.every_s : std::max(kShortestInterval_s, options.seconds / kSamplesInARun);
 }
 
 Result<SoakEnd> run_soak(const SoakOptions& options) {

@@ -20,7 +20,7 @@ struct SoakOptions {
 };
 
 // The interval between two samples: every_s, or its default.
-double look_interval_s(const SoakOptions& options);
+double sample_interval_s(const SoakOptions& options);
 
 struct SoakEnd {
   std::string text;   // the verdict in one line, and where the files are

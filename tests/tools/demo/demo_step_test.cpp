@@ -17,8 +17,8 @@ TEST(DemoStep, SaysInALineOrTwoWhatToLookAt) {
   ASSERT_EQ(demo_steps().size(), 6U);
   for (std::size_t number = 1; number <= demo_steps().size(); ++number) {
     const DemoStep& step = demo_steps()[number - 1];
-    EXPECT_FALSE(step.look.empty());
-    EXPECT_LE(std::count(step.look.begin(), step.look.end(), '\n'), 1) << step.name;
+    EXPECT_FALSE(step.watch_for.empty());
+    EXPECT_LE(std::count(step.watch_for.begin(), step.watch_for.end(), '\n'), 1) << step.name;
     EXPECT_TRUE(names.insert(demo_file_name(number)).second);
     EXPECT_EQ(demo_file_name(number).find(' '), std::string::npos);
     EXPECT_NE(step.make_path, nullptr);

@@ -26,7 +26,7 @@ TEST(GovernorStress, HoldsAgainstHostilePrograms) {
 
   // Every stage, every latched fault and every kind of recovery occurs many times.
   const GovernorCounters& g = count.governors;
-  EXPECT_GT(static_cast<double>(count.forceful), 0.25 * static_cast<double>(count.turns));
+  EXPECT_GT(static_cast<double>(count.turns_with_force), 0.25 * static_cast<double>(count.turns));
   for (const std::uint64_t stage :
        {g.accepted, g.not_finite, g.rejected_old, g.rejected_future, g.command_timeouts, g.clamped, g.slewed, g.bad_samples, g.stopped,
         g.braked, g.damped, g.cooled, g.releases, g.latched, g.resets, g.resets_rejected}) {
@@ -51,7 +51,7 @@ TEST(GovernorStress, AProgramIsTheSameAgain) {
   GovernorStress::run(seed, first);
   GovernorStress::run(seed, second);
   EXPECT_EQ(first.turns, second.turns);
-  EXPECT_EQ(first.forceful, second.forceful);
+  EXPECT_EQ(first.turns_with_force, second.turns_with_force);
   EXPECT_EQ(first.worst.energy, second.worst.energy);
   EXPECT_NE(GovernorStress(3).program_seed(18), seed);
   EXPECT_NE(GovernorStress(4).program_seed(17), seed);

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-TopLook look_after(double seconds, int slow_samples) {
+TopSnapshot snapshot_after(double seconds, int slow_samples) {
   LatencyReport report;
   report.program = "io_node";
   report.machine.host = "io-host";
@@ -28,11 +28,11 @@ TopLook look_after(double seconds, int slow_samples) {
   for (std::int64_t n = 0; n < samples; ++n) hop.histogram.record(20'000);
   for (int n = 0; n < slow_samples; ++n) hop.histogram.record(700'000);
   report.hops = {hop};
-  return *read_top_look(to_json(report), to_csv(report));
+  return *read_top_snapshot(to_json(report), to_csv(report));
 }
 
 TEST(TopView, ShowsWhatHasBeenSinceTheStart) {
-  const std::string view = make_top_view("io-host:4950", look_after(10, 0), nullptr);
+  const std::string view = make_top_view("io-host:4950", snapshot_after(10, 0), nullptr);
   EXPECT_THAT(view, HasSubstr("hub io-host:4950 on io-host: up 10 s, device simulated, servo 1000.0 Hz of 1000 Hz requested"));
   EXPECT_THAT(view, HasSubstr("100.0 kB/s"));
   EXPECT_THAT(view, HasSubstr("haptics   10.0.0.2:4444"));
@@ -42,48 +42,49 @@ TEST(TopView, ShowsWhatHasBeenSinceTheStart) {
 }
 
 TEST(TopView, IsOneLineOfJsonForPrograms) {
-  const TopLook before = look_after(10, 0);
-  const std::string line = make_top_json("io-host:4950", look_after(14, 0), &before, "car");
+  const TopSnapshot before = snapshot_after(10, 0);
+  const std::string line = make_top_json("io-host:4950", snapshot_after(14, 0), &before, "car");
   EXPECT_EQ(std::ranges::count(line, '\n'), 1);
-  const auto look = nlohmann::json::parse(line);
-  EXPECT_EQ(look["schema"], "hapton.top/1");
-  EXPECT_EQ(look["hub"], "io-host:4950");
-  EXPECT_EQ(look["touched"], "car");
-  EXPECT_EQ(look["span_s"], 4.0);
-  EXPECT_EQ(look["per_second"]["samples"], 1000.0);
-  EXPECT_EQ(look["per_second"]["clamped"], 0.0);
-  EXPECT_EQ(look["report"]["counters"]["samples"], 14'000);
-  EXPECT_EQ(look["report"]["nodes"][0]["role"], "haptics");
+  const auto snapshot = nlohmann::json::parse(line);
+  EXPECT_EQ(snapshot["schema"], "hapton.top/1");
+  EXPECT_EQ(snapshot["hub"], "io-host:4950");
+  EXPECT_EQ(snapshot["touched"], "car");
+  EXPECT_EQ(snapshot["span_s"], 4.0);
+  EXPECT_EQ(snapshot["per_second"]["samples"], 1000.0);
+  EXPECT_EQ(snapshot["per_second"]["clamped"], 0.0);
+  EXPECT_EQ(snapshot["report"]["counters"]["samples"], 14'000);
+  EXPECT_EQ(snapshot["report"]["nodes"][0]["role"], "haptics");
   EXPECT_EQ(nlohmann::json::parse(make_top_json("h", before, nullptr))["span_s"], 10.0);
 }
 
 TEST(TopView, SaysWhatTheGovernorDoes) {
-  TopLook look = look_after(10, 0);
-  EXPECT_THAT(make_top_view("h", look, nullptr), Not(HasSubstr("safety governor")));
-  look.report["notes"]["governor"] = "live";
-  look.report["ratios"] = {{"thermal_load", 0.123}, {"energy_spent", -0.05}};
-  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor live; thermal load 12 %, energy 0 % of its budget\n"));
-  look.report["notes"]["governor"] = "latched";
-  look.report["notes"]["safety_fault_text"] = "the motors are too hot";
-  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("safety governor latched: the motors are too hot; hapton set --reset-faults;"));
+  TopSnapshot snapshot = snapshot_after(10, 0);
+  EXPECT_THAT(make_top_view("h", snapshot, nullptr), Not(HasSubstr("safety governor")));
+  snapshot.report["notes"]["governor"] = "live";
+  snapshot.report["ratios"] = {{"thermal_load", 0.123}, {"energy_spent", -0.05}};
+  EXPECT_THAT(make_top_view("h", snapshot, nullptr), HasSubstr("safety governor live; thermal load 12 %, energy 0 % of its budget\n"));
+  snapshot.report["notes"]["governor"] = "latched";
+  snapshot.report["notes"]["safety_fault_text"] = "the motors are too hot";
+  EXPECT_THAT(make_top_view("h", snapshot, nullptr),
+              HasSubstr("safety governor latched: the motors are too hot; hapton set --reset-faults;"));
 }
 
 TEST(TopView, SaysWhyThereIsNoForce) {
-  TopLook look = look_after(10, 0);
-  look.report["notes"]["status_now"] = "ok";
-  EXPECT_THAT(make_top_view("h", look, nullptr), Not(HasSubstr("ok\n")));
-  look.report["notes"]["status_now"] = "no force: the device is away";
-  EXPECT_THAT(make_top_view("h", look, nullptr), HasSubstr("\nno force: the device is away\n"));
+  TopSnapshot snapshot = snapshot_after(10, 0);
+  snapshot.report["notes"]["status_now"] = "ok";
+  EXPECT_THAT(make_top_view("h", snapshot, nullptr), Not(HasSubstr("ok\n")));
+  snapshot.report["notes"]["status_now"] = "no force: the device is away";
+  EXPECT_THAT(make_top_view("h", snapshot, nullptr), HasSubstr("\nno force: the device is away\n"));
 }
 
 TEST(TopView, SaysWhatIsTouched) {
-  EXPECT_THAT(make_top_view("h", look_after(10, 0), nullptr), Not(HasSubstr("touching")));
-  EXPECT_THAT(make_top_view("h", look_after(10, 0), nullptr, "touching hood (tin)"), HasSubstr("\n\ntouching hood (tin)\n\n"));
+  EXPECT_THAT(make_top_view("h", snapshot_after(10, 0), nullptr), Not(HasSubstr("touching")));
+  EXPECT_THAT(make_top_view("h", snapshot_after(10, 0), nullptr, "touching hood (tin)"), HasSubstr("\n\ntouching hood (tin)\n\n"));
 }
 
 TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
-  const TopLook before = look_after(100, 0);
-  const TopLook now = look_after(102, 2000);
+  const TopSnapshot before = snapshot_after(100, 0);
+  const TopSnapshot now = snapshot_after(102, 2000);
   const std::string view = make_top_view("h", now, &before);
   // Half of the 4,000 new ones are slow; of all 104,000 next to none.
   EXPECT_THAT(view, HasSubstr("round_trip              4000"));
@@ -93,14 +94,14 @@ TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
 }
 
 TEST(TopView, AHubThatBeganAgainIsShownFromItsStart) {
-  const TopLook before = look_after(100, 0);
-  EXPECT_EQ(make_top_view("h", look_after(2, 0), &before), make_top_view("h", look_after(2, 0), nullptr));
+  const TopSnapshot before = snapshot_after(100, 0);
+  EXPECT_EQ(make_top_view("h", snapshot_after(2, 0), &before), make_top_view("h", snapshot_after(2, 0), nullptr));
 }
 
 TEST(TopView, RubbishIsNamedAndAnEmptyReportShown) {
-  EXPECT_FALSE(read_top_look("hello", ""));
-  EXPECT_FALSE(read_top_look("{\"schema\": \"other\"}", ""));
-  const auto empty = read_top_look("{\"schema\": \"hapton.report/4\"}", "");
+  EXPECT_FALSE(read_top_snapshot("hello", ""));
+  EXPECT_FALSE(read_top_snapshot("{\"schema\": \"other\"}", ""));
+  const auto empty = read_top_snapshot("{\"schema\": \"hapton.report/4\"}", "");
   ASSERT_TRUE(empty);
   EXPECT_THAT(make_top_view("h", *empty, nullptr), HasSubstr("no node has joined"));
 }
