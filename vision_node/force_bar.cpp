@@ -67,9 +67,9 @@ void ForceBar::add_to(vtkRenderer* renderer) {
   bar_->SetMapper(mapper);
   bar_->VisibilityOff();
   renderer->AddActor2D(bar_);
-  vtkTextProperty* look = limit_->GetTextProperty();
-  look->SetFontFamilyToArial();
-  look->SetColor(0.96, 0.97, 0.98);
+  vtkTextProperty* style = limit_->GetTextProperty();
+  style->SetFontFamilyToArial();
+  style->SetColor(0.96, 0.97, 0.98);
   limit_->VisibilityOff();
   renderer->AddActor2D(limit_);
 }

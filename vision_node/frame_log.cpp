@@ -12,7 +12,7 @@ constexpr std::int64_t kWindowNs = 500'000'000;  // of the shown frame rate: two
 
 }  // namespace
 
-void FrameLog::drew(std::int64_t start_ns, std::int64_t end_ns) {
+void FrameLog::record_frame(std::int64_t start_ns, std::int64_t end_ns) {
   draw_time_.record(end_ns - start_ns);
   if (drawn_ == 0) first_draw_ms_ = static_cast<double>(end_ns - start_ns) * 1e-6;
   const std::int64_t period = end_ns - last_end_ns_;

@@ -11,14 +11,14 @@ namespace hapton {
 class FrameLog {
  public:
   // One frame, from the start of drawing to its end.
-  void drew(std::int64_t start_ns, std::int64_t end_ns);
+  void record_frame(std::int64_t start_ns, std::int64_t end_ns);
   // From the newest probe state in that frame, when it was sampled or, if unknown, received, to the frame's end.
-  void moved(std::int64_t motion_to_photon_ns) { motion_to_photon_.record(motion_to_photon_ns); }
+  void record_motion_to_photon(std::int64_t motion_to_photon_ns) { motion_to_photon_.record(motion_to_photon_ns); }
   // A new probe state that would not change the picture.
-  void skipped() { ++skipped_; }
+  void count_skipped() { ++skipped_; }
 
   std::uint64_t drawn() const { return drawn_; }
-  std::uint64_t skipped_count() const { return skipped_; }
+  std::uint64_t skipped() const { return skipped_; }
 
   // Frames a second while something moved: pauses above a quarter of a second are left out. 0 until known.
   double rate_hz() const;

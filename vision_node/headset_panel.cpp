@@ -69,12 +69,12 @@ void place(vtkTextActor3D* text, const Vec3& p_W, double line_m) {
   const double scale = line_m / kFontPx;
   text->SetScale(scale, scale, scale);
   text->SetPosition(p_W.x(), p_W.y(), p_W.z());
-  vtkTextProperty* look = text->GetTextProperty();
-  look->SetFontFamilyToArial();
-  look->SetFontSize(kFontPx);
-  look->SetColor(0.96, 0.97, 0.98);
-  look->SetBackgroundColor(0.03, 0.04, 0.06);
-  look->SetBackgroundOpacity(0.8);
+  vtkTextProperty* style = text->GetTextProperty();
+  style->SetFontFamilyToArial();
+  style->SetFontSize(kFontPx);
+  style->SetColor(0.96, 0.97, 0.98);
+  style->SetBackgroundColor(0.03, 0.04, 0.06);
+  style->SetBackgroundOpacity(0.8);
   text->VisibilityOff();
 }
 

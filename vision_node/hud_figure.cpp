@@ -30,12 +30,12 @@ void set_text(vtkTextActor* actor, std::string_view text) {
 
 void HudFigure::add_to(vtkRenderer* renderer) {
   for (vtkTextActor* text : {facts_.Get(), help_.Get(), notice_.Get(), scale_label_.Get(), pointer_label_.Get()}) {
-    vtkTextProperty* look = text->GetTextProperty();
-    look->SetFontFamilyToArial();
-    look->SetColor(0.96, 0.97, 0.98);
-    look->SetBackgroundColor(0.03, 0.04, 0.06);
-    look->SetBackgroundOpacity(0.45);
-    look->SetLineSpacing(kLineSpacing);
+    vtkTextProperty* style = text->GetTextProperty();
+    style->SetFontFamilyToArial();
+    style->SetColor(0.96, 0.97, 0.98);
+    style->SetBackgroundColor(0.03, 0.04, 0.06);
+    style->SetBackgroundOpacity(0.45);
+    style->SetLineSpacing(kLineSpacing);
     text->SetVisibility(false);
     renderer->AddActor2D(text);
   }

@@ -9,13 +9,13 @@ namespace hapton {
 void LabelFigure::add_to(vtkRenderer* renderer) {
   for (std::size_t i = 0; i < kMost; ++i) {
     auto text = vtkSmartPointer<vtkTextActor>::New();
-    vtkTextProperty* look = text->GetTextProperty();
-    look->SetFontFamilyToArial();
-    look->SetColor(0.98, 0.98, 0.95);
-    look->SetBackgroundColor(0.03, 0.04, 0.06);
-    look->SetBackgroundOpacity(0.7);
-    look->SetJustificationToCentered();
-    look->SetVerticalJustificationToCentered();
+    vtkTextProperty* style = text->GetTextProperty();
+    style->SetFontFamilyToArial();
+    style->SetColor(0.98, 0.98, 0.95);
+    style->SetBackgroundColor(0.03, 0.04, 0.06);
+    style->SetBackgroundOpacity(0.7);
+    style->SetJustificationToCentered();
+    style->SetVerticalJustificationToCentered();
     text->SetVisibility(false);
     renderer->AddActor2D(text);
     texts_.push_back(text);

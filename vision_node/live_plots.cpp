@@ -37,7 +37,9 @@ void LivePlots::receive(const ProbeState& state, std::int64_t now_ns) {
   limit_n_ = std::isfinite(state.force_limit_n) ? static_cast<double>(std::max(0.0F, state.force_limit_n)) : 0.0;
 }
 
-void LivePlots::drew(std::int64_t age_ns, std::int64_t now_ns) { age_ms_.add(now_ns, 1e-6 * static_cast<double>(age_ns)); }
+void LivePlots::record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns) {
+  age_ms_.add(now_ns, 1e-6 * static_cast<double>(age_ns));
+}
 
 bool LivePlots::wants_picture(std::int64_t now_ns) const { return is_shown_ && newest_n_ && now_ns - composed_ns_ >= kPeriodNs; }
 

@@ -35,7 +35,7 @@ class LivePlots {
   // The hub no longer replies: no force is known.
   void lost() { newest_n_.reset(); }
   // age_ns: from the arrival of the newest drawn state until the frame was in the window.
-  void drew(std::int64_t age_ns, std::int64_t now_ns);
+  void record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns);
 
   // True: the plots are shown, a hub has joined, and the drawn curves are older than the period.
   bool wants_picture(std::int64_t now_ns) const;

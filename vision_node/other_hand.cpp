@@ -16,7 +16,7 @@ std::uint32_t to_message_ns(std::int64_t ns, std::int64_t least) {
 
 }  // namespace
 
-void OtherHand::attend(const Pose& X_WS, std::int64_t now_ns) {
+void OtherHand::update(const Pose& X_WS, std::int64_t now_ns) {
   receive_states();
   const bool is_joined = hub_.state() == JoinState::joined;
   if (is_joined && (!was_joined_ || hub_.counts().joins != joins_)) {
@@ -62,8 +62,8 @@ std::optional<ProbeShown> OtherHand::shown() const {
   return show_probe(*state_, stylus_lean_);
 }
 
-void OtherHand::drew(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes, const StereoScreen& screen,
-                     PictureSize size) {
+void OtherHand::end_frame(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes,
+                          const StereoScreen& screen, PictureSize size) {
   if (!state_) return;
   moved_ = false;
   watch_.drawn(*shown(), sizes, screen, size);

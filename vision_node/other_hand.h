@@ -20,7 +20,7 @@ class OtherHand {
       : hub_(hub), stylus_lean_(stylus_lean), max_rate_hz_(max_rate_hz) {}
 
   // Receives without waiting, and sends the scene's pose if the hub does not have it.
-  void attend(const Pose& X_WS, std::int64_t now_ns);
+  void update(const Pose& X_WS, std::int64_t now_ns);
 
   // True: the probe of this hand looks different than in the last frame. If only invisible motion came, the hub gets a FrameAck
   // `unchanged`.
@@ -28,8 +28,8 @@ class OtherHand {
   // The probe to draw; none before the first state from its hub.
   std::optional<ProbeShown> shown() const;
   // Call it when a frame with shown() has been drawn.
-  void drew(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes, const StereoScreen& screen,
-            PictureSize size);
+  void end_frame(std::int64_t start_ns, std::int64_t end_ns, double frame_rate_hz, const ProbeSizes& sizes, const StereoScreen& screen,
+                 PictureSize size);
 
  private:
   void receive_states();

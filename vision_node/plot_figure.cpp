@@ -86,9 +86,9 @@ void PlotFigure::add_to(vtkRenderer* renderer) {
   line_actor_->VisibilityOff();
   renderer->AddActor2D(line_actor_);
   for (const auto& title : titles_) {
-    vtkTextProperty* look = title->GetTextProperty();
-    look->SetFontFamilyToArial();
-    look->SetColor(0.96, 0.97, 0.98);
+    vtkTextProperty* style = title->GetTextProperty();
+    style->SetFontFamilyToArial();
+    style->SetColor(0.96, 0.97, 0.98);
     title->VisibilityOff();
     renderer->AddActor2D(title);
   }
@@ -119,11 +119,11 @@ void PlotFigure::set(const std::vector<PlotShown>& plots, PictureSize size, doub
           return frame.at({x, y});
         },
         lines);
-    vtkTextProperty* look = titles_[i]->GetTextProperty();
-    look->SetFontSize(std::clamp(std::min(size.width_px / 52, size.height_px / 52), 9, 32));
+    vtkTextProperty* style = titles_[i]->GetTextProperty();
+    style->SetFontSize(std::clamp(std::min(size.width_px / 52, size.height_px / 52), 9, 32));
     // A title that is wider than its frame begins to the left of it, and ends where it ends.
-    const bool is_wide = measure_text_width_px(look, plots[i].title) > frame.size.x();
-    is_wide ? look->SetJustificationToRight() : look->SetJustificationToLeft();
+    const bool is_wide = measure_text_width_px(style, plots[i].title) > frame.size.x();
+    is_wide ? style->SetJustificationToRight() : style->SetJustificationToLeft();
     titles_[i]->SetPosition(frame.at({is_wide ? 1.0 : 0.0, 1}).x(), frame.at({0, 1}).y() + 3.0);
     // A text that did not change is not set: VTK would draw its letters again.
     if (titles_[i]->GetInput() == nullptr || plots[i].title != titles_[i]->GetInput()) titles_[i]->SetInput(plots[i].title.c_str());

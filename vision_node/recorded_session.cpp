@@ -165,7 +165,7 @@ Result<void> RecordedSession::attend_window() {
     return control_.handle(event, view_.find_picture_pixel(event.x_px, event.y_px), view_.picture_size());
   };
   show_carved();
-  const UserRequests requests = window_.attend(take, {});
+  const UserRequests requests = window_.poll_events(take, {});
   quit_ = quit_ || requests.quit;
   if (requests.export_work) begin_export();
   if (!requests.screenshot) return {};
@@ -202,7 +202,7 @@ void RecordedSession::draw() {
     if (const auto newest = step.newest_probe()) view_.set_probe(*newest);
   });
   drawn_ns_ = begin_ns;
-  step.drew(begin_ns, clock_.now_ns(), window_.where());
+  step.end_frame(begin_ns, clock_.now_ns(), window_.where());
   if (step.frames().drawn() == 1) {
     if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
   }

@@ -71,10 +71,10 @@ void TimeLineFigure::add_to(vtkRenderer* renderer) {
   moment_->SetMapper(moment_mapper);
   moment_->GetProperty()->SetColor(1.0, 1.0, 1.0);
   for (vtkTextActor* text : {begin_.Get(), end_.Get()}) {
-    vtkTextProperty* look = text->GetTextProperty();
-    look->SetFontFamilyToArial();
-    look->SetColor(0.96, 0.97, 0.98);
-    look->SetVerticalJustificationToCentered();
+    vtkTextProperty* style = text->GetTextProperty();
+    style->SetFontFamilyToArial();
+    style->SetColor(0.96, 0.97, 0.98);
+    style->SetVerticalJustificationToCentered();
   }
   begin_->GetTextProperty()->SetJustificationToRight();
   for (vtkActor2D* actor : {line_.Get(), moment_.Get(), static_cast<vtkActor2D*>(begin_.Get()), static_cast<vtkActor2D*>(end_.Get())}) {

@@ -51,7 +51,7 @@ ViewerWindow::ViewerWindow(StereoView& view, Clock& clock, const VisionOptions& 
   if (options.probe_radius_m > 0.0) view_.set_probe_radius(options.probe_radius_m);
 }
 
-UserRequests ViewerWindow::attend(const TakeEvent& take, const FindSurface& find_surface) {
+UserRequests ViewerWindow::poll_events(const TakeEvent& take, const FindSurface& find_surface) {
   handle_events(take, find_surface);
   follow_head();
   if (view_.take_stale()) step_.spoil();

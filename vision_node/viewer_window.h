@@ -42,7 +42,7 @@ class ViewerWindow {
   VisionStep::Screen where() const { return {view_.screen(), view_.picture_size(), view_.probe_sizes()}; }
 
   // Handles all events of the window since the last call. Returns the user's requests; those about stereo are done already.
-  UserRequests attend(const TakeEvent& take, const FindSurface& find_surface);
+  UserRequests poll_events(const TakeEvent& take, const FindSurface& find_surface);
   // Waits until the teaching view shows the present probe, before a screenshot.
   void finish_teaching();
   // Updates everything in the view except the probe.

@@ -68,7 +68,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     if (auto attended = attend_window(); !attended) return attended;
     // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
     send_pending();
-    if (other_ != nullptr) other_->attend(step_.scene_pose(), clock_.now_ns());
+    if (other_ != nullptr) other_->update(step_.scene_pose(), clock_.now_ns());
     if (auto drawn = draw_if_wanted(); !drawn) return drawn;
     window_.refine_scene();
     lead_hand();
@@ -237,7 +237,7 @@ void VisionSession::compare_scene() {
 Result<void> VisionSession::attend_window() {
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   if (carved_ != nullptr && carved_->show()) step_.reshape_scene();
-  const UserRequests requests = window_.attend({}, [this](const WindowEvent& event) { return find_surface(event); });
+  const UserRequests requests = window_.poll_events({}, [this](const WindowEvent& event) { return find_surface(event); });
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
   annotate(requests);
@@ -331,7 +331,7 @@ bool VisionSession::other_wants_picture(std::int64_t now_ns) {
 // is_for_us: our hub's state is news in it; one that was drawn for the other hand alone says nothing of how old ours is.
 void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns) {
   const VisionStep::Screen at = window_.where();
-  auto drawn = step_.drew(begin_ns, end_ns, at);
+  auto drawn = step_.end_frame(begin_ns, end_ns, at);
   if (drawn && is_for_us) {
     reported_ns_ = received_ns_;
     step_.record_motion(end_ns - received_ns_, end_ns);
@@ -339,7 +339,7 @@ void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int
         static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
     hub_.send(*drawn);
   }
-  if (other_ != nullptr) other_->drew(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
+  if (other_ != nullptr) other_->end_frame(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
 }
 
 namespace {
@@ -391,14 +391,14 @@ std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plot
     view.poll_events();
     view.set_plots(plots.compose(start_ns));
     view.draw(before_probe);
-    into.drew(start_ns, clock.now_ns());
+    into.record_frame(start_ns, clock.now_ns());
     plots.receive(bench_state(start_ns), start_ns);
-    plots.drew(clock.now_ns() - start_ns, start_ns);
+    plots.record_motion_to_photon(clock.now_ns() - start_ns, start_ns);
   };
   BenchProbe probe(0.25 * std::min(view.screen().width_m, view.screen().height_m));
   const auto turn_with_probe = [&](FrameLog& into) {
     turn_and_draw(into, [&] { view.set_probe(probe.newest(clock.now_ns())); });
-    into.moved(clock.now_ns() - probe.sample_ns());
+    into.record_motion_to_photon(clock.now_ns() - probe.sample_ns());
   };
   FrameLog unprepared;  // while the levels of detail are made, which happens once
   while (view.detail_progress() < 1.0) turn_with_probe(unprepared);

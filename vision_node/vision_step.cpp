@@ -160,7 +160,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
     return true;
   if (std::exchange(moved_, false)) {
     if (watch_.differs(probe_shown(), where.sizes, where.screen, where.picture)) return true;
-    frames_.skipped();
+    frames_.count_skipped();
     unseen_ = true;
   }
   if (!recorded_X_WS_ && plots_.wants_picture(now_ns)) return true;
@@ -202,9 +202,9 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   return shown;
 }
 
-std::optional<FrameAck> VisionStep::drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
+std::optional<FrameAck> VisionStep::end_frame(std::int64_t start_ns, std::int64_t end_ns, const Screen& where) {
   last_start_ns_ = start_ns;
-  frames_.drew(start_ns, end_ns);
+  frames_.record_frame(start_ns, end_ns);
   if (std::exchange(has_new_shape_, false) || scene_pose().matrix() != X_WS_shown_.matrix() || interaction_.camera() != camera_shown_ ||
       !is_head_at_rest_) {
     scene_moved_ns_ = start_ns;

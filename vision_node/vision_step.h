@@ -133,11 +133,11 @@ class VisionStep {
   // Nothing but the probe has moved for long enough that the scene is worth drawing in full detail.
   bool is_scene_at_rest(std::int64_t now_ns) const;
   // The frame of the last compose() is in the window. Returns its acknowledgement for the hub.
-  std::optional<FrameAck> drew(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
+  std::optional<FrameAck> end_frame(std::int64_t start_ns, std::int64_t end_ns, const Screen& where);
   // Records the age of that frame's probe when it was in the window.
   void record_motion(std::int64_t motion_to_photon_ns, std::int64_t now_ns) {
-    frames_.moved(motion_to_photon_ns);
-    plots_.drew(motion_to_photon_ns, now_ns);
+    frames_.record_motion_to_photon(motion_to_photon_ns);
+    plots_.record_motion_to_photon(motion_to_photon_ns, now_ns);
   }
   // The acknowledgement of a state that wants_picture() found to look the same; once for each.
   std::optional<FrameAck> take_unseen();

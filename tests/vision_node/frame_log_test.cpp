@@ -13,7 +13,7 @@ TEST(FrameLog, RateLeavesOutThePauses) {
   FrameLog log;
   std::int64_t now = 0;
   for (int burst = 0; burst < 5; ++burst) {
-    for (int i = 0; i < 50; ++i, now += 20 * kMs) log.drew(now, now + 10 * kMs);
+    for (int i = 0; i < 50; ++i, now += 20 * kMs) log.record_frame(now, now + 10 * kMs);
     now += 10'000 * kMs;
   }
   EXPECT_EQ(log.drawn(), 250u);
@@ -24,17 +24,17 @@ TEST(FrameLog, RateLeavesOutThePauses) {
 
 TEST(FrameLog, SlowPicturesAreNoPause) {
   FrameLog log;
-  for (std::int64_t i = 0; i < 5; ++i) log.drew(i * 1000 * kMs, i * 1000 * kMs + 900 * kMs);
+  for (std::int64_t i = 0; i < 5; ++i) log.record_frame(i * 1000 * kMs, i * 1000 * kMs + 900 * kMs);
   EXPECT_NEAR(log.rate_hz(), 1.0, 1e-6);
 }
 
 TEST(FrameLog, SaysHowOldTheProbeIsInMillisecondsAndFramesAndHowLongTheFirstFrameTook) {
   FrameLog log;
   EXPECT_EQ(log.describe_motion(), "");
-  log.drew(0, 80 * kMs);
+  log.record_frame(0, 80 * kMs);
   for (std::int64_t i = 1; i < 200; ++i) {
-    log.drew(80 * kMs + i * 20 * kMs, 90 * kMs + i * 20 * kMs);
-    log.moved(i < 195 ? 10 * kMs : 26 * kMs);
+    log.record_frame(80 * kMs + i * 20 * kMs, 90 * kMs + i * 20 * kMs);
+    log.record_motion_to_photon(i < 195 ? 10 * kMs : 26 * kMs);
   }
   double p50_ms = 0.0, p99_ms = 0.0, p50_frames = 0.0, p99_frames = 0.0;
   ASSERT_EQ(std::sscanf(log.describe_motion().c_str(), "motion to photon p50 %lf ms p99 %lf ms (%lf, %lf frames)", &p50_ms, &p99_ms,

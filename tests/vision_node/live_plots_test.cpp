@@ -20,7 +20,7 @@ TEST(LivePlots, ShowForceWithItsLimitAndTheAgeOfTheFrames) {
   LivePlots plots(true);
   plots.receive(state_with(2.0), 1000 * kMs);
   plots.receive(state_with(3.25), 1100 * kMs);
-  plots.drew(14 * kMs, 1110 * kMs);
+  plots.record_motion_to_photon(14 * kMs, 1110 * kMs);
   const auto shown = plots.compose(1120 * kMs);
   ASSERT_EQ(shown.size(), 2u);
   EXPECT_EQ(shown[0].title, "force 3.25 N, limit 8.5   (0 to 10, 5 s)");

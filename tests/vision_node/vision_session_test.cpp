@@ -179,7 +179,7 @@ testing::AssertionResult draws_for_a_tracked_head(double longer) {
     SteadyClock clock;
     const std::int64_t silent_ns = clock.now_ns() + static_cast<std::int64_t>(4e8 * longer);
     while (!ends) {
-      tracker.attend();
+      tracker.poll();
       if (clock.now_ns() < silent_ns) tracker.say(vrpn::say_pose(0, {0.12, 0.05, 0.7}));
       clock.sleep_until_ns(clock.now_ns() + 5 * kNanosecondsPerMillisecond);
     }
@@ -214,7 +214,7 @@ testing::AssertionResult rests_while_nothing_moves(double longer) {
   Session vision(hub.address(), options);
   HAPTON_LOOK(vision.session->run(vision.stop));
   HAPTON_LOOK(vision.session->step().frames().drawn() <= 6u) << vision.session->step().frames().drawn();
-  HAPTON_LOOK(vision.session->step().frames().skipped_count() > 50u) << vision.session->step().frames().skipped_count();
+  HAPTON_LOOK(vision.session->step().frames().skipped() > 50u) << vision.session->step().frames().skipped();
   return testing::AssertionSuccess();
 }
 

@@ -28,7 +28,7 @@ class VisionStepTest : public testing::Test {
   bool turn(VisionStep& step, std::int64_t now_ns) {
     if (!step.wants_picture(now_ns, where_)) return false;
     step.compose(now_ns);
-    step.drew(now_ns, now_ns + 5 * kMs, where_);
+    step.end_frame(now_ns, now_ns + 5 * kMs, where_);
     return true;
   }
 
@@ -136,7 +136,7 @@ TEST_F(VisionStepTest, DrawsOnceThenRestsWhileNothingMoves) {
   }
   EXPECT_LE(pictures, 3) << "the first, and the HUD's";
   EXPECT_GE(pictures, 1);
-  EXPECT_GT(step.frames().skipped_count(), 9000u);
+  EXPECT_GT(step.frames().skipped(), 9000u);
 }
 
 TEST_F(VisionStepTest, DrawsWhatMovesAtMostAtTheLimit) {
@@ -162,7 +162,7 @@ TEST_F(VisionStepTest, AMovedCameraIsDrawnAndNotSent) {
   step.handle(plus, where_);
   ASSERT_TRUE(step.wants_picture(40 * kMs, where_));
   EXPECT_LT(step.compose(40 * kMs).framing.view_m, settings().home.view_m);
-  step.drew(40 * kMs, 45 * kMs, where_);
+  step.end_frame(40 * kMs, 45 * kMs, where_);
   EXPECT_FALSE(turn(step, 60 * kMs));
   EXPECT_FALSE(step.take_message(60 * kMs)) << "the touched scene stays where it is";
 }
@@ -208,12 +208,12 @@ TEST_F(VisionStepTest, AHeadThatMovesByMoreThanHalfAPixelIsDrawn) {
   step.spoil();
   ASSERT_TRUE(step.wants_picture(520 * kMs, where_));
   EXPECT_EQ(step.compose(520 * kMs).framing.head.p_RH.x(), 0.0) << "nor does it change a picture that is drawn for something else";
-  step.drew(520 * kMs, 525 * kMs, where_);
+  step.end_frame(520 * kMs, 525 * kMs, where_);
   step.set_head({{1.1 * half_pixel_m, 0.0, 0.6}, Quat::Identity()});
   ASSERT_TRUE(step.wants_picture(540 * kMs, where_));
   EXPECT_FALSE(step.is_scene_at_rest(1000 * kMs));
   EXPECT_EQ(step.compose(540 * kMs).framing.head.p_RH.x(), 1.1 * half_pixel_m);
-  step.drew(540 * kMs, 545 * kMs, where_);
+  step.end_frame(540 * kMs, 545 * kMs, where_);
   EXPECT_FALSE(step.wants_picture(560 * kMs, where_));
   EXPECT_FALSE(step.is_scene_at_rest(600 * kMs));
   EXPECT_TRUE(step.is_scene_at_rest(700 * kMs));
@@ -235,7 +235,7 @@ TEST_F(VisionStepTest, KeysMoveTheHeadBeforeTheScreenAndTheHudSaysWhereItIs) {
   const VisionStep::Shown shown = step.compose(500 * kMs);
   EXPECT_NEAR(shown.framing.head.p_RH.x(), 0.03, 1e-15);
   EXPECT_NE(shown.hud.find("head 3 0 60 cm"), std::string::npos) << shown.hud;
-  step.drew(500 * kMs, 505 * kMs, where_);
+  step.end_frame(500 * kMs, 505 * kMs, where_);
   WindowEvent home;
   home.pad = WindowEvent::Pad::home;
   step.handle(home, where_);
@@ -256,7 +256,7 @@ TEST_F(VisionStepTest, PlotsAreSwitchedByAKeyAndKeepThePictureGoing) {
   step.take_requests();
   ASSERT_TRUE(step.wants_picture(20 * kMs, where_));
   EXPECT_EQ(step.compose(20 * kMs).plots.size(), 2u);
-  step.drew(20 * kMs, 25 * kMs, where_);
+  step.end_frame(20 * kMs, 25 * kMs, where_);
   int pictures = 0;
   for (int ms = 30; ms < 1030; ms += 10) pictures += turn(step, ms * kMs);
   EXPECT_GE(pictures, 9);
@@ -324,7 +324,7 @@ TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
   step.take_requests();
   EXPECT_TRUE(step.wants_picture(80 * kMs, where_));
   EXPECT_FALSE(step.compose(80 * kMs).cull);
-  step.drew(80 * kMs, 85 * kMs, where_);
+  step.end_frame(80 * kMs, 85 * kMs, where_);
   EXPECT_FALSE(turn(step, 100 * kMs));
   step.spoil();
   EXPECT_TRUE(turn(step, 120 * kMs));
@@ -337,7 +337,7 @@ TEST_F(VisionStepTest, EveryPictureIsReportedWithTheSampleItShows) {
   step.receive(state_at(0.02, 42));
   ASSERT_TRUE(step.wants_picture(0, where_));
   step.compose(0);
-  const auto drawn = step.drew(0, 5 * kMs, where_);
+  const auto drawn = step.end_frame(0, 5 * kMs, where_);
   ASSERT_TRUE(drawn);
   EXPECT_EQ(drawn->echo_sample, 42u);
   EXPECT_EQ(drawn->echo_sample_time_ns, 42 * kMs);
@@ -354,8 +354,8 @@ TEST_F(VisionStepTest, SaysWhenItWouldDrawAgain) {
   step.joined();
   step.receive(state_at(0.01, 41));
   step.compose(0);
-  EXPECT_EQ(step.drew(0, 5 * kMs, where_)->rest_ns, 45 * kMs);
-  EXPECT_EQ(step.drew(100 * kMs, 190 * kMs, where_)->rest_ns, 0);
+  EXPECT_EQ(step.end_frame(0, 5 * kMs, where_)->rest_ns, 45 * kMs);
+  EXPECT_EQ(step.end_frame(100 * kMs, 190 * kMs, where_)->rest_ns, 0);
 }
 
 TEST_F(VisionStepTest, AnUnchangedStateIsReportedOnce) {
@@ -378,7 +378,7 @@ TEST_F(VisionStepTest, WithoutAHubThereIsAPictureButNoReport) {
   const auto shown = step.compose(0);
   EXPECT_FALSE(shown.probe);
   EXPECT_NE(shown.hud.find("waiting"), std::string::npos);
-  EXPECT_FALSE(step.drew(0, kMs, where_));
+  EXPECT_FALSE(step.end_frame(0, kMs, where_));
 }
 
 TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
@@ -472,7 +472,7 @@ TEST_F(VisionStepTest, WhatIsDrawnOnTheSceneCallsForAPictureAndLeavesTheSceneAtR
   EXPECT_TRUE(step.is_scene_at_rest(200 * kMs));
   ASSERT_TRUE(step.wants_picture(200 * kMs, where_));
   EXPECT_NE(step.compose(200 * kMs).hud.find("1 stroke"), std::string::npos);
-  step.drew(200 * kMs, 205 * kMs, where_);
+  step.end_frame(200 * kMs, 205 * kMs, where_);
   EXPECT_FALSE(turn(step, 300 * kMs));
 }
 

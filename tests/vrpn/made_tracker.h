@@ -27,13 +27,13 @@ inline Bytes say_pose(std::int32_t sensor, const Vec3& p_m, const Quat& q = Quat
   return bytes;
 }
 
-// A VRPN server of a few lines: says what it is told to, to everybody who connects. Without a thread: call attend().
+// A VRPN server of a few lines: says what it is told to, to everybody who connects. Without a thread: call poll().
 class MadeTracker final : private StreamEndpoint::Listener {
  public:
   explicit MadeTracker(const std::string& address = "127.0.0.1:0") : streams_(std::move(*StreamEndpoint::open(address, 0))) {}
 
   Address address() const { return streams_->local_address(); }
-  void attend() { streams_->wait(0, *this); }
+  void poll() { streams_->wait(0, *this); }
   void say(const Bytes& bytes) {
     if (id_ != 0) streams_->send(id_, bytes);
   }
@@ -49,7 +49,7 @@ class MadeTracker final : private StreamEndpoint::Listener {
     SteadyClock clock;
     const std::int64_t end_ns = clock.now_ns() + 20 * kNanosecondsPerSecond;
     while (clock.now_ns() < end_ns) {
-      attend();
+      poll();
       if (step(clock.now_ns())) return true;
       clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
     }

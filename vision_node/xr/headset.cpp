@@ -32,7 +32,7 @@ namespace {
 constexpr XrViewConfigurationType kStereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
 constexpr XrPosef kNoMotion = {{0, 0, 0, 1}, {0, 0, 0}};
 // How long the destructor waits for the runtime to end the session.
-constexpr std::chrono::milliseconds kFarewell{1000};
+constexpr std::chrono::milliseconds kLongestSessionEnd{1000};
 
 template <class T>
 T make_struct(XrStructureType type) {
@@ -73,11 +73,11 @@ struct Headset::Runtime {
   PictureSize size;
   XrSession session = XR_NULL_HANDLE;
   XrSpace space = XR_NULL_HANDLE;
-  struct Chain {
+  struct Swapchain {
     XrSwapchain handle = XR_NULL_HANDLE;
     std::vector<XrSwapchainImageOpenGLKHR> images;
   };
-  std::array<Chain, 2> chains;
+  std::array<Swapchain, 2> swapchains;
   bool is_running = false;
   bool has_ended = false;
   std::string loss;  // why the runtime is lost; empty: it is not
@@ -105,8 +105,8 @@ struct Headset::Runtime {
   Result<void> make_session(const GlxWindow& window);
   Result<void> check_graphics() const;
   Result<void> make_space(RoomSpace wanted);
-  Result<void> make_chains();
-  void take_state(XrSessionState state);
+  Result<void> make_swapchains();
+  void handle_state(XrSessionState state);
   void locate();
   bool fill(const CopyEye& copy, std::array<XrCompositionLayerProjectionView, 2>& shown);
   void finish_frame(const XrCompositionLayerProjection* layer);
@@ -216,7 +216,7 @@ Result<void> Headset::Runtime::make_space(RoomSpace room) {
   return tl::unexpected(explain_openxr(made, "xrCreateReferenceSpace"));
 }
 
-Result<void> Headset::Runtime::make_chains() {
+Result<void> Headset::Runtime::make_swapchains() {
   std::uint32_t count = 0;
   std::vector<std::int64_t> formats;
   XrResult got = xrEnumerateSwapchainFormats(session, 0, &count, nullptr);
@@ -234,7 +234,7 @@ Result<void> Headset::Runtime::make_chains() {
   wanted.sampleCount = wanted.faceCount = wanted.arraySize = wanted.mipCount = 1;
   wanted.width = static_cast<std::uint32_t>(size.width_px);
   wanted.height = static_cast<std::uint32_t>(size.height_px);
-  for (Chain& chain : chains) {
+  for (Swapchain& chain : swapchains) {
     got = xrCreateSwapchain(session, &wanted, &chain.handle);
     if (XR_SUCCEEDED(got)) got = xrEnumerateSwapchainImages(chain.handle, 0, &count, nullptr);
     if (XR_FAILED(got)) return tl::unexpected(explain_openxr(got, "xrCreateSwapchain"));
@@ -245,7 +245,7 @@ Result<void> Headset::Runtime::make_chains() {
   return {};
 }
 
-void Headset::Runtime::take_state(XrSessionState state) {
+void Headset::Runtime::handle_state(XrSessionState state) {
   switch (state) {
     case XR_SESSION_STATE_READY: {
       auto wanted = make_struct<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
@@ -293,13 +293,13 @@ void Headset::Runtime::locate() {
 }
 
 bool Headset::Runtime::fill(const CopyEye& copy, std::array<XrCompositionLayerProjectionView, 2>& shown) {
-  for (std::size_t eye = 0; eye < chains.size(); ++eye) {
-    const Chain& chain = chains[eye];
+  for (std::size_t eye = 0; eye < swapchains.size(); ++eye) {
+    const Swapchain& chain = swapchains[eye];
     std::uint32_t index = 0;
     if (!check(xrAcquireSwapchainImage(chain.handle, nullptr, &index), "xrAcquireSwapchainImage")) return false;
-    auto patience = make_struct<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
-    patience.timeout = XR_INFINITE_DURATION;
-    if (!check(xrWaitSwapchainImage(chain.handle, &patience), "xrWaitSwapchainImage")) return false;
+    auto wait = make_struct<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
+    wait.timeout = XR_INFINITE_DURATION;
+    if (!check(xrWaitSwapchainImage(chain.handle, &wait), "xrWaitSwapchainImage")) return false;
     if (index < chain.images.size()) copy(eye, chain.images[index].image);
     if (!check(xrReleaseSwapchainImage(chain.handle, nullptr), "xrReleaseSwapchainImage")) return false;
     shown[eye] = make_struct<XrCompositionLayerProjectionView>(XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW);
@@ -323,7 +323,7 @@ void Headset::Runtime::finish_frame(const XrCompositionLayerProjection* layer) {
 }
 
 void Headset::Runtime::destroy() {
-  for (Chain& chain : chains) {
+  for (Swapchain& chain : swapchains) {
     if (chain.handle != XR_NULL_HANDLE) xrDestroySwapchain(std::exchange(chain.handle, XR_NULL_HANDLE));
   }
   if (space != XR_NULL_HANDLE) xrDestroySpace(std::exchange(space, XR_NULL_HANDLE));
@@ -344,9 +344,9 @@ Result<std::unique_ptr<Headset>> Headset::connect() {
 Headset::~Headset() {
   if (runtime_->has_frame) runtime_->finish_frame(nullptr);
   if (!is_running() || XR_FAILED(xrRequestExitSession(runtime_->session))) return;
-  const auto until = std::chrono::steady_clock::now() + kFarewell;
+  const auto until = std::chrono::steady_clock::now() + kLongestSessionEnd;
   while (is_running() && std::chrono::steady_clock::now() < until) {
-    attend();
+    poll_events();
     if (is_running() && begin_frame()) runtime_->finish_frame(nullptr);
   }
 }
@@ -357,10 +357,10 @@ PictureSize Headset::eye_size() const { return runtime_->size; }
 Result<void> Headset::open(const GlxWindow& window, RoomSpace space) {
   if (auto made = runtime_->make_session(window); !made) return made;
   if (auto made = runtime_->make_space(space); !made) return made;
-  return runtime_->make_chains();
+  return runtime_->make_swapchains();
 }
 
-void Headset::attend() {
+void Headset::poll_events() {
   while (!is_lost()) {
     auto event = make_struct<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
     const XrResult polled = xrPollEvent(runtime_->instance, &event);
@@ -369,7 +369,7 @@ void Headset::attend() {
     if (event.type != XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) continue;
     XrEventDataSessionStateChanged changed;
     std::memcpy(&changed, &event, sizeof changed);
-    if (changed.session == runtime_->session) runtime_->take_state(changed.state);
+    if (changed.session == runtime_->session) runtime_->handle_state(changed.state);
   }
 }
 

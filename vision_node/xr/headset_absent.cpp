@@ -19,7 +19,7 @@ Headset::~Headset() = default;
 const std::string& Headset::name() const { return runtime_->text; }
 PictureSize Headset::eye_size() const { return {}; }
 Result<void> Headset::open(const GlxWindow&, RoomSpace) { return {}; }
-void Headset::attend() {}
+void Headset::poll_events() {}
 bool Headset::is_running() const { return false; }
 bool Headset::has_ended() const { return false; }
 bool Headset::is_lost() const { return true; }

@@ -29,7 +29,7 @@ HeadsetShow::~HeadsetShow() {
 bool HeadsetShow::begin_turn(const Framing& framing) {
   if (is_loss_reported_) return false;
   view_.make_current();
-  headset_->attend();
+  headset_->poll_events();
   const bool is_wanted = headset_->is_running() && headset_->begin_frame();
   if (is_wanted) aim(framing);
   set_shown(is_wanted);
