@@ -193,7 +193,7 @@ struct DeviceHub::Parts {
   std::unique_ptr<Servo> servo;
   HopMeter hops;
   ReportServer report_server;
-  HeartbeatMemory guard;
+  HeartbeatMemory heartbeat;
   WatchdogProcess watchdog;
   LatchFile latch_file;
   IoSession session;
@@ -235,12 +235,12 @@ std::string DeviceHub::describe() const {
 Result<void> DeviceHub::start_watchdog() {
   const IoOptions& options = parts_->options;
   if (options.watchdog == RealtimeMode::off) return {};
-  Result<void> started = parts_->guard.make();
+  Result<void> started = parts_->heartbeat.make();
   if (started) {
-    parts_->device->use_heartbeat_page(parts_->guard.page());
-    parts_->servo->device_loop().set_heartbeat_page(&parts_->guard.page());
+    parts_->device->use_heartbeat_page(parts_->heartbeat.page());
+    parts_->servo->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
-    started = parts_->watchdog.start(parts_->guard, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
+    started = parts_->watchdog.start(parts_->heartbeat, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
   }
   if (started) parts_->session.set_watchdog(&parts_->watchdog);
   if (started || options.watchdog == RealtimeMode::require) return started;

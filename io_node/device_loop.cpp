@@ -100,9 +100,9 @@ bool DeviceLoop::run_cycle() noexcept {
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
   // After a cut by any thread, the force is ramped down before it is given back.
-  const bool sinks = is_cut() && force_sample_ns() != 0;
-  if (sinks) governor_.interrupt();
-  if (!has_fresh_force || sinks) hold_force();
+  const bool is_ramping_down = is_cut() && force_sample_ns() != 0;
+  if (is_ramping_down) governor_.interrupt();
+  if (!has_fresh_force || is_ramping_down) hold_force();
   restore_if_cut();
   grant_requests();
   tick_ns_ += period_ns();
@@ -121,13 +121,14 @@ bool DeviceLoop::run_cycle() noexcept {
   serve();
   const std::int64_t done_ns = clock_.now_ns();
   heartbeat_ns_.store(done_ns, std::memory_order_release);
-  if (guard_ != nullptr) guard_->heartbeat_ns.store(done_ns, std::memory_order_release);
+  if (heartbeat_page_ != nullptr) heartbeat_page_->heartbeat_ns.store(done_ns, std::memory_order_release);
   return true;
 }
 
 // By whomever: the cycle, a watch within this process, or the watchdog process.
 bool DeviceLoop::is_cut() const noexcept {
-  return is_cut_within_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load(std::memory_order_acquire) != 0);
+  return is_cut_within_.load(std::memory_order_acquire) ||
+         (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load(std::memory_order_acquire) != 0);
 }
 
 // Only once nothing is left of the force: it then comes back with the governor's ramp, not with a jump.
@@ -135,12 +136,12 @@ void DeviceLoop::restore_if_cut() noexcept {
   if (!is_cut() || force_sample_ns() != 0) return;
   device_.restore();
   is_cut_within_.store(false, std::memory_order_release);
-  if (guard_ != nullptr) guard_->is_cut.store(0, std::memory_order_release);
+  if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut.store(0, std::memory_order_release);
 }
 
 void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
   force_sample_ns_.store(sample_ns, std::memory_order_release);
-  if (guard_ != nullptr) guard_->force_sample_ns.store(sample_ns, std::memory_order_release);
+  if (heartbeat_page_ != nullptr) heartbeat_page_->force_sample_ns.store(sample_ns, std::memory_order_release);
 }
 
 // Without the claim the force cannot be written; cutting the device needs no claim, because it is atomic.

@@ -124,7 +124,7 @@ class DeviceLoop {
   DeviceLoop(Device& device, const Clock& clock, const Options& options);
 
   // Set up before start: the page in which the watchdog process reads the heartbeat. Pre: outlives this.
-  void set_heartbeat_page(HeartbeatPage* guard) noexcept { guard_ = guard; }
+  void set_heartbeat_page(HeartbeatPage* page) noexcept { heartbeat_page_ = page; }
 
   // ... and what works out forces on this side, where it can. Pre: outlives this.
   void set_local_touch(LocalTouch* local) noexcept { local_ = local; }
@@ -231,7 +231,7 @@ class DeviceLoop {
   Device& device_;
   const Clock& clock_;
   OverrunPolicy policy_;
-  HeartbeatPage* guard_ = nullptr;
+  HeartbeatPage* heartbeat_page_ = nullptr;
   LocalTouch* local_ = nullptr;
   SafetyGovernor governor_;
   Clutch clutch_;  // owned by the holder of the claim

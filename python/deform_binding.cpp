@@ -18,7 +18,7 @@ class PythonDeform {
   PythonDeform(const PythonMesh& mesh, double reach_m, const Material& material) {
     Result<std::unique_ptr<StreamedMethod>> method = fail("not made");
     {
-      const py::gil_scoped_release others_run;
+      const py::gil_scoped_release gil_released;
       method = StreamedMethod::make({}, mesh.mesh, material, reach_m);
     }
     method_ = value_or_raise(std::move(method));
@@ -72,7 +72,7 @@ double PythonDeform::set_shape(const Doubles& vertices, double over_s) {
   const std::vector<Vec3> shape = read_points(vertices, "vertices");
   Result<double> seconds = 0.0;
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     seconds = hand_over(shape, over_s);
   }
   return value_or_raise(std::move(seconds));
@@ -88,7 +88,7 @@ void PythonDeform::reset(const Doubles& position) {
 py::array_t<double> PythonDeform::vertices() {
   std::vector<Vec3> shape;
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     const std::scoped_lock lock(step_mutex_);
     shape = method_->vertices();
   }
@@ -117,7 +117,7 @@ py::dict PythonDeform::step(const Doubles& positions, const Doubles& dt_s) {
   bool* contacts = contact.mutable_data();
   std::int64_t* took_ns = step_ns.mutable_data();
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     const SteadyClock clock;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const std::scoped_lock lock(step_mutex_);  // for each, so that a shape can come in between

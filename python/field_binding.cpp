@@ -105,7 +105,7 @@ py::array_t<double> evaluate_fields(const std::vector<PythonField>& fields, cons
   py::array_t<double> forces = make_points(points.size());
   double* force_n = forces.mutable_data();
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     FieldLaw law(laws_of(fields));
     for (std::size_t i = 0; i < points.size(); ++i) Eigen::Map<Vec3>(force_n + 3 * i) = law.step(points[i], i == 0 ? 0.0 : dt_s);
   }

@@ -24,7 +24,7 @@ template <class Open>
 auto open_or_raise(Open&& open) {
   decltype(open()) opened = fail("not opened");
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     opened = open();
   }
   return value_or_raise(std::move(opened));
@@ -123,7 +123,7 @@ py::dict describe_carves(LiveClient& client, std::int64_t after) {
   if (after < 0 || after > UINT32_MAX) raise_value_error(fmt::format("after is {}; give the number of carves that you have", after));
   LiveClient::CarvesSoFar so_far;
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     so_far = client.find_carves(static_cast<std::uint32_t>(after));
   }
   const std::size_t count = so_far.carves.size();
@@ -177,7 +177,7 @@ double move_object(LiveClient& client, const ObjectKey& object, const std::optio
   }
   const std::string named = name_of(object);
   auto seconds = [&] {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     return client.move_object(named, target);
   }();
   return value_or_raise(std::move(seconds));
@@ -190,7 +190,7 @@ std::optional<double> set_shape(LiveClient& client, const ObjectKey& object, con
   for (const Vec3& p : points) shape.push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
   const std::string named = name_of(object);
   auto seconds = [&] {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     return client.set_shape(named, shape, over_s, wait);
   }();
   const double takes_s = value_or_raise(std::move(seconds));
@@ -228,7 +228,7 @@ std::string change_settings(LiveClient& client, const std::optional<std::string>
   change.object = object.value_or("");
   change.rate_hz = rate_hz.value_or(0.0);
   auto in_use = [&] {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     return client.set(change, key_file);
   }();
   return value_or_raise(std::move(in_use));
@@ -307,7 +307,7 @@ py::dict run_force_function(const py::function& force, double seconds, const std
     while (link->clock().now_ns() < end_ns) {
       std::optional<DeviceState> state;
       {
-        const py::gil_scoped_release others_run;
+        const py::gil_scoped_release gil_released;
         state = link->next(link->clock().now_ns() + 20 * kNanosecondsPerMillisecond);
       }
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -399,7 +399,7 @@ void bind_client(py::module_& module) {
           "mark",
           [](LiveClient& client, const std::string& text) {
             auto sample = [&] {
-              const py::gil_scoped_release others_run;
+              const py::gil_scoped_release gil_released;
               return client.mark(text);
             }();
             return value_or_raise(std::move(sample));
@@ -450,7 +450,7 @@ std::optional<std::uint64_t> set_fields(FieldNode& node, const py::iterable& fie
   node.set(read_fields(fields));
   if (!mark) return std::nullopt;
   auto sample = [&] {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     return node.mark(*mark);
   }();
   return value_or_raise(std::move(sample));
@@ -477,7 +477,7 @@ void bind_live(py::module_& module) {
       .def("close", &FieldNode::stop, py::call_guard<py::gil_scoped_release>(), "Releases the force and leaves the session.")
       .def("__enter__", [](py::object node) { return node; })
       .def("__exit__", [](FieldNode& node, const py::args&) {
-        const py::gil_scoped_release others_run;
+        const py::gil_scoped_release gil_released;
         node.stop();
       });
 }

@@ -39,7 +39,7 @@ PythonMesh load_mesh(const std::string& path, const std::optional<std::string>& 
   const std::optional<Unit> unit = read_unit(unit_name);
   Result<TouchMesh> loaded = fail("not loaded");
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     loaded = load_touch_mesh(path, unit, seal ? CrackSealing::on : CrackSealing::off);
   }
   return {std::make_shared<TriangleMesh>(value_or_raise(std::move(loaded)).mesh)};
@@ -49,7 +49,7 @@ std::string report_mesh(const std::string& path, const std::optional<std::string
   const std::optional<Unit> unit = read_unit(unit_name);
   Result<MeshReport> report = fail("not made");
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     report = make_mesh_report(path, unit);
   }
   return to_json(value_or_raise(std::move(report)));

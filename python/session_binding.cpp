@@ -145,7 +145,7 @@ py::dict read_session(const std::string& path, bool vertices) {
   ObjectChanges changes(reader.header().start_ns);
   Shapes shapes(reader.header().start_ns, vertices);
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { columns.add(row); });
     (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
       table.add(entry, datagram);

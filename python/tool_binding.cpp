@@ -90,7 +90,7 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
                                  .rotational_stiffness_nm_per_rad = rotational_nm_per_rad};
   Result<std::unique_ptr<ToolStep>> made = fail("not made");
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     made = ToolStep::make(tool, std::move(obstacles.meshes), coupling, std::move(obstacles.friction), nullptr, obstacles.part_of);
   }
   tool_ = value_or_raise(std::move(made));
@@ -99,7 +99,7 @@ PythonTool::PythonTool(const TriangleMesh& tool, const TouchScene& scene, double
 
 void PythonTool::reset(const Doubles& pose, const std::optional<Doubles>& scene_pose) {
   ToolInput input{.X_WD = read_pose(pose, "pose"), .X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity()};
-  const py::gil_scoped_release others_run;
+  const py::gil_scoped_release gil_released;
   const std::scoped_lock lock(mutex_);
   place_parts();
   input.X_SO = X_SO_;
@@ -132,7 +132,7 @@ py::dict PythonTool::step(const Doubles& poses, const std::optional<Doubles>& sc
   bool* blocked = batch.blocked.mutable_data();
   std::int64_t* step_ns = batch.step_ns.mutable_data();
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     const std::scoped_lock lock(mutex_);
     const SteadyClock clock;
     for (std::size_t i = 0; i < inputs.size(); ++i) {
@@ -174,7 +174,7 @@ std::unique_ptr<PythonTool> make_tool_from_scene(const std::string& path, const 
   Result<Scene> scene = fail("not loaded");
   Result<std::optional<SceneTool>> tool = std::optional<SceneTool>();
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     scene = load_scene(find_scene(path), loading);
     std::vector<std::string> notes;
     if (scene) tool = find_tool(choice, *scene, loading, notes);

@@ -66,7 +66,7 @@ class PythonTouch {
   PythonTouch(const TouchScene& scene, const MethodSettings& settings) {
     Result<std::unique_ptr<ForceMethod>> method = fail("not made");
     {
-      const py::gil_scoped_release others_run;
+      const py::gil_scoped_release gil_released;
       method = make_method(settings, scene);
     }
     touch_ = std::make_unique<TouchStep>(value_or_raise(std::move(method)), scene);
@@ -95,7 +95,7 @@ void PythonTouch::prepare(const TouchInput& input) {
 void PythonTouch::reset(const Doubles& position, const std::optional<Doubles>& scene_pose) {
   const TouchInput input{.p_WD = read_point(position, "position"),
                          .X_WS = scene_pose ? read_pose(*scene_pose, "scene_pose") : Pose::Identity()};
-  const py::gil_scoped_release others_run;
+  const py::gil_scoped_release gil_released;
   const std::scoped_lock lock(mutex_);
   prepare(input);
 }
@@ -125,7 +125,7 @@ py::dict PythonTouch::step(const Doubles& positions, const Doubles& dt_s, const 
   std::uint32_t* carve = batch.carve.mutable_data();
   std::int64_t* step_ns = batch.step_ns.mutable_data();
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     const std::scoped_lock lock(mutex_);
     const SteadyClock clock;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -162,7 +162,7 @@ std::unique_ptr<PythonTouch> make_from_scene(const std::string& path, const std:
   loading.fit = fit ? MeshFit::workspace : MeshFit::off;
   Result<Scene> scene = fail("not loaded");
   {
-    const py::gil_scoped_release others_run;
+    const py::gil_scoped_release gil_released;
     scene = load_scene(find_scene(path), loading);
   }
   const Scene loaded = value_or_raise(std::move(scene));

@@ -12,23 +12,26 @@
 namespace hapton {
 namespace {
 
-using Way = RemoteMethod::Way;
+using Scheme = RemoteMethod::Scheme;
 
 constexpr std::array<RemoteMethod, 9> kMethods = {{
-    {.name = "local", .title = "whole scene beside the device: zero delay", .way = Way::whole},
+    {.name = "local", .title = "whole scene beside the device: zero delay", .scheme = Scheme::whole},
     {.name = "remote",
      .title = "remote force as io_node uses it: released 20 ms after its sample",
-     .way = Way::force,
+     .scheme = Scheme::force,
      .has_governor = true},
-    {.name = "remote-held", .title = "remote force, the newest one held indefinitely", .way = Way::force},
-    {.name = "remote-passive", .title = "remote force held, and the passivity controller", .way = Way::force, .is_passive = true},
-    {.name = "plane", .title = "one plane, a new one with each reply", .way = Way::plane},
-    {.name = "deadband", .title = "deadband coding, the last force held", .way = Way::deadband},
-    {.name = "deadband-linear", .title = "deadband coding, linear prediction", .way = Way::deadband, .prediction = Prediction::linear},
-    {.name = "patch", .title = "parts of the scene beside the device", .way = Way::patch},
+    {.name = "remote-held", .title = "remote force, the newest one held indefinitely", .scheme = Scheme::force},
+    {.name = "remote-passive", .title = "remote force held, and the passivity controller", .scheme = Scheme::force, .is_passive = true},
+    {.name = "plane", .title = "one plane, a new one with each reply", .scheme = Scheme::plane},
+    {.name = "deadband", .title = "deadband coding, the last force held", .scheme = Scheme::deadband},
+    {.name = "deadband-linear",
+     .title = "deadband coding, linear prediction",
+     .scheme = Scheme::deadband,
+     .prediction = Prediction::linear},
+    {.name = "patch", .title = "parts of the scene beside the device", .scheme = Scheme::patch},
     {.name = "patch-passive",
      .title = "parts of the scene, governor and passivity controller",
-     .way = Way::patch,
+     .scheme = Scheme::patch,
      .has_governor = true,
      .is_passive = true},
 }};
@@ -60,17 +63,17 @@ Result<RemoteScene> make_remote_scene(std::shared_ptr<const TriangleMesh> mesh, 
 
 std::unique_ptr<RemoteTouch> make_remote_touch(const RemoteMethod& method, const RemoteScene& scene, const RemoteNetwork& network,
                                                const RemoteSettings& settings) {
-  switch (method.way) {
-    case Way::whole:
+  switch (method.scheme) {
+    case Scheme::whole:
       return std::make_unique<WholeScene>(scene.far);
-    case Way::force:
+    case Scheme::force:
       return std::make_unique<RemoteForce>(scene.far, network);
-    case Way::plane:
+    case Scheme::plane:
       return std::make_unique<RemotePlane>(scene.far, network);
-    case Way::deadband:
+    case Scheme::deadband:
       return std::make_unique<RemoteDeadband>(scene.far, network,
                                               RemoteDeadband::Options{.fraction = settings.deadband, .prediction = method.prediction});
-    case Way::patch:
+    case Scheme::patch:
       return std::make_unique<RemotePatch>(scene.far, scene.tiles, network,
                                            RemotePatch::Options{.source = {.bits_per_s = settings.patch_bits_per_s}});
   }

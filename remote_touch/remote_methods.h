@@ -16,11 +16,11 @@ namespace hapton {
 
 // A method of touch across a network, and the stages between its force and the motors.
 struct RemoteMethod {
-  enum class Way : std::uint8_t { whole, force, plane, deadband, patch };
+  enum class Scheme : std::uint8_t { whole, force, plane, deadband, patch };
 
   std::string_view name;
   std::string_view title;
-  Way way = Way::whole;
+  Scheme scheme = Scheme::whole;
   Prediction prediction = Prediction::hold;  // deadband
   bool has_governor = false;                 // io_node's, which releases a force 20 ms after its sample
   bool is_passive = false;                   // passivity controller

@@ -21,14 +21,14 @@ int edge_number(TriangleFeature feature) { return static_cast<int>(feature) - st
 int vertex_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::vertex0); }
 
 // The closest feature of a triangle is its own and a top along `outward`; a face always is.
-bool is_top_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature feature, const Vec3& outward) {
+bool is_local_maximum_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature feature, const Vec3& outward) {
   if (is_edge(feature)) {
     const int k = edge_number(feature);
-    return surface.owns_edge(t, k) && surface.is_top(t, k, outward);
+    return surface.owns_edge(t, k) && surface.is_local_maximum(t, k, outward);
   }
   if (is_vertex(feature)) {
     const int k = vertex_number(feature);
-    return surface.owns_vertex(t, k) && surface.is_top(surface.surface().triangle(t)[k], outward);
+    return surface.owns_vertex(t, k) && surface.is_local_maximum(surface.surface().triangle(t)[k], outward);
   }
   return true;
 }
@@ -76,7 +76,7 @@ void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, cons
   }
   most_moved = std::sqrt(most_moved);
   longest = std::sqrt(longest);
-  blur *= 1.0 + longest;
+  normal_error *= 1.0 + longest;
   reach = within * (1.0 + 0x1p-40) + motion.sagitta * longest + 0x1p-45 * (1.0 + longest);
   swept = swept.inflated(reach);
 }
@@ -198,18 +198,18 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
   Range other;  // of the scene's corners from the tool's plane
   for (const Vec3& p : scene.corner) other.grow(tool.normal.dot(p - tool.corner[0]));
   const double span = (tool.corner[0] - scene.corner[0]).cwiseAbs().sum() + tool.box.diagonal() + scene.box.diagonal();
-  const double scene_blur = scene.blur * span;
-  const double tool_blur = tool.blur * span;
+  const double scene_error = scene.normal_error * span;
+  const double tool_error = tool.normal_error * span;
   PlaneGap found;
-  if (moved.from_zero() > tool.reach * scene.length + scene_blur) {
+  if (moved.from_zero() > tool.reach * scene.length + scene_error) {
     found = {0.0, true, moved.low > 0.0 ? scene.normal : -scene.normal};
-  } else if (std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_blur) {
+  } else if (std::max(other.low - end.high, end.low - other.high) > tool.reach * tool.length + tool_error) {
     found = {0.0, true, other.low > 0.0 ? -tool.normal : tool.normal};
   } else {
     found = find_box_gap(tool, scene);
   }
-  if (scene.length > 0.0) found.gap = std::max(found.gap, (still.from_zero() - scene_blur) / scene.length);
-  if (tool.length > 0.0) found.gap = std::max(found.gap, (other.from_zero() - tool_blur) / tool.length);
+  if (scene.length > 0.0) found.gap = std::max(found.gap, (still.from_zero() - scene_error) / scene.length);
+  if (tool.length > 0.0) found.gap = std::max(found.gap, (other.from_zero() - tool_error) / tool.length);
   return found;
 }
 
@@ -339,16 +339,17 @@ bool NearFeatures::is_minimum(const FeaturePair& pair, const FeatureGap& gap) co
   const double slope = SurfaceFeatures::kFlat + (gap.feature == TriangleFeature::face ? turn_ : 0.0);
   switch (pair.kind) {
     case Kind::vertex_face:
-      return tool_features_.is_top(tool_->triangle(pair.tool_triangle)[pair.tool_corner], to_scene, slope) &&
-             is_top_of(scene, scene_triangle, gap.feature, to_tool);
+      return tool_features_.is_local_maximum(tool_->triangle(pair.tool_triangle)[pair.tool_corner], to_scene, slope) &&
+             is_local_maximum_of(scene, scene_triangle, gap.feature, to_tool);
     case Kind::face_vertex:
-      return !is_vertex(gap.feature) && scene.is_top(scene.surface().triangle(scene_triangle)[pair.scene_corner], to_tool, slope) &&
-             is_top_of(tool_features_, pair.tool_triangle, gap.feature, to_scene);
+      return !is_vertex(gap.feature) &&
+             scene.is_local_maximum(scene.surface().triangle(scene_triangle)[pair.scene_corner], to_tool, slope) &&
+             is_local_maximum_of(tool_features_, pair.tool_triangle, gap.feature, to_scene);
     case Kind::edge_edge:
       break;
   }
-  return gap.feature == TriangleFeature::face && tool_features_.is_top(pair.tool_triangle, pair.tool_corner, to_scene, slope) &&
-         scene.is_top(scene_triangle, pair.scene_corner, to_tool, slope);
+  return gap.feature == TriangleFeature::face && tool_features_.is_local_maximum(pair.tool_triangle, pair.tool_corner, to_scene, slope) &&
+         scene.is_local_maximum(scene_triangle, pair.scene_corner, to_tool, slope);
 }
 
 }  // namespace hapton

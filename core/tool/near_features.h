@@ -81,13 +81,13 @@ class NearFeatures {
           normal((b - a).cross(c - a)),
           length(normal.norm()),
           box{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)},
-          blur(0x1p-48 * box.diagonal()) {}
+          normal_error(0x1p-48 * box.diagonal()) {}
 
     std::array<Vec3, 3> corner;
     Vec3 normal;  // not of unit length
     double length = 0.0;
     Box box;
-    double blur = 0.0;  // rounding error of the normal, at most
+    double normal_error = 0.0;  // rounding error of the normal, at most
   };
   // A triangle of the tool, at the start of a motion and over it.
   struct SweptTriangle : PlacedTriangle {

@@ -29,7 +29,7 @@ SurfaceFeatures::SurfaceFeatures(const ObjectGeometry& surface) : surface_(&surf
   }
 }
 
-bool SurfaceFeatures::is_top(std::uint32_t v, const Vec3& outward, double slope) const noexcept {
+bool SurfaceFeatures::is_local_maximum(std::uint32_t v, const Vec3& outward, double slope) const noexcept {
   const Vec3& at = surface_->vertices()[v];
   for (const std::uint32_t u : ring(v)) {
     const Vec3 edge = surface_->vertices()[u] - at;
@@ -38,7 +38,7 @@ bool SurfaceFeatures::is_top(std::uint32_t v, const Vec3& outward, double slope)
   return true;
 }
 
-bool SurfaceFeatures::is_top(std::uint32_t t, int k, const Vec3& outward, double slope) const noexcept {
+bool SurfaceFeatures::is_local_maximum(std::uint32_t t, int k, const Vec3& outward, double slope) const noexcept {
   const Vec3& at = surface_->corner(t, k);
   const auto rises = [&](const Vec3& opposite) {
     const Vec3 across = opposite - at;

@@ -28,9 +28,9 @@ class SurfaceFeatures {
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return std::span(ring_).subspan(first_[v], first_[v + 1] - first_[v]); }
 
   // True if a vertex is a local extreme of its surface along `outward`: no edge at it rises above it by more than `slope` of its length.
-  bool is_top(std::uint32_t v, const Vec3& outward, double slope = kFlat) const noexcept;
+  bool is_local_maximum(std::uint32_t v, const Vec3& outward, double slope = kFlat) const noexcept;
   // The same for edge k of triangle t: neither of its triangles rises above it.
-  bool is_top(std::uint32_t t, int k, const Vec3& outward, double slope = kFlat) const noexcept;
+  bool is_local_maximum(std::uint32_t t, int k, const Vec3& outward, double slope = kFlat) const noexcept;
 
   // Directions between features a contact offset apart are good to about 2^-30.
   static constexpr double kFlat = 0x1p-28;

@@ -82,12 +82,13 @@ TEST(RemoteMethods, WithoutDelayAndLossAllGiveTheZeroDelayForce) {
     SCOPED_TRACE(method.name);
     // A patch's vertices are rounded by the grid, so that the proxy goes over an edge a step earlier or later; a deadband hides a tenth of
     // the force, and a tenth of a millimetre of a place that has changed the slope by then.
-    const double bound_n = method.way == RemoteMethod::Way::patch      ? 0.05
-                           : method.way == RemoteMethod::Way::deadband ? 0.1 * 3.0 + 2.0 * 0.1 * kSheetNPerM * RemoteDeadband::kPositionM
-                                                                       : 1e-9;
+    const double bound_n = method.scheme == RemoteMethod::Scheme::patch ? 0.05
+                           : method.scheme == RemoteMethod::Scheme::deadband
+                               ? 0.1 * 3.0 + 2.0 * 0.1 * kSheetNPerM * RemoteDeadband::kPositionM
+                               : 1e-9;
     const Rows rows = run(method.name, scene, {});
     EXPECT_LT(worst_n(rows), bound_n);
-    if (method.way == RemoteMethod::Way::patch) {
+    if (method.scheme == RemoteMethod::Scheme::patch) {
       EXPECT_LT(error_rms(rows), 1e-3);
     }
     EXPECT_GT(rows.zero_delay_n.back().norm(), 1.0) << "there is contact";

@@ -90,7 +90,7 @@ class ProcessRun {
     std::vector<std::string> words = {"--bind",       hub,
                                       "--device",     "replay",
                                       "--trajectory", path().string(),
-                                      "--touch",      row.method->way == RemoteMethod::Way::patch ? "patch" : "remote",
+                                      "--touch",      row.method->scheme == RemoteMethod::Scheme::patch ? "patch" : "remote",
                                       "--cpu",        cpu_,
                                       "--spin-reply", "0",
                                       "--out",        folder_.string(),
@@ -112,7 +112,7 @@ class ProcessRun {
 
 // In free space until the nodes have found each other and the scene around is there.
 double wait_before(const PrescribedTouch& simulated, const RemoteMethod& method, double round_trip_s) {
-  const double scene_s = method.way == RemoteMethod::Way::patch ? kSceneShare * simulated.ready_s : 0.0;
+  const double scene_s = method.scheme == RemoteMethod::Scheme::patch ? kSceneShare * simulated.ready_s : 0.0;
   return kJoinS + kJoinTrips * round_trip_s + scene_s;
 }
 
@@ -205,14 +205,15 @@ constexpr ProcessFigure kProcessFigures[] = {
 
 }  // namespace
 
-bool has_programs(const RemoteMethod& method) noexcept {
-  return method.way == RemoteMethod::Way::patch || (method.way == RemoteMethod::Way::force && (method.has_governor || method.is_passive));
+bool is_implemented_by_programs(const RemoteMethod& method) noexcept {
+  return method.scheme == RemoteMethod::Scheme::patch ||
+         (method.scheme == RemoteMethod::Scheme::force && (method.has_governor || method.is_passive));
 }
 
 Result<std::vector<RemoteProcessRow>> measure_remote_processes(const RemoteGrid& grid,
                                                                const std::function<void(const std::string&)>& progress) {
   for (const RemoteMethod* method : grid.methods) {
-    if (!has_programs(*method)) {
+    if (!is_implemented_by_programs(*method)) {
       return fail("--method {}: no program implements it; --processes supports remote, remote-passive, patch and patch-passive",
                   method->name);
     }

@@ -18,7 +18,7 @@ struct RemoteProcessRow : RemoteKey {
 
 // The methods that the programs have: remote, remote-passive, patch and patch-passive. The last three as the lab has them, but with the
 // governor that no program is without. RT: yes.
-bool has_programs(const RemoteMethod& method) noexcept;
+bool is_implemented_by_programs(const RemoteMethod& method) noexcept;
 
 // Runs hub, relay and haptics node of this build on this host for every cell of the grid, the hand a trajectory that is played whatever the
 // force (io_node --device replay), 1 kHz. Needs a quiet machine with two CPUs. Error: one line; a method without programs. RT: no.

@@ -48,7 +48,7 @@ void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::v
     if (is_free(start_)) break;
   }
   positions.push_back(start_);
-  if (is_long_) return travel(positions);
+  if (is_long_) return walk_over_body(positions);
   switch (motion_) {
     case StressMotion::slide:
       slide(positions);
@@ -71,7 +71,7 @@ void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::v
       creep(positions);
       break;
     default:
-      wander(positions);
+      walk_near(positions);
       break;
   }
   if (positions.size() > kLongestEpisode) positions.resize(kLongestEpisode);
@@ -109,8 +109,8 @@ void StressEpisode::go_to(std::vector<Vec3>& positions, const Vec3& to, double s
 
 void StressEpisode::slide(std::vector<Vec3>& positions) {
   walk_.start(triangle_, uniform(-std::numbers::pi, std::numbers::pi));
-  const double step = extent_ * power(-5.0, -1.5);
-  const double depth = extent_ * power(-4.0, -1.5);
+  const double step = extent_ * log_uniform(-5.0, -1.5);
+  const double depth = extent_ * log_uniform(-4.0, -1.5);
   const double bend = 0.3 * normal();
   go_to(positions, walk_.point() - depth * side_ * walk_.normal(), extent_ * 0.01);
   Vec3 up = side_ * walk_.normal();
@@ -123,7 +123,7 @@ void StressEpisode::slide(std::vector<Vec3>& positions) {
 }
 
 void StressEpisode::tap(std::vector<Vec3>& positions) {
-  const double step = extent_ * power(-3.5, -1.0);
+  const double step = extent_ * log_uniform(-3.5, -1.0);
   // Straight down the normal, or from any direction on the near side.
   Vec3 from = up_;
   if (random_() % 2 == 0) {
@@ -132,7 +132,7 @@ void StressEpisode::tap(std::vector<Vec3>& positions) {
   }
   const Vec3 above = at_ + 0.02 * extent_ * from;
   go_to(positions, above, 0.01 * extent_);
-  const double depth = extent_ * power(-4.0, -1.5);
+  const double depth = extent_ * log_uniform(-4.0, -1.5);
   for (int i = 0; i < 3; ++i) {
     go_to(positions, at_, step);
     go_to(positions, at_ - depth * from, step);
@@ -146,61 +146,62 @@ void StressEpisode::coincide(std::vector<Vec3>& positions) {
   auto on_lattice = [&] {
     const auto u = static_cast<double>(static_cast<int>(random_() % 7) - 2) / 2.0;
     const auto v = static_cast<double>(static_cast<int>(random_() % 7) - 2) / 2.0;
-    const double lift = random_() % 3 == 0 ? (random_() % 2 == 0 ? 1.0 : -1.0) * power(-16.0, -8.0) * extent_ : 0.0;
+    const double lift = random_() % 3 == 0 ? (random_() % 2 == 0 ? 1.0 : -1.0) * log_uniform(-16.0, -8.0) * extent_ : 0.0;
     return Vec3(a + u * (b - a) + v * (c - a) + lift * up_);
   };
   const double size = std::max((b - a).norm(), (c - a).norm());
-  for (int i = 0; i < 12; ++i) go_to(positions, on_lattice(), std::max(size * power(-2.0, 0.5), 1e-3 * extent_));
-  go_to(positions, at_ - extent_ * power(-6.0, -1.5) * up_, 0.003 * extent_);
-  for (int i = 0; i < 6; ++i) go_to(positions, on_lattice() - extent_ * power(-6.0, -2.0) * up_, std::max(0.3 * size, 2e-3 * extent_));
+  for (int i = 0; i < 12; ++i) go_to(positions, on_lattice(), std::max(size * log_uniform(-2.0, 0.5), 1e-3 * extent_));
+  go_to(positions, at_ - extent_ * log_uniform(-6.0, -1.5) * up_, 0.003 * extent_);
+  for (int i = 0; i < 6; ++i)
+    go_to(positions, on_lattice() - extent_ * log_uniform(-6.0, -2.0) * up_, std::max(0.3 * size, 2e-3 * extent_));
 }
 
 void StressEpisode::graze(std::vector<Vec3>& positions) {
   Vec3 along = direction();
   along = (along - along.dot(up_) * up_).normalized();
-  const double reach = extent_ * power(-3.0, -0.3);
-  const double tilt = power(-15.0, -1.0);
+  const double reach = extent_ * log_uniform(-3.0, -0.3);
+  const double tilt = log_uniform(-15.0, -1.0);
   const Vec3 from = at_ - reach * along + reach * tilt * up_;
   go_to(positions, from, 0.02 * extent_);
   for (int i = 0; i < 4; ++i) {
-    go_to(positions, at_ + reach * along - reach * tilt * up_, reach * power(-1.5, 0.5));
-    go_to(positions, from, reach * power(-1.5, 0.5));
+    go_to(positions, at_ + reach * along - reach * tilt * up_, reach * log_uniform(-1.5, 0.5));
+    go_to(positions, from, reach * log_uniform(-1.5, 0.5));
   }
 }
 
 void StressEpisode::jump(std::vector<Vec3>& positions) {
   const Vec3 middle = start_;
   for (int i = 0; i < 200; ++i) {
-    positions.push_back(random_() % 8 == 0 ? at_ - extent_ * power(-4.0, -0.5) * up_
-                                           : Vec3(middle + extent_ * power(-2.0, 0.3) * direction()));
+    positions.push_back(random_() % 8 == 0 ? at_ - extent_ * log_uniform(-4.0, -0.5) * up_
+                                           : Vec3(middle + extent_ * log_uniform(-2.0, 0.3) * direction()));
   }
 }
 
 void StressEpisode::creep(std::vector<Vec3>& positions) {
-  const double step = extent_ * power(-12.0, -6.0);
+  const double step = extent_ * log_uniform(-12.0, -6.0);
   positions.push_back(at_ + 2.0 * step * up_);
   Vec3 drift = direction();
   for (int i = 0; i < 150; ++i) {
     if (i % 50 == 0) drift = direction();
     positions.push_back(positions.back() + step * (0.5 * drift + 0.5 * direction() - 0.2 * up_));
   }
-  const double deep = extent_ * power(-9.0, -2.0);
+  const double deep = extent_ * log_uniform(-9.0, -2.0);
   positions.push_back(at_ - deep * up_);
   for (int i = 0; i < 100; ++i) positions.push_back(positions.back() + step * direction());
 }
 
-void StressEpisode::wander(std::vector<Vec3>& positions) { walk_round(positions, kWalkSteps); }
+void StressEpisode::walk_near(std::vector<Vec3>& positions) { random_walk(positions, kWalkSteps); }
 
-void StressEpisode::travel(std::vector<Vec3>& positions) {
+void StressEpisode::walk_over_body(std::vector<Vec3>& positions) {
   for (int leg = 0; leg < kLongWalkLegs; ++leg) {
-    walk_round(positions, kLongWalkLegSteps);
+    random_walk(positions, kLongWalkLegSteps);
     choose_position();
   }
 }
 
-void StressEpisode::walk_round(std::vector<Vec3>& positions, int steps) {
+void StressEpisode::random_walk(std::vector<Vec3>& positions, int steps) {
   Vec3 velocity = Vec3::Zero();
-  const double speed = extent_ * power(-4.0, -2.0);
+  const double speed = extent_ * log_uniform(-4.0, -2.0);
   const double memory = uniform(0.02, 0.3);
   Vec3 at = positions.back();
   for (int i = 0; i < steps; ++i) {

@@ -46,7 +46,7 @@ class StressEpisode {
 
  private:
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  double power(double low, double high) { return std::pow(10.0, uniform(low, high)); }
+  double log_uniform(double low, double high) { return std::pow(10.0, uniform(low, high)); }
   double normal() { return normal_(random_); }
   Vec3 direction();
   void choose_position();
@@ -57,11 +57,11 @@ class StressEpisode {
   void graze(std::vector<Vec3>& positions);
   void jump(std::vector<Vec3>& positions);
   void creep(std::vector<Vec3>& positions);
-  void wander(std::vector<Vec3>& positions);
+  void walk_near(std::vector<Vec3>& positions);
   // A long walk from one part of the body to the next, each time at another speed.
-  void travel(std::vector<Vec3>& positions);
+  void walk_over_body(std::vector<Vec3>& positions);
   // At a random speed, attracted gently to `at_`, which is on the surface.
-  void walk_round(std::vector<Vec3>& positions, int steps);
+  void random_walk(std::vector<Vec3>& positions, int steps);
   Vec3 hostile(Vec3 at);
 
   const TriangleMesh& mesh_;

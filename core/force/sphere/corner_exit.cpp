@@ -133,7 +133,7 @@ bool CornerExit::find_beside(const Vec3& apex, Vec3& beside) noexcept {
   return aside.solved && aside.motion.norm() < contacts_.offset();
 }
 
-double CornerExit::least_exit(const Vec3& pull) const noexcept { return std::sqrt(8.0 * kLeastBetter * contacts_.offset() * pull.norm()); }
+double CornerExit::least_exit(const Vec3& pull) const noexcept { return std::sqrt(8.0 * kMinGain * contacts_.offset() * pull.norm()); }
 
 double CornerExit::time_to_exit(const Vec3& from, const Vec3& to, double time) noexcept {
   if (!find_cone(4.0 * contacts_.offset())) return 2.0;

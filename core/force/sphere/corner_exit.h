@@ -15,10 +15,10 @@ namespace hapton {
 // Frame and units: TouchGeometry's local ones. RT: yes. `work`: is raised by the units of work (step_work.h).
 class CornerExit {
  public:
-  static constexpr double kThrough = 4.0;      // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
-  static constexpr double kLeastBetter = 2.0;  // offsets; a smaller gain is no escape
-  static constexpr double kAbove = 1.25;       // offsets above the faces on the path
-  static constexpr double kMostOff = 4.0;      // a position off an edge is this many times as far from the corner
+  static constexpr double kThrough = 4.0;  // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
+  static constexpr double kMinGain = 2.0;  // offsets; a smaller gain is no escape
+  static constexpr double kAbove = 1.25;   // offsets above the faces on the path
+  static constexpr double kMostOff = 4.0;  // a position off an edge is this many times as far from the corner
 
   // Of the corner that the centre was last held in.
   struct Memory {
@@ -35,7 +35,7 @@ class CornerExit {
   bool find_cone(double moved) noexcept;
   // As find_cone() left it.
   const TangentCone& cone() const { return memory_.cone; }
-  // The least distance along an edge of the corner that makes the point come nearer to the device by kLeastBetter offsets.
+  // The least distance along an edge of the corner that makes the point come nearer to the device by kMinGain offsets.
   double least_exit(const Vec3& pull) const noexcept;
   // The time at which an edge of the corner first leads nearer to a device that moves straight; 2: none does.
   double time_to_exit(const Vec3& from, const Vec3& to, double time) noexcept;

@@ -12,9 +12,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kWide[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
-constexpr double kHeights[] = {8.0, 32.0};         // offsets; height of a lift
-constexpr double kHigher = (CornerExit::kAbove + CornerExit::kThrough) / CornerExit::kAbove;  // above displaced copies of these faces, too
+constexpr double kPathRadii[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
+constexpr double kLiftHeights[] = {8.0, 32.0};          // offsets; height of a lift
+constexpr double kAboveCopies =
+    (CornerExit::kAbove + CornerExit::kThrough) / CornerExit::kAbove;  // above displaced copies of these faces, too
 
 }  // namespace
 
@@ -25,7 +26,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
   const Vec3 pull = device - corner_.cone.apex();
   TangentCone::Steepest steepest = corner_.cone.find_steepest(pull);
   // At the end of a groove that leads neither in nor out, the point stays.
-  if (steepest.slope < -corner().least_exit(pull)) return corner_.cone.is_reentrant() && leave_fold(device, motion);
+  if (steepest.slope < -corner().least_exit(pull)) return corner_.cone.is_reentrant() && leave_reentrant_corner(device, motion);
   for (int i = 0; i < kMostDirections && steepest.slope > corner().least_exit(pull); ++i) {
     const auto pass = [&](double radius) {
       return try_escape(device, motion, [&] {
@@ -38,12 +39,12 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
         const std::optional<Vec3> target = corner().find_past(steepest, radius);
         if (!target) return false;
         const Vec3 below = corner_.cone.apex() + radius * steepest.direction;
-        const Vec3 off = kHigher * (*target - below);
+        const Vec3 off = kAboveCopies * (*target - below);
         return CornerExit::kMostOff * off.norm() < radius && move_past_corner(below + off, radius);
       });
     };
-    for (const double wide : kWide) {
-      const double radius = wide * clearance().offset;
+    for (const double offsets : kPathRadii) {
+      const double radius = offsets * clearance().offset;
       if (pass(radius)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
@@ -52,17 +53,17 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
     }
     // A slit so narrow has room for the sphere only farther out.
     const double room = 1.25 * CornerExit::kMostOff * corner().distance_off_edge(steepest);
-    if (room > kWide[2] * clearance().offset && pass(room)) return true;
+    if (room > kPathRadii[2] * clearance().offset && pass(room)) return true;
     steepest = corner_.cone.find_steepest(pull, steepest.slope);
   }
   return false;
 }
 
 // Straight along the pull, past the apex.
-bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept {
+bool SphereFollower::leave_reentrant_corner(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 towards = (device - corner_.cone.apex()).normalized();
-  return corner_.cone.contains(towards) && std::any_of(std::begin(kWide), std::end(kWide), [&](double wide) {
-           const double radius = wide * clearance().offset;
+  return corner_.cone.contains(towards) && std::any_of(std::begin(kPathRadii), std::end(kPathRadii), [&](double offsets) {
+           const double radius = offsets * clearance().offset;
            return try_escape(device, motion, [&] { return move_past_corner(corner_.cone.apex() + radius * towards, radius); });
          });
 }
@@ -71,24 +72,24 @@ bool SphereFollower::leave_fold(const Vec3& device, const Vec3& motion) noexcept
 // out before all were tried. Where the last call has left some, what led to them is not repeated: it may take most of a call's work.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || contacts_.is_empty()) return false;
-  goes_on_ = escapes_left_at_ == centre_;
-  if (!goes_on_ && wedge().holds()) return false;
+  resumes_escapes_ = untried_escapes_at_ == centre_;
+  if (!resumes_escapes_ && wedge().holds()) return false;
   escapes_ = 0;
   // The way out begins where the centre is.
   bool has_left = corner().find_cone(0.0) && leave_corner(device, motion);
   if (!has_left && last_fly_over_ != motion_) {
     has_left = leave_slit_sideways(device, motion) || leave_by_flight(device, motion);
-    if (!has_escapes_left_) last_fly_over_ = motion_;
+    if (!has_untried_escapes_) last_fly_over_ = motion_;
   }
-  if (has_escapes_left_) escapes_left_at_ = centre_;
-  if (!has_escapes_left_) failed_escapes_ = 0;
+  if (has_untried_escapes_) untried_escapes_at_ = centre_;
+  if (!has_untried_escapes_) failed_escapes_ = 0;
   return has_left;
 }
 
 // Over a barrier lower than the sphere, once in a motion.
 bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noexcept {
   const auto leads_over = [&](const Vec3& direction) {
-    return std::any_of(std::begin(kHeights), std::end(kHeights), [&](double height) {
+    return std::any_of(std::begin(kLiftHeights), std::end(kLiftHeights), [&](double height) {
       return try_escape(device, motion,
                         [&] { return fly_over(32.0 * height * clearance().offset * direction, height * clearance().offset); });
     });
@@ -126,14 +127,14 @@ bool SphereFollower::leave_slit_sideways(const Vec3& device, const Vec3& motion)
   return false;
 }
 
-bool SphereFollower::move_past_corner(const Vec3& target, double wide) noexcept {
-  if (!corner().can_pass(target, wide)) return false;
+bool SphereFollower::move_past_corner(const Vec3& target, double radius) noexcept {
+  if (!corner().can_pass(target, radius)) return false;
   centre_ = target;
   return true;
 }
 
 // Around the corner, a little above the faces of its boundary, to the direction that leads on.
-bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept {
+bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double radius, bool ahead) noexcept {
   constexpr double kQuarter = 0.5 * std::numbers::pi;
   const std::span<const TangentCone::Piece> boundary = corner_.cone.boundary();
   const int count = static_cast<int>(boundary.size());
@@ -144,10 +145,10 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double w
     const int steps = std::max(1, static_cast<int>(std::ceil(piece.opening / kQuarter - 0x1p-20)));
     const double each = piece.opening / steps;
     const double off = above / std::sin(std::min(0.5 * each, 0.5 * kQuarter));
-    if (!(off < 0.25 * wide)) return false;
+    if (!(off < 0.25 * radius)) return false;
     for (int i = 0; i < steps; ++i) {
       const double angle = each * ((forward ? i : steps - 1 - i) + 0.5);
-      if (!go(wide * piece.to + off * (std::cos(angle) * piece.back + std::sin(angle) * piece.normal))) return false;
+      if (!go(radius * piece.to + off * (std::cos(angle) * piece.back + std::sin(angle) * piece.normal))) return false;
     }
     return true;
   };
@@ -157,13 +158,13 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double w
     const int steps = static_cast<int>(angle / (0.5 * kQuarter));
     for (int i = 1; i <= steps; ++i) {
       const double share = static_cast<double>(i) / (steps + 1);
-      if (!go(wide * ((1.0 - share) * from + share * end).normalized() + above * piece.normal)) return false;
+      if (!go(radius * ((1.0 - share) * from + share * end).normalized() + above * piece.normal)) return false;
     }
     return true;
   };
   const TangentCone::Piece& last = boundary[static_cast<std::size_t>(to.piece)];
   const bool is_edge = to.direction == last.to;
-  if (!go(wide * boundary[0].from + above * boundary[0].normal)) return false;
+  if (!go(radius * boundary[0].from + above * boundary[0].normal)) return false;
   if (ahead) {
     for (int i = 0; i < to.piece; ++i) {
       if (!fly_over_piece(boundary[static_cast<std::size_t>(i)], boundary[static_cast<std::size_t>(i)].from,
@@ -179,7 +180,7 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double w
     }
     if (!fly_over_piece(last, last.to, to.direction)) return false;
   }
-  return is_edge ? !ahead || fly_about_edge(last, true) : go(wide * to.direction + above * last.normal);
+  return is_edge ? !ahead || fly_about_edge(last, true) : go(radius * to.direction + above * last.normal);
 }
 
 // Up over everything near, then along the displacement.
@@ -198,19 +199,19 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
   constexpr int kMostEvents = 256;  // of one escape; a bound on the work
-  if (has_escapes_left_ || escapes_++ < failed_escapes_) return false;
+  if (has_untried_escapes_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
-  const bool is_last_try = goes_on_;
-  goes_on_ = false;
+  const bool is_last_try = resumes_escapes_;
+  resumes_escapes_ = false;
   const Vec3 centre = centre_;
   const auto contacts = contacts_;
   const double distance = (device - centre_).norm();
-  const double nearer = distance - CornerExit::kLeastBetter * clearance().offset;
+  const double nearer = distance - CornerExit::kMinGain * clearance().offset;
   const auto end = [&](bool is_better) {
     idle_ = 0;
     if (is_better) return true;
-    has_escapes_left_ = work_ > most_work_ && 2 * work_before > most_work_ && !is_last_try;
-    failed_escapes_ += has_escapes_left_ ? 0 : 1;
+    has_untried_escapes_ = work_ > most_work_ && 2 * work_before > most_work_ && !is_last_try;
+    failed_escapes_ += has_untried_escapes_ ? 0 : 1;
     centre_ = centre;
     contacts_ = contacts;
     is_descending_ = false;

@@ -69,8 +69,8 @@ void SphereFollower::forget() noexcept {
   idle_ = 0;
   has_lost_minimum_ = false;
   corner_.has_cone = false;
-  has_escapes_left_ = false;
-  escapes_left_at_.reset();
+  has_untried_escapes_ = false;
+  untried_escapes_at_.reset();
   failed_escapes_ = 0;
   motion_ = 1;
   last_fly_over_ = 0;
@@ -111,11 +111,11 @@ SphereFollower::Outcome SphereFollower::follow(const Vec3& from, const Vec3& to,
     short_drags_ = 0;
     lingered_at_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
-  if (!has_escapes_left_) {
+  if (!has_untried_escapes_) {
     failed_escapes_ = 0;
-    escapes_left_at_.reset();
+    untried_escapes_at_.reset();
   }
-  has_escapes_left_ = false;
+  has_untried_escapes_ = false;
   const Outcome outcome = from.allFinite() && to.allFinite() ? follow_finite(from, to, time) : Outcome::failed;
   is_carried_ = outcome == Outcome::exhausted;
   const bool is_far = from.squaredNorm() > kFar * kFar || to.squaredNorm() > kFar * kFar;
@@ -216,7 +216,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   }
   if (next == Next::failed || idle_ > kMostIdle) return Outcome::failed;
   contacts_.note_multipliers(centre_, to);
-  if (has_escapes_left_) return Outcome::exhausted;
+  if (has_untried_escapes_) return Outcome::exhausted;
   if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to)) {
     is_in_slit_ = true;
     return Outcome::failed;

@@ -206,7 +206,7 @@ class SphereFollower {
   bool leave_slit_to_sweeps(bool has_device_moved) noexcept;
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
-  bool leave_fold(const Vec3& device, const Vec3& motion) noexcept;
+  bool leave_reentrant_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool move_past_corner(const Vec3& target, double wide) noexcept;
   bool fly_around_corner(const TangentCone::Steepest& to, double wide, bool ahead) noexcept;
   bool fly_over(const Vec3& displacement, double height) noexcept;
@@ -244,14 +244,14 @@ class SphereFollower {
   int idle_ = 0;                 // events without progress
   double least_distance_ = 0.0;  // least distance to the device since the device moved
   CornerExit::Memory corner_;
-  int corner_tries_ = 0;                 // in this motion
-  int skips_ = 0;                        // in this motion
-  std::uint64_t motion_ = 1;             // its number
-  bool has_escapes_left_ = false;        // out of work before all ways out of a minimum were tried: the next call goes on with them
-  std::optional<Vec3> escapes_left_at_;  // where that minimum is; none: the last call has left none
-  bool goes_on_ = false;                 // with ways out, and has not tried one in this call
-  int escapes_ = 0;                      // tried at this minimum
-  int failed_escapes_ = 0;               // tried there by the calls before
+  int corner_tries_ = 0;                    // in this motion
+  int skips_ = 0;                           // in this motion
+  std::uint64_t motion_ = 1;                // its number
+  bool has_untried_escapes_ = false;        // out of work before all ways out of a minimum were tried: the next call goes on with them
+  std::optional<Vec3> untried_escapes_at_;  // where that minimum is; none: the last call has left none
+  bool resumes_escapes_ = false;            // with ways out, and has not tried one in this call
+  int escapes_ = 0;                         // tried at this minimum
+  int failed_escapes_ = 0;                  // tried there by the calls before
   std::uint64_t last_fly_over_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };

@@ -61,7 +61,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     time = opens;
     // A failed attempt is not repeated in this step.
     ++corner_tries_;
-    if (!leave_minimum(on_path(from, to, time), to - from) && has_escapes_left_) --corner_tries_;
+    if (!leave_minimum(on_path(from, to, time), to - from) && has_untried_escapes_) --corner_tries_;
     return Next::again;
   }
   if (released < 0) {

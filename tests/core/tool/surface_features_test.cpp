@@ -61,15 +61,15 @@ TEST(SurfaceFeatures, OnlyTheHighestOfABoxIsATop) {
   const SurfaceFeatures features(box);
   const Vec3 corner = Vec3(1.0, 1.0, 1.0).normalized();
   int tops = 0;
-  for (std::uint32_t v = 0; v < box.vertices().size(); ++v) tops += features.is_top(v, corner) ? 1 : 0;
+  for (std::uint32_t v = 0; v < box.vertices().size(); ++v) tops += features.is_local_maximum(v, corner) ? 1 : 0;
   EXPECT_EQ(tops, 1);
   // Tilted by 0.1 from straight up: the far edge alone, and with that slope allowed all four corners above.
   const Vec3 up = Vec3(0.1, 0.0, 1.0).normalized();
   int level = 0;
   int within = 0;
   for (std::uint32_t v = 0; v < box.vertices().size(); ++v) {
-    level += features.is_top(v, up) ? 1 : 0;
-    within += features.is_top(v, up, 0.11) ? 1 : 0;
+    level += features.is_local_maximum(v, up) ? 1 : 0;
+    within += features.is_local_maximum(v, up, 0.11) ? 1 : 0;
   }
   EXPECT_EQ(level, 2);
   EXPECT_EQ(within, 4);

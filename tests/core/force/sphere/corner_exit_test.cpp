@@ -50,7 +50,7 @@ TEST(CornerExitOf, BetweenTwoFacesThereIsNoCorner) {
   EXPECT_FALSE(in.corner().find_cone(0.0));
 }
 
-// The device comes to pull along the x axis: from then on the way out along it leads nearer by more than kLeastBetter offsets.
+// The device comes to pull along the x axis: from then on the way out along it leads nearer by more than kMinGain offsets.
 TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
   PointInCorner in;
   const Vec3 from = in.apex + Vec3(-0.1, -0.2, -0.1);
@@ -62,7 +62,7 @@ TEST(CornerExitOf, TheExitOpensWhenAnEdgeLeadsNearer) {
   EXPECT_LT(pull_at(opens).x(), 1.5 * in.corner().least_exit(pull_at(opens)));
   // A way of that length along the edge does lead nearer by that much.
   const Vec3 out = in.corner().least_exit(pull_at(opens)) * Vec3::UnitX();
-  EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kLeastBetter * CornerStage::kClearance.offset);
+  EXPECT_LT((pull_at(opens) - out).norm(), pull_at(opens).norm() - CornerExit::kMinGain * CornerStage::kClearance.offset);
   EXPECT_EQ(in.corner().time_to_exit(from, from - Vec3::UnitX(), 0.0), 2.0);
 }
 
