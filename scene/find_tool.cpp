@@ -14,7 +14,7 @@ namespace hapton {
 Result<std::optional<SceneTool>> find_tool(const ToolChoice& choice, const Scene& scene, const SceneLoading& loading,
                                            std::vector<std::string>& notes) {
   if (choice.file.empty()) return scene.tool;
-  Result<TouchMesh> file = load_touch_mesh(choice.file, choice.unit ? choice.unit : loading.unit, loading.sealing, LookReading::off);
+  Result<TouchMesh> file = load_touch_mesh(choice.file, choice.unit ? choice.unit : loading.unit, loading.sealing, AppearanceReading::off);
   if (!file) return tl::unexpected(file.error());
   for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", choice.file.string(), note));
   return SceneTool{.name = choice.file.stem().string(),

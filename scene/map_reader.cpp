@@ -141,10 +141,11 @@ Eigen::Vector2d find_image_size(const std::vector<MappedTriangle>& triangles) {
 }
 
 // The material whose normal map all triangles of the mesh have. Error: there is none, or not one for all.
-Result<const LookMaterial*> find_normals(const MeshLook& look, const std::string& object) {
-  const LookMaterial* found = nullptr;
-  for (const TriangleLook& triangle : look.triangles) {
-    const LookMaterial* material = triangle.material == TriangleLook::kNoMaterial ? nullptr : &look.materials[triangle.material];
+Result<const VisualMaterial*> find_normals(const MeshAppearance& appearance, const std::string& object) {
+  const VisualMaterial* found = nullptr;
+  for (const TriangleAppearance& triangle : appearance.triangles) {
+    const VisualMaterial* material =
+        triangle.material == TriangleAppearance::kNoMaterial ? nullptr : &appearance.materials[triangle.material];
     if (material == nullptr || !material->normals)
       return fail("the mesh of object '{}' has no normal map, or not everywhere: name an image", printable(object));
     if (found != nullptr && (found->normals != material->normals || found->normal_scale != material->normal_scale)) {
@@ -157,14 +158,15 @@ Result<const LookMaterial*> find_normals(const MeshLook& look, const std::string
 
 std::vector<MappedTriangle> place_triangles(const MapSource& source, const std::array<double, 2>& repeat) {
   std::vector<MappedTriangle> triangles;
-  if (source.look == nullptr || !source.look->has_texcoords() || source.look->triangles.size() != source.mesh->triangles.size())
+  if (source.appearance == nullptr || !source.appearance->has_texcoords() ||
+      source.appearance->triangles.size() != source.mesh->triangles.size())
     return triangles;
   const Eigen::Vector2d times(repeat[0], repeat[1]);
   for (std::size_t t = 0; t < source.mesh->triangles.size(); ++t) {
     MappedTriangle made;
     for (std::size_t k = 0; k < 3; ++k) {
       made.corner[k] = source.vertices[source.mesh->triangles[t][k]];
-      made.texcoord[k] = source.look->triangles[t].corners[k].texcoord.cast<double>().cwiseProduct(times);
+      made.texcoord[k] = source.appearance->triangles[t].corners[k].texcoord.cast<double>().cwiseProduct(times);
     }
     triangles.push_back(made);
   }
@@ -206,12 +208,12 @@ Result<ImageMap> MapMaker::make_map(const MapSpec& spec, std::string_view key) {
 
 Result<ImageMap> MapMaker::make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
                                        const std::string& object) {
-  LookImage image{.name = shown_path(spec).string(), .bytes = {}};
+  TextureImage image{.name = shown_path(spec).string(), .bytes = {}};
   double scale = *spec.normal_scale;
   if (spec.is_of_mesh) {
-    const auto material = find_normals(*source.look, object);
+    const auto material = find_normals(*source.appearance, object);
     if (!material) return fail("{}: 'normal_map': {}", spec.where, material.error().what);
-    image = source.look->images[*(*material)->normals];
+    image = source.appearance->images[*(*material)->normals];
     scale *= (*material)->normal_scale;
   } else {
     auto bytes = read_image_bytes(shown_path(spec));

@@ -13,7 +13,7 @@
 #include "core/base/result.h"
 #include "core/effects/surface_effects.h"
 #include "core/force/touch_scene.h"
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 #include "scene/table_reader.h"
 
 namespace hapton {
@@ -39,7 +39,9 @@ struct MapSpecs {
 
   bool any() const { return !height.file.empty() || !stiffness.file.empty() || !friction.file.empty() || !viscosity.file.empty(); }
   // What these need of a mesh file.
-  LookReading reading() const { return !any() ? LookReading::off : height.is_of_mesh ? LookReading::with_normals : LookReading::on; }
+  AppearanceReading reading() const {
+    return !any() ? AppearanceReading::off : height.is_of_mesh ? AppearanceReading::with_normals : AppearanceReading::on;
+  }
 };
 
 // The keys of [material.NAME] for maps. docs/effects.md has each with its range.
@@ -52,8 +54,8 @@ void read_maps(const toml::table& table, TableReader& reader, Material& material
 // A mesh with its texture coordinates, in the frame of the scene.
 struct MapSource {
   std::vector<Vec3> vertices;
-  std::shared_ptr<const TriangleMesh> mesh;  // its triangles
-  std::shared_ptr<const MeshLook> look;      // one entry for each triangle; null: no texture coordinates
+  std::shared_ptr<const TriangleMesh> mesh;          // its triangles
+  std::shared_ptr<const MeshAppearance> appearance;  // one entry for each triangle; null: no texture coordinates
 };
 
 // Makes the maps of objects; each image is read once.

@@ -99,8 +99,8 @@ constexpr std::array<HapticMap, 4> kMaps = {
 
 }  // namespace
 
-LookReading reading_for_maps(const MaterialSpecs& materials) {
-  LookReading most = LookReading::off;
+AppearanceReading reading_for_maps(const MaterialSpecs& materials) {
+  AppearanceReading most = AppearanceReading::off;
   for (const auto& [name, spec] : materials) most = std::max(most, spec.maps.reading());
   return most;
 }
@@ -109,7 +109,7 @@ Result<MaterialSpec> read_material(const toml::table& table, const std::string& 
   return read_table(table, fmt::format("[material.{}]", printable(name)), name);
 }
 
-Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshLook& images, const std::string& mesh) {
+Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshAppearance& images, const std::string& mesh) {
   const std::string where = fmt::format("{}: {}", mesh, haptic.where);
   toml::table table;
   const Json numbers = haptic.numbers.empty() ? Json::object() : Json::parse(haptic.numbers, nullptr, false);
@@ -138,7 +138,7 @@ Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshLook&
   for (const HapticMap& map : kMaps) {
     if (!(haptic.*map.image)) continue;
     MapSpec& made = spec->maps.*map.spec;
-    const LookImage& image = images.images[*(haptic.*map.image)];
+    const TextureImage& image = images.images[*(haptic.*map.image)];
     made.file = fmt::format("{}: {}", mesh, image.name);
     made.where = where;
     made.bytes = std::make_shared<const std::string>(image.bytes);

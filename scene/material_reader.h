@@ -25,13 +25,13 @@ struct MaterialSpec {
 using MaterialSpecs = std::map<std::string, MaterialSpec, std::less<>>;
 
 // What the maps of all of them need of mesh files.
-LookReading reading_for_maps(const MaterialSpecs& materials);
+AppearanceReading reading_for_maps(const MaterialSpecs& materials);
 
 // [material.NAME] of a scene file. RT: set-up only. Error: "line N: ...".
 Result<MaterialSpec> read_material(const toml::table& table, const std::string& name);
 
 // A haptic material of a mesh file: its numbers are keys of [material.NAME], and its images take the place of the keys that name one.
 // mesh: the file, for errors. Error: the place in that file, what is wrong and how to fix it.
-Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshLook& images, const std::string& mesh);
+Result<MaterialSpec> read_material(const HapticMaterial& haptic, const MeshAppearance& images, const std::string& mesh);
 
 }  // namespace hapton

@@ -8,15 +8,15 @@ namespace hapton {
 namespace {
 
 // The part of the file that the object names. look: its colours and images; maps: its images for forces.
-Result<TriangleMesh> cut(const MeshFile& file, const std::filesystem::path& path, const ObjectSpec& object, MeshLook& look,
-                         MeshLook& maps) {
-  if (!object.nodes.empty()) return extract_nodes(file, object.nodes, &look, &maps);
+Result<TriangleMesh> cut(const MeshFile& file, const std::filesystem::path& path, const ObjectSpec& object, MeshAppearance& appearance,
+                         MeshAppearance& maps) {
+  if (!object.nodes.empty()) return extract_nodes(file, object.nodes, &appearance, &maps);
   if (object.part.empty()) {
-    look = file.look;
+    appearance = file.appearance;
     maps = file.haptics.maps;
     return file.mesh;
   }
-  auto mesh = extract_part(file, object.part, &look, &maps);
+  auto mesh = extract_part(file, object.part, &appearance, &maps);
   if (!mesh) return fail("line {}: {}: {}", object.part_line, path.string(), mesh.error().what);
   return mesh;
 }
@@ -30,22 +30,24 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
   if (const auto found = meshes_.find(key); found != meshes_.end()) return &found->second;
   const Result<const MeshFile*> file = load_file(path, object, notes);
   if (!file) return tl::unexpected(file.error());
-  MeshLook look;
-  MeshLook maps;
-  Result<TriangleMesh> mesh = cut(**file, path, object, look, maps);
+  MeshAppearance appearance;
+  MeshAppearance maps;
+  Result<TriangleMesh> mesh = cut(**file, path, object, appearance, maps);
   if (!mesh) return tl::unexpected(mesh.error());
-  if (object.haptic_material) keep_haptic_material(*object.haptic_material, *mesh, look, maps);
+  if (object.haptic_material) keep_haptic_material(*object.haptic_material, *mesh, appearance, maps);
   ReadyMesh ready;
   std::vector<Vec3> vertices = mesh->vertices;
   ready.given_hash = hash_mesh(*mesh);
-  if (maps_ != LookReading::off || object.haptic_material) {
-    ready.map = {{}, std::make_shared<const TriangleMesh>(*mesh), std::make_shared<const MeshLook>(object.haptic_material ? maps : look)};
+  if (maps_ != AppearanceReading::off || object.haptic_material) {
+    ready.map = {{},
+                 std::make_shared<const TriangleMesh>(*mesh),
+                 std::make_shared<const MeshAppearance>(object.haptic_material ? maps : appearance)};
   }
   ready.sealed = seal_for_touch(*mesh, sealing);
   ready.mesh = std::move(*mesh);
   if (ready.sealed.has_sealed()) ready.vertices_before = std::move(vertices);
-  if (look_ == LookReading::on && !ready.sealed.has_sealed() && look.says_anything())
-    ready.look = std::make_shared<const MeshLook>(std::move(look));
+  if (appearance_ == AppearanceReading::on && !ready.sealed.has_sealed() && appearance.has_colours_or_images())
+    ready.appearance = std::make_shared<const MeshAppearance>(std::move(appearance));
   if (ready.sealed.is_worth_a_note()) {
     notes.push_back(
         fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
@@ -58,16 +60,16 @@ Result<MeshCache::HapticChoice> MeshCache::find_haptics(const std::filesystem::p
   const Result<const MeshFile*> file = load_file(path, object, notes);
   if (!file) return tl::unexpected(file.error());
   if (!(*file)->haptics.any()) return HapticChoice();
-  MeshLook look;
-  MeshLook maps;
-  if (const auto mesh = cut(**file, path, object, look, maps); !mesh) return tl::unexpected(mesh.error());
+  MeshAppearance appearance;
+  MeshAppearance maps;
+  if (const auto mesh = cut(**file, path, object, appearance, maps); !mesh) return tl::unexpected(mesh.error());
   return HapticChoice{&(*file)->haptics, materials_among(maps)};
 }
 
 Result<const MeshFile*> MeshCache::load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {
   const auto key = std::make_pair(path.string(), object.unit);
   if (const auto found = files_.find(key); found != files_.end()) return &found->second;
-  Result<MeshFile> file = load_mesh_file(path, object.unit, std::max(maps_, look_));
+  Result<MeshFile> file = load_mesh_file(path, object.unit, std::max(maps_, appearance_));
   if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
   for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
   return &files_.emplace(key, std::move(*file)).first->second;

@@ -27,12 +27,13 @@ class MeshCache {
     SealReport sealed;
     std::vector<Vec3> vertices_before;  // the vertices before it was sealed; empty: it was not
     std::uint64_t given_hash = 0;
-    std::shared_ptr<const MeshLook> look;  // null: none
-    MapSource map;                         // if there are maps: the mesh before it was sealed
+    std::shared_ptr<const MeshAppearance> appearance;  // null: none
+    MapSource map;                                     // if there are maps: the mesh before it was sealed
   };
 
   // maps: what the maps of the scene (images for forces) need of mesh files, even if `look` is off.
-  MeshCache(CrackSealing sealing, LookReading look, LookReading maps) : sealing_(sealing), look_(look), maps_(maps) {}
+  MeshCache(CrackSealing sealing, AppearanceReading appearance, AppearanceReading maps)
+      : sealing_(sealing), appearance_(appearance), maps_(maps) {}
 
   // The mesh that the object names: a part of a file, some of its nodes, or all of it. notes: gets lines for the log.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
@@ -51,8 +52,8 @@ class MeshCache {
       std::tuple<std::string, std::optional<Unit>, std::string, std::vector<std::size_t>, CrackSealing, std::optional<std::uint32_t>>;
 
   CrackSealing sealing_;
-  LookReading look_;
-  LookReading maps_;
+  AppearanceReading appearance_;
+  AppearanceReading maps_;
   std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
   std::map<Key, ReadyMesh> meshes_;
 };

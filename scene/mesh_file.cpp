@@ -31,7 +31,7 @@ bool is_gltf(const std::string& extension) { return extension == ".gltf" || exte
 void note_unknown_materials(RawMesh& raw) {
   std::size_t count = 0;
   std::string first;
-  for (const LookMaterial& material : raw.look.materials) {
+  for (const VisualMaterial& material : raw.appearance.materials) {
     if (raw.mtl_materials.contains(material.name)) continue;
     if (++count == 1) first = printable(material.name);
   }
@@ -76,11 +76,13 @@ RawMesh with_materials(RawMesh raw, const std::filesystem::path& folder) {
   return raw;
 }
 
-Result<RawMesh> read_raw(std::string_view bytes, const std::string& extension, const std::filesystem::path& folder, LookReading look) {
-  if (extension == ".obj") return read_obj(bytes, look).map([&](RawMesh&& raw) { return with_materials(std::move(raw), folder); });
+Result<RawMesh> read_raw(std::string_view bytes, const std::string& extension, const std::filesystem::path& folder,
+                         AppearanceReading appearance) {
+  if (extension == ".obj") return read_obj(bytes, appearance).map([&](RawMesh&& raw) { return with_materials(std::move(raw), folder); });
   if (extension == ".stl") return read_stl(bytes);
-  if (extension == ".ply") return read_ply(bytes, folder, look);
-  return extension == ".glb" ? read_glb(bytes, folder, kMaxMeshTriangles, look) : read_gltf(bytes, folder, kMaxMeshTriangles, look);
+  if (extension == ".ply") return read_ply(bytes, folder, appearance);
+  return extension == ".glb" ? read_glb(bytes, folder, kMaxMeshTriangles, appearance)
+                             : read_gltf(bytes, folder, kMaxMeshTriangles, appearance);
 }
 
 Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
@@ -89,7 +91,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
     return fail("has {} triangles, more than {}: simplify it", raw.mesh.triangles.size(), kMaxMeshTriangles);
   }
   raw.end_normals();
-  raw.end_look();
+  raw.complete_appearance();
   MeshFile file;
   file.file_vertices = raw.mesh.vertices.size();
   weld_vertices(raw.mesh);
@@ -112,7 +114,7 @@ Result<MeshFile> to_metres(RawMesh raw, Unit unit, bool unit_is_known) {
   file.haptics = std::move(raw.haptics);
   file.animations = std::move(raw.animations);
   file.morphs = std::move(raw.morphs);
-  if (raw.look.says_anything() || raw.look.has_texcoords()) file.look = std::move(raw.look);
+  if (raw.appearance.has_colours_or_images() || raw.appearance.has_texcoords()) file.appearance = std::move(raw.appearance);
   const double longest = (highest - lowest).maxCoeff();
   if (!unit_is_known && (longest > 10.0 || longest < 1e-3)) {
     file.notes.push_back(fmt::format("is {:.4g} m long if its unit is {}; otherwise give the unit", longest, name_of(unit)));
@@ -127,7 +129,7 @@ bool is_mesh_file_name(const std::filesystem::path& path) {
   return extension == ".obj" || extension == ".stl" || extension == ".ply" || is_gltf(extension);
 }
 
-Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit, LookReading look) {
+Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit, AppearanceReading appearance) {
   const std::string extension = extension_of(path);
   const Result<std::string> bytes = read_file_bytes(path, kMaxMeshFileBytes);
   if (!bytes) return tl::unexpected(bytes.error());
@@ -137,7 +139,7 @@ Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional
   if (is_gltf(extension) && unit.value_or(Unit::m) != Unit::m) {
     return fail("{}: glTF is always in metres, not {}: leave the unit out", path.string(), name_of(*unit));
   }
-  Result<MeshFile> file = read_raw(*bytes, extension, path.parent_path(), look).and_then([&](RawMesh&& raw) {
+  Result<MeshFile> file = read_raw(*bytes, extension, path.parent_path(), appearance).and_then([&](RawMesh&& raw) {
     return to_metres(std::move(raw), unit.value_or(Unit::m), unit.has_value() || is_gltf(extension));
   });
   if (!file) return fail("{}: {}", path.string(), file.error().what);
@@ -160,20 +162,20 @@ void append_run(const std::vector<Each>& from, const MeshPart& part, std::vector
 }
 
 template <class Wanted>
-TriangleMesh extract_if(const MeshFile& file, MeshLook* look, MeshLook* haptics, const Wanted& wanted) {
+TriangleMesh extract_if(const MeshFile& file, MeshAppearance* appearance, MeshAppearance* haptics, const Wanted& wanted) {
   TriangleMesh mesh;
   struct Look {
-    const MeshLook& from;
-    MeshLook* into;
+    const MeshAppearance& from;
+    MeshAppearance* into;
   };
-  const std::array<Look, 2> looks = {Look{file.look, look}, Look{file.haptics.maps, haptics}};
-  for (const auto& [from, into] : looks) {
+  const std::array<Look, 2> appearances = {Look{file.appearance, appearance}, Look{file.haptics.maps, haptics}};
+  for (const auto& [from, into] : appearances) {
     if (into != nullptr && !from.triangles.empty()) *into = {.images = from.images, .materials = from.materials, .triangles = {}};
   }
   for (const MeshPart& part : file.parts) {
     if (!wanted(part)) continue;
     append_run(file.mesh.triangles, part, mesh.triangles);
-    for (const auto& [from, into] : looks) {
+    for (const auto& [from, into] : appearances) {
       if (into != nullptr && !from.triangles.empty()) append_run(from.triangles, part, into->triangles);
     }
     if (file.mesh.has_authored_normals()) append_run(file.mesh.authored_normals, part, mesh.authored_normals);
@@ -186,8 +188,8 @@ TriangleMesh extract_if(const MeshFile& file, MeshLook* look, MeshLook* haptics,
 
 }  // namespace
 
-Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look, MeshLook* haptics) {
-  TriangleMesh mesh = extract_if(file, look, haptics, [&](const MeshPart& part) { return is_named(part, name); });
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshAppearance* appearance, MeshAppearance* haptics) {
+  TriangleMesh mesh = extract_if(file, appearance, haptics, [&](const MeshPart& part) { return is_named(part, name); });
   if (!mesh.triangles.empty()) return mesh;
   std::string names;
   for (const MeshPart& part : file.parts) {
@@ -198,8 +200,9 @@ Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name,
   return fail("has no part '{}': it has {}", name, names);
 }
 
-TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshLook* look, MeshLook* haptics) {
-  return extract_if(file, look, haptics,
+TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshAppearance* appearance,
+                           MeshAppearance* haptics) {
+  return extract_if(file, appearance, haptics,
                     [&](const MeshPart& part) { return std::find(nodes.begin(), nodes.end(), part.node) != nodes.end(); });
 }
 

@@ -10,8 +10,8 @@
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
 #include "scene/mesh_animation.h"
+#include "scene/mesh_appearance.h"
 #include "scene/mesh_haptics.h"
-#include "scene/mesh_look.h"
 #include "scene/unit.h"
 
 namespace hapton {
@@ -33,7 +33,7 @@ struct MeshFile {
   Unit unit = Unit::m;                            // what the numbers in the file were taken to be
   std::size_t file_vertices = 0;                  // before equal ones were welded and unused ones dropped, instances counted each
   std::vector<std::string> notes;                 // what was skipped or looks odd, one line each; not errors
-  MeshLook look;                                  // with no triangles if it was not requested or the file has none
+  MeshAppearance appearance;                      // with no triangles if it was not requested or the file has none
   MeshHaptics haptics = {};                       // of glTF: MPEG_haptic_material
   std::vector<MeshAnimation> animations = {};     // of glTF
   std::map<std::size_t, MeshMorphs> morphs = {};  // of glTF, by MeshPart::node
@@ -52,7 +52,7 @@ constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 31;
 // vertex, byte) and what to do. RT: set-up only. Memory is bounded by the file's size, never by what its header
 // claims.
 Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
-                                LookReading look = LookReading::off);
+                                AppearanceReading appearance = AppearanceReading::off);
 
 // True for the extensions load_mesh_file knows.
 bool is_mesh_file_name(const std::filesystem::path& path);
@@ -64,9 +64,10 @@ bool is_named(const MeshPart& part, const std::string& name);
 
 // The triangles of every part that the name means, with the vertices they use. Error: no such part; names those there are.
 // look, haptics: if not null, becomes what is seen, and felt, of those triangles.
-Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshLook* look = nullptr, MeshLook* haptics = nullptr);
+Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshAppearance* appearance = nullptr,
+                                  MeshAppearance* haptics = nullptr);
 // The same of the parts of these nodes. Pre: one of them has triangles.
-TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshLook* look = nullptr,
-                           MeshLook* haptics = nullptr);
+TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshAppearance* appearance = nullptr,
+                           MeshAppearance* haptics = nullptr);
 
 }  // namespace hapton

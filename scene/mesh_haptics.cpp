@@ -19,21 +19,21 @@ void keep_of(const std::vector<bool>& is_kept, std::vector<Element>& elements) {
 
 }  // namespace
 
-std::vector<std::uint32_t> materials_among(const MeshLook& maps) {
+std::vector<std::uint32_t> materials_among(const MeshAppearance& maps) {
   std::vector<std::uint32_t> found;
-  for (const TriangleLook& triangle : maps.triangles) {
+  for (const TriangleAppearance& triangle : maps.triangles) {
     if (std::find(found.begin(), found.end(), triangle.material) == found.end()) found.push_back(triangle.material);
   }
   return found;
 }
 
-void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshLook& look, MeshLook& maps) {
+void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshAppearance& appearance, MeshAppearance& maps) {
   std::vector<bool> is_kept;
-  for (const TriangleLook& triangle : maps.triangles) is_kept.push_back(triangle.material == material);
+  for (const TriangleAppearance& triangle : maps.triangles) is_kept.push_back(triangle.material == material);
   if (std::find(is_kept.begin(), is_kept.end(), false) == is_kept.end()) return;
   keep_of(is_kept, mesh.triangles);
   keep_of(is_kept, mesh.authored_normals);
-  keep_of(is_kept, look.triangles);
+  keep_of(is_kept, appearance.triangles);
   keep_of(is_kept, maps.triangles);
   drop_unused_vertices(mesh);
 }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.h"
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 
 namespace hapton {
 
@@ -31,16 +31,17 @@ struct MeshHaptics {
   std::vector<HapticMaterial> materials;
   // Its images, and by triangle of the mesh: the haptic material, and the places in its images, which repeat. Without triangles if no
   // triangle has a haptic material.
-  MeshLook maps;
+  MeshAppearance maps;
 
   bool any() const { return !maps.triangles.empty(); }
 };
 
-// The haptic materials that occur among these triangles, in their order; TriangleLook::kNoMaterial where some have none. RT: set-up only.
-std::vector<std::uint32_t> materials_among(const MeshLook& maps);
+// The haptic materials that occur among these triangles, in their order; TriangleAppearance::kNoMaterial where some have none. RT: set-up
+// only.
+std::vector<std::uint32_t> materials_among(const MeshAppearance& maps);
 
 // Leaves of a mesh only the triangles of one haptic material, with what is seen of them (unless the look has no triangles). Pre: maps has
 // as many triangles as the mesh. RT: set-up only.
-void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshLook& look, MeshLook& maps);
+void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshAppearance& appearance, MeshAppearance& maps);
 
 }  // namespace hapton

@@ -33,7 +33,7 @@ std::string describe(const HapticMaterial& material) {
 std::vector<const HapticMaterial*> haptic_materials_of(const MeshFile& file) {
   std::vector<const HapticMaterial*> found;
   for (const std::uint32_t index : materials_among(file.haptics.maps)) {
-    if (index != TriangleLook::kNoMaterial) found.push_back(&file.haptics.materials[index]);
+    if (index != TriangleAppearance::kNoMaterial) found.push_back(&file.haptics.materials[index]);
   }
   return found;
 }

@@ -24,8 +24,9 @@ const std::array<Eigen::Vector3f, 3> kNoNormals = {Eigen::Vector3f::Zero(), Eige
 
 }  // namespace
 
-bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals, const PolygonLook* look_of) {
-  if (normals.empty() && look_of == nullptr) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
+bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals,
+                          const PolygonAppearance* appearance_of) {
+  if (normals.empty() && appearance_of == nullptr) return triangulate_polygon(corners, mesh.vertices, mesh.triangles);
   // Over the polygon's own corners: one vertex may occur in it twice, with two normals.
   std::vector<std::uint32_t> own(corners.size());
   std::iota(own.begin(), own.end(), 0U);
@@ -35,10 +36,10 @@ bool RawMesh::add_polygon(std::span<const std::uint32_t> corners, std::span<cons
   if (!triangulate_polygon(own, points, triangles)) return false;
   for (const auto& [a, b, c] : triangles) {
     const Triangle triangle = {corners[a], corners[b], corners[c]};
-    if (look_of != nullptr) {
-      look.resize(mesh.triangles.size());
-      const auto& seen = look_of->corners;
-      look.triangles.push_back({look_of->material, look_of->has_colours, {seen[a], seen[b], seen[c]}});
+    if (appearance_of != nullptr) {
+      appearance.resize(mesh.triangles.size());
+      const auto& seen = appearance_of->corners;
+      appearance.triangles.push_back({appearance_of->material, appearance_of->has_colours, {seen[a], seen[b], seen[c]}});
     }
     if (normals.empty()) {
       mesh.triangles.push_back(triangle);
@@ -59,8 +60,8 @@ void RawMesh::end_normals() {
   if (!mesh.authored_normals.empty()) mesh.authored_normals.resize(mesh.triangles.size(), kNoNormals);
 }
 
-void RawMesh::end_look() {
-  if (!look.triangles.empty()) look.resize(mesh.triangles.size());
+void RawMesh::complete_appearance() {
+  if (!appearance.triangles.empty()) appearance.resize(mesh.triangles.size());
   if (haptics.any()) haptics.maps.resize(mesh.triangles.size());
 }
 

@@ -11,17 +11,17 @@
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
+#include "scene/mesh_appearance.h"
 #include "scene/mesh_file.h"
 #include "scene/mesh_haptics.h"
-#include "scene/mesh_look.h"
 
 namespace hapton {
 
 // How a polygon looks: its material and its corners, in their order.
-struct PolygonLook {
-  std::uint32_t material = TriangleLook::kNoMaterial;
+struct PolygonAppearance {
+  std::uint32_t material = TriangleAppearance::kNoMaterial;
   bool has_colours = false;
-  std::span<const CornerLook> corners;
+  std::span<const CornerAppearance> corners;
 };
 
 // What a reader found, before welding, in the file's own units. Every index is in range, every coordinate finite.
@@ -30,7 +30,7 @@ struct RawMesh {
   TriangleMesh mesh;
   std::vector<MeshPart> parts;
   std::vector<std::string> notes;
-  MeshLook look = {};                             // without triangles if it was not requested or the file has none
+  MeshAppearance appearance = {};                 // without triangles if it was not requested or the file has none
   MeshHaptics haptics = {};                       // of glTF files
   std::vector<MeshAnimation> animations = {};     // of glTF files
   std::map<std::size_t, MeshMorphs> morphs = {};  // of glTF files, by MeshPart::node
@@ -44,23 +44,25 @@ struct RawMesh {
 
   // Appends a polygon's triangles as triangulate_polygon does. normals: the authored ones of its corners, in their order; empty when there
   // are none. look: null where there is none. False, and nothing appended, when it has too many corners.
-  bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals, const PolygonLook* look = nullptr);
+  bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals,
+                   const PolygonAppearance* appearance = nullptr);
   // The same for one triangle.
   void add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals);
   // Call once at the end: triangles without normals get zero ones if others have some.
   void end_normals();
   // Call once at the end: triangles without a look get an empty one if others have one. The same for their haptics.
-  void end_look();
+  void complete_appearance();
 };
 
 // One strict reader a format; bytes is the whole file. Errors say where in the file, not which file. RT: set-up only.
-Result<RawMesh> read_obj(std::string_view bytes, LookReading look = LookReading::off);
+Result<RawMesh> read_obj(std::string_view bytes, AppearanceReading appearance = AppearanceReading::off);
 Result<RawMesh> read_stl(std::string_view bytes);
-Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder = {}, LookReading look = LookReading::off);
+Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder = {},
+                         AppearanceReading appearance = AppearanceReading::off);
 // folder: where buffers with relative addresses are. max_triangles: of all instances together; with more the file is rejected.
 Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,
-                          LookReading look = LookReading::off);
+                          AppearanceReading appearance = AppearanceReading::off);
 Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,
-                         LookReading look = LookReading::off);
+                         AppearanceReading appearance = AppearanceReading::off);
 
 }  // namespace hapton

@@ -18,10 +18,10 @@ namespace {
 
 constexpr std::size_t kMaxImageBytes = std::size_t{1} << 28;
 
-LookMaterial* find_material(MeshLook& look, std::string_view name) {
+VisualMaterial* find_material(MeshAppearance& appearance, std::string_view name) {
   const auto found =
-      std::find_if(look.materials.begin(), look.materials.end(), [&](const LookMaterial& each) { return each.name == name; });
-  return found == look.materials.end() ? nullptr : &*found;
+      std::find_if(appearance.materials.begin(), appearance.materials.end(), [&](const VisualMaterial& each) { return each.name == name; });
+  return found == appearance.materials.end() ? nullptr : &*found;
 }
 
 std::optional<Eigen::Vector3f> read_colour(TextCursor& cursor) {
@@ -44,7 +44,7 @@ std::optional<float> read_share(TextCursor& cursor) {
 }
 
 // Opacity 0 to 1; what is not fully opaque is blended.
-void set_opacity(LookMaterial& material, float opacity) {
+void set_opacity(VisualMaterial& material, float opacity) {
   material.alpha = opacity;
   material.alpha_mode = opacity < 1.0F ? AlphaMode::blend : AlphaMode::opaque;
 }
@@ -126,7 +126,7 @@ std::filesystem::path find_image(const std::filesystem::path& folder, const std:
 }
 
 // Texcoords count downwards: down = 1 - v.
-void place_image(const ImageLine& line, LookMaterial& material) {
+void place_image(const ImageLine& line, VisualMaterial& material) {
   material.wrap = {line.wrap, line.wrap};
   material.image_scale = line.scale;
   material.image_shift = {line.shift.x(), 1.0F - line.scale.y() - line.shift.y()};
@@ -140,9 +140,9 @@ std::string_view without_quotes(std::string_view name) {
 }
 
 std::optional<std::size_t> add_image_file(const std::filesystem::path& file, RawMesh& raw) {
-  auto& images = raw.look.images;
+  auto& images = raw.appearance.images;
   const std::string name = file.string();
-  const auto known = std::find_if(images.begin(), images.end(), [&](const LookImage& image) { return image.name == name; });
+  const auto known = std::find_if(images.begin(), images.end(), [&](const TextureImage& image) { return image.name == name; });
   if (known != images.end()) return static_cast<std::size_t>(known - images.begin());
   Result<std::string> bytes = read_file_bytes(file, kMaxImageBytes);
   if (!bytes) {
@@ -154,16 +154,16 @@ std::optional<std::size_t> add_image_file(const std::filesystem::path& file, Raw
 }
 
 void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMesh& raw) {
-  LookMaterial* material = nullptr;
+  VisualMaterial* material = nullptr;
   bool has_d = false;
   std::size_t bump_maps = 0;
-  std::set<const LookMaterial*> emitting;
+  std::set<const VisualMaterial*> emitting;
   for (TextCursor cursor(bytes); !cursor.at_end(); cursor.next_line()) {
     const std::string_view keyword = cursor.word_in_line();
     if (keyword == "newmtl") {
       const std::string name(cursor.rest_of_line());
       raw.mtl_materials.insert(name);
-      material = find_material(raw.look, name);
+      material = find_material(raw.appearance, name);
       has_d = false;
     }
     if (material == nullptr) continue;

@@ -30,8 +30,8 @@ std::string_view without_byte_order_mark(std::string_view text) {
 
 class ObjReader {
  public:
-  ObjReader(std::string_view text, LookReading look)
-      : text_(without_byte_order_mark(text)), cursor_(text_), wants_look_(look != LookReading::off) {
+  ObjReader(std::string_view text, AppearanceReading appearance)
+      : text_(without_byte_order_mark(text)), cursor_(text_), wants_appearance_(appearance != AppearanceReading::off) {
     raw_.format = "OBJ";
   }
 
@@ -61,7 +61,7 @@ class ObjReader {
     }
     if (keyword == "f" || keyword == "fo") return read_face();
     if (keyword == "vt" || keyword == "usemtl" || keyword == "mtllib") {
-      if (wants_look_) read_look(keyword);
+      if (wants_appearance_) read_appearance(keyword);
       return std::nullopt;
     }
     if (keyword == "o" || keyword == "g") {
@@ -92,7 +92,7 @@ class ObjReader {
       if (!std::isfinite(vertex[axis])) return at_line("coordinate '{}' is not finite: repair the mesh", printable(word));
     }
     raw_.mesh.vertices.push_back(vertex);
-    if (wants_look_) read_colour();
+    if (wants_appearance_) read_colour();
     is_in_face_.push_back(false);
     return std::nullopt;
   }
@@ -104,12 +104,12 @@ class ObjReader {
       if (!parse_number(cursor_.word_in_line(), channel) || !std::isfinite(channel)) return;
     }
     if (!cursor_.word_in_line().empty()) return;
-    colours_.resize(raw_.mesh.vertices.size() - 1, CornerLook().colour);
+    colours_.resize(raw_.mesh.vertices.size() - 1, CornerAppearance().colour);
     auto& colour = colours_.emplace_back();
     for (int k = 0; k < 3; ++k) colour[k] = static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(channels[k], 0.0, 1.0)));
   }
 
-  void read_look(std::string_view keyword) {
+  void read_appearance(std::string_view keyword) {
     if (keyword == "vt") {
       double u = 0.0;
       double v = 0.0;
@@ -122,23 +122,23 @@ class ObjReader {
       raw_.mtl_files.push_back(name);
       return;
     }
-    const auto [known, is_new] = materials_.emplace(name, static_cast<std::uint32_t>(raw_.look.materials.size()));
-    if (is_new) raw_.look.materials.push_back({.name = name, .colour = {}, .image = {}});
+    const auto [known, is_new] = materials_.emplace(name, static_cast<std::uint32_t>(raw_.appearance.materials.size()));
+    if (is_new) raw_.appearance.materials.push_back({.name = name, .colour = {}, .image = {}});
     material_ = known->second;
   }
 
   // Of a corner "vertex/texture/normal".
-  CornerLook look_of(std::string_view word, std::uint32_t vertex) const {
-    CornerLook look;
-    if (vertex < colours_.size()) look.colour = colours_[vertex];
+  CornerAppearance appearance_of(std::string_view word, std::uint32_t vertex) const {
+    CornerAppearance appearance;
+    if (vertex < colours_.size()) appearance.colour = colours_[vertex];
     const auto first = word.find('/');
-    if (first == std::string_view::npos) return look;
+    if (first == std::string_view::npos) return appearance;
     std::int64_t index = 0;
-    if (!parse_integer(word.substr(first + 1, word.find('/', first + 1) - first - 1), index)) return look;
+    if (!parse_integer(word.substr(first + 1, word.find('/', first + 1) - first - 1), index)) return appearance;
     const auto count = static_cast<std::int64_t>(texcoords_.size());
     const std::int64_t from_zero = index < 0 ? count + index : index - 1;
-    if (from_zero >= 0 && from_zero < count) look.texcoord = texcoords_[static_cast<std::size_t>(from_zero)];
-    return look;
+    if (from_zero >= 0 && from_zero < count) appearance.texcoord = texcoords_[static_cast<std::size_t>(from_zero)];
+    return appearance;
   }
 
   // Normals are welcome, not needed: one that cannot be read is none, and its corners get computed ones.
@@ -169,8 +169,8 @@ class ObjReader {
   std::optional<Error> read_face() {
     corners_.clear();
     corner_normals_.clear();
-    corner_looks_.clear();
-    const bool has_look = material_ != TriangleLook::kNoMaterial || !colours_.empty() || !texcoords_.empty();
+    corner_appearances_.clear();
+    const bool has_appearance = material_ != TriangleAppearance::kNoMaterial || !colours_.empty() || !texcoords_.empty();
     for (std::string_view word = cursor_.word_in_line(); !word.empty() && word[0] != '#'; word = cursor_.word_in_line()) {
       std::int64_t index = 0;
       if (!parse_integer(word.substr(0, word.find('/')), index)) {
@@ -183,12 +183,12 @@ class ObjReader {
       }
       corners_.push_back(static_cast<std::uint32_t>(from_zero));
       if (!normals_.empty()) corner_normals_.push_back(normal_of(word));
-      if (has_look) corner_looks_.push_back(look_of(word, corners_.back()));
+      if (has_appearance) corner_appearances_.push_back(appearance_of(word, corners_.back()));
     }
     if (corners_.size() < 3) return at_line("a face has {} corners where at least 3 belong: export the file again", corners_.size());
     for (const std::uint32_t corner : corners_) is_in_face_[corner] = true;
-    const PolygonLook look = {material_, !colours_.empty(), corner_looks_};
-    if (!raw_.add_polygon(corners_, corner_normals_, has_look ? &look : nullptr)) {
+    const PolygonAppearance appearance = {material_, !colours_.empty(), corner_appearances_};
+    if (!raw_.add_polygon(corners_, corner_normals_, has_appearance ? &appearance : nullptr)) {
       return at_line("a hollow polygon has {} corners, more than {}: triangulate it before exporting", corners_.size(), kMaxPolygonCorners);
     }
     if (raw_.parts.empty()) raw_.parts.push_back({});
@@ -208,18 +208,18 @@ class ObjReader {
 
   std::string_view text_;
   TextCursor cursor_;
-  bool wants_look_;
+  bool wants_appearance_;
   RawMesh raw_;
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;
   std::vector<Eigen::Vector3f> corner_normals_;  // of corners_; empty: the file has none
   std::vector<Eigen::Vector2f> texcoords_;
   std::vector<std::array<std::uint8_t, 3>> colours_;  // of the vertices, as far as they have one
-  std::vector<CornerLook> corner_looks_;              // of corners_; empty: nothing is said of them
+  std::vector<CornerAppearance> corner_appearances_;  // of corners_; empty: nothing is said of them
   std::map<std::string, std::uint32_t> materials_;
-  std::uint32_t material_ = TriangleLook::kNoMaterial;  // that holds from here on
-  std::vector<bool> is_in_face_;                        // of each vertex
-  std::string object_;                                  // the names that hold from here on
+  std::uint32_t material_ = TriangleAppearance::kNoMaterial;  // that holds from here on
+  std::vector<bool> is_in_face_;                              // of each vertex
+  std::string object_;                                        // the names that hold from here on
   std::string group_;
   std::size_t unknown_ = 0;
   std::size_t bad_normals_ = 0;
@@ -227,6 +227,6 @@ class ObjReader {
 
 }  // namespace
 
-Result<RawMesh> read_obj(std::string_view bytes, LookReading look) { return ObjReader(bytes, look).read(); }
+Result<RawMesh> read_obj(std::string_view bytes, AppearanceReading appearance) { return ObjReader(bytes, appearance).read(); }
 
 }  // namespace hapton

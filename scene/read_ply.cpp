@@ -101,8 +101,8 @@ static_assert(std::endian::native == std::endian::little, "the byte swap assumes
 template <class Values>
 class BodyReader {
  public:
-  BodyReader(const PlyHeader& header, Values values, RawMesh& raw, LookReading look)
-      : header_(header), values_(std::move(values)), raw_(raw), wants_look_(look != LookReading::off) {}
+  BodyReader(const PlyHeader& header, Values values, RawMesh& raw, AppearanceReading appearance)
+      : header_(header), values_(std::move(values)), raw_(raw), wants_appearance_(appearance != AppearanceReading::off) {}
 
   std::optional<Error> read() {
     for (const PlyElement& element : header_.elements) {
@@ -154,7 +154,7 @@ class BodyReader {
       }
     }
     find_normal_axes(element, axes);
-    if (wants_look_) find_look_axes(element, axes);
+    if (wants_appearance_) find_appearance_axes(element, axes);
     raw_.mesh.vertices.reserve(raw_.mesh.vertices.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
       std::array<double, kPlaces> values = {};
@@ -169,7 +169,7 @@ class BodyReader {
       if (!vertex.allFinite()) return at_place(fmt::format("vertex {} has a coordinate that is not finite: repair the mesh", i));
       raw_.mesh.vertices.push_back(vertex);
       if (has_normals_) normals_.push_back(Vec3(values[3], values[4], values[5]).cast<float>());
-      if (has_colours_ || has_texcoords_) looks_.push_back(look_of(values));
+      if (has_colours_ || has_texcoords_) vertex_appearances_.push_back(appearance_of(values));
     }
     return std::nullopt;
   }
@@ -194,12 +194,12 @@ class BodyReader {
   static constexpr int kTexcoordPlace = 9;
   static constexpr int kAlphaPlace = 11;
 
-  CornerLook look_of(const std::array<double, kPlaces>& values) const {
-    CornerLook look;
-    for (std::size_t k = 0; k < 3 && has_colours_; ++k) look.colour[k] = to_channel(values[kColourPlace + k]);
-    if (has_alpha_) look.alpha = to_channel(values[kAlphaPlace]);
-    if (has_texcoords_) look.texcoord = texcoord_of(values[kTexcoordPlace], values[kTexcoordPlace + 1]);
-    return look;
+  CornerAppearance appearance_of(const std::array<double, kPlaces>& values) const {
+    CornerAppearance appearance;
+    for (std::size_t k = 0; k < 3 && has_colours_; ++k) appearance.colour[k] = to_channel(values[kColourPlace + k]);
+    if (has_alpha_) appearance.alpha = to_channel(values[kAlphaPlace]);
+    if (has_texcoords_) appearance.texcoord = texcoord_of(values[kTexcoordPlace], values[kTexcoordPlace + 1]);
+    return appearance;
   }
 
   std::uint8_t to_channel(double given) const {
@@ -238,7 +238,7 @@ class BodyReader {
     return false;
   }
 
-  void find_look_axes(const PlyElement& element, std::vector<int>& axes) {
+  void find_appearance_axes(const PlyElement& element, std::vector<int>& axes) {
     has_colours_ = find_all(element, {"red", "green", "blue"}, kColourPlace, axes) ||
                    find_all(element, {"diffuse_red", "diffuse_green", "diffuse_blue"}, kColourPlace, axes);
     for (std::size_t p = 0; p < axes.size() && has_colours_; ++p) {
@@ -246,10 +246,10 @@ class BodyReader {
     }
     has_alpha_ = has_colours_ && find_alpha(element, kAlphaPlace, axes);
     for (const auto& [u, v] : {std::pair("s", "t"), std::pair("u", "v"), std::pair("texture_u", "texture_v")}) {
-      if (raw_.look.materials.empty() || has_texcoords_) break;
+      if (raw_.appearance.materials.empty() || has_texcoords_) break;
       has_texcoords_ = find_all(element, {u, v}, kTexcoordPlace, axes);
     }
-    looks_.resize(has_colours_ || has_texcoords_ ? raw_.mesh.vertices.size() : 0);
+    vertex_appearances_.resize(has_colours_ || has_texcoords_ ? raw_.mesh.vertices.size() : 0);
   }
 
   std::optional<Error> read_faces(const PlyElement& element) {
@@ -261,7 +261,7 @@ class BodyReader {
     std::vector<int> places(element.properties.size(), -1);
     const auto corners_at = std::find_if(element.properties.begin(), element.properties.end(), is_corners);
     places[static_cast<std::size_t>(corners_at - element.properties.begin())] = kCornersPlace;
-    if (wants_look_) find_face_places(element, places);
+    if (wants_appearance_) find_face_places(element, places);
     raw_.mesh.triangles.reserve(raw_.mesh.triangles.size() + element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
       for (std::size_t p = 0; p < places.size(); ++p) {
@@ -286,7 +286,7 @@ class BodyReader {
     for (std::size_t p = 0; p < places.size(); ++p) {
       const PlyProperty& property = element.properties[p];
       if (has_face_colours_ && places[p] == 0) colour_scale_ = scale_of(property.type);
-      if (has_texcoords_ || raw_.look.materials.empty()) continue;
+      if (has_texcoords_ || raw_.appearance.materials.empty()) continue;
       if (property.name == "texcoord" && property.list_count) places[p] = kCornerTexcoordsPlace;
       if (property.name == "texnumber" && !property.list_count) places[p] = kTexturePlace;
     }
@@ -323,33 +323,34 @@ class BodyReader {
   std::optional<Error> add_face(std::size_t face) {
     corner_normals_.clear();
     for (std::size_t k = 0; k < corners_.size() && has_normals_; ++k) corner_normals_.push_back(normals_[corners_[k]]);
-    const bool has_look = !looks_.empty() || has_face_colours_ || has_face_texcoords_;
-    corner_looks_.clear();
-    for (std::size_t k = 0; k < corners_.size() && has_look; ++k) corner_looks_.push_back(look_of_corner(k));
-    const PolygonLook look = {material_of_face(), has_colours_ || has_face_colours_, corner_looks_};
-    if (!raw_.add_polygon(corners_, corner_normals_, has_look ? &look : nullptr)) {
+    const bool has_appearance = !vertex_appearances_.empty() || has_face_colours_ || has_face_texcoords_;
+    corner_appearances_.clear();
+    for (std::size_t k = 0; k < corners_.size() && has_appearance; ++k) corner_appearances_.push_back(appearance_of_corner(k));
+    const PolygonAppearance appearance = {material_of_face(), has_colours_ || has_face_colours_, corner_appearances_};
+    if (!raw_.add_polygon(corners_, corner_normals_, has_appearance ? &appearance : nullptr)) {
       return at_place(
           fmt::format("face {} is hollow and has more than {} corners: triangulate it before exporting", face, kMaxPolygonCorners));
     }
     return std::nullopt;
   }
 
-  CornerLook look_of_corner(std::size_t k) const {
-    CornerLook look = corners_[k] < looks_.size() ? looks_[corners_[k]] : CornerLook();
-    for (std::size_t channel = 0; channel < 3 && has_face_colours_; ++channel) look.colour[channel] = to_channel(face_values_[channel]);
-    if (has_face_alpha_) look.alpha = to_channel(face_values_[kFaceAlphaPlace]);
+  CornerAppearance appearance_of_corner(std::size_t k) const {
+    CornerAppearance appearance = corners_[k] < vertex_appearances_.size() ? vertex_appearances_[corners_[k]] : CornerAppearance();
+    for (std::size_t channel = 0; channel < 3 && has_face_colours_; ++channel)
+      appearance.colour[channel] = to_channel(face_values_[channel]);
+    if (has_face_alpha_) appearance.alpha = to_channel(face_values_[kFaceAlphaPlace]);
     if (has_face_texcoords_ && face_texcoords_.size() == 2 * corners_.size()) {
-      look.texcoord = texcoord_of(face_texcoords_[2 * k], face_texcoords_[2 * k + 1]);
+      appearance.texcoord = texcoord_of(face_texcoords_[2 * k], face_texcoords_[2 * k + 1]);
     }
-    return look;
+    return appearance;
   }
 
   // A face without places, or with the number of a texture that the file does not name, has none.
   std::uint32_t material_of_face() const {
     if (has_texcoords_) return 0;
     const double texture = face_values_[kTexturePlace];
-    const bool is_known = texture >= 0.0 && texture < static_cast<double>(raw_.look.materials.size());
-    if (!has_face_texcoords_ || !is_known || face_texcoords_.size() != 2 * corners_.size()) return TriangleLook::kNoMaterial;
+    const bool is_known = texture >= 0.0 && texture < static_cast<double>(raw_.appearance.materials.size());
+    if (!has_face_texcoords_ || !is_known || face_texcoords_.size() != 2 * corners_.size()) return TriangleAppearance::kNoMaterial;
     return static_cast<std::uint32_t>(texture);
   }
 
@@ -383,9 +384,9 @@ class BodyReader {
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;  // of the vertices; empty: the file has none
   std::vector<Eigen::Vector3f> corner_normals_;
-  bool wants_look_;
-  std::vector<CornerLook> looks_;  // of the vertices; empty: the file says nothing of them
-  std::vector<CornerLook> corner_looks_;
+  bool wants_appearance_;
+  std::vector<CornerAppearance> vertex_appearances_;  // of the vertices; empty: the file says nothing of them
+  std::vector<CornerAppearance> corner_appearances_;
   std::vector<double> face_texcoords_;                        // of this face: two for each corner
   std::array<double, kFaceAlphaPlace + 1> face_values_ = {};  // of this face
   bool has_alpha_ = false;
@@ -404,45 +405,45 @@ class BodyReader {
 void blend_by_alpha(RawMesh& raw) {
   std::uint8_t least = 255;
   std::uint8_t most = 0;
-  for (const TriangleLook& look : raw.look.triangles) {
-    for (const CornerLook& corner : look.corners) {
+  for (const TriangleAppearance& appearance : raw.appearance.triangles) {
+    for (const CornerAppearance& corner : appearance.corners) {
       least = std::min(least, corner.alpha);
       most = std::max(most, corner.alpha);
     }
   }
-  if (most == 0 && !raw.look.triangles.empty()) {
+  if (most == 0 && !raw.appearance.triangles.empty()) {
     raw.notes.emplace_back("the alpha of its colours is 0 everywhere, and is left out");
-    for (TriangleLook& look : raw.look.triangles) {
-      for (CornerLook& corner : look.corners) corner.alpha = 255;
+    for (TriangleAppearance& appearance : raw.appearance.triangles) {
+      for (CornerAppearance& corner : appearance.corners) corner.alpha = 255;
     }
     return;
   }
   if (least == 255) return;
-  for (LookMaterial& material : raw.look.materials) material.alpha_mode = AlphaMode::blend;
-  const auto without_image = static_cast<std::uint32_t>(raw.look.materials.size());
-  raw.look.materials.push_back({.name = "", .alpha_mode = AlphaMode::blend});
-  for (TriangleLook& look : raw.look.triangles) {
-    if (look.material == TriangleLook::kNoMaterial) look.material = without_image;
+  for (VisualMaterial& material : raw.appearance.materials) material.alpha_mode = AlphaMode::blend;
+  const auto without_image = static_cast<std::uint32_t>(raw.appearance.materials.size());
+  raw.appearance.materials.push_back({.name = "", .alpha_mode = AlphaMode::blend});
+  for (TriangleAppearance& appearance : raw.appearance.triangles) {
+    if (appearance.material == TriangleAppearance::kNoMaterial) appearance.material = without_image;
   }
 }
 
 template <class Values>
 Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::string format, const std::filesystem::path& folder,
-                          LookReading look) {
+                          AppearanceReading appearance) {
   RawMesh raw;
   raw.format = std::move(format);
   raw.begin_part("");
-  for (std::size_t t = 0; t < header.textures.size() && look != LookReading::off; ++t) {
-    raw.look.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.textures[t], raw)});
+  for (std::size_t t = 0; t < header.textures.size() && appearance != AppearanceReading::off; ++t) {
+    raw.appearance.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.textures[t], raw)});
   }
-  BodyReader<Values> reader(header, Values(body, header), raw, look);
+  BodyReader<Values> reader(header, Values(body, header), raw, appearance);
   if (auto error = reader.read()) return tl::unexpected(std::move(*error));
   if (header.encoding == PlyEncoding::ascii) {
     if (!body.ends_with('\n')) raw.notes.push_back("the last line has no line end: the file may have been cut short");
   } else if (reader.bytes_left() > 0) {
     raw.notes.push_back(fmt::format("{} bytes after the last element were skipped", reader.bytes_left()));
   }
-  if (!raw.look.materials.empty() && !reader.has_texcoords()) {
+  if (!raw.appearance.materials.empty() && !reader.has_texcoords()) {
     raw.notes.push_back("its texture is not drawn: neither its vertices nor its faces have places in it");
   }
   blend_by_alpha(raw);
@@ -452,12 +453,12 @@ Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::s
 
 }  // namespace
 
-Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder, LookReading look) {
+Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder, AppearanceReading appearance) {
   const Result<PlyHeader> header = read_ply_header(bytes);
   if (!header) return tl::unexpected(header.error());
   const std::string_view body = bytes.substr(header->body_offset);
-  if (header->encoding == PlyEncoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, look);
-  return read_body<BinaryValues>(*header, body, "binary PLY", folder, look);
+  if (header->encoding == PlyEncoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, appearance);
+  return read_body<BinaryValues>(*header, body, "binary PLY", folder, appearance);
 }
 
 }  // namespace hapton

@@ -142,7 +142,7 @@ struct PosedMesh {
   SealReport sealed;
   Eigen::AlignedBox3d box;       // of the mesh before sealing
   std::uint64_t given_hash = 0;  // of that mesh and its pose
-  std::shared_ptr<const MeshLook> look;
+  std::shared_ptr<const MeshAppearance> appearance;
   MapSource map = {};              // if there are maps
   std::vector<Vec3> in_file = {};  // of one that deforms by an animation: the vertices before the pose
 };
@@ -153,8 +153,8 @@ Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::pat
   const Result<const MeshCache::ReadyMesh*> loaded = cache.load(path, object, notes);
   if (!loaded) return tl::unexpected(loaded.error());
   const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
-  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .look = (*loaded)->look};
-  if (object.has_colour) posed.look.reset();
+  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .appearance = (*loaded)->appearance};
+  if (object.has_colour) posed.appearance.reset();
   if (object.animated_morphs != nullptr) posed.in_file = posed.mesh.vertices;
   posed.given_hash = hash_placed((*loaded)->given_hash, object.scale, object.q_SM, object.p_SM);
   for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->vertices_before : posed.mesh.vertices) posed.box.extend(pose(vertex));
@@ -281,7 +281,7 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
     for (const std::uint32_t index : choice->materials) {
       FeltObject part = {object, {}};
       part.object.haptic_material = index;
-      if (index != TriangleLook::kNoMaterial) {
+      if (index != TriangleAppearance::kNoMaterial) {
         const HapticMaterial& haptic = choice->haptics->materials[index];
         auto material = read_material(haptic, choice->haptics->maps, path.string());
         if (!material) return tl::unexpected(material.error());
@@ -357,7 +357,7 @@ Result<SceneObject> make_object(FeltObject& felt, PosedMesh& posed, const SceneF
                      .material = material.material,
                      .colour = object.colour,
                      .sealed = posed.sealed,
-                     .look = std::move(posed.look),
+                     .appearance = std::move(posed.appearance),
                      .effects = material.effects,
                      .material_name = object.material,
                      .is_movable = object.is_movable,
@@ -373,7 +373,7 @@ Result<SceneObject> make_object(FeltObject& felt, PosedMesh& posed, const SceneF
 Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& folder, const SceneLoading& loading) {
   Scene scene;
   scene.view = spec.view;
-  MeshCache cache(loading.sealing, loading.look, reading_for_maps(spec.materials));
+  MeshCache cache(loading.sealing, loading.appearance, reading_for_maps(spec.materials));
   MapMaker map_maker(folder);
   note_unused_materials(spec, scene.notes);
   TextureCache textures(folder);
@@ -427,7 +427,7 @@ Result<Scene> load_felt_mesh_as_scene(const std::filesystem::path& path, const S
 }
 
 Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneLoading& loading) {
-  Result<TouchMesh> file = load_touch_mesh(path, loading.unit, loading.sealing, loading.look);
+  Result<TouchMesh> file = load_touch_mesh(path, loading.unit, loading.sealing, loading.appearance);
   if (!file) return tl::unexpected(file.error());
   if (file->has_haptics) return load_felt_mesh_as_scene(path, loading);
   Scene scene;
@@ -442,13 +442,13 @@ Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneL
     scene.fit_scale = fit->scale;
     scene.notes.push_back(describe_fit(path.string(), box, *fit));
   }
-  std::shared_ptr<const MeshLook> look;
-  if (file->look.says_anything()) look = std::make_shared<const MeshLook>(std::move(file->look));
+  std::shared_ptr<const MeshAppearance> appearance;
+  if (file->appearance.has_colours_or_images()) appearance = std::make_shared<const MeshAppearance>(std::move(file->appearance));
   scene.objects.push_back({.name = path.stem().string(),
                            .mesh = std::make_shared<const TriangleMesh>(std::move(file->mesh)),
                            .material = {},
                            .sealed = file->sealed,
-                           .look = std::move(look)});
+                           .appearance = std::move(appearance)});
   return scene;
 }
 

@@ -27,7 +27,7 @@ struct SceneObject {
   Material material;
   std::array<double, 3> colour = {0.7, 0.7, 0.72};          // sRGB, 0..1
   SealReport sealed = {};                                   // cracks sealed in the mesh; widths in S
-  std::shared_ptr<const MeshLook> look = {};                // of the mesh file, in place of the colour; null: none
+  std::shared_ptr<const MeshAppearance> appearance = {};    // of the mesh file, in place of the colour; null: none
   SurfaceEffects effects = {};                              // of its material
   std::string material_name = {};                           // as in the scene file; empty: the default
   bool is_movable = false;                                  // the stylus can pick it up

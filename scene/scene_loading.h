@@ -21,7 +21,7 @@ struct SceneLoading {
   std::optional<Unit> unit = {};  // of a plain mesh file only, what its numbers are in; none: m
   CrackSealing sealing = CrackSealing::on;
   MeshFit fit = MeshFit::off;
-  LookReading look = LookReading::off;  // not recorded: forces do not depend on it
+  AppearanceReading appearance = AppearanceReading::off;  // not recorded: forces do not depend on it
   friend bool operator==(const SceneLoading&, const SceneLoading&) = default;
 };
 

@@ -13,18 +13,19 @@ SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing) {
   return report;
 }
 
-Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing, LookReading look) {
-  Result<MeshFile> file = load_mesh_file(path, unit, look);
+Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit, CrackSealing sealing,
+                                  AppearanceReading appearance) {
+  Result<MeshFile> file = load_mesh_file(path, unit, appearance);
   if (!file) return tl::unexpected(file.error());
   TouchMesh touch{.mesh = std::move(file->mesh),
                   .sealed = {},
                   .given_hash = 0,
                   .notes = std::move(file->notes),
                   .has_haptics = file->haptics.any(),
-                  .look = std::move(file->look)};
+                  .appearance = std::move(file->appearance)};
   touch.given_hash = hash_mesh(touch.mesh);
   touch.sealed = seal_for_touch(touch.mesh, sealing);
-  if (touch.sealed.has_sealed()) touch.look = {};
+  if (touch.sealed.has_sealed()) touch.appearance = {};
   if (touch.sealed.is_worth_a_note()) touch.notes.push_back(touch.sealed.describe());
   return touch;
 }

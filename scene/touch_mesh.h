@@ -9,7 +9,7 @@
 #include "core/base/result.h"
 #include "core/geometry/seal_cracks.h"
 #include "core/geometry/triangle_mesh.h"
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 #include "scene/unit.h"
 
 namespace hapton {
@@ -27,11 +27,11 @@ struct TouchMesh {
   std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
   std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
   bool has_haptics = false;        // the file has haptic materials for some of its triangles
-  MeshLook look;                   // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
+  MeshAppearance appearance;       // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
 };
 
 // Error: whatever load_mesh_file rejects. RT: set-up only.
 Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
-                                  CrackSealing sealing = CrackSealing::on, LookReading look = LookReading::off);
+                                  CrackSealing sealing = CrackSealing::on, AppearanceReading appearance = AppearanceReading::off);
 
 }  // namespace hapton

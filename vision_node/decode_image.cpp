@@ -20,13 +20,13 @@ namespace {
 
 constexpr int kMaxSide = 8192;  // texels; a free choice: 256 MiB in RGBA
 
-std::string name_of(const LookImage& image) { return printable(std::filesystem::path(image.name).filename().string()); }
+std::string name_of(const TextureImage& image) { return printable(std::filesystem::path(image.name).filename().string()); }
 
-Error broken(const LookImage& image) { return {fmt::format("texture {}: is broken", name_of(image))}; }
-Error too_large(const LookImage& image) { return {fmt::format("texture {}: is larger than {} on a side", name_of(image), kMaxSide)}; }
+Error broken(const TextureImage& image) { return {fmt::format("texture {}: is broken", name_of(image))}; }
+Error too_large(const TextureImage& image) { return {fmt::format("texture {}: is larger than {} on a side", name_of(image), kMaxSide)}; }
 
 // By libpng itself: VTK's reader ends the program where a file in memory is cut short.
-Result<Texels> decode_png(const LookImage& image) {
+Result<Texels> decode_png(const TextureImage& image) {
   png_image png = {};
   png.version = PNG_IMAGE_VERSION;
   if (png_image_begin_read_from_memory(&png, image.bytes.data(), image.bytes.size()) == 0) return tl::unexpected(broken(image));
@@ -69,7 +69,7 @@ Texels copy_texels(vtkImageData* data) {
   return texels;
 }
 
-Result<Texels> decode_jpeg(const LookImage& image) {
+Result<Texels> decode_jpeg(const TextureImage& image) {
   const QuietVtk quiet;
   vtkNew<vtkJPEGReader> reader;
   reader->SetMemoryBuffer(image.bytes.data());
@@ -90,7 +90,7 @@ Result<Texels> decode_jpeg(const LookImage& image) {
 
 }  // namespace
 
-Result<Texels> decode_image(const LookImage& image) {
+Result<Texels> decode_image(const TextureImage& image) {
   if (image.bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return tl::unexpected(too_large(image));
   if (image.bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(image);
   if (image.bytes.starts_with("\xFF\xD8\xFF")) return decode_jpeg(image);

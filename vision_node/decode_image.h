@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 
 namespace hapton {
 
@@ -17,7 +17,7 @@ struct Texels {
 };
 
 // PNG and JPEG. Error: one line that names the image: neither of them, broken, or larger than 8,192 on a side. RT: set-up only.
-Result<Texels> decode_image(const LookImage& image);
+Result<Texels> decode_image(const TextureImage& image);
 
 // The same image in another size: averaged when it shrinks, linear between texels when it grows. Pre: both sizes positive.
 Texels resize_image(const Texels& image, int width, int height);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/geometry/triangle_mesh.h"
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 
 namespace hapton {
 

@@ -11,7 +11,7 @@ namespace hapton {
 std::vector<ShownObject> list_shown_objects(const Scene& scene, bool culls_open) {
   std::vector<ShownObject> objects;
   for (const SceneObject& object : scene.objects) {
-    objects.push_back({object.mesh, Vec3(object.colour.data()), object.look, !culls_open && shows_backs(object)});
+    objects.push_back({object.mesh, Vec3(object.colour.data()), object.appearance, !culls_open && shows_backs(object)});
   }
   return objects;
 }

@@ -76,7 +76,7 @@ void place(vtkActor* actor, const Vec3& origin, const Quat& turn, const Vec3& sc
 
 }  // namespace
 
-ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeLook& colours) : sizes_(sizes), tip_radius_m_(sizes.tip_radius_m) {
+ProbeFigure::ProbeFigure(const ProbeSizes& sizes, const ProbeColours& colours) : sizes_(sizes), tip_radius_m_(sizes.tip_radius_m) {
   const double l = sizes.stylus_length_m;
   const double r = 0.038 * l;
   const auto pen = make_lathe({{0.0, 0.0},

@@ -15,12 +15,12 @@
 namespace hapton {
 
 // Colours (red, green, blue, 0 to 1) that distinguish the hands.
-struct ProbeLook {
+struct ProbeColours {
   Vec3 tip;
   Vec3 grip;
   Vec3 arrow;
-  static ProbeLook first() { return {{1.0, 0.78, 0.10}, {0.16, 0.17, 0.20}, {0.20, 0.90, 0.45}}; }
-  static ProbeLook other() { return {{0.25, 0.62, 1.0}, {0.10, 0.22, 0.50}, {0.95, 0.45, 0.85}}; }
+  static ProbeColours first() { return {{1.0, 0.78, 0.10}, {0.16, 0.17, 0.20}, {0.20, 0.90, 0.45}}; }
+  static ProbeColours other() { return {{0.25, 0.62, 1.0}, {0.10, 0.22, 0.50}, {0.95, 0.45, 0.85}}; }
 };
 
 // The stylus with its spherical tip, and the force arrow, as VTK actors. Hidden until set() is called. The arrow begins beside the tip, has
@@ -28,7 +28,7 @@ struct ProbeLook {
 // point is shown too, below the surface, with a line to the tip: the penetration. Threads: the window's. RT: no.
 class ProbeFigure {
  public:
-  explicit ProbeFigure(const ProbeSizes& sizes, const ProbeLook& look = ProbeLook::first());
+  explicit ProbeFigure(const ProbeSizes& sizes, const ProbeColours& colours = ProbeColours::first());
   void add_to(vtkRenderer* renderer);
   void set(const ProbeShown& probe);
   void hide();

@@ -72,11 +72,11 @@ ScenePainter::ScenePainter() = default;
 
 // With its colours and images where the mesh has some.
 DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& object) {
-  const MeshLook* look = shown.look.get();
-  object.is_painted = look != nullptr && look->triangles.size() == shown.mesh->triangles.size();
+  const MeshAppearance* appearance = shown.appearance.get();
+  object.is_painted = appearance != nullptr && appearance->triangles.size() == shown.mesh->triangles.size();
   if (!object.is_painted) return make_level_of(*shown.mesh, object);
   std::vector<std::string> notes;
-  object.textures = TextureLayers::make(*look, notes);
+  object.textures = TextureLayers::make(*appearance, notes);
   for (const std::string& note : notes) log_warning("{}", note);
   DetailLevel level = make_level_of(*shown.mesh, object);
   for (const VertexPaint& paint : level.paints) {
@@ -88,7 +88,7 @@ DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& obj
 
 DetailLevel ScenePainter::make_level_of(const TriangleMesh& mesh, const Object& object) {
   if (!object.is_painted) return make_full_level(mesh, object.frame);
-  return make_painted_level(mesh, object.frame, *object.shown.look, object.shown.colour,
+  return make_painted_level(mesh, object.frame, *object.shown.appearance, object.shown.colour,
                             object.textures != nullptr ? object.textures->layer_of() : std::vector<std::uint8_t>());
 }
 
@@ -137,7 +137,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
     const auto whole = std::make_shared<DetailLevel>(make_whole_level(shown, *object));
-    if (shown.shows_backs) mark_without_back(*shown.mesh, shown.look.get(), *whole);
+    if (shown.shows_backs) mark_without_back(*shown.mesh, shown.appearance.get(), *whole);
     object->radius_m = whole->clusters.front().radius * object->frame.scale_m;
     object->triangles = whole->triangles();
     levels.push_back(object->whole = whole);

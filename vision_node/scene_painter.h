@@ -6,7 +6,7 @@
 
 #include "core/base/result.h"
 #include "core/geometry/triangle_mesh.h"
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 #include "scene/scene_view.h"
 #include "vision_node/detail_builder.h"
 #include "vision_node/gl_program.h"
@@ -19,8 +19,8 @@ namespace hapton {
 struct ShownObject {
   std::shared_ptr<const TriangleMesh> mesh;
   Vec3 colour = {0.7, 0.7, 0.72};
-  std::shared_ptr<const MeshLook> look = {};  // instead of the colour; null: none
-  bool shows_backs = false;                   // its triangles are drawn from behind, too, in a pass that culls
+  std::shared_ptr<const MeshAppearance> appearance = {};  // instead of the colour; null: none
+  bool shows_backs = false;                               // its triangles are drawn from behind, too, in a pass that culls
 };
 
 // One eye's picture of the scene, and its drawing options.

@@ -270,8 +270,8 @@ Result<std::unique_ptr<StereoView>> StereoView::open(const ViewSettings& setting
   auto composer = EyeComposer::make();
   if (!composer) return tl::unexpected(composer.error());
   window->composer = std::move(*composer);
-  window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::first());
-  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeLook::other());
+  window->probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeColours::first());
+  window->other_probe = std::make_unique<ProbeFigure>(scale_probe(settings.framing), ProbeColours::other());
   for (ProbeFigure* figure : {window->probe.get(), window->other_probe.get()}) figure->set_shadow(settings.depth_cues && !settings.plain);
   window->headset =
       std::make_unique<HeadsetWindow>(window->opengl(), !settings.offscreen, PictureSize{settings.width_px, settings.height_px});

@@ -12,6 +12,6 @@ bool shows_backs(const SceneObject& object);
 
 // Marks the vertices of the full level of a mesh that no eye sees from behind (DetailLevel::without_back): of its closed bodies with their
 // fronts outside, unless the look shows inner sides. look: null: none. Linear in the mesh. RT: set-up only.
-void mark_without_back(const TriangleMesh& mesh, const MeshLook* look, DetailLevel& full);
+void mark_without_back(const TriangleMesh& mesh, const MeshAppearance* appearance, DetailLevel& full);
 
 }  // namespace hapton

@@ -11,7 +11,7 @@ namespace {
 std::uint8_t to_byte(double channel) { return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(channel, 0.0, 1.0))); }
 
 // What is never drawn has no alpha and the least cutoff. Blended, the same cutoff leaves out what nobody could see.
-void set_alpha(const LookMaterial& material, const CornerLook& corner, VertexPaint& paint) {
+void set_alpha(const VisualMaterial& material, const CornerAppearance& corner, VertexPaint& paint) {
   if (material.alpha_mode == AlphaMode::opaque) return;
   paint.alpha = to_byte(material.alpha * corner.alpha / 255.0);
   paint.is_blended = material.alpha_mode == AlphaMode::blend ? 1 : 0;
@@ -20,10 +20,10 @@ void set_alpha(const LookMaterial& material, const CornerLook& corner, VertexPai
   if (paint.is_blended == 0 && material.alpha_cutoff > 1.0F) paint.alpha = 0;
 }
 
-VertexPaint compute_paint(const MeshLook& look, const TriangleLook& triangle, const CornerLook& corner, const Vec3& colour,
-                          const std::vector<std::uint8_t>& layer_of) {
-  const bool has_material = triangle.material < look.materials.size();
-  const LookMaterial material = has_material ? look.materials[triangle.material] : LookMaterial();
+VertexPaint compute_paint(const MeshAppearance& appearance, const TriangleAppearance& triangle, const CornerAppearance& corner,
+                          const Vec3& colour, const std::vector<std::uint8_t>& layer_of) {
+  const bool has_material = triangle.material < appearance.materials.size();
+  const VisualMaterial material = has_material ? appearance.materials[triangle.material] : VisualMaterial();
   VertexPaint paint;
   if (material.image && *material.image < layer_of.size()) paint.layer = layer_of[*material.image];
   Vec3 tint = triangle.has_colours || paint.layer > 0 ? Vec3(Vec3::Ones()) : colour;
@@ -58,7 +58,7 @@ struct HashKey {
 
 }  // namespace
 
-DetailLevel make_painted_level(const TriangleMesh& mesh, const DetailFrame& frame, const MeshLook& look, const Vec3& colour,
+DetailLevel make_painted_level(const TriangleMesh& mesh, const DetailFrame& frame, const MeshAppearance& appearance, const Vec3& colour,
                                const std::vector<std::uint8_t>& layer_of) {
   const DetailLevel plain = make_full_level(mesh, frame);
   DetailLevel level;
@@ -67,8 +67,8 @@ DetailLevel make_painted_level(const TriangleMesh& mesh, const DetailFrame& fram
   std::unordered_map<Key, std::uint32_t, HashKey> known;
   known.reserve(2 * plain.positions.size());
   for (std::size_t i = 0; i < plain.indices.size(); ++i) {
-    const TriangleLook& triangle = look.triangles[i / 3];
-    const Key key = {plain.indices[i], compute_paint(look, triangle, triangle.corners[i % 3], colour, layer_of)};
+    const TriangleAppearance& triangle = appearance.triangles[i / 3];
+    const Key key = {plain.indices[i], compute_paint(appearance, triangle, triangle.corners[i % 3], colour, layer_of)};
     const auto [found, is_new] = known.emplace(key, static_cast<std::uint32_t>(level.positions.size()));
     if (is_new) {
       level.positions.push_back(plain.positions[key.vertex]);

@@ -34,16 +34,16 @@ std::pair<int, int> choose_size(const std::vector<Texels>& images) {
 
 }  // namespace
 
-std::unique_ptr<TextureLayers> TextureLayers::make(const MeshLook& look, std::vector<std::string>& notes) {
-  std::vector<bool> is_used(look.images.size(), false);
-  for (const LookMaterial& material : look.materials) {
+std::unique_ptr<TextureLayers> TextureLayers::make(const MeshAppearance& appearance, std::vector<std::string>& notes) {
+  std::vector<bool> is_used(appearance.images.size(), false);
+  for (const VisualMaterial& material : appearance.materials) {
     if (material.image && *material.image < is_used.size()) is_used[*material.image] = true;
   }
-  std::vector<std::uint8_t> layer_of(look.images.size(), 0);
+  std::vector<std::uint8_t> layer_of(appearance.images.size(), 0);
   std::vector<Texels> images;
-  for (std::size_t i = 0; i < look.images.size(); ++i) {
+  for (std::size_t i = 0; i < appearance.images.size(); ++i) {
     if (!is_used[i] || images.size() >= kMostLayers) continue;
-    auto decoded = decode_image(look.images[i]);
+    auto decoded = decode_image(appearance.images[i]);
     if (!decoded) {
       notes.push_back(decoded.error().what);
       continue;

@@ -7,7 +7,7 @@
 
 #include <GL/glew.h>
 
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 
 namespace hapton {
 
@@ -16,7 +16,7 @@ namespace hapton {
 class TextureLayers {
  public:
   // Of the images that the look's materials use. Those that cannot be decoded have no layer; notes says why. Null: there are none.
-  static std::unique_ptr<TextureLayers> make(const MeshLook& look, std::vector<std::string>& notes);
+  static std::unique_ptr<TextureLayers> make(const MeshAppearance& appearance, std::vector<std::string>& notes);
   ~TextureLayers();
   TextureLayers(const TextureLayers&) = delete;
   TextureLayers& operator=(const TextureLayers&) = delete;

@@ -34,7 +34,8 @@ struct VisionOptions {
   bool is_scene_given = false;    // on the command line
   bool watch_scene = false;       // show the scene file again when it is saved
   bool is_loading_given = false;  // unit or fit are on the command line
-  SceneLoading loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};  // drawn as it came
+  SceneLoading loading = {
+      .sealing = CrackSealing::off, .fit = MeshFit::workspace, .appearance = AppearanceReading::on};  // drawn as it came
   ToolChoice tool;
   AnnotatorOptions annotations;
   ViewSettings view;

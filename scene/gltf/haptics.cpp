@@ -193,7 +193,7 @@ class HapticReader {
 
   Result<std::size_t> add_image(const Json& json, const std::string& name) {
     auto& images = raw_.haptics.maps.images;
-    const auto found = std::find_if(images.begin(), images.end(), [&](const LookImage& image) { return image.name == name; });
+    const auto found = std::find_if(images.begin(), images.end(), [&](const TextureImage& image) { return image.name == name; });
     if (found != images.end()) return static_cast<std::size_t>(found - images.begin());
     auto bytes = read_image_bytes(document_, json, name, folder_);
     if (!bytes) return tl::unexpected(bytes.error());

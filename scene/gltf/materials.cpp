@@ -21,8 +21,8 @@ std::optional<std::size_t> read_image(const Document& document, std::size_t inde
     raw.notes.push_back(fmt::format("a texture is missing: {} is on the network ({})", name, printable(uri)));
     return std::nullopt;
   }
-  for (std::size_t i = 0; i < raw.look.images.size(); ++i) {
-    if (raw.look.images[i].name == name) return i;
+  for (std::size_t i = 0; i < raw.appearance.images.size(); ++i) {
+    if (raw.appearance.images[i].name == name) return i;
   }
   Result<std::string> bytes = fail("{} has neither a uri nor a buffer view", name);
   if (!uri.empty()) {
@@ -38,8 +38,8 @@ std::optional<std::size_t> read_image(const Document& document, std::size_t inde
     raw.notes.push_back(fmt::format("a texture is missing: {}", bytes.error().what));
     return std::nullopt;
   }
-  raw.look.images.push_back({name, std::move(*bytes)});
-  return raw.look.images.size() - 1;
+  raw.appearance.images.push_back({name, std::move(*bytes)});
+  return raw.appearance.images.size() - 1;
 }
 
 std::optional<std::size_t> read_texture(const Document& document, const Json& info, const std::string& where,
@@ -85,7 +85,7 @@ std::array<TextureWrap, 2> read_wraps(const Document& document, const Json& info
 }
 
 // alphaMode and alphaCutoff [3.9.4].
-void read_alpha(const Json& json, const std::string& where, LookMaterial& material, RawMesh& raw) {
+void read_alpha(const Json& json, const std::string& where, VisualMaterial& material, RawMesh& raw) {
   const Json& mode = member(json, "alphaMode");
   if (mode == "BLEND") material.alpha_mode = AlphaMode::blend;
   if (mode == "MASK") material.alpha_mode = AlphaMode::mask;
@@ -106,7 +106,7 @@ bool is_same(const TexturePlace& a, const TexturePlace& b) { return a.set == b.s
 
 // normalTexture [3.9.3]. place: of the material's texture coordinates, which all images for forces use.
 void read_normals(const Document& document, const Json& json, const std::string& where, const std::filesystem::path& folder,
-                  const TexturePlace& place, LookMaterial& material, RawMesh& raw) {
+                  const TexturePlace& place, VisualMaterial& material, RawMesh& raw) {
   const Json& texture = member(json, "normalTexture");
   if (!texture.is_object()) return;
   const auto own = read_texture_place(texture, where);
@@ -161,11 +161,12 @@ Result<TexturePlace> read_texture_place(const Json& info, const std::string& whe
   return place;
 }
 
-std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, LookReading look, RawMesh& raw) {
+std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, AppearanceReading appearance,
+                                         RawMesh& raw) {
   const Json& materials = member(document.root, "materials");
   std::vector<TexturePlace> places;
   for (std::size_t m = 0; m < size_of_array(materials); ++m) {
-    LookMaterial material{.name = text_of(member(materials[m], "name"))};
+    VisualMaterial material{.name = text_of(member(materials[m], "name"))};
     read_alpha(materials[m], fmt::format("materials[{}]", m), material, raw);
     material.is_double_sided = member(materials[m], "doubleSided") == true;
     const BaseColour base = find_base_colour(materials[m], m);
@@ -178,10 +179,10 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
     places.push_back(place.value_or(TexturePlace()));
     if (base.texture->is_object()) material.image = read_texture(document, *base.texture, base.where, folder, raw);
     if (material.image) material.wrap = read_wraps(document, *base.texture, base.where, raw);
-    if (look == LookReading::with_normals) {
+    if (appearance == AppearanceReading::with_normals) {
       read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), folder, places.back(), material, raw);
     }
-    raw.look.materials.push_back(std::move(material));
+    raw.appearance.materials.push_back(std::move(material));
   }
   return places;
 }
@@ -189,7 +190,7 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
 namespace {
 
 void read_texcoords(const Document& document, const Json& json, const Primitive& primitive, const TexturePlace& from,
-                    const std::string& where, VertexLooks& looks) {
+                    const std::string& where, VertexAppearances& appearances) {
   const std::string name = fmt::format("TEXCOORD_{}", from.set);
   if (!has_attribute(json, primitive, name)) return;
   const auto values = read_attribute(document, json, primitive, name, where, "VEC2", 2);
@@ -197,43 +198,45 @@ void read_texcoords(const Document& document, const Json& json, const Primitive&
   for (std::size_t i = 0; i < values->count; ++i) {
     const Eigen::Vector2f given(static_cast<float>(values->component(i, 0)), static_cast<float>(values->component(i, 1)));
     const Eigen::Vector2f place = from.place * given;
-    if (place.allFinite()) looks.vertices[i].texcoord = place;
+    if (place.allFinite()) appearances.vertices[i].texcoord = place;
   }
 }
 
 // Three or four components; the fourth is alpha, which is linear.
-void read_colours(const Document& document, const Json& json, const Primitive& primitive, const std::string& where, VertexLooks& looks) {
+void read_colours(const Document& document, const Json& json, const Primitive& primitive, const std::string& where,
+                  VertexAppearances& appearances) {
   if (!has_attribute(json, primitive, "COLOR_0")) return;
   auto values = read_attribute(document, json, primitive, "COLOR_0", where, "VEC4", 4);
   const bool has_alpha = values.has_value();
   if (!values) values = read_attribute(document, json, primitive, "COLOR_0", where, "VEC3", 3);
   if (!values) return;
-  looks.has_colours = true;
+  appearances.has_colours = true;
   for (std::size_t i = 0; i < values->count; ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      looks.vertices[i].colour[k] = static_cast<std::uint8_t>(std::lround(255.0F * to_srgb(values->component(i, k))));
+      appearances.vertices[i].colour[k] = static_cast<std::uint8_t>(std::lround(255.0F * to_srgb(values->component(i, k))));
     }
     if (!has_alpha) continue;
     const double alpha = values->component(i, 3);
-    looks.vertices[i].alpha = static_cast<std::uint8_t>(std::isfinite(alpha) ? std::lround(255.0 * std::clamp(alpha, 0.0, 1.0)) : 255);
+    appearances.vertices[i].alpha =
+        static_cast<std::uint8_t>(std::isfinite(alpha) ? std::lround(255.0 * std::clamp(alpha, 0.0, 1.0)) : 255);
   }
 }
 
 }  // namespace
 
-VertexLooks read_vertex_looks(const Document& document, const Json& json, const Primitive& primitive,
-                              const std::vector<TexturePlace>& places, const std::string& where) {
-  VertexLooks looks;
+VertexAppearances read_vertex_appearances(const Document& document, const Json& json, const Primitive& primitive,
+                                          const std::vector<TexturePlace>& places, const std::string& where) {
+  VertexAppearances appearances;
   const auto material = index_of(member(json, "material"), member(document.root, "materials"), where + ".material");
   const bool has_material = !member(json, "material").is_null() && material && *material < places.size();
-  if (!has_material && !has_attribute(json, primitive, "COLOR_0")) return looks;
-  looks.vertices.resize(primitive.positions.size());
+  if (!has_material && !has_attribute(json, primitive, "COLOR_0")) return appearances;
+  appearances.vertices.resize(primitive.positions.size());
   if (has_material) {
-    looks.material = static_cast<std::uint32_t>(*material);
-    read_texcoords(document, json, primitive, places[*material], where, looks);
+    appearances.material = static_cast<std::uint32_t>(*material);
+    read_texcoords(document, json, primitive, places[*material], where, appearances);
   }
-  read_colours(document, json, primitive, where, looks);
-  return looks;
+  read_colours(document, json, primitive, where, appearances);
+  return appearances;
 }
 
 }  // namespace hapton::gltf

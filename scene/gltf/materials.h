@@ -22,16 +22,17 @@ Result<TexturePlace> read_texture_place(const Json& info, const std::string& whe
 // The file's materials become those of raw.look: base colour and its texture (find_base_colour), alpha mode and
 // cutoff, the wrap modes of the texture's sampler; if they are wanted, normal maps. Returns where each one's texture finds its
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.
-std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, LookReading look, RawMesh& raw);
+std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, AppearanceReading appearance,
+                                         RawMesh& raw);
 
 // How the vertices of a primitive, which was read from this JSON, look: their colours (COLOR_0) and their places in the texture. Empty:
 // nothing is said of them.
-struct VertexLooks {
-  std::uint32_t material = TriangleLook::kNoMaterial;
+struct VertexAppearances {
+  std::uint32_t material = TriangleAppearance::kNoMaterial;
   bool has_colours = false;
-  std::vector<CornerLook> vertices;
+  std::vector<CornerAppearance> vertices;
 };
-VertexLooks read_vertex_looks(const Document& document, const Json& json, const Primitive& primitive,
-                              const std::vector<TexturePlace>& places, const std::string& where);
+VertexAppearances read_vertex_appearances(const Document& document, const Json& json, const Primitive& primitive,
+                                          const std::vector<TexturePlace>& places, const std::string& where);
 
 }  // namespace hapton::gltf

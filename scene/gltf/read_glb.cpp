@@ -17,7 +17,8 @@ std::uint32_t word_at(std::string_view bytes, std::size_t at) {
 }  // namespace
 
 // Header and chunks of section [4.4].
-Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles, LookReading look) {
+Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles,
+                         AppearanceReading appearance) {
   constexpr std::size_t kHeaderBytes = 12;
   constexpr std::size_t kChunkHeaderBytes = 8;
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
@@ -41,7 +42,7 @@ Result<RawMesh> read_glb(std::string_view bytes, const std::filesystem::path& fo
     at += kChunkHeaderBytes + length;
   }
   if (!json) return fail("has no JSON chunk: copy or export it again");
-  return gltf::read_document(*json, binary, folder, "GLB", max_triangles, look);
+  return gltf::read_document(*json, binary, folder, "GLB", max_triangles, appearance);
 }
 
 }  // namespace hapton

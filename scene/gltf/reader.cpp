@@ -84,12 +84,12 @@ std::size_t count_normal_maps(const Json& materials) {
 class SceneReader {
  public:
   // places: of the materials' textures; empty where no look is wanted. haptic_places: of the haptic materials' textures.
-  SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_look,
+  SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_appearance,
               std::vector<HapticPlace> haptic_places, RawMesh& raw)
       : document_(document),
         max_triangles_(max_triangles),
         places_(std::move(places)),
-        wants_look_(wants_look),
+        wants_appearance_(wants_appearance),
         haptic_places_(std::move(haptic_places)),
         raw_(raw) {}
 
@@ -170,25 +170,25 @@ class SceneReader {
       count_flaws(*primitive);
       odd_weights_ += *primitive && !weights->empty() && weights->size() != size_of_array(member(primitives[p], "targets")) ? 1 : 0;
       if (!*primitive || (*primitive)->triangles.empty()) continue;
-      VertexLooks looks;
-      if (wants_look_) looks = read_vertex_looks(document_, primitives[p], **primitive, places_, where);
-      VertexLooks haptics;
+      VertexAppearances appearances;
+      if (wants_appearance_) appearances = read_vertex_appearances(document_, primitives[p], **primitive, places_, where);
+      VertexAppearances haptics;
       if (*haptic) {
         const auto read = read_haptics(primitives[p], **haptic, **primitive, place);
         if (!read) return read.error();
         haptics = *read;
       }
       for (const Eigen::Affine3d& X_NI : *poses) {
-        if (auto error = add_instance(**primitive, where, X_SN * X_NI, {looks, haptics})) return error;
+        if (auto error = add_instance(**primitive, where, X_SN * X_NI, {appearances, haptics})) return error;
       }
     }
     return std::nullopt;
   }
 
   // How the vertices of a primitive feel, as what is seen of them.
-  Result<VertexLooks> read_haptics(const Json& json, std::uint32_t material, const Primitive& primitive, const std::string& where) {
+  Result<VertexAppearances> read_haptics(const Json& json, std::uint32_t material, const Primitive& primitive, const std::string& where) {
     const std::size_t vertices = primitive.positions.size();
-    VertexLooks haptics{.material = material, .has_colours = false, .vertices = std::vector<CornerLook>(vertices)};
+    VertexAppearances haptics{.material = material, .has_colours = false, .vertices = std::vector<CornerAppearance>(vertices)};
     if (!raw_.haptics.materials[material].has_maps()) return haptics;
     const auto places = read_haptic_places(document_, json, primitive, haptic_places_[material], where);
     if (!places) return tl::unexpected(places.error());
@@ -198,8 +198,8 @@ class SceneReader {
 
   // What is seen and felt of a primitive's vertices.
   struct Surface {
-    const VertexLooks& looks;
-    const VertexLooks& haptics;
+    const VertexAppearances& appearances;
+    const VertexAppearances& haptics;
   };
 
   void count_flaws(const std::optional<Primitive>& primitive) {
@@ -258,23 +258,23 @@ class SceneReader {
       } else {
         raw_.add_triangle(triangle, {normal_of(local[0]), normal_of(local[1]), normal_of(local[2])});
       }
-      add_look(surface.looks, local, raw_.look);
-      add_look(surface.haptics, local, raw_.haptics.maps);
+      add_appearance(surface.appearances, local, raw_.appearance);
+      add_appearance(surface.haptics, local, raw_.haptics.maps);
     }
   }
 
   // Of the last triangle.
-  void add_look(const VertexLooks& looks, const Triangle& local, MeshLook& into) {
-    if (looks.vertices.empty()) return;
-    const auto& seen = looks.vertices;
+  void add_appearance(const VertexAppearances& appearances, const Triangle& local, MeshAppearance& into) {
+    if (appearances.vertices.empty()) return;
+    const auto& seen = appearances.vertices;
     into.resize(raw_.mesh.triangles.size() - 1);
-    into.triangles.push_back({looks.material, looks.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
+    into.triangles.push_back({appearances.material, appearances.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
   }
 
   const Document& document_;
   std::size_t max_triangles_;
   std::vector<TexturePlace> places_;
-  bool wants_look_;
+  bool wants_appearance_;
   std::vector<HapticPlace> haptic_places_;
   RawMesh& raw_;
   std::size_t not_triangles_ = 0;
@@ -288,7 +288,7 @@ class SceneReader {
 }  // namespace
 
 Result<RawMesh> read_document(std::string_view json, std::optional<std::string_view> binary, const std::filesystem::path& folder,
-                              std::string_view format, std::size_t max_triangles, LookReading look) {
+                              std::string_view format, std::size_t max_triangles, AppearanceReading appearance) {
   const Result<Json> root = parse(json);
   if (!root) return tl::unexpected(root.error());
   if (auto error = check_version(*root)) return tl::unexpected(std::move(*error));
@@ -299,11 +299,12 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
   const Document document{*root, buffers};
   RawMesh raw;
   raw.format = format;
-  const bool wants_look = look != LookReading::off;
+  const bool wants_appearance = appearance != AppearanceReading::off;
   auto haptic_places = read_haptic_materials(document, folder, raw);
   if (!haptic_places) return tl::unexpected(haptic_places.error());
-  SceneReader reader(document, max_triangles, wants_look ? read_materials(document, folder, look, raw) : std::vector<TexturePlace>(),
-                     wants_look, std::move(*haptic_places), raw);
+  SceneReader reader(document, max_triangles,
+                     wants_appearance ? read_materials(document, folder, appearance, raw) : std::vector<TexturePlace>(), wants_appearance,
+                     std::move(*haptic_places), raw);
   if (auto error = reader.read(*roots)) return tl::unexpected(std::move(*error));
   reader.add_notes();
   for (std::string& note : describe_undrawn_materials(*root)) raw.notes.push_back(std::move(note));
@@ -320,8 +321,9 @@ Result<RawMesh> read_document(std::string_view json, std::optional<std::string_v
 
 namespace hapton {
 
-Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles, LookReading look) {
-  return gltf::read_document(bytes, std::nullopt, folder, "glTF", max_triangles, look);
+Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles,
+                          AppearanceReading appearance) {
+  return gltf::read_document(bytes, std::nullopt, folder, "glTF", max_triangles, appearance);
 }
 
 }  // namespace hapton

@@ -31,15 +31,15 @@ inline void require_touchable(const TriangleMesh& mesh) {
 }
 
 // As many looks as triangles, if any; every index in range and every place in a texture finite.
-inline void require_sound(const MeshLook& look, std::size_t triangles) {
-  require(look.triangles.empty() || look.triangles.size() == triangles);
-  for (const LookMaterial& material : look.materials) {
-    require(!material.image || *material.image < look.images.size());
+inline void require_sound(const MeshAppearance& appearance, std::size_t triangles) {
+  require(appearance.triangles.empty() || appearance.triangles.size() == triangles);
+  for (const VisualMaterial& material : appearance.materials) {
+    require(!material.image || *material.image < appearance.images.size());
     require(!material.colour || (material.colour->array() >= 0.0F && material.colour->array() <= 1.0F).all());
   }
-  for (const TriangleLook& triangle : look.triangles) {
-    require(triangle.material == TriangleLook::kNoMaterial || triangle.material < look.materials.size());
-    for (const CornerLook& corner : triangle.corners) require(corner.texcoord.allFinite());
+  for (const TriangleAppearance& triangle : appearance.triangles) {
+    require(triangle.material == TriangleAppearance::kNoMaterial || triangle.material < appearance.materials.size());
+    for (const CornerAppearance& corner : triangle.corners) require(corner.texcoord.allFinite());
   }
 }
 
@@ -50,10 +50,10 @@ inline void require_sound(const MeshHaptics& haptics, std::size_t triangles) {
     for (const auto& image : {material.height, material.stiffness, material.friction})
       require(!image || *image < haptics.maps.images.size());
   }
-  for (const TriangleLook& triangle : haptics.maps.triangles) {
-    if (triangle.material == TriangleLook::kNoMaterial) continue;
+  for (const TriangleAppearance& triangle : haptics.maps.triangles) {
+    if (triangle.material == TriangleAppearance::kNoMaterial) continue;
     require(triangle.material < haptics.materials.size());
-    for (const CornerLook& corner : triangle.corners) require(corner.texcoord.allFinite());
+    for (const CornerAppearance& corner : triangle.corners) require(corner.texcoord.allFinite());
     const auto read = read_material(haptics.materials[triangle.material], haptics.maps, "file");
     require(read ? read->material.stiffness_n_per_m > 0.0 : read.error().what.find('\n') == std::string::npos);
   }
@@ -67,8 +67,8 @@ inline void require_sound(Result<RawMesh> raw) {
     return;
   }
   require_sound(raw->mesh);
-  raw->end_look();
-  require_sound(raw->look, raw->mesh.triangles.size());
+  raw->complete_appearance();
+  require_sound(raw->appearance, raw->mesh.triangles.size());
   require_sound(raw->haptics, raw->mesh.triangles.size());
   std::size_t next = 0;
   for (const MeshPart& part : raw->parts) {

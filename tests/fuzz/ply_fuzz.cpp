@@ -2,5 +2,5 @@
 #include "tests/fuzz/mesh_target.h"
 
 FUZZ_TARGET(ply) {
-  hapton::fuzz::require_sound(hapton::read_ply(hapton::fuzz::text_of(bytes), hapton::fuzz::kNoFolder, hapton::LookReading::on));
+  hapton::fuzz::require_sound(hapton::read_ply(hapton::fuzz::text_of(bytes), hapton::fuzz::kNoFolder, hapton::AppearanceReading::on));
 }

@@ -76,7 +76,7 @@ TEST_F(MapReader, ReadsEveryMapWithItsRange) {
   EXPECT_EQ(maps.triangles->front().texcoord[1], Eigen::Vector2d(2, 3)) << "repeated; v downwards from the image's upper edge";
   EXPECT_LT((maps.triangles->front().corner[1] - Vec3(0.1, 0, 0)).norm(), 1e-12);
   EXPECT_TRUE(loaded->touch_scene().has_effects());
-  EXPECT_EQ(loaded->objects[0].look, nullptr) << "colours were not asked for";
+  EXPECT_EQ(loaded->objects[0].appearance, nullptr) << "colours were not asked for";
 }
 
 TEST_F(MapReader, FollowsThePoseAndTheFitOfItsObject) {

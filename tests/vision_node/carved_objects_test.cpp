@@ -33,7 +33,7 @@ struct CarvedObjectsTest : testing::Test {
     other.colour = {0, 1, 0};
     scene.objects = {clay, other};
     std::vector<ShownObject> shown;
-    for (const SceneObject& object : scene.objects) shown.push_back({object.mesh, Vec3(object.colour.data()), object.look});
+    for (const SceneObject& object : scene.objects) shown.push_back({object.mesh, Vec3(object.colour.data()), object.appearance});
     view = open_or_fail(plain_settings(mode, 640, 480), shown);
     if (view) carved.emplace(*view, scene);
   }

@@ -15,7 +15,7 @@ std::array<int, 3> texel(const Texels& texels, int x, int y) {
   return {texels.rgba[at], texels.rgba[at + 1], texels.rgba[at + 2]};
 }
 
-std::string error_of(const LookImage& image) {
+std::string error_of(const TextureImage& image) {
   const auto decoded = decode_image(image);
   return decoded ? "it was decoded" : decoded.error().what;
 }

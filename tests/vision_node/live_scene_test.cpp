@@ -23,7 +23,7 @@ constexpr const char* kGreenObject = "color = [0, 1, 0]\n";
 struct LiveSceneTest : testing::Test {
   LiveSceneTest() {
     folder.write("a.obj", "v -0.03 -0.03 0\nv 0.03 -0.03 0\nv 0.03 0.03 0\nv -0.03 0.03 0\nf 1 2 3\nf 1 3 4\n");
-    options.loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .look = LookReading::on};
+    options.loading = {.sealing = CrackSealing::off, .fit = MeshFit::workspace, .appearance = AppearanceReading::on};
     options.view_yaw_deg = options.view_pitch_deg = 0.0;
     options.view = plain_settings(StereoMode::mono, 320, 240);
     write(kRedObject);

@@ -34,12 +34,12 @@ std::shared_ptr<TriangleMesh> make_square(std::uint32_t cells) {
   return mesh;
 }
 
-std::shared_ptr<MeshLook> lay_image(const TriangleMesh& mesh, std::string png) {
-  auto look = std::make_shared<MeshLook>();
+std::shared_ptr<MeshAppearance> lay_image(const TriangleMesh& mesh, std::string png) {
+  auto look = std::make_shared<MeshAppearance>();
   look->images.push_back({"made", std::move(png)});
   look->materials.push_back({.name = "", .colour = {}, .image = 0});
   for (const Triangle& t : mesh.triangles) {
-    TriangleLook& triangle = look->triangles.emplace_back();
+    TriangleAppearance& triangle = look->triangles.emplace_back();
     triangle.material = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3& p = mesh.vertices[t[k]];
@@ -97,9 +97,9 @@ TEST(PaintedScene, ShowsTheTextureInACoarserLevelAndInFullDetail) {
 
 TEST(PaintedScene, GoesFromColourToColourBetweenVertices) {
   const auto mesh = make_square(1);
-  auto look = std::make_shared<MeshLook>();
+  auto look = std::make_shared<MeshAppearance>();
   for (const Triangle& t : mesh->triangles) {
-    TriangleLook& triangle = look->triangles.emplace_back();
+    TriangleAppearance& triangle = look->triangles.emplace_back();
     triangle.has_colours = true;
     for (std::size_t k = 0; k < 3; ++k) {
       triangle.corners[k].colour =
@@ -117,11 +117,11 @@ TEST(PaintedScene, GoesFromColourToColourBetweenVertices) {
 }
 
 // The texture once in the middle and beyond on all sides: from -1 to 2 over the square.
-std::shared_ptr<MeshLook> lay_beyond(const TriangleMesh& mesh, std::array<TextureWrap, 2> wrap, int side) {
+std::shared_ptr<MeshAppearance> lay_beyond(const TriangleMesh& mesh, std::array<TextureWrap, 2> wrap, int side) {
   auto look = lay_image(mesh, make_quarters_png(side));
   look->materials[0].wrap = wrap;
-  for (TriangleLook& triangle : look->triangles) {
-    for (CornerLook& corner : triangle.corners) corner.texcoord = 3.0F * corner.texcoord - Eigen::Vector2f(1.0F, 1.0F);
+  for (TriangleAppearance& triangle : look->triangles) {
+    for (CornerAppearance& corner : triangle.corners) corner.texcoord = 3.0F * corner.texcoord - Eigen::Vector2f(1.0F, 1.0F);
   }
   return look;
 }
@@ -187,11 +187,12 @@ std::shared_ptr<TriangleMesh> move_towards_viewer(TriangleMesh mesh, double by_m
   return std::make_shared<TriangleMesh>(std::move(mesh));
 }
 
-std::shared_ptr<MeshLook> tint(const TriangleMesh& mesh, const Eigen::Vector3f& colour, float alpha, AlphaMode mode = AlphaMode::blend) {
-  auto look = std::make_shared<MeshLook>();
+std::shared_ptr<MeshAppearance> tint(const TriangleMesh& mesh, const Eigen::Vector3f& colour, float alpha,
+                                     AlphaMode mode = AlphaMode::blend) {
+  auto look = std::make_shared<MeshAppearance>();
   look->materials.push_back({.name = "glass", .colour = colour, .alpha_mode = mode, .alpha = alpha});
   look->triangles.resize(mesh.triangles.size());
-  for (TriangleLook& triangle : look->triangles) triangle.material = 0;
+  for (TriangleAppearance& triangle : look->triangles) triangle.material = 0;
   return look;
 }
 
@@ -267,7 +268,7 @@ TEST(PaintedScene, BlendsACoarserLevelAndFullDetail) {
 }
 
 // Left half opaque, right half with an alpha of 100; a cutoff of 0.5 makes a hole, and what is behind is seen and pointed at in it.
-std::shared_ptr<MeshLook> lay_halves(const TriangleMesh& mesh, AlphaMode mode, float cutoff) {
+std::shared_ptr<MeshAppearance> lay_halves(const TriangleMesh& mesh, AlphaMode mode, float cutoff) {
   auto look = lay_image(mesh, make_rgba_png(64, 64, [](int x, int) { return Eigen::Vector4i(255, 0, 0, x < 32 ? 255 : 100); }));
   look->materials[0].alpha_mode = mode;
   look->materials[0].alpha_cutoff = cutoff;

@@ -52,7 +52,7 @@ TEST(SurfaceBacks, ClustersOfClosedBodiesAreLeftOutWhereBacksAreDrawn) {
     for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) EXPECT_EQ(level.without_back[level.indices[i]], 1);
   }
   EXPECT_GT(static_cast<double>(hidden), 0.9 * static_cast<double>(ball));  // the cluster with the sheet may have some of them
-  MeshLook look;
+  MeshAppearance look;
   look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .is_double_sided = true});
   DetailLevel seen = make_full_level(mesh, frame_detail(mesh));
   mark_without_back(mesh, &look, seen);
@@ -95,15 +95,15 @@ TEST(SurfaceBacks, AreNotSeenWhereTheyAreNotFelt) {
 
 TEST(SurfaceBacks, AreSeenThroughAGlassThatItsFileShowsFromBothSides) {
   SceneObject object = object_of(make_tetrahedron());
-  MeshLook look;
+  MeshAppearance look;
   look.materials.push_back({.name = "glass", .alpha_mode = AlphaMode::blend, .alpha = 0.5F});
-  object.look = std::make_shared<const MeshLook>(look);
+  object.appearance = std::make_shared<const MeshAppearance>(look);
   EXPECT_FALSE(shows_backs(object));
   look.materials[0].is_double_sided = true;
-  object.look = std::make_shared<const MeshLook>(look);
+  object.appearance = std::make_shared<const MeshAppearance>(look);
   EXPECT_TRUE(shows_backs(object));
   look.materials[0].alpha_mode = AlphaMode::opaque;
-  object.look = std::make_shared<const MeshLook>(look);
+  object.appearance = std::make_shared<const MeshAppearance>(look);
   EXPECT_FALSE(shows_backs(object)) << "nothing shows them";
 }
 

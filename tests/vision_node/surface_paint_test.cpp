@@ -24,12 +24,12 @@ TriangleMesh make_sheet(std::uint32_t cells) {
 }
 
 // bend: how much faster the texture goes at one end than at the other.
-MeshLook lay_texture(const TriangleMesh& mesh, float bend = 0.0F) {
-  MeshLook look;
+MeshAppearance lay_texture(const TriangleMesh& mesh, float bend = 0.0F) {
+  MeshAppearance look;
   look.images.push_back({"made", ""});
   look.materials.push_back({.name = "made", .colour = {}, .image = 0});
   for (const Triangle& t : mesh.triangles) {
-    TriangleLook& triangle = look.triangles.emplace_back();
+    TriangleAppearance& triangle = look.triangles.emplace_back();
     triangle.material = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       const Eigen::Vector2f p = mesh.vertices[t[k]].head<2>().cast<float>();
@@ -39,17 +39,17 @@ MeshLook lay_texture(const TriangleMesh& mesh, float bend = 0.0F) {
   return look;
 }
 
-DetailLevel paint(const TriangleMesh& mesh, const MeshLook& look, std::vector<std::uint8_t> layers = {1}) {
+DetailLevel paint(const TriangleMesh& mesh, const MeshAppearance& look, std::vector<std::uint8_t> layers = {1}) {
   return make_painted_level(mesh, frame_detail(mesh), look, Vec3(0.2, 0.4, 0.6), layers);
 }
 
 TEST(SurfacePaint, HasAVertexForEachPlaceAndPaint) {
   const TriangleMesh mesh = make_sheet(2);
-  MeshLook look = lay_texture(mesh);
+  MeshAppearance look = lay_texture(mesh);
   EXPECT_EQ(paint(mesh, look).positions.size(), mesh.vertices.size());
   // A seam: the last cell's texture is elsewhere.
   for (std::size_t t = look.triangles.size() - 2; t < look.triangles.size(); ++t) {
-    for (CornerLook& corner : look.triangles[t].corners) corner.texcoord.x() += 3.0F;
+    for (CornerAppearance& corner : look.triangles[t].corners) corner.texcoord.x() += 3.0F;
   }
   const DetailLevel level = paint(mesh, look);
   EXPECT_EQ(level.positions.size(), mesh.vertices.size() + 3) << "the last cell has four corners, one of them its alone";
@@ -59,7 +59,7 @@ TEST(SurfacePaint, HasAVertexForEachPlaceAndPaint) {
 
 TEST(SurfacePaint, ComposesTheColoursThatMultiply) {
   const TriangleMesh mesh = make_sheet(1);
-  MeshLook look;
+  MeshAppearance look;
   look.materials.push_back({.name = "", .colour = Eigen::Vector3f(1.0F, 0.5F, 0.0F), .image = {}});
   look.triangles.resize(2);
   look.triangles[0].material = 0;
@@ -77,7 +77,7 @@ TEST(SurfacePaint, AnImageThatCannotBeReadLeavesTheObjectsColour) {
   const DetailLevel level = paint(mesh, lay_texture(mesh), {0});
   EXPECT_EQ(level.paints[0].tint, (std::array<std::uint8_t, 3>{51, 102, 153}));
   EXPECT_EQ(level.paints[0].layer, 0);
-  MeshLook look = lay_texture(mesh);
+  MeshAppearance look = lay_texture(mesh);
   look.materials[0].colour_no_image = Eigen::Vector3f(1.0F, 0.0F, 1.0F);
   EXPECT_EQ(paint(mesh, look, {0}).paints[0].tint, (std::array<std::uint8_t, 3>{255, 0, 255})) << "the file has a colour for that";
   EXPECT_EQ(paint(mesh, look, {1}).paints[0].tint, (std::array<std::uint8_t, 3>{255, 255, 255}));
@@ -85,7 +85,7 @@ TEST(SurfacePaint, AnImageThatCannotBeReadLeavesTheObjectsColour) {
 
 TEST(SurfacePaint, ShowsAnImageWhereItsMaterialPlacesIt) {
   const TriangleMesh mesh = make_sheet(1);
-  MeshLook look = lay_texture(mesh);
+  MeshAppearance look = lay_texture(mesh);
   look.materials[0].image_scale = {2.0F, 4.0F};
   look.materials[0].image_shift = {0.5F, -1.0F};
   const DetailLevel level = paint(mesh, look);
@@ -95,8 +95,8 @@ TEST(SurfacePaint, ShowsAnImageWhereItsMaterialPlacesIt) {
 
 TEST(SurfacePaint, SaysHowATriangleIsSeenThrough) {
   const TriangleMesh mesh = make_sheet(1);
-  MeshLook look = lay_texture(mesh);
-  LookMaterial& material = look.materials[0];
+  MeshAppearance look = lay_texture(mesh);
+  VisualMaterial& material = look.materials[0];
   material.alpha = 0.5F;
   look.triangles[0].corners[0].alpha = 51;
   const auto first = [&] {
@@ -126,7 +126,7 @@ TEST(SurfacePaint, SaysHowATriangleIsSeenThrough) {
 // A pane with an opaque patch: a level without the patch is not as good.
 TEST(SurfacePaint, ALevelThatHasLostATransparencyHasAnError) {
   const TriangleMesh mesh = make_sheet(40);
-  MeshLook look;
+  MeshAppearance look;
   look.materials.resize(2);
   look.materials[1] = {.name = "glass", .alpha_mode = AlphaMode::blend, .alpha = 0.2F};
   look.triangles.resize(mesh.triangles.size());
@@ -182,7 +182,7 @@ TEST(SurfacePaint, ALevelWhoseTextureHasSlippedHasThatError) {
 
 TEST(SurfacePaint, ALevelThatHasLostAColourHasAnError) {
   const TriangleMesh mesh = make_sheet(40);
-  MeshLook look;
+  MeshAppearance look;
   look.triangles.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     look.triangles[t].has_colours = true;

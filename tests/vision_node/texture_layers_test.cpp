@@ -49,7 +49,7 @@ struct TextureLayersTest : testing::Test {
   }
 
   std::unique_ptr<StereoView> view;
-  MeshLook look;
+  MeshAppearance look;
   std::vector<std::string> notes;
 };
 

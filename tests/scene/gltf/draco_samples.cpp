@@ -59,7 +59,7 @@ std::array<std::uint8_t, 4> draco_colour(const Vec3& p) {
   return {p.x() > 0.0 ? std::uint8_t{255} : std::uint8_t{0}, p.y() > 0.0 ? std::uint8_t{255} : std::uint8_t{0}, 0, 128};
 }
 
-std::string draco_with_look(const TriangleMesh& mesh, DracoKind kind) {
+std::string draco_with_appearance(const TriangleMesh& mesh, DracoKind kind) {
   draco::Mesh packed;
   add_mesh(packed, mesh);
   std::vector<Eigen::Vector2f> texcoords;
@@ -73,8 +73,8 @@ std::string draco_with_look(const TriangleMesh& mesh, DracoKind kind) {
   return encode(packed, kind, 0, 5);
 }
 
-std::string draco_look_glb(const TriangleMesh& mesh, const std::string& packed, const std::string& image, const std::string& mesh_members,
-                           const std::string& document_members) {
+std::string draco_appearance_glb(const TriangleMesh& mesh, const std::string& packed, const std::string& image,
+                                 const std::string& mesh_members, const std::string& document_members) {
   Pieces pieces;
   pieces.add(packed);
   pieces.add(image);

@@ -21,14 +21,14 @@ std::string draco(const TriangleMesh& mesh, DracoKind kind, const std::vector<Ei
 std::string draco_glb(const TriangleMesh& mesh, const std::string& packed, bool has_normals = false);
 
 // A mesh with texture coordinates (id 1) and colours of four bytes (id 2): those of the next two functions.
-std::string draco_with_look(const TriangleMesh& mesh, DracoKind kind);
+std::string draco_with_appearance(const TriangleMesh& mesh, DracoKind kind);
 Eigen::Vector2f draco_texcoord(const Vec3& p);
 std::array<std::uint8_t, 4> draco_colour(const Vec3& p);
 
 // The same in a GLB file of one node, with a material that has an image. mesh_members: further ones of its mesh, document_members of the
 // file, with a comma behind.
-std::string draco_look_glb(const TriangleMesh& mesh, const std::string& packed, const std::string& image,
-                           const std::string& mesh_members = "", const std::string& document_members = "");
+std::string draco_appearance_glb(const TriangleMesh& mesh, const std::string& packed, const std::string& image,
+                                 const std::string& mesh_members = "", const std::string& document_members = "");
 
 }  // namespace hapton::sample
 

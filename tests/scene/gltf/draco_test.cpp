@@ -57,18 +57,18 @@ TEST(Draco, KeepsTextureCoordinatesAndColours) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
-    const auto raw =
-        read_glb(sample::draco_look_glb(mesh, sample::draco_with_look(mesh, kind), image), ".", kMaxMeshTriangles, LookReading::on);
+    const auto raw = read_glb(sample::draco_appearance_glb(mesh, sample::draco_with_appearance(mesh, kind), image), ".", kMaxMeshTriangles,
+                              AppearanceReading::on);
     ASSERT_TRUE(raw) << raw.error().what;
     EXPECT_THAT(raw->notes, IsEmpty());
-    ASSERT_EQ(raw->look.triangles.size(), mesh.triangles.size());
+    ASSERT_EQ(raw->appearance.triangles.size(), mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const TriangleLook& look = raw->look.triangles[t];
-      EXPECT_EQ(look.material, 0U);
-      ASSERT_TRUE(look.has_colours);
+      const TriangleAppearance& appearance = raw->appearance.triangles[t];
+      EXPECT_EQ(appearance.material, 0U);
+      ASSERT_TRUE(appearance.has_colours);
       for (int k = 0; k < 3; ++k) {
         const Vec3 p = raw->mesh.corner(t, k);
-        const CornerLook& corner = look.corners[static_cast<std::size_t>(k)];
+        const CornerAppearance& corner = appearance.corners[static_cast<std::size_t>(k)];
         EXPECT_LT((corner.texcoord - sample::draco_texcoord(p)).norm(), 1e-6F);
         const auto [red, green, blue, alpha] = sample::draco_colour(p);
         EXPECT_EQ(corner.colour, (std::array{red, green, blue}));
@@ -81,17 +81,17 @@ TEST(Draco, KeepsTextureCoordinatesAndColours) {
 TEST(Draco, HapticTexturesLieWhereItsCoordinatesSay) {
   const TriangleMesh mesh = make_icosphere(1.0, 2);
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
-  const std::string packed = sample::draco_with_look(mesh, DracoKind::edgebreaker);
+  const std::string packed = sample::draco_with_appearance(mesh, DracoKind::edgebreaker);
   const auto raw =
-      read_glb(sample::draco_look_glb(mesh, packed, image, R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}},)",
-                                      R"("extensions":{"MPEG_haptic_material":{"materials":[{"stiffness":[{"texture":{"index":0}}],)"
-                                      R"("extras":{"hapton":{"stiffness_map_n_per_m":[100,200]}}}]}},)"),
+      read_glb(sample::draco_appearance_glb(mesh, packed, image, R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}},)",
+                                            R"("extensions":{"MPEG_haptic_material":{"materials":[{"stiffness":[{"texture":{"index":0}}],)"
+                                            R"("extras":{"hapton":{"stiffness_map_n_per_m":[100,200]}}}]}},)"),
                ".");
   ASSERT_TRUE(raw) << raw.error().what;
   ASSERT_EQ(raw->haptics.maps.triangles.size(), mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int k = 0; k < 3; ++k) {
-      const CornerLook& corner = raw->haptics.maps.triangles[t].corners[static_cast<std::size_t>(k)];
+      const CornerAppearance& corner = raw->haptics.maps.triangles[t].corners[static_cast<std::size_t>(k)];
       EXPECT_LT((corner.texcoord - sample::draco_texcoord(raw->mesh.corner(t, k))).norm(), 1e-6F);
     }
   }
@@ -152,13 +152,14 @@ TEST(Draco, SurvivesDamage) {
   const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
   for (const DracoKind kind : {DracoKind::edgebreaker, DracoKind::sequential}) {
     const std::string bare = sample::draco(mesh, kind, {}, 11);
-    const std::string with_look = sample::draco_with_look(mesh, kind);
+    const std::string with_appearance = sample::draco_with_appearance(mesh, kind);
     for (int round = 0; round < 4000; ++round) {
-      const bool has_look = round % 4 == 0;
-      std::string damaged = has_look ? with_look : bare;
+      const bool has_appearance = round % 4 == 0;
+      std::string damaged = has_appearance ? with_appearance : bare;
       for (unsigned k = 0; k <= random() % 3; ++k) damaged[random() % damaged.size()] = static_cast<char>(random());
-      const auto raw = has_look ? read_glb(sample::draco_look_glb(mesh, damaged, image), ".", kMaxMeshTriangles, LookReading::on)
-                                : read_glb(sample::draco_glb(mesh, damaged), ".");
+      const auto raw = has_appearance
+                           ? read_glb(sample::draco_appearance_glb(mesh, damaged, image), ".", kMaxMeshTriangles, AppearanceReading::on)
+                           : read_glb(sample::draco_glb(mesh, damaged), ".");
       if (!raw) continue;
       for (const Vec3& v : raw->mesh.vertices) ASSERT_TRUE(v.allFinite());
       for (const Triangle& t : raw->mesh.triangles) ASSERT_LT(*std::max_element(t.begin(), t.end()), raw->mesh.vertices.size());

@@ -1,21 +1,21 @@
-#include "scene/mesh_look.h"
+#include "scene/mesh_appearance.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace hapton {
 
-bool MeshLook::says_anything() const {
-  return std::any_of(triangles.begin(), triangles.end(), [&](const TriangleLook& triangle) {
+bool MeshAppearance::has_colours_or_images() const {
+  return std::any_of(triangles.begin(), triangles.end(), [&](const TriangleAppearance& triangle) {
     if (triangle.has_colours) return true;
     if (triangle.material >= materials.size()) return false;
-    const LookMaterial& material = materials[triangle.material];
+    const VisualMaterial& material = materials[triangle.material];
     return material.colour.has_value() || material.image.has_value() || material.alpha_mode != AlphaMode::opaque;
   });
 }
 
-bool MeshLook::has_texcoords() const {
-  return std::any_of(triangles.begin(), triangles.end(), [](const TriangleLook& triangle) {
+bool MeshAppearance::has_texcoords() const {
+  return std::any_of(triangles.begin(), triangles.end(), [](const TriangleAppearance& triangle) {
     const Eigen::Vector2f a = triangle.corners[1].texcoord - triangle.corners[0].texcoord;
     const Eigen::Vector2f b = triangle.corners[2].texcoord - triangle.corners[0].texcoord;
     return a.x() * b.y() != a.y() * b.x();

@@ -13,10 +13,10 @@
 namespace hapton {
 
 // What is read of a mesh file: its colours and textures, for pictures; its normal maps too, for forces. Each includes those before it.
-enum class LookReading : std::uint8_t { off, on, with_normals };
+enum class AppearanceReading : std::uint8_t { off, on, with_normals };
 
 // A picture as it is in a mesh file or in a file beside it, PNG or JPEG, not decoded.
-struct LookImage {
+struct TextureImage {
   std::string name;
   std::string bytes;
 };
@@ -27,16 +27,16 @@ enum class TextureWrap : std::uint8_t { repeat, mirror, clamp };
 // What a material's alpha means: nothing; visible or not, by a cutoff; how much of what is behind is covered. As in glTF.
 enum class AlphaMode : std::uint8_t { opaque, mask, blend };
 
-struct LookMaterial {
+struct VisualMaterial {
   std::string name;
   std::optional<Eigen::Vector3f> colour = {};           // sRGB, 0 to 1; multiplies the image. None: the file does not say
   std::optional<Eigen::Vector3f> colour_no_image = {};  // sRGB, 0 to 1; in place of both where the image cannot be decoded. None: colour
-  std::optional<std::size_t> image = {};                // of MeshLook::images
+  std::optional<std::size_t> image = {};                // of MeshAppearance::images
   std::array<TextureWrap, 2> wrap = {};                 // of the image, to the right and down
   // The image's place at a corner is its texcoord, multiplied by this, plus that; both to the right and down.
   Eigen::Vector2f image_scale = Eigen::Vector2f::Ones();
   Eigen::Vector2f image_shift = Eigen::Vector2f::Zero();
-  std::optional<std::size_t> normals = {};  // of MeshLook::images: its normal map, with the image's texture coordinates
+  std::optional<std::size_t> normals = {};  // of MeshAppearance::images: its normal map, with the image's texture coordinates
   float normal_scale = 1.0F;                // multiplies the slopes of these
   AlphaMode alpha_mode = AlphaMode::opaque;
   bool is_double_sided = false;  // glTF: its triangles are drawn from behind, too
@@ -45,27 +45,27 @@ struct LookMaterial {
 };
 
 // One corner of one triangle.
-struct CornerLook {
+struct CornerAppearance {
   Eigen::Vector2f texcoord = Eigen::Vector2f::Zero();    // from the image's upper left corner, right and down; beyond 0 to 1 it wraps
   std::array<std::uint8_t, 3> colour = {255, 255, 255};  // sRGB; multiplies the material's
   std::uint8_t alpha = 255;                              // multiplies the material's
 };
 
-struct TriangleLook {
+struct TriangleAppearance {
   static constexpr std::uint32_t kNoMaterial = std::numeric_limits<std::uint32_t>::max();
-  std::uint32_t material = kNoMaterial;  // of MeshLook::materials
+  std::uint32_t material = kNoMaterial;  // of MeshAppearance::materials
   bool has_colours = false;              // the corners' colours are the file's
-  std::array<CornerLook, 3> corners = {};
+  std::array<CornerAppearance, 3> corners = {};
 };
 
 // How a mesh file says that its triangles look. What it says of light and finer relief is not read.
-struct MeshLook {
-  std::vector<LookImage> images;
-  std::vector<LookMaterial> materials;
-  std::vector<TriangleLook> triangles;  // as many as the mesh has
+struct MeshAppearance {
+  std::vector<TextureImage> images;
+  std::vector<VisualMaterial> materials;
+  std::vector<TriangleAppearance> triangles;  // as many as the mesh has
 
   // Whether any triangle has a colour or an image.
-  bool says_anything() const;
+  bool has_colours_or_images() const;
   // Whether any triangle has an area in the images.
   bool has_texcoords() const;
   // Brings the number of triangles to that of the mesh; those that are new have no look.
