@@ -66,11 +66,11 @@ RedPixels count_red(const std::string& file) {
 }
 
 // What a vision node shows that runs for a while, seen from the front.
-struct Looker {
+struct PictureTaker {
   ScratchFolder& scratch;
   std::string display;
 
-  RedPixels look(const std::string& hub, const std::string& scene) {
+  RedPixels take(const std::string& hub, const std::string& scene) {
     const std::string picture = (scratch.path() / "seen.png").string();
     Program vision("vision_node",
                    {"--hub", hub, "--scene", scene, "--size", "480x360", "--view-yaw-deg", "0", "--view-pitch-deg", "0", "--no-depth-cues",
@@ -89,8 +89,8 @@ TEST(CarvedMaterial, AHoleIsSeenByAVisionNodeThatStartsLater) {
   const std::string scene = scratch.write("clay.toml", kClayScene).string();
   const std::string hub = "127.0.0.1:" + find_free_port();
   const VirtualDisplay display;
-  Looker looker{scratch, display.name()};
-  const RedPixels whole = looker.look(hub, scene);
+  PictureTaker camera{scratch, display.name()};
+  const RedPixels whole = camera.take(hub, scene);
   ASSERT_GT(whole.count, 2000U);
   EXPECT_LT(whole.holes, whole.count / 200) << "no hub: nothing is carved";
   const std::string file = (scratch.path() / "session.hapton").string();
@@ -100,7 +100,7 @@ TEST(CarvedMaterial, AHoleIsSeenByAVisionNodeThatStartsLater) {
   // The programs may still be starting, or the machine may stand still for seconds.
   EXPECT_TRUE(System::wait_until(
       [&] {
-        carved = looker.look(hub, scene);
+        carved = camera.take(hub, scene);
         return carved.holes > whole.count / 25;
       },
       4 * kPatience))

@@ -42,10 +42,10 @@ TEST(Network, LossJitterReorderCopiesAndCorruptionLeaveTheForceBounded) {
   system.start("io_node");
   system.start_relay(kStorm);
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact through the storm";
-  const Watched watched = expect_bounded(onlooker, 3.0, Until::force);
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact through the storm";
+  const Watched watched = expect_bounded(observer, 3.0, Until::force);
   EXPECT_GT(watched.seen, 100);
   EXPECT_GT(watched.force, 0);
   const Json report = system.request_report();
@@ -72,9 +72,9 @@ TEST(Network, APartitionTakesTheForceAwayAndItComesBackByItself) {
   system.start("io_node");
   system.start_relay({"--script", (system.folder() / "script.toml").string()});
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state));
+  ASSERT_TRUE(observer.see_until(true, state));
   // A loaded machine alone can make a command late: the cuts themselves are counted too.
   const auto was_cut_twice = [&](const Json& report) {
     const std::string phases = system["relay"].out();
@@ -91,16 +91,16 @@ TEST(Haptics, RestartedExertsForceWithoutTheHandHavingLeft) {
   std::ofstream(system.folder() / "taps.csv") << "t_s,x_m,y_m,z_m\n0,0.01,0.02,0.06\n1,0.01,0.02,0.049\n600,0.011,0.02,0.049\n";
   system.start("io_node");
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state));
+  ASSERT_TRUE(observer.see_until(true, state));
   system["haptics_node"].kill();
-  ASSERT_TRUE(onlooker.see_until(false, state));
+  ASSERT_TRUE(observer.see_until(false, state));
   system.start("haptics_node");
-  const std::int64_t started_ns = onlooker.now_ns();
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
-  std::printf("felt %.0f ms after the program was started\n", 1e-6 * static_cast<double>(onlooker.now_ns() - started_ns));
-  EXPECT_GT(expect_bounded(onlooker, 0.5, Until::force).force, 0);
+  const std::int64_t started_ns = observer.now_ns();
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact after the restart";
+  std::printf("felt %.0f ms after the program was started\n", 1e-6 * static_cast<double>(observer.now_ns() - started_ns));
+  EXPECT_GT(expect_bounded(observer, 0.5, Until::force).force, 0);
   expect_sane(system.request_report());
   system.end_all();
 }
@@ -137,9 +137,9 @@ TEST(Safety, ALatchedFaultIsRecordedAndHoldsUntilAPersonResetsIt) {
   ASSERT_TRUE(reset);
   EXPECT_EQ(reset->exit_code, 0) << reset->err;
   EXPECT_THAT(reset->out, HasSubstr("no fault is latched"));
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  EXPECT_TRUE(onlooker.see_until(true, state)) << "no force after the reset";
+  EXPECT_TRUE(observer.see_until(true, state)) << "no force after the reset";
   EXPECT_EQ(count(system.request_report(), "faults_reset"), 1);
   expect_sane(system.request_report());
   system.end_all();
@@ -149,14 +149,14 @@ TEST(Haptics, FrozenLeavesNoForceAndThawedBringsItBackSlowly) {
   System system(tight_limits("remote"));
   system.start("io_node");
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state));
+  ASSERT_TRUE(observer.see_until(true, state));
   system["haptics_node"].send_signal(SIGSTOP);
   ASSERT_TRUE(waits_for(system, [](const Json& report) { return count(report, "peers_timed_out") > 0; }));
-  ASSERT_TRUE(onlooker.see_until(false, state));
+  ASSERT_TRUE(observer.see_until(false, state));
   system["haptics_node"].send_signal(SIGCONT);
-  const Watched watched = expect_bounded(onlooker, 1.5);
+  const Watched watched = expect_bounded(observer, 1.5);
   EXPECT_GT(watched.seen, 0);
   EXPECT_TRUE(feels_on(system));
   expect_sane(system.request_report());

@@ -275,7 +275,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
   for (unsigned seed = first; seed < first + 3; ++seed) {
     HostileHaptics hostile(system);
     ASSERT_TRUE(hostile.join());
-    Onlooker onlooker(system);
+    SessionObserver observer(system);
     Parts parts(seed);
     for (int round = 0; round < 40; ++round) {
       if (round % 4 == 0) {
@@ -285,7 +285,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       }
       if (round % 20 == 18) {
         parts.send_tangle(hostile, hostile.state().p_WD);
-        EXPECT_GT(expect_bounded(onlooker, 0.3).seen, 0);
+        EXPECT_GT(expect_bounded(observer, 0.3).seen, 0);
       }
       for (int n = 0; n < 60; ++n) hostile.send(parts.one_in(5) ? parts.cell() : parts.tile());
       for (int n = 0; n < 6; ++n) hostile.send(parts.body());
@@ -298,7 +298,7 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
       hostile.listen(5 * kNanosecondsPerMillisecond);
       ASSERT_TRUE(system["io_node"].is_running()) << "seed " << seed << "\n" << system["io_node"].err();
       if (round % 10 == 9) {
-        EXPECT_GT(expect_bounded(onlooker, 0.1).seen, 0);
+        EXPECT_GT(expect_bounded(observer, 0.1).seen, 0);
       }
     }
   }
@@ -308,11 +308,11 @@ TEST(Hostile, PartsOfTheSceneLeaveTheForceBoundedAndTheNextHapticsNodeServed) {
   std::printf("%ld parts, %ld patches built, %ld steps on them\n", count(report, "patch_parts"), count(report, "patches_built"),
               count(report, "local_forces"));
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
   EXPECT_TRUE(feels_patches(system));
-  EXPECT_TRUE(onlooker.see_until(true, state));
-  expect_bounded(onlooker, 0.5);
+  EXPECT_TRUE(observer.see_until(true, state));
+  expect_bounded(observer, 0.5);
   system.end_all();
 }
 

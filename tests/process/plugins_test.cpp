@@ -104,14 +104,14 @@ void expect_force_ends(const std::string& does) {
   system.add_arguments("haptics_node", {"--effect", plugin("odd_effect") + ":n=1,after=500,does=" + does});
   system.start("io_node");
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no force";
+  ASSERT_TRUE(observer.see_until(true, state)) << "no force";
   ASSERT_TRUE(
       System::wait_until([&] { return !system["haptics_node"].is_running() || count(system.request_report(), "command_timeouts") > 0; }));
-  ASSERT_TRUE(onlooker.see_until(false, state)) << "the force goes on";
+  ASSERT_TRUE(observer.see_until(false, state)) << "the force goes on";
   const std::uint64_t first = state.sample;
-  while (state.sample < first + 200) ASSERT_TRUE(onlooker.see(state));
+  while (state.sample < first + 200) ASSERT_TRUE(observer.see(state));
   system["haptics_node"].kill();
   system.end("io_node");
   const Ended exported =

@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // The hand goes to a point and stays there until the program has said that.
-bool touches(Onlooker& hand, const Vec3& p_WH, Program& program, const std::string& said) {
+bool touches(SessionObserver& hand, const Vec3& p_WH, Program& program, const std::string& said) {
   hand.hold_hand(p_WH);
   const std::int64_t end_ns = hand.now_ns() + static_cast<std::int64_t>(1e9 * kPatience.count());
   ProbeState state;
@@ -31,7 +31,7 @@ TEST(ScreenCommand, TouchedCornersGiveTheScreen) {
   System system({"--device", "simulated"});
   const std::string file = (system.folder() / "screen.toml").string();
   system.start("io_node");
-  Onlooker hand(system);
+  SessionObserver hand(system);
   ProbeState state;
   ASSERT_TRUE(hand.see(state));
   Program program("hapton", {"screen", "--hub", system.hub(), "--out", file}, system.folder());
@@ -59,7 +59,7 @@ TEST(ScreenCommand, AStopWritesNothing) {
   System system({"--device", "simulated"});
   const std::string file = (system.folder() / "screen.toml").string();
   system.start("io_node");
-  Onlooker hand(system);
+  SessionObserver hand(system);
   ProbeState state;
   ASSERT_TRUE(hand.see(state));
   Program program("hapton", {"screen", "--hub", system.hub(), "--out", file}, system.folder());

@@ -34,13 +34,13 @@ struct Sessions : testing::Test {
   void record() {
     system.start("io_node");
     system.start("haptics_node");
-    Onlooker onlooker(system);
+    SessionObserver observer(system);
     ProbeState state;
-    ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+    ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
     system["haptics_node"].kill();
-    ASSERT_TRUE(onlooker.see_until(false, state));
+    ASSERT_TRUE(observer.see_until(false, state));
     system.start("haptics_node");
-    ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
+    ASSERT_TRUE(observer.see_until(true, state)) << "no contact after the restart";
     system.end_all();
   }
 };
@@ -66,15 +66,15 @@ TEST_F(Sessions, ABadNetworkAndChangesOfMethodAreReplayedToo) {
   system.start("io_node");
   system.start_relay({"--loss", "0.1", "--jitter-ms", "3", "--reorder", "0.1", "--duplicate", "0.05"});
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
   for (const char* method : {"smooth", "proxy"}) {
     const auto requested = run("hapton", {"set", "--hub", system.hub(), "--method", method}, system.folder());
     ASSERT_TRUE(requested);
     ASSERT_EQ(requested->exit_code, 0) << requested->err;
-    const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
-    while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
+    const std::int64_t end_ns = observer.now_ns() + kNanosecondsPerSecond;
+    while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.see(state));
   }
   system.end("haptics_node");
   system.end("io_node");
@@ -92,12 +92,12 @@ TEST_F(Sessions, MaterialsThatChangeInContactAreReplayedToo) {
     return run("hapton", words, system.folder()).value_or(Ended{});
   };
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
   const auto feel_for_a_second = [&] {
-    const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
-    while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
+    const std::int64_t end_ns = observer.now_ns() + kNanosecondsPerSecond;
+    while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.see(state));
   };
   const Ended all = set({"--stiffness", "400", "--damping", "0.5"});
   EXPECT_EQ(all.exit_code, 0) << all.err;
@@ -145,11 +145,11 @@ TEST_F(Sessions, ACutFileGivesWhatIsBeforeTheCut) {
 TEST_F(Sessions, ARecordingOfANodeThatWasKilledHasNoEndAndIsReadToItsLastEntry) {
   system.start("io_node");
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
-  const std::int64_t end_ns = onlooker.now_ns() + kNanosecondsPerSecond;
-  while (onlooker.now_ns() < end_ns) ASSERT_TRUE(onlooker.see(state));
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
+  const std::int64_t end_ns = observer.now_ns() + kNanosecondsPerSecond;
+  while (observer.now_ns() < end_ns) ASSERT_TRUE(observer.see(state));
   system["io_node"].kill();
   const Ended replayed = session({"replay", file.string()});
   EXPECT_EQ(replayed.exit_code, 1) << replayed.out;
@@ -167,7 +167,7 @@ TEST_F(Sessions, AnotherSceneThanTheRecordedOneIsRejected) {
 
 TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   system.start("io_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
   const std::filesystem::path flights = system.folder() / "out/flight";
   std::filesystem::path record;
@@ -181,7 +181,7 @@ TEST_F(Sessions, AHapticsNodeKilledInContactLeavesItsLastTwoSeconds) {
   // For ten seconds after a record, such as that of a machine that stood still, there is no other: then it is tried again.
   for (int attempt = 0; attempt < 3 && record.empty(); ++attempt) {
     system.start("haptics_node");
-    ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+    ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
     system["haptics_node"].kill();
     System::wait_until(has_come);
   }

@@ -145,9 +145,9 @@ extern const std::vector<std::string> kNodes;
 bool is_complete(const Json& report);
 
 // Joins the hub like a vision node that draws at once, and so gets the force as often as possible.
-class Onlooker {
+class SessionObserver {
  public:
-  explicit Onlooker(const System& system)
+  explicit SessionObserver(const System& system)
       : hub_(*parse_address(system.hub())),
         endpoint_(*open_udp_endpoint("127.0.0.1:0")),
         sealed_(*endpoint_, clock_, RoleKey(system.key(), KeyRole::vision), hub_) {}

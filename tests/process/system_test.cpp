@@ -108,16 +108,16 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
   System system({"--vision-rate", "1000"});
   system.start("io_node");
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact";
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact";
 
   system["haptics_node"].kill();
-  const std::int64_t killed_ns = onlooker.now_ns();
+  const std::int64_t killed_ns = observer.now_ns();
   // The last force is for a sample from before this moment; 20 ms after that one there is none. As much again for a busy machine.
   const std::int64_t silent_ns = killed_ns + 40 * kNanosecondsPerMillisecond;
   int seen = 0;
-  while (onlooker.see(state) && state.sample_time_ns < killed_ns + kNanosecondsPerSecond) {
+  while (observer.see(state) && state.sample_time_ns < killed_ns + kNanosecondsPerSecond) {
     if (state.sample_time_ns < silent_ns) continue;
     ++seen;
     EXPECT_EQ(state.force_n, Vec3::Zero()) << 1e-6 * static_cast<double>(state.sample_time_ns - killed_ns) << " ms after the kill";
@@ -130,7 +130,7 @@ TEST(Haptics, KilledInContactLeavesNoForceAndComesBackWithIt) {
   EXPECT_GE(count(alone, "command_timeouts"), 1);
 
   system.start("haptics_node");
-  ASSERT_TRUE(onlooker.see_until(true, state)) << "no contact after the restart";
+  ASSERT_TRUE(observer.see_until(true, state)) << "no contact after the restart";
   const Json again = system.request_report();
   expect_sane(again);
   EXPECT_GT(count(again, "contact_samples"), count(alone, "contact_samples"));

@@ -46,7 +46,7 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
     start("io_node");
     if (through_relay || !GetParam().relay.empty()) system.start_relay(GetParam().relay);
     start("haptics_node");
-    onlooker.emplace(system);
+    observer.emplace(system);
     ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
     press_on();
     if (has_patches()) {
@@ -55,19 +55,19 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
     expect_felt();
   }
   void press_on() {
-    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
-    ASSERT_TRUE(onlooker->see_until(true, state)) << "no contact";
+    observer->hold_hand(Vec3(0.01, 0.02, kTopM - 0.0025));
+    ASSERT_TRUE(observer->see_until(true, state)) << "no contact";
   }
   void start(const std::string& name) { system.start(name); }
-  // As waits_for, with the hand held: the hub leads it for a second without a word from the onlooker. Then it rises, and a haptics node
+  // As waits_for, with the hand held: the hub leads it for a second without a word from the observer. Then it rises, and a haptics node
   // that joins as it is led down again meets it inside, where nobody knows of a contact.
   bool waits_with_hand(const std::function<bool(const Json&)>& holds) {
     return waits_for(system, [&](const Json& report) { return sees_newest() && holds(report); });
   }
   bool sees_newest() {
-    const std::int64_t now_ns = onlooker->now_ns();
-    while (onlooker->see(state)) {
-      if (onlooker->sent_ns() >= now_ns) return true;
+    const std::int64_t now_ns = observer->now_ns();
+    while (observer->see(state)) {
+      if (observer->sent_ns() >= now_ns) return true;
     }
     return false;
   }
@@ -75,9 +75,9 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   // The force ends, and does not come back by itself. From patches it ends a second after the last that was heard of haptics; before, a
   // machine that stands still may take it away for a moment.
   void expect_released() {
-    const std::int64_t over_ns = onlooker->now_ns() + 5 * kNanosecondsPerSecond;
+    const std::int64_t over_ns = observer->now_ns() + 5 * kNanosecondsPerSecond;
     for (int released = 0; released < 300;) {
-      ASSERT_TRUE(onlooker->see(state));
+      ASSERT_TRUE(observer->see(state));
       const bool is_released = state.force_n == Vec3::Zero() && !state.contact;
       released = is_released ? released + 1 : 0;
       ASSERT_TRUE(is_released || state.sample_time_ns < over_ns) << "the force stays, or comes back: " << state.force_n.transpose();
@@ -86,12 +86,12 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   // A force comes, of the size that the hand presses with.
   void expect_felt() {
     bool is_felt = false;
-    for (const std::int64_t end_ns = onlooker->now_ns() + std::int64_t(1e9 * kPatience.count()); !is_felt && onlooker->now_ns() < end_ns;) {
-      ASSERT_TRUE(onlooker->see(state));
+    for (const std::int64_t end_ns = observer->now_ns() + std::int64_t(1e9 * kPatience.count()); !is_felt && observer->now_ns() < end_ns;) {
+      ASSERT_TRUE(observer->see(state));
       is_felt = state.contact && state.force_n.z() > 0.2;
     }
     EXPECT_TRUE(is_felt) << "the hand is at " << state.p_WD.transpose() << "\n" << system["io_node"].err() << system["haptics_node"].err();
-    EXPECT_GT(expect_bounded(*onlooker, 0.5, Until::force).force, 0);
+    EXPECT_GT(expect_bounded(*observer, 0.5, Until::force).force, 0);
   }
   void expect_felt_again() {
     expect_felt();
@@ -111,7 +111,7 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
     options.insert(options.end(), {"--device", "simulated"});
     return options;
   }()};
-  std::optional<Onlooker> onlooker;
+  std::optional<SessionObserver> observer;
   ProbeState state;
 };
 
@@ -129,19 +129,19 @@ TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
   ASSERT_NO_FATAL_FAILURE(press());
   for (const char* node : {"haptics_node", "io_node"}) {
     system[node].kill();
-    const std::int64_t killed_ns = onlooker->now_ns();
+    const std::int64_t killed_ns = observer->now_ns();
     if (node == std::string("haptics_node")) {
       ASSERT_NO_FATAL_FAILURE(expect_released());
-      onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
-      ASSERT_TRUE(System::wait_until([&] { return onlooker->see(state) && state.p_WD.z() > kTopM + kAboveM - 0.0005; }));
+      observer->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
+      ASSERT_TRUE(System::wait_until([&] { return observer->see(state) && state.p_WD.z() > kTopM + kAboveM - 0.0005; }));
     }
     start(node);
     const std::int64_t before = node == std::string("haptics_node") ? count(system.request_report(), "forces") : 0;
     ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > before + 20; }));
-    onlooker->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
+    observer->hold_hand(Vec3(0.01, 0.02, kTopM + kAboveM));
     for (int n = 0; n < 300; ++n) {
       do {  // what the hub sent before it was killed may still be queued
-        ASSERT_TRUE(onlooker->see(state));
+        ASSERT_TRUE(observer->see(state));
       } while (state.sample_time_ns < killed_ns);
       ASSERT_EQ(state.force_n, Vec3::Zero()) << node << ": sample " << state.sample << ", hand at " << state.p_WD.transpose() << ", " << n
                                              << " seen, " << 1e-6 * static_cast<double>(state.sample_time_ns - killed_ns)
@@ -214,8 +214,8 @@ TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
   view.X_WS = {0.8F, -0.6F, 0.0F, 0.0F, 0.6F, 0.8F, 0.0F, 0.0F, 0.0F, 0.0F, 1.0F, 0.0005F};
   bool is_there = false;
   for (int n = 0; n < 20'000 && !is_there; ++n) {
-    if (n % 100 == 0) onlooker->send(view);
-    ASSERT_TRUE(onlooker->see(state));
+    if (n % 100 == 0) observer->send(view);
+    ASSERT_TRUE(observer->see(state));
     is_there = state.contact && state.view_revision == 5 && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM - 0.0005) < 1e-6;
   }
   EXPECT_TRUE(is_there) << state.p_WD.z() + state.visual_offset_m.z();
@@ -241,7 +241,7 @@ TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
   save("");
   bool is_lower = false;
   for (int n = 0; n < 20'000 && !is_lower; ++n) {
-    ASSERT_TRUE(onlooker->see(state));
+    ASSERT_TRUE(observer->see(state));
     is_lower = state.contact && std::abs(state.p_WD.z() + state.visual_offset_m.z() - kTopM + 0.0005) < 1e-6;
   }
   EXPECT_TRUE(is_lower) << state.p_WD.z() + state.visual_offset_m.z() << system["haptics_node"].err();
@@ -316,11 +316,11 @@ TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
   system.start("io_node");
   system.start_relay({"--delay-ms", "20", "--loss", "0.1", "--jitter-ms", "10", "--duplicate", "0.1"});
   system.start("haptics_node");
-  Onlooker onlooker(system);
+  SessionObserver observer(system);
   ProbeState state;
   const auto sees = [&](const auto& holds) {
-    const std::int64_t end_ns = onlooker.now_ns() + std::int64_t(1e9 * kPatience.count());
-    while (onlooker.now_ns() < end_ns && onlooker.see(state)) {
+    const std::int64_t end_ns = observer.now_ns() + std::int64_t(1e9 * kPatience.count());
+    while (observer.now_ns() < end_ns && observer.see(state)) {
       if (holds()) return true;
     }
     return false;
@@ -335,23 +335,23 @@ TEST(TouchOfMovableObjects, IsFromPatchesWhereTheyLie) {
   ASSERT_TRUE(waits_for(system, [&](const Json& report) { return count(report, "forces") > 0; }));
   const Vec3 on_it(0.01, 0.02, kTopM - 0.0025);
   const Vec3 aside(0.02, 0.0, 0.0);
-  onlooker.hold_hand(on_it);
+  observer.hold_hand(on_it);
   ASSERT_TRUE(sees(touches)) << system["haptics_node"].err();
   ASSERT_TRUE(feels_patches(system));
   ASSERT_TRUE(sees(rests));
-  onlooker.hold_hand(on_it, 1);
-  ASSERT_TRUE(sees([&] { return onlooker.object_pose().is_held; })) << system["haptics_node"].err();
-  onlooker.hold_hand(on_it + aside, 1);
+  observer.hold_hand(on_it, 1);
+  ASSERT_TRUE(sees([&] { return observer.object_pose().is_held; })) << system["haptics_node"].err();
+  observer.hold_hand(on_it + aside, 1);
   ASSERT_TRUE(sees([&] { return rests() && (state.p_WD - on_it - aside).norm() < 0.001; })) << state.p_WD.transpose();
-  onlooker.hold_hand(on_it + aside);
-  ASSERT_TRUE(sees([&] { return !onlooker.object_pose().is_held && onlooker.object_pose().p_m.x() > 0.015; }));
+  observer.hold_hand(on_it + aside);
+  ASSERT_TRUE(sees([&] { return !observer.object_pose().is_held && observer.object_pose().p_m.x() > 0.015; }));
   ASSERT_TRUE(sees([&] { return state.contact; })) << "where it was put down: " << state.p_WD.transpose();
   EXPECT_TRUE(feels_patches(system));
-  onlooker.hold_hand(on_it + aside - Vec3(0, 0, 0.002));
+  observer.hold_hand(on_it + aside - Vec3(0, 0, 0.002));
   ASSERT_TRUE(sees(touches)) << state.p_WD.transpose();
   // Beside it, where it was.
   const Vec3 beside(-0.045, 0.02, kTopM - 0.01);
-  onlooker.hold_hand(beside);
+  observer.hold_hand(beside);
   EXPECT_TRUE(sees([&] { return (state.p_WD - beside).norm() < 0.001 && !state.contact && state.force_n.isZero(0.0); }))
       << state.p_WD.transpose() << ": " << state.force_n.transpose();
   EXPECT_TRUE(feels_patches(system));

@@ -24,6 +24,6 @@ struct Watched {
   int seen = 0;
   int force = 0;
 };
-Watched expect_bounded(Onlooker& onlooker, double seconds, Until until = Until::seen);
+Watched expect_bounded(SessionObserver& observer, double seconds, Until until = Until::seen);
 
 }  // namespace hapton::process
