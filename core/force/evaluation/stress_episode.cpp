@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Choices. Long walks, of 20,000 steps, find what takes longer than an episode.
+// Numbers of steps; free choices. Long walks, of 20,000 steps, find faults that need more steps than an ordinary episode has.
 constexpr std::size_t kLongestEpisode = 400;
 constexpr int kWalkSteps = 390;
 constexpr int kLongWalkLegs = 20;
@@ -29,9 +29,9 @@ std::string_view name_of(StressMotion motion) {
   return kNames[static_cast<std::size_t>(motion)];
 }
 
-StressEpisode::StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool inwards, std::uint64_t seed,
+StressEpisode::StressEpisode(const TriangleMesh& mesh, SurfaceWalk& walk, double extent, bool is_free_outside, std::uint64_t seed,
                              std::string_view body, std::uint64_t number)
-    : mesh_(mesh), walk_(walk), extent_(extent), side_(inwards ? 1.0 : -1.0) {
+    : mesh_(mesh), walk_(walk), extent_(extent), side_(is_free_outside ? 1.0 : -1.0) {
   const std::uint64_t name = hash_of(body);
   std::seed_seq sequence{seed, seed >> 32, name, name >> 32, number, number >> 32};
   random_.seed(sequence);
@@ -124,7 +124,7 @@ void StressEpisode::slide(std::vector<Vec3>& positions) {
 
 void StressEpisode::tap(std::vector<Vec3>& positions) {
   const double step = extent_ * log_uniform(-3.5, -1.0);
-  // Straight down the normal, or from any direction on the near side.
+  // Along the normal, or from any direction in the free half space.
   Vec3 from = up_;
   if (random_() % 2 == 0) {
     from = direction();
