@@ -1,4 +1,4 @@
-// Fixed Direction Hulls of 6, 14, 18 and 26 directions against each other on the same queries: time, nodes opened, triangles looked at;
+// Fixed Direction Hulls of 6, 14, 18 and 26 directions against each other on the same queries: time, nodes opened, triangles tested;
 // building, refitting; and the two tasks of method `smooth`. Mesh: a bumpy sphere of 100 mm, seed 1; queries: a walk over all of its
 // surface.
 //   build/release/bin/fdh_bench --benchmark_filter=nearest_64

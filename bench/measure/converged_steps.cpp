@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostRepeats = 1024;  // as hapton stress: a step that does not converge at all ends, too
+constexpr int kMostRepeats = 1024;  // as in hapton stress; ends the repetition of a step that never converges
 
 }  // namespace
 

@@ -9,20 +9,22 @@
 
 namespace hapton {
 
-// Method forces without the work limit of a step (core/force/step_work.h), to tell what a method exerts while a step is not finished from
-// what it exerts in another local minimum.
+// Forces of a method with every step repeated until it converges. Compared with its ordinary forces they tell errors of steps that ran out
+// of work (core/force/step_work.h) from errors of another local minimum.
 class ConvergedSteps {
  public:
   // Error: as make_method.
   static Result<ConvergedSteps> make(const MethodSettings& settings, const TouchScene& scene);
 
   struct Window {
-    bool begins_sliding = false;    // at `start` the dynamic coefficient of friction applies (ProxyMethod::is_sliding); true if not known
-    Vec3 begins_at = Vec3::Zero();  // where the device was when the proxy got where it is at `start`: on its way, if that step is carried
-    std::vector<ForceSample> felt;
+    bool begins_sliding = false;  // at `start` the dynamic coefficient of friction applies (ProxyMethod::is_sliding); true if not known
+    // Device point for which the proxy is at its position at `start`, frame S, m: the sample itself, or a point before it on the path of
+    // the device if the step ran out of work (ForceMethod::carried_from).
+    Vec3 begins_at = Vec3::Zero();
+    std::vector<ForceSample> felt;  // one for each of the `count` samples
   };
-  // Repeats the trajectory from the reset before `start` up to and including `start` exactly as the method runs it. Each of the next
-  // `count` samples is stepped again until nothing of its motion is carried; the force is that of its last step. Pre: start + count <
+  // Runs the trajectory from the reset before `start` up to and including `start`, one step a sample. Each of the next `count` samples is
+  // then stepped until the step converges; its force is that of the last of these steps. Pre: start + count <
   // trajectory rows, without a reset in between. RT: no.
   Window compute(const TouchTrajectory& trajectory, std::size_t start, std::size_t count);
 

@@ -13,6 +13,89 @@ std::string condition_of(const MeshFigures& f) {
                      f.friction ? "friction" : "no friction");
 }
 
+// Collects the rows over all meshes.
+class RowsOverMeshes {
+ public:
+  RowsOverMeshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings)
+      : all_(all),
+        settings_(settings),
+        over_(fmt::format("over {} meshes and {} seeds, {}", all.size(), settings.seeds.size(), condition_of(all[0]))),
+        is_point_(all[0].probe_radius_m == 0.0 && !all[0].friction) {}
+
+  void add_times() {
+    const std::string times = "contact step " + over_;
+    const std::string note = fmt::format("of {} contact steps", sum([](const MeshFigures& f) { return f.contact.count; }));
+    const auto goal = [this](double ns) { return is_point_ ? std::optional<double>(ns) : std::nullopt; };
+    add_pair(times, "p50", "ns", std::nullopt, "", note, [](const MeshFigures& f) { return f.contact.p50_ns; });
+    add_pair(times, "p99", "ns", goal(2000.0), "", note, [](const MeshFigures& f) { return f.contact.p99_ns; });
+    add_pair(times, "worst", "ns", goal(25000.0), "", note, [](const MeshFigures& f) { return f.contact.worst_ns; });
+    add_pair(times, "a facet crossed", "ns", std::nullopt, "", note, [](const MeshFigures& f) { return f.ns_per_facet; });
+    add_sum(times, "steps above 10 us", std::nullopt, note, [](const MeshFigures& f) { return f.over_10us; });
+    add_sum(times, "steps above 50 us", std::nullopt, note, [](const MeshFigures& f) { return f.over_50us; });
+    add_sum(times, "steps above 100 us", 0.0, note, [](const MeshFigures& f) { return f.over_100us; });
+  }
+
+  void add_errors() {
+    const std::string errors = "force error against the limit " + over_;
+    const std::string note = describe_windows();
+    const auto goal = [this](double share) { return all_[0].friction ? std::nullopt : std::optional<double>(share); };
+    add_pair(errors, "RMS", "%", goal(0.001), is_point_ ? "23 (70 k), 2000 (1.3 M)" : "", note,
+             [](const MeshFigures& f) { return 100.0 * f.error.error.rms; });
+    add_pair(errors, "p99", "%", std::nullopt, "", note, [](const MeshFigures& f) { return 100.0 * f.error.error.p99; });
+    add_pair(errors, "max", "%", goal(0.1), "", note, [](const MeshFigures& f) { return 100.0 * f.error.error.most; });
+    add_pair(errors, "RMS, every step converged", "%", std::nullopt, "", note,
+             [](const MeshFigures& f) { return 100.0 * f.converged.error.rms; });
+    add_pair(errors, "max, every step converged", "%", std::nullopt, "", note,
+             [](const MeshFigures& f) { return 100.0 * f.converged.error.most; });
+    const std::string faults = "fall-throughs, false contacts, stuck steps, force discontinuities";
+    add_sum(errors, faults, 0.0, note, [](const MeshFigures& f) { return f.error.faults(); });
+    add_sum(errors, faults + ", every step converged", std::nullopt, note, [](const MeshFigures& f) { return f.converged.faults(); });
+  }
+
+  std::vector<NumberRow> take() { return std::move(rows_); }
+
+ private:
+  template <class Count>
+  std::size_t sum(Count&& count) const {
+    std::size_t total = 0;
+    for (const MeshFigures& f : all_) total += count(f);
+    return total;
+  }
+
+  // Two rows: the median over the meshes, and the worst mesh. target: goal of the worst mesh. quoted: value of another library, for the
+  // median.
+  template <class Figure>
+  void add_pair(const std::string& what, const std::string& metric, const std::string& unit, std::optional<double> target,
+                const std::string& quoted, const std::string& note, Figure&& figure) {
+    const MedianAndWorst both = over_meshes(all_, figure);
+    rows_.push_back({what, metric + ", median mesh", unit, std::nullopt, false, quoted, {}, both.median, note});
+    rows_.push_back({what, metric + ", worst mesh", unit, target, false, "", {}, both.worst, note, both.worst_mesh});
+  }
+
+  template <class Count>
+  void add_sum(const std::string& what, const std::string& metric, std::optional<double> target, const std::string& note, Count&& count) {
+    rows_.push_back({what, metric, "", target, false, "", {}, static_cast<double>(sum(count)), note});
+  }
+
+  std::string describe_windows() const {
+    using Cause = BranchSwitch::Cause;
+    const auto count_switches = [this](Cause cause) { return sum([&](const MeshFigures& f) { return f.error.count(cause); }); };
+    return fmt::format(
+        "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all: {} unconverged, "
+        "{} where the reference has not settled, {} unexplained; {} steps not settled",
+        sum([](const MeshFigures& f) { return f.error.contact_steps; }), settings_.window_steps,
+        sum([](const MeshFigures& f) { return f.error.branch_switches; }), sum([](const MeshFigures& f) { return f.error.switched_steps; }),
+        count_switches(Cause::unconverged), count_switches(Cause::unsettled), count_switches(Cause::unexplained),
+        sum([](const MeshFigures& f) { return f.error.unsettled_steps; }));
+  }
+
+  const std::vector<MeshFigures>& all_;
+  const MeshRunSettings& settings_;
+  const std::string over_;
+  const bool is_point_;
+  std::vector<NumberRow> rows_;
+};
+
 }  // namespace
 
 std::vector<NumberRow> rows_of_mesh(const MeshFigures& f, const MeshRunSettings& settings) {
@@ -36,62 +119,10 @@ std::vector<NumberRow> rows_of_mesh(const MeshFigures& f, const MeshRunSettings&
 }
 
 std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings) {
-  std::vector<NumberRow> rows;
-  const auto add = [&](NumberRow row) { rows.push_back(std::move(row)); };
-  const std::string over = fmt::format("over {} meshes and {} seeds, {}", all.size(), settings.seeds.size(), condition_of(all[0]));
-  const auto add_pair = [&](const std::string& what, const std::string& metric, const std::string& unit, std::optional<double> target,
-                            const std::string& quoted, const std::string& note, auto&& figure) {
-    const MedianAndWorst both = over_meshes(all, figure);
-    add({what, metric + ", median mesh", unit, std::nullopt, false, quoted, {}, both.median, note});
-    add({what, metric + ", worst mesh", unit, target, false, "", {}, both.worst, note, both.worst_mesh});
-  };
-  const auto sum = [&](auto&& count) {
-    std::size_t total = 0;
-    for (const MeshFigures& f : all) total += count(f);
-    return total;
-  };
-  const bool point = all[0].probe_radius_m == 0.0 && !all[0].friction;
-  const std::string times = "contact step " + over;
-  const std::size_t steps = sum([](const MeshFigures& f) { return f.contact.count; });
-  const std::string counted = fmt::format("of {} contact steps", steps);
-  add_pair(times, "p50", "ns", std::nullopt, "", counted, [](const MeshFigures& f) { return f.contact.p50_ns; });
-  add_pair(times, "p99", "ns", point ? std::optional<double>(2000.0) : std::nullopt, "", counted,
-           [](const MeshFigures& f) { return f.contact.p99_ns; });
-  add_pair(times, "worst", "ns", point ? std::optional<double>(25000.0) : std::nullopt, "", counted,
-           [](const MeshFigures& f) { return f.contact.worst_ns; });
-  add_pair(times, "a facet crossed", "ns", std::nullopt, "", counted, [](const MeshFigures& f) { return f.ns_per_facet; });
-  const auto add_count = [&](const char* metric, std::optional<double> target, auto&& count) {
-    add({times, metric, "", target, false, "", {}, static_cast<double>(sum(count)), counted});
-  };
-  add_count("steps above 10 us", std::nullopt, [](const MeshFigures& f) { return f.over_10us; });
-  add_count("steps above 50 us", std::nullopt, [](const MeshFigures& f) { return f.over_50us; });
-  add_count("steps above 100 us", 0.0, [](const MeshFigures& f) { return f.over_100us; });
-  using Cause = BranchSwitch::Cause;
-  const auto count_switches = [&](Cause cause) { return sum([&](const MeshFigures& f) { return f.error.count(cause); }); };
-  const std::string errors = "force error against the limit " + over;
-  const std::string windows = fmt::format(
-      "{} contact steps in windows of {}, each begun from the proxy's own state; {} branch switches of {} steps in all: {} unconverged, "
-      "{} where the reference has not settled, {} unexplained; {} steps not settled",
-      sum([](const MeshFigures& f) { return f.error.contact_steps; }), settings.window_steps,
-      sum([](const MeshFigures& f) { return f.error.branch_switches; }), sum([](const MeshFigures& f) { return f.error.switched_steps; }),
-      count_switches(Cause::unconverged), count_switches(Cause::unsettled), count_switches(Cause::unexplained),
-      sum([](const MeshFigures& f) { return f.error.unsettled_steps; }));
-  const auto goal = [&](double share) { return all[0].friction ? std::nullopt : std::optional<double>(share); };
-  add_pair(errors, "RMS", "%", goal(0.001), point ? "23 (70 k), 2000 (1.3 M)" : "", windows,
-           [](const MeshFigures& f) { return 100.0 * f.error.error.rms; });
-  add_pair(errors, "p99", "%", std::nullopt, "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.p99; });
-  add_pair(errors, "max", "%", goal(0.1), "", windows, [](const MeshFigures& f) { return 100.0 * f.error.error.most; });
-  add_pair(errors, "RMS, every step converged", "%", std::nullopt, "", windows,
-           [](const MeshFigures& f) { return 100.0 * f.converged.error.rms; });
-  add_pair(errors, "max, every step converged", "%", std::nullopt, "", windows,
-           [](const MeshFigures& f) { return 100.0 * f.converged.error.most; });
-  const std::string faults = "fall-throughs, false contacts, stuck steps, force discontinuities";
-  const auto add_faults = [&](const std::string& metric, std::optional<double> target, auto&& count) {
-    add({errors, metric, "", target, false, "", {}, static_cast<double>(sum(count)), windows});
-  };
-  add_faults(faults, 0.0, [](const MeshFigures& f) { return f.error.faults(); });
-  add_faults(faults + ", every step converged", std::nullopt, [](const MeshFigures& f) { return f.converged.faults(); });
-  return rows;
+  RowsOverMeshes rows(all, settings);
+  rows.add_times();
+  rows.add_errors();
+  return rows.take();
 }
 
 }  // namespace hapton

@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// The rows of one mesh: the rough sphere, for which the goals are defined.
+// The rows of one mesh, with the goals of the rough sphere: call it for that mesh only.
 std::vector<NumberRow> rows_of_mesh(const MeshFigures& figures, const MeshRunSettings& settings);
 
 // Median and worst mesh of each quantity, and totals over all meshes. Pre: not empty, of one probe, all with or all without

@@ -79,8 +79,8 @@ class Brute final : public QueryStructure {
   std::vector<std::array<Point3<Real>, 3>> corners_;
 };
 
-// A segment looks into the cells its box covers, as method `sweep` does; a point into a cube that grows until nothing outside can be
-// nearer.
+// A segment is tested against the cells that its box covers, as method `sweep` does; a point into a cube that grows until nothing outside
+// can be nearer.
 class Grid final : public QueryStructure {
  public:
   static Made make(const TriangleMesh& mesh, int division) {

@@ -33,7 +33,7 @@ struct SixdofRow {
   bool has_errors = false;
   std::size_t penetrations = 0;  // steps in which a triangle of the tool intersects one of the scene (exact)
   double least_gap = 0.0;        // over all steps, as a share of the contact offset
-  double widest_gap_um = 0.0;    // what contact keeps apart: the largest gap of the steps in contact that are looked at; 0: none below 1 mm
+  double widest_gap_um = 0.0;  // what contact keeps apart: the largest gap over the steps in contact that are measured; 0: none below 1 mm
   std::size_t unconverged = 0;
   int most_rounds = 0;
   double mean_rounds = 0.0;  // of the steps in contact

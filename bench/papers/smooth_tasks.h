@@ -17,7 +17,7 @@ struct SmoothTasksSettings {
   double layer = kFdhPaperLayer;  // Algorithm 1 at full strength
   int directions = 14;            // of the hulls, the paper's
   double seconds = 12.0;          // of touch; a fast task at 10 kHz takes ten times the steps of one at 1 kHz
-  double slow_period_s = 0.01;    // how often the slow task looks for a request, as in haptics_node
+  double slow_period_s = 0.01;    // period at which the slow task polls for a request, as in haptics_node
   std::uint64_t seed = 1;
   int repetitions = 5;
 };
