@@ -13,9 +13,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kShareOfEdge = 0.05;     // of an edge: a gap that is wider is no crack beside it
-constexpr std::size_t kMostMeasured = 8;  // points whose nearest edge is looked for
-constexpr std::size_t kFewEdges = 64;     // a small mesh is examined completely
+constexpr double kShareOfEdge = 0.05;     // of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
+constexpr std::size_t kMostMeasured = 8;  // points whose nearest edge is searched; a free choice
+constexpr std::size_t kFewEdges = 64;     // added to the number of edges, so that a small mesh is examined completely; a free choice
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -52,24 +52,26 @@ struct Segment {
   }
 };
 
-// Points that wait for a boundary edge to come near, in a kd-tree. Each has its own radius and leaves the tree once an edge came within it,
-// so thousands of points and edges in one place cost time in proportion to their number, not to its square.
-class WaitingPoints {
+// Points on boundary edges for which an edge within their radius is searched, in a kd-tree. A point is done once an edge was found, or
+// after kMostMisses edges were not within its radius. So thousands of points and edges in one place cost time in proportion to their
+// number, not to its square.
+class PendingPoints {
  public:
   struct Point {
     Vec3 at;
     double radius = 0.0;
-    std::uint32_t edge = 0;  // its own edge, which does not count
-    std::uint32_t misses = 0;
+    std::uint32_t edge = 0;    // its own edge, which does not count
+    std::uint32_t misses = 0;  // edges tested that were not within the radius
     bool is_found = false;
     double squared_gap = 0.0;  // to the edge that was found, which need not be the nearest
   };
 
-  explicit WaitingPoints(std::vector<Point> points) : points_(std::move(points)) {
+  explicit PendingPoints(std::vector<Point> points) : points_(std::move(points)) {
     if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
   }
 
-  void pass(std::uint32_t edge, const Vec3& a, const Vec3& b) {
+  // Tests edge ab against all points that are not done.
+  void test_edge(std::uint32_t edge, const Vec3& a, const Vec3& b) {
     visit(0, {.edge = edge, .segment = Segment(a, b), .slabs = SegmentSlabs(a, b)});
   }
 
@@ -86,9 +88,9 @@ class WaitingPoints {
     std::uint32_t first = 0;
     std::uint32_t last = 0;
     std::uint32_t right = kNone;  // the left child follows its parent; none: a leaf
-    std::uint32_t waiting = 0;
+    std::uint32_t pending = 0;    // points that are not done
   };
-  struct Passing {
+  struct TestedEdge {
     std::uint32_t edge = 0;
     Segment segment;
     SegmentSlabs slabs;
@@ -103,7 +105,7 @@ class WaitingPoints {
       reached.extend(points_[i].at - Vec3::Constant(points_[i].radius));
       reached.extend(points_[i].at + Vec3::Constant(points_[i].radius));
     }
-    nodes_.push_back({.low = reached.min(), .high = reached.max(), .first = first, .last = last, .waiting = last - first});
+    nodes_.push_back({.low = reached.min(), .high = reached.max(), .first = first, .last = last, .pending = last - first});
     if (last - first <= kLeafSize) return number;
     int axis = 0;
     box.sizes().maxCoeff(&axis);
@@ -116,27 +118,27 @@ class WaitingPoints {
     return number;
   }
 
-  // Returns how many points no longer wait.
-  std::uint32_t visit(std::uint32_t number, const Passing& passing) {
+  // Returns the number of points that are done now.
+  std::uint32_t visit(std::uint32_t number, const TestedEdge& tested) {
     Node& node = nodes_[number];
     ++work_;
-    if (node.waiting == 0 || !passing.slabs.meets(node.low, node.high)) return 0;
+    if (node.pending == 0 || !tested.slabs.meets(node.low, node.high)) return 0;
     std::uint32_t done = 0;
     if (node.right != kNone) {
-      done = visit(number + 1, passing);
-      done += visit(node.right, passing);
+      done = visit(number + 1, tested);
+      done += visit(node.right, tested);
     } else {
-      for (std::uint32_t i = node.first; i < node.last; ++i) done += try_point(points_[i], passing) ? 1 : 0;
+      for (std::uint32_t i = node.first; i < node.last; ++i) done += try_point(points_[i], tested) ? 1 : 0;
     }
-    node.waiting -= done;
+    node.pending -= done;
     return done;
   }
 
-  // True if the point no longer waits.
-  bool try_point(Point& point, const Passing& passing) {
-    if (point.is_found || point.misses == kMostMisses || point.edge == passing.edge) return false;
+  // True if the point is done now.
+  bool try_point(Point& point, const TestedEdge& tested) {
+    if (point.is_found || point.misses == kMostMisses || point.edge == tested.edge) return false;
     ++work_;
-    point.squared_gap = passing.segment.squared_distance(point.at);
+    point.squared_gap = tested.segment.squared_distance(point.at);
     point.is_found = point.squared_gap <= point.radius * point.radius;
     return point.is_found || ++point.misses == kMostMisses;
   }
@@ -146,9 +148,9 @@ class WaitingPoints {
   std::size_t work_ = 0;
 };
 
-std::vector<WaitingPoints::Point> points_along(const TriangleMesh& mesh, const std::vector<Edge>& borders,
+std::vector<PendingPoints::Point> points_along(const TriangleMesh& mesh, const std::vector<Edge>& borders,
                                                const std::vector<std::uint32_t>& edges, const std::vector<double>& shares, double width) {
-  std::vector<WaitingPoints::Point> points;
+  std::vector<PendingPoints::Point> points;
   points.reserve(shares.size() * edges.size());
   for (const std::uint32_t e : edges) {
     const Vec3& from = mesh.vertices[borders[e].first];
@@ -159,7 +161,7 @@ std::vector<WaitingPoints::Point> points_along(const TriangleMesh& mesh, const s
   return points;
 }
 
-double find_squared_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, const WaitingPoints::Point& point) {
+double find_squared_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, const PendingPoints::Point& point) {
   double squared_gap = point.squared_gap;
   for (std::uint32_t e = 0; e < borders.size(); ++e) {
     if (e == point.edge) continue;
@@ -169,13 +171,13 @@ double find_squared_gap(const TriangleMesh& mesh, const std::vector<Edge>& borde
   return squared_gap;
 }
 
-// The widest of the gaps at these points: their nearest edges are looked for in order of those that were found, until no other can be
-// wider. If that is still not so after kMostMeasured: an upper bound.
-double find_widest_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, std::vector<WaitingPoints::Point> points,
+// The widest of the gaps at these points. Exact gaps are computed in descending order of the gaps found so far, which are upper bounds,
+// until no other can be wider. After kMostMeasured points: an upper bound.
+double find_widest_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, std::vector<PendingPoints::Point> points,
                        std::size_t& work) {
   const std::size_t count = std::min(points.size(), kMostMeasured + 1);
   std::partial_sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
-                    [](const WaitingPoints::Point& p, const WaitingPoints::Point& q) {
+                    [](const PendingPoints::Point& p, const PendingPoints::Point& q) {
                       return p.squared_gap != q.squared_gap ? p.squared_gap > q.squared_gap : p.edge < q.edge;
                     });
   double widest_squared = 0.0;
@@ -199,26 +201,26 @@ BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, const std::vector<s
   std::vector<std::uint32_t> cracks(borders.size());
   std::iota(cracks.begin(), cracks.end(), 0U);
   BoundaryEdges count;
-  std::vector<WaitingPoints::Point> at_cracks;
-  // Most edges have nothing beside their middle: only the others are tested at further points.
+  std::vector<PendingPoints::Point> at_cracks;
+  // Most edges have no other edge beside their middle. Only the rest is tested at further points.
   for (const std::vector<double>& shares : {std::vector{0.5}, std::vector{0.25, 0.75}}) {
-    WaitingPoints waiting(points_along(mesh, borders, cracks, shares, width));
+    PendingPoints pending(points_along(mesh, borders, cracks, shares, width));
     if (cracks.empty()) break;
     for (std::uint32_t e = 0; e < borders.size() && !count.has_given_up; ++e) {
-      waiting.pass(e, mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]);
-      count.has_given_up = count.work + waiting.work() > most_work * (borders.size() + kFewEdges);
+      pending.test_edge(e, mesh.vertices[borders[e].first], mesh.vertices[borders[e].second]);
+      count.has_given_up = count.work + pending.work() > most_work * (borders.size() + kFewEdges);
     }
     std::vector<std::uint8_t> found(borders.size(), 0);
-    for (const WaitingPoints::Point& point : waiting.points()) {
+    for (const PendingPoints::Point& point : pending.points()) {
       if (!point.is_found) continue;
       ++found[point.edge];
       at_cracks.push_back(point);
     }
     std::erase_if(cracks, [&](std::uint32_t e) { return found[e] < shares.size(); });
-    count.work += waiting.work();
+    count.work += pending.work();
   }
   std::erase_if(at_cracks,
-                [&](const WaitingPoints::Point& point) { return !std::binary_search(cracks.begin(), cracks.end(), point.edge); });
+                [&](const PendingPoints::Point& point) { return !std::binary_search(cracks.begin(), cracks.end(), point.edge); });
   count.widest_crack = find_widest_gap(mesh, borders, std::move(at_cracks), count.work);
   count.cracks = cracks.size();
   count.open = borders.size() - count.cracks;

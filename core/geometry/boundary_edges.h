@@ -10,16 +10,16 @@ namespace hapton {
 
 // The edges with only one triangle, by kind.
 struct BoundaryEdges {
-  std::size_t open = 0;    // of a sheet or a hole: nothing continues beyond
-  std::size_t cracks = 0;  // another boundary runs alongside: the surface continues across a gap
-  double widest_crack =
-      0.0;               // gap at a quarter, the middle and three quarters of a crack's edges: the widest; an upper bound if many differ
-  std::size_t work = 0;  // boxes and points examined; proportional to the time
-  bool has_given_up = false;  // some edges counted as open were not examined completely, because too many lie across one another
+  std::size_t open = 0;    // at the border of a sheet or a hole
+  std::size_t cracks = 0;  // beside another boundary edge: the surface continues across a narrow gap
+  // The widest gap, measured at a quarter, the middle and three quarters of each crack edge; an upper bound if many gaps differ.
+  double widest_crack = 0.0;
+  std::size_t work = 0;       // boxes and points examined; proportional to the time
+  bool has_given_up = false;  // most_work was used up: some edges that count as open were not examined completely
 };
 
-// Per boundary edge, on average: more than twice what any mesh of meshes/ needs when it is torn apart at every edge (143).
-// count_boundary_edges gives up beyond it: some 10,000 triangles as large as the mesh cause that.
+// Largest work per boundary edge, on average: more than twice what any mesh of meshes/ needs after a cut along every edge (143).
+// count_boundary_edges gives up beyond it, for example on 10,000 triangles that are each as large as the mesh.
 constexpr std::size_t kMostBoundaryWork = 320;
 
 // Classifies boundary edges. An edge is a crack if each of three points along it has another boundary edge within `width` and within a

@@ -11,7 +11,7 @@ namespace hapton {
 // along the dominant axis of the normal for the Jordan curve test (a ray from an inside point crosses the outline an odd number of times).
 // Units: metres. Frame: the corners'; the projection is relative to corner 0, so a scene far from the origin loses no digits.
 // Source: memo 4.2.2, second step of the precalculation; crossings test as in Graphics Gems (memo reference 7). We differ in the outline:
-// it belongs to the triangle, to within the rounding of the point tested, so no line slips between two neighbours.
+// it belongs to the triangle, to within the rounding of the point tested, so that no line passes between two neighbours.
 // RT: yes.
 struct TrianglePlane {
   // One side of the projection, lower end first, so that neighbours have the same numbers.
@@ -22,8 +22,8 @@ struct TrianglePlane {
   };
 
   Vec3 origin;         // corner 0
-  Vec3 normal;         // unit; seen from its tip the corners run counter-clockwise
-  double extent;       // largest absolute coordinate of the corners
+  Vec3 normal;         // unit; the corners run counter-clockwise around it
+  double extent;       // largest absolute coordinate of the corners relative to the origin
   int u_axis, v_axis;  // the two axes of the projection
   std::array<Side, 3> sides;
 
