@@ -11,28 +11,28 @@
 namespace hapton {
 namespace {
 
-bool any_is_on(const std::vector<ContactDamping>& objects) {
+bool has_damping_on_any(const std::vector<ContactDamping>& objects) {
   return std::any_of(objects.begin(), objects.end(), [](const ContactDamping& one) { return one.is_on(); });
 }
 
-// What is left of a contact that ended, at which it is forgotten: too little to be felt.
-constexpr double kForgotten = 0x1p-16;
+// Share of the damping of a part that is no longer touched at which it is dropped: too little to be felt.
+constexpr double kLeastRemaining = 0x1p-16;
 
-// The share of a damping force that is within its bound.
+// The factor that limits a damping force to its bound.
 double share_within(double force_n, double most_n) { return force_n > most_n ? most_n / force_n : 1.0; }
 
 }  // namespace
 
 ContactDrag::ContactDrag(std::vector<std::vector<ContactDamping>> damping, double unit_m, double radius)
     : damping_(std::move(damping)), unit_m_(unit_m), radius_(radius), motions_(damping_.size()) {
-  note_damping();
+  update_damping();
 }
 
-// Where there was none before, no velocity is known yet: that of all begins anew.
-void ContactDrag::note_damping() noexcept {
+// A part without damping has no velocity. If one gets damping, the velocities of all parts restart.
+void ContactDrag::update_damping() noexcept {
   is_on_ = false;
   for (std::size_t p = 0; p < damping_.size(); ++p) {
-    const bool had_damping = std::exchange(motions_[p].has_damping, any_is_on(damping_[p]));
+    const bool had_damping = std::exchange(motions_[p].has_damping, has_damping_on_any(damping_[p]));
     is_on_ = is_on_ || motions_[p].has_damping;
     if (motions_[p].has_damping && !had_damping) reset();
   }
@@ -40,7 +40,7 @@ void ContactDrag::note_damping() noexcept {
 
 void ContactDrag::set_damping(const std::vector<std::vector<ContactDamping>>& damping) noexcept {
   damping_ = damping;
-  note_damping();
+  update_damping();
 }
 
 void ContactDrag::reset() noexcept {
@@ -101,7 +101,7 @@ void ContactDrag::add(const Contact& contact, double along_n, Touched& touched) 
   const Vec3 velocity = jacobian * velocity_past(contact.part);
   const double normal_speed = contact.normal.dot(velocity);
   const Vec6 row = jacobian.transpose() * contact.normal;
-  const auto add_to = [&](Metric& metric, double ns_per_m, double speed, const auto& shape) {
+  const auto add_to = [&](DampingMatrix& metric, double ns_per_m, double speed, const auto& shape) {
     if (!(ns_per_m > 0.0)) return;
     const double coefficient = weight * ns_per_m * share_within(ns_per_m * std::abs(speed), along_n);
     metric.matrix += coefficient * shape;
@@ -112,19 +112,19 @@ void ContactDrag::add(const Contact& contact, double along_n, Touched& touched) 
          Mat6(jacobian.transpose() * jacobian - row * row.transpose()));
 }
 
-void ContactDrag::Metric::scale(double share) noexcept {
+void ContactDrag::DampingMatrix::scale(double share) noexcept {
   matrix *= share;
   coefficient *= share;
 }
 
-void ContactDrag::Metric::blend(const Metric& before, double share) noexcept {
-  if (!matrix.allFinite()) *this = {};  // it would stay so
+void ContactDrag::DampingMatrix::blend(const DampingMatrix& before, double share) noexcept {
+  if (!matrix.allFinite()) *this = {};  // otherwise the filter would keep it
   matrix = before.matrix + share * (matrix - before.matrix);
   coefficient = before.coefficient + share * (coefficient - before.coefficient);
 }
 
 // By Cauchy's inequality the sum of the contacts' forces is at most the root of coefficient times power.
-Vec6 ContactDrag::Metric::force(const Vec6& velocity, double most_n) const noexcept {
+Vec6 ContactDrag::DampingMatrix::force(const Vec6& velocity, double most_n) const noexcept {
   if (!(coefficient > 0.0)) return Vec6::Zero();
   const Vec6 drag = matrix * velocity;
   const double sum_n = std::sqrt(coefficient * std::max(0.0, drag.dot(velocity)));
@@ -147,8 +147,8 @@ ContactDrag::Touched& ContactDrag::TouchedParts::at(int part) noexcept {
   return touched;
 }
 
-// The hand feels the sum over all contacts, and a sum above the largest would be unstable where that material alone is not. Each of the
-// contacts adds at most its coefficient in any direction.
+// Limits the sum over all contacts to the largest coefficient: a material that is stable alone stays so. upper_bound saves the eigenvalues
+// in the common case that one face is touched.
 void ContactDrag::limit(TouchedParts& now) const noexcept {
   Mat3 sum = Mat3::Zero();
   double most = 0.0;
@@ -168,23 +168,23 @@ void ContactDrag::limit(TouchedParts& now) const noexcept {
   }
 }
 
-// A part that is touched no longer, or not known to be, goes on from what it was towards zero, as one that is touched goes on towards what
-// it is now: so the sum over all parts is a mean as well.
+// Low-pass filter: the damping of each touched part approaches its present value, and that of the other parts approaches zero, so the sum
+// over all parts is filtered, too.
 void ContactDrag::blend(TouchedParts& now, double share) const noexcept {
   const std::size_t touched = now.count;
   for (std::size_t i = 0; i < touched; ++i) {
     Touched& one = now.all[i];
     const Touched* before = touched_.find(one.part);
-    one.normal.blend(before != nullptr ? before->normal : Metric(), share);
-    one.along.blend(before != nullptr ? before->along : Metric(), share);
+    one.normal.blend(before != nullptr ? before->normal : DampingMatrix(), share);
+    one.along.blend(before != nullptr ? before->along : DampingMatrix(), share);
   }
   for (std::size_t i = 0; i < touched_.count && now.count < now.all.size(); ++i) {
     const Touched& before = touched_.all[i];
-    const double left = before.left * (1.0 - share);
-    if (left < kForgotten || now.find(before.part) != nullptr) continue;
+    const double remaining = before.remaining * (1.0 - share);
+    if (remaining < kLeastRemaining || now.find(before.part) != nullptr) continue;
     Touched& one = now.all[now.count++];
     one = before;
-    one.left = left;
+    one.remaining = remaining;
     one.contact_n *= 1.0 - share;
     one.normal.scale(1.0 - share);
     one.along.scale(1.0 - share);

@@ -11,8 +11,8 @@ namespace {
 
 using Kind = FeaturePair::Kind;
 
-// Each feature of a pair of triangles has a bit: three vertices of the tool and three of the scene with the other's face, and nine pairs
-// of edges.
+// A pair of triangles has 15 pairs of features, a bit each: the three vertices of each triangle with the face of the other one, and nine
+// pairs of edges.
 constexpr std::uint16_t kVertexBits = 0x3F;
 std::uint16_t vertex_bit(int corner, bool is_of_tool) { return static_cast<std::uint16_t>(1U << (2 * corner + (is_of_tool ? 0 : 1))); }
 std::uint16_t edge_bit(int tool_edge, int scene_edge) { return static_cast<std::uint16_t>(1U << (6 + 3 * tool_edge + scene_edge)); }
@@ -20,7 +20,7 @@ std::uint16_t edge_bit(int tool_edge, int scene_edge) { return static_cast<std::
 int edge_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::edge0); }
 int vertex_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::vertex0); }
 
-// The closest feature of a triangle is its own and a top along `outward`; a face always is.
+// Whether the closest feature belongs to this triangle and is a local maximum of the surface along `outward`; a face always is.
 bool is_local_maximum_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature feature, const Vec3& outward) {
   if (is_edge(feature)) {
     const int k = edge_number(feature);
@@ -125,7 +125,7 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
         visit.pair.scene_triangle = id;
         return find_near(visit, features);
       });
-  if (!is_whole || !take_over()) {
+  if (!is_whole || !merge_found()) {
     front_.restart();
     return false;
   }
@@ -134,7 +134,7 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
 
 PatchFront::Visited NearFeatures::find_near(Visit& visit, std::uint16_t features) const noexcept {
   double gap = 0.0;
-  // Over a motion a plane may exclude what the features alone do not.
+  // Over a motion a separating plane may exclude a pair that the distances of its features do not exclude.
   if (features != PatchFront::kAllFeatures && visit.tool.most_moved == 0.0) add_features(features, visit);
   if (visit.near == 0) {
     const PlacedTriangle scene(visit.scene[0], visit.scene[1], visit.scene[2]);
@@ -151,7 +151,7 @@ void NearFeatures::add_features(std::uint16_t features, Visit& visit) const noex
   if ((features & ~kVertexBits) != 0) add_edges(features, visit);
 }
 
-bool NearFeatures::take_over() noexcept {
+bool NearFeatures::merge_found() noexcept {
   std::size_t found = 0;
   for (const Worker& worker : workers_) found += worker.found.size();
   if (count_ + found > features_.size()) return false;
@@ -213,7 +213,7 @@ NearFeatures::PlaneGap NearFeatures::find_plane_gap(const SweptTriangle& tool, c
   return found;
 }
 
-// Of triangles side by side in one plane neither's plane separates them.
+// Triangles side by side in one plane are not separated by their own planes, but often by a plane of the axes.
 NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   const Vec3 above = tool.swept.low - scene.box.high;
   const Vec3 below = scene.box.low - tool.swept.high;
@@ -228,7 +228,7 @@ NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, con
 
 PatchFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
   PatchFront::Visited visited{plane.gap, plane.gap, true};
-  // Of a smaller direction the length is not exact.
+  // The length of a shorter direction would be inexact (denormal numbers).
   visited.has_plane = plane.direction.squaredNorm() > 0x1p-900;
   if (!visited.has_plane) return visited;
   visited.normal = SeparatingPlanes::normal_along(plane.direction);
@@ -309,7 +309,7 @@ void NearFeatures::add(double distance_squared, std::uint16_t feature, Visit& vi
   }
 }
 
-// Skips a pair that a plane between its closest points, held fixed, separates over the motion.
+// Skips a pair that stays apart over the motion: a fixed plane between its closest points separates it.
 bool NearFeatures::add_if_near(Visit& visit) const noexcept {
   const FeaturePair& pair = visit.pair;
   if (known_.has(pair)) return true;

@@ -17,61 +17,61 @@
 
 namespace hapton {
 
-// A pair of features and its distance at the placement of the last collect or follow.
+// A pair of features, one of the tool and one of the scene, and its distance at the placement of the last collect or follow.
 struct NearFeature {
   FeaturePair pair;
   FeatureGap gap;
-  // The distance of the surfaces has a local minimum here. Beside any other pair there is a nearer one, which bounds the motion in its
-  // place; as a constraint such a pair would act as a wall that does not exist.
+  // The distance of the surfaces has a local minimum at this pair. Next to a pair that is no minimum there is a nearer pair, which bounds
+  // the motion instead; as a constraint, the pair itself would act as a wall that does not exist.
   bool is_minimum = false;
 };
 
 // The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
 // way. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
-// The workers of a team share the work; what they find does not depend on their number.
+// The workers of a team share the work; the result does not depend on their number. Frame and units: TouchGeometry's local ones.
 // Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend, follow and
 // any_intersect yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
 class NearFeatures {
  public:
-  static constexpr std::size_t kMostTrianglePairs = 1U << 17;
-  static constexpr std::size_t kMostFeatures = 1U << 14;
+  static constexpr std::size_t kMostTrianglePairs = 1U << 17;  // of any_intersect; a choice
+  static constexpr std::size_t kMostFeatures = 1U << 14;       // pairs of features; a choice
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
-  // What is made of the tool alone, and of the scene alone, was made before. Pre: of these two.
+  // The same, with surfaces that were made before. Pre: they are those of this tool and this scene.
   NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
                std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team = calling_thread());
-  // Of the same tool and another scene; what is made of the tool alone is shared.
+  // The same tool and another scene; the tool's surface is shared.
   NearFeatures(const NearFeatures& other, const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team);
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 
-  // Finds the pairs that are no farther apart than `distance`. False if there are more than fit: they are then incomplete. A pair that
-  // becomes a minimum when the tool turns by `turn` counts as one, if its closest points are inside a face or inside two edges, so that its
-  // normal does not change.
+  // Finds the pairs that are no farther apart than `distance`. False: there are more than kMostFeatures, and features() is incomplete.
+  // turn, rad: a pair that becomes a minimum if the tool turns by this angle counts as a minimum, if its closest points are inside a face
+  // or inside two edges, so that its normal does not change.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
-  // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False if there
-  // are more than fit. Pre: motion.from is the placement of the last collect or follow.
+  // Adds all pairs that come as near as `distance` during a motion, and some that do not. Their gaps are those at its start. False: as for
+  // collect. Pre: motion.from is the placement of the last collect or follow.
   bool extend(const RigidMotion& motion, double distance) noexcept;
-  // In place of a collect: the tool has made the motion of the last extend, or a part of it, and is at `placement`. All pairs that are
-  // known are measured there, with their minima as above. Those that are no farther apart than the distance of that extend are among them.
-  // Pre: the last call of collect or extend returned true, and was extend.
+  // In place of collect(), after the tool has made the motion of the last extend() or a part of it and is at `placement`: updates the gaps
+  // and minima of all known pairs. All pairs that are no farther apart than the distance of that extend() are among them. Pre: the last
+  // call of collect or extend returned true, and was extend.
   void follow(const Placement& placement, double turn) noexcept;
-  // Forgets where the last walk has ended: the next one is as the first.
+  // The next traversal starts at the roots of the trees (PatchFront::restart).
   void restart() noexcept { front_.restart(); }
-  // Those of the last collect, then those that each extend has added, measured where the last collect or follow was.
+  // The pairs of the last collect, then those that each extend has added; their gaps are those at the last collect or follow.
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
   // True if triangles of tool and scene intersect (exact signs), or if there are too many near each other to tell.
   bool any_intersect(const Placement& placement) noexcept;
 
-  // The object of the scene that the pair is of.
+  // The object of the scene to which the pair belongs.
   std::uint32_t object_of(const FeaturePair& pair) const { return scene_->mesh_of(pair.scene_triangle); }
 
   // Largest distance of a point of the tool from the grip point.
   double radius() const { return radius_; }
 
  private:
-  static constexpr std::size_t kSwept = 128;
+  static constexpr std::size_t kSwept = 128;  // triangles of the tool that a worker caches; a power of two
 
   // A triangle in the scene's frame.
   struct PlacedTriangle {
@@ -87,13 +87,13 @@ class NearFeatures {
     Vec3 normal;  // not of unit length
     double length = 0.0;
     Box box;
-    double normal_error = 0.0;  // rounding error of the normal, at most
+    double normal_error = 0.0;  // bound of the rounding error of the normal
   };
-  // A triangle of the tool, at the start of a motion and over it.
+  // A triangle of the tool at the start of a motion, and the box that it sweeps.
   struct SweptTriangle : PlacedTriangle {
     void place(const ObjectGeometry::Corners& own, const ToolSweep& motion, double within);
 
-    std::uint64_t walk = 0;  // that it was made for
+    std::uint64_t walk = 0;  // the traversal that it was made for
     std::uint32_t triangle = 0;
 
     std::array<Vec3, 3> moved;  // displacement of each corner
@@ -104,14 +104,14 @@ class NearFeatures {
 
   struct Found {
     NearFeature near;
-    std::uint32_t place;
+    std::uint32_t place;  // of the visit in the traversal (PatchFront::Turn)
   };
-  // What one worker has of a call.
+  // Data of one worker in a call.
   struct Worker {
-    std::vector<SweptTriangle> swept;  // by the last bits of the triangle's number
+    std::vector<SweptTriangle> swept;  // cache, by triangle number modulo kSwept
     std::vector<Found> found;          // pairs that are not in features_
   };
-  // A pair of triangles that is visited, and the least distances of their features: of all, and of those that are not known yet.
+  // A visited pair of triangles, and the squared least distances of all its features and of those that are not known yet.
   struct Visit {
     Worker& worker;
     std::uint32_t place;
@@ -119,22 +119,22 @@ class NearFeatures {
     std::array<Vec3, 3> scene;  // corners
     FeaturePair pair = {};
     std::uint16_t near = 0;  // features that are found, or known
-    bool fits = true;
+    bool fits = true;        // false: no room for more pairs of features
     double all_squared = std::numeric_limits<double>::infinity();
     double rest_squared = std::numeric_limits<double>::infinity();
   };
 
   const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const ToolSweep& motion, double distance) const noexcept;
-  // How far apart the triangles are at least; `apart` if a plane that is held fixed separates them over the motion.
+  // Lower bound of the distance of two triangles at the start of the motion; `apart`: a fixed plane separates them over the whole motion.
   struct PlaneGap {
     double gap = 0.0;
     bool apart = false;
-    Vec3 direction = Vec3::Zero();  // of its normal, from the scene to the tool, of any length; zero: of no plane
+    Vec3 direction = Vec3::Zero();  // normal of that plane, from the scene to the tool, of any length; zero: no plane
   };
   static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   static PlaneGap find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   static PatchFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  // features: those that are considered.
+  // features: bits of the features to consider.
   PatchFront::Visited find_near(Visit& visit, std::uint16_t features) const noexcept;
   // These add features that matter to what the worker has found.
   void add_features(std::uint16_t features, Visit& visit) const noexcept;
@@ -146,7 +146,7 @@ class NearFeatures {
   const SurfaceFeatures& features_at(std::uint32_t scene_triangle) const noexcept {
     return *scene_surface_->features[scene_->mesh_of(scene_triangle)];
   }
-  bool take_over() noexcept;  // what the workers have found. False: there are more than fit
+  bool merge_found() noexcept;  // moves what the workers have found to features_. False: there are more than fit
 
   const ObjectGeometry* tool_;
   const TouchGeometry* scene_;
@@ -158,13 +158,13 @@ class NearFeatures {
   PatchFront front_;
   Placement placement_;  // of the last collect or follow
   double turn_ = 0.0;
-  double within_ = 0.0;   // all pairs that are no farther apart at placement_ are known
-  double reached_ = 0.0;  // the same, wherever the motion of the last extend leads
+  double within_ = 0.0;   // all pairs with at most this distance at placement_ are known
+  double reached_ = 0.0;  // the same at any placement on the motion of the last extend
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
-  FeatureSet known_;  // what features_ holds
+  FeatureSet known_;  // the pairs in features_
   std::vector<Worker> workers_;
-  std::uint64_t walk_ = 0;
+  std::uint64_t walk_ = 0;  // number of the present traversal
 };
 
 }  // namespace hapton

@@ -34,8 +34,8 @@ class PatchFront {
   // radius: the largest distance of a point of the tool from the grip point.
   PatchFront(const PatchTree& tool, const PatchTree& scene, double radius, WorkerTeam& team = calling_thread());
 
-  // The worker of a visit, and the place of the visit in the walk. One worker visits in ascending order of places, and makes all visits of
-  // a place.
+  // The worker of a visit, and the position of the visit in the order of the traversal. Each worker visits in ascending order of places,
+  // and makes all visits of a place.
   struct Turn {
     int worker;
     std::uint32_t place;

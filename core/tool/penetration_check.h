@@ -4,17 +4,17 @@
 
 namespace hapton {
 
-// Tells whether a placement of the tool is free, by other means than the proxy's: triangles against triangles with exact signs. For tests,
-// benches and stress. Units: TouchGeometry's local ones. RT: no (it costs what lies near the tool). Pre: the geometries outlive this; the
-// scene is built at once.
+// Tells whether a placement of the tool is free of intersections, independently of the proxy: tests triangles against triangles with exact
+// predicates. For tests, benches and stress. Frame and units: TouchGeometry's local ones. RT: no (the time depends on the number of
+// triangles near the tool). Pre: the geometries outlive this; the scene is built at once.
 class PenetrationCheck {
  public:
   PenetrationCheck(const ObjectGeometry& tool, const TouchGeometry& scene);
 
-  // True if a triangle of the tool intersects one of the scene, or if there are too many near each other to tell.
+  // True if a triangle of the tool intersects one of the scene, or if too many pairs are near each other to be tested.
   bool penetrates(const Placement& at);
-  // The distance of tool and scene, if it is at most `distance`; otherwise infinite. 0 if there are too many pairs to tell. Intersecting
-  // surfaces have one too: ask penetrates first.
+  // The distance of tool and scene, if it is at most `distance`; otherwise infinity. 0 if too many pairs are within it. Not meaningful
+  // while the surfaces intersect: call penetrates() first.
   double find_gap(const Placement& at, double distance);
 
  private:
