@@ -72,7 +72,7 @@ class AxisMotion {
   HandModel hand_;
   AxisPlant plant_;
   int states_;
-  int cell_bits_ = kMostBits - 1;  // events are looked for on a grid this fine
+  int cell_bits_ = kMostBits - 1;  // events are searched on a grid this fine
   Whole net_force_;                // on the motor mass, but for friction
   Steps sliding_;
   Steps pinned_;

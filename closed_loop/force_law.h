@@ -6,17 +6,17 @@
 
 namespace hapton {
 
-// The force that the program computes for a device sample: the haptics node's part of the loop. Frame W, SI. RT: step and reset yes.
+// The force for a device sample: the part of the haptics node in a simulated control loop. Frame W, SI units. RT: step and reset yes.
 class ForceLaw {
  public:
   virtual ~ForceLaw() = default;
-  // dt_s: since the sample that was seen before.
+  // The force on the device at p_WD. dt_s: time since the previous sample.
   virtual Vec3 step(const Vec3& p_WD, double dt_s) noexcept = 0;
   virtual void reset(const Vec3& p_WD) noexcept = 0;
 };
 
-// A flat wall that fills x < 0: a spring, and damping by finite difference. One-sided: it only pushes, like a real surface. Two-sided: it
-// pulls as well, as linear theory assumes.
+// A flat wall that fills x < 0: a spring, and damping by the finite difference of the position. One-sided: it only pushes, like a real
+// surface. Two-sided: it pulls as well, as linear theory assumes.
 class WallLaw final : public ForceLaw {
  public:
   struct Wall {
@@ -35,7 +35,7 @@ class WallLaw final : public ForceLaw {
   double before_m_ = 0.0;
 };
 
-// The very step that the haptics node runs, on a mesh.
+// A mesh, with the same TouchStep as in the haptics node.
 class TouchLaw final : public ForceLaw {
  public:
   explicit TouchLaw(std::shared_ptr<ForceMethod> method) : step_(std::move(method)) {}

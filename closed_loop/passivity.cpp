@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr double kLowestTurn = 1e-3;  // rad in all of the delay: slower motions are those of `slow`
-constexpr int kPerTurn = 24;          // frequencies looked at for each turn of the delay, and at least kLeastPoints
+constexpr int kPerTurn = 24;          // frequencies evaluated for each turn of the delay, and at least kLeastPoints
 constexpr int kLeastPoints = 400;
 constexpr int kAliases = 2000;  // summed one by one on either side, with an amplifier
 

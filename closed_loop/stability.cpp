@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-// Between two angles that are looked at, 1/L turns by no more and grows by no more (natural logarithm). Small enough that its imaginary
+// Between two angles that are evaluated, 1/L turns by no more and grows by no more (natural logarithm). Small enough that its imaginary
 // part changes sign no more than once.
 constexpr double kMostTurn = 0.1;
 constexpr double kMostGrowth = 0.2;
-// What lies this far above the best is not looked at closely.
+// What lies this far above the best is not refined.
 constexpr double kFarAbove = 1.5;
 // Angle to begin at, in shares of the loop's delay: nothing swings so slowly.
 constexpr double kFirstTurn = 1e-6;

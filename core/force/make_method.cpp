@@ -17,8 +17,8 @@ namespace {
 struct Entry {
   std::string_view name;
   Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
-  bool supports_motion = false;       // has a proxy that does not cross a surface, whatever comes upon it
-  bool supports_deformation = false;  // is the proxy of DeformingMethod
+  bool supports_motion = false;       // its proxy is not crossed by a surface that moves onto it
+  bool supports_deformation = false;  // DeformingMethod can run it
 };
 
 constexpr std::array kMethods = {

@@ -56,7 +56,7 @@ TouchStep::TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scen
   uses_effects_ = effects_->any() || (adds_drag && std::any_of(scene.objects.begin(), scene.objects.end(), has_drag));
 }
 
-// Damping and friction of the materials, where the method has neither.
+// Adds damping and friction of the materials as surface effects, if the method renders neither.
 void TouchStep::update_drag() noexcept {
   has_set_drag_ = true;
   const std::span<const Material> materials = method_->unrendered_drag();
@@ -97,7 +97,7 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   return output;
 }
 
-// Of effects: a scene that was moved is no motion of the hand.
+// Corrects the last device point of the effects after the view transform changed: this is not a motion of the hand.
 void TouchStep::compensate_scene_motion(const TouchInput& input) noexcept {
   if (last_.X_WS.matrix() != input.X_WS.matrix())
     effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
@@ -117,7 +117,7 @@ Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   return result.contact && result.object >= 0 ? method_->find_place(result.object) : std::nullopt;
 }
 
-// Images lie on the mesh at rest.
+// The proxy on the mesh at rest, where the images are defined.
 Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<SurfacePlace>& place) const noexcept {
   if (place) return place->p_rest;
   return frames_ != nullptr ? frames_->at_rest(result.object, result.p_SP) : result.p_SP;
@@ -164,7 +164,7 @@ Vec3 TouchStep::find_at_rest(const MethodOutput& result, const std::optional<Sur
   return output;
 }
 
-// Once all moves have ended, all stay where they are.
+// Poses at that time. After the end of all moves they do not change.
 void TouchStep::place_commanded(double time_s) noexcept {
   if (placed_s_ >= commanded_until_s_ && time_s >= placed_s_) return;
   for (std::size_t n = 0; n < commanded_.size(); ++n) X_SO_[n] = commanded_[n].motion.pose_at(time_s);
@@ -175,7 +175,7 @@ bool TouchStep::command(int object, const CommandedMove& move) noexcept {
   for (Commanded& each : commanded_) {
     if (each.object != object) continue;
     if (!each.motion.begin(move)) return false;
-    // Also where the move takes no time.
+    // A move that takes no time counts, too.
     placed_s_ = std::min(placed_s_, move.from.time_s);
     commanded_until_s_ = std::max(commanded_until_s_, std::nextafter(move.to.time_s, std::numeric_limits<double>::infinity()));
     return true;

@@ -19,10 +19,10 @@ struct TouchInput {
   Vec3 p_WD = Vec3::Zero();      // device point, m
   Pose X_WS = Pose::Identity();  // static scene in world (the view transform)
   double dt_s = 1e-3;
-  std::uint32_t buttons = 0;     // of the stylus that are down, a bit each, the first one lowest; of use to effects only
+  std::uint32_t buttons = 0;     // pressed buttons of the stylus, a bit each, the first one lowest; used by effects and carving only
   double time_s = 0.0;           // as in MethodInput
-  Quat q_WT = Quat::Identity();  // stylus; of use to methods of plug-ins only
-  bool is_correction = false;    // as in MethodInput; of use without effects only
+  Quat q_WT = Quat::Identity();  // orientation of the stylus; used by methods of plug-ins only
+  bool is_correction = false;    // as in MethodInput; only in a scene without effects
 };
 
 struct TouchOutput {
@@ -39,39 +39,39 @@ class TouchStep {
  public:
   // Without effects.
   explicit TouchStep(std::shared_ptr<ForceMethod> method) : method_(std::move(method)) {}
-  // With those of the scene that the method was made for. A scene without effects costs a step one comparison more.
+  // With the effects of the scene that the method was made for. In a scene without effects a step costs one comparison more.
   TouchStep(std::shared_ptr<ForceMethod> method, const TouchScene& scene);
 
   TouchOutput step(const TouchInput& input) noexcept;
-  // In place of step, while the stylus holds a rigid tool: the force of the scene's effects in free space at the device point, frame W.
+  // In place of step() while the stylus holds a rigid tool: the force of the scene's effects in free space at the device point, frame W.
   Vec3 step_in_space(const TouchInput& input) noexcept;
   void reset(const TouchInput& input) noexcept;
-  // As reset, of the effects alone: a tool is held from the first sample on.
+  // Resets the effects alone, for a rigid tool that is held from the first sample on.
   void reset_effects(const TouchInput& input) noexcept;
-  // See ForceMethod: the input's device is where the proxy was held.
+  // See ForceMethod::resume. input.p_WD: where a surface held the proxy.
   void resume(const TouchInput& input) noexcept;
-  // See ForceMethod: what the surfaces of the scene do beyond their materials stays as it was made.
+  // See ForceMethod::set_materials. Surface effects other than damping and friction of the materials stay as they were made.
   void set_materials(std::span<const Material> materials) noexcept;
   const ForceMethod& method() const { return *method_; }
-  // Proxy minus device point of the last step, frame W, where the probe is drawn elsewhere: a needle in layers. None: it is
-  // visual_offset_m.
+  // Proxy minus device point of the last step, frame W, m, if the probe is drawn elsewhere than at the proxy, as a needle in layers is.
+  // None: the two are the same (visual_offset_m).
   const std::optional<Vec3>& held_offset() const noexcept { return held_offset_m_; }
   // A surface of the scene has layers.
   bool has_layers() const noexcept { return has_layers_; }
-  // Of the scene, or damping and friction of materials that the method leaves out.
+  // The scene has effects, or TouchStep adds damping and friction (ForceMethod::unrendered_drag).
   bool has_effects() const { return uses_effects_; }
   // Objects of the scene move by themselves: the force depends on TouchInput::time_s.
   bool has_motion() const { return has_motion_; }
-  // Moves an object of the scene that programs may move (TouchObject::command_pivot), from the next step on. object: of the scene. False:
+  // Moves an object that programs may move (TouchObject::command_pivot), from the next step on. object: its index in the scene. False:
   // programs may not move it, or the move is not newer than the last one.
   bool command(int object, const CommandedMove& move) noexcept;
   // The motion of such an object; null: programs may not move it.
   const CommandedMotion* find_commanded(int object) const noexcept;
   // All objects that programs may move. RT: no.
   std::vector<int> commanded_objects() const;
-  // After a reset and a step at the last sample of `other`: effects know the velocity of the hand that it has followed.
+  // Takes over the filtered velocity of the hand from the effects of `other`. Pre: a reset, and a step at the last sample of `other`.
   void continue_hand_motion(const TouchStep& other) noexcept;
-  // Takes over the commanded motions of `other`, a step for the same scene. If the numbers of such objects differ, it does nothing.
+  // Copies the commanded motions of `other`, a step for the same scene. Does nothing if the numbers of such objects differ.
   void copy_commands(const TouchStep& other) noexcept;
   // Bodies of material can be carved by the buttons of TouchInput.
   bool has_sculpture() const { return method_->sculpture() != nullptr; }
@@ -80,24 +80,24 @@ class TouchStep {
     const Sculpture* sculpture = method_->sculpture();
     return sculpture != nullptr && sculpture->made() ? &*sculpture->made() : nullptr;
   }
-  // Goes on with the shapes that `other`, a step for the same scene, has carved, and gives it its own.
+  // Exchanges the carved shapes with `other`, a step for the same scene.
   void exchange_carves(TouchStep& other) noexcept {
     if (method_ != other.method_) method_->exchange_sculpture(*other.method_);
   }
-  // See ForceMethod.
+  // See ForceMethod::restore_sculpture.
   bool restore_carves(Sculpture& other, std::uint32_t newest) noexcept { return method_->restore_sculpture(other, newest); }
-  // Serial of the newest carve, or undo of carves.
+  // Serial number of the newest carve or undo; 0: none.
   std::uint32_t count_carves() const noexcept { return has_sculpture() ? method_->sculpture()->newest() : 0; }
-  // See ForceMethod.
+  // See ForceMethod::repeat_carve.
   bool repeat_carve(int object, const Carve& carve) noexcept { return method_->repeat_carve(object, carve); }
-  // See ForceMethod.
+  // See ForceMethod::find_streamed.
   StreamedMethod* find_streamed(int object) const noexcept { return method_->find_streamed(object); }
-  // Shared with the slow task, which calls prepare() beside step().
+  // The method, for the slow task: it calls prepare() in another thread while step() runs.
   std::shared_ptr<ForceMethod> share_method() const { return method_; }
 
  private:
   struct Commanded {
-    int object = -1;  // of the scene
+    int object = -1;  // index in the scene
     CommandedMotion motion;
   };
 
@@ -109,20 +109,20 @@ class TouchStep {
   TouchOutput add_effects(const TouchInput& input, const MethodInput& sample, const MethodOutput& result) noexcept;
 
   std::shared_ptr<ForceMethod> method_;
-  std::unique_ptr<EffectStep> effects_;  // null: there are none, and never will be
-  bool uses_effects_ = false;            // there are some
+  std::unique_ptr<EffectStep> effects_;  // null: no effects, and set_materials cannot add any
+  bool uses_effects_ = false;            // at least one effect acts
   bool has_layers_ = false;
-  bool has_new_effects_ = false;                  // since the last step
-  bool has_set_drag_ = false;                     // not at once: the method may be in use by another step, in another thread
-  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has none; used with effects only
+  bool has_new_effects_ = false;                  // effects were added since the last step
+  bool has_set_drag_ = false;                     // set in the first step: until then another thread may use the method
+  std::vector<std::unique_ptr<MapFinder>> maps_;  // by object; null: it has no images; used with effects only
   std::unique_ptr<EffectFrames> frames_;          // null: no object with effects moves
-  TouchInput last_;                               // of the last step; used with effects only
+  TouchInput last_;                               // input of the last step; used with effects only
   std::optional<Vec3> held_offset_m_;             // as held_offset() returns it
   bool has_motion_ = false;
   std::vector<Commanded> commanded_;  // in the order of the scene
-  std::vector<Pose> X_SO_;            // of these, at the time of the last step
-  double placed_s_ = 0.0;             // that time
-  double commanded_until_s_ = 0.0;    // the last of their moves ends
+  std::vector<Pose> X_SO_;            // their poses at placed_s_
+  double placed_s_ = 0.0;             // scene time of the last step
+  double commanded_until_s_ = 0.0;    // end of their last move, scene time
 };
 
 }  // namespace hapton

@@ -42,7 +42,7 @@ class FreeFlight {
   Clearance clearance_;
   SurfacePoint vertex_;  // scratch: the vertex that a flight reaches
   std::array<ContactPlane, ProxyState::kMostContacts> planes_;
-  int tests_ = 0;  // triangles that the last flight looked at
+  int tests_ = 0;  // triangles that the last flight tested
   int work_ = 0;
 };
 

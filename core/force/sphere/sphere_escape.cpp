@@ -1,5 +1,5 @@
-// A small sphere that represents a point can be held where a point would not be. Here it leaves such a minimum: out of a corner along its
-// faces, and over a barrier lower than the sphere.
+// A small sphere that represents a point can be held in a local minimum that does not exist for the point: in a corner that only the
+// sphere's radius closes, or behind a barrier lower than the sphere. These functions find a path out of it.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -15,17 +15,18 @@ namespace {
 constexpr double kPathRadii[] = {32.0, 512.0, 8192.0};  // offsets; radius of the path around the corner
 constexpr double kLiftHeights[] = {8.0, 32.0};          // offsets; height of a lift
 constexpr double kAboveCopies =
-    (CornerExit::kAbove + CornerExit::kThrough) / CornerExit::kAbove;  // above displaced copies of these faces, too
+    (CornerExit::kAbove + CornerExit::kThrough) / CornerExit::kAbove;  // of kAbove: above copies of these faces displaced by kThrough, too
 
 }  // namespace
 
-// In the steepest direction that has room: a slit between sheets that touch has none. Where no direction on the boundary leads nearer, the
-// pull itself may be free: the sphere is in a fold of the corner, and the point at the apex is not.
+// Leaves the corner in the steepest direction in which the sphere fits: between two sheets that touch it does not. `pull` is the vector
+// from the apex to the device. If no direction on the boundary of the free space leads nearer to the device, the direction of the pull
+// itself may be free, at a reentrant corner: there the sphere is held beside the apex, and the point at the apex is not.
 bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
-  constexpr int kMostDirections = 8;  // that are tried; a free choice
+  constexpr int kMostDirections = 8;  // tried in one call; a free choice
   const Vec3 pull = device - corner_.cone.apex();
   TangentCone::Steepest steepest = corner_.cone.find_steepest(pull);
-  // At the end of a groove that leads neither in nor out, the point stays.
+  // At the end of a groove, where no direction leads nearer by more than rounding, the point stays.
   if (steepest.slope < -corner().least_exit(pull)) return corner_.cone.is_reentrant() && leave_reentrant_corner(device, motion);
   for (int i = 0; i < kMostDirections && steepest.slope > corner().least_exit(pull); ++i) {
     const auto pass = [&](double radius) {
@@ -51,7 +52,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
       }
       if (pass_higher(radius)) return true;
     }
-    // A slit so narrow has room for the sphere only farther out.
+    // In so narrow a slit the sphere fits only farther from the apex.
     const double room = 1.25 * CornerExit::kMostOff * corner().distance_off_edge(steepest);
     if (room > kPathRadii[2] * clearance().offset && pass(room)) return true;
     steepest = corner_.cone.find_steepest(pull, steepest.slope);
@@ -59,7 +60,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
   return false;
 }
 
-// Straight along the pull, past the apex.
+// Moves straight along the pull, past the apex.
 bool SphereFollower::leave_reentrant_corner(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 towards = (device - corner_.cone.apex()).normalized();
   return corner_.cone.contains(towards) && std::any_of(std::begin(kPathRadii), std::end(kPathRadii), [&](double offsets) {
@@ -68,14 +69,15 @@ bool SphereFollower::leave_reentrant_corner(const Vec3& device, const Vec3& moti
          });
 }
 
-// Leaves a minimum in the steepest direction that leads to a nearer one. False, and nothing changed: no direction does, or work has run
-// out before all were tried. Where the last call has left some, what led to them is not repeated: it may take most of a call's work.
+// Leaves a minimum in the steepest direction that leads to one nearer to the device. False, with the state unchanged: no direction does, or
+// the work limit was reached before all were tried (has_untried_escapes_). The next call then continues with the first one not tried: the
+// directions before it may cost most of the work of a call.
 bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexcept {
   if (!is_point_ || contacts_.is_empty()) return false;
   resumes_escapes_ = untried_escapes_at_ == centre_;
   if (!resumes_escapes_ && wedge().holds()) return false;
   escapes_ = 0;
-  // The way out begins where the centre is.
+  // The path out begins at the centre.
   bool has_left = corner().find_cone(0.0) && leave_corner(device, motion);
   if (!has_left && last_fly_over_ != motion_) {
     has_left = leave_slit_sideways(device, motion) || leave_by_flight(device, motion);
@@ -86,7 +88,7 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
   return has_left;
 }
 
-// Over a barrier lower than the sphere, once in a motion.
+// Leaves the minimum over a barrier lower than the sphere. Called at most once in a motion of the device.
 bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noexcept {
   const auto leads_over = [&](const Vec3& direction) {
     return std::any_of(std::begin(kLiftHeights), std::end(kLiftHeights), [&](double height) {
@@ -96,7 +98,7 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   };
   Vec3 over;
   if (minimum().is_shallow(centre_, device, over) && leads_over(over)) return true;
-  // Along each face that it touches, over the boundary of a crack as narrow as the sphere.
+  // Along each face in contact, to get over the boundary of a crack as narrow as the sphere.
   const int touching = contacts_.count();
   for (int i = 0; i < touching; ++i) {
     const Vec3& normal = contacts_[i].shape.normal();
@@ -133,7 +135,8 @@ bool SphereFollower::move_past_corner(const Vec3& target, double radius) noexcep
   return true;
 }
 
-// Around the corner, a little above the faces of its boundary, to the direction that leads on.
+// Moves around the corner at this distance from the apex, a little above the faces of its boundary, to the direction `to`. ahead: in the
+// order of the boundary's pieces, or against it.
 bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double radius, bool ahead) noexcept {
   constexpr double kQuarter = 0.5 * std::numbers::pi;
   const std::span<const TangentCone::Piece> boundary = corner_.cone.boundary();
@@ -183,7 +186,7 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double r
   return is_edge ? !ahead || fly_about_edge(last, true) : go(radius * to.direction + above * last.normal);
 }
 
-// Up over everything near, then along the displacement.
+// Moves up until it is above everything near, then along the displacement.
 bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept {
   const Vec3 from = centre_;
   const Vec3 up = find_lift(height);
@@ -194,11 +197,11 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 
 // Moves along the path of `go`, then descends with the device held, until the centre is nearer to the device than before; a descent never
 // moves away from the device. Returns false, with the state restored, if the centre does not come nearer, if this escape failed before, or
-// if work has run out. An escape that had half of a step's work, or is the first of a call that goes on, is not tried again: the next call
-// might have no more work for it.
+// if the work limit was reached. In the last case it is tried again by the next call, unless it had at least half of a step's work or was
+// the first one of a call that continues (resumes_escapes_): the next call might have no more work for it.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
-  constexpr int kMostEvents = 256;  // of one escape; a bound on the work
+  constexpr int kMostEvents = 256;  // of one escape; bounds its work; a free choice
   if (has_untried_escapes_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
   const bool is_last_try = resumes_escapes_;
@@ -236,9 +239,9 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   return end((device - centre_).norm() < nearer);
 }
 
-// The shortest displacement that is `height` above everything near.
+// The shortest displacement after which the centre is `height` above everything near; zero if none is found.
 Vec3 SphereFollower::find_lift(double height) noexcept {
-  constexpr int kMostNear = 48;  // planes; further ones are left out
+  constexpr int kMostNear = 48;  // planes; more are ignored; a free choice
   std::array<ContactPlane, kMostNear> planes;
   int count = 0;
   const double near = 2.0 * height;
@@ -255,7 +258,7 @@ Vec3 SphereFollower::find_lift(double height) noexcept {
   return up.solved && up.motion.norm() <= 64.0 * height ? up.motion : Vec3(Vec3::Zero());
 }
 
-// Flies straight until something is hit. False: before that share of the motion.
+// Moves the centre straight until it touches a triangle. False: it does before this share of the motion.
 bool SphereFollower::fly_straight(const Vec3& motion, double share) noexcept {
   const CentrePath path = CentrePath::straight(centre_, centre_ + motion);
   Event event;

@@ -247,11 +247,11 @@ class SphereFollower {
   int corner_tries_ = 0;                    // in this motion
   int skips_ = 0;                           // in this motion
   std::uint64_t motion_ = 1;                // its number
-  bool has_untried_escapes_ = false;        // out of work before all ways out of a minimum were tried: the next call goes on with them
-  std::optional<Vec3> untried_escapes_at_;  // where that minimum is; none: the last call has left none
-  bool resumes_escapes_ = false;            // with ways out, and has not tried one in this call
-  int escapes_ = 0;                         // tried at this minimum
-  int failed_escapes_ = 0;                  // tried there by the calls before
+  bool has_untried_escapes_ = false;        // of the last call, which reached its work limit before: the next call tries them
+  std::optional<Vec3> untried_escapes_at_;  // the centre in that minimum; none: nothing is left to try
+  bool resumes_escapes_ = false;            // this call continues with untried escapes, and has not yet tried one
+  int escapes_ = 0;                         // number tried at this minimum
+  int failed_escapes_ = 0;                  // number tried there by earlier calls
   std::uint64_t last_fly_over_ = 0;
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };

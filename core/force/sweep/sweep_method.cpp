@@ -40,7 +40,7 @@ Triangles gather(const TouchScene& scene) {
   return all;
 }
 
-// The offset must be much larger than the rounding of coordinates.
+// The offset must be much larger than the rounding of coordinates: 64 times is a choice.
 Result<void> check_offset(double offset_m, const UniformGrid& grid) {
   const double coordinate = std::max(grid.low().cwiseAbs().maxCoeff(), grid.high().cwiseAbs().maxCoeff());
   const double least = 64.0 * std::numeric_limits<double>::epsilon() * coordinate;

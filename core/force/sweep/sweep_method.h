@@ -27,10 +27,10 @@ struct SweepCounters {
   SweepCounters& operator+=(const SweepCounters& other) noexcept;
 };
 
-// The memo's method, complete: sweeps a line between two samples against the triangles in the grid cells around it. The collision with the
-// greatest penetration depth gives a Hooke force along the triangle's normal, towards the side that the probe came from.
-// Where the memo leaves a choice: docs/decisions/0001-memo-sweep.md. It has no probe radius, and leaves
-// damping and friction to TouchStep.
+// The complete method of the HP memo: tests the line between two samples against the triangles in the grid cells around it. The collision
+// with the greatest penetration depth gives a Hooke force along the triangle's normal, towards the side that the probe came from. Choices
+// that the memo leaves open: docs/decisions/0001-memo-sweep.md. The probe is a point. TouchStep adds damping and friction
+// (unrendered_drag). Frame S, SI units.
 // Source: memo 4.2.2.
 // RT: step, reset and counters yes; make and describe set-up only. Threads: one.
 class SweepMethod final : public ForceMethod {
@@ -50,6 +50,7 @@ class SweepMethod final : public ForceMethod {
   std::uint64_t steps() const { return steps_; }
 
  private:
+  // The collision with the greatest depth, measured along the line.
   struct Deepest {
     SweepCollision collision;
     std::uint32_t triangle = 0;
