@@ -14,12 +14,13 @@ constexpr double kPositionStepM = kInchM / 800.0;
 constexpr int kGimbalCounts = 512;
 constexpr double kMaxForceN = 1.9 * 4.4482216152605;  // 1.9 lbf
 
-// What the memo does not say is the later Premium 1.5's, the same machine: 1.4 N are its data sheet's "continuous exertable force". How
-// long the peak may last is in no data sheet; 10 s make a time constant of six minutes, between a winding's and a motor's.
+// Not in the memo; from the later Premium 1.5, the same machine: its data sheet gives 1.4 N as "continuous exertable force". No data sheet
+// says how long the peak force may last. 10 s correspond to a thermal time constant of six minutes, between those of a winding and of a
+// motor.
 constexpr double kContinuousForceN = 1.4;
 constexpr double kPeakS = 10.0;
 
-// Twice what an arm does in earnest.
+// About twice the speed of fast arm movements. A choice.
 constexpr double kMaxSpeedMPerS = 3.0;
 
 constexpr double kMaxSlewNPerS = kMaxForceN / kForceRiseS;
@@ -36,8 +37,8 @@ inline DeviceLimits limits() {
           .max_speed_m_per_s = kMaxSpeedMPerS};
 }
 
-// With motors on the gimbals, as the later Premium 1.5/6DOF: its data sheet gives 0.515 Nm for yaw and pitch and 0.17 Nm for roll at most;
-// one ball of torque stays below all three.
+// With motors on the gimbals, as in the later Premium 1.5/6DOF: its data sheet gives at most 0.515 Nm for yaw and pitch and 0.17 Nm for
+// roll. The limit on the magnitude is the smallest of the three.
 constexpr double kMaxTorqueNm = 0.17;
 
 inline DeviceLimits limits_with_torque() {

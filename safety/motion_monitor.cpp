@@ -6,16 +6,16 @@
 namespace hapton {
 namespace {
 
-constexpr double kFarthestM = 1e6;  // beyond any device, and its square is finite
-constexpr double kUnit = 1e-3;      // of the length of a quaternion from 1, as on the link (kUnitTolerance)
+constexpr double kFarthestM = 1e6;  // m; beyond any device, and its square is finite
+constexpr double kUnit = 1e-3;      // tolerance of the length of a unit quaternion, as on the link (kUnitTolerance)
 
-// NaN fails every comparison.
+// False for NaN: it fails every comparison.
 bool is_pose(const DeviceSample& sample) {
   return sample.p_WD.cwiseAbs().maxCoeff() <= kFarthestM && sample.p_WD.allFinite() &&
          std::abs(sample.q_WT.squaredNorm() - 1.0) <= 2.0 * kUnit;
 }
 
-// Of a small turn 2 sin(angle / 2) for the angle.
+// Rotation vector; its length is 2 sin(angle / 2), which is the angle for small rotations.
 Vec3 turn_between(const Quat& from, const Quat& to) {
   const Quat turn = to * from.conjugate();
   return std::copysign(2.0, turn.w()) * turn.vec();

@@ -6,11 +6,12 @@
 
 namespace hapton {
 
-// Prevents forces from accelerating a fast device: above kSoftShare of max_speed, force along the motion fades and damping rises. At
-// max_speed there is no force along the motion; a device above it is out of control (is_exceeded). RT: yes.
+// Keeps forces from accelerating a fast device. Above kSoftShare of max_speed, the force along the motion decreases and damping increases
+// linearly; at max_speed there is no force along the motion. Beyond max_speed (is_exceeded) the governor latches a fault. Frame W, SI
+// units. RT: yes.
 class SpeedLimit {
  public:
-  // A choice: max_speed is about twice what an arm does in earnest (model_a.h), so ordinary motion stays below it.
+  // A choice: max_speed is about twice the speed of fast arm movements (model_a.h), so ordinary motion stays below the soft limit.
   static constexpr double kSoftShare = 0.6;
 
   static bool is_exceeded(const DeviceLimits& limits, double speed_m_per_s) noexcept { return speed_m_per_s >= limits.max_speed_m_per_s; }
@@ -22,6 +23,7 @@ class SpeedLimit {
     return std::clamp((speed_m_per_s - soft) / (limits.max_speed_m_per_s - soft), 0.0, 1.0);
   }
 
+  // The force after both measures. damping_n_s_per_m: the damping at max_speed.
   static Vec3 limit_force(const DeviceLimits& limits, double damping_n_s_per_m, const Vec3& force_n, const MotionMonitor& motion) noexcept {
     const double share = excess(limits, motion.speed_m_per_s());
     if (share == 0.0) return force_n;
