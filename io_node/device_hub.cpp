@@ -24,7 +24,7 @@
 namespace hapton {
 namespace {
 
-// The bare echo's own socket and its measurement; empty without --echo.
+// Measurement of the bare echo, with its own socket; empty without --echo.
 struct Echo {
   std::unique_ptr<Endpoint> endpoint;
   std::unique_ptr<EchoProbe> probe;
@@ -55,7 +55,7 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
   return metrics;
 }
 
-// A device's own thread gets the same real-time settings; settings of the whole process are made by the servo's thread.
+// A device's own thread gets the same real-time priority. The servo thread makes the settings of the whole process.
 DeviceSettings device_settings(const IoOptions& options) {
   DeviceSettings settings = options.device;
   if (options.realtime.mode == RealtimeMode::off) return settings;
@@ -64,7 +64,7 @@ DeviceSettings device_settings(const IoOptions& options) {
   return settings;
 }
 
-// What VRPN programs see of the device; empty without --vrpn.
+// VRPN server and its source of samples; empty without --vrpn.
 struct VrpnOutput {
   std::unique_ptr<vrpn::Feed> feed;
   std::unique_ptr<vrpn::Server> server;
@@ -90,7 +90,7 @@ SessionRecorder::Options recording_of(const IoOptions& options) {
 
 void print_recording(const IoOptions& options, const SessionRecorder::Counts& counts) {
   if (!options.record.empty()) {
-    // A recording that stopped lacks what came after it too.
+    // A recording that was stopped early lacks later entries, too.
     const std::string all = counts.file_entries < counts.entries ? fmt::format(" of {}", counts.entries) : "";
     fmt::print("recorded {}{} entries, {:.1f} MB, {} dropped: {}\n", counts.file_entries, all,
                1e-6 * static_cast<double>(counts.file_bytes), counts.dropped, options.record);
@@ -124,16 +124,16 @@ void warn_of_loose_limits(const IoOptions& options, const DeviceLimits& own) {
 
 }  // namespace
 
-// In the order in which they need each other.
+// Members in the order of their dependencies.
 struct DeviceHub::Parts {
-  Parts(const IoOptions& wanted, const Clock& steady, VrpnOutput shown, std::unique_ptr<Device> owned, std::unique_ptr<Endpoint> socket,
-        Echo bare_echo, std::unique_ptr<MetricsEndpoint> served, const LinkKey& key)
-      : options(wanted),
-        vrpn_output(std::move(shown)),
-        device(std::move(owned)),
-        endpoint(std::move(socket)),
-        echo(std::move(bare_echo)),
-        metrics(std::move(served)),
+  Parts(const IoOptions& options_in, const Clock& steady, VrpnOutput vrpn_in, std::unique_ptr<Device> device_in,
+        std::unique_ptr<Endpoint> endpoint_in, Echo echo_in, std::unique_ptr<MetricsEndpoint> metrics_in, const LinkKey& key)
+      : options(options_in),
+        vrpn_output(std::move(vrpn_in)),
+        device(std::move(device_in)),
+        endpoint(std::move(endpoint_in)),
+        echo(std::move(echo_in)),
+        metrics(std::move(metrics_in)),
         metered(*endpoint, steady),
         budget(metered, clock),
         sealed(budget, steady, key, AgreementWorker::Where::own_thread),
@@ -187,7 +187,7 @@ struct DeviceHub::Parts {
   const std::uint64_t session_id = make_random_id();
   SessionRecorder recorder;
   HubPeers peers;
-  std::unique_ptr<LocalPatch> local_patch;  // none where forces are always the haptics node's
+  std::unique_ptr<LocalPatch> local_patch;  // null if all forces come from the haptics node
   std::unique_ptr<PatchBuilder> patch_builder;
   std::unique_ptr<PatchLink> patch_link;
   std::unique_ptr<Servo> servo;
@@ -231,7 +231,7 @@ std::string DeviceHub::describe() const {
                      parts_->device->name(), options.rate_hz, parts_->servo->limits().max_force_n, options.device.seed);
 }
 
-// Starts the process that releases the force if this one cannot. Without it this process still releases the force itself.
+// Starts the process that releases the force when this one cannot. Without it only this process itself releases the force.
 Result<void> DeviceHub::start_watchdog() {
   const IoOptions& options = parts_->options;
   if (options.watchdog == RealtimeMode::off) return {};
@@ -248,7 +248,7 @@ Result<void> DeviceHub::start_watchdog() {
   return {};
 }
 
-// A fault that was latched when this program last ended stays latched.
+// Latches the fault that was latched when this program last ended.
 void DeviceHub::restore_latched_fault() {
   const SafetyFault fault = parts_->latch_file.read();
   parts_->session.set_latch_file(&parts_->latch_file);

@@ -11,20 +11,20 @@
 
 namespace hapton {
 
-// One device and all that serves it: hub port, servo, guard, recorder, reports. Several in one process know nothing of each other.
-// RT: no; its servo's thread is. Threads: one, another for each hub.
+// One device with its hub address, servo, watchdog, recorder and reports. Several hubs in one process are independent of each other.
+// RT: no, except the threads of servo and device. Threads: one caller for each hub.
 class DeviceHub {
  public:
-  // Error: the device is not to be had, the address is taken, a key or folder is missing; one line. Pre: clock outlives it.
+  // Error, one line: the device cannot be opened, the address is in use, a key or folder is missing. Pre: clock outlives it.
   static Result<std::unique_ptr<DeviceHub>> open(const IoOptions& options, const Clock& clock);
   ~DeviceHub();
 
   Address address() const;
-  // "hub on 127.0.0.1:4950, device simulated, 1000 Hz, ...", with its name in front where it has one.
+  // "hub on 127.0.0.1:4950, device simulated, 1000 Hz, ...", preceded by its name if it has one.
   std::string describe() const;
   const IoOptions& options() const;
 
-  // From the start to the end (see IoSession::run), and says how it went. Error: as there, or a recording that could not be written.
+  // Runs until IoSession::run ends, and prints a summary of the recording. Error: as there, or the recording could not be written.
   Result<void> run(const StopSignal& stop);
 
  private:

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Between two looks at what the hardware says of itself, for people.
+// Period at which the temperature of the motors is read. A choice: a motor heats up in seconds.
 constexpr std::int64_t kTemperatureCheckNs = 250 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -57,7 +57,7 @@ void DeviceLoop::begin_cycle() noexcept {
   overslept_ns_ = 0;
 }
 
-// One cycle or more is missed.
+// Handles one or more missed cycles by the policy.
 void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
   const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
   if (!is_catching_up) cycle_.cause = cause_of(late_ns);
@@ -96,10 +96,10 @@ bool DeviceLoop::run_cycle() noexcept {
   if (force_sample_ns() != 0 && now_ns - accepted_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
   if (local_ != nullptr) step_locally();
-  // A force that came since the last tick has used the slew of this one; one from before a stall has not.
+  // A force that came since the last tick has used this cycle's share of the slew limit; one from before a stall has not.
   const bool has_fresh_force = governed_ns_ >= 0 && clock_.now_ns() - governed_ns_ < period_ns() + period_ns() / 2;
   governed_ns_ = -1;
-  // After a cut by any thread, the force is ramped down before it is given back.
+  // After a cut by any thread the force is ramped to zero before the device is restored.
   const bool is_ramping_down = is_cut() && force_sample_ns() != 0;
   if (is_ramping_down) governor_.interrupt();
   if (!has_fresh_force || is_ramping_down) hold_force();
@@ -116,7 +116,7 @@ bool DeviceLoop::run_cycle() noexcept {
   } else {
     ++stats_.cycles_unreported;
   }
-  show();
+  publish_side();
   give_back();
   serve();
   const std::int64_t done_ns = clock_.now_ns();
@@ -125,13 +125,13 @@ bool DeviceLoop::run_cycle() noexcept {
   return true;
 }
 
-// By whomever: the cycle, a watch within this process, or the watchdog process.
+// Cut by the cycle, another thread of this process, or the watchdog process.
 bool DeviceLoop::is_cut() const noexcept {
   return is_cut_within_.load(std::memory_order_acquire) ||
          (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load(std::memory_order_acquire) != 0);
 }
 
-// Only once nothing is left of the force: it then comes back with the governor's ramp, not with a jump.
+// Restores the device once the commanded force is zero, so that the force returns with the governor's ramp and not with a jump.
 void DeviceLoop::restore_if_cut() noexcept {
   if (!is_cut() || force_sample_ns() != 0) return;
   device_.restore();
@@ -163,7 +163,7 @@ void DeviceLoop::sample_device() noexcept {
   device_ns_ += cycle_.sample.time_ns - begin_ns;
   const DeviceStatus status = device_.status();
   status_.store(status, std::memory_order_release);
-  // The governor guards the hardware, so it sees where that is; everybody else sees the device as the clutch moves it.
+  // The governor protects the hardware, so it gets the true position. All others get the position shifted by the clutch.
   governor_.observe(cycle_.sample, status);
   cycle_.sample = clutch_.move(cycle_.sample);
   cycle_.number = ++stats_.samples;
@@ -179,7 +179,7 @@ void DeviceLoop::hold_force() noexcept {
 void DeviceLoop::write(const Wrench& wrench) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
   const bool is_zero = wrench.force_n == Vec3::Zero();
-  // A force is announced before it is written, and zero after it is: an interruption in between errs on the safe side.
+  // force_sample_ns is set before a force is written, and cleared after zero is written: an interruption in between errs on the safe side.
   const bool is_off = is_zero && wrench.torque_nm == Vec3::Zero();
   if (!is_off) set_force_sample(accepted_ns_);
   device_.write(wrench, begin_ns);
@@ -226,7 +226,7 @@ const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
   stats_.status = device_.status();
   stats_.cuts = cuts_.load(std::memory_order_relaxed);
   stats_.condition = device_.condition();
-  // The timeout at the end is our own doing.
+  // The command timeout at the end of a session is intended and not counted.
   if (!is_finished_) stats_.governor = governor_.figures();
   return stats_;
 }
@@ -238,7 +238,7 @@ void DeviceLoop::serve() noexcept {
     if (!claim()) return;
     if (commands_.take()) serve_command(commands_.value());
     served_.store(commands_.value().number);
-    show();
+    publish_side();
     give_back();
   }
 }
@@ -281,8 +281,7 @@ void DeviceLoop::step_locally() noexcept {
   ++stats_.local_forces;
 }
 
-// Whoever gives the force: where it begins to be another, the difference fades. Of a force that was released meanwhile nothing is left to
-// fade.
+// Fades the difference where the source of the force changes. After a release of the force there is nothing to fade.
 Vec3 DeviceLoop::faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept {
   const std::int64_t passed_ns = now_ns - std::exchange(faded_ns_, now_ns);
   if (passed_ns >= kCommandTimeoutNs) fade_.forget();
@@ -290,7 +289,7 @@ Vec3 DeviceLoop::faded(const Vec3& force_n, bool contact, bool is_new_source, st
   return fade_.step(force_n, contact, 1e-9 * static_cast<double>(std::max<std::int64_t>(passed_ns, 1)));
 }
 
-void DeviceLoop::show() noexcept {
+void DeviceLoop::publish_side() noexcept {
   DeviceSide& side = sides_.draft();
   side.written = written_;
   side.status = status();
@@ -313,7 +312,7 @@ bool DeviceLoop::hold() noexcept {
   status_.store(device_.status(), std::memory_order_release);
   grant_requests();
   hold_force();
-  show();
+  publish_side();
   give_back();
   return true;
 }
@@ -324,7 +323,7 @@ bool DeviceLoop::finish() noexcept {
     return false;
   }
   write({});
-  show();
+  publish_side();
   give_back();
   return true;
 }

@@ -27,8 +27,8 @@ namespace hapton {
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
-// How the presence of a person is verified for a reset of a latched fault (reset_permission.h): already known, or by the dead man's switch,
-// which must still be held when the reset takes effect.
+// How the presence of a person is verified for the reset of a latched fault (reset_permission.h): known already, or by the dead man's
+// switch, which must still be held when the reset takes effect.
 enum class ResetPresence : std::uint8_t { known, while_held };
 
 // One cycle of the device loop, as reported to the network side.
@@ -37,12 +37,12 @@ struct DeviceCycle {
   DeviceSample sample;
   std::int64_t tick_ns = 0;
   std::int64_t next_tick_ns = 0;
-  std::int64_t next_wake_ns = 0;  // when its thread ends its sleep for that tick
+  std::int64_t next_wake_ns = 0;  // when the cycle's thread ends its sleep before next_tick_ns
   std::int64_t late_ns = 0;
   std::uint32_t missed = 0;  // cycles skipped before it
   MissCause cause = MissCause::none;
-  std::optional<LocalForce> local;  // the force of this sample, where it was computed on this side
-  Wrench written;                   // on the motors at its end: not yet with a force of the haptics node for this sample
+  std::optional<LocalForce> local;  // the force for this sample, if the device side computed it
+  Wrench written;                   // on the motors at the end of the cycle, before any reply of the haptics node to this sample
 };
 
 // The present state of the device side.
@@ -54,8 +54,8 @@ struct DeviceSide {
   bool is_energy_gone = false;
   bool is_switch_held = false;  // see SafetyGovernor::is_switch_held
   bool has_overrun = false;
-  std::uint64_t command = 0;  // number of the newest force command that was governed, and when it was ready and written
-  std::int64_t ready_ns = 0;
+  std::uint64_t command = 0;  // number of the newest force command that was governed
+  std::int64_t ready_ns = 0;  // when its governed force was ready, and when it was written to the device
   std::int64_t written_ns = 0;
 };
 
@@ -74,12 +74,12 @@ struct DeviceLoopStats {
   double max_torque_nm = 0.0;
   std::int64_t longest_release_ns = 0;  // sample of the last force -> zero on the device, over all command timeouts
   std::uint64_t commands = 0;           // force commands governed
-  std::uint64_t local_forces = 0;       // computed on this side
-  std::uint64_t commands_unused = 0;    // force commands that came while it was
-  std::uint64_t waits = 0;              // cycles that found the network side in the middle of writing a force
-  std::uint64_t resets_denied = 0;      // the switch was released before they took effect
-  std::uint64_t cuts = 0;               // times the device was cut off, because that took too long or this loop was stalled
-  std::uint64_t cycles_unreported = 0;  // not reported: the network side was too far behind
+  std::uint64_t local_forces = 0;       // forces that the device side computed
+  std::uint64_t commands_unused = 0;    // force commands that came while the device side computed the forces
+  std::uint64_t waits = 0;              // cycles that had to retry because the network side was writing a force
+  std::uint64_t resets_denied = 0;      // resets denied because the switch was released before they took effect
+  std::uint64_t cuts = 0;               // times that a force became too old and the device was cut off (cut_if_older)
+  std::uint64_t cycles_unreported = 0;  // cycles lost because the network side was kCyclesKept cycles behind
   GovernorStats governor;
   DeviceStatus status = DeviceStatus::ready;
   DeviceCondition condition;
@@ -87,25 +87,25 @@ struct DeviceLoopStats {
 
 // The device side of io_node: it owns the device and its safety governor and is the clock of the whole system. Each cycle begins at a tick
 // of absolute time: release a force that is too old, read the device, update the governor, hold or ramp down the present force. It handles
-// no datagram, key, parser or socket, allocates nothing and never blocks. Forces arrive in a mailbox, the newest wins; the cycle needs none
-// to bring the motors to zero in time.
+// no datagram, key, parser or socket, allocates nothing and never blocks. Forces arrive in a mailbox that keeps the newest; the cycle
+// brings the motors to zero in time even if none arrives.
 //
 // A force must not wait for the next tick, and waking another thread would add 3 to 30 us to every round trip (decision 94). So the
 // thread that posts a force also governs and writes it, unless the device side is in the middle of its cycle; then the cycle does so at its
-// end. Whoever uses device and governor holds the claim, a try-lock that nobody waits for. A cycle that finds it taken (the network side
-// was preempted while it held it) retries shortly, and cuts the device off (Device::cut) if the force becomes too old meanwhile: that needs
-// no claim. So can any other thread (cut_if_older), should this cycle not run.
+// end. A thread that uses device and governor holds the claim, a try-lock on which no thread waits. A cycle that finds the claim taken (the
+// network side was preempted while it held it) retries soon, and cuts the device off (Device::cut) if the force becomes too old meanwhile:
+// that needs no claim. Any other thread can do the same if this cycle does not run (cut_if_older).
 //
-// Units: ns of the clock. RT: all but making one. Threads: one for the cycle (start to finish), one for the network side; they may be the
-// same.
+// Units: ns of the clock; frame W. RT: yes, except the constructor. Threads: one for the cycle (start to finish), one for the network side;
+// they may be the same.
 class DeviceLoop {
  public:
-  // At 1 kHz as many as a delay without a stall (kStallNs) has.
+  // At 1 kHz the longest delay that is not a stall (kStallNs).
   static constexpr std::int64_t kMostCaughtUp = 10;
-  // A cycle later than this means that the machine was stalled: no work, device or wake-up takes that long.
+  // A cycle later than this means that the machine was stalled: no work, device access or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
-  // Cycles that wait for the network side: 0.8 s at 10 kHz. A recording lacks no sample although that side had no CPU for so much time, or
-  // began later.
+  // Size of the queue of cycles to the network side: 0.8 s at 10 kHz. For that long it may have no CPU, or start later, without a gap in a
+  // recording.
   static constexpr std::size_t kCyclesKept = 8192;
 
   struct Options {
@@ -114,7 +114,7 @@ class DeviceLoop {
     bool forbids_force = false;
     bool forbids_torque = false;
     int dead_mans_switch = 0;  // button, counted from 1; 0: none
-    int clutch_button = 0;     // counted from 1; 0: there is no clutch
+    int clutch_button = 0;     // button, counted from 1; 0: no clutch
     std::optional<PassivityController::Mechanics> passive = {};
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;
@@ -126,10 +126,10 @@ class DeviceLoop {
   // Set up before start: the page in which the watchdog process reads the heartbeat. Pre: outlives this.
   void set_heartbeat_page(HeartbeatPage* page) noexcept { heartbeat_page_ = page; }
 
-  // ... and what works out forces on this side, where it can. Pre: outlives this.
+  // Set up before start: computes forces on the device side, where it can; null: never. Pre: outlives this.
   void set_local_touch(LocalTouch* local) noexcept { local_ = local; }
 
-  // ... and the fault that an earlier process left latched.
+  // Set up before start: latches the fault that an earlier process left latched.
   void restore_latched_fault(SafetyFault fault) noexcept { governor_.restore_latched_fault(fault); }
 
   // --- the cycle's thread
@@ -140,15 +140,16 @@ class DeviceLoop {
   // When to end a sleep before the next tick; the rest is spun.
   std::int64_t wake_ns() const noexcept { return tick_ns_ - spin_.margin_ns(period_ns()); }
   std::int64_t wake_after_next_ns() const noexcept { return wake_ns() + period_ns(); }
-  // Before the wait: the tick has passed already. After it: it ended so late after wake_ns(), or another wait so late after its end.
+  // Before the wait: whether the tick has passed already. After it: how long after wake_ns() it ended; how long any other wait of the
+  // thread overran its end.
   void note_behind(bool is_behind) noexcept { is_behind_ = is_behind; }
   void note_wake_up(std::int64_t late_ns) noexcept { spin_.note_wake_up(late_ns); }
   void note_overslept(std::int64_t late_ns) noexcept { overslept_ns_ = late_ns > overslept_ns_ ? late_ns : overslept_ns_; }
   // Spins to the tick and accounts for cycles missed before it.
   void begin_cycle() noexcept;
-  // The cycle. False: the network side is writing a force; call again soon. Nothing was done, except what is_cut() reports.
+  // The cycle. False: the network side is writing a force; call again soon. Nothing was done, except that the device may have been cut off.
   bool run_cycle() noexcept;
-  // hold: a cycle without a sample, which only ramps the force down. finish: zero on the motors, at the end. False as above.
+  // hold: a cycle without a sample, which only ramps the force down. finish: writes zero to the motors at the end. False: as above.
   bool hold() noexcept;
   bool finish() noexcept;
   const DeviceLoopStats& collect_stats() noexcept;
@@ -163,21 +164,21 @@ class DeviceLoop {
     sides_.take();
     return sides_.value();
   }
-  // Posts a force. Returns its number, see DeviceSide::command: normally governed and written when this returns.
+  // Posts a force. Returns its number (DeviceSide::command); normally it is governed and written when this returns.
   std::uint64_t post(const WrenchCommand& wanted) noexcept;
   // These take effect with the next cycle.
   void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0, const Vec3& turn_rad = Vec3::Zero()) noexcept;
-  void aim_hand(std::span<const Vec3> p_WA) noexcept;  // the first Device::kMostAims
+  void aim_hand(std::span<const Vec3> p_WA) noexcept;  // see Device::aim_hand; at most Device::kMostAims points
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
-  void end() noexcept;  // from now on the governor's counts are the session's own end and not counted
+  void end() noexcept;  // the session ends: the governor's later events are not counted
   // Requests a copy of the measurements; take_stats returns true once when it is there.
   void request_stats() noexcept;
   bool take_stats() noexcept { return stats_copies_.take(); }
   const DeviceLoopStats& stats_copy() const noexcept { return stats_copies_.value(); }
   const DeviceLimits& limits() const noexcept { return governor_.limits(); }
 
-  // --- anyone
+  // --- any thread
   // Cuts the device off (Device::cut) if the force on it replies to a sample of that age or older: for a monitor in a thread of another
   // scheduling class, which runs when this one cannot. The force ramps up afterwards. True: it was cut off. RT: yes, wait-free.
   bool cut_if_older(std::int64_t limit_ns) noexcept;
@@ -223,7 +224,7 @@ class DeviceLoop {
   void sample_device() noexcept;
   void hold_force() noexcept;
   void write(const Wrench& wrench) noexcept;
-  void show() noexcept;
+  void publish_side() noexcept;
   void set_force_sample(std::int64_t sample_ns) noexcept;
   bool is_cut() const noexcept;
   void restore_if_cut() noexcept;
@@ -240,11 +241,11 @@ class DeviceLoop {
 
   // The cycle's thread.
   std::int64_t tick_ns_ = 0;
-  std::int64_t overslept_ns_ = 0;  // by the wait since then that ended latest
-  bool is_behind_ = false;         // the loop came to wait for this tick when it had passed
+  std::int64_t overslept_ns_ = 0;  // longest overrun of a wait since the last tick
+  bool is_behind_ = false;         // the tick had passed before the loop began to wait for it
   bool is_finished_ = false;
   DeviceCycle cycle_;
-  std::int64_t next_check_ns_ = 0;  // at the motors' temperature
+  std::int64_t next_check_ns_ = 0;  // when the temperature of the motors is read next
   std::uint32_t hands_granted_ = 0;
   std::uint32_t aims_granted_ = 0;
   std::uint32_t resets_granted_ = 0;
@@ -252,15 +253,15 @@ class DeviceLoop {
   std::uint32_t stats_granted_ = 0;
 
   // Owned by the holder of the claim.
-  std::int64_t device_ns_ = 0;  // spent on the device since the last tick
+  std::int64_t device_ns_ = 0;  // time spent in calls of the device since the last tick
   Wrench written_;
   bool is_local_ = false;         // the force comes from local_
   ForceFade fade_;                // from remote force to local force and back, and from patch to patch
-  std::int64_t faded_ns_ = 0;     // its last step
+  std::int64_t faded_ns_ = 0;     // time of its last step
   std::int64_t accepted_ns_ = 0;  // the sample of the last force that the governor accepted
   std::int64_t governed_ready_ns_ = 0;
-  std::int64_t governed_ns_ = -1;  // the last force since the last cycle; below 0: none
-  std::uint64_t number_ = 0;       // of the last command, when it was ready and written
+  std::int64_t governed_ns_ = -1;  // time of the last force since the last cycle; below 0: none
+  std::uint64_t number_ = 0;       // of the last command; ready_ns_, written_ns_: its times as in DeviceSide
   std::int64_t ready_ns_ = 0;
   std::int64_t written_ns_ = 0;
 
@@ -281,7 +282,7 @@ class DeviceLoop {
   Requests requests_;
   Mailbox<Requests> requests_box_;
 
-  std::vector<DeviceCycle> cycles_ = std::vector<DeviceCycle>(kCyclesKept);  // a ring
+  std::vector<DeviceCycle> cycles_ = std::vector<DeviceCycle>(kCyclesKept);  // ring buffer
   alignas(64) std::atomic<std::size_t> cycles_begin_{0};
   alignas(64) std::atomic<std::size_t> cycles_end_{0};
 };

@@ -29,7 +29,7 @@ class IoSession {
   // Set up before run: serves the report to tools, and as metrics. Pre: they outlive the session.
   void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
-  // ... and looks after the watchdog process.
+  // ... and restarts the watchdog process if it ends or hangs.
   void set_watchdog(WatchdogProcess* watchdog) noexcept { watchdog_ = watchdog; }
   // ... and where a latched fault is kept for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kRoundTripCheckNs = 100 * kNanosecondsPerMillisecond;  // between two looks at the round trip
+constexpr std::int64_t kRoundTripCheckNs = 100 * kNanosecondsPerMillisecond;  // between two readings of the round trip
 
 // As the device side has it.
 std::int64_t scene_time_at(const ForceCommand& last, std::int64_t sample_ns) noexcept {

@@ -16,17 +16,18 @@ namespace hapton {
 // The maximum size of every datagram, sealed or not: below the smallest usual MTU (1280, IPv6) less the headers.
 constexpr std::size_t kMaxDatagramBytes = 1200;
 
+// A received datagram.
 struct Received {
   std::size_t bytes = 0;  // 0: nothing arrived before the deadline
   Address from;
-  KeyRole role = KeyRole::unsealed;  // role of the key that it was sealed with
+  KeyRole role = KeyRole::unsealed;  // role of the key that sealed it
 };
 
-// Counters of datagrams at a socket that are not data from known peers.
+// Counters of the datagrams at a socket that are not data from known peers.
 struct SocketCounts {
   std::uint64_t oversized = 0;      // longer than kMaxDatagramBytes, or empty
   std::uint64_t unknown_peers = 0;  // received, but not data from a known peer: handshakes, invalid or oversized datagrams
-  std::uint64_t dropped = 0;        // dropped by the kernel: filtered during a flood, or its buffer was full
+  std::uint64_t dropped = 0;        // dropped by the kernel: filtered during a flood, or because the socket buffer was full
   std::uint64_t filtered = 0;       // the part of `dropped` that was filtered during a flood
   std::uint64_t floods = 0;         // floods that began
   double flood_per_s = 0.0;         // datagrams a second, of the newest flood
@@ -46,8 +47,8 @@ class Endpoint {
   // Waits for a datagram until deadline_ns (CLOCK_MONOTONIC); a deadline in the past polls.
   virtual Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept = 0;
 
-  // Optional: sets a timer in advance for later receives with exactly this deadline; the newest two are kept. Setting a timer may be slow
-  // (5 us on a virtual machine), so a loop calls this outside the interval that it measures.
+  // Optional: sets a timer in advance for a later receive() with exactly this deadline; the newest two timers are kept. Setting a timer may
+  // be slow (5 us on a virtual machine), so a loop calls this outside the interval that it measures.
   virtual void prepare_wait(std::int64_t /*deadline_ns*/) noexcept {}
 
   virtual Address local_address() const = 0;
@@ -56,7 +57,7 @@ class Endpoint {
   // not supported.
   virtual bool accept_only(const Address& /*peer*/) noexcept { return false; }
 
-  // Optional: datagrams of this connection number from this address belong to a session, and do not count as unknown. RT: yes.
+  // Optional: datagrams of this connection number from this address do not count as unknown_peers. RT: yes.
   virtual void expect(const Address& /*from*/, std::uint32_t /*connection*/) noexcept {}
 
   // The counters of a sealed endpoint; all zero for others.
@@ -64,7 +65,7 @@ class Endpoint {
   // The counters of a socket; all zero for others.
   virtual SocketCounts socket_counts() const noexcept { return {}; }
 
-  // A flood of invalid datagrams to be logged, at most one a second; none for endpoints that are not sealed.
+  // A detected flood of invalid datagrams, to be logged; at most one a second, none for endpoints that are not sealed.
   virtual std::optional<Flood> take_flood(std::int64_t /*now_ns*/) noexcept { return std::nullopt; }
 };
 

@@ -13,29 +13,29 @@ namespace hapton {
 // Faults of a bad network in one direction. Shares are probabilities, 0 .. 1, independent for each datagram.
 struct LinkFaults {
   std::int64_t delay_ns = 0;   // of every datagram
-  std::int64_t jitter_ns = 0;  // and up to this much more, evenly spread: more than the time between two datagrams reorders them too
+  std::int64_t jitter_ns = 0;  // additional delay, uniform in [0, jitter_ns]; reorders datagrams if it exceeds the time between two of them
   double loss = 0.0;
   double burst_share = 0.0;   // share of the datagrams within bursts
-  double burst_length = 8.0;  // how many datagrams a bad spell lasts on average, 1 or more
+  double burst_length = 8.0;  // mean number of datagrams in a burst (bad state), 1 or more
   double burst_loss = 1.0;    // loss within a burst
-  double reorder = 0.0;       // share that is held back, so that later ones overtake it
+  double reorder = 0.0;       // share that is delayed by reorder_by_ns more, so that later datagrams overtake it
   std::int64_t reorder_by_ns = 2'000'000;
   double duplicate = 0.0;
-  double corrupt = 0.0;    // share with one byte changed
-  bool partition = false;  // nothing passes
+  double corrupt = 0.0;    // share in which one byte is changed
+  bool partition = false;  // all are lost
 };
 
 // Error: one line that names the field, its value and its range.
 Result<void> check_faults(const LinkFaults& faults);
 
-// What becomes of one datagram.
+// What the network does with one datagram.
 struct Fate {
   enum class Kind : std::uint8_t { passed, lost, lost_in_burst, partitioned };
   Kind kind = Kind::passed;
   // The following are valid for passed datagrams only.
   std::size_t copies = 1;
-  std::array<std::int64_t, 2> due_ns = {};  // of each copy: when it is to arrive
-  bool held_back = false;
+  std::array<std::int64_t, 2> due_ns = {};  // arrival time of each copy
+  bool held_back = false;                   // delayed by reorder_by_ns
   bool corrupt = false;
   std::uint64_t damage = 0;  // for damage_bytes
 };
@@ -53,7 +53,7 @@ class FaultInjector {
   // From now on. Pre: check_faults(faults).
   void set(const LinkFaults& faults) noexcept { faults_ = faults; }
 
-  // The fate of the next datagram, which sets out at now_ns.
+  // The fate of the next datagram, which is sent at now_ns.
   Fate draw(std::int64_t now_ns) noexcept;
 
  private:

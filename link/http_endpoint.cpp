@@ -19,7 +19,7 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr std::size_t kMostBytes = 1 << 16;  // of a reply: a version and a few lines
+constexpr std::size_t kMostBytes = 1 << 16;  // of a reply; the services send a version and a few lines
 
 // One request and its reply, with one time limit for both.
 class HttpExchange {

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kJoinTurnNs = 20 * kNanosecondsPerMillisecond;  // between two looks at the state
+constexpr std::int64_t kJoinTurnNs = 20 * kNanosecondsPerMillisecond;  // between two checks of the state
 // Longer than the place of a haptics node that has just died stays taken (HubPeers::kHapticsTimeoutNs).
 constexpr std::int64_t kRejectedNs = 200 * kNanosecondsPerMillisecond;
 

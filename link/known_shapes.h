@@ -65,7 +65,7 @@ class KnownShapes {
     std::uint32_t total = 0;             // vertices
     std::deque<ShapeStart> starts = {};  // the newest, by serial
     std::map<std::uint32_t, ShapeParts> shapes = {};
-    std::int64_t request_ns = 0;                          // not before; 0: not looked at since its newest start
+    std::int64_t request_ns = 0;                          // not before; 0: not considered since its newest start
     std::map<std::uint32_t, std::int64_t> ahead_ns = {};  // by serial: when it is requested ahead; 0: it was
   };
 

@@ -33,8 +33,8 @@ struct Flood {
   Rejection rejection = Rejection::malformed;
   Address from;                     // of the newest
   bool is_from_several = false;     // from other addresses as well
-  double per_second = 0.0;          // with those that were kept out
-  bool is_mostly_filtered = false;  // most of it before it was received
+  double per_second = 0.0;          // including those that the kernel filtered
+  bool is_mostly_filtered = false;  // most of it was dropped in the kernel
 };
 
 // Detects floods: reports rejections above is_flood_above once a second, the most frequent kind only.

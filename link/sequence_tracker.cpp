@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence, bool may_begin_again) noexcept {
+Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence, bool may_restart) noexcept {
   ++counts_.received;
   const bool first_ever = counts_.received == 1;
   if (first_ever || sender != sender_) {
@@ -21,7 +21,7 @@ Arrival SequenceTracker::track(std::uint64_t sender, std::uint64_t sequence, boo
   if (ahead != 0 && ahead <= kMaxGap) {
     return advance(ahead);
   }
-  if (behind <= kMaxGap && !(may_begin_again && behind > 0)) {
+  if (behind <= kMaxGap && !(may_restart && behind > 0)) {
     return check_late_arrival(sequence, behind);
   }
   ++counts_.jumps;
@@ -58,7 +58,7 @@ Arrival SequenceTracker::check_late_arrival(std::uint64_t sequence, std::uint64_
     return Arrival::duplicate;
   }
   ++counts_.reordered;
-  // What came before the first number we saw was never counted as lost.
+  // Numbers before the first one were never counted as lost.
   if (newest_ - first_ >= age && counts_.lost > 0) {
     --counts_.lost;
   }

@@ -7,14 +7,14 @@ namespace hapton {
 
 enum class Arrival : std::uint8_t {
   newest,     // newer than all before: use it
-  reordered,  // new, but overtaken by a newer one: newest wins, so most receivers drop it
+  reordered,  // new, but older than the newest: most receivers drop it
   duplicate,  // seen before, or too old to check
-  stale,      // from the process that the present sender replaced
+  stale,      // from the previous sender, which the present one replaced
 };
 
 struct SequenceCounts {
-  std::uint64_t received = 0;  // every datagram shown to the tracker
-  std::uint64_t lost = 0;      // gaps that nothing has filled so far
+  std::uint64_t received = 0;  // every call of track()
+  std::uint64_t lost = 0;      // missing numbers that have not arrived so far
   std::uint64_t reordered = 0;
   std::uint64_t duplicate = 0;
   std::uint64_t stale = 0;
@@ -22,17 +22,17 @@ struct SequenceCounts {
   std::uint64_t jumps = 0;     // jumps too large to be loss; counting starts again after them
 };
 
-// Follows the sequence numbers of one sender's datagrams to us. Numbers are compared modulo 2^64.
+// Classifies the sequence numbers of one sender's datagrams and counts losses. Numbers are compared modulo 2^64.
 // RT: yes. Threads: one.
 class SequenceTracker {
  public:
-  // Later arrivals than this many numbers behind the newest are taken for duplicates.
+  // A number this far or farther behind the newest counts as a duplicate.
   static constexpr std::uint64_t kWindow = 1024;
-  // A larger jump (100 s at 10 kHz), in either direction, is not a loss: the sender has begun to count from another number.
+  // A larger jump (100 s at 10 kHz), in either direction, is not a loss: the sender has restarted its count.
   static constexpr std::uint64_t kMaxGap = 1'000'000;
 
-  // may_begin_again: the sender has joined again, and a number behind the newest means that it counts from there now.
-  Arrival track(std::uint64_t sender, std::uint64_t sequence, bool may_begin_again = false) noexcept;
+  // may_restart: the sender has joined again, so a number behind the newest means that it has restarted its count there.
+  Arrival track(std::uint64_t sender, std::uint64_t sequence, bool may_restart = false) noexcept;
 
   const SequenceCounts& counts() const noexcept { return counts_; }
   // 0 before the first datagram.

@@ -17,7 +17,7 @@ class WebSocketEndpoint {
   // Largest message, bytes; a longer one closes the connection.
   static constexpr std::size_t kMostMessageBytes = 1 << 20;
 
-  // timeout_ns: time limit. Error, one line with the system's text: no listener, no reply in time, or another protocol.
+  // Error, one line with the system's text: no listener, no reply in time, or another protocol.
   static Result<std::unique_ptr<WebSocketEndpoint>> connect(const Address& to, std::int64_t timeout_ns);
 
   virtual ~WebSocketEndpoint() = default;

@@ -16,6 +16,8 @@ namespace hapton {
 
 // A method of touch across a network, and the stages between its force and the motors.
 struct RemoteMethod {
+  // What computes the force beside the device: the whole scene; nothing, as the force itself is sent; a plane that is sent with each reply;
+  // the last force or its extrapolation (deadband coding); a part of the scene.
   enum class Scheme : std::uint8_t { whole, force, plane, deadband, patch };
 
   std::string_view name;

@@ -17,12 +17,12 @@
 namespace hapton::vrpn {
 namespace {
 
-constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;    // interval of checks without clients
-constexpr std::int64_t kCookieTimeoutNs = 5 * kNanosecondsPerSecond;  // for the first bytes of a client
-constexpr std::int32_t kButtons = 32;                                 // as many as a sample has bits
-constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;         // of vrpn_ForceDevice Force_Error
-constexpr int kNiceness = 10;                                         // below the servo and the haptics node, which may share its CPU
-constexpr double kSlowestHz = 0.1;                                    // a client that requests less gets this
+constexpr std::int64_t kIdleNs = 100 * kNanosecondsPerMillisecond;    // longest wait without clients; a choice
+constexpr std::int64_t kCookieTimeoutNs = 5 * kNanosecondsPerSecond;  // for the cookie, the first bytes of a client; a choice
+constexpr std::int32_t kButtons = 32;                                 // the bits of DeviceSample::buttons
+constexpr std::int32_t kMiscellaneousError = 3, kNoError = 4;         // values of vrpn_ForceDevice's Force_Error message
+constexpr int kNiceness = 10;                                         // lower priority than servo and haptics node, which may share its CPU
+constexpr double kSlowestHz = 0.1;                                    // least report rate; a client that requests less gets this; a choice
 
 // VRPN stamps its messages with the time of day.
 Time to_time_of_day(std::int64_t monotonic_ns) {
@@ -32,15 +32,15 @@ Time to_time_of_day(std::int64_t monotonic_ns) {
   return {static_cast<std::uint32_t>(us / 1'000'000), static_cast<std::uint32_t>(us % 1'000'000)};
 }
 
-// Whether a client gave its own address, as a number. Names are not resolved.
+// Whether `text` is the numeric address of the peer. Host names are not resolved.
 bool is_own_address(const std::string& text, const Address& peer) {
   const std::string with_port = to_string(peer);
   const std::string port = ":" + std::to_string(peer.port);
   return with_port == text + port || with_port == "[" + text + "]" + port;
 }
 
-// The port of "HOST PORT" with a zero at its end, which a client sends to be called back. The host is ignored: only the sender of the
-// datagram is called, because otherwise anyone could have us call anyone.
+// The port of "HOST PORT\0", which a client sends in a datagram to request a TCP connection to itself. The host is ignored: only the sender
+// of the datagram is connected to, because otherwise anyone could make us connect to any host.
 std::optional<std::uint16_t> callback_port(std::span<const std::byte> bytes) {
   constexpr std::size_t kLongest = 200;
   constexpr int kLowest = 1024;
@@ -64,9 +64,9 @@ struct Server::State final : StreamEndpoint::Listener {
     Client client;
     Address address;
     std::int64_t since_ns = 0;
-    bool is_open = false;      // its TCP connection is open
-    bool is_reported = false;  // the log has a line on it
-    bool has_button_states = false;
+    bool is_open = false;            // its TCP connection is open
+    bool is_reported = false;        // the log has a line about it
+    bool has_button_states = false;  // it was sent the states of all buttons, so changes may follow
     bool is_rejection_logged = false;
     bool is_touching = false;  // contact in the last message to it
     std::int64_t next_report_ns = 0;
@@ -187,7 +187,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   if (!port) return;
   Address to = from;
   to.port = *port;
-  // It repeats the request until it is called.
+  // A client repeats the request until it is connected.
   const bool is_there = std::any_of(peers.begin(), peers.end(), [&](const auto& peer) { return peer.second.address == to; });
   if (is_there) return;
   if (const StreamEndpoint::Id id = endpoint->connect(to); id != 0) {
@@ -197,7 +197,7 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   }
 }
 
-// The client that connected first of those that have sent no cookie, to be closed: 16 such clients must not keep all others out.
+// The oldest of the clients that have sent no cookie, to be closed: 16 such clients must not keep all others out.
 StreamEndpoint::Id Server::State::choose_connection_to_evict() {
   StreamEndpoint::Id longest = 0;
   std::int64_t since_ns = 0;
@@ -209,7 +209,7 @@ StreamEndpoint::Id Server::State::choose_connection_to_evict() {
   return longest;
 }
 
-// Closes clients that connect and send no cookie in time.
+// Closes clients that have not sent a cookie in time.
 void Server::State::drop_timed_out(std::int64_t now_ns) {
   for (const auto& [id, peer] : peers) {
     if (!peer.client.is_connected() && now_ns - peer.since_ns > kCookieTimeoutNs) endpoint->close(id);
@@ -259,7 +259,7 @@ bool Server::State::is_due(Peer& peer) const {
 void Server::State::report() {
   if (FeedProxy shown; feed.take_proxy(shown)) proxy = shown;
   const bool is_new = newest && (!sent || newest->device.time_ns != sent->device.time_ns);
-  // The pose of a device that is away or not calibrated is unknown.
+  // The pose of a device that is disconnected or not calibrated is unknown.
   const bool is_known = is_new && newest->status == DeviceStatus::ready;
   if (is_known && sent && sent->status == DeviceStatus::ready) {
     dt_s = 1e-9 * static_cast<double>(newest->device.time_ns - sent->device.time_ns);

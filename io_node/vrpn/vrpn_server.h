@@ -18,19 +18,19 @@ namespace hapton::vrpn {
 
 constexpr std::uint16_t kPort = 3883;  // of VRPN, assigned by IANA
 
-// Shows one device to VRPN clients, as NAME@host: Tracker (stylus and proxy), Button, Analog and ForceDevice. It accepts nothing from them:
-// requested forces are rejected. It has a thread of low priority that the servo never waits for, and takes samples from a Feed. RT: no.
-// Threads: made and ended by one.
+// Reports one device to VRPN clients, as NAME@host: Tracker (stylus and proxy), Button, Analog and ForceDevice. Forces that a client
+// requests are rejected. It reads samples from a Feed in a thread of low priority, for which the servo never waits. Frame W, SI units. RT:
+// no. Threads: constructor and destructor from one.
 class Server {
  public:
   struct Options {
     std::string address = "127.0.0.1:3883";
     std::string name = "Phantom0";
     DeviceLimits limits;
-    double rate_hz = 500.0;  // of reports, at most
+    double rate_hz = 500.0;  // largest report rate
   };
 
-  // Error: one line: bad address, port in use, a name that VRPN cannot carry.
+  // Error, one line: invalid address, port in use, or a name that VRPN does not allow.
   static Result<std::unique_ptr<Server>> open(Feed& feed, const Options& options);
   ~Server();
   Server(const Server&) = delete;
