@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-// Between two looks for requests: a person does not notice it, and a thread that sleeps so long takes no time from the force.
+// Between two polls for requests: a person does not notice it, and a thread that sleeps so long takes no time from the force.
 constexpr std::chrono::milliseconds kUndoPollPeriod(5);
 
 }  // namespace

@@ -27,7 +27,7 @@ MethodBuilder::MethodBuilder(MethodSettings settings, TouchScene scene, std::wea
 MethodBuilder::~MethodBuilder() {
   stop_.store(true);
   thread_.join();
-  build_requested_scene();  // whoever waits for it
+  build_requested_scene();  // so that a caller of rebuild_for() does not wait forever
   free_retired();
   delete built_.load();
 }
@@ -41,7 +41,7 @@ std::unique_ptr<BuiltMethod> MethodBuilder::take() noexcept {
 }
 
 void MethodBuilder::run() {
-  // Polls instead of waiting: waking a sleeping thread would be a system call in the real-time loop.
+  // Polls instead of waiting: waking a sleeping thread would cost a system call in the real-time loop. The period is a choice.
   constexpr auto kPeriod = std::chrono::milliseconds(10);
   while (!stop_.load()) {
     free_retired();
@@ -104,7 +104,7 @@ Result<void> MethodBuilder::build_scene(const std::shared_ptr<const NewScene>& s
   return {};
 }
 
-// What was built before and not taken yet is replaced, but its scene and the reply to its request are not lost.
+// Replaces a method that was built and not yet taken, and keeps its scene and the id of its request.
 void MethodBuilder::publish(std::unique_ptr<BuiltMethod> ready) {
   const std::unique_ptr<BuiltMethod> before(built_.exchange(nullptr, std::memory_order_acq_rel));
   if (before != nullptr && ready->request_id == 0) ready->request_id = before->request_id;

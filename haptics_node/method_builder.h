@@ -17,7 +17,7 @@
 
 namespace hapton {
 
-// Makes a method for the scene, as make_method does; may replace the name in the settings by the full one. Threads: one at a time.
+// Makes a method for the scene, as make_method does; may replace settings.name by the full name. Threads: one at a time.
 using MakeMethod = std::function<Result<std::unique_ptr<ForceMethod>>(MethodSettings& settings, const TouchScene& scene)>;
 Result<std::unique_ptr<ForceMethod>> make_built_in(MethodSettings& settings, const TouchScene& scene);
 
@@ -25,8 +25,8 @@ Result<std::unique_ptr<ForceMethod>> make_built_in(MethodSettings& settings, con
 struct BuiltMethod {
   std::unique_ptr<TouchStep> step;
   HapticsSetup::Text text = {};                     // as in HapticsSetup::method
-  std::uint32_t request_id = 0;                     // as in Settings::method_request
-  std::shared_ptr<const NewScene> scene = nullptr;  // it was made for this one, which is not in use yet; null: for that in use
+  std::uint32_t request_id = 0;                     // as in Settings::method_request; 0: not requested by name
+  std::shared_ptr<const NewScene> scene = nullptr;  // the new scene that it was made for; null: the scene in use
 };
 
 // A method that cannot be built.
@@ -35,11 +35,11 @@ struct RejectedMethod {
   HapticsSetup::Text why = {};
 };
 
-// Builds force methods over one scene in its own thread, and frees those no longer needed, so that the loop that replies to the device
-// neither builds nor frees anything. It also is the slow task of the method in use: it prepares what that method's steps request. A
-// method that cannot be built is logged and reported, and the current one stays in use. A method that takes over in contact must be
-// complete: nothing of it is built on approach. RT: request, take, take_rejection and retire yes; the rest set-up only. Threads: one
-// caller.
+// Builds force methods for a scene in its own thread, and frees those no longer needed, so that the loop that replies to the device neither
+// builds nor frees anything. Its thread is also the slow task of the method in use: it builds what that method's steps request
+// (ForceMethod::prepare). A method that cannot be built is logged and reported, and the current one stays in use. A method that replaces
+// another one in contact is built completely, not on approach. RT: request, take, take_rejection, retire and idle_polls yes; the rest
+// set-up only. Threads: one caller, and another one of rebuild_for.
 class MethodBuilder {
  public:
   using MethodName = std::array<char, 16>;  // NUL-padded
@@ -49,23 +49,24 @@ class MethodBuilder {
   MethodBuilder(const MethodBuilder&) = delete;
   MethodBuilder& operator=(const MethodBuilder&) = delete;
 
-  // Requests a method; a later request replaces one that has not started.
+  // Requests a method by name; replaces an earlier request that has not started.
   void request(const MethodName& name, std::uint32_t request_id = 0) noexcept { requests_.publish({name, request_id}); }
 
-  // Methods are made for this scene from now on; the method in use is made again for it, or kept if the shape is the same. Returns when it
-  // is ready to be taken. Error, one line: it cannot be built; the present scene stays in use. Threads: any but the caller of take. RT: no.
+  // Builds the method in use for another scene, or keeps it if the meshes are the same (NewScene::keeps_shape); later methods are built for
+  // that scene, too. Returns when take() can return it. Error, one line: it cannot be built; the present scene stays in use. Threads: any
+  // but the caller of take, one at a time. RT: no.
   Result<void> rebuild_for(std::shared_ptr<const NewScene> scene);
 
-  // How often the slow task found nothing to do: two more than before mean that everything requested until then is built.
+  // How often the slow task found nothing to do. Once it has risen by two, everything requested before is built.
   std::uint64_t idle_polls() const noexcept { return idle_polls_.load(std::memory_order_acquire); }
 
-  // The method built last, once; none when there is no new one.
+  // The newest method that is built and not yet taken; null: there is none.
   std::unique_ptr<BuiltMethod> take() noexcept;
 
-  // The request rejected last, once; none when there is no new one. It stays until the next call.
+  // The newest rejection that is not yet taken; null: there is none. The pointer is valid until the next call.
   const RejectedMethod* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }
 
-  // Takes back the object that take() returned, now with the method that was replaced, and frees it.
+  // Frees an object of take() that now holds the replaced method, in the thread of the builder.
   void retire(std::unique_ptr<BuiltMethod> method) noexcept { retired_.store(method.release(), std::memory_order_release); }
 
  private:
@@ -87,12 +88,12 @@ class MethodBuilder {
   TouchScene scene_;
   Mailbox<Request> requests_;
   Mailbox<RejectedMethod> rejections_;
-  std::weak_ptr<ForceMethod> in_use_;  // this thread's own: the method built last
+  std::weak_ptr<ForceMethod> in_use_;  // the method built last; used by the builder's thread only
   std::atomic<BuiltMethod*> built_ = nullptr;
   std::atomic<BuiltMethod*> retired_ = nullptr;
   std::atomic<std::uint64_t> idle_polls_ = 0;
   std::mutex scene_mutex_;
-  std::shared_ptr<const NewScene> next_scene_;  // requested, not begun
+  std::shared_ptr<const NewScene> next_scene_;  // requested and not begun; null: none
   std::promise<Result<void>> scene_built_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

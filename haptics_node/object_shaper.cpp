@@ -16,7 +16,7 @@ namespace {
 static_assert(ProgramShape::kMostObjects <= ShapePart::kMostObjects);
 static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
 
-// Between two looks for shapes: a small part of the time between two of them.
+// Between two polls for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapePollPeriod(2);
 constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // since a part was requested again
 constexpr std::int64_t kMostAtOnce = 4;                        // parts, after a pause, where they are paced

@@ -141,7 +141,7 @@ class ObjectShaper {
   std::size_t first_reply_ = 0;
   std::size_t reply_count_ = 0;
   Object* sending_ = nullptr;    // whose shape is being sent
-  std::size_t next_object_ = 0;  // the object that is looked at first
+  std::size_t next_object_ = 0;  // the object that is served first
   std::uint32_t serial_ = 0;
   // Vertices of an announced shape.
   struct Again {

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kIdlePollNs = 50 * kNanosecondsPerMillisecond;  // between two looks while no state comes
+constexpr std::int64_t kIdlePollNs = 50 * kNanosecondsPerMillisecond;  // between two polls while no state comes
 constexpr std::int64_t kPatchPollNs = 4 * kNanosecondsPerMillisecond;  // the same while parts of the scene wait to be sent
 constexpr int kMostPatches = 4;                                        // parts of the scene sent between two states
 constexpr std::int64_t kWaitedNs = 20'000;                             // longer than it takes to receive what is there

@@ -12,7 +12,7 @@ constexpr int kStartRepeats = 3;
 // Across a slow network: of an IP packet with a part of a shape, and the share of its bandwidth that shapes may take.
 constexpr double kPartBits = 8.0 * 920.0;
 constexpr double kShapeShare = 0.5;
-// Besides the round trip: the hub requests what is missing 25 ms after a start, and looks each 2 ms.
+// Besides the round trip: the hub requests what is missing 25 ms after a start, and polls every 2 ms.
 constexpr std::int64_t kAgainNs = 40 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kShapeLogEveryNs = kNanosecondsPerSecond;
 

@@ -75,7 +75,7 @@ void SceneWatcher::start() {
 }
 
 void SceneWatcher::run() {
-  // Two looks a second: a change counts at the second one that sees it.
+  // Two polls a second: a change counts at the second poll that finds it.
   constexpr auto kPeriod = std::chrono::milliseconds(500);
   do {
     (void)poll();

@@ -15,9 +15,10 @@
 
 namespace hapton {
 
-// Looks at a scene file and brings what has changed in it under the hand, without a force discontinuity: materials as MaterialTuner changes
+// Polls a scene file and applies its changes while the scene is touched, without a force discontinuity: materials as MaterialTuner changes
 // them, everything else by a method that MethodBuilder swaps. A file with an error is one line in the log, and the scene in use goes on.
-// A thread of its own, or whoever calls poll(). Its end does not wait for a file that is being read. RT: no.
+// Threads: poll() from one: its own after start(), otherwise the caller's. The destructor does not wait for a file that is being read.
+// RT: no.
 class SceneWatcher {
  public:
   struct Options {
@@ -37,7 +38,7 @@ class SceneWatcher {
   SceneWatcher(const SceneWatcher&) = delete;
   SceneWatcher& operator=(const SceneWatcher&) = delete;
 
-  // Looks twice a second in a thread of its own, from now on.
+  // Polls twice a second in a thread of its own, from now on.
   void start();
 
   enum class Outcome : std::uint8_t {
@@ -48,7 +49,7 @@ class SceneWatcher {
     materials,
     scene
   };
-  // One look. A change counts once the file was the same for two looks. A file that is gone changes nothing; at the second look the log
+  // One poll. A change counts once two polls found the same file. A file that is gone changes nothing; at the second poll the log
   // says so.
   Outcome poll();
 

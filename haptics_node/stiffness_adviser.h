@@ -55,7 +55,7 @@ class StiffnessAdviser {
   void set_gains(const LargestGains& gains) noexcept;
   // The stylus holds a rigid tool with this rotational stiffness. Of several, and those of set_gains, the largest counts. Threads: any.
   void note_tool(double nm_per_rad) noexcept;
-  // How often its thread has looked for new facts and gains, and said what it had to. Threads: any.
+  // How often its thread has checked the facts and gains and logged its advice. Threads: any.
   std::uint64_t checks() const noexcept { return checks_.load(std::memory_order_acquire); }
 
  private:
