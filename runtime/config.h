@@ -23,8 +23,8 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
 // it.
 std::string suggest_flag(const CLI::App& app);
 
-// Makes the app and its commands reject what CLI11 takes for another number or for one in every range: "nan" and "inf", and whole numbers
-// as in flag_checks.h. parse_command_line does this itself. Pre: the app's options are all added.
+// Makes the app and its commands reject numbers that CLI11 accepts: "nan" and "inf", which pass every range check, and whole numbers that
+// it misreads (flag_checks.h). parse_command_line does this itself. Pre: the app's options are all added.
 void require_exact_numbers(CLI::App& app);
 
 }  // namespace hapton

@@ -18,7 +18,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-// The library throws: it was built so.
+// The library reports errors by exceptions in this build.
 Result<toml::table> parse(const std::filesystem::path& path, std::string_view text) {
   try {
     return toml::parse(text);

@@ -14,7 +14,7 @@
 
 namespace hapton {
 
-// What the parser says of a file that is not TOML, in one line, with the remedy for text in another encoding.
+// The parser's message about a file that is not TOML, in one line, with the remedy for text in another encoding.
 std::string explain_toml_error(std::string_view words);
 
 // One table of a TOML file, read strictly and key by key: an unknown key, a wrong kind or a value out of range is an error

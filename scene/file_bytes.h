@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// The whole of a regular file. Error (names the file): missing, unreadable, a directory or device, empty, over max_bytes.
+// The contents of a regular file. Error (names the file): missing, unreadable, a directory or device, empty, over max_bytes.
 // RT: set-up only.
 Result<std::string> read_file_bytes(const std::filesystem::path& path, std::size_t max_bytes);
 

@@ -58,7 +58,7 @@ struct TriangleAppearance {
   std::array<CornerAppearance, 3> corners = {};
 };
 
-// How a mesh file says that its triangles look. What it says of light and finer relief is not read.
+// Appearance of the triangles of a mesh file: colours, textures and transparency. Its lights and bump maps are not read.
 struct MeshAppearance {
   std::vector<TextureImage> images;
   std::vector<VisualMaterial> materials;
@@ -68,7 +68,7 @@ struct MeshAppearance {
   bool has_colours_or_images() const;
   // Whether any triangle has an area in the images.
   bool has_texcoords() const;
-  // Brings the number of triangles to that of the mesh; those that are new have no look.
+  // Brings the number of triangles to that of the mesh; new ones have no appearance.
   void resize(std::size_t count) { triangles.resize(count); }
 };
 

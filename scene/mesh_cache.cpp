@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// The part of the file that the object names. look: its colours and images; maps: its images for forces.
+// The part of the file that the object names. appearance: its colours and images; maps: its images for forces.
 Result<TriangleMesh> cut(const MeshFile& file, const std::filesystem::path& path, const ObjectSpec& object, MeshAppearance& appearance,
                          MeshAppearance& maps) {
   if (!object.nodes.empty()) return extract_nodes(file, object.nodes, &appearance, &maps);

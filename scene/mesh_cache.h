@@ -31,7 +31,7 @@ class MeshCache {
     MapSource map;                                     // if there are maps: the mesh before it was sealed
   };
 
-  // maps: what the maps of the scene (images for forces) need of mesh files, even if `look` is off.
+  // maps: what the maps of the scene (images for forces) need of mesh files, even if `appearance` is off.
   MeshCache(CrackSealing sealing, AppearanceReading appearance, AppearanceReading maps)
       : sealing_(sealing), appearance_(appearance), maps_(maps) {}
 

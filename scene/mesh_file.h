@@ -16,7 +16,7 @@
 
 namespace hapton {
 
-// A named run of triangles: an OBJ object or group, an STL solid, a glTF node.
+// A named range of consecutive triangles: an OBJ object or group, an STL solid, a glTF node.
 struct MeshPart {
   std::string name;
   std::size_t first_triangle = 0;
@@ -28,11 +28,11 @@ struct MeshPart {
 // What a mesh file holds.
 struct MeshFile {
   TriangleMesh mesh;                              // metres, the file's own frame; node transforms applied
-  std::vector<MeshPart> parts;                    // in order, together all triangles; names need not differ, and may be empty
+  std::vector<MeshPart> parts;                    // in order; together they hold every triangle once. Names may repeat or be empty
   std::string format;                             // "OBJ", "ASCII STL", "binary PLY" ...
-  Unit unit = Unit::m;                            // what the numbers in the file were taken to be
-  std::size_t file_vertices = 0;                  // before equal ones were welded and unused ones dropped, instances counted each
-  std::vector<std::string> notes;                 // what was skipped or looks odd, one line each; not errors
+  Unit unit = Unit::m;                            // the unit that the numbers in the file were read in
+  std::size_t file_vertices = 0;                  // before welding and dropping unused ones; each instance counts
+  std::vector<std::string> notes;                 // what was skipped or is suspicious, one line each; not errors
   MeshAppearance appearance;                      // with no triangles if it was not requested or the file has none
   MeshHaptics haptics = {};                       // of glTF: MPEG_haptic_material
   std::vector<MeshAnimation> animations = {};     // of glTF
@@ -47,23 +47,22 @@ constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 31;
 // Polygons are triangulated, vertices equal to the bit are welded, unused ones dropped; triangles keep the file's
 // order and winding, degenerate ones stay. Positions are scaled to metres. unit: what the file's numbers are in;
 // none given means metres. glTF is in metres by its standard, any other unit is rejected. Post: every coordinate is
-// finite, every index in range, at least one triangle. look: whether colours and textures are read as well; a
-// texture that cannot be found is a note, not an error; one that is felt is an error. Error: one line with the file, the place in it (line,
-// vertex, byte) and what to do. RT: set-up only. Memory is bounded by the file's size, never by what its header
-// claims.
+// finite, every index in range, at least one triangle. appearance: whether colours and textures are read as well; a
+// texture that cannot be found is a note, not an error; a missing texture that forces use is an error. Error: one line with the file, the
+// place in it (line, vertex, byte) and what to do. RT: set-up only. Memory is bounded by the file's size, never by what its header claims.
 Result<MeshFile> load_mesh_file(const std::filesystem::path& path, std::optional<Unit> unit = std::nullopt,
                                 AppearanceReading appearance = AppearanceReading::off);
 
 // True for the extensions load_mesh_file knows.
 bool is_mesh_file_name(const std::filesystem::path& path);
 
-// "object/name", or the one of them that there is.
+// "object/name", or the one of the two that is not empty.
 std::string full_name(const MeshPart& part);
-// That name means the part: its own, its full name, or that of the object that it lies in.
+// Whether the name refers to the part: its own name, its full name, or the name of its object.
 bool is_named(const MeshPart& part, const std::string& name);
 
-// The triangles of every part that the name means, with the vertices they use. Error: no such part; names those there are.
-// look, haptics: if not null, becomes what is seen, and felt, of those triangles.
+// The triangles of every part that the name refers to (is_named), with the vertices they use. Error: no such part; lists the parts.
+// appearance, haptics: if not null, receives the visual and the haptic maps of those triangles.
 Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name, MeshAppearance* appearance = nullptr,
                                   MeshAppearance* haptics = nullptr);
 // The same of the parts of these nodes. Pre: one of them has triangles.

@@ -40,7 +40,7 @@ struct MeshHaptics {
 // only.
 std::vector<std::uint32_t> materials_among(const MeshAppearance& maps);
 
-// Leaves of a mesh only the triangles of one haptic material, with what is seen of them (unless the look has no triangles). Pre: maps has
+// Leaves of a mesh only the triangles of one haptic material, with their appearance (unless it has no triangles). Pre: maps has
 // as many triangles as the mesh. RT: set-up only.
 void keep_haptic_material(std::uint32_t material, TriangleMesh& mesh, MeshAppearance& appearance, MeshAppearance& maps);
 

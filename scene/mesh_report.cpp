@@ -29,7 +29,7 @@ std::string describe(const HapticMaterial& material) {
   return text + (material.has_maps() ? " from an image" : "");
 }
 
-// Those that triangles have.
+// The haptic materials that triangles use.
 std::vector<const HapticMaterial*> haptic_materials_of(const MeshFile& file) {
   std::vector<const HapticMaterial*> found;
   for (const std::uint32_t index : materials_among(file.haptics.maps)) {
@@ -98,7 +98,7 @@ Result<MeshReport> make_mesh_report(const std::filesystem::path& path, std::opti
 
 namespace {
 
-// A surface without a boundary is not closed either where these are.
+// The flaws besides boundary edges because of which a surface is not closed.
 std::string describe_flaws(const MeshTopology& t) {
   std::string text;
   if (t.nonmanifold_edges > 0) text += fmt::format("; {} non-manifold edges", t.nonmanifold_edges);
@@ -163,7 +163,7 @@ namespace {
 
 using MeshJson = nlohmann::ordered_json;
 
-// By sealing, before the mesh is touched.
+// The changes by sealing, and the mesh after it.
 MeshJson sealed_to_json(const MeshReport& report) {
   MeshJson json;
   append_sealing(json, report.sealed);

@@ -15,23 +15,23 @@
 
 namespace hapton {
 
-// The flaws of a mesh, and the repairs that method smooth would make. The other methods use the mesh as it is, except that cracks are
+// The flaws of a mesh, and the repairs that method `smooth` would make. The other methods use the mesh as it is, except that cracks are
 // sealed when it is loaded.
 struct MeshFlaws {
   MeshTopology topology;  // metres
-  BoundaryEdges borders;  // its boundary edges: cracks are up to a thousandth of the longest side wide
+  BoundaryEdges borders;  // with cracks up to crack_width()
   RepairReport repair;
-  ClosedBodies bodies;           // by the side on which their fronts are
+  ClosedBodies bodies;           // how many there are, and how many are inside out
   AuthoredNormalReport normals;  // vertex normals of the file that force shading can use
 };
 
-// Gaps up to this width count as cracks, wider ones as openings: a thousandth of the longest side.
+// Gaps up to this width count as cracks, wider ones as openings: a thousandth of the longest side, m.
 double crack_width(const MeshTopology& topology);
 
 // RT: set-up only.
 MeshFlaws find_flaws(const TriangleMesh& mesh);
 
-// "closed", or "not closed", and every flaw with its count. Half a line.
+// "closed" or "not closed", and every flaw with its count, as part of a line.
 std::string to_text(const MeshFlaws& flaws);
 
 // "2 of 3 closed bodies are inside out: ..."; empty when none is.
@@ -42,9 +42,9 @@ struct MeshReport {
   std::string path;
   MeshFile file;
   MeshFlaws flaws;         // of the welded mesh of the file
-  SealReport sealed;       // changes by sealing, before it is touched
+  SealReport sealed;       // changes by sealing
   BoundaryEdges left;      // boundary edges that remain after sealing
-  MeshTopology for_touch;  // of the sealed mesh
+  MeshTopology for_touch;  // topology of the sealed mesh, which is the one that is touched
 
   bool is_closed_for_touch() const { return for_touch.is_closed(); }
 };

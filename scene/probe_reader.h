@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// A [[probe]] of a scene file: how one hand touches the scene. What it leaves out is as haptics_node has it by default.
+// A [[probe]] of a scene file: how one hand touches the scene. Missing keys keep the defaults of haptics_node.
 struct ProbeSpec {
   std::string name;
   std::optional<double> radius_m = {};  // 0: a point
@@ -19,8 +19,8 @@ struct ProbeSpec {
   std::size_t line = 0;  // in the scene file
 };
 
-// The probe of this name; an empty name is that of the first one. Null: there is none. RT: set-up only. Error: there are probes, or a name
-// was given, and none has it: one line.
+// The probe of this name; for an empty name the first one, or null if there are no probes. Error, one line: no probe has this name. RT:
+// set-up only.
 Result<const ProbeSpec*> find_probe(const std::vector<ProbeSpec>& probes, std::string_view name);
 
 // "probe 'left': radius 0.002 m, method proxy".

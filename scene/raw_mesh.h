@@ -17,7 +17,7 @@
 
 namespace hapton {
 
-// How a polygon looks: its material and its corners, in their order.
+// Appearance of a polygon: its material and its corners, in their order.
 struct PolygonAppearance {
   std::uint32_t material = TriangleAppearance::kNoMaterial;
   bool has_colours = false;
@@ -43,14 +43,14 @@ struct RawMesh {
   void end_parts();
 
   // Appends a polygon's triangles as triangulate_polygon does. normals: the authored ones of its corners, in their order; empty when there
-  // are none. look: null where there is none. False, and nothing appended, when it has too many corners.
+  // are none. appearance: null where there is none. False, and nothing appended, when it has too many corners.
   bool add_polygon(std::span<const std::uint32_t> corners, std::span<const Eigen::Vector3f> normals,
                    const PolygonAppearance* appearance = nullptr);
   // The same for one triangle.
   void add_triangle(const Triangle& triangle, const std::array<Eigen::Vector3f, 3>& normals);
   // Call once at the end: triangles without normals get zero ones if others have some.
   void end_normals();
-  // Call once at the end: triangles without a look get an empty one if others have one. The same for their haptics.
+  // Call once at the end: triangles without an appearance get an empty one if others have one. The same for their haptics.
   void complete_appearance();
 };
 

@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-// Bytes of the character at the beginning, in UTF-8 (RFC 3629). 0: none, or one that changes what stands beside it: controls, separators of
-// lines and paragraphs, directions of writing. Pre: not empty.
+// Length in bytes of the first character, in UTF-8 (RFC 3629). 0: it is invalid or not printable: a control character, a line or paragraph
+// separator, a formatting character such as a change of the writing direction. Pre: not empty.
 std::size_t visible_length(std::string_view text) {
   const auto byte = [&](std::size_t n) { return static_cast<unsigned char>(text[n]); };
   if (byte(0) < 0x80) return byte(0) >= ' ' && byte(0) <= '~' ? 1 : 0;
@@ -23,9 +23,9 @@ std::size_t visible_length(std::string_view text) {
   }
   constexpr char32_t kLeast[] = {0, 0, 0xA0, 0x800, 0x10000};
   if (code < kLeast[length] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return 0;
-  const bool is_obeyed = (code >= 0x200B && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x206F) ||
+  const bool is_format = (code >= 0x200B && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x206F) ||
                          code == 0x61C || code == 0xAD || code == 0xFEFF;
-  return is_obeyed ? 0 : length;
+  return is_format ? 0 : length;
 }
 
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }

@@ -39,7 +39,8 @@ bool parse_integer(std::string_view word, std::int64_t& value);
 
 constexpr std::size_t kLongestShownName = 200;
 
-// A word in a message: its longest part of at most that many bytes, or 40, with printable characters only.
+// A word for a message: its first `longest` bytes (by default 40), with "?" for characters that are not printable, and "..." if it was
+// longer.
 std::string printable(std::string_view word, std::size_t longest);
 std::string printable(std::string_view word);
 

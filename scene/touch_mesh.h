@@ -25,7 +25,7 @@ struct TouchMesh {
   TriangleMesh mesh;  // metres, the file's own frame
   SealReport sealed;
   std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
-  std::vector<std::string> notes;  // what was sealed, skipped or looks odd, one line each
+  std::vector<std::string> notes;  // what was sealed, skipped or is suspicious, one line each
   bool has_haptics = false;        // the file has haptic materials for some of its triangles
   MeshAppearance appearance;       // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
 };

@@ -19,13 +19,13 @@ struct TexturePlace {
 // Of a textureInfo. Error: a number that is not valid.
 Result<TexturePlace> read_texture_place(const Json& info, const std::string& where);
 
-// The file's materials become those of raw.look: base colour and its texture (find_base_colour), alpha mode and
+// The file's materials become those of raw.appearance: base colour and its texture (find_base_colour), alpha mode and
 // cutoff, the wrap modes of the texture's sampler; if they are wanted, normal maps. Returns where each one's texture finds its
 // coordinates. What cannot be read is a note, never an error: the shape is what matters.
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, AppearanceReading appearance,
                                          RawMesh& raw);
 
-// How the vertices of a primitive, which was read from this JSON, look: their colours (COLOR_0) and their places in the texture. Empty:
+// Colours (COLOR_0) and texture coordinates of the vertices of a primitive, which was read from this JSON. Empty:
 // nothing is said of them.
 struct VertexAppearances {
   std::uint32_t material = TriangleAppearance::kNoMaterial;

@@ -83,7 +83,7 @@ std::size_t count_normal_maps(const Json& materials) {
 
 class SceneReader {
  public:
-  // places: of the materials' textures; empty where no look is wanted. haptic_places: of the haptic materials' textures.
+  // places: of the materials' textures; empty if the appearance is not wanted. haptic_places: of the haptic materials' textures.
   SceneReader(const Document& document, std::size_t max_triangles, std::vector<TexturePlace> places, bool wants_appearance,
               std::vector<HapticPlace> haptic_places, RawMesh& raw)
       : document_(document),

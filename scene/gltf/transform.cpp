@@ -5,7 +5,7 @@
 namespace hapton::gltf {
 namespace {
 
-// Of an instance of a node; whatever an attribute does not give is left out.
+// An attribute of the instances of a node; a missing attribute is the identity.
 struct InstanceAttribute {
   const char* name;
   std::string_view type;

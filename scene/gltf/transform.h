@@ -9,11 +9,12 @@
 
 namespace hapton::gltf {
 
-// A node's own transform: a matrix, column by column, or T R S [3.5.2].
+// A node's own transform, to its parent: a matrix in column order, or translation, rotation and scale (glTF 2.0, 3.5.2). where: the node,
+// for messages. Error: one line with `where`.
 Result<Eigen::Affine3d> transform_of(const Json& node, const std::string& where);
 
-// The poses in the node's frame at which EXT_mesh_gpu_instancing draws its mesh: T R S of each instance. One that is the identity when the
-// node has no such extension.
+// The transforms of the instances of a node's mesh (EXT_mesh_gpu_instancing), in the node's frame; a single identity if the node does not
+// have the extension. Error: as above.
 Result<std::vector<Eigen::Affine3d>> instances_of(const Json& node, const Document& document, const std::string& where);
 
 }  // namespace hapton::gltf
