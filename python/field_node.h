@@ -13,20 +13,20 @@
 
 namespace hapton::python {
 
-// What a field node has done, and the newest sample.
+// State of a field node and its newest sample. Frame W.
 struct FieldNodeState {
   std::uint64_t sample = 0;
-  double t_s = 0.0;  // the sample's, by the hub's clock, since the node's first
+  double t_s = 0.0;  // time of the sample by the hub's clock, since the node's first sample
   Vec3 p_WD = Vec3::Zero();
   Vec3 v_WD = Vec3::Zero();
-  Vec3 force_n = Vec3::Zero();  // asked for; the governor limits it
+  Vec3 force_n = Vec3::Zero();  // requested; the governor limits it
   std::uint32_t buttons = 0;
   bool is_joined = false;
   std::uint64_t replies = 0;
   std::uint64_t superseded = 0;
-  std::uint64_t changes = 0;         // fields set and in use
-  std::uint64_t changed_sample = 0;  // the first sample that the present fields had a reply for
-  bool has_watch_expired = false;    // no force: Python has been silent for longer than watch_s
+  std::uint64_t changes = 0;         // number of calls of set() that took effect
+  std::uint64_t changed_sample = 0;  // the first sample that was replied to with the present fields
+  bool has_watch_expired = false;    // no force: Python has called neither set, mark nor state for watch_s
   double rate_hz = 0.0;              // replies a second since the first
   double compute_p50_us = 0.0;
   double compute_p99_us = 0.0;

@@ -245,7 +245,7 @@ py::dict describe_node(FieldNode& node) {
   state["buttons"] = now.buttons;
   state["joined"] = now.is_joined;
   state["replies"] = now.replies;
-  state["answers"] = now.replies;  // its name before
+  state["answers"] = now.replies;  // former name of "replies"
   state["superseded"] = now.superseded;
   state["changes"] = now.changes;
   state["changed_sample"] = now.changed_sample;
@@ -256,7 +256,7 @@ py::dict describe_node(FieldNode& node) {
   return state;
 }
 
-// What a force function gets.
+// The argument of a force function.
 struct HandSample {
   std::uint64_t sample = 0;
   double t_s = 0.0;
@@ -282,7 +282,7 @@ Vec3 read_force(const py::object& returned, std::uint64_t sample) {
 py::dict describe_run(const NodeLink& link, double seconds) {
   py::dict report;
   report["replies"] = link.replies();
-  report["answers"] = link.replies();  // its name before
+  report["answers"] = link.replies();  // former name of "replies"
   report["seconds"] = seconds;
   report["rate_hz"] = static_cast<double>(link.replies()) / seconds;
   report["superseded"] = link.superseded();
@@ -292,7 +292,7 @@ py::dict describe_run(const NodeLink& link, double seconds) {
   return report;
 }
 
-// Whatever ends it, an exception of the function or Ctrl-C, the last reply is no force.
+// The last reply is a zero force, also after an exception of the function or Ctrl-C.
 py::dict run_force_function(const py::function& force, double seconds, const std::string& hub, const std::string& key_file) {
   constexpr double kMostS = 1e9;  // as the nodes' --seconds
   if (!(seconds > 0.0 && seconds <= kMostS))
@@ -323,7 +323,7 @@ py::dict run_force_function(const py::function& force, double seconds, const std
     link->release();
     throw;
   }
-  (void)link->next(0);  // counts what came since the last reply
+  (void)link->next(0);  // counts the samples since the last reply
   const py::dict report = describe_run(*link, 1e-9 * static_cast<double>(link->clock().now_ns() - begin_ns));
   link->release();
   return report;

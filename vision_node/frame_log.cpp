@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPauseNs = 250'000'000;   // without a frame: nothing moved, which is no low frame rate
-constexpr std::int64_t kWindowNs = 500'000'000;  // of the shown frame rate: two numbers a second can be read
+constexpr std::int64_t kPauseNs = 250'000'000;   // a longer interval between frames is a pause, not a low frame rate; a choice
+constexpr std::int64_t kWindowNs = 500'000'000;  // averaging time of the displayed frame rate: two numbers a second are readable
 
 }  // namespace
 

@@ -9,17 +9,19 @@
 
 namespace hapton {
 
-// Our own shader program beside VTK's, OpenGL 3.2. Threads: the window's. Pre: the window's context is current, at the end as well.
+// A shader program of our own, used beside those of VTK; OpenGL 3.2. Threads: the window's. RT: no. Pre: the window's context is current in
+// every call, also in the destructor.
 class GlProgram {
  public:
-  // The vertex shader's inputs `position`, `direction`, `tint`, `place` and `finish`, where used, are at 0 to 4. Error: the
-  // driver's message.
+  // Compiles and links. The vertex shader's inputs `position`, `direction`, `tint`, `place` and `finish`, if used, have locations 0 to 4.
+  // Error: the driver's message.
   static Result<GlProgram> make(std::string_view vertex, std::string_view fragment);
   GlProgram(GlProgram&& other) noexcept;
   GlProgram& operator=(GlProgram&& other) noexcept;
   ~GlProgram();
 
   void use() const { glUseProgram(program_); }
+  // Set a uniform. Pre: use() was called last.
   void set(const char* name, const Eigen::Matrix4d& m) const;
   void set(const char* name, const Vec3& v) const;
   void set(const char* name, double x) const;

@@ -19,7 +19,7 @@ class OtherHand {
   OtherHand(HubClient& hub, const Quat& stylus_lean, double max_rate_hz)
       : hub_(hub), stylus_lean_(stylus_lean), max_rate_hz_(max_rate_hz) {}
 
-  // Receives without waiting, and sends the scene's pose if the hub does not have it.
+  // Receives without waiting, and sends the pose of the scene if the hub does not have it yet.
   void update(const Pose& X_WS, std::int64_t now_ns);
 
   // True: the probe of this hand looks different than in the last frame. If only invisible motion came, the hub gets a FrameAck

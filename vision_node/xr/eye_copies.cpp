@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-// Switches GL_FRAMEBUFFER_SRGB off while it lives: bytes are copied into an sRGB texture without conversion.
+// Disables GL_FRAMEBUFFER_SRGB during its lifetime, so that bytes are copied into an sRGB texture without conversion.
 class NoSrgb {
  public:
   NoSrgb() : was_on_(glIsEnabled(GL_FRAMEBUFFER_SRGB)) { glDisable(GL_FRAMEBUFFER_SRGB); }

@@ -22,11 +22,12 @@ struct GlxWindow {
   std::uint32_t visual_id = 0;
 };
 
-// A headset, through the OpenXR runtime that is active on this machine. Call connect(), then open() for a window; from then on
-// poll_events() in each turn of the loop, and while is_running(), begin_frame(), followed by end_frame() if it returns true. The runtime
-// sets the pace: begin_frame() waits until the next frame is due. If a call of the runtime fails, the headset is lost (is_lost()) and the
-// program goes on. Frame L: see RoomSpace. Threads: the window's, whose context is current in every call from open() on, also in the
-// destructor, which ends the session in order (at most a second). RT: no. Source: OpenXR 1.0, https://registry.khronos.org/OpenXR.
+// A headset, through the OpenXR runtime that is active on this machine. Call connect(), then open() for a window. Then, in
+// each iteration of the main loop, call poll_events(), and while is_running() also begin_frame(), followed by end_frame() if it returns
+// true. The runtime determines the frame rate: begin_frame() waits until the next frame is due. If a call of the runtime fails, the headset
+// is lost (is_lost()) and the program goes on. Frame L: see RoomSpace. Threads: the window's, whose context is current in every call from
+// open() on, also in the destructor, which takes up to a second to end the session. RT: no. Source: OpenXR 1.0,
+// https://registry.khronos.org/OpenXR.
 class Headset {
  public:
   // Copies the image of an eye (0: left) into an OpenGL texture of eye_size().
