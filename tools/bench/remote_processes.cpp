@@ -20,28 +20,29 @@
 namespace hapton {
 namespace {
 
-constexpr double kJoinS = 2.0;        // for the nodes to find each other, besides round trips and lost greetings
-constexpr double kJoinTrips = 8.0;    // round trips
-constexpr double kSceneShare = 1.5;   // of the time that the scene takes in simulation
-constexpr double kGraceS = 20.0;      // for the hub to write its report
-constexpr double kLateShare = 1.5;    // of the round trip: the most that a force is taken to be late by
-constexpr double kLeastLateS = 0.03;  // s, at short round trips: above the 20 ms for which a force is used
+// Choices, all generous for a busy machine.
+constexpr double kJoinS = 2.0;        // time for the nodes to join, besides kJoinTrips round trips
+constexpr double kJoinTrips = 8.0;    // round trips for joining, with lost datagrams
+constexpr double kSceneShare = 1.5;   // time for sending the scene, as a multiple of that in the simulation
+constexpr double kGraceS = 20.0;      // time for the hub to write its report
+constexpr double kLateShare = 1.5;    // largest time offset of the force that is searched, as a multiple of the round trip
+constexpr double kLeastLateS = 0.03;  // its least value: above the 20 ms for which a force is used
 
-// A mesh as a scene file that all programs read, and the same scene for the comparison.
+// A mesh as a scene file for the programs, and the same scene for the comparison.
 struct ProcessScene {
   std::filesystem::path file;
-  RemoteScene lab;
-  std::shared_ptr<ForceMethod> whole;
+  RemoteScene simulated;               // for the simulation
+  std::shared_ptr<ForceMethod> whole;  // the method on the whole scene without delay
 };
 
-Result<ProcessScene> make_process_scene(const std::filesystem::path& folder, const RemoteScene& lab) {
+Result<ProcessScene> make_process_scene(const std::filesystem::path& folder, const RemoteScene& simulated) {
   ProcessScene made;
-  made.lab = lab;
+  made.simulated = simulated;
   made.file = folder / "scene.toml";
-  if (auto written = write_ply(folder / "mesh.ply", *lab.mesh); !written) return tl::unexpected(written.error());
+  if (auto written = write_ply(folder / "mesh.ply", *simulated.mesh); !written) return tl::unexpected(written.error());
   const auto written = write_file_atomically(
       made.file, fmt::format("[[object]]\nmesh = \"mesh.ply\"\nunit = \"m\"\nmaterial = \"m\"\n\n[material.m]\nstiffness_n_per_m = {}\n",
-                             lab.stiffness_n_per_m));
+                             simulated.stiffness_n_per_m));
   if (!written) return tl::unexpected(written.error());
   const auto scene = load_scene(made.file);
   if (!scene) return tl::unexpected(scene.error());
@@ -51,12 +52,12 @@ Result<ProcessScene> make_process_scene(const std::filesystem::path& folder, con
   return made;
 }
 
-// The programs of one cell. They end with this object at the latest.
+// The programs of one case. The destructor ends those that still run.
 class ProcessRun {
  public:
   ProcessRun(const std::filesystem::path& folder, const std::filesystem::path& scene) : folder_(folder), scene_(scene) {}
 
-  // The hub plays the path and ends.
+  // Runs the programs until the hub has played the path.
   Result<void> play(const RemoteProcessRow& row, const RemoteGrid& grid, double seconds) {
     const auto hub = find_free_address();
     if (!hub) return tl::unexpected(hub.error());
@@ -66,7 +67,7 @@ class ProcessRun {
     if (!relay) return tl::unexpected(relay.error());
     relay_.emplace(std::move(relay->node));
     if (auto started = start_haptics(relay->address, grid); !started) return started;
-    auto io = LocalNode::start(folder_, "io_node", find_own_folder() / "io_node", hub_words(*hub, row, grid));
+    auto io = LocalNode::start(folder_, "io_node", find_own_folder() / "io_node", hub_arguments(*hub, row, grid));
     if (!io) return tl::unexpected(io.error());
     if (auto ended = io->wait_for_end(seconds + kGraceS); !ended) return ended;
     if (auto stopped = haptics_->stop(); !stopped) return stopped;
@@ -86,21 +87,21 @@ class ProcessRun {
     return haptics_->wait_for("ready");
   }
 
-  std::vector<std::string> hub_words(const std::string& hub, const RemoteProcessRow& row, const RemoteGrid& grid) const {
-    std::vector<std::string> words = {"--bind",       hub,
-                                      "--device",     "replay",
-                                      "--trajectory", path().string(),
-                                      "--touch",      row.method->scheme == RemoteMethod::Scheme::patch ? "patch" : "remote",
-                                      "--cpu",        cpu_,
-                                      "--spin-reply", "0",
-                                      "--out",        folder_.string(),
-                                      "--record",     recording().string(),
-                                      "--flight",     "off"};
+  std::vector<std::string> hub_arguments(const std::string& hub, const RemoteProcessRow& row, const RemoteGrid& grid) const {
+    std::vector<std::string> arguments = {"--bind",       hub,
+                                          "--device",     "replay",
+                                          "--trajectory", path().string(),
+                                          "--touch",      row.method->scheme == RemoteMethod::Scheme::patch ? "patch" : "remote",
+                                          "--cpu",        cpu_,
+                                          "--spin-reply", "0",
+                                          "--out",        folder_.string(),
+                                          "--record",     recording().string(),
+                                          "--flight",     "off"};
     if (row.method->is_passive) {
-      words.insert(words.end(), {"--passive-mass", fmt::format("{}", grid.device.model.mass_kg), "--passive-step",
-                                 fmt::format("{}", grid.device.model.encoder_step_m)});
+      arguments.insert(arguments.end(), {"--passive-mass", fmt::format("{}", grid.device.model.mass_kg), "--passive-step",
+                                         fmt::format("{}", grid.device.model.encoder_step_m)});
     }
-    return words;
+    return arguments;
   }
 
   std::filesystem::path folder_;
@@ -110,8 +111,8 @@ class ProcessRun {
   std::optional<LocalNode> haptics_;
 };
 
-// In free space until the nodes have found each other and the scene around is there.
-double wait_before(const PrescribedTouch& simulated, const RemoteMethod& method, double round_trip_s) {
+// Time in free space before the path: until the nodes have joined and the scene near the path was sent.
+double find_wait_s(const PrescribedTouch& simulated, const RemoteMethod& method, double round_trip_s) {
   const double scene_s = method.scheme == RemoteMethod::Scheme::patch ? kSceneShare * simulated.ready_s : 0.0;
   return kJoinS + kJoinTrips * round_trip_s + scene_s;
 }
@@ -126,11 +127,11 @@ std::string path_to_csv(const SlidePath& path, double wait_s) {
 // Pre: row has its key.
 Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, const SlidePath& path, const std::filesystem::path& folder,
                          RemoteProcessRow& row) {
-  auto simulated = run_prescribed(scene.lab, path, grid.device, make_remote_case(grid, row));
+  auto simulated = run_prescribed(scene.simulated, path, grid.device, make_remote_case(grid, row));
   if (!simulated) return tl::unexpected(simulated.error());
   row.simulated = std::move(*simulated);
   row.simulated.rows.clear();
-  const double wait_s = wait_before(row.simulated, *row.method, row.round_trip_s);
+  const double wait_s = find_wait_s(row.simulated, *row.method, row.round_trip_s);
   ProcessRun run(folder, scene.file);
   if (auto written = write_file_atomically(run.path(), path_to_csv(path, wait_s)); !written) return tl::unexpected(written.error());
   const double seconds = wait_s + kRemotePeriodS * static_cast<double>(path.rows.size());
@@ -151,12 +152,12 @@ Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, cons
                           std::vector<RemoteProcessRow>& rows) {
   const auto mesh = make_bench_mesh(which, grid.mesh_folder);
   if (!mesh) return tl::unexpected(mesh.error());
-  const auto lab = make_centred_scene(grid, *mesh);
+  const auto centred = make_centred_scene(grid, *mesh);
   const auto folder = TemporaryFolder::make();
-  if (!lab || !folder) return tl::unexpected(lab ? folder.error() : lab.error());
-  const auto scene = make_process_scene(folder->path(), *lab);
+  if (!centred || !folder) return tl::unexpected(centred ? folder.error() : centred.error());
+  const auto scene = make_process_scene(folder->path(), *centred);
   if (!scene) return tl::unexpected(scene.error());
-  return for_each_remote_path(grid, *lab, mesh->name, [&](const SlidePath& path, const RemoteKey& where) -> Result<void> {
+  return for_each_remote_path(grid, *centred, mesh->name, [&](const SlidePath& path, const RemoteKey& where) -> Result<void> {
     for (const RemoteMethod* method : grid.methods) {
       RemoteProcessRow row;
       static_cast<RemoteKey&>(row) = where;
@@ -169,7 +170,7 @@ Result<void> measure_mesh(const RemoteGrid& grid, const std::string& which, cons
   });
 }
 
-// One figure of a run, as it is written everywhere.
+// A result of a run, as a column of the CSV and a key of the JSON.
 struct ProcessFigure {
   const char* name;
   double (*of)(const RemoteProcessRow&);

@@ -15,7 +15,7 @@ struct DemoStep {
   enum class Event : std::uint8_t { none, haptics_dies };
 
   std::string_view name;
-  std::string_view watch_for;            // one or two lines: what to watch
+  std::string_view watch_for;            // what to watch, in one or two lines
   std::string_view scene;                // empty: a mesh made for it
   std::vector<std::string> relay = {};   // flags of `hapton relay` between the hub and the haptics node; empty: none
   std::vector<std::string> vision = {};  // flags of its vision node

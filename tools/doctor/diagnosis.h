@@ -11,11 +11,11 @@
 
 namespace hapton::doctor {
 
-// One thing that is looked into.
+// One check of `hapton doctor`.
 struct Check {
   std::string_view name;   // for --only
-  std::string_view about;  // a few words
-  bool is_timing = false;  // it is about whether a loop keeps time
+  std::string_view about;  // what it checks, in a few words
+  bool is_timing = false;  // it concerns whether a 1 kHz loop can keep its period
   Findings (*run)(const Machine&) = nullptr;
 };
 

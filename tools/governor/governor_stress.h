@@ -8,34 +8,35 @@
 
 namespace hapton {
 
-// Where something went wrong first, to be found again.
+// The first breach of a kind, to be reproduced.
 struct GovernorFinding {
-  std::uint64_t program = 0;  // its seed
-  int turn = 0;
+  std::uint64_t program = 0;  // seed of the program, for GovernorStress::run
+  int turn = 0;               // number of the turn in it
 };
 
+// Totals over programs. A turn is one cycle: a device sample and a force command.
 struct GovernorStressCount {
   std::uint64_t turns = 0;
   std::uint64_t programs = 0;
-  std::uint64_t turns_with_force = 0;  // turns with a force on the motors
+  std::uint64_t turns_with_force = 0;  // with a force on the motors
   std::array<std::uint64_t, static_cast<std::size_t>(GovernorBreach::count)> breaches = {};
-  std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::count)> findings = {};  // of each breach there is
-  GovernorCounters governors;  // counts of the stages, to show that each has been reached
+  std::array<GovernorFinding, static_cast<std::size_t>(GovernorBreach::count)> findings = {};  // valid where breaches is not 0
+  GovernorCounters governors;  // sums of the governors' counters: they show that each stage was reached
   GovernorWorst worst;
 
   std::uint64_t total_breaches() const noexcept;
   void add(const GovernorStressCount& other) noexcept;
 };
 
-// Runs fresh governors with hostile programs and evaluates every turn. Program n of a seed depends only on these two. RT: no heap. Threads:
-// one each.
+// Runs each hostile program (HostileProgram) with a new governor, and evaluates every turn. Program n of a seed depends only on these two.
+// RT: no heap. Threads: one for each object.
 class GovernorStress {
  public:
   explicit GovernorStress(std::uint64_t seed) noexcept : seed_(seed) {}
 
-  // What names a program.
+  // The seed of program number `program`.
   std::uint64_t program_seed(std::uint64_t program) const noexcept;
-  // Runs one to its end.
+  // Runs the program of this seed to its end and adds the results to count.
   static void run(std::uint64_t program_seed, GovernorStressCount& count) noexcept;
 
  private:

@@ -26,7 +26,7 @@ struct TopOptions {
   double interval_s = 1.0;
 };
 
-// To the upper left corner; what stood there is overwritten line by line, so that nothing flickers.
+// The text with escape sequences that overwrite the screen line by line from the upper left corner, without flicker.
 std::string on_terminal(const std::string& text) {
   std::string painted = "\x1b[H";
   for (const char c : text) painted += c == '\n' ? std::string("\x1b[K\n") : std::string(1, c);
@@ -37,7 +37,7 @@ Result<void> top(const TopOptions& options) {
   const StopSignal stop;
   const auto reader = HubReader::open(options.hub, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
-  const bool paints = ::isatty(STDOUT_FILENO) == 1 && !options.once && !options.json;
+  const bool repaints = ::isatty(STDOUT_FILENO) == 1 && !options.once && !options.json;
   std::optional<TopSnapshot> before;
   TouchedNames names;
   do {
@@ -47,7 +47,7 @@ Result<void> top(const TopOptions& options) {
     if (!now) return tl::unexpected(now.error());
     const auto make = options.json ? make_top_json : make_top_view;
     const std::string view = make(options.hub, *now, before ? &*before : nullptr, names.describe(now->report));
-    fmt::print("{}", paints ? on_terminal(view) : view + (options.once || options.json ? "" : "\n"));
+    fmt::print("{}", repaints ? on_terminal(view) : view + (options.once || options.json ? "" : "\n"));
     std::fflush(stdout);
     before = std::move(*now);
     for (double left_s = options.once ? 0.0 : options.interval_s; left_s > 0.0 && !stop.stop_requested(); left_s -= 0.1) {

@@ -19,11 +19,11 @@ struct TopSnapshot {
 Result<TopSnapshot> read_top_snapshot(const std::string& json, const std::string& csv);
 
 // What `hapton top` shows: nodes with their datagrams a second, hops, counters that are not zero. Rates, hops and the second column of the
-// counters are of the time between the two looks; without an earlier one, of the time since the hub's start.
+// counters are of the time between the two snapshots; without an earlier one, of the time since the hub's start.
 // touched: what the hand touches, for a line of its own; empty: none. RT: no.
 std::string make_top_view(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched = {});
 
-// The same look for programs, one JSON object in one line: schema (hapton.top/1), hub, span_s (the time that per_second is of), per_second
+// The same for programs, one JSON object in one line: schema (hapton.top/1), hub, span_s (the time that per_second is of), per_second
 // (each counter), touched, and report (docs/formats.md), which counts from the hub's start. RT: no.
 std::string make_top_json(const std::string& hub, const TopSnapshot& now, const TopSnapshot* before, const std::string& touched = {});
 

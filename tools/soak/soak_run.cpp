@@ -26,16 +26,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kSamplesInARun = 120.0;     // in a run, whatever its length
+constexpr double kSamplesInARun = 120.0;     // observations in a run, whatever its length; a free choice
 constexpr double kShortestInterval_s = 2.0;  // between observations, s; a free choice
 constexpr double kPollPeriod_s = 0.1;        // the longest sleep before a stop is noticed, s; a free choice
 constexpr double kProgressEvery_s = 10.0;    // least interval of progress lines, s
 constexpr double kMostProgressLines = 60.0;  // in a run, whatever its length; a free choice
-constexpr double kFirstForce_s = 30.0;       // patience until the first force: large meshes
+constexpr double kFirstForce_s = 30.0;       // longest wait for the first force: large meshes; a free choice
 
 // The nodes of this run.
 struct Nodes {
-  std::vector<LocalNode> nodes;  // io_node last, so that the others can leave it first
+  std::vector<LocalNode> nodes;  // io_node last: the others leave the session before it ends
   LocalVision vision;
   bool has_vision = false;
   std::string hub_at;
@@ -97,12 +97,12 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
 std::int64_t counter(const Json& report, const char* name) { return report.value("counters", Json::object()).value(name, std::int64_t{0}); }
 
 // Samples the nodes, each sample compared with the first and the previous one.
-class Watch {
+class NodeSampler {
  public:
-  Watch(const SoakOptions& options, Nodes& nodes, std::unique_ptr<HubReader> reader)
+  NodeSampler(const SoakOptions& options, Nodes& nodes, std::unique_ptr<HubReader> reader)
       : rate_hz_(options.rate_hz), nodes_(nodes), reader_(std::move(reader)) {}
 
-  // Reads the hub until a force has come.
+  // Reads the hub until a force, and with --vision a frame, was counted.
   Result<void> wait_for_force(const StopSignal& stop) {
     const double end_s = now_s() + kFirstForce_s;
     while (now_s() < end_s && !stop.stop_requested()) {
@@ -197,8 +197,8 @@ void print_progress(const SoakRun& run) {
   std::fflush(stdout);
 }
 
-// Runs until the time is over or something ends it; run.ended names the reason.
-Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch, const StopSignal& stop, SoakRun& run) {
+// Samples until the time is over, a node ends or a stop is requested; run.ended is the reason, empty after the full time.
+Result<void> sample_nodes(const SoakOptions& options, Nodes& nodes, NodeSampler& sampler, const StopSignal& stop, SoakRun& run) {
   const std::filesystem::path table = options.out / "soak.csv";
   std::ofstream csv(table);
   csv << soak_csv_header(run.processes) << std::flush;
@@ -206,13 +206,13 @@ Result<void> watch_nodes(const SoakOptions& options, Nodes& nodes, Watch& watch,
   double due_s = every_s;
   double next_progress_s = 0.0;
   while (due_s <= options.seconds + 1e-6) {
-    while (watch.seconds() < due_s && run.ended.empty()) {
-      watch.idle(std::clamp(due_s - watch.seconds(), 0.0, kPollPeriod_s));
+    while (sampler.seconds() < due_s && run.ended.empty()) {
+      sampler.idle(std::clamp(due_s - sampler.seconds(), 0.0, kPollPeriod_s));
       if (const auto running = nodes.check_running(); !running) run.ended = running.error().what;
       if (stop.stop_requested()) run.ended = "stopped early";
     }
     if (!run.ended.empty()) return {};
-    auto sample = watch.sample();
+    auto sample = sampler.sample();
     if (!sample) {
       const auto running = nodes.check_running();
       run.ended = running ? sample.error().what : running.error().what;
@@ -235,11 +235,11 @@ Result<SoakRun> soak(const SoakOptions& options) {
   if (const auto started = start_nodes(options, nodes); !started) return tl::unexpected(started.error());
   auto reader = HubReader::open(nodes.hub_at, options.key_file);
   if (!reader) return tl::unexpected(reader.error());
-  Watch watch(options, nodes, std::move(*reader));
-  if (const auto force = watch.wait_for_force(stop); !force) return tl::unexpected(force.error());
+  NodeSampler sampler(options, nodes, std::move(*reader));
+  if (const auto force = sampler.wait_for_force(stop); !force) return tl::unexpected(force.error());
   SoakRun run{.seconds = options.seconds, .rate_hz = options.rate_hz, .processes = {}, .samples = {}, .ended = {}};
   for (const LocalNode* node : nodes.all()) run.processes.push_back(node->name());
-  if (const auto watched = watch_nodes(options, nodes, watch, stop, run); !watched) return tl::unexpected(watched.error());
+  if (const auto watched = sample_nodes(options, nodes, sampler, stop, run); !watched) return tl::unexpected(watched.error());
   if (const auto stopped = nodes.stop(); !stopped && run.ended.empty()) run.ended = stopped.error().what;
   return run;
 }

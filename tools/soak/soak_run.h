@@ -14,17 +14,17 @@ struct SoakOptions {
   bool vision = false;  // with a vision node
   std::filesystem::path out = "out/soak";
   std::filesystem::path scene = "scenes/car_front.toml";
-  std::string key_file;          // for the nodes; empty: the default one of this user on this machine
+  std::string key_file;          // of the nodes; empty: the default key of this user
   std::string realtime = "try";  // off, try or require
-  int cpu = -1;                  // io_node and haptics_node stay on this CPU; -1: any
+  int cpu = -1;                  // pins io_node and haptics_node to this CPU; -1: any CPU
 };
 
-// The interval between two samples: every_s, or its default.
+// The interval between two samples, s: every_s, or its default.
 double sample_interval_s(const SoakOptions& options);
 
 struct SoakEnd {
   std::string text;   // the verdict in one line, and where the files are
-  bool flat = false;  // the run was complete, and no measure drifted
+  bool flat = false;  // the run was complete, and no quantity drifted
 };
 
 // Runs io_node, haptics_node and, on request, vision_node as child processes on a free loopback port, samples them regularly and prints its
