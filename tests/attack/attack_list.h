@@ -34,7 +34,7 @@ struct Row {
   double bound_ms = kInsideMs;
   double after_sample_ms = -1.0;  // the oldest force seen on the motors, counted from its sample
   double after_event_ms = -1.0;   // the fault -> nothing on the motors
-  double blind_ms = -1.0;         // the longest time between two looks: so much longer it may have been
+  double blind_ms = -1.0;         // the longest time between two samples: the true time may be longer by that
   bool is_skipped = false;
   bool is_over = false;    // the bound, by less than the slack
   bool is_broken = false;  // the bound, or what else is promised: see the note

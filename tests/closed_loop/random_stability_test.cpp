@@ -31,7 +31,7 @@ TEST(RandomStability, JitterAndLossLowerTheLimit) {
   loop.there.jitter_ns = 10'000'000;
   const double jittered = find_stable_stiffness_by_simulation(loop, still);
   EXPECT_LT(jittered, 0.95 * still);
-  // The newest sample wins, so that less than the mean of the jitter comes on top.
+  // The newest sample is used, so the mean delay rises by less than the mean of the jitter.
   RandomLoop later = stylus_loop();
   later.there.delay_ns += 10'000'000;
   EXPECT_GT(jittered, exact(later));
@@ -67,7 +67,7 @@ TEST(MeanDelay, WithoutChanceIsTheDelay) {
   }
 }
 
-// A share s of the samples has a force that comes back, each by itself: (1 - s) / s samples in a row have none on average.
+// A sample gets a force with probability s, independently of the others: on average (1 - s) / s samples in a row get none.
 TEST(MeanDelay, OfLossIsThatOfAGeometricSeries) {
   for (const double loss : {0.1, 0.3, 0.6}) {
     const double share = (1.0 - loss) * (1.0 - loss);
@@ -76,8 +76,8 @@ TEST(MeanDelay, OfLossIsThatOfAGeometricSeries) {
   }
 }
 
-// Jitter of J one way, many samples within it: a sample of age a has come with the chance a / J. None that is younger than y has with the
-// product of 1 - a / J over the ages below y, which begin anywhere in a period.
+// Jitter uniform in [0, J] one way, over many samples: a sample of age a has arrived with probability a / J. The probability that none
+// younger than y has arrived is the product of 1 - a / J over the ages below y; the youngest age is uniform in a period.
 double mean_delay_of_jitter(double jitter_s, double period_s) {
   constexpr int kBegins = 100;
   double sum_s = 0.0;

@@ -28,7 +28,7 @@ using Bytes = std::vector<unsigned char>;
 
 constexpr std::uint32_t kMostBytes = 4096;
 
-// Hands the serialised bytes through, encapsulation included.
+// A type whose samples are serialised bytes, including the encapsulation header.
 class BytesType : public fast::TopicDataType {
  public:
   explicit BytesType(const std::string& name) {

@@ -8,7 +8,7 @@
 
 namespace hapton::dds_test {
 
-// What a writer says of itself when it is discovered.
+// Properties of a discovered writer or reader.
 struct FoundTopic {
   std::string type;
   bool is_reliable = false;
@@ -40,8 +40,8 @@ struct Transform {
   std::vector<double> numbers;  // translation, then quaternion x, y, z, w
 };
 
-// A participant of another DDS (Fast DDS), which reads and writes bytes that it takes apart and puts together itself: it shares nothing
-// with what it checks, not even the IDL. Threads: one, besides those of the engine.
+// A participant of another DDS implementation (Fast DDS). It encodes and decodes the CDR bytes itself, so that it shares no code with what
+// it tests, not even the IDL. Threads: one, besides those of Fast DDS.
 class FastNode {
  public:
   enum class Reach {
@@ -63,10 +63,11 @@ class FastNode {
   static Joy read_joy(const std::vector<unsigned char>& bytes);
   static std::vector<Transform> read_transforms(const std::vector<unsigned char>& bytes);
 
-  // Writes a WrenchStamped, as a ROS 2 publisher of that DDS topic does (reliable). The first call for a topic makes it.
+  // Writes a WrenchStamped with a reliable writer, as a ROS 2 publisher of that DDS topic does. The first call for a topic makes the
+  // writer.
   void write_wrench(const std::string& topic, const std::string& frame_id, double fx, double fy, double fz, double tx = 0.0);
 
-  // Of other participants, by DDS topic.
+  // Writers and readers of other participants, by DDS topic.
   std::map<std::string, FoundTopic> writers() const;
   std::map<std::string, FoundTopic> readers() const;
 

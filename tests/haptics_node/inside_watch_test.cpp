@@ -55,7 +55,7 @@ TEST(FindEnclosure, LooksAtEachBodyByItself) {
 
 struct InsideWatchTest : testing::Test {
   static void SetUpTestSuite() { start_log("haptics_node"); }
-  // Long enough for several looks.
+  // Long enough for several checks.
   static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(600)); }
 
   TouchScene ball(bool two_sided) { return scene_of(made::sphere(0.05, 30), {.two_sided = two_sided}); }
@@ -103,7 +103,7 @@ TEST_F(InsideWatchTest, AHandThatComesInLaterIsFeltAndSoIsOneThatStartsOutside) 
   {
     InsideWatch watch(ball(true));
     watch.note_start(Vec3(0.051, 0, 0));
-    watch.note_hand(Vec3(0.049, 0, 0), true);  // before the first look
+    watch.note_hand(Vec3(0.049, 0, 0), true);  // before the first check
     ASSERT_TRUE(wait_until([&] { return !watch.is_watching(); }));
     EXPECT_FALSE(watch.is_inside());
     watch.note_hand(Vec3(0.03, 0, 0), true);

@@ -132,7 +132,7 @@ TEST(MaterialTuner, NoResultIsLost) {
   tuner.request(stiffness_request(1, "hull", 700.0));
   ASSERT_TRUE(wait_until([&] { return is_worked_out.load(); })) << "a later request replaces one that has not started";
   tuner.request(stiffness_request(2, "nobody", 800.0));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it may look several times
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it may poll several times
   auto first = wait_for_result(tuner);
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(first->state.request, 1U);

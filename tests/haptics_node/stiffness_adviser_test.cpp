@@ -20,7 +20,7 @@ namespace {
 
 constexpr LoopFacts kSimulated = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F};
 
-// Until it has looked once from beginning to end.
+// Until it has made one complete check.
 void wait_for(const StiffnessAdviser& adviser) {
   const std::uint64_t before = adviser.checks();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(2);

@@ -18,7 +18,7 @@ struct SourceFile {
   std::string code;               // without comments and literals
 };
 
-// Every .h and .cpp under a folder of the repository root, sorted by path. A folder that is not there gives none.
+// Every .h and .cpp under a folder of the repository root, sorted by path; empty if there is no such folder.
 std::vector<SourceFile> read_folder(const std::string& folder);
 
 // Reads one file's text (the part of read_folder that can be tested alone).

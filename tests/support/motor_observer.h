@@ -23,13 +23,13 @@ class MotorObserver {
     bool was_out = false;          // a force was on the motors when it began
     double after_event_ms = -1.0;  // the signal -> nothing on the motors; below 0: never
     double after_sample_ms = -1.0;
-    double blind_ms = 0.0;  // the longest time that this observer itself did not look: so much longer it may have been
+    double blind_ms = 0.0;  // the longest time between two of its own samples: the true time may be longer by that
   };
   struct Watched {
     double oldest_force_ms = 0.0;  // the most that a force on the motors was behind its sample
     double longest_same_ms = 0.0;  // the longest that one force stayed, to the last bit
     double strongest_n = 0.0;
-    double force_share = 0.0;  // of the looks that found a force
+    double force_share = 0.0;  // of the samples with a force
     double blind_ms = 0.0;
   };
 
@@ -62,7 +62,7 @@ class MotorObserver {
     return false;
   }
 
-  // Lets it happen, then looks until nothing is on the motors, for that long at most.
+  // Lets it happen, then samples until nothing is on the motors, for that long at most.
   Release release_after(const std::function<void()>& event, double at_most_s = 0.5) {
     Release release;
     release.was_out = force_n() > 0.0;
@@ -76,7 +76,7 @@ class MotorObserver {
       const std::int64_t now_ns = clock_.now_ns();
       release.blind_ms = std::max(release.blind_ms, 1e-6 * static_cast<double>(now_ns - looked_ns));
       if (is_off) {
-        // It was out at the look before for certain.
+        // It was out at the sample before for certain.
         release.after_event_ms = 1e-6 * static_cast<double>(looked_ns - begin_ns);
         release.after_sample_ms = 1e-6 * static_cast<double>(looked_ns - sample_ns);
         break;

@@ -130,7 +130,7 @@ TEST_F(SceneReloadTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   EXPECT_EQ(is_dropped.wait_for(std::chrono::seconds(30)), std::future_status::ready);
 }
 
-// Not even for its next look.
+// Not even for its next poll.
 TEST_F(SceneReloadTest, ItsEndDoesNotWaitForTheNextLook) {
   const auto begin = std::chrono::steady_clock::now();
   for (int n = 0; n < 20; ++n) {

@@ -40,7 +40,7 @@ TEST(PlaceCheck, WhatIsAltogetherInsideAClosedBodyIsNamed) {
     scene.objects = {standing_object("kernel", std::move(kernel)), standing_object("shell", std::move(shell))};
     return check_places(scene).empty();
   };
-  EXPECT_TRUE(outside(ball_around(0.01, Vec3(0.025, 0, 0)), ball_around(0.03, Vec3::Zero()))) << "it looks out";
+  EXPECT_TRUE(outside(ball_around(0.01, Vec3(0.025, 0, 0)), ball_around(0.03, Vec3::Zero()))) << "it protrudes";
   const TriangleMesh hollow = joined(ball_around(0.03, Vec3::Zero()), flipped(ball_around(0.02, Vec3::Zero())));
   EXPECT_TRUE(outside(ball_around(0.01, Vec3::Zero()), hollow)) << "in a cavity, beside the material";
   TriangleMesh bowl = ball_around(0.03, Vec3::Zero());

@@ -5,8 +5,8 @@
 
 #include <openxr/openxr.h>
 
-// Of the interface between loader and runtime, which Debian's libopenxr-dev does not have as a header (OpenXR 1.0, "Loader and runtime
-// negotiation").
+// Structures of the interface between OpenXR loader and runtime (OpenXR 1.0, "Loader and runtime negotiation"), for which Debian's
+// libopenxr-dev has no header.
 extern "C" {
 struct XrNegotiateLoaderInfo {
   int structType;
