@@ -400,7 +400,7 @@ TEST(EffectStep, FollowsTheHandAsAnotherDid) {
     };
     for (int n = 0; n < 20; ++n) (void)felt(other, n);
     (void)felt(next, 19);
-    next.follow_hand(other);
+    next.continue_hand_motion(other);
     const Vec3 expected_n = felt(other, 20);
     EXPECT_NEAR(expected_n.x(), -0.4, 1e-9) << frame;
     EXPECT_LT((felt(next, 20) - expected_n).norm(), 1e-12) << frame;
