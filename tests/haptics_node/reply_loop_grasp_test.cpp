@@ -290,8 +290,8 @@ TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
         send(LoopFacts{.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd'}, .servo_rate_hz = 1000.0, .round_trip_s = 0.010F});
         turn(buttons);
       }
-      const std::uint64_t before = adviser.looks();
-      for (int n = 0; n < 6000 && adviser.looks() < before + 2; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      const std::uint64_t before = adviser.checks();
+      for (int n = 0; n < 6000 && adviser.checks() < before + 2; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       loop_.set_stiffness_adviser(nullptr);
     });
   };
