@@ -310,13 +310,21 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   const DescentPath descent_path(contacts_, centre_, work_);
   const bool returns = !is_unstable && descent_path.return_to_crease(path);
   const bool has_path = returns || descent_path.make(device, hint_, is_unstable, path);
-  return has_path && !opens_within_rounding(path) ? descend_along(path, device, !returns) : descend_no_farther(device, is_unstable);
+  return has_path && !opens_within_rounding(path, device - centre_) ? descend_along(path, device, !returns)
+                                                                    : descend_no_farther(device, is_unstable);
 }
 
-// Along an edge in a slit, the curve of both contacts may end nearer than positions are exact: there the slit opens.
-bool SphereFollower::opens_within_rounding(const CentrePath& path) const noexcept {
-  return is_point_ && contacts_.active_count() == 2 && (path.end() - path.start()).norm() <= LocalMinimum::kLeastMotion &&
-         is_in_narrow_slit();
+// Along an edge in a slit, the curve of both contacts may end nearer than positions are exact: there the slit opens, if within the error of
+// the edge's normal it does not stop a centre that moves over the other contact alone.
+bool SphereFollower::opens_within_rounding(const CentrePath& path, const Vec3& pull) const noexcept {
+  constexpr double kRounding = 0x1p-51;  // local units, of a position; over the offset, the error of a normal
+  if (!is_point_ || contacts_.active_count() != 2 || (path.end() - path.start()).norm() > LocalMinimum::kLeastMotion) return false;
+  const std::array<Vec3, 2> normal{contacts_[0].proximity(centre_).normal, contacts_[1].proximity(centre_).normal};
+  const std::size_t weaker = normal[0].dot(pull) < normal[1].dot(pull) ? 1 : 0;
+  const Vec3& other = normal[1 - weaker];
+  const Vec3 over_other = pull - other.dot(pull) * other;
+  return contacts_[static_cast<int>(weaker)].is_curved() && is_in_narrow_slit() &&
+         clearance().offset * normal[weaker].dot(over_other) > -kRounding * over_other.norm();
 }
 
 // There is no piece of a descent from here.

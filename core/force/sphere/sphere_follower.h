@@ -184,7 +184,7 @@ class SphereFollower {
   Next fly(const Vec3& from, const Vec3& to, double& time) noexcept;
   Next fly_to(const Vec3& to, double& until) noexcept;
   Next descend(const Vec3& device, const Vec3& motion) noexcept;
-  bool opens_within_rounding(const CentrePath& path) const noexcept;
+  bool opens_within_rounding(const CentrePath& path, const Vec3& pull) const noexcept;
   Next descend_no_farther(const Vec3& device, bool is_unstable) noexcept;
   Next descend_along(const CentrePath& path, const Vec3& device, bool is_on_contacts) noexcept;
   Next slide(const Vec3& from, const Vec3& to, double& time) noexcept;
