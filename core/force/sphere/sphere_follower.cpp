@@ -277,7 +277,7 @@ bool SphereFollower::is_near_path(const Vec3& centre, const CentrePath& path, do
 // With the device held: one piece of the steepest descent, until the centre is at a minimum.
 SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& motion) noexcept {
   if (is_point_ && contacts_.count() > 1) {
-    contacts_.activate_all();
+    contacts_.activate_all();  // also those of the last event, which find_active() has not seen
     if (straighten_in_slit()) return Next::again;
   }
   const Vec3 pull = device - centre_;

@@ -81,7 +81,7 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
   EXPECT_EQ(map_gradients(flat).du, Vec3(0, 0, 0)) << "without area";
 }
 
-// Texture coordinates of a file may be any numbers: one direction that overflows leaves no gradient, rather than a force that is none.
+// Texture coordinates of a file may be any numbers: if one direction overflows there is no gradient, so no force is NaN.
 TEST(SurfaceMaps, AGradientThatIsNotFiniteIsNone) {
   for (const bool is_along_u : {true, false}) {
     MappedTriangle triangle = {{Vec3(0, 0, 0), Vec3(1e-3, 0, 0), Vec3(0, 1e-3, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {0, 1}}};

@@ -134,8 +134,8 @@ TEST(SealCracks, DoesNotDependOnScaleAndPlace) {
   }
 }
 
-// Which corner of a triangle is its first, and so which edge of it. In these boxes several passes would stretch split triangles too far,
-// and the edges that led there are excluded.
+// The result is the same whichever corner of a triangle comes first. In these boxes several passes would distort split triangles too much,
+// and the edges that caused this are excluded.
 TEST(SealCracks, DoesNotDependOnTheFirstCornersOfTriangles) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     TriangleMesh mesh = make_shaken(make_box(Vec3(1.0, 1.0, 1.0), 5), 1.5e-4, seed);
