@@ -1,6 +1,5 @@
 #include "core/geometry/close_up.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace hapton {
@@ -22,9 +21,9 @@ std::vector<Vec3> cut(const std::vector<Vec3>& polygon, int axis, double sign, d
 
 }  // namespace
 
-TriangleMesh make_close_up(const TriangleMesh& mesh, const Vec3& centre, double half_side) {
+TriangleMesh make_close_up(const TriangleMesh& mesh, std::span<const std::uint32_t> triangles, const Vec3& centre, double half_side) {
   TriangleMesh close;
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+  for (const std::uint32_t i : triangles) {
     const Vec3 a = mesh.corner(i, 0) - centre;
     const Vec3 b = mesh.corner(i, 1) - centre;
     const Vec3 c = mesh.corner(i, 2) - centre;

@@ -1,6 +1,7 @@
 #include "core/force/evaluation/close_up_minimum.h"
 
 #include <memory>
+#include <numbers>
 
 #include "core/force/reference/reference_method.h"
 #include "core/geometry/close_up.h"
@@ -13,10 +14,11 @@ constexpr double kStaysShare =
 
 }  // namespace
 
-bool is_minimum_in_close_up(const TriangleMesh& mesh, const Material& material, const Vec3& centre, double half_side, const Vec3& start,
-                            const Vec3& device) {
+bool is_minimum_in_close_up(const TriangleMesh& mesh, TriangleBoxes& boxes, const Material& material, const Vec3& centre, double half_side,
+                            const Vec3& start, const Vec3& device) {
+  const auto near = boxes.find_near(centre, std::numbers::sqrt3 * half_side);
   TouchScene scene;
-  scene.objects.push_back({std::make_shared<TriangleMesh>(make_close_up(mesh, centre, half_side)), material});
+  scene.objects.push_back({std::make_shared<TriangleMesh>(make_close_up(mesh, near, centre, half_side)), material});
   MethodSettings settings;
   settings.name = "reference";
   const auto reference = ReferenceMethod::make_reference(settings, scene);

@@ -228,10 +228,10 @@ struct StressRun::Impl {
   }
 
   // What holds the proxy may be lower than the steps that the reference lifts itself over in the whole body; these tests use points a
-  // thousand and a quarter of a million times smaller.
-  bool is_minimum_close_up(const Vec3& p, const Vec3& device) const {
+  // thousand and a quarter of a million times smaller. start: clear_start(p).
+  bool is_minimum_close_up(const Vec3& p, const Vec3& start, const Vec3& device) const {
     return probe_radius == 0.0 && std::any_of(std::begin(kCloseUpShares), std::end(kCloseUpShares), [&](double share) {
-             return is_minimum_in_close_up(body.touched, settings.material, p, share * extent, clear_start(p), device);
+             return is_minimum_in_close_up(body.touched, boxes, settings.material, p, share * extent, start, device);
            });
   }
 
@@ -239,8 +239,10 @@ struct StressRun::Impl {
   template <class Note>
   void check_minimum(const Vec3& p, const Vec3& device, const Vec3& before, const Note& note) const {
     const double length = (p - device).norm();
+    const Vec3 start = clear_start(p);
+    if (is_minimum_close_up(p, start, device)) return;  // first, as its few triangles cost the least
     if (!(length - (reference->settle_from(p, device).p_SP - device).norm() > kUnconvergedGain * extent)) return;
-    const Vec3 end = reference->settle_from(clear_start(p), device).p_SP;
+    const Vec3 end = reference->settle_from(start, device).p_SP;
     const double gain = length - (end - device).norm();
     if (!(gain > kUnconvergedGain * extent)) return;
     // A reference that ends on the other side of a closed surface has passed through it and proves nothing.
@@ -248,7 +250,7 @@ struct StressRun::Impl {
     // A device on the surface itself has two valid proxies: at the convex edge that it came in by, and at the device.
     const double depth = solid ? solid->compute_distance(device) : extent;
     if (depth <= kTieShare * extent || is_near_boundary(p, kCrackShare * extent) || !gains(outside_start(p, device), p, device) ||
-        !gains_from_beside(p, device, before) || is_minimum_close_up(p, device))
+        !gains_from_beside(p, device, before))
       return;
     note(solid && gain > kStuckGain * extent && length > depth + kStuckShare * extent ? StressFault::stuck : StressFault::unconverged,
          gain);

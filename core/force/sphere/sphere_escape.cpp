@@ -98,14 +98,15 @@ bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noe
   };
   Vec3 over;
   if (minimum().is_shallow(centre_, device, over) && leads_over(over)) return true;
-  // Along each face in contact, to get over the boundary of a crack as narrow as the sphere.
+  // Along each face in contact, to get over the boundary of a crack as narrow as the sphere, or over a ridge beyond which the surface falls
+  // away. So a short way to the projection of the device on the face says nothing about the gain.
   const int touching = contacts_.count();
   for (int i = 0; i < touching; ++i) {
     const Vec3& normal = contacts_[i].shape.normal();
     const Vec3 pull = device - centre_;
     const Vec3 along = pull - normal.dot(pull) * normal;
     const double length = along.norm();
-    if (!normal.isZero(0.0) && length > corner().least_exit(pull) && leads_over(along / length)) return true;
+    if (!normal.isZero(0.0) && length > LocalMinimum::kAtMinimum && leads_over(along / length)) return true;
   }
   return false;
 }
