@@ -90,6 +90,19 @@ bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
   return true;
 }
 
+// One that starts with an overlap may go on with it: in a slit as wide as its sphere, it would get farther than it fits.
+void ReferenceProxy::place_clear(const Vec3& p) noexcept {
+  place_held(p, false);
+  if (rest_offset_ != kPointRadius) return;
+  collect_near(p, 2.0 * rest_offset_);
+  const auto overlap_of = [&](const Contact& contact) { return rest_offset_ - contact.near.distance; };
+  if (std::none_of(near_.begin(), near_.end(), [&](const Contact& contact) { return overlap_of(contact) > 2.0 * kTolerance; })) return;
+  half_spaces_.clear();
+  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, overlap_of(contact)});
+  const HalfSpaceProjection out = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  if (out.feasible && out.point.norm() <= rest_offset_) state_.position += out.point;
+}
+
 // The proxy is put into contact with everything as near to p as the nearest face: what p is on. It then continues as if it had come there
 // itself. From a position only slightly beside an edge, friction would release it differently.
 bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {

@@ -221,8 +221,8 @@ MethodOutput ReferenceMethod::settle_from(const Vec3& p_SP, const Vec3& p_SD, do
   const Vec3 position = to_local(p_SP);
   device_ = device_to_local(p_SD);
   has_sample_ = true;
-  proxy_->place_held(position, false);
   gather(device_, (position - device_).norm() + 4.0 * proxy_->rest_offset());
+  proxy_->place_clear(position);
   proxy_->follow(device_, device_,
                  {.friction = false, .tips_at_boundaries = false, .keeps_to_surface = false, .near_enough = near_enough_m / unit_m_});
   return compute_output(p_SD, proxy_->state().position, Vec3::Zero());

@@ -75,6 +75,10 @@ class ReferenceProxy {
   // Forgets all contacts and moves the proxy to p, not free.
   void place_held(const Vec3& p, bool sliding) noexcept;
 
+  // As place_held, not sliding. A point that has come nearer to faces than its offset, as positions far from the origin are rounded, is
+  // moved out to the offset, by at most its radius, if there is room. Pre: the faces there have been added.
+  void place_clear(const Vec3& p) noexcept;
+
   // Puts a point probe with friction onto the surface near p, in contact with the faces nearest to p. Returns false, with no contacts, if
   // there is no such position or the probe needs none. Pre: the faces there have been added.
   bool place_on_surface(const Vec3& p, bool sliding) noexcept;

@@ -172,6 +172,26 @@ TEST(ReferenceMethod, SettleFromMovesAProxyThatWasNotAtAMinimum) {
   EXPECT_LT((moved.p_SP - Vec3(0.001, 0.002, 0.0)).norm(), 1e-9);
 }
 
+// Two sheets whose distance becomes less towards the device; where the point is, its sphere just fits between them. It is given nearer to
+// the lower one by a quarter of its radius, as a position far from the origin is rounded. With that overlap it would fit up to the device.
+TEST(ReferenceMethod, SettleFromAPositionThatIsRoundedStaysWhereItsSphereFillsASlit) {
+  constexpr double kRadius = ReferenceProxy::kPointRadius;
+  TriangleMesh sheets;
+  for (const double narrowing : {0.0, 2.0 * kRadius}) {
+    const auto first = static_cast<std::uint32_t>(sheets.vertices.size());
+    const double height = narrowing > 0.0 ? 2.0 * kRadius : 0.0;
+    for (const double x : {-0.3, 0.3}) {
+      for (const double y : {-0.3, 0.3}) sheets.vertices.emplace_back(x, y, height - narrowing * x);
+    }
+    sheets.triangles.push_back({first, first + 1, first + 3});
+    sheets.triangles.push_back({first, first + 3, first + 2});
+  }
+  auto method = reference_over(sheets);
+  for (const double z : {kRadius, 0.75 * kRadius, 0.5 * kRadius}) {
+    EXPECT_LT(method->settle_from(Vec3(0.0, 0.0, z), Vec3(0.1, 0.0, -0.02)).p_SP.x(), 1e-3) << z / kRadius;
+  }
+}
+
 // In the groove between two spikes of a star, just below its end, with the device beyond and a little lower: the groove holds it. The edges
 // between the triangles of a wall lean along the groove by more than the device pulls.
 TEST(ReferenceMethod, EdgesWithinAWallDoNotHoldWhatSlidesAlongIt) {
