@@ -231,12 +231,16 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
+// A point may creep there.
 bool SphereFollower::has_lingered() noexcept {
-  constexpr int kMany = 64;  // events; a free choice
-  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kLeastMotion) return ++lingering_ > 0;
-  if ((centre_ - lingered_at_).norm() > LocalMinimum::kLeastMotion) {
+  constexpr int kMany = 64;  // events; a free choice, like the next two
+  constexpr int kManyOfPoint = 24;
+  constexpr double kOnePlace = 0x1p-6;  // offsets
+  const double within = is_point_ ? kOnePlace * clearance().offset : LocalMinimum::kLeastMotion;
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= within) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > within) {
     lingered_at_ = centre_;
-    lingering_ = -kMany;
+    lingering_ = is_point_ ? -kManyOfPoint : -kMany;
   }
   return false;
 }
@@ -282,7 +286,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
   }
   const Vec3 pull = device - centre_;
   Vec3 descent;
-  if (!contacts_.find_active(centre_, pull, motion, descent)) return Next::failed;
+  if (!contacts_.find_active(centre_, pull, motion, descent)) return is_point_ && is_in_narrow_slit() ? Next::wait : Next::failed;
   if (contacts_.active_count() == 0) {
     contacts_.clear();
     ++idle_;

@@ -191,6 +191,7 @@ class SphereFollower {
   Next wait(const Vec3& from, const Vec3& to, double& time) const noexcept;
   bool find_escape_direction(const Vec3& motion) noexcept;
   Next stay(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Next stay_within_rounding(const Vec3& to, double& time) noexcept;
   Next lose_minimum(const Vec3& hint) noexcept;
   bool cross_fan(const Vec3& from, const Vec3& to, double& time) noexcept;
   bool apply_event(const Event& event, const CentrePath& path) noexcept;

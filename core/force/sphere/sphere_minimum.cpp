@@ -42,7 +42,7 @@ SphereFollower::Next SphereFollower::wait(const Vec3& from, const Vec3& to, doub
 // Held by three contacts: multipliers are affine in time.
 SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, double& time) noexcept {
   ContactFrame frame;
-  if (!contacts_.find_frame(centre_, frame)) return Next::failed;
+  if (!contacts_.find_frame(centre_, frame)) return is_point_ ? stay_within_rounding(to, time) : Next::failed;
   const Vec3 now = centre_ - on_path(from, to, time);
   const Vec3 then = centre_ - to;
   int released = -1;
@@ -75,6 +75,17 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
   contacts_.remove(released);
   is_descending_ = true;
   return Next::again;
+}
+
+// Held by three contacts whose normals are in one plane within rounding, as two faces of one side of a slit and one of the other: what each
+// of them holds is not known, only whether all of them together hold the centre.
+SphereFollower::Next SphereFollower::stay_within_rounding(const Vec3& to, double& time) noexcept {
+  Vec3 descent;
+  const bool is_held = contacts_.find_active(centre_, to - centre_, Vec3::Zero(), descent) && descent.norm() <= LocalMinimum::kAtMinimum;
+  is_descending_ = !is_held;
+  if (!is_held) return Next::wait;
+  time = 1.0;
+  return Next::settled;
 }
 
 // The minimum along the curve vanishes here; hint: the direction in which the centre came.
