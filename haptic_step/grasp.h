@@ -11,26 +11,26 @@
 
 namespace hapton {
 
-// A request of the step to the slow task.
+// A request of the haptic step to the slow task.
 struct GraspOrder {
-  enum class Kind : std::uint8_t { pick_up, let_go, put_down };
+  enum class Kind : std::uint8_t { pick_up, let_go, put_down };  // let_go: a pick_up is cancelled
 
   std::uint32_t serial = 0;  // counts orders, from 1
   Kind kind = Kind::let_go;
-  int object = -1;                // of the scene
+  int object = -1;                // its number in the scene
   Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
   Pose moved = Pose::Identity();  // of the object, frame S: the transform of its points from where the scene file places them
 };
 
-// The reply of the slow task: the tool of a pick_up, which the step holds until its next order. Null: there is none; the log says why.
+// The reply of the slow task: for a pick_up the tool, which the step holds until its next order. Null: there is none; the log says why.
 struct GraspReply {
   std::uint32_t serial = 0;  // of the order
   HeldTool* tool = nullptr;
   HapticsSetup::Text method = {};  // as HapticsSetup has it
 };
 
-// What is said of a scene in which an object was put down. It is known some time after the scene is felt, as it takes the longer the larger
-// the scene is.
+// Hash and facts of a scene in which an object was put down. They are known some time after the scene can be felt: the larger the scene,
+// the longer they take.
 struct PlacedScene {
   std::uint32_t revision = 0;  // NewScene::revision
   std::uint64_t hash = 0;      // hash_scene
@@ -46,25 +46,27 @@ struct GraspLink {
 
 // The step's side of picking up movable objects. If a button of the stylus is pressed while a movable object is touched, that object
 // becomes the tool that the stylus holds, and collides with all others. When the button is released, the object stays where it is, and can
-// be touched there as soon as the slow task has built the scene again. A hand that has gone more than kResumeReachM from where it pressed
-// the button before the object could be picked up leaves it where it is. RT: yes. Threads: the step's.
+// be touched there as soon as the slow task has built the scene again. If the hand moves more than kResumeReachM from where it pressed the
+// button before the object can be picked up, the object stays where it is. RT: yes. Threads: the step's.
 class Grasp {
  public:
-  // movable: by object. buttons: one of these picks up.
+  // movable: by object. buttons: a mask; each of these buttons picks up.
   Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t buttons);
 
-  // An object lies elsewhere at the start: X_SO. Set-up only. Pre: of the scene, and movable.
+  // Places an object at the start: X_SO moves it from where the scene file has it. Set-up only. Pre: it is in the scene, and movable.
   void place(int object, const Pose& X_SO);
 
-  // Requests to move an object from its pose of that serial to this one. update() does so, unless an object is being picked up, held or put
-  // down, the serial is not the object's newest, or the object is not movable: then it ignores the request, and the sender repeats it.
+  // Requests that an object moves to this pose from its present one, which has the same serial. update() moves it, unless an object is
+  // being picked up, held or put down, the serial is not the object's newest, or the object is not movable: then it ignores the request,
+  // and the sender repeats it.
   void request(const ObjectPose& pose) noexcept { requested_ = pose; }
 
-  // Whether an object may leave its place at the next update(): nobody else computes forces with it there. Otherwise what is to be picked
-  // up, and what is requested, wait. In the beginning they may.
+  // Whether objects may leave their places at the next update(), because no hub computes forces with parts of the scene that have them
+  // there. Otherwise picking up and requested moves wait. True at the start.
   void set_free(bool is_free) noexcept { is_free_ = is_free; }
-  // An object is to leave its place, or is not felt yet where it was put down, as far as the slow task has replied. is_early: also while it
-  // is not certain that it can be picked up.
+  // An object is about to leave its place, has left it, or was put down and cannot be felt at its new place yet. An object that is to be
+  // picked up counts as about to leave from the slow task's reply on, or with is_early from the press of the button on, when it is not
+  // certain that it can be picked up.
   bool is_leaving(bool is_early) noexcept;
 
   enum class Change : std::uint8_t {
@@ -73,35 +75,36 @@ class Grasp {
     put_down,
     returned  // it could not be put down: the object is where it was before, and the scene is the one before
   };
-  // Before the force of a sample. touched: the object in contact at the sample before, -1: none. visual_offset_m: of that sample, frame W.
+  // To be called before the force of each sample is computed. touched: the object in contact at the sample before, -1: none.
+  // visual_offset_m: of that sample, frame W.
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
-  // In place of update() where no sample was before: what is touched is not known yet. Everything waits for the next sample, also a button
-  // that is pressed in this one.
+  // In place of update() at a sample without a step before it, when it is not known yet what the probe touches. Nothing is picked up or
+  // moved then. A button that is pressed in this sample counts as pressed in the next one.
   void wait_a_sample(const DeviceState& state) noexcept;
 
-  // What the stylus holds; null: nothing.
+  // The tool that the stylus holds; null: none.
   HeldTool* tool() const noexcept { return tool_; }
   int object() const noexcept { return order_.object; }
-  // Of what the stylus holds, as HapticsSetup has it.
+  // Method of the tool that the stylus holds, as HapticsSetup has it.
   const HapticsSetup::Text& method() const noexcept { return link_.replies.value().method; }
-  // After each step of the tool: where it is drawn.
+  // Keeps the drawn pose of the tool. To be called after each of its steps.
   void note_pose(const Pose& X_WP, const Pose& X_WS) noexcept;
 
-  // An object has been put down, and the scene is not built again yet: there is no force.
+  // An object has been put down, and the scene is not built again yet: no object can be felt.
   bool is_waiting() const noexcept { return phase_ == Phase::waiting; }
   // An object is picked up, held or put down: no other method may come into use.
   bool is_busy() const noexcept { return phase_ != Phase::idle; }
-  // The scene was built for that order: the next method starts where the stylus touches the object.
+  // The scene of that put_down order is built: the next method starts where the stylus touches the object.
   void note_built(std::uint32_t serial) noexcept;
-  // Once after note_built, or Change::returned: in frame W, where the probe was on the object as it was picked up, and the direction off
-  // its surface.
+  // Available once after note_built or Change::returned, frame W: the point of the object at which the probe touched it when it was picked
+  // up, and the direction away from its surface.
   struct Start {
     Vec3 p_W = Vec3::Zero();
     Vec3 outward = Vec3::Zero();
   };
   std::optional<Start> take_start(const Pose& X_WS) noexcept;
 
-  // Once for each scene; stays until the next one. Null: there is no new one.
+  // Each scene is returned once, and stays valid until the next one. Null: there is no new one.
   const PlacedScene* take_placed() noexcept { return link_.placed.take() ? &link_.placed.value() : nullptr; }
 
   // By object; a serial of 0: it is not movable.
@@ -128,7 +131,7 @@ class Grasp {
   std::uint32_t buttons_;
   Phase phase_ = Phase::idle;
   bool is_free_ = true;
-  bool was_early_ = false;  // is_leaving() was since the button was pressed
+  bool was_early_ = false;  // is_leaving() was called with is_early since the button was pressed
   bool was_down_ = true;    // a button held down since before the start picks up nothing
   GraspOrder order_;
   HeldTool* tool_ = nullptr;

@@ -14,13 +14,13 @@ namespace hapton {
 namespace {
 
 constexpr double kFarthestM = 10.0;  // no two devices of one person are farther apart
-// As io_node's flags: beyond any device that a hand may hold.
+// The same limits as those of io_node's flags, beyond any device that a hand may hold.
 constexpr double kMostForceN = 1e3;
 constexpr double kMostSlewNPerS = 1e6;
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::size_t kLongestName = 32;
 
-// It is used as a folder's name and as a prefix of lines.
+// A name is used as the name of a folder and as the prefix of log lines.
 bool is_good_name(std::string_view name) {
   const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_'; };
   return !name.empty() && name.size() <= kLongestName && std::all_of(name.begin(), name.end(), is_plain);
@@ -40,7 +40,7 @@ Pose read_place(TomlReader& reader) {
   return X_WB;
 }
 
-// The button, counted from 1; 0: none. hold_button, its old name, counts from 0.
+// The button, counted from 1; 0: none. hold_button, the old name of the key, counts from 0.
 int read_dead_mans_switch(TomlReader& reader, int otherwise) {
   std::int64_t button = otherwise;
   std::int64_t from_zero = button - 1;
@@ -144,7 +144,7 @@ bool takes_id(const std::string& name) {
   return maker != makers.end() && maker->takes_id;
 }
 
-// What two devices cannot share.
+// Rejects what two devices must not have in common.
 void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other) {
   if (one.name == other.name) reader.reject("name", fmt::format("there are two devices '{}'; give each a name of its own", one.name));
   if (one.bind == other.bind && !has_free_port(one.bind)) {

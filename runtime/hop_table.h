@@ -22,8 +22,7 @@ struct HopRow {
 // RT: no.
 HopRow make_hop_row(const LatencyHop& hop);
 
-// A table for people, a heading and a line for each hop that was measured: none where n is 0, and no heading where there is no line.
-// RT: no.
+// A table as text: a heading, and a line for each hop with n > 0. Empty if there is no such hop. RT: no.
 std::string make_hop_table(const std::vector<HopRow>& hops);
 
 }  // namespace hapton

@@ -17,7 +17,7 @@ namespace hapton {
 // The parser's message about a file that is not TOML, in one line, with the remedy for text in another encoding.
 std::string explain_toml_error(std::string_view words);
 
-// One table of a TOML file, read strictly and key by key: an unknown key, a wrong kind or a value out of range is an error
+// One table of a TOML file, read strictly and key by key: an unknown key, a wrong type or a value out of range is an error
 // with file and line. The first error of the file is kept and all reads after it do nothing, so a caller checks once, at
 // the end. A missing key leaves the value unchanged, except for require. Pre: ranges are finite. RT: set-up only. Threads:
 // one.
@@ -36,7 +36,7 @@ class TomlReader {
   void read(std::string_view key, double& value, double least, double most);
   void read(std::string_view key, std::int64_t& value, std::int64_t least, std::int64_t most);
   void read(std::string_view key, Vec3& value, double least, double most);
-  // A relative path is relative to the file's folder.
+  // A relative path starts at the folder of the TOML file.
   void read_path(std::string_view key, std::string& value);
 
   // The tables of [[key]]; empty if there are none.

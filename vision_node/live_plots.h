@@ -16,14 +16,14 @@ struct PlotShown {
   std::string title;  // with the unit, the newest value and the scale
   std::vector<CurvePoint> points;
   double top = 1.0;
-  double limit = 0.0;  // a line; 0: none
+  double limit = 0.0;  // value at which a horizontal line is drawn; 0: none
   friend bool operator==(const PlotShown&, const PlotShown&) = default;
 };
 
 // Plots of the force on the hand and of the age of the drawn state, over the last seconds. Times: any one monotonic clock, ns. RT: no.
 class LivePlots {
  public:
-  // Time between two frames that are drawn for a curve alone: ten a second are enough.
+  // Least time between two frames that are drawn only because a curve has changed: ten a second are enough.
   static constexpr std::int64_t kPeriodNs = 100'000'000;
 
   explicit LivePlots(bool is_shown) : is_shown_(is_shown) {}
@@ -37,9 +37,10 @@ class LivePlots {
   // age_ns: from the arrival of the newest drawn state until the frame was in the window.
   void record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns);
 
-  // True: the plots are shown, a hub has joined, and the drawn curves are older than the period.
+  // True: the plots are shown, the hub has sent a force, and the drawn curves are older than kPeriodNs.
   bool wants_picture(std::int64_t now_ns) const;
-  // Force, then age; empty where they are not shown. Another one only after the period: what does not change costs little to draw.
+  // The plots of force and age, in this order; empty if they are not shown. They change at most once in kPeriodNs, because a plot that does
+  // not change costs little to draw.
   const std::vector<PlotShown>& compose(std::int64_t now_ns);
 
  private:
@@ -47,7 +48,7 @@ class LivePlots {
   RecentCurve force_n_;
   RecentCurve age_ms_;
   double limit_n_ = 0.0;            // 0: not known
-  std::optional<double> newest_n_;  // holds until another one comes
+  std::optional<double> newest_n_;  // the force until the next state comes; none: not known
   std::vector<PlotShown> composed_;
   std::int64_t composed_ns_ = 0;
 };
@@ -55,11 +56,11 @@ class LivePlots {
 // Makes a plot. Its title has the newest value, the limit (0: none) and the scale, which is at least least_top.
 PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_top);
 
-// The least tops of the scales of a force (N) and of a time (ms).
+// The smallest tops of the scales of a force (N) and of a time (ms).
 constexpr double kLeastTopN = 1.0;
 constexpr double kLeastTopMs = 20.0;
 
-// The least of 1, 2 and 5 times a power of ten that is no less than the value, and no less than `least`.
+// The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least `least`.
 double choose_top(double value, double least);
 
 }  // namespace hapton

@@ -13,30 +13,31 @@ namespace hapton {
 
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
 // passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
-// Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If it stalls, the force fades.
-// Threads: step, restart and age in one, follow in one other. RT: step and restart yes, at most LocalContacts::kMost contacts; follow as
-// ToolStep::step.
+// Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If the slow task stalls, the
+// force fades. Threads: functions marked `Fast` in one, follow() (`Slow`) in one other. RT: the fast ones yes, at most LocalContacts::kMost
+// contacts; follow as ToolStep::step.
 class HeldTool final : public StylusTool {
  public:
   // Age of the contacts at which the force begins to fade, and at which it is zero.
   static constexpr double kFreshS = 0.05;
   static constexpr double kStaleS = 0.15;
-  // From twice this age on the picture shows the tool no farther from where it was known to be free than contacts were searched for: the
-  // hand may be deep inside what the slow task has not found yet. In between it goes there.
+  // The hand may be deep inside something that the slow task has not found yet. If the contacts are at least twice this old, the tool is
+  // therefore drawn no farther from its last collision-free pose than the distance within which contacts were searched for. Between this
+  // age and twice this age, the drawn pose moves gradually to that limit.
   static constexpr double kLateS = 0.005;
   // If new contacts come more than kPrompt samples after the previous ones and change the force by more than the device's motion explains,
   // the force fades to the new one over this time.
   static constexpr double kHandOverS = 0.02;
   static constexpr int kPrompt = 2;
-  // Between two samples that are farther apart there was no motion that damping knows, nor where time goes back: io_node uses no force that
-  // is later than this, so none was felt meanwhile.
+  // If two samples are farther apart than this, or time goes back, damping takes no motion between them into account: io_node uses no force
+  // that is older than this, so the hand felt none meanwhile.
   static constexpr double kLongestGapS = 0.02;
 
   explicit HeldTool(std::unique_ptr<ToolStep> tool);
-  // The tool lies at X_SP before it is held (frame S), and goes from there to the device.
+  // Before it is held, the tool lies at X_SP (frame S); from there it moves to the device.
   HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP);
 
-  // Fast: force, torque and drawn pose for one sample, with the contacts found last. output.proxy: the slow task's last step.
+  // Fast: force, torque and drawn pose for one sample, from the contacts that were found last. output.proxy: of the slow task's last step.
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
   // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
   void restart() noexcept { ++serial_; }
@@ -89,20 +90,20 @@ class HeldTool final : public StylusTool {
     Placement goal = {};  // what the pose follows: the device, or where friction holds the tool
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;           // of restarts; 0: there has been no sample
-    std::vector<Placement> parts = {};  // of the scene that move; always as many
+    std::vector<Placement> parts = {};  // poses of the parts of the scene that move; their number never changes
   };
   void publish(const Placement& device, const Placement& goal, std::int64_t time_ns) noexcept;
   double travel_since_last(const Sample& sample) const noexcept;
   struct Found {
     LocalContacts contacts;
     ToolProxyStep step;
-    double reach = 0.0;  // local units; all that holds the tool this near to contacts.proxy is among them
+    double reach = 0.0;  // local units; contacts has everything that can stop the tool within this distance of contacts.proxy
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;
   };
   Placement drawn(const Found& found, const Placement& at) const noexcept;
 
-  std::unique_ptr<ToolStep> tool_;  // its proxy is the slow task's
+  std::unique_ptr<ToolStep> tool_;  // only the slow task moves its proxy
   Mailbox<Sample> samples_;
   Mailbox<Found> found_;
   std::uint32_t serial_ = 1;
@@ -110,21 +111,21 @@ class HeldTool final : public StylusTool {
   Lateness lateness_;
   bool has_rested_ = true;  // no contacts have come since a gap in the samples
   bool is_known_ = false;
-  Sample last_;  // followed
+  Sample last_;  // the last one that follow() used
   std::optional<Placement> start_;
   ToolFriction friction_;
   ContactDrag drag_;
-  // By part and object. Those of the contacts count until materials have changed.
+  // From set_materials(), by part and object. Before its first call, contacts and drag_ have those with which the tool was made.
   std::vector<std::vector<CoulombFriction>> friction_of_;
   std::vector<std::vector<ContactDamping>> damping_of_;
   std::vector<std::size_t> counts_;  // of objects, by part
   bool has_friction_;
   bool has_changed_ = false;
-  ToolView last_view_;                 // with damping only
+  ToolView last_view_;                 // kept only if there is damping
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;
-  // The fast task's last step, and what is left of the change that the last contacts brought.
+  // The fast task's last step, and the change of force that late contacts brought, of which change_share_ has not faded yet.
   Felt felt_;
   Felt change_;
   double change_share_ = 0.0;

@@ -49,7 +49,7 @@ struct PatchPiece {
   const PatchItem& operator[](std::size_t i) const { return items[numbers[i]]; }
 };
 
-// What triangles are ordered by.
+// Sort key of a triangle.
 struct PatchKey {
   double key;
   std::uint32_t id;
@@ -103,7 +103,7 @@ PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = to_float(axes(k, i));
   }
-  // Coordinates along the rounded axes, and those of the rounded centre.
+  // Extents along the rounded axes and about the rounded centre, so that the box as stored contains the corners.
   const Mat3 inverse = stored.inverse();
   const auto lanes_of_column = [&](int i) { return Lanes4{inverse(0, i), inverse(1, i), inverse(2, i), inverse(2, i)}; };
   const Lanes4 columns[3] = {lanes_of_column(0), lanes_of_column(1), lanes_of_column(2)};
@@ -190,7 +190,7 @@ class PatchBuilder {
     double value(const PatchItem& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre); }
   };
 
-  // In the order of the triangles.
+  // The keys of a piece's triangles, in the order of the piece.
   std::span<PatchKey> keys_of(const PatchPiece& own, const Along& along) {
     for (std::size_t i = 0; i < own.size(); ++i) keys_[i] = {along.value(own[i]), own[i].id, own.numbers[i]};
     return std::span(keys_).first(own.size());
@@ -199,7 +199,8 @@ class PatchBuilder {
     for (std::size_t i = 0; i < own.size(); ++i) own.numbers[i] = keys[i].number;
   }
 
-  // A corner or a sharp edge is split where that makes the halves flattest, at an eighth of the triangles at least.
+  // Orders a piece with a corner or a sharp edge so that its halves are as flat as possible, each with at least an eighth of the triangles.
+  // Returns the size of the first half.
   std::size_t split_by_bend(const PatchPiece& own, const Mat3& axes) {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = own.size() / 2;
@@ -236,7 +237,7 @@ class PatchBuilder {
     return {static_cast<std::size_t>(least - bends_.begin()), *least};
   }
 
-  static constexpr double kBent = 0.02;
+  static constexpr double kBent = 0.02;              // PatchBend::relative() above which split_by_bend is used
   static constexpr std::size_t kLargestBent = 1024;  // triangles; larger pieces are split in the middle
   std::vector<double> bends_;
   std::vector<PatchKey> keys_;
@@ -263,7 +264,7 @@ class PatchJoiner {
     build(0, objects_);
   }
 
-  // Between the numbers of an object's triangles and those of the next.
+  // Difference between the triangle numbers of one object and the next.
   static std::uint32_t object_step(const TouchGeometry& scene) { return scene.object_bits() & (~scene.object_bits() + 1U); }
 
  private:
@@ -297,7 +298,7 @@ class PatchJoiner {
     build(node.link + 1, objects.subspan(half));
   }
 
-  // The coordinate axes, from the shortest extent to the longest.
+  // A box along the coordinate axes, which it has in the order of its extents, the shortest first.
   static PatchTree::Node box_along(const Box& bounds) {
     const Vec3 size = bounds.high - bounds.low;
     std::array<int, 3> order = {0, 1, 2};
@@ -312,7 +313,7 @@ class PatchJoiner {
     return node;
   }
 
-  // The root goes to its place, all others behind what is there.
+  // Copies the tree of an object: its root to node `at`, all other nodes to the end.
   void put(std::uint32_t at, const Object& object) {
     const auto shift = static_cast<std::uint32_t>(nodes.size() - 1);
     const auto first_leaf = static_cast<std::uint32_t>(triangles.size());

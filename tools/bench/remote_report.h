@@ -9,25 +9,26 @@
 
 namespace hapton {
 
-// Which run a line is of, as every table has it: columns, a line's values, an object of JSON.
+// The columns that tell which run a line belongs to, the same in every table: their names, their values in a line, the same as JSON.
 std::string key_columns();
 std::string to_csv(const RemoteKey& key);
 nlohmann::ordered_json to_json(const RemoteKey& key);
 
-// Median and worst over meshes and seeds, a table for each speed and loss, and one of the walls. RT: no.
+// Text: for each speed and loss a table with the median and the worst over meshes and seeds, then a table of the walls. RT: no.
 std::string to_text(const RemoteGrid& grid, const RemoteResults& results);
 
-// A line for each run.
+// CSV, a line for each run.
 std::string to_csv(const RemoteResults& results);
-// ... and for each wall.
+// CSV, a line for each wall.
 std::string walls_to_csv(const RemoteResults& results);
 
 // Schema hapton.bench.remote/1.
 std::string to_json(const RemoteGrid& grid, const RemoteResults& results);
 
-// Force error against round trip, and the largest stiffness of a wall, of each method: slowest speed, loss of 10 % or the first.
+// Script for gnuplot that draws, for each method, force error and largest stiffness of a wall against round trip into the file `picture`:
+// at the slowest speed, and at a loss of 10 %, or the grid's first loss if it has no 10 %.
 std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& results, const std::string& picture);
-// Error: one line: no gnuplot, or gnuplot's message.
+// Draws this plot and returns the picture's path. Error: as draw_with_gnuplot.
 Result<std::filesystem::path> draw_remote_plot(const std::filesystem::path& picture, const RemoteGrid& grid, const RemoteResults& results);
 
 }  // namespace hapton

@@ -9,7 +9,8 @@
 namespace hapton {
 namespace {
 
-// Distance by minimising over the triangle's own parameters, densely and then locally: slow and simple.
+// Distance by minimising over the parameters u, v of the triangle's points, first on a grid over all of it, then on finer grids around the
+// best point: slow and simple.
 double distance_by_search(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   double best = std::numeric_limits<double>::infinity();
   double best_u = 0.0;
@@ -110,7 +111,7 @@ TEST(PointTriangle, TinyDistancesKeepTheirDigitsAndUnitNormals) {
 }
 
 TEST(PointTriangle, NeedlesAndTrianglesWithoutAreaAreTheirEdges) {
-  // Coordinates on a coarse binary grid, so that edges are exact as TouchGeometry makes them.
+  // Coordinates are multiples of a power of two, so that edge vectors are exact, as TouchGeometry makes them.
   const Vec3 a(0, 0, 0);
   const Vec3 b(1, 0, 0);
   const Vec3 sliver(0.5, 0x1p-50, 0);

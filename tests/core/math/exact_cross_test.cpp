@@ -27,7 +27,7 @@ TEST(ExactCross, AgreesWithLongDoubleOnNeedles) {
       const int a = (k + 1) % 3;
       const int b = (k + 2) % 3;
       const long double exact = static_cast<long double>(u[a]) * v[b] - static_cast<long double>(u[b]) * v[a];
-      // long double itself rounds products at 2^-64 of their size.
+      // long double itself rounds a product, with an error of up to 2^-64 of it.
       const long double reference_error = 0x1p-63L * std::fabs(static_cast<long double>(u[a]) * v[b]);
       EXPECT_LE(std::fabs(static_cast<long double>(cross[k]) - exact), 0x1p-51L * std::fabs(exact) + reference_error);
     }
