@@ -16,9 +16,9 @@ namespace hapton {
 struct DeviceMaker {
   std::string_view name;
   std::string_view about;  // a few words for --help
-  bool takes_id = false;   // --device-id: there may be several
-  bool takes_file = false;
-  bool takes_trajectory = false;  // and loop
+  bool takes_id = false;          // --device-id, because several may be connected
+  bool takes_file = false;        // --device-file
+  bool takes_trajectory = false;  // --trajectory and --loop
   // Pre: settings that the kind does not take are empty. Error, one line: what is missing and how to fix it.
   Result<std::unique_ptr<Device>> (*make)(const DeviceSettings& settings) = nullptr;
 };
@@ -26,7 +26,7 @@ struct DeviceMaker {
 // Every kind, simulated ones first. RT: no.
 std::span<const DeviceMaker> device_makers();
 std::vector<std::string> device_names();
-// The kind that --device names: the word itself, but "plugin" for "plugin:FILE.so". RT: yes.
+// The kind that --device names: the name itself, but "plugin" for "plugin:FILE.so". RT: yes.
 std::string_view kind_of(std::string_view name);
 // "NAME: about; NAME: about", for --help. RT: no.
 std::string describe_devices();

@@ -11,24 +11,27 @@
 
 namespace hapton {
 
-// A mesh and its normals, moved.
+// The mesh, with its vertices and normals moved by X.
 TriangleMesh move_mesh(const Pose& X, const TriangleMesh& mesh);
 
-// Puts an object there, with all that is fixed to its surface. as_loaded: the same object where the scene file has it, from which X leads.
+// Places an object, with all that is fixed to its surface, where X moves it from the place that it has in the scene file. as_loaded: the
+// same object at that place.
 void move_object(const Pose& X, const SceneObject& as_loaded, SceneObject& object);
 
-// The movable objects that a file of annotations says to lie elsewhere, and where; nothing where there is no such file yet, or none is
-// named. Objects that the scene does not let move are left out, with a line in the log. Error: whatever read_annotations rejects. RT: no.
+// The movable objects that an annotations file has at another place than the scene file, and their poses; empty if `file` is empty or does
+// not exist yet. Objects that are not movable in the scene are left out, with a line in the log. Error: whatever read_annotations rejects.
+// RT: no.
 Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, const Scene& scene);
 
-// What the same file says to be carved from objects that the scene lets the stylus carve. Objects that it does not are left out, with a
-// line in the log. Error: as above. RT: no.
+// The carves that the same file has, of objects that can be carved in the scene. Those of other objects are left out, with a line in the
+// log. Error: as above. RT: no.
 Result<std::vector<CarvedPress>> read_carved(const std::filesystem::path& file, const Scene& scene);
 
-// Carves the bodies of the step so, before its first reply. Returns the list of what was carved; carves that change nothing are not in it.
+// Applies these carves to the bodies of the step, before its first reply. Returns the list of what was carved, without carves that change
+// nothing.
 std::vector<MadeCarve> carve_as_saved(const std::vector<CarvedPress>& carved, HapticsStep& step);
 
-// The scene with those objects there. Pre: they are of the scene.
+// The scene with these objects where they were put down. Pre: the objects are of the scene.
 Scene place_objects(const Scene& scene, const std::vector<PutDown>& put_down);
 
 }  // namespace hapton

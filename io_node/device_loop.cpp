@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Period at which the temperature of the motors is read. A choice: a motor heats up in seconds.
+// Period at which the temperature of the motors is read. Our choice: a motor heats up over seconds.
 constexpr std::int64_t kTemperatureCheckNs = 250 * kNanosecondsPerMillisecond;
 
 }  // namespace
@@ -47,7 +47,7 @@ void DeviceLoop::begin_cycle() noexcept {
   const std::int64_t late_ns = now_ns - tick_ns_;
   stats_.wake_lateness.record(late_ns);
   cycle_.late_ns = late_ns;
-  // A period changed while waiting may put the tick into the future: then this cycle is simply early.
+  // If the period was changed during the wait, the tick may be in the future; this cycle is then early.
   if (late_ns >= period_ns()) {
     overrun(late_ns);
   } else {
@@ -57,7 +57,7 @@ void DeviceLoop::begin_cycle() noexcept {
   overslept_ns_ = 0;
 }
 
-// Handles one or more missed cycles by the policy.
+// Handles one or more missed cycles according to the policy.
 void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
   const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
   if (!is_catching_up) cycle_.cause = cause_of(late_ns);
@@ -71,7 +71,7 @@ void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
   if (policy_ == OverrunPolicy::stop) has_overrun_.store(true, std::memory_order_release);
 }
 
-// From the clock readings of the last cycle alone, without a system call.
+// The cause of a late cycle, from the clock readings of the last cycle alone, without a system call.
 MissCause DeviceLoop::cause_of(std::int64_t late_ns) const noexcept {
   if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
   if (late_ns >= kStallNs) return MissCause::machine_stalled;
@@ -91,7 +91,7 @@ bool DeviceLoop::run_cycle() noexcept {
   }
   device_ns_ = 0;
   stats_.end_ns = tick_ns_ + period_ns();
-  // First of all, before the device takes its time: release a force that the governor would no longer output.
+  // Before the device is read, which may take long: release a force that the governor would no longer output.
   const std::int64_t now_ns = clock_.now_ns();
   if (force_sample_ns() != 0 && now_ns - accepted_ns_ >= kCommandTimeoutNs) hold_force();
   sample_device();
@@ -157,7 +157,7 @@ void DeviceLoop::sample_device() noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
   cycle_.tick_ns = tick_ns_;
   cycle_.sample = device_.read(begin_ns);
-  // The sample's time is when the device has returned it; the duration of the reading is measured separately.
+  // The time of a sample is the time at which the device returned it; how long the read took is measured separately.
   cycle_.sample.time_ns = clock_.now_ns();
   stats_.device_read.record(cycle_.sample.time_ns - begin_ns);
   device_ns_ += cycle_.sample.time_ns - begin_ns;
@@ -231,8 +231,8 @@ const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
   return stats_;
 }
 
-// Repeats while there is a command that is not yet taken: a thread that finds the claim taken leaves the command to the claim's holder, who
-// checks again after releasing it.
+// Repeats while a command is waiting: a thread that finds the claim taken leaves its command to the holder of the claim, which checks again
+// after it has released the claim.
 void DeviceLoop::serve() noexcept {
   while (served_.load() < posted_.load()) {
     if (!claim()) return;

@@ -17,7 +17,7 @@ class AdaptiveSpin {
 
   // limit: the largest margin, as a share of a period: 0 (never spins) to 1.
   explicit AdaptiveSpin(double limit = 0.0) noexcept : limit_(limit) {}
-  // Begins to adapt from there.
+  // Adaptation begins from this margin.
   void set_margin_ns(std::int64_t margin_ns) noexcept { margin_ = static_cast<double>(margin_ns); }
 
   void set_limit(double share) noexcept { limit_.store(share, std::memory_order_relaxed); }
@@ -28,7 +28,7 @@ class AdaptiveSpin {
     return std::min(static_cast<std::int64_t>(margin_), static_cast<std::int64_t>(limit() * static_cast<double>(period_ns)));
   }
 
-  // late_ns: how late a sleep ended that was to end margin_ns() before the deadline.
+  // late_ns: how much later than margin_ns() before the deadline the sleep ended.
   void note_wake_up(std::int64_t late_ns) noexcept {
     const bool is_covered = static_cast<double>(late_ns) <= margin_;
     margin_ = std::max(0.0, margin_ + kStepNs * (is_covered ? kCovered - 1.0 : kCovered));

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// Null: there is none.
+// The first object that has the property; null: none has.
 template <class Is>
 const SceneObject* find_object(const Scene& scene, const Is& is) {
   const auto found = std::find_if(scene.objects.begin(), scene.objects.end(), is);
@@ -31,7 +31,7 @@ std::string name_at(const std::filesystem::path& path, const SceneObject& object
   return fmt::format("{}: {}object '{}'", path.string(), line, printable(object.name));
 }
 
-// Objects may have the same name: then the lines tell them apart.
+// Names the lines as well, because objects may have the same name.
 Error not_with_movable(const std::filesystem::path& path, const SceneObject& object, std::string_view is, const SceneObject& movable) {
   constexpr std::string_view kFix = "which cannot be combined: keep one of the two";
   if (&object == &movable) return {fmt::format("{} {} and is movable, {}", name_at(path, object), is, kFix)};

@@ -9,13 +9,14 @@ namespace hapton {
 // Exact signs, never zero, for points that move among triangles. Where the given points lie exactly in a plane, or on a line through an
 // edge, all moving points are treated as shifted in one common direction by an infinitesimal amount (Edelsbrunner & Muecke 1990, simulation
 // of simplicity; we differ in shifting only the moving points, all alike). So a chain of segments crosses a closed surface like a chain in
-// general position: it never slips through an edge, and a surface it only touches is not crossed from both sides. Pre: see orient3d. RT:
-// yes.
+// general position: it never passes through an edge without a crossing, and where it only touches the surface, it does not cross it from
+// both sides. Pre: see orient3d. RT: yes.
 
-// The direction of the shift. It belongs to no mesh's symmetry: powers of the reciprocal of a root of x^4 = x + 1, with mixed signs.
+// The direction of the shift, chosen so that no symmetry of a mesh is aligned with it: powers of the reciprocal of a root of x^4 = x + 1,
+// with mixed signs.
 inline const Vec3 kShift(0.8191725133961645, -0.6710436067037893, 0.5497004779019703);
 
-// > 0 if the moving point p is on the side of abc from which a, b, c run counter-clockwise.
+// > 0 if the moving point p is on the side of abc from which a, b, c are seen in counter-clockwise order.
 inline double side_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noexcept {
   const double sign = orient3d_sign(a, b, c, p);
   return sign != 0.0 ? sign : accurate_cross(b - a, c - a).dot(kShift);

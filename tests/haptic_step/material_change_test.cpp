@@ -36,7 +36,7 @@ class Node {
              kLift),
         radius_(tested.probe_radius_m) {}
 
-  // The device at these coordinates below the surface, a millisecond later.
+  // The reply to a sample a millisecond after the last one: x along the surface, depth below it.
   ForceCommand press(double x, double depth) {
     ++sample_;
     step.offer({.sample = sample_,
@@ -78,7 +78,7 @@ TEST_P(MaterialChanges, AnotherStiffnessFadesInAndTheProxyStays) {
       last = now;
     }
     EXPECT_NEAR(largest_jump_n, std::fabs(to_n - from_n) * kStepS / kFadeS, 1e-9 * from_n);
-    // Afterwards to the last bit what a node gives that had this material from the start.
+    // Afterwards the force is, to the last bit, that of a node that had this material from the start.
     Node fresh(GetParam(), other);
     fresh.press(0.0, -0.001);
     fresh.press(0.0, kDepth);
@@ -97,7 +97,7 @@ TEST_P(MaterialChanges, InFreeSpaceThereIsNothingToFade) {
   EXPECT_NEAR(first.force_n.z(), 2.0, 1e-5);
 }
 
-// Of two objects each gets its own material.
+// Each of two objects gets its own material.
 TEST_P(MaterialChanges, EachObjectHasItsOwn) {
   TriangleMesh beside = made::sheet(0.1, 0.0, 6);
   for (Vec3& vertex : beside.vertices) vertex.x() += 0.3;
@@ -120,13 +120,13 @@ INSTANTIATE_TEST_SUITE_P(OfEveryMethod, MaterialChanges,
 
 class FrictionChanges : public testing::TestWithParam<Case> {};
 
-// Held by static friction at the lateral distance s of the device, with mu_s d > s. Less friction: the proxy slides until the pull is on
-// the new cone, mu_d d. More friction: it stays.
+// Static friction holds the proxy, with the device at the lateral distance s and the depth d, mu_s d > s. With less friction the proxy
+// slides until the pull is on the new cone, at the distance mu_d d. With more friction it stays.
 TEST_P(FrictionChanges, LessFrictionLetsTheProxySlideAndTheForceFade) {
   constexpr double kStiffness = 1000.0;
   constexpr double kDepth = 0.002;
   constexpr double kAside = 0.001;
-  constexpr double kTolerance = 1e-5 * kStiffness * kDepth;  // the reference follows in sub-steps
+  constexpr double kTolerance = 1e-5 * kStiffness * kDepth;  // the reference moves in sub-steps
   Node node(GetParam(), {.stiffness_n_per_m = kStiffness, .friction_static = 1.0, .friction_dynamic = 0.8});
   node.press(0.0, -0.001);
   node.press(0.0, kDepth);
@@ -151,7 +151,7 @@ TEST_P(FrictionChanges, LessFrictionLetsTheProxySlideAndTheForceFade) {
   for (int i = 0; i < 100; ++i) node.press(kAside, kDepth);
   EXPECT_NEAR(node.press(kAside, kDepth).force_n.x(), 0.0, kTolerance);
 
-  // And on again: the proxy sticks where it is, and the device pulls it along on the cone.
+  // Friction on again: the proxy sticks where it is, and then the device pulls it along on the cone.
   const Material again{.stiffness_n_per_m = kStiffness, .friction_static = 0.5, .friction_dynamic = 0.4};
   node.step.set_materials({&again, 1});
   for (int i = 1; i <= 120; ++i) node.press(kAside * (1.0 + 0.05 * i), kDepth);
@@ -162,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(OfMethodsWithFriction, FrictionChanges,
                          testing::Values(Case{"proxy", "proxy", 0.0}, Case{"sphere", "proxy", 0.003}, Case{"reference", "reference", 0.0}),
                          [](const auto& tested) { return tested.param.label; });
 
-// Damping acts from the change on; a wall that the device leaves never pulls.
+// The new damping acts from the change on.
 TEST(MaterialChange, DampingIsThatOfTheNewMaterial) {
   Node node({"proxy", "proxy", 0.0}, {.stiffness_n_per_m = 1000.0});
   node.press(0.0, -0.001);
@@ -174,7 +174,7 @@ TEST(MaterialChange, DampingIsThatOfTheNewMaterial) {
   EXPECT_NEAR(node.press(0.0, 0.0011).force_n.z(), 1.1 + 0.5, 1e-6);
 }
 
-// A change during a fade begins from the force of that moment.
+// A change during a fade begins a new fade from the force at that moment.
 TEST(MaterialChange, OneAfterTheOtherMakesNoJump) {
   Node node({"proxy", "proxy", 0.0}, {.stiffness_n_per_m = 1000.0});
   node.press(0.0, -0.001);

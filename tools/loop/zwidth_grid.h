@@ -15,7 +15,7 @@
 
 namespace hapton {
 
-// Every combination of these: the last list runs fastest.
+// A cell is one combination of these values; from cell to cell the last list varies fastest.
 struct ZWidthGrid {
   std::vector<NamedLoop> loops;
   std::vector<double> rates_hz = {1000.0};
@@ -25,7 +25,7 @@ struct ZWidthGrid {
   std::vector<double> wall_dampings_ns_per_m = {0.0};
   std::uint64_t seed = 1;
   double mass_filter_s = MassEffect().filter_s;  // of the virtual mass
-  bool presses = false;                          // find the rest stiffness of each cell too
+  bool presses = false;                          // also find the largest stiffness at which a press comes to rest
 
   std::size_t cells() const noexcept {
     return loops.size() * rates_hz.size() * delays_ms.size() * jitters_ms.size() * losses.size() * wall_dampings_ns_per_m.size();
@@ -41,36 +41,36 @@ struct ZWidthRow {
   double jitter_ms = 0.0;  // of each way
   double loss = 0.0;       // of each way
   std::uint64_t seed = 1;
-  double mean_delay_s = 0.0;  // of the force on the motors: the delay; with jitter or loss measured (closed_loop/random_stability.h)
+  double mean_delay_s = 0.0;  // of the force on the motors: delay_ms, but measured with jitter or loss (closed_loop/random_stability.h)
   ZWidth found;
-  std::optional<double> rest_n_per_m;  // closed_loop/press.h
+  std::optional<double> rest_n_per_m;  // find_rest_stiffness in closed_loop/press.h
 
-  // With jitter or loss the limits of stability are simulated (closed_loop/random_stability.h), passivity is that of the mean delay, and
-  // there is no limit of virtual mass: not a number.
+  // With jitter or loss the limits of stability are simulated (closed_loop/random_stability.h), the passive stiffness is that of the mean
+  // delay, and the limit of the virtual mass is not computed (NaN).
   bool is_simulated() const noexcept { return jitter_ms > 0.0 || loss > 0.0; }
 };
 
 // Pre: cell < grid.cells(); the grid outlives the row.
 ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell);
 
-// Part `index` of `count` of a grid: every count-th cell, so that all parts take about as long.
+// Part `index` of `count` of a grid: every count-th cell, so that all parts take about the same time.
 struct Shard {
   std::size_t index = 1;
   std::size_t count = 1;
   bool has(std::size_t cell) const noexcept { return cell % count == index - 1; }
 };
 
-// "2/8". Error: none of these.
+// Reads "2/8": part 2 of 8. Error: the text is not of this form, or the index is not from 1 to the count.
 Result<Shard> read_shard(const std::string& text);
 
 nlohmann::ordered_json to_json(const ZWidthRow& row);
 
-// The first lines of a grid's CSV: what grid it is, and the columns.
+// The first two lines of the CSV file of a grid: an identification of the grid, and the columns.
 std::string csv_header(const ZWidthGrid& grid);
 std::string csv_line(const ZWidthRow& row);
 
-// The parts of one grid as one CSV, in the order of its cells. Error: one that cannot be read or is of another grid; a cell that is missing
-// or comes twice, with its number.
+// Merges the CSV files of the parts of one grid, in the order of its cells. Error: a part that cannot be read or belongs to another grid;
+// the number of a cell that is missing or occurs twice.
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts);
 
 }  // namespace hapton

@@ -42,7 +42,7 @@ Result<SessionExport> SessionExport::open(const std::filesystem::path& folder, s
   return made;
 }
 
-// What was not recorded stays empty.
+// Fields that were not recorded stay empty.
 void SessionExport::add_cycle(const SessionEntry& entry) {
   const CycleNote& c = entry.cycle;
   ++rows_.cycles;
@@ -65,7 +65,7 @@ void SessionExport::add_cycle(const SessionEntry& entry) {
   if (c.device) add_sample(c.sample, c.device->time_ns, c.device->p_WD, c.device->q_WT);
 }
 
-// Each sample once, its times rising: as it was sent, or from the cycle that kept it for itself.
+// Writes each sample once, in the order of time, from the first entry that has it: the message that was sent, or the servo cycle.
 void SessionExport::add_sample(std::uint64_t sample, std::int64_t time_ns, const Vec3& p_WD, const Quat& q) {
   if (sample <= last_sample_) return;
   last_sample_ = sample;

@@ -33,7 +33,7 @@ TrianglePair random_pair(Random& random, double scale, const Vec3& place) {
   return pair;
 }
 
-// --- The exact twin: closed triangles meet when a closed edge of one meets the other, all in rationals --------------------------
+// --- The exact twin, in rational numbers: two triangles meet if an edge of one, end points included, meets the other ------------
 
 using Exact = boost::multiprecision::cpp_rational;
 using ExactPoint = std::array<Exact, 3>;
@@ -72,8 +72,9 @@ bool edge_meets(const ExactPoint& p, const ExactPoint& q, const ExactCorners& t)
     if (covers(t, n, p) || covers(t, n, q)) return true;
     for (int i = 0; i < 3; ++i) {
       if (segments_meet(p, q, t[i], t[(i + 1) % 3], n)) return true;
+      // Is this corner of t on the segment?
       const ExactPoint to_p = minus(t[i], p);
-      const ExactPoint way = minus(q, p);  // a corner of t on the segment
+      const ExactPoint way = minus(q, p);
       if (is_zero(cross(to_p, way)) && dot(to_p, way) >= 0 && dot(to_p, way) <= dot(way, way)) return true;
     }
     return false;
@@ -93,7 +94,7 @@ bool meet_exactly(const TrianglePair& pair) {
   return false;
 }
 
-// Distance from a point to a triangle's plane and edges' inner sides: how far outside of the triangle it is, at most.
+// The largest of the distances by which a point lies off a triangle's plane and beyond its edges.
 double outside_by(const std::array<Vec3, 3>& t, const Vec3& p) {
   const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]).normalized();
   double worst = std::fabs(n.dot(p - t[0]));
@@ -149,13 +150,13 @@ TEST(IntersectTriangles, DecidesAsRationalsDoOnAGrid) {
   EXPECT_GT(touching, 100);
 }
 
-// Near misses and near contacts far from the origin, where plain doubles would guess.
+// Near misses and near contacts far from the origin, where rounding would decide in plain doubles.
 TEST(IntersectTriangles, DecidesAsRationalsDoNearTheLimit) {
   Random random(12);
   for (int i = 0; i < 1500; ++i) {
     const Vec3 place = random.point(1e3);
     TrianglePair pair = random_pair(random, 1.0, place);
-    // A corner of b onto a's plane, or an edge of b through an edge of a, as well as doubles can.
+    // Moves a corner of b onto a's plane, or an edge of b through an edge of a, as exactly as doubles allow.
     const double s = random.real(0.5) + 0.5;
     const Vec3 on_edge = pair.a[0] + s * (pair.a[1] - pair.a[0]);
     if (i % 2 == 0) {
@@ -183,7 +184,7 @@ TEST(IntersectTriangles, IsTheSameInEveryOrder) {
   }
 }
 
-// At every scale and position, and down to planes that are parallel but for 1e-12.
+// At every scale and position, and also for planes that are parallel to within 1e-12.
 TEST(IntersectTriangles, LocatesWithinItsBound) {
   Random random(14);
   int compared = 0;
@@ -202,7 +203,7 @@ TEST(IntersectTriangles, LocatesWithinItsBound) {
     double magnitude = 0.0;
     for (int k = 0; k < 3; ++k) magnitude = std::max({magnitude, pair.a[k].cwiseAbs().maxCoeff(), pair.b[k].cwiseAbs().maxCoeff()});
     const double longest = 2.0 * std::sqrt(3.0) * scale;
-    // Extended precision itself is 2^-64 / angle: the flattest stay out of its reach by far.
+    // The error of extended precision itself is about 2^-64 / angle: far below this bound for angles down to 1e-12.
     ASSERT_LT(location_error(contact, exact), 0x1p-18 * longest + 0x1p-50 * magnitude) << i;
   }
   EXPECT_GT(compared, 4000);
@@ -223,7 +224,8 @@ struct Tally {
   int unclear = 0;
 };
 
-// Certain lanes must agree with exact arithmetic, and stated errors must hold against extended precision.
+// Lanes that are not unclear must agree with the exact decision, and their error, measured in extended precision, must not exceed the one
+// that they state.
 Tally count_decisions(const std::vector<TrianglePair>& pairs) {
   Tally tally;
   for (std::size_t first = 0; first + 8 <= pairs.size(); first += 8) {
