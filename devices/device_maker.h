@@ -15,7 +15,7 @@ namespace hapton {
 // A kind of device: its name for --device, its help and its constructor.
 struct DeviceMaker {
   std::string_view name;
-  std::string_view about;  // a few words for --help
+  std::string_view about;         // a few words for --help
   bool takes_id = false;          // --device-id, because several may be connected
   bool takes_file = false;        // --device-file
   bool takes_trajectory = false;  // --trajectory and --loop
