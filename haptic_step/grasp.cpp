@@ -45,7 +45,7 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
   const std::optional<ObjectPose> request = std::exchange(requested_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
-      if (request && may_move(*request) && !is_free_) {
+      if (request && may_move(*request) && !may_leave_) {
         requested_ = request;
       } else if (request && may_move(*request)) {
         note_stylus(state, X_WS, touched >= 0 ? visual_offset_m : Vec3(Vec3::Zero()));
@@ -58,12 +58,12 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
       }
       return Change::none;
     case Phase::asked:
-      if (!is_held_down || has_gone(state, X_WS) || (is_answered && !has_tool())) {
-        send(GraspOrder::Kind::let_go);
+      if (!is_held_down || has_hand_left(state, X_WS) || (is_answered && !has_tool())) {
+        send(GraspOrder::Kind::cancel_pick_up);
         phase_ = Phase::idle;
         return Change::none;
       }
-      if (!has_tool() || !is_free_) return Change::none;
+      if (!has_tool() || !may_leave_) return Change::none;
       tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
       set_pose(order_.X_SD.inverse(Eigen::Isometry) * order_.moved, true);
@@ -96,10 +96,10 @@ bool Grasp::is_leaving(bool is_early) noexcept {
 }
 
 // A button that was released here may be pressed again in the next sample, of which update() would not know: the order is taken back.
-void Grasp::wait_a_sample(const DeviceState& state) noexcept {
+void Grasp::skip_sample(const DeviceState& state) noexcept {
   was_down_ = was_down_ && is_down(state);
   if (phase_ != Phase::asked || is_down(state)) return;
-  send(GraspOrder::Kind::let_go);
+  send(GraspOrder::Kind::cancel_pick_up);
   phase_ = Phase::idle;
 }
 
@@ -110,7 +110,7 @@ bool Grasp::has_reply() noexcept {
 }
 
 // The object would come after it, through whatever is in between.
-bool Grasp::has_gone(const DeviceState& state, const Pose& X_WS) const noexcept {
+bool Grasp::has_hand_left(const DeviceState& state, const Pose& X_WS) const noexcept {
   return (X_WS.inverse(Eigen::Isometry) * state.p_WD - order_.X_SD.translation()).norm() > kResumeReachM;
 }
 
@@ -171,7 +171,7 @@ void Grasp::note_built(std::uint32_t serial) noexcept {
   has_start_ = true;
 }
 
-std::optional<Grasp::Start> Grasp::take_start(const Pose& X_WS) noexcept {
+std::optional<Grasp::Start> Grasp::take_resume_contact(const Pose& X_WS) noexcept {
   if (!std::exchange(has_start_, false) || p_DP_.isZero(0.0)) return std::nullopt;
   const Pose X_WP = X_WS * X_SP_;
   return Start{X_WP * p_DP_, (X_WP.linear() * p_DP_).normalized()};

@@ -13,10 +13,10 @@ namespace hapton {
 
 // A request of the haptic step to the slow task.
 struct GraspOrder {
-  enum class Kind : std::uint8_t { pick_up, let_go, put_down };  // let_go: a pick_up is cancelled
+  enum class Kind : std::uint8_t { pick_up, cancel_pick_up, put_down };  // cancel_pick_up: a pick_up is cancelled
 
   std::uint32_t serial = 0;  // counts orders, from 1
-  Kind kind = Kind::let_go;
+  Kind kind = Kind::cancel_pick_up;
   int object = -1;                // its number in the scene
   Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
   Pose moved = Pose::Identity();  // of the object, frame S: the transform of its points from where the scene file places them
@@ -63,7 +63,7 @@ class Grasp {
 
   // Whether objects may leave their places at the next update(), because no hub computes forces with parts of the scene that have them
   // there. Otherwise picking up and requested moves wait. True at the start.
-  void set_free(bool is_free) noexcept { is_free_ = is_free; }
+  void set_may_leave(bool may_leave) noexcept { may_leave_ = may_leave; }
   // An object is about to leave its place, has left it, or was put down and cannot be felt at its new place yet. An object that is to be
   // picked up counts as about to leave from the slow task's reply on, or with is_early from the press of the button on, when it is not
   // certain that it can be picked up.
@@ -80,7 +80,7 @@ class Grasp {
   Change update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept;
   // In place of update() at a sample without a step before it, when it is not known yet what the probe touches. Nothing is picked up or
   // moved then. A button that is pressed in this sample counts as pressed in the next one.
-  void wait_a_sample(const DeviceState& state) noexcept;
+  void skip_sample(const DeviceState& state) noexcept;
 
   // The tool that the stylus holds; null: none.
   HeldTool* tool() const noexcept { return tool_; }
@@ -102,7 +102,7 @@ class Grasp {
     Vec3 p_W = Vec3::Zero();
     Vec3 outward = Vec3::Zero();
   };
-  std::optional<Start> take_start(const Pose& X_WS) noexcept;
+  std::optional<Start> take_resume_contact(const Pose& X_WS) noexcept;
 
   // Each scene is returned once, and stays valid until the next one. Null: there is no new one.
   const PlacedScene* take_placed() noexcept { return link_.placed.take() ? &link_.placed.value() : nullptr; }
@@ -118,7 +118,7 @@ class Grasp {
   bool is_down(const DeviceState& state) const noexcept { return (state.buttons & buttons_) != 0; }
   bool has_reply() noexcept;
   bool has_tool() noexcept { return has_reply() && link_.replies.value().tool != nullptr; }
-  bool has_gone(const DeviceState& state, const Pose& X_WS) const noexcept;
+  bool has_hand_left(const DeviceState& state, const Pose& X_WS) const noexcept;
   bool may_move(const ObjectPose& pose) const noexcept;
   void move(const ObjectPose& pose) noexcept;
   void note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept;
@@ -130,7 +130,7 @@ class Grasp {
   std::vector<bool> movable_;
   std::uint32_t buttons_;
   Phase phase_ = Phase::idle;
-  bool is_free_ = true;
+  bool may_leave_ = true;
   bool was_early_ = false;  // is_leaving() was called with is_early since the button was pressed
   bool was_down_ = true;    // a button held down since before the start picks up nothing
   GraspOrder order_;

@@ -94,7 +94,7 @@ void GraspTask::carry_out(const GraspOrder& order) {
   // A newer order may have taken the place of a pick_up that was never seen.
   const bool was_replaced = order.serial != last_order_ + 1;
   last_order_ = order.serial;
-  if (order.kind == GraspOrder::Kind::let_go && (tool_ != nullptr || was_replaced)) {
+  if (order.kind == GraspOrder::Kind::cancel_pick_up && (tool_ != nullptr || was_replaced)) {
     log_info("{} stays where it is: the button was released, or the hand had moved on, before it could be picked up",
              printable(scene_.objects[static_cast<std::size_t>(order.object)].name));
   }

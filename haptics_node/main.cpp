@@ -114,9 +114,9 @@ Result<StartScene> load_start_scene(const HapticsOptions& options, PluginEffects
   const auto named = choose_scene_plugins(*loaded, start.path, options.allow_plugins);
   if (!named) return tl::unexpected(named.error());
   if (const auto added = load_effects(*named, effects); !added) return tl::unexpected(added.error());
-  auto put_down = read_put_down(options.annotations, *loaded);
+  auto put_down = read_saved_poses(options.annotations, *loaded);
   if (!put_down) return tl::unexpected(put_down.error());
-  auto carved = read_carved(options.annotations, *loaded);
+  auto carved = read_saved_carves(options.annotations, *loaded);
   if (!carved) return tl::unexpected(carved.error());
   start.placed = place_objects(*loaded, *put_down);
   const bool has_tool = !options.tool.file.empty() || start.placed.tool;
@@ -167,7 +167,7 @@ void restore_carves(const HapticsOptions& options, const std::vector<CarvedPress
   const Sculpture* whole = step.touch().method().sculpture();
   if (whole == nullptr) return;
   const Sculpture before = *whole;
-  const std::vector<MadeCarve> made = carve_as_saved(carved, step);
+  const std::vector<MadeCarve> made = apply_saved_carves(carved, step);
   if (!made.empty()) log_info("{} carves of {} are made again", made.size(), options.annotations.string());
   changes.carve_sender.emplace(source);
   for (const MadeCarve& each : made) changes.carve_sender->note(each);

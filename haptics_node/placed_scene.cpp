@@ -42,7 +42,7 @@ Result<AnnotationsRead> read_saved(const std::filesystem::path& file, const Scen
 
 }  // namespace
 
-Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, const Scene& scene) {
+Result<std::vector<PutDown>> read_saved_poses(const std::filesystem::path& file, const Scene& scene) {
   std::vector<PutDown> put_down;
   auto read = read_saved(file, scene);
   if (!read) return tl::unexpected(read.error());
@@ -60,7 +60,7 @@ Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, co
   return put_down;
 }
 
-Result<std::vector<CarvedPress>> read_carved(const std::filesystem::path& file, const Scene& scene) {
+Result<std::vector<CarvedPress>> read_saved_carves(const std::filesystem::path& file, const Scene& scene) {
   auto read = read_saved(file, scene);
   if (!read) return tl::unexpected(read.error());
   std::vector<CarvedPress> carved;
@@ -78,7 +78,7 @@ Result<std::vector<CarvedPress>> read_carved(const std::filesystem::path& file, 
   return carved;
 }
 
-std::vector<MadeCarve> carve_as_saved(const std::vector<CarvedPress>& carved, HapticsStep& step) {
+std::vector<MadeCarve> apply_saved_carves(const std::vector<CarvedPress>& carved, HapticsStep& step) {
   std::vector<MadeCarve> made;
   for (const CarvedPress& press : carved) {
     bool begins = true;

@@ -21,15 +21,15 @@ void move_object(const Pose& X, const SceneObject& as_loaded, SceneObject& objec
 // The movable objects that an annotations file has at another place than the scene file, and their poses; empty if `file` is empty or does
 // not exist yet. Objects that are not movable in the scene are left out, with a line in the log. Error: whatever read_annotations rejects.
 // RT: no.
-Result<std::vector<PutDown>> read_put_down(const std::filesystem::path& file, const Scene& scene);
+Result<std::vector<PutDown>> read_saved_poses(const std::filesystem::path& file, const Scene& scene);
 
 // The carves that the same file has, of objects that can be carved in the scene. Those of other objects are left out, with a line in the
 // log. Error: as above. RT: no.
-Result<std::vector<CarvedPress>> read_carved(const std::filesystem::path& file, const Scene& scene);
+Result<std::vector<CarvedPress>> read_saved_carves(const std::filesystem::path& file, const Scene& scene);
 
 // Applies these carves to the bodies of the step, before its first reply. Returns the list of what was carved, without carves that change
 // nothing.
-std::vector<MadeCarve> carve_as_saved(const std::vector<CarvedPress>& carved, HapticsStep& step);
+std::vector<MadeCarve> apply_saved_carves(const std::vector<CarvedPress>& carved, HapticsStep& step);
 
 // The scene with these objects where they were put down. Pre: the objects are of the scene.
 Scene place_objects(const Scene& scene, const std::vector<PutDown>& put_down);

@@ -22,7 +22,7 @@ void ReplyLoop::withdraw_parts() noexcept {
   const bool is_placed = patches_->revision() == scene_revision_;
   const bool is_safe = patches_->has_numbered_requests();
   patches_->set_withdrawn(is_leaving || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().method_changes));
-  grasp->set_free(patches_->is_withdrawn(hub_.session()));
+  grasp->set_may_leave(patches_->is_withdrawn(hub_.session()));
 }
 
 // Sends the pose that changed last, and some of the others in turn: a datagram may be lost, and a vision node may have joined another

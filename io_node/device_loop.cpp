@@ -104,7 +104,7 @@ bool DeviceLoop::run_cycle() noexcept {
   if (is_ramping_down) governor_.interrupt();
   if (!has_fresh_force || is_ramping_down) hold_force();
   restore_if_cut();
-  grant_requests();
+  apply_requests();
   tick_ns_ += period_ns();
   cycle_.next_tick_ns = tick_ns_;
   cycle_.written = written_;
@@ -127,7 +127,7 @@ bool DeviceLoop::run_cycle() noexcept {
 
 // Cut by the cycle, another thread of this process, or the watchdog process.
 bool DeviceLoop::is_cut() const noexcept {
-  return is_cut_within_.load(std::memory_order_acquire) ||
+  return is_cut_by_process_.load(std::memory_order_acquire) ||
          (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load(std::memory_order_acquire) != 0);
 }
 
@@ -135,7 +135,7 @@ bool DeviceLoop::is_cut() const noexcept {
 void DeviceLoop::restore_if_cut() noexcept {
   if (!is_cut() || force_sample_ns() != 0) return;
   device_.restore();
-  is_cut_within_.store(false, std::memory_order_release);
+  is_cut_by_process_.store(false, std::memory_order_release);
   if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut.store(0, std::memory_order_release);
 }
 
@@ -149,7 +149,7 @@ bool DeviceLoop::cut_if_older(std::int64_t limit_ns) noexcept {
   const std::int64_t sample_ns = force_sample_ns();
   if (sample_ns == 0 || clock_.now_ns() - sample_ns < limit_ns) return false;
   device_.cut();
-  if (!is_cut_within_.exchange(true)) cuts_.fetch_add(1, std::memory_order_relaxed);
+  if (!is_cut_by_process_.exchange(true)) cuts_.fetch_add(1, std::memory_order_relaxed);
   return true;
 }
 
@@ -192,7 +192,7 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   stats_.max_torque_nm = std::max(stats_.max_torque_nm, wrench.torque_nm.norm());
 }
 
-void DeviceLoop::grant_requests() noexcept {
+void DeviceLoop::apply_requests() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   if (now_ns >= next_check_ns_) {
     next_check_ns_ = now_ns + kTemperatureCheckNs;
@@ -201,17 +201,17 @@ void DeviceLoop::grant_requests() noexcept {
   if (!requests_box_.take()) return;
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
-  if (std::exchange(hands_granted_, requests.hands) != requests.hands) {
+  if (std::exchange(hands_applied_, requests.hands) != requests.hands) {
     device_.set_hand_target(requests.p_WH ? std::optional<Vec3>(*requests.p_WH - clutch_.offset_m()) : std::nullopt);
     device_.press_hand_buttons(requests.p_WH ? requests.buttons : 0);
     device_.turn_hand(requests.p_WH ? requests.turn_rad : Vec3(Vec3::Zero()));
   }
-  if (std::exchange(aims_granted_, requests.aims) != requests.aims) {
+  if (std::exchange(aims_applied_, requests.aims) != requests.aims) {
     std::array<Vec3, Device::kMostAims> aims = requests.p_WA;
     for (Vec3& aim : aims) aim -= clutch_.offset_m();
     device_.aim_hand(std::span(aims).first(requests.aim_count));
   }
-  const bool is_reset = std::exchange(resets_granted_, requests.resets) != requests.resets;
+  const bool is_reset = std::exchange(resets_applied_, requests.resets) != requests.resets;
   const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
   if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
     governor_.reset_faults();
@@ -219,7 +219,7 @@ void DeviceLoop::grant_requests() noexcept {
     ++stats_.resets_denied;
   }
   if (requests.ends && !std::exchange(is_finished_, true)) stats_.governor = governor_.figures();
-  if (std::exchange(stats_granted_, requests.stats) != requests.stats) stats_copies_.publish(collect_stats());
+  if (std::exchange(stats_applied_, requests.stats) != requests.stats) stats_copies_.publish(collect_stats());
 }
 
 const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
@@ -310,7 +310,7 @@ bool DeviceLoop::hold() noexcept {
     return false;
   }
   status_.store(device_.status(), std::memory_order_release);
-  grant_requests();
+  apply_requests();
   hold_force();
   publish_side();
   give_back();

@@ -220,7 +220,7 @@ class DeviceLoop {
   Vec3 faded(const Vec3& force_n, bool contact, bool is_new_source, std::int64_t now_ns) noexcept;
   void overrun(std::int64_t late_ns) noexcept;
   MissCause cause_of(std::int64_t late_ns) const noexcept;
-  void grant_requests() noexcept;
+  void apply_requests() noexcept;
   void sample_device() noexcept;
   void hold_force() noexcept;
   void write(const Wrench& wrench) noexcept;
@@ -246,11 +246,11 @@ class DeviceLoop {
   bool is_finished_ = false;
   DeviceCycle cycle_;
   std::int64_t next_check_ns_ = 0;  // when the temperature of the motors is read next
-  std::uint32_t hands_granted_ = 0;
-  std::uint32_t aims_granted_ = 0;
-  std::uint32_t resets_granted_ = 0;
+  std::uint32_t hands_applied_ = 0;
+  std::uint32_t aims_applied_ = 0;
+  std::uint32_t resets_applied_ = 0;
   std::uint32_t resets_if_held_granted_ = 0;
-  std::uint32_t stats_granted_ = 0;
+  std::uint32_t stats_applied_ = 0;
 
   // Owned by the holder of the claim.
   std::int64_t device_ns_ = 0;  // time spent in calls of the device since the last tick
@@ -272,7 +272,7 @@ class DeviceLoop {
   std::atomic<std::int64_t> heartbeat_ns_{0};
   std::atomic<DeviceStatus> status_{DeviceStatus::ready};
   std::atomic<bool> has_overrun_{false};
-  std::atomic<bool> is_cut_within_{false};
+  std::atomic<bool> is_cut_by_process_{false};
   std::atomic<std::uint64_t> cuts_{0};
   Mailbox<Command> commands_;
   Mailbox<DeviceSide> sides_;

@@ -21,7 +21,7 @@ constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::size_t kLongestName = 32;
 
 // A name is used as the name of a folder and as the prefix of log lines.
-bool is_good_name(std::string_view name) {
+bool is_valid_name(std::string_view name) {
   const auto is_plain = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_'; };
   return !name.empty() && name.size() <= kLongestName && std::all_of(name.begin(), name.end(), is_plain);
 }
@@ -107,7 +107,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   allow_device_keys(reader);
   for (const char* key : {"name", "device", "bind"}) reader.require(key);
   reader.read("name", options.name);
-  if (!is_good_name(options.name)) {
+  if (!is_valid_name(options.name)) {
     reader.reject("name", fmt::format("'name' is '{}': give 1 to {} characters of a-z, 0-9, - and _; it is also the name of a folder",
                                       options.name, kLongestName));
   }

@@ -63,7 +63,7 @@ Result<MeshCache::HapticChoice> MeshCache::find_haptics(const std::filesystem::p
   MeshAppearance appearance;
   MeshAppearance maps;
   if (const auto mesh = cut(**file, path, object, appearance, maps); !mesh) return tl::unexpected(mesh.error());
-  return HapticChoice{&(*file)->haptics, materials_among(maps)};
+  return HapticChoice{&(*file)->haptics, list_haptic_materials(maps)};
 }
 
 Result<const MeshFile*> MeshCache::load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes) {

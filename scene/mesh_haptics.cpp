@@ -19,7 +19,7 @@ void keep_of(const std::vector<bool>& is_kept, std::vector<Element>& elements) {
 
 }  // namespace
 
-std::vector<std::uint32_t> materials_among(const MeshAppearance& maps) {
+std::vector<std::uint32_t> list_haptic_materials(const MeshAppearance& maps) {
   std::vector<std::uint32_t> found;
   for (const TriangleAppearance& triangle : maps.triangles) {
     if (std::find(found.begin(), found.end(), triangle.material) == found.end()) found.push_back(triangle.material);

@@ -38,7 +38,7 @@ struct MeshHaptics {
 
 // The haptic materials that occur among these triangles, in their order; TriangleAppearance::kNoMaterial where some have none. RT: set-up
 // only.
-std::vector<std::uint32_t> materials_among(const MeshAppearance& maps);
+std::vector<std::uint32_t> list_haptic_materials(const MeshAppearance& maps);
 
 // Leaves of a mesh only the triangles of one haptic material, with their appearance (unless it has no triangles). Pre: maps has
 // as many triangles as the mesh. RT: set-up only.

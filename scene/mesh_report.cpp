@@ -32,7 +32,7 @@ std::string describe(const HapticMaterial& material) {
 // The haptic materials that triangles use.
 std::vector<const HapticMaterial*> haptic_materials_of(const MeshFile& file) {
   std::vector<const HapticMaterial*> found;
-  for (const std::uint32_t index : materials_among(file.haptics.maps)) {
+  for (const std::uint32_t index : list_haptic_materials(file.haptics.maps)) {
     if (index != TriangleAppearance::kNoMaterial) found.push_back(&file.haptics.materials[index]);
   }
   return found;

@@ -17,11 +17,11 @@ const SceneObject* find_object(const Scene& scene, const Is& is) {
   return found == scene.objects.end() ? nullptr : &*found;
 }
 
-std::string_view way_of_moving(const SceneObject& object) {
+std::string_view describe_motion(const SceneObject& object) {
   return object.commanded != nullptr ? "is moved by programs" : "moves by keyframes";
 }
 
-std::string_view way_of_deforming(const SceneObject& object) {
+std::string_view describe_deformation(const SceneObject& object) {
   return object.program_shape != nullptr ? "is deformed by programs" : "deforms";
 }
 
@@ -32,7 +32,7 @@ std::string name_at(const std::filesystem::path& path, const SceneObject& object
 }
 
 // Names the lines as well, because objects may have the same name.
-Error not_with_movable(const std::filesystem::path& path, const SceneObject& object, std::string_view is, const SceneObject& movable) {
+Error make_movable_conflict(const std::filesystem::path& path, const SceneObject& object, std::string_view is, const SceneObject& movable) {
   constexpr std::string_view kFix = "which cannot be combined: keep one of the two";
   if (&object == &movable) return {fmt::format("{} {} and is movable, {}", name_at(path, object), is, kFix)};
   const std::string line = movable.line == 0 ? std::string() : fmt::format(" (line {})", movable.line);
@@ -60,10 +60,10 @@ Result<void> check_combination(const std::filesystem::path& path, const Scene& s
   }
   const auto* movable = find_object(scene, [](const SceneObject& each) { return each.is_movable; });
   if (movable == nullptr) return {};
-  if (deforming != nullptr) return tl::unexpected(not_with_movable(path, *deforming, way_of_deforming(*deforming), *movable));
-  if (carved != nullptr) return tl::unexpected(not_with_movable(path, *carved, "can be carved", *movable));
+  if (deforming != nullptr) return tl::unexpected(make_movable_conflict(path, *deforming, describe_deformation(*deforming), *movable));
+  if (carved != nullptr) return tl::unexpected(make_movable_conflict(path, *carved, "can be carved", *movable));
   const auto* both = find_object(scene, [](const SceneObject& each) { return each.is_movable && each.moves(); });
-  if (both != nullptr) return tl::unexpected(not_with_movable(path, *both, way_of_moving(*both), *both));
+  if (both != nullptr) return tl::unexpected(make_movable_conflict(path, *both, describe_motion(*both), *both));
   if (const std::size_t parts = make_tool_obstacles(scene.touch_scene()).parts.size(); parts > ToolStep::kMostParts) {
     return fail(
         "{} is movable, and {} parts of the scene move by themselves: {} at most beside a movable object; let some stand still, or "

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 namespace hapton {
-double choose_top(double value, double least) {
+double choose_axis_most(double value, double least) {
   const double wanted = std::isfinite(value) ? std::max(value, least) : least;
   double power = std::pow(10.0, std::floor(std::log10(wanted)));
   for (;; power *= 10.0) {
@@ -18,13 +18,13 @@ double choose_top(double value, double least) {
   }
 }
 
-PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_top) {
+PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most) {
   PlotShown plot;
   plot.points = std::move(points);
   plot.limit = limit;
   double largest = limit;
   for (const CurvePoint& point : plot.points) largest = std::max(largest, point.value);
-  plot.top = choose_top(largest, least_top);
+  plot.top = choose_axis_most(largest, least_axis_most);
   const double newest = plot.points.empty() ? 0.0 : plot.points.back().value;
   const std::string limited = limit > 0.0 ? fmt::format(", limit {:.3g}", limit) : std::string();
   plot.title = fmt::format("{} {:.3g} {}{}   (0 to {:g}, {:g} s)", name, newest, unit, limited, plot.top, RecentCurve::kSeconds);
@@ -49,7 +49,7 @@ const std::vector<PlotShown>& LivePlots::compose(std::int64_t now_ns) {
   composed_ns_ = now_ns;
   // Without a new state the force is still the last one: the hub sends no state that would be drawn the same.
   if (newest_n_) force_n_.add(now_ns, *newest_n_);
-  composed_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kLeastTopN),
+  composed_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kLeastAxisMostN),
                make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kLeastTopMs)};
   return composed_;
 }

@@ -53,14 +53,14 @@ class LivePlots {
   std::int64_t composed_ns_ = 0;
 };
 
-// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, which is at least least_top.
-PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_top);
+// Makes a plot. Its title has the newest value, the limit (0: none) and the scale, which is at least least_axis_most.
+PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most);
 
 // The smallest tops of the scales of a force (N) and of a time (ms).
-constexpr double kLeastTopN = 1.0;
+constexpr double kLeastAxisMostN = 1.0;
 constexpr double kLeastTopMs = 20.0;
 
 // The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least `least`.
-double choose_top(double value, double least);
+double choose_axis_most(double value, double least);
 
 }  // namespace hapton

@@ -97,7 +97,7 @@ std::vector<PlotShown> make_recorded_plots(const SessionIndex& index, double t_s
   const double limit_n = notice != nullptr && std::isfinite(notice->force_limit_n) ? std::max(0.0F, notice->force_limit_n) : 0.0;
   const auto force = make_curve(spans, t_s, [](const SessionSpan& span) { return static_cast<double>(span.written_n); });
   const auto trip = make_curve(spans, t_s, [](const SessionSpan& span) { return 1e3 * static_cast<double>(span.round_trip_s); });
-  return {make_plot(force, "force", "N", limit_n, kLeastTopN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
+  return {make_plot(force, "force", "N", limit_n, kLeastAxisMostN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
 }
 
 std::string describe_recording(const std::string& name, const SessionPlayer& player, std::uint64_t sample) {

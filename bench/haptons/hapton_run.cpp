@@ -43,12 +43,12 @@ class BlockCollider final : public PairCollider {
     for (std::size_t b = 0; b < blocks_.size(); ++b) pack_8(&pairs[8 * b], blocks_[b]);
   }
   std::string name() const override { return "simd"; }
-  std::string what() const override { return "eight at once, float; unclear ones again in double"; }
+  std::string what() const override { return "eight at once, float; undecided ones again in double"; }
   bool is_peer() const override { return false; }
   void collide(std::size_t first, std::size_t count) override {
     for (std::size_t b = first / 8; b < (first + count) / 8; ++b) {
       intersect_8(blocks_[b], found_[b]);
-      for (unsigned left = found_[b].unclear; left != 0; left &= left - 1) {
+      for (unsigned left = found_[b].undecided; left != 0; left &= left - 1) {
         const std::size_t i = 8 * b + static_cast<std::size_t>(__builtin_ctz(left));
         again_[i] = intersect_triangles(pairs_[i]);
       }
@@ -57,7 +57,7 @@ class BlockCollider final : public PairCollider {
   double location_error(std::size_t i) const override {
     const TriangleContacts8& found = found_[i / 8];
     const auto lane = i % 8;
-    if ((found.unclear >> lane & 1) != 0) return error_of(again_[i], pairs_[i]);
+    if ((found.undecided >> lane & 1) != 0) return error_of(again_[i], pairs_[i]);
     TriangleContact contact;
     contact.meets = (found.meets >> lane & 1) != 0;
     contact.begin = pairs_[i].a[0] + Vec3(found.begin[0][lane], found.begin[1][lane], found.begin[2][lane]);
@@ -66,7 +66,7 @@ class BlockCollider final : public PairCollider {
   }
   std::size_t asked_again() const override {
     std::size_t asked = 0;
-    for (const TriangleContacts8& found : found_) asked += static_cast<std::size_t>(__builtin_popcount(found.unclear));
+    for (const TriangleContacts8& found : found_) asked += static_cast<std::size_t>(__builtin_popcount(found.undecided));
     return asked;
   }
 

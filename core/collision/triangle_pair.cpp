@@ -195,7 +195,7 @@ std::size_t intersect_pairs(std::span<const TrianglePair> pairs, std::span<Trian
     for (int lane = 0; lane < count; ++lane) {
       const TrianglePair& pair = pairs[first + lane];
       TriangleContact& contact = contacts[first + lane];
-      if ((found.unclear >> lane & 1) != 0) {
+      if ((found.undecided >> lane & 1) != 0) {
         contact = intersect_triangles(pair);
         ++fallbacks;
         continue;

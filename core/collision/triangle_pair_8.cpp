@@ -173,7 +173,7 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Float8 misses = beside | (apart & heights_clear);
   const Float8 meets = and_not(misses, clear & located);
   contacts.meets = static_cast<std::uint8_t>(sign_bits(meets));
-  contacts.unclear = static_cast<std::uint8_t>(~sign_bits(meets | misses));
+  contacts.undecided = static_cast<std::uint8_t>(~sign_bits(meets | misses));
   store(begin.point, contacts.begin);
   store(end.point, contacts.end);
   store(contacts.error, error);

@@ -78,9 +78,9 @@ void HeldTool::publish(const Placement& device, const Placement& goal, std::int6
 bool HeldTool::take_found(std::int64_t time_ns) noexcept {
   ++samples_since_new_;
   const bool are_new = found_.take();
-  if (seconds(time_ns - felt_ns_) > kLongestGapS) has_rested_ = true;
-  has_rested_ = has_rested_ && !are_new;
-  const bool are_late = are_new && samples_since_new_ > kPrompt;
+  if (seconds(time_ns - felt_ns_) > kLongestGapS) is_after_sample_gap_ = true;
+  is_after_sample_gap_ = is_after_sample_gap_ && !are_new;
+  const bool are_late = are_new && samples_since_new_ > kMostPromptSamples;
   if (are_new) samples_since_new_ = 0;
   return are_late;
 }
@@ -97,7 +97,7 @@ void HeldTool::release(const Placement& device, std::int64_t time_ns) noexcept {
   publish(device, device, time_ns);
   friction_.forget();
   felt_ = {};
-  change_share_ = 0.0;
+  fading_share_ = 0.0;
   felt_at_ = device;
   felt_ns_ = time_ns;
 }
@@ -122,7 +122,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
     return output;
   }
   const ToolProxyStep step = output.proxy;
-  if (!has_rested_) count_lateness();
+  if (!is_after_sample_gap_) count_lateness();
   Placement goal = device;
   Placement at = device;
   found.contacts.follow(parts_);
@@ -215,7 +215,7 @@ void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held
 }
 
 // In the energy norm of the coupling: how far the device is from the proxy, local units.
-double HeldTool::length_of(const Felt& felt) const noexcept {
+double HeldTool::coupling_extension(const Felt& felt) const noexcept {
   const ToolCoupling& coupling = tool_->coupling();
   const double k = coupling.stiffness_n_per_m;
   return std::sqrt(felt.force_n.squaredNorm() / (k * k) + felt.torque_nm.squaredNorm() / (k * coupling.rotational_stiffness_nm_per_rad)) /
@@ -225,25 +225,25 @@ double HeldTool::length_of(const Felt& felt) const noexcept {
 // With the same contacts the distance from device to proxy changes by no more than the device moves, as that from any point to a convex
 // set does. Twice that leaves room for the curvature of the contacts.
 void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
-  change_share_ = std::max(0.0, change_share_ - std::max(0.0, seconds(time_ns - felt_ns_)) / kHandOverS);
+  fading_share_ = std::max(0.0, fading_share_ - std::max(0.0, seconds(time_ns - felt_ns_)) / kContactFadeS);
   const Felt plain{output.force_n, output.torque_nm};
   if (are_late) {
-    const Felt jump{felt_.force_n - plain.force_n - change_share_ * change_.force_n,
-                    felt_.torque_nm - plain.torque_nm - change_share_ * change_.torque_nm};
+    const Felt jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
+                    felt_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
     const ToolCoupling& coupling = tool_->coupling();
     const Vec3 turn = turn_between(felt_at_.orientation, device.orientation);
     const double lever_squared = coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m;
     double moved = std::sqrt((device.position - felt_at_.position).squaredNorm() +
                              turn.squaredNorm() * lever_squared / (tool_->scene().unit_m() * tool_->scene().unit_m()));
     for (std::size_t p = 0; p < parts_.size(); ++p) moved += motion_past(device, tool_->proxy().radius(), last_parts_[p], parts_[p]);
-    if (length_of(jump) > 2.0 * moved + ToolProxy::kContactOffset) {
-      change_ = {felt_.force_n - plain.force_n, felt_.torque_nm - plain.torque_nm};
-      change_share_ = 1.0;
+    if (coupling_extension(jump) > 2.0 * moved + ToolProxy::kContactOffset) {
+      fading_wrench_ = {felt_.force_n - plain.force_n, felt_.torque_nm - plain.torque_nm};
+      fading_share_ = 1.0;
     }
   }
-  if (change_share_ > 0.0) {
-    output.force_n += change_share_ * change_.force_n;
-    output.torque_nm += change_share_ * change_.torque_nm;
+  if (fading_share_ > 0.0) {
+    output.force_n += fading_share_ * fading_wrench_.force_n;
+    output.torque_nm += fading_share_ * fading_wrench_.torque_nm;
   }
   felt_ = {output.force_n, output.torque_nm};
   felt_at_ = device;

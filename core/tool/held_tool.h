@@ -25,10 +25,10 @@ class HeldTool final : public StylusTool {
   // therefore drawn no farther from its last collision-free pose than the distance within which contacts were searched for. Between this
   // age and twice this age, the drawn pose moves gradually to that limit.
   static constexpr double kLateS = 0.005;
-  // If new contacts come more than kPrompt samples after the previous ones and change the force by more than the device's motion explains,
-  // the force fades to the new one over this time.
-  static constexpr double kHandOverS = 0.02;
-  static constexpr int kPrompt = 2;
+  // If new contacts come more than kMostPromptSamples samples after the previous ones and change the force by more than the device's motion
+  // explains, the force fades to the new one over this time.
+  static constexpr double kContactFadeS = 0.02;
+  static constexpr int kMostPromptSamples = 2;
   // If two samples are farther apart than this, or time goes back, damping takes no motion between them into account: io_node uses no force
   // that is older than this, so the hand felt none meanwhile.
   static constexpr double kLongestGapS = 0.02;
@@ -77,7 +77,7 @@ class HeldTool final : public StylusTool {
   void count_lateness() noexcept;
   void release(const Placement& device, std::int64_t time_ns) noexcept;
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
-  double length_of(const Felt& felt) const noexcept;
+  double coupling_extension(const Felt& felt) const noexcept;
   void place_objects();
   void set_friction(LocalContacts& contacts) const noexcept;
   void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
@@ -109,7 +109,7 @@ class HeldTool final : public StylusTool {
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
   Lateness lateness_;
-  bool has_rested_ = true;  // no contacts have come since a gap in the samples
+  bool is_after_sample_gap_ = true;  // no contacts have come since a gap in the samples
   bool is_known_ = false;
   Sample last_;  // the last one that follow() used
   std::optional<Placement> start_;
@@ -125,10 +125,10 @@ class HeldTool final : public StylusTool {
   std::vector<Placement> parts_;       // at the fast task's last step
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;
-  // The fast task's last step, and the change of force that late contacts brought, of which change_share_ has not faded yet.
+  // The fast task's last step, and the change of force that late contacts brought, of which fading_share_ has not faded yet.
   Felt felt_;
-  Felt change_;
-  double change_share_ = 0.0;
+  Felt fading_wrench_;
+  double fading_share_ = 0.0;
   Placement felt_at_;
   std::int64_t felt_ns_ = 0;
   int samples_since_new_ = 0;

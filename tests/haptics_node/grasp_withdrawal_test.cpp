@@ -1,4 +1,4 @@
-// Nothing leaves its place while somebody else computes forces with it there (Grasp::set_free).
+// Nothing leaves its place while somebody else computes forces with it there (Grasp::set_may_leave).
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -45,7 +45,7 @@ struct GraspWithdrawalTest : GraspTaskTest {
 
 TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
   EXPECT_FALSE(grasp->is_leaving(true));
-  grasp->set_free(false);
+  grasp->set_may_leave(false);
   reply(at, 1);
   EXPECT_TRUE(grasp->is_leaving(true)) << "it has been requested";
   rest(1, 200);
@@ -54,7 +54,7 @@ TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
   EXPECT_FALSE(grasp->poses()[kCube].is_held);
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
   EXPECT_EQ(last.object, kCube);
-  grasp->set_free(true);
+  grasp->set_may_leave(true);
   reply(at, 1);
   EXPECT_TRUE(step->holds_tool());
   EXPECT_TRUE(grasp->poses()[kCube].is_held);
@@ -71,11 +71,11 @@ TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
 
 TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
   const std::uint32_t serial = grasp->poses()[kCube].serial;
-  grasp->set_free(false);
+  grasp->set_may_leave(false);
   rest(1, 200);
   rest(0, 5);
   EXPECT_FALSE(grasp->is_leaving(true));
-  grasp->set_free(true);
+  grasp->set_may_leave(true);
   rest(0, 100);
   EXPECT_FALSE(step->holds_tool());
   EXPECT_EQ(grasp->poses()[kCube].serial, serial);
@@ -88,7 +88,7 @@ TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
 TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   go({0.0, 0.0, 0.05}, 0);
   const ObjectPose pose = {.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)};
-  grasp->set_free(false);
+  grasp->set_may_leave(false);
   EXPECT_FALSE(grasp->is_leaving(true));
   grasp->request(pose);
   EXPECT_TRUE(grasp->is_leaving(false));
@@ -96,12 +96,12 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   EXPECT_EQ(grasp->poses()[kCube].p_m, Vec3(Vec3::Zero()));
   EXPECT_TRUE(grasp->is_leaving(false)) << "without being repeated";
   EXPECT_FALSE(grasp->is_busy());
-  grasp->set_free(true);
+  grasp->set_may_leave(true);
   rest(0, 1);
   EXPECT_EQ(grasp->poses()[kCube].p_m, pose.p_m);
   wait_for_method(1);
   EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
-  grasp->set_free(false);
+  grasp->set_may_leave(false);
   grasp->request(pose);
   EXPECT_FALSE(grasp->is_leaving(true)) << "that pose is not the newest any more";
 }
@@ -109,10 +109,10 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
 // Once the hub has no parts any more, it asks to go on from its probe. What waited for that must not leave before that probe is known.
 TEST_F(GraspWithdrawalTest, WhatLeavesAsTheProbeBeginsAnewTakesNoContactAway) {
   press_on_plate();
-  grasp->set_free(false);
+  grasp->set_may_leave(false);
   grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)});
   reply(at, 0);
-  grasp->set_free(true);
+  grasp->set_may_leave(true);
   resume_at({-0.08, 0.0, 0.0}, 0);
   EXPECT_TRUE(last.contact);
   rest(0, 1);
@@ -186,7 +186,7 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
   for (const bool is_free : {false, true}) {
     SCOPED_TRACE(is_free);
     const std::uint32_t serial = grasp->poses()[kCube].serial;
-    grasp->set_free(is_free);
+    grasp->set_may_leave(is_free);
     for (const double gone_m : {0.9 * kResumeReachM, 1.1 * kResumeReachM}) {
       SCOPED_TRACE(gone_m);
       const Vec3 pressed = first + grasp->poses()[kCube].p_m;
@@ -198,7 +198,7 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
       sample_at(pressed, 1);
       for (int n = 1; n <= 400; ++n) sample_at(pressed + Vec3(0.0, 0.0, gone_m * n / 400), 1);
       at = pressed + Vec3(0.0, 0.0, gone_m);
-      grasp->set_free(true);
+      grasp->set_may_leave(true);
       for (int n = 0; n < 200; ++n) reply(at, 1);
       EXPECT_EQ(step->holds_tool(), gone_m < kResumeReachM);
       if (gone_m < kResumeReachM) {
@@ -220,7 +220,7 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
 
 // Nobody needs to wait for the next sample for that: while the hub computes the force there are few.
 TEST_F(GraspWithdrawalTest, AToolThatIsMadeIsKnownBetweenSamples) {
-  grasp->set_free(false);
+  grasp->set_may_leave(false);
   step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
   step->reply();
   EXPECT_FALSE(grasp->is_leaving(false));

@@ -34,7 +34,7 @@ TEST(FindEnclosure, IsWithinFacesThatPointOutwards) {
   EXPECT_FALSE(find_enclosure(commanded, Vec3::Zero()).is_inside) << "it may be elsewhere";
 }
 
-TEST(FindEnclosure, ARoomIsNoBodyAndNorIsAnOpenShell) {
+TEST(FindEnclosure, IgnoresRoomsAndOpenShells) {
   EXPECT_FALSE(find_enclosure(scene_of(turned_inside_out(made::sphere(0.05, 30))), Vec3::Zero()).is_inside);
   TriangleMesh shell = made::sphere(0.05, 30);
   shell.triangles.resize(shell.triangles.size() * 3 / 4);
@@ -98,7 +98,7 @@ TEST_F(InsideWatchTest, AHandThatIsHeldFromWithinIsStillInside) {
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("end haptics_node, lead the stylus out, and start it again"));
 }
 
-TEST_F(InsideWatchTest, AHandThatComesInLaterIsFeltAndSoIsOneThatStartsOutside) {
+TEST_F(InsideWatchTest, NoWarningAfterAStartOutside) {
   testing::internal::CaptureStderr();
   {
     InsideWatch watch(ball(true));

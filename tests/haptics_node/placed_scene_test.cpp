@@ -83,7 +83,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasPutDownLiesThere) {
   const auto file = write({.objects = {"table", "cube"}, .entries = {}, .put_down = {{1, Vec3(0.3, 0.0, -0.1), kTurned}}});
   std::vector<PutDown> put_down;
   const std::string log = log_of([&] {
-    const auto read = read_put_down(file, scene);
+    const auto read = read_saved_poses(file, scene);
     ASSERT_TRUE(read) << read.error().what;
     put_down = *read;
   });
@@ -102,7 +102,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasPutDownLiesThere) {
 TEST_F(PlacedSceneTest, WhatIsNotMovableStays) {
   const auto file = write({.objects = {"table", "cube"}, .entries = {}, .put_down = {{0, Vec3(0.3, 0.0, 0.0), kTurned}}});
   const std::string log = log_of([&] {
-    const auto read = read_put_down(file, scene);
+    const auto read = read_saved_poses(file, scene);
     ASSERT_TRUE(read);
     EXPECT_TRUE(read->empty());
   });
@@ -112,7 +112,7 @@ TEST_F(PlacedSceneTest, WhatIsNotMovableStays) {
 TEST_F(PlacedSceneTest, AFileOfAnotherSceneSaysSo) {
   const auto file = write({.objects = {"table", "other"}, .entries = {}, .put_down = {{1, Vec3::Zero(), kTurned}}}, 78);
   const std::string log = log_of([&] {
-    const auto read = read_put_down(file, scene);
+    const auto read = read_saved_poses(file, scene);
     ASSERT_TRUE(read);
     EXPECT_TRUE(read->empty()) << "it is of an object that this scene does not have";
   });
@@ -122,11 +122,11 @@ TEST_F(PlacedSceneTest, AFileOfAnotherSceneSaysSo) {
 
 TEST_F(PlacedSceneTest, WithoutAFileNothingIsPutDown) {
   for (const std::filesystem::path& none : {std::filesystem::path(), folder.path() / "none.json"}) {
-    const auto read = read_put_down(none, scene);
+    const auto read = read_saved_poses(none, scene);
     ASSERT_TRUE(read);
     EXPECT_TRUE(read->empty());
   }
-  const auto broken = read_put_down(folder.write("broken.json", "{"), scene);
+  const auto broken = read_saved_poses(folder.write("broken.json", "{"), scene);
   ASSERT_FALSE(broken);
   EXPECT_THAT(broken.error().what, HasSubstr("broken.json"));
 }
@@ -159,7 +159,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasCarvedIsCarvedAgain) {
   const auto file = write(notes);
   std::vector<CarvedPress> carved;
   const std::string log = log_of([&] {
-    const auto read = read_carved(file, scene);
+    const auto read = read_saved_carves(file, scene);
     ASSERT_TRUE(read) << read.error().what;
     carved = *read;
   });
@@ -167,7 +167,7 @@ TEST_F(PlacedSceneTest, WhatAFileHasCarvedIsCarvedAgain) {
   EXPECT_EQ(log.find("table"), log.rfind("table")) << "once";
   ASSERT_EQ(carved.size(), 3U);
   HapticsStep step(std::make_unique<TouchStep>(*make_method({}, scene.touch_scene()), scene.touch_scene()), 1e-5);
-  const std::vector<MadeCarve> made = carve_as_saved(carved, step);
+  const std::vector<MadeCarve> made = apply_saved_carves(carved, step);
   ASSERT_EQ(made.size(), 4U);
   for (std::size_t n = 0; n < made.size(); ++n) {
     EXPECT_EQ(made[n].serial, n + 1);

@@ -317,7 +317,7 @@ TEST(Hub, AFloodOfJunkDoesNotEndTheSession) {
 }
 
 #ifdef HAPTON_WITH_VISION
-TEST(Vision, FrozenOrFloodedIsMissedByNoHand) {
+TEST(Vision, FrozenOrFloodedChangesNoForce) {
   System system;
   const std::string at = "127.0.0.1:" + find_free_port();
   system.add_arguments("vision_node", {"--bind", at});

@@ -92,7 +92,7 @@ std::uint64_t digest_pairs(Numbers& numbers) {
     TriangleContacts8 contacts;
     pack_8(pairs.data(), packed);
     intersect_8(packed, contacts);
-    digest.add(std::uint64_t{contacts.meets} << 8 | contacts.unclear);
+    digest.add(std::uint64_t{contacts.meets} << 8 | contacts.undecided);
     for (int lane = 0; lane < 8; ++lane) {
       if ((contacts.meets >> lane & 1) == 0) continue;
       for (int k = 0; k < 3; ++k) {

@@ -12,10 +12,10 @@ using ::testing::IsEmpty;
 constexpr std::uint32_t kNone = TriangleAppearance::kNoMaterial;
 
 TEST(MeshHaptics, TellsWhichMaterialsOccur) {
-  EXPECT_THAT(materials_among({}), IsEmpty());
+  EXPECT_THAT(list_haptic_materials({}), IsEmpty());
   const MeshAppearance maps = {
       .images = {}, .materials = {}, .triangles = {{.material = 2}, {.material = kNone}, {.material = 2}, {.material = 0}}};
-  EXPECT_THAT(materials_among(maps), ElementsAre(2, kNone, 0));
+  EXPECT_THAT(list_haptic_materials(maps), ElementsAre(2, kNone, 0));
 }
 
 TEST(MeshHaptics, KeepsTheTrianglesOfOne) {

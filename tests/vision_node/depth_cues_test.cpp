@@ -43,7 +43,7 @@ TEST(DepthCues, AShadowLiesOnTheGroundInTheDirectionOfTheLight) {
   EXPECT_FALSE(find_shadow(Vec3(0.0, -1.0, 0.0)));
 }
 
-TEST(ScaleBar, IsAnEasyLengthAtItsTrueSize) {
+TEST(ScaleBar, HasARoundLengthAtTrueScale) {
   const Framing framing = frame_sphere(Vec3::Zero(), 0.12, 0.063);
   for (const double view_m : {1e-4, 0.05, 0.3, 0.9, 40.0}) {
     Framing seen = framing;

@@ -60,7 +60,7 @@ struct RemoteWall {
   const RemoteMethod* method = nullptr;
   double round_trip_s = 0.0;
   double loss = 0.0;
-  double rest_n_per_m = 0.0;
+  double rest_stiffness_n_per_m = 0.0;
   double stable_n_per_m = 0.0;  // limit of linear theory for a force that is late by the round trip and never lost
 };
 

@@ -125,7 +125,7 @@ std::string walls_text(const RemoteGrid& grid, const RemoteResults& results) {
   for (const RemoteMethod* method : grid.methods) {
     for (const double loss : grid.losses) {
       line(method->name, fmt::format("{:g}", 100.0 * loss), [&](double round_trip_s) {
-        const double rest = find(method, round_trip_s, loss)->rest_n_per_m;
+        const double rest = find(method, round_trip_s, loss)->rest_stiffness_n_per_m;
         if (!(rest > 0.0)) return std::string("none");
         return rest >= kMostWallNPerM ? fmt::format("> {:.0f}", kMostWallNPerM) : fmt::format("{:.0f}", rest);
       });
@@ -184,7 +184,7 @@ std::string walls_to_csv(const RemoteResults& results) {
   std::string csv = "method,round_trip_ms,loss,rest_stiffness_n_per_m,stable_stiffness_n_per_m\n";
   for (const RemoteWall& wall : results.walls) {
     fmt::format_to(std::back_inserter(csv), "{},{:g},{:g},{:.6g},{:.6g}\n", wall.method->name, 1e3 * wall.round_trip_s, wall.loss,
-                   wall.rest_n_per_m, wall.stable_n_per_m);
+                   wall.rest_stiffness_n_per_m, wall.stable_n_per_m);
   }
   return csv;
 }
@@ -210,7 +210,7 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
     json["walls"].push_back({{"method", wall.method->name},
                              {"round_trip_ms", 1e3 * wall.round_trip_s},
                              {"loss", wall.loss},
-                             {"rest_stiffness_n_per_m", wall.rest_n_per_m},
+                             {"rest_stiffness_n_per_m", wall.rest_stiffness_n_per_m},
                              {"stable_stiffness_n_per_m", wall.stable_n_per_m}});
   }
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -261,7 +261,7 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
     script += block_of(grid, fmt::format("w{}", i), [&](double round_trip_s) {
       for (const RemoteWall& wall : results.walls) {
         if (wall.method == grid.methods[i] && wall.round_trip_s == round_trip_s && wall.loss == loss)
-          return std::max(wall.rest_n_per_m, 1.0);
+          return std::max(wall.rest_stiffness_n_per_m, 1.0);
       }
       return 1.0;
     });

@@ -98,14 +98,14 @@ void simulate(ZWidthRow& row) {
 
 void press(ZWidthRow& row) {
   constexpr double kMost = 1e6;  // N/m: the stiffest wall tried
-  row.rest_n_per_m = find_rest_stiffness({.device = row.inputs.device,
-                                          .hand = row.inputs.hand,
-                                          .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
-                                          .there = link_of(row, true),
-                                          .back = link_of(row, false),
-                                          .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
-                                          .seed = row.seed},
-                                         kMost);
+  row.rest_stiffness_n_per_m = find_rest_stiffness({.device = row.inputs.device,
+                                                    .hand = row.inputs.hand,
+                                                    .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
+                                                    .there = link_of(row, true),
+                                                    .back = link_of(row, false),
+                                                    .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
+                                                    .seed = row.seed},
+                                                   kMost);
 }
 
 }  // namespace
@@ -117,7 +117,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
     left /= list.size();
     return value;
   };
-  ZWidthRow row{.cell = cell, .inputs = {}, .found = {}, .rest_n_per_m = {}};
+  ZWidthRow row{.cell = cell, .inputs = {}, .found = {}, .rest_stiffness_n_per_m = {}};
   row.inputs.wall_damping_ns_per_m = take(grid.wall_dampings_ns_per_m);
   row.inputs.mass_filter_s = grid.mass_filter_s;
   row.loss = take(grid.losses);
@@ -199,8 +199,8 @@ nlohmann::ordered_json to_json(const ZWidthRow& row) {
                         : "Colgate and Schenkel 1997, exact with any delay; with encoder steps the smaller of it and 2 friction / step "
                           "(Abbott and Okamura 2005). Damping: of the device, whatever hand holds it"}}}};
   if (row.is_simulated()) json["mean_delay_ms"] = json_number(1e3 * row.mean_delay_s);
-  if (row.rest_n_per_m) {
-    json["rest_stiffness_n_per_m"] = *row.rest_n_per_m;
+  if (row.rest_stiffness_n_per_m) {
+    json["rest_stiffness_n_per_m"] = *row.rest_stiffness_n_per_m;
     json["methods"]["rest"] = "simulated presses: bounded, and a limit cycle of at most two encoder steps or 1 % of the depth";
   }
   return json;
@@ -220,8 +220,9 @@ std::string csv_line(const ZWidthRow& row) {
                      row.found.stiffness.frequency_hz, csv_number(row.found.passive.least_n_per_m()),
                      csv_number(row.found.passive.viscous_n_per_m), csv_number(row.found.passive.quantised_n_per_m),
                      row.found.linear_rule_n_per_m, csv_number(row.found.damping_ns_per_m.value), row.found.passive_damping_ns_per_m,
-                     row.rest_n_per_m ? csv_number(*row.rest_n_per_m) : "", row.inputs.mass_filter_s, csv_number(row.found.mass_kg.value),
-                     row.found.mass_kg.frequency_hz, csv_number(row.is_simulated() ? 1e3 * row.mean_delay_s : row.delay_ms));
+                     row.rest_stiffness_n_per_m ? csv_number(*row.rest_stiffness_n_per_m) : "", row.inputs.mass_filter_s,
+                     csv_number(row.found.mass_kg.value), row.found.mass_kg.frequency_hz,
+                     csv_number(row.is_simulated() ? 1e3 * row.mean_delay_s : row.delay_ms));
 }
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {

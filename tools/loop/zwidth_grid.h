@@ -43,7 +43,7 @@ struct ZWidthRow {
   std::uint64_t seed = 1;
   double mean_delay_s = 0.0;  // of the force on the motors: delay_ms, but measured with jitter or loss (closed_loop/random_stability.h)
   ZWidth found;
-  std::optional<double> rest_n_per_m;  // find_rest_stiffness in closed_loop/press.h
+  std::optional<double> rest_stiffness_n_per_m;  // find_rest_stiffness in closed_loop/press.h
 
   // With jitter or loss the limits of stability are simulated (closed_loop/random_stability.h), the passive stiffness is that of the mean
   // delay, and the limit of the virtual mass is not computed (NaN).

@@ -231,16 +231,17 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
-// A point may creep there.
+// In a slit it may creep from one to the next.
 bool SphereFollower::has_lingered() noexcept {
   constexpr int kMany = 64;  // events; a free choice, like the next two
-  constexpr int kManyOfPoint = 24;
+  constexpr int kManyInSlit = 24;
   constexpr double kOnePlace = 0x1p-6;  // offsets
-  const double within = is_point_ ? kOnePlace * clearance().offset : LocalMinimum::kLeastMotion;
+  const bool is_in_slit = is_point_ && is_in_narrow_slit();
+  const double within = is_in_slit ? kOnePlace * clearance().offset : LocalMinimum::kLeastMotion;
   if (is_descending_ && (centre_ - lingered_at_).norm() <= within) return ++lingering_ > 0;
   if ((centre_ - lingered_at_).norm() > within) {
     lingered_at_ = centre_;
-    lingering_ = is_point_ ? -kManyOfPoint : -kMany;
+    lingering_ = is_in_slit ? -kManyInSlit : -kMany;
   }
   return false;
 }

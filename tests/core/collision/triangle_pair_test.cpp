@@ -209,7 +209,7 @@ TEST(IntersectTriangles, LocatesWithinItsBound) {
   EXPECT_GT(compared, 4000);
 }
 
-TEST(IntersectTriangles, HasNothingToSayAboutTrianglesWithoutArea) {
+TEST(IntersectTriangles, IgnoresDegenerateTriangles) {
   const std::array<Vec3, 3> face = {Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
   EXPECT_FALSE(intersect_triangles({face, {Vec3(1, 1, -1), Vec3(1, 1, 1), Vec3(1, 1, 0)}}).meets);
   EXPECT_FALSE(intersect_triangles({face, {Vec3(1, 1, 0), Vec3(1, 1, 0), Vec3(1, 1, 0)}}).meets);
@@ -221,10 +221,10 @@ TEST(IntersectTriangles, HasNothingToSayAboutTrianglesWithoutArea) {
 struct Tally {
   int met = 0;
   int apart = 0;
-  int unclear = 0;
+  int undecided = 0;
 };
 
-// Lanes that are not unclear must agree with the exact decision, and their error, measured in extended precision, must not exceed the one
+// Lanes that are not undecided must agree with the exact decision, and their error, measured in extended precision, must not exceed the one
 // that they state.
 Tally count_decisions(const std::vector<TrianglePair>& pairs) {
   Tally tally;
@@ -233,11 +233,11 @@ Tally count_decisions(const std::vector<TrianglePair>& pairs) {
     pack_8(&pairs[first], packed);
     TriangleContacts8 found;
     intersect_8(packed, found);
-    EXPECT_EQ(found.meets & found.unclear, 0);
+    EXPECT_EQ(found.meets & found.undecided, 0);
     for (int lane = 0; lane < 8; ++lane) {
       const TrianglePair& pair = pairs[first + lane];
-      if ((found.unclear >> lane & 1) != 0) {
-        ++tally.unclear;
+      if ((found.undecided >> lane & 1) != 0) {
+        ++tally.undecided;
         continue;
       }
       const bool meets = (found.meets >> lane & 1) != 0;
@@ -264,7 +264,7 @@ TEST(Intersect8, IsRightWhereItIsCertain) {
   const Tally tally = count_decisions(pairs);
   EXPECT_GT(tally.met, 10000);
   EXPECT_GT(tally.apart, 30000);
-  EXPECT_LT(tally.unclear, 2000);  // random pairs are seldom near a limit
+  EXPECT_LT(tally.undecided, 2000);  // random pairs are seldom near a limit
 }
 
 TEST(Intersect8, IsRightAtEveryScaleAndPlace) {
@@ -274,10 +274,10 @@ TEST(Intersect8, IsRightAtEveryScaleAndPlace) {
     const double scale = std::ldexp(1.0, random.whole(-20, 20));
     pairs.push_back(random_pair(random, scale, random.point(1e6 * scale)));
   }
-  EXPECT_LT(count_decisions(pairs).unclear, 1000);
+  EXPECT_LT(count_decisions(pairs).undecided, 1000);
 }
 
-TEST(Intersect8, IsRightForUnlikePartners) {
+TEST(Intersect8, IsRightForUnequalSizes) {
   Random random(23);
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 40000; ++i) {
@@ -293,7 +293,7 @@ TEST(Intersect8, IsRightForUnlikePartners) {
 }
 
 // Shallow angles, shallow depths, needles: cases that single precision must report as undecided.
-TEST(Intersect8, KnowsWhatItCannotDecide) {
+TEST(Intersect8, LeavesCloseCasesUndecided) {
   Random random(24);
   std::vector<TrianglePair> pairs;
   for (int i = 0; i < 80000; ++i) {
@@ -314,7 +314,7 @@ TEST(Intersect8, KnowsWhatItCannotDecide) {
   }
   const Tally tally = count_decisions(pairs);
   EXPECT_GT(tally.met, 5000);
-  EXPECT_GT(tally.unclear, 5000);
+  EXPECT_GT(tally.undecided, 5000);
 }
 
 TEST(PackPair, GivesEveryCornerFromTheFirstOneAndLeavesTheOtherLanes) {
@@ -342,7 +342,7 @@ TEST(Intersect8, LeavesDegenerateLanesUnclear) {
   for (int lane = 0; lane < 8; ++lane) pack_pair(lane % 2 == 0 ? flat : point, lane, packed);
   TriangleContacts8 found;
   intersect_8(packed, found);
-  EXPECT_EQ(found.unclear, 0xFF);
+  EXPECT_EQ(found.undecided, 0xFF);
   EXPECT_EQ(found.meets, 0);
 }
 

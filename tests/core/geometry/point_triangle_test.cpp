@@ -110,7 +110,7 @@ TEST(PointTriangle, TinyDistancesKeepTheirDigitsAndUnitNormals) {
   }
 }
 
-TEST(PointTriangle, NeedlesAndTrianglesWithoutAreaAreTheirEdges) {
+TEST(PointTriangle, DegenerateTrianglesActAsEdges) {
   // Coordinates are multiples of a power of two, so that edge vectors are exact, as TouchGeometry makes them.
   const Vec3 a(0, 0, 0);
   const Vec3 b(1, 0, 0);

@@ -7,14 +7,14 @@
 namespace hapton {
 namespace {
 
-TEST(ExactCross, ProductsThatCancelKeepTheirDigits) {
+TEST(AccurateCross, NoLossByCancellation) {
   // (1 + e)(1 - e) - 1 * 1 = -e^2, which plain double arithmetic loses entirely.
   const double e = 0x1p-30;
   EXPECT_DOUBLE_EQ(difference_of_products(1.0 + e, 1.0 - e, 1.0, 1.0), -e * e);
   EXPECT_EQ((1.0 + e) * (1.0 - e) - 1.0, 0.0);
 }
 
-TEST(ExactCross, AgreesWithLongDoubleOnNeedles) {
+TEST(AccurateCross, AgreesWithLongDoubleOnNeedles) {
   constexpr unsigned kSeed = 4211;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);

@@ -287,8 +287,8 @@ TEST(HeldTool, ContactsThatComeLateChangeTheForceWithoutADiscontinuity) {
   }
   const double k = held.tool().coupling().stiffness_n_per_m;
   EXPECT_GT(most_n, 10.0);
-  // At most what the device has moved meanwhile, spread over kHandOverS, and the motion of the step itself.
-  EXPECT_LT(most_change_n, k * kSpeed * (0.08 * 1e-3 / HeldTool::kHandOverS + 2e-3));
+  // At most what the device has moved meanwhile, spread over kContactFadeS, and the motion of the step itself.
+  EXPECT_LT(most_change_n, k * kSpeed * (0.08 * 1e-3 / HeldTool::kContactFadeS + 2e-3));
   EXPECT_EQ(last_n, Vec3::Zero());
 }
 

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(CsvNames, AreTwoFieldsWhateverIsInThem) {
+TEST(CsvNames, AlwaysGiveTwoFields) {
   const std::vector<ObjectName> names = {{"hood", "sheet metal"}, {"a, \"b\"", ""}};
   EXPECT_EQ(csv_names(names, 0), "hood,sheet metal");
   EXPECT_EQ(csv_names(names, 1), "\"a, \"\"b\"\"\",");
