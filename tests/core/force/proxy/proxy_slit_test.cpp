@@ -295,5 +295,31 @@ TEST_P(NarrowWedge, APointStaysWhereASweepGetsNoNearer) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NarrowWedge, testing::Range(1U, 5U));
 
+// The corner at the origin between two faces of the floor and one of the ceiling: the three normals are in one plane within rounding. Two
+// of the faces at a time hold the point nearly as well, so that it could go to and fro between them without an end.
+TEST(APointInASlit, StaysInACornerWhoseNormalsAreInOnePlaneWithinRounding) {
+  constexpr double kSphere = 0x1p-31;  // half a contact offset
+  for (const double tilt : {0.25, 1.0, 4.0, 16.0}) {
+    TriangleMesh mesh;
+    const auto add = [&](double x, double z, double slope_x, double slope_z, double y) {
+      mesh.vertices.emplace_back(x, y + tilt * (slope_x * x + slope_z * z), z);
+    };
+    for (const auto& [x, z] : {std::pair(-0.064, -0.5), {0.064, 0.5}, {-0.5, 0.0}}) add(x, z, -1.94e-7, 0.0, -kSphere);
+    add(0.5, 0.0, -6.9e-8, -1.6e-8, -kSphere);
+    for (const auto& [x, z] : {std::pair(-0.5, -0.5), {-0.5, 0.5}, {0.5, 0.5}, {0.5, -0.5}}) add(x, z, 1e-8, 0.0, kSphere);
+    mesh.triangles = {{0, 1, 2}, {1, 0, 3}, {4, 5, 6}, {4, 6, 7}};
+    const auto method = make_method({.name = "proxy"}, {.objects = {{made::shared(mesh), {}}}}).value();
+    method->reset(Vec3(0.3, -8e-9 * tilt, 0.05));
+    Vec3 proxy;
+    for (const Vec3& device : {Vec3(0.25, -7e-9 * tilt, 0.05), Vec3(-0.156, 0.1, 0.01), Vec3(-0.156, 0.1, -0.02)}) {
+      proxy = method->step({.p_SD = device}).p_SP;
+      for (int i = 0; method->carried_from() && i < 8; ++i) proxy = method->step({.p_SD = device}).p_SP;
+      EXPECT_FALSE(method->carried_from()) << tilt;
+    }
+    EXPECT_LT(proxy.norm(), 1e-7) << tilt;
+    EXPECT_EQ(dynamic_cast<ProxyMethod&>(*method).swept().counters().sweeps, 0U) << tilt;
+  }
+}
+
 }  // namespace
 }  // namespace hapton
