@@ -143,6 +143,7 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
            {"needles", 1, 83, true},                          // a slip along an edge, the device straight below: one cubic for half a turn
            {"sealed-box", 2, 203, false, false, 1000.0},      // a device a thousand extents off, out of work before it had arrived
            {"overlapping-parts", 21, 39, false, false, 1e6},  // a piece of path went over to the other of two nearly parallel lines
+           {"needles", 5, kWalk + 2},                         // in a groove beside a ridge beyond which the surface falls away
        }) {
     StressPlan plan;
     plan.method.name = "proxy";
