@@ -12,7 +12,7 @@ class FrameLog {
  public:
   // One frame, from the start of drawing to its end.
   void record_frame(std::int64_t start_ns, std::int64_t end_ns);
-  // Motion to photon of that frame: from the sample time of its probe state (if unknown, the time of receipt) to the frame's end.
+  // Motion to photon of that frame: from the receipt of its newest probe state to the frame's end.
   void record_motion_to_photon(std::int64_t motion_to_photon_ns) { motion_to_photon_.record(motion_to_photon_ns); }
   // Counts a probe state that needs no new frame, because the picture would not change.
   void count_skipped() { ++skipped_; }
