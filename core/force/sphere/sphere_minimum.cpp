@@ -83,7 +83,7 @@ SphereFollower::Next SphereFollower::stay_within_rounding(const Vec3& to, double
   Vec3 descent;
   const bool is_held = contacts_.find_active(centre_, to - centre_, Vec3::Zero(), descent) && descent.norm() <= LocalMinimum::kAtMinimum;
   is_descending_ = !is_held;
-  if (!is_held) return Next::wait;
+  if (!is_held) return time < 1.0 || is_in_narrow_slit() ? Next::wait : Next::failed;
   time = 1.0;
   return Next::settled;
 }
