@@ -176,7 +176,7 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
 }
 
 // A point that has crept by less than its offset in many events goes on by a sweep: within rounding, what holds it changes from one event
-// to the next.
+// to the next. In a slit, where a sweep would push it out, the device first goes on to its end.
 SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3& to, double& time) noexcept {
   constexpr std::uint64_t kManyEvents = 24;  // of the 30 to 60 that a step's work is enough for; a choice
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
@@ -226,22 +226,26 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     return !is_point_ && !(has_friction_ && has_friction_here()) && minimum().is_shallow(centre_, to, direction) ? Outcome::failed
                                                                                                                  : Outcome::settled;
   const double gone = std::max((centre_ - start).norm(), (time - began) * (to - from).norm());
-  return events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_ ? Outcome::failed
-                                                                                                           : Outcome::exhausted;
+  const bool creeps = events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_;
+  if (!creeps) return Outcome::exhausted;
+  if (!is_in_narrow_slit()) return Outcome::failed;
+  if (time < 1.0) {
+    time = 1.0;
+    is_descending_ = true;
+    return Outcome::exhausted;
+  }
+  if (!is_new_slit(from != to)) return Outcome::settled;
+  is_in_slit_ = true;
+  return Outcome::failed;
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
-// In a slit it may creep from one to the next.
 bool SphereFollower::has_lingered() noexcept {
-  constexpr int kMany = 64;  // events; a free choice, like the next two
-  constexpr int kManyInSlit = 24;
-  constexpr double kOnePlace = 0x1p-6;  // offsets
-  const bool is_in_slit = is_point_ && is_in_narrow_slit();
-  const double within = is_in_slit ? kOnePlace * clearance().offset : LocalMinimum::kLeastMotion;
-  if (is_descending_ && (centre_ - lingered_at_).norm() <= within) return ++lingering_ > 0;
-  if ((centre_ - lingered_at_).norm() > within) {
+  constexpr int kMany = 64;  // events; a free choice
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kLeastMotion) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > LocalMinimum::kLeastMotion) {
     lingered_at_ = centre_;
-    lingering_ = is_in_slit ? -kManyInSlit : -kMany;
+    lingering_ = -kMany;
   }
   return false;
 }
