@@ -82,7 +82,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
 
 // Where a sweep gets no nearer to the device, the proxy stays in the slit.
 void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept {
-  swept_.keep_only(sphere_.offset());
+  is_close_ = true;
   const bool has_settled = sweep_to(device);
   if (has_settled && !((proxy_.position - device).norm() < (sphere_.centre() - device).norm())) return copy_sphere_state(device);
   sphere_.stop_tracking();
@@ -100,7 +100,9 @@ void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexc
     copy_sphere_state(device);
 }
 
+// A sweep that begins nearer to a face than its clearance allows could pass it.
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
+  if (is_close_ && !proxy_.is_free) swept_.keep_only(sphere_.offset());
   const bool has_settled = swept_.descend(proxy_, device, std::max(work_left_, kLeastSweptWork));
   work_left_ -= swept_.work();
   return has_settled;
@@ -185,6 +187,7 @@ void ProxyMethod::clear_start() noexcept { proxy_.position = flight_.clear_of_su
 // At the end of a step that the surface holds.
 void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   proxy_.position = surface_.lifted(kContactOffset);
+  is_close_ = false;
   active_offset_ = kContactOffset;
   proxy_.is_free = false;
   proxy_.slides = surface_.slides();
@@ -233,6 +236,7 @@ void ProxyMethod::lift_off_surface() noexcept {
     if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
     if (!is_in_the_way(from.point, lifted, from.triangle)) break;
   }
+  is_close_ = false;
   const bool slides = surface_.slides();
   lifted_ = {surface_.point(), (lifted - surface_.point()).norm()};
   is_lifted_ = true;

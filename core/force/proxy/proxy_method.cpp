@@ -110,6 +110,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   carried_from_.reset();
   unconverged_ = false;
   sweeps_finish_ = false;
+  is_close_ = false;
   failures_ = 0;
   is_lifted_ = false;
   touched_object_ = -1;

@@ -33,6 +33,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
 
 void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
   proxy_.settle_at(sphere_.centre());
+  is_close_ = false;
   active_offset_ = is_point_ ? sphere_.offset() : kContactOffset;
   proxy_.is_free = sphere_.is_free() && proxy_.position == device;
   proxy_.slides = sphere_.slides();
