@@ -13,7 +13,7 @@ namespace hapton {
 
 // A request of the haptic step to the slow task.
 struct GraspOrder {
-  enum class Kind : std::uint8_t { pick_up, cancel_pick_up, put_down };  // cancel_pick_up: a pick_up is cancelled
+  enum class Kind : std::uint8_t { pick_up, cancel_pick_up, put_down };
 
   std::uint32_t serial = 0;  // counts orders, from 1
   Kind kind = Kind::cancel_pick_up;

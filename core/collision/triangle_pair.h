@@ -42,7 +42,7 @@ struct alignas(32) TriangleContacts8 {
   float end[3][8];
   float error[8];          // both ends are at most this far from the exact ones
   std::uint8_t meets;      // bit per lane: certainly intersects, located to 0.1 % of the smaller triangle (its longest edge)
-  std::uint8_t undecided;  // bit per lane: undecided in single precision; use intersect_triangles. Neither bit: certainly apart
+  std::uint8_t undecided;  // bit per lane: not certain in single precision; use intersect_triangles. Neither bit: certainly apart
 };
 
 // Rounds one pair into a lane, relative to its corner a[0]. RT: yes.

@@ -226,15 +226,15 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     return !is_point_ && !(has_friction_ && has_friction_here()) && minimum().is_shallow(centre_, to, direction) ? Outcome::failed
                                                                                                                  : Outcome::settled;
   const double gone = std::max((centre_ - start).norm(), (time - began) * (to - from).norm());
-  const bool creeps = events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_;
-  if (!creeps) return Outcome::exhausted;
+  const bool has_crept = events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_;
+  if (!has_crept) return Outcome::exhausted;
   if (!is_in_narrow_slit()) return Outcome::failed;
   if (time < 1.0) {
     time = 1.0;
     is_descending_ = true;
     return Outcome::exhausted;
   }
-  if (!is_new_slit(from != to)) return Outcome::settled;
+  if (!note_slit(from != to)) return Outcome::settled;
   is_in_slit_ = true;
   return Outcome::failed;
 }
