@@ -8,6 +8,7 @@ namespace hapton {
 namespace {
 
 constexpr double kMostForceN = 1000.0;         // as io_node's own flags
+constexpr double kMostTorqueNm = 1000.0;       // likewise
 constexpr double kMostNumber = 1e9;            // of whatever has no limit of its own
 constexpr double kQuaternionTolerance = 1e-3;  // of the squared length: single precision, or numbers with four digits
 
@@ -70,7 +71,7 @@ Result<void> PluginDevice::take_limits(const hapton_device_limits& limits) {
   for (const Bound& bound :
        {Bound{"max_force_n", limits.max_force_n, kMostForceN}, Bound{"max_slew_n_per_s", limits.max_slew_n_per_s, kMostNumber},
         Bound{"max_stiffness_n_per_m", limits.max_stiffness_n_per_m, kMostNumber},
-        Bound{"max_torque_nm", limits.max_torque_nm, kMostForceN},
+        Bound{"max_torque_nm", limits.max_torque_nm, kMostTorqueNm},
         Bound{"max_torque_slew_nm_per_s", limits.max_torque_slew_nm_per_s, kMostNumber},
         Bound{"continuous_force_n", limits.continuous_force_n, kMostForceN}, Bound{"peak_s", limits.peak_s, kMostNumber},
         Bound{"max_speed_m_per_s", limits.max_speed_m_per_s, kMostNumber}}) {

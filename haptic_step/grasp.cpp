@@ -33,20 +33,20 @@ Grasp::Grasp(GraspLink& link, const std::vector<bool>& movable, std::uint32_t bu
 
 void Grasp::place(int object, const Pose& X_SO) {
   moved_[static_cast<std::size_t>(object)] = X_SO;
-  order_.object = object;
+  request_.object = object;
   set_pose(X_SO, false);
-  order_.object = -1;
+  request_.object = -1;
 }
 
 Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touched, const Vec3& visual_offset_m) noexcept {
   const bool is_held_down = is_down(state);
   const bool is_pressed = !std::exchange(was_down_, is_held_down) && is_held_down;
   const bool is_answered = has_reply();
-  const std::optional<ObjectPose> request = std::exchange(requested_, std::nullopt);
+  const std::optional<ObjectPose> request = std::exchange(requested_pose_, std::nullopt);
   switch (phase_) {
     case Phase::idle:
       if (request && may_move(*request) && !may_leave_) {
-        requested_ = request;
+        requested_pose_ = request;
       } else if (request && may_move(*request)) {
         note_stylus(state, X_WS, touched >= 0 ? visual_offset_m : Vec3(Vec3::Zero()));
         move(*request);
@@ -57,61 +57,61 @@ Grasp::Change Grasp::update(const DeviceState& state, const Pose& X_WS, int touc
         begin(state, X_WS, touched, visual_offset_m);
       }
       return Change::none;
-    case Phase::asked:
+    case Phase::requested:
       if (!is_held_down || has_hand_left(state, X_WS) || (is_answered && !has_tool())) {
-        send(GraspOrder::Kind::cancel_pick_up);
+        send(GraspRequest::Kind::cancel_pick_up);
         phase_ = Phase::idle;
         return Change::none;
       }
       if (!has_tool() || !may_leave_) return Change::none;
       tool_ = link_.replies.value().tool;
       phase_ = Phase::held;
-      set_pose(order_.X_SD.inverse(Eigen::Isometry) * order_.moved, true);
+      set_pose(request_.X_SD.inverse(Eigen::Isometry) * request_.moved, true);
       return Change::picked_up;
     case Phase::held:
       if (is_held_down) return Change::none;
       tool_ = nullptr;
-      order_.moved = rigid(X_SP_ * order_.X_SD.inverse(Eigen::Isometry) * order_.moved);
-      moved_[static_cast<std::size_t>(order_.object)] = order_.moved;
-      set_pose(order_.moved, false);
-      send(GraspOrder::Kind::put_down);
+      request_.moved = rigid(X_SP_ * request_.X_SD.inverse(Eigen::Isometry) * request_.moved);
+      moved_[static_cast<std::size_t>(request_.object)] = request_.moved;
+      set_pose(request_.moved, false);
+      send(GraspRequest::Kind::put_down);
       phase_ = Phase::waiting;
       return Change::put_down;
     case Phase::waiting:
       if (!is_answered) return Change::none;
       // The scene could not be built.
-      moved_[static_cast<std::size_t>(order_.object)] = before_;
+      moved_[static_cast<std::size_t>(request_.object)] = before_;
       set_pose(before_, false);
       phase_ = Phase::idle;
-      has_start_ = true;
+      has_resume_contact_ = true;
       return Change::returned;
   }
   return Change::none;
 }
 
-bool Grasp::is_leaving(bool is_early) noexcept {
-  was_early_ = phase_ == Phase::asked && (was_early_ || is_early);
-  if (phase_ == Phase::idle) return requested_ && may_move(*requested_);
-  return phase_ != Phase::asked || was_early_ || has_tool();
+bool Grasp::is_object_away(bool is_early) noexcept {
+  was_early_ = phase_ == Phase::requested && (was_early_ || is_early);
+  if (phase_ == Phase::idle) return requested_pose_ && may_move(*requested_pose_);
+  return phase_ != Phase::requested || was_early_ || has_tool();
 }
 
-// A button that was released here may be pressed again in the next sample, of which update() would not know: the order is taken back.
+// A button that was released here may be pressed again in the next sample, of which update() would not know: the request is withdrawn.
 void Grasp::skip_sample(const DeviceState& state) noexcept {
   was_down_ = was_down_ && is_down(state);
-  if (phase_ != Phase::asked || is_down(state)) return;
-  send(GraspOrder::Kind::cancel_pick_up);
+  if (phase_ != Phase::requested || is_down(state)) return;
+  send(GraspRequest::Kind::cancel_pick_up);
   phase_ = Phase::idle;
 }
 
-// To the last order.
+// To the last request.
 bool Grasp::has_reply() noexcept {
   (void)link_.replies.take();
-  return link_.replies.value().serial == order_.serial;
+  return link_.replies.value().serial == request_.serial;
 }
 
 // The object would come after it, through whatever is in between.
 bool Grasp::has_hand_left(const DeviceState& state, const Pose& X_WS) const noexcept {
-  return (X_WS.inverse(Eigen::Isometry) * state.p_WD - order_.X_SD.translation()).norm() > kResumeReachM;
+  return (X_WS.inverse(Eigen::Isometry) * state.p_WD - request_.X_SD.translation()).norm() > kResumeReachM;
 }
 
 bool Grasp::may_move(const ObjectPose& pose) const noexcept {
@@ -121,40 +121,40 @@ bool Grasp::may_move(const ObjectPose& pose) const noexcept {
 
 // As if it had been held and put down there; the probe goes on from where it is.
 void Grasp::move(const ObjectPose& pose) noexcept {
-  order_.object = pose.object;
+  request_.object = pose.object;
   before_ = moved_[static_cast<std::size_t>(pose.object)];
-  order_.moved = Pose::Identity();
-  order_.moved.translation() = pose.p_m;
-  order_.moved.linear() = pose.q.normalized().toRotationMatrix();
-  moved_[static_cast<std::size_t>(pose.object)] = order_.moved;
-  set_pose(order_.moved, false);
-  send(GraspOrder::Kind::put_down);
+  request_.moved = Pose::Identity();
+  request_.moved.translation() = pose.p_m;
+  request_.moved.linear() = pose.q.normalized().toRotationMatrix();
+  moved_[static_cast<std::size_t>(pose.object)] = request_.moved;
+  set_pose(request_.moved, false);
+  send(GraspRequest::Kind::put_down);
   phase_ = Phase::waiting;
 }
 
 void Grasp::note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept {
-  order_.X_SD = relative(X_WS, pose_of(state));
-  X_SP_ = order_.X_SD;
+  request_.X_SD = relative(X_WS, pose_of(state));
+  X_SP_ = request_.X_SD;
   p_DP_ = state.q_WT.conjugate() * visual_offset_m;
 }
 
 void Grasp::begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept {
-  order_.object = object;
-  order_.moved = before_ = moved_[static_cast<std::size_t>(object)];
+  request_.object = object;
+  request_.moved = before_ = moved_[static_cast<std::size_t>(object)];
   note_stylus(state, X_WS, visual_offset_m);
   was_early_ = false;
-  send(GraspOrder::Kind::pick_up);
-  phase_ = Phase::asked;
+  send(GraspRequest::Kind::pick_up);
+  phase_ = Phase::requested;
 }
 
-void Grasp::send(GraspOrder::Kind kind) noexcept {
-  ++order_.serial;
-  order_.kind = kind;
-  link_.orders.publish(order_);
+void Grasp::send(GraspRequest::Kind kind) noexcept {
+  ++request_.serial;
+  request_.kind = kind;
+  link_.requests.publish(request_);
 }
 
 void Grasp::set_pose(const Pose& pose, bool is_held) noexcept {
-  ObjectPose& shown = poses_[static_cast<std::size_t>(order_.object)];
+  ObjectPose& shown = poses_[static_cast<std::size_t>(request_.object)];
   shown.serial = ++pose_serial_;
   shown.is_held = is_held;
   shown.p_m = pose.translation();
@@ -166,15 +166,15 @@ void Grasp::note_pose(const Pose& X_WP, const Pose& X_WS) noexcept {
 }
 
 void Grasp::note_built(std::uint32_t serial) noexcept {
-  if (phase_ != Phase::waiting || serial != order_.serial) return;
+  if (phase_ != Phase::waiting || serial != request_.serial) return;
   phase_ = Phase::idle;
-  has_start_ = true;
+  has_resume_contact_ = true;
 }
 
-std::optional<Grasp::Start> Grasp::take_resume_contact(const Pose& X_WS) noexcept {
-  if (!std::exchange(has_start_, false) || p_DP_.isZero(0.0)) return std::nullopt;
+std::optional<Grasp::ResumeContact> Grasp::take_resume_contact(const Pose& X_WS) noexcept {
+  if (!std::exchange(has_resume_contact_, false) || p_DP_.isZero(0.0)) return std::nullopt;
   const Pose X_WP = X_WS * X_SP_;
-  return Start{X_WP * p_DP_, (X_WP.linear() * p_DP_).normalized()};
+  return ResumeContact{X_WP * p_DP_, (X_WP.linear() * p_DP_).normalized()};
 }
 
 }  // namespace hapton

@@ -12,19 +12,19 @@
 namespace hapton {
 
 // A request of the haptic step to the slow task.
-struct GraspOrder {
+struct GraspRequest {
   enum class Kind : std::uint8_t { pick_up, cancel_pick_up, put_down };
 
-  std::uint32_t serial = 0;  // counts orders, from 1
+  std::uint32_t serial = 0;  // counts requests, from 1
   Kind kind = Kind::cancel_pick_up;
   int object = -1;                // its number in the scene
   Pose X_SD = Pose::Identity();   // pick_up: the stylus when the object was picked up
   Pose moved = Pose::Identity();  // of the object, frame S: the transform of its points from where the scene file places them
 };
 
-// The reply of the slow task: for a pick_up the tool, which the step holds until its next order. Null: there is none; the log says why.
+// The reply of the slow task: for a pick_up the tool, which the step holds until its next request. Null: there is none; the log says why.
 struct GraspReply {
-  std::uint32_t serial = 0;  // of the order
+  std::uint32_t serial = 0;  // of the request
   HeldTool* tool = nullptr;
   HapticsSetup::Text method = {};  // as HapticsSetup has it
 };
@@ -39,7 +39,7 @@ struct PlacedScene {
 
 // Between the step and the slow task. RT: yes. Threads: one on each side.
 struct GraspLink {
-  Mailbox<GraspOrder> orders;
+  Mailbox<GraspRequest> requests;
   Mailbox<GraspReply> replies;
   Mailbox<PlacedScene> placed;
 };
@@ -59,7 +59,7 @@ class Grasp {
   // Requests that an object moves to this pose from its present one, which has the same serial. update() moves it, unless an object is
   // being picked up, held or put down, the serial is not the object's newest, or the object is not movable: then it ignores the request,
   // and the sender repeats it.
-  void request(const ObjectPose& pose) noexcept { requested_ = pose; }
+  void request(const ObjectPose& pose) noexcept { requested_pose_ = pose; }
 
   // Whether objects may leave their places at the next update(), because no hub computes forces with parts of the scene that have them
   // there. Otherwise picking up and requested moves wait. True at the start.
@@ -67,7 +67,7 @@ class Grasp {
   // An object is about to leave its place, has left it, or was put down and cannot be felt at its new place yet. An object that is to be
   // picked up counts as about to leave from the slow task's reply on, or with is_early from the press of the button on, when it is not
   // certain that it can be picked up.
-  bool is_leaving(bool is_early) noexcept;
+  bool is_object_away(bool is_early) noexcept;
 
   enum class Change : std::uint8_t {
     none,
@@ -84,7 +84,7 @@ class Grasp {
 
   // The tool that the stylus holds; null: none.
   HeldTool* tool() const noexcept { return tool_; }
-  int object() const noexcept { return order_.object; }
+  int object() const noexcept { return request_.object; }
   // Method of the tool that the stylus holds, as HapticsSetup has it.
   const HapticsSetup::Text& method() const noexcept { return link_.replies.value().method; }
   // Keeps the drawn pose of the tool. To be called after each of its steps.
@@ -94,15 +94,15 @@ class Grasp {
   bool is_waiting() const noexcept { return phase_ == Phase::waiting; }
   // An object is picked up, held or put down: no other method may come into use.
   bool is_busy() const noexcept { return phase_ != Phase::idle; }
-  // The scene of that put_down order is built: the next method starts where the stylus touches the object.
+  // The scene of that put_down request is built: the next method starts where the stylus touches the object.
   void note_built(std::uint32_t serial) noexcept;
   // Available once after note_built or Change::returned, frame W: the point of the object at which the probe touched it when it was picked
   // up, and the direction away from its surface.
-  struct Start {
+  struct ResumeContact {
     Vec3 p_W = Vec3::Zero();
     Vec3 outward = Vec3::Zero();
   };
-  std::optional<Start> take_resume_contact(const Pose& X_WS) noexcept;
+  std::optional<ResumeContact> take_resume_contact(const Pose& X_WS) noexcept;
 
   // Each scene is returned once, and stays valid until the next one. Null: there is no new one.
   const PlacedScene* take_placed() noexcept { return link_.placed.take() ? &link_.placed.value() : nullptr; }
@@ -113,7 +113,7 @@ class Grasp {
   std::uint32_t pose_serial() const noexcept { return pose_serial_; }
 
  private:
-  enum class Phase : std::uint8_t { idle, asked, held, waiting };
+  enum class Phase : std::uint8_t { idle, requested, held, waiting };
 
   bool is_down(const DeviceState& state) const noexcept { return (state.buttons & buttons_) != 0; }
   bool has_reply() noexcept;
@@ -123,7 +123,7 @@ class Grasp {
   void move(const ObjectPose& pose) noexcept;
   void note_stylus(const DeviceState& state, const Pose& X_WS, const Vec3& visual_offset_m) noexcept;
   void begin(const DeviceState& state, const Pose& X_WS, int object, const Vec3& visual_offset_m) noexcept;
-  void send(GraspOrder::Kind kind) noexcept;
+  void send(GraspRequest::Kind kind) noexcept;
   void set_pose(const Pose& pose, bool is_held) noexcept;
 
   GraspLink& link_;
@@ -131,14 +131,14 @@ class Grasp {
   std::uint32_t buttons_;
   Phase phase_ = Phase::idle;
   bool may_leave_ = true;
-  bool was_early_ = false;  // is_leaving() was called with is_early since the button was pressed
+  bool was_early_ = false;  // is_object_away() was called with is_early since the button was pressed
   bool was_down_ = true;    // a button held down since before the start picks up nothing
-  GraspOrder order_;
+  GraspRequest request_;
   HeldTool* tool_ = nullptr;
   Vec3 p_DP_ = Vec3::Zero();      // the probe on the object when it was picked up, frame of the stylus
   Pose X_SP_ = Pose::Identity();  // the tool's pose, frame S
-  bool has_start_ = false;
-  std::optional<ObjectPose> requested_;
+  bool has_resume_contact_ = false;
+  std::optional<ObjectPose> requested_pose_;
   std::vector<Pose> moved_;         // by object
   Pose before_ = Pose::Identity();  // of the object, before it was picked up or moved
   std::vector<ObjectPose> poses_;

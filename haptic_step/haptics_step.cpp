@@ -176,7 +176,7 @@ void HapticsStep::update_grasp() noexcept {
 // An object is back where it was picked up, and the probe goes on from there, outside of it. Where something holds it back on the way to
 // the hand, it begins where an object that was put down lets it begin.
 void HapticsStep::return_probe() noexcept {
-  const std::optional<Grasp::Start> start = grasp_->take_resume_contact(X_WS_);
+  const std::optional<Grasp::ResumeContact> start = grasp_->take_resume_contact(X_WS_);
   // The step at this sample is still to come: until then no time has passed for effects.
   TouchInput here = input_;
   here.dt_s = 0.0;
@@ -341,7 +341,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
   std::swap(touch_, touch);
   touch_->copy_commands(*touch);
   touch_->exchange_carves(*touch);
-  const std::optional<Grasp::Start> put_down = grasp_ != nullptr ? grasp_->take_resume_contact(X_WS_) : std::nullopt;
+  const std::optional<Grasp::ResumeContact> put_down = grasp_ != nullptr ? grasp_->take_resume_contact(X_WS_) : std::nullopt;
   if (put_down && !running_) {
     p_WP_ = put_down->p_W;
     outward_W_ = put_down->outward;

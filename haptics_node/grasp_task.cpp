@@ -18,7 +18,7 @@
 namespace hapton {
 namespace {
 
-// Between two checks for an order or a sample, as ToolTask has it.
+// Between two checks for an request or a sample, as ToolTask has it.
 constexpr auto kPause = std::chrono::microseconds(100);
 // A longer time to make a tool is logged: the object did not follow the hand at once.
 constexpr double kNoticedS = 0.2;
@@ -68,8 +68,8 @@ void GraspTask::run() {
 }
 
 bool GraspTask::run_once() {
-  if (link_.orders.take()) {
-    carry_out(link_.orders.value());
+  if (link_.requests.take()) {
+    carry_out(link_.requests.value());
     return true;
   }
   const std::int64_t begin_ns = clock_.now_ns();
@@ -89,18 +89,18 @@ bool GraspTask::map_next() {
   return false;
 }
 
-// Before it sends an order, the step releases the tool.
-void GraspTask::carry_out(const GraspOrder& order) {
-  // A newer order may have taken the place of a pick_up that was never seen.
-  const bool was_replaced = order.serial != last_order_ + 1;
-  last_order_ = order.serial;
-  if (order.kind == GraspOrder::Kind::cancel_pick_up && (tool_ != nullptr || was_replaced)) {
+// Before it sends an request, the step releases the tool.
+void GraspTask::carry_out(const GraspRequest& request) {
+  // A newer request may have taken the place of a pick_up that was never seen.
+  const bool was_replaced = request.serial != last_request_ + 1;
+  last_request_ = request.serial;
+  if (request.kind == GraspRequest::Kind::cancel_pick_up && (tool_ != nullptr || was_replaced)) {
     log_info("{} stays where it is: the button was released, or the hand had moved on, before it could be picked up",
-             printable(scene_.objects[static_cast<std::size_t>(order.object)].name));
+             printable(scene_.objects[static_cast<std::size_t>(request.object)].name));
   }
   tool_.reset();
-  if (order.kind == GraspOrder::Kind::pick_up) pick_up(order);
-  if (order.kind == GraspOrder::Kind::put_down) put_down(order);
+  if (request.kind == GraspRequest::Kind::pick_up) pick_up(request);
+  if (request.kind == GraspRequest::Kind::put_down) put_down(request);
 }
 
 TouchScene GraspTask::scene_as_tuned() const {
@@ -112,13 +112,13 @@ TouchScene GraspTask::scene_as_tuned() const {
   return scene;
 }
 
-void GraspTask::pick_up(const GraspOrder& order) {
+void GraspTask::pick_up(const GraspRequest& request) {
   const std::int64_t begin_ns = clock_.now_ns();
-  const auto number = static_cast<std::size_t>(order.object);
+  const auto number = static_cast<std::size_t>(request.object);
   const std::string name = printable(scene_.objects[number].name);
   ToolObstacles obstacles = make_tool_obstacles(couple_scene(scene_as_tuned(), options_.coupling_n_per_m), number);
   auto step = objects_.hold(
-      number, order.X_SD,
+      number, request.X_SD,
       {.stiffness_n_per_m = obstacles.stiffness_n_per_m, .rotational_stiffness_nm_per_rad = options_.rotational_stiffness_nm_per_rad},
       std::move(obstacles.friction), make_worker_team(options_.threads), std::move(obstacles.part_of));
   if (step) {
@@ -126,12 +126,12 @@ void GraspTask::pick_up(const GraspOrder& order) {
   }
   if (!step) {
     log_warning("{} cannot be picked up: {}", name, step.error().what);
-    link_.replies.publish({order.serial});
+    link_.replies.publish({request.serial});
     return;
   }
-  tool_ = std::make_unique<HeldTool>(std::move(*step), order.X_SD);
+  tool_ = std::make_unique<HeldTool>(std::move(*step), request.X_SD);
   if (options_.on_tool) options_.on_tool(tool_->tool().coupling());
-  link_.replies.publish({order.serial, tool_.get(), describe_tool(*tool_)});
+  link_.replies.publish({request.serial, tool_.get(), describe_tool(*tool_)});
   const double seconds = 1e-9 * static_cast<double>(clock_.now_ns() - begin_ns);
   if (seconds > kNoticedS) {
     log_info("{} is picked up; its preparation took {:.1f} s", name, seconds);
@@ -141,13 +141,13 @@ void GraspTask::pick_up(const GraspOrder& order) {
 }
 
 // All that does not move stays as it was built, and is shared by the method of the scene with the object where it is now.
-void GraspTask::put_down(const GraspOrder& order) {
-  const auto number = static_cast<std::size_t>(order.object);
+void GraspTask::put_down(const GraspRequest& request) {
+  const auto number = static_cast<std::size_t>(request.object);
   SceneObject& object = scene_.objects[number];
   const SceneObject before = object;
-  move_object(order.moved, as_loaded_.objects[number], object);
+  move_object(request.moved, as_loaded_.objects[number], object);
   objects_.replace(number, object.mesh);
-  const auto made = make_placed_scene(scene_, options_.coupling_n_per_m, ++revision_, order.serial);
+  const auto made = make_placed_scene(scene_, options_.coupling_n_per_m, ++revision_, request.serial);
   made->touch.built = objects_.build();
   while (map_next()) {
   }
@@ -157,7 +157,7 @@ void GraspTask::put_down(const GraspOrder& order) {
                 built.error().what);
     object = before;
     objects_.replace(number, object.mesh);
-    link_.replies.publish({order.serial});
+    link_.replies.publish({request.serial});
     return;
   }
   if (options_.on_scene) {

@@ -48,18 +48,18 @@ class GraspTask {
   void start();
   // Ends the thread; the times are complete then.
   void stop() noexcept;
-  // Carries out one order, or follows the device once, or prepares an object. False: there was nothing to do.
+  // Carries out one request, or follows the device once, or prepares an object. False: there was nothing to do.
   bool run_once();
 
   const LatencyHistogram& pose_times() const noexcept { return pose_times_; }
 
  private:
   void run();
-  void carry_out(const GraspOrder& order);
+  void carry_out(const GraspRequest& request);
   // With the materials as `hapton set` has changed them.
   TouchScene scene_as_tuned() const;
-  void pick_up(const GraspOrder& order);
-  void put_down(const GraspOrder& order);
+  void pick_up(const GraspRequest& request);
+  void put_down(const GraspRequest& request);
   // Prepares one surface with images that is not prepared as it lies now. False: all are.
   bool map_next();
 
@@ -72,10 +72,10 @@ class GraspTask {
   const MaterialTuner& tuner_;
   MethodBuilder& builder_;
   const Clock& clock_;
-  std::unique_ptr<HeldTool> tool_;  // the step holds it until it orders something else
+  std::unique_ptr<HeldTool> tool_;  // the step holds it until it requests something else
   std::uint32_t revision_ = 0;
   SceneDescriber describer_;
-  std::uint32_t last_order_ = 0;  // serial
+  std::uint32_t last_request_ = 0;  // serial
   LatencyHistogram pose_times_;
   std::atomic<bool> stop_ = false;
   std::thread thread_;

@@ -18,10 +18,10 @@ struct NewScene {
   SceneFacts facts;
   std::uint32_t revision = 0;  // counts the scenes that replaced another, from 1
   bool keeps_shape = false;    // same meshes as the scene before: the method in use is kept
-  std::uint32_t put_down = 0;  // order by which an object was put down (GraspOrder::serial); 0: none
+  std::uint32_t put_down = 0;  // request by which an object was put down (GraspRequest::serial); 0: none
 };
 
-// Without hash and facts, for a scene in which an object is put down by that order (NewScene::put_down).
+// Without hash and facts, for a scene in which an object is put down by that request (NewScene::put_down).
 std::shared_ptr<NewScene> make_placed_scene(const Scene& scene, double coupling_n_per_m, std::uint32_t revision, std::uint32_t put_down);
 
 // As `scene` is felt with a virtual coupling of that stiffness. revision and keeps_shape as above. RT: no.

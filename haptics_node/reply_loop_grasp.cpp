@@ -18,10 +18,10 @@ constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a se
 void ReplyLoop::withdraw_parts() noexcept {
   Grasp* grasp = step_.grasp();
   if (patches_ == nullptr || grasp == nullptr) return;
-  const bool is_leaving = grasp->is_leaving(!patches_->is_requested(hub_.session()));
+  const bool is_object_away = grasp->is_object_away(!patches_->is_requested(hub_.session()));
   const bool is_placed = patches_->revision() == scene_revision_;
   const bool is_safe = patches_->has_numbered_requests();
-  patches_->set_withdrawn(is_leaving || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().method_changes));
+  patches_->set_withdrawn(is_object_away || !is_placed || !is_safe, static_cast<std::uint32_t>(step_.counts().method_changes));
   grasp->set_may_leave(patches_->is_withdrawn(hub_.session()));
 }
 

@@ -117,7 +117,7 @@ bool DeviceLoop::run_cycle() noexcept {
     ++stats_.cycles_unreported;
   }
   publish_side();
-  give_back();
+  release_claim();
   serve();
   const std::int64_t done_ns = clock_.now_ns();
   heartbeat_ns_.store(done_ns, std::memory_order_release);
@@ -201,25 +201,25 @@ void DeviceLoop::apply_requests() noexcept {
   if (!requests_box_.take()) return;
   const Requests& requests = requests_box_.value();
   if (requests.rate_hz > 0.0) stats_.rate_hz = requests.rate_hz;
-  if (std::exchange(hands_applied_, requests.hands) != requests.hands) {
+  if (std::exchange(hand_target_serial_, requests.hand_target_serial) != requests.hand_target_serial) {
     device_.set_hand_target(requests.p_WH ? std::optional<Vec3>(*requests.p_WH - clutch_.offset_m()) : std::nullopt);
     device_.press_hand_buttons(requests.p_WH ? requests.buttons : 0);
     device_.turn_hand(requests.p_WH ? requests.turn_rad : Vec3(Vec3::Zero()));
   }
-  if (std::exchange(aims_applied_, requests.aims) != requests.aims) {
+  if (std::exchange(aim_serial_, requests.aim_serial) != requests.aim_serial) {
     std::array<Vec3, Device::kMostAims> aims = requests.p_WA;
     for (Vec3& aim : aims) aim -= clutch_.offset_m();
     device_.aim_hand(std::span(aims).first(requests.aim_count));
   }
-  const bool is_reset = std::exchange(resets_applied_, requests.resets) != requests.resets;
-  const bool is_reset_if_held = std::exchange(resets_if_held_granted_, requests.resets_if_held) != requests.resets_if_held;
+  const bool is_reset = std::exchange(reset_serial_, requests.reset_serial) != requests.reset_serial;
+  const bool is_reset_if_held = std::exchange(reset_if_held_serial_, requests.reset_if_held_serial) != requests.reset_if_held_serial;
   if (is_reset || (is_reset_if_held && governor_.is_switch_held())) {
     governor_.reset_faults();
   } else if (is_reset_if_held) {
     ++stats_.resets_denied;
   }
   if (requests.ends && !std::exchange(is_finished_, true)) stats_.governor = governor_.figures();
-  if (std::exchange(stats_applied_, requests.stats) != requests.stats) stats_copies_.publish(collect_stats());
+  if (std::exchange(stats_serial_, requests.stats_serial) != requests.stats_serial) stats_copies_.publish(collect_stats());
 }
 
 const DeviceLoopStats& DeviceLoop::collect_stats() noexcept {
@@ -239,7 +239,7 @@ void DeviceLoop::serve() noexcept {
     if (commands_.take()) serve_command(commands_.value());
     served_.store(commands_.value().number);
     publish_side();
-    give_back();
+    release_claim();
   }
 }
 
@@ -313,7 +313,7 @@ bool DeviceLoop::hold() noexcept {
   apply_requests();
   hold_force();
   publish_side();
-  give_back();
+  release_claim();
   return true;
 }
 
@@ -324,7 +324,7 @@ bool DeviceLoop::finish() noexcept {
   }
   write({});
   publish_side();
-  give_back();
+  release_claim();
   return true;
 }
 
@@ -348,19 +348,19 @@ void DeviceLoop::set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t 
   requests_.p_WH = p_WH;
   requests_.buttons = buttons;
   requests_.turn_rad = turn_rad;
-  ++requests_.hands;
+  ++requests_.hand_target_serial;
   requests_box_.publish(requests_);
 }
 
 void DeviceLoop::aim_hand(std::span<const Vec3> p_WA) noexcept {
   requests_.aim_count = std::min(p_WA.size(), requests_.p_WA.size());
   std::copy_n(p_WA.begin(), requests_.aim_count, requests_.p_WA.begin());
-  ++requests_.aims;
+  ++requests_.aim_serial;
   requests_box_.publish(requests_);
 }
 
 void DeviceLoop::reset_faults(ResetPresence presence) noexcept {
-  ++(presence == ResetPresence::known ? requests_.resets : requests_.resets_if_held);
+  ++(presence == ResetPresence::known ? requests_.reset_serial : requests_.reset_if_held_serial);
   requests_box_.publish(requests_);
 }
 
@@ -375,7 +375,7 @@ void DeviceLoop::end() noexcept {
 }
 
 void DeviceLoop::request_stats() noexcept {
-  ++requests_.stats;
+  ++requests_.stats_serial;
   requests_box_.publish(requests_);
 }
 

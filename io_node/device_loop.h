@@ -195,24 +195,24 @@ class DeviceLoop {
     WrenchCommand wanted;
     std::uint64_t number = 0;
   };
-  struct Requests {
+  struct Requests {        // a serial counts the requests of its kind
     double rate_hz = 0.0;  // 0: as it is
     std::optional<Vec3> p_WH;
     std::uint32_t buttons = 0;
     Vec3 turn_rad = Vec3::Zero();
-    std::uint32_t hands = 0;
+    std::uint32_t hand_target_serial = 0;
     std::array<Vec3, Device::kMostAims> p_WA;
     std::size_t aim_count = 0;
-    std::uint32_t aims = 0;
-    std::uint32_t resets = 0;          // by someone known to be present
-    std::uint32_t resets_if_held = 0;  // ... if the switch is held
-    std::uint32_t stats = 0;
+    std::uint32_t aim_serial = 0;
+    std::uint32_t reset_serial = 0;          // by someone known to be present
+    std::uint32_t reset_if_held_serial = 0;  // ... if the switch is held
+    std::uint32_t stats_serial = 0;
     bool ends = false;
   };
 
   std::int64_t period_ns() const noexcept;
   bool claim() noexcept;
-  void give_back() noexcept { claimed_.exchange(false); }
+  void release_claim() noexcept { claimed_.exchange(false); }
   void serve() noexcept;
   void serve_command(const Command& command) noexcept;
   void govern(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
@@ -246,11 +246,11 @@ class DeviceLoop {
   bool is_finished_ = false;
   DeviceCycle cycle_;
   std::int64_t next_check_ns_ = 0;  // when the temperature of the motors is read next
-  std::uint32_t hands_applied_ = 0;
-  std::uint32_t aims_applied_ = 0;
-  std::uint32_t resets_applied_ = 0;
-  std::uint32_t resets_if_held_granted_ = 0;
-  std::uint32_t stats_applied_ = 0;
+  std::uint32_t hand_target_serial_ = 0;
+  std::uint32_t aim_serial_ = 0;
+  std::uint32_t reset_serial_ = 0;
+  std::uint32_t reset_if_held_serial_ = 0;
+  std::uint32_t stats_serial_ = 0;
 
   // Owned by the holder of the claim.
   std::int64_t device_ns_ = 0;  // time spent in calls of the device since the last tick

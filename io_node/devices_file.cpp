@@ -16,6 +16,7 @@ namespace {
 constexpr double kFarthestM = 10.0;  // no two devices of one person are farther apart
 // The same limits as those of io_node's flags, beyond any device that a hand may hold.
 constexpr double kMostForceN = 1e3;
+constexpr double kMostTorqueNm = 1e3;
 constexpr double kMostSlewNPerS = 1e6;
 constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
 constexpr std::size_t kLongestName = 32;
@@ -85,7 +86,7 @@ void allow_device_keys(TomlReader& reader) {
 void read_safety(TomlReader& reader, DeviceSettings& device) {
   reader.read("max_force_n", device.max_force_n, 0.0, kMostForceN);
   reader.read("max_slew_n_per_s", device.max_slew_n_per_s, 0.0, kMostSlewNPerS);
-  reader.read("max_torque_nm", device.max_torque_nm, 0.0, kMostForceN);
+  reader.read("max_torque_nm", device.max_torque_nm, 0.0, kMostTorqueNm);
   reader.read("continuous_force_n", device.continuous_force_n, 0.0, kMostForceN);
   reader.read("max_speed_m_per_s", device.max_speed_m_per_s, 0.0, 100.0);
   device.dead_mans_switch = read_dead_mans_switch(reader, device.dead_mans_switch);

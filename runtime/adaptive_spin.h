@@ -7,13 +7,13 @@
 namespace hapton {
 
 // How long before a deadline a loop ends its sleep and spins, so that it is on time although wake-ups are late. The margin adapts to every
-// wake-up: it grows by kCovered kStepNs if the wake-up was later than the margin, and otherwise shrinks by (1 - kCovered) kStepNs, so it
-// converges to the lateness that one wake-up in a hundred exceeds. It never exceeds a share of the period. Source: stochastic approximation
-// of a quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit, limit and spun_ns any.
+// wake-up: it grows by kShareOnTime kStepNs if the wake-up was later than the margin, and otherwise shrinks by (1 - kShareOnTime) kStepNs,
+// so it converges to the lateness that one wake-up in a hundred exceeds. It never exceeds a share of the period. Source: stochastic
+// approximation of a quantile, Robbins & Monro 1951. Units: ns. RT: yes. Threads: the loop's; set_limit, limit and spun_ns any.
 class AdaptiveSpin {
  public:
-  static constexpr double kCovered = 0.99;   // share of the wake-ups that are on time
-  static constexpr double kStepNs = 2000.0;  // larger: faster adaptation, but a margin that varies more
+  static constexpr double kShareOnTime = 0.99;  // share of the wake-ups that are on time
+  static constexpr double kStepNs = 2000.0;     // larger: faster adaptation, but a margin that varies more
 
   // limit: the largest margin, as a share of a period: 0 (never spins) to 1.
   explicit AdaptiveSpin(double limit = 0.0) noexcept : limit_(limit) {}
@@ -30,8 +30,8 @@ class AdaptiveSpin {
 
   // late_ns: how much later than margin_ns() before the deadline the sleep ended.
   void note_wake_up(std::int64_t late_ns) noexcept {
-    const bool is_covered = static_cast<double>(late_ns) <= margin_;
-    margin_ = std::max(0.0, margin_ + kStepNs * (is_covered ? kCovered - 1.0 : kCovered));
+    const bool is_on_time = static_cast<double>(late_ns) <= margin_;
+    margin_ = std::max(0.0, margin_ + kStepNs * (is_on_time ? kShareOnTime - 1.0 : kShareOnTime));
   }
 
   void note_spun(std::int64_t ns) noexcept { spun_ns_.store(spun_ns_.load(std::memory_order_relaxed) + ns, std::memory_order_relaxed); }

@@ -121,7 +121,7 @@ void HeadsetPanel::set_force(double force_n, double limit_n) {
   show_label(bar_label_, bar_.label(), kBarAt, kBarPixelM);
 }
 
-void HeadsetPanel::set_plots(const std::vector<PlotShown>& plots) {
+void HeadsetPanel::set_plots(const std::vector<PlotContent>& plots) {
   plots_.set(plots, kPanelSize);
   plot_actor_->SetVisibility(plots_.is_shown());
   for (std::size_t i = 0; i < plot_titles_.size(); ++i) {

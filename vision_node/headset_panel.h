@@ -27,7 +27,7 @@ class HeadsetPanel {
   void set(std::string_view facts, std::string_view help, std::string_view notice);
   // As ForceBar and PlotFigure have it: hidden where the limit is not known (0), or there are no plots. Pre: finite.
   void set_force(double force_n, double limit_n);
-  void set_plots(const std::vector<PlotShown>& plots);
+  void set_plots(const std::vector<PlotContent>& plots);
 
  private:
   vtkNew<vtkTextActor3D> facts_;

@@ -28,7 +28,7 @@ class HudFigure {
   void set(std::string_view facts, std::string_view help, std::string_view notice);
   // Above the right end of the picture's lower edge; hidden if its length is zero.
   void set_scale_bar(const ScaleBar& bar, PictureSize size);
-  void set_plots(const std::vector<PlotShown>& plots, PictureSize size) { plots_.set(plots, size, lift_px_ + help_px_); }
+  void set_plots(const std::vector<PlotContent>& plots, PictureSize size) { plots_.set(plots, size, lift_px_ + help_px_); }
   // At the lower edge; what is there otherwise is lifted. None: hidden. moment: share of the line.
   void set_time_line(const std::optional<TimeLineShown>& line, double moment, PictureSize size);
   // At the left edge; hidden where the limit is not known (0).

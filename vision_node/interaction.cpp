@@ -59,7 +59,7 @@ void Interaction::handle(const WindowEvent& event, const View& view) {
       requests_.quit = true;
       break;
     case Kind::key:
-      event.pad == WindowEvent::Pad::none ? press_key(event.key, view) : press_pad(event.pad);
+      event.navigation_key == WindowEvent::NavigationKey::none ? press_key(event.key, view) : press_navigation_key(event.navigation_key);
       break;
     case Kind::press:
       held_ = event.button;
@@ -144,33 +144,33 @@ void Interaction::press_key(char key, const View& view) {
   }
 }
 
-void Interaction::press_pad(WindowEvent::Pad pad) {
-  using Pad = WindowEvent::Pad;
+void Interaction::press_navigation_key(WindowEvent::NavigationKey key) {
+  using NavigationKey = WindowEvent::NavigationKey;
   Vec3& by_m = requests_.head_by_m;
-  switch (pad) {
-    case Pad::left:
+  switch (key) {
+    case NavigationKey::left:
       by_m.x() -= kHeadStepM;
       break;
-    case Pad::right:
+    case NavigationKey::right:
       by_m.x() += kHeadStepM;
       break;
-    case Pad::up:
+    case NavigationKey::up:
       by_m.y() += kHeadStepM;
       break;
-    case Pad::down:
+    case NavigationKey::down:
       by_m.y() -= kHeadStepM;
       break;
-    case Pad::page_up:
+    case NavigationKey::page_up:
       by_m.z() -= kHeadStepM;
       break;
-    case Pad::page_down:
+    case NavigationKey::page_down:
       by_m.z() += kHeadStepM;
       break;
-    case Pad::home:
+    case NavigationKey::home:
       requests_.reset_head = true;
       by_m.setZero();
       break;
-    case Pad::none:
+    case NavigationKey::none:
       break;
   }
 }

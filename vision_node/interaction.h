@@ -16,10 +16,10 @@ struct WindowEvent {
   enum class Kind { key, press, release, move, wheel, close };
   enum class Button { none, left, middle, right };
   // Keys without a letter.
-  enum class Pad { none, left, right, up, down, page_up, page_down, home };
+  enum class NavigationKey { none, left, right, up, down, page_up, page_down, home };
   Kind kind = Kind::key;
   char key = 0;
-  Pad pad = Pad::none;
+  NavigationKey navigation_key = NavigationKey::none;
   Button button = Button::none;
   int x_px = 0;
   int y_px = 0;
@@ -58,7 +58,7 @@ struct UserRequests {
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
 // lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis, or with shift yaws it; 1 to 4
 // press these buttons of the stylus, and release them again, and p the first. A right drag orbits the scene; with shift, or with the middle
-// button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head before the screen by a
+// button, it pans; the wheel without a hand zooms. The arrows, page up and page down move the viewer's head in front of the screen by a
 // centimetre, home brings it back. RT: no.
 class Interaction {
  public:
@@ -89,7 +89,7 @@ class Interaction {
 
  private:
   void press_key(char key, const View& view);
-  void press_pad(WindowEvent::Pad pad);
+  void press_navigation_key(WindowEvent::NavigationKey pad);
   void take_hold(const View& view);
   void release_hand();
   // Releases it if it is pressed. number: from 1.

@@ -18,8 +18,8 @@ double choose_axis_most(double value, double least) {
   }
 }
 
-PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most) {
-  PlotShown plot;
+PlotContent make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most) {
+  PlotContent plot;
   plot.points = std::move(points);
   plot.limit = limit;
   double largest = limit;
@@ -41,17 +41,17 @@ void LivePlots::record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns
   age_ms_.add(now_ns, 1e-6 * static_cast<double>(age_ns));
 }
 
-bool LivePlots::wants_picture(std::int64_t now_ns) const { return is_shown_ && newest_n_ && now_ns - composed_ns_ >= kPeriodNs; }
+bool LivePlots::wants_picture(std::int64_t now_ns) const { return is_shown_ && newest_n_ && now_ns - curves_ns_ >= kPeriodNs; }
 
-const std::vector<PlotShown>& LivePlots::compose(std::int64_t now_ns) {
-  if (!is_shown_) composed_.clear();
-  if (!is_shown_ || (!composed_.empty() && now_ns - composed_ns_ < kPeriodNs)) return composed_;
-  composed_ns_ = now_ns;
+const std::vector<PlotContent>& LivePlots::update(std::int64_t now_ns) {
+  if (!is_shown_) plots_.clear();
+  if (!is_shown_ || (!plots_.empty() && now_ns - curves_ns_ < kPeriodNs)) return plots_;
+  curves_ns_ = now_ns;
   // Without a new state the force is still the last one: the hub sends no state that would be drawn the same.
   if (newest_n_) force_n_.add(now_ns, *newest_n_);
-  composed_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kLeastAxisMostN),
-               make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kLeastTopMs)};
-  return composed_;
+  plots_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kLeastAxisMostN),
+            make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kLeastTopMs)};
+  return plots_;
 }
 
 }  // namespace hapton

@@ -12,12 +12,12 @@
 namespace hapton {
 
 // A curve to draw, on a scale from zero to top.
-struct PlotShown {
+struct PlotContent {
   std::string title;  // with the unit, the newest value and the scale
   std::vector<CurvePoint> points;
   double top = 1.0;
   double limit = 0.0;  // value at which a horizontal line is drawn; 0: none
-  friend bool operator==(const PlotShown&, const PlotShown&) = default;
+  friend bool operator==(const PlotContent&, const PlotContent&) = default;
 };
 
 // Plots of the force on the hand and of the age of the drawn state, over the last seconds. Times: any one monotonic clock, ns. RT: no.
@@ -33,7 +33,7 @@ class LivePlots {
 
   void receive(const ProbeState& state, std::int64_t now_ns);
   // The hub no longer replies: no force is known.
-  void lost() { newest_n_.reset(); }
+  void forget_force() { newest_n_.reset(); }
   // age_ns: from the arrival of the newest drawn state until the frame was in the window.
   void record_motion_to_photon(std::int64_t age_ns, std::int64_t now_ns);
 
@@ -41,7 +41,7 @@ class LivePlots {
   bool wants_picture(std::int64_t now_ns) const;
   // The plots of force and age, in this order; empty if they are not shown. They change at most once in kPeriodNs, because a plot that does
   // not change costs little to draw.
-  const std::vector<PlotShown>& compose(std::int64_t now_ns);
+  const std::vector<PlotContent>& update(std::int64_t now_ns);
 
  private:
   bool is_shown_;
@@ -49,12 +49,12 @@ class LivePlots {
   RecentCurve age_ms_;
   double limit_n_ = 0.0;            // 0: not known
   std::optional<double> newest_n_;  // the force until the next state comes; none: not known
-  std::vector<PlotShown> composed_;
-  std::int64_t composed_ns_ = 0;
+  std::vector<PlotContent> plots_;
+  std::int64_t curves_ns_ = 0;
 };
 
 // Makes a plot. Its title has the newest value, the limit (0: none) and the scale, which is at least least_axis_most.
-PlotShown make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most);
+PlotContent make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most);
 
 // The smallest tops of the scales of a force (N) and of a time (ms).
 constexpr double kLeastAxisMostN = 1.0;

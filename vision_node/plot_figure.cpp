@@ -64,7 +64,7 @@ class ColouredLines {
 
 // Frame, half of the scale, limit and curve. at: the place in the picture of shares of the frame.
 template <class At>
-void add_curve(const PlotShown& plot, const Colour& colour, At&& at, ColouredLines& lines) {
+void add_curve(const PlotContent& plot, const Colour& colour, At&& at, ColouredLines& lines) {
   lines.add_line(kGrid, {at(0, 0), at(1, 0), at(1, 1), at(0, 1), at(0, 0)});
   lines.add_line(kGrid, {at(0, 0.5), at(1, 0.5)});
   if (plot.limit > 0.0) lines.add_line(kLimit, {at(0, plot.limit / plot.top), at(1, plot.limit / plot.top)});
@@ -102,7 +102,7 @@ PlotFigure::Frame PlotFigure::place(std::size_t plot, PictureSize size, double l
   return {Vec2(size.width_px - edge - each.x(), 6.0 * edge + lift_px + above), each};
 }
 
-void PlotFigure::set(const std::vector<PlotShown>& plots, PictureSize size, double lift_px) {
+void PlotFigure::set(const std::vector<PlotContent>& plots, PictureSize size, double lift_px) {
   const bool is_shown = !plots.empty();
   line_actor_->SetVisibility(is_shown);
   for (const auto& title : titles_) title->SetVisibility(is_shown);

@@ -23,7 +23,7 @@ class PlotFigure {
   void add_to(vtkRenderer* renderer);
   // Hidden where there are none. At most kMost are drawn.
   // lift_px: as much higher.
-  void set(const std::vector<PlotShown>& plots, PictureSize size, double lift_px = 0.0);
+  void set(const std::vector<PlotContent>& plots, PictureSize size, double lift_px = 0.0);
 
   // What is drawn, for another place of it (HeadsetPanel). Pixels of the picture.
   bool is_shown() const { return line_actor_->GetVisibility() != 0; }
@@ -39,7 +39,7 @@ class PlotFigure {
   };
   static Frame place(std::size_t plot, PictureSize size, double lift_px);
 
-  std::vector<PlotShown> shown_;
+  std::vector<PlotContent> shown_;
   PictureSize size_;
   double lift_px_ = 0.0;
   vtkNew<vtkPolyData> lines_;

@@ -61,12 +61,12 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   if (options_.at_s && !options_.screenshot.empty()) return take_moment();
   if (!options_.frames.empty()) return write_frames(stop);
   view_.prepare_shaders();
-  window_.step().spoil();  // draw again: prepare_shaders() hides the probe
+  window_.step().request_redraw();  // draw again: prepare_shaders() hides the probe
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     clock_.sleep_until_ns(std::min(clock_.now_ns() + kRecordedTurnNs, end_ns));
     if (auto attended = attend_window(); !attended) return attended;
     const bool has_control_changed = control_.take_changed();
-    if (has_control_changed) window_.step().spoil();
+    if (has_control_changed) window_.step().request_redraw();
     const bool has_new_notice = show_notice();
     if (player_.advance(clock_.now_ns()) || has_control_changed || has_new_notice) {
       if (auto shown = show_moment(); !shown) return shown;
@@ -94,7 +94,7 @@ Result<void> RecordedSession::complete_moment() {
     clock_.sleep_until_ns(clock_.now_ns() + kPauseNs);
   }
   if (auto shown = show_moment(); !shown) return shown;
-  window_.step().spoil();  // its texts are of this moment
+  window_.step().request_redraw();  // its texts are of this moment
   draw();
   return {};
 }
@@ -132,7 +132,7 @@ Result<void> RecordedSession::show_moment() {
                      notice_.line().empty() ? describe_mark(index_, t_s) : notice_.line());
   if (carves_) carves_->show(t_s);
   if (surfaces_) surfaces_->show(t_s, recorded->state.scene_time_ns);
-  if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.spoil();
+  if (objects_ && objects_->show(t_s, recorded->state.scene_time_ns)) step.request_redraw();
   if (moved_ != nullptr && moved_->held() != step.held_object()) step.set_held_object(moved_->held());
   if (marks_ != nullptr) marks_->show(recorded->state.scene_time_ns, recorded->X_WS);
   if (const HapticsSetup* setup = index_.find_setup(player_.moment_s())) window_.use_setup(*setup);
@@ -156,7 +156,7 @@ void RecordedSession::begin_export() {
 // True: the picture has another line.
 bool RecordedSession::show_notice() {
   const bool is_new = notice_.update(export_.take_notice(), clock_.now_ns());
-  if (is_new) window_.step().spoil();
+  if (is_new) window_.step().request_redraw();
   return is_new;
 }
 

@@ -91,7 +91,7 @@ double find_recorded_rate_hz(const SessionIndex& index, double t_s) {
   return samples / (SessionIndex::kSpanS * static_cast<double>(spans.back().number - spans.front().number + 1));
 }
 
-std::vector<PlotShown> make_recorded_plots(const SessionIndex& index, double t_s) {
+std::vector<PlotContent> make_recorded_plots(const SessionIndex& index, double t_s) {
   const auto spans = index.spans_between(t_s - RecentCurve::kSeconds, t_s);
   const DeviceNotice* notice = index.find_notice(t_s);
   const double limit_n = notice != nullptr && std::isfinite(notice->force_limit_n) ? std::max(0.0F, notice->force_limit_n) : 0.0;

@@ -26,7 +26,7 @@ std::optional<RecordedState> find_recorded_state(const SessionIndex& index, Sess
 double find_recorded_rate_hz(const SessionIndex& index, double t_s);
 
 // Plots of the last five seconds: the force on the motors and the round trip, the largest of each span, with the newest value in the title.
-std::vector<PlotShown> make_recorded_plots(const SessionIndex& index, double t_s);
+std::vector<PlotContent> make_recorded_plots(const SessionIndex& index, double t_s);
 
 // The line of the HUD: "recording monday.hapton   0:12.345 of 1:00.000   sample 12345   1x, paused".
 std::string describe_recording(const std::string& name, const SessionPlayer& player, std::uint64_t sample);

@@ -59,7 +59,7 @@ bool SessionControl::drag(const WindowEvent& event, PictureSize size) {
 bool SessionControl::handle(const WindowEvent& event, const std::optional<std::array<int, 2>>& pixel, PictureSize size) {
   using Kind = WindowEvent::Kind;
   bool is_used = false;
-  if (event.kind == Kind::key && event.pad == WindowEvent::Pad::none) {
+  if (event.kind == Kind::key && event.navigation_key == WindowEvent::NavigationKey::none) {
     is_used = press_key(event.key);
   } else if (event.kind == Kind::press && event.button == WindowEvent::Button::left) {
     if (pixel && (*pixel)[1] < place_time_line(size).reserve_px) {

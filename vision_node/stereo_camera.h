@@ -15,8 +15,8 @@ enum class Eye { left, right, centre };
 // From arm's length people look at a desk display; where the viewer is until somebody says otherwise.
 constexpr double kDeskDistance = 0.6;
 
-// The viewer's head before the screen, in real size. Frames: R, the screen's (origin in its centre, x right, y up, z towards the viewer),
-// and H, the head's: origin midway between the eyes, x towards the right eye, y up. Units: metres.
+// The viewer's head in front of the screen, in real size. Frames: R, the screen's (origin in its centre, x right, y up, z towards the
+// viewer), and H, the head's: origin midway between the eyes, x towards the right eye, y up. Units: metres.
 struct Head {
   Vec3 p_RH = Vec3(0.0, 0.0, kDeskDistance);
   Quat q_RH = Quat::Identity();

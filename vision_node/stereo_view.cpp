@@ -363,7 +363,7 @@ void StereoView::set_hud(std::string_view facts, std::string_view help, std::str
   window_->headset_panel.set(facts, help, notice);
 }
 
-void StereoView::set_plots(const std::vector<PlotShown>& plots) {
+void StereoView::set_plots(const std::vector<PlotContent>& plots) {
   for (const auto& eye : window_->eyes) eye->hud.set_plots(plots, eye->size());
   window_->headset_panel.set_plots(plots);
 }
@@ -471,8 +471,8 @@ std::vector<WindowEvent> StereoView::poll_events() {
   return events;
 }
 
-bool StereoView::take_stale() {
-  const bool uncovered = window_->listener && window_->listener->take_stale();
+bool StereoView::take_redraw_request() {
+  const bool uncovered = window_->listener && window_->listener->take_redraw_request();
   return std::exchange(window_->stale, false) || uncovered;
 }
 

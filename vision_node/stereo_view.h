@@ -94,7 +94,7 @@ class StereoView {
   // Texts of the HUD; an empty one is not shown.
   void set_hud(std::string_view facts, std::string_view help, std::string_view notice = {});
   // Plots of the last seconds, at the right edge; empty: none are shown.
-  void set_plots(const std::vector<PlotShown>& plots);
+  void set_plots(const std::vector<PlotContent>& plots);
   // The time line of a recording, at the lower edge; none: hidden. moment: position of its mark, 0 (begin) to 1 (end).
   void set_time_line(const std::optional<TimeLineShown>& line, double moment);
   void set_cull(bool cull);
@@ -153,7 +153,7 @@ class StereoView {
   // Events of the window (keys, mouse) since the last call.
   std::vector<WindowEvent> poll_events();
   // True: the window was resized or uncovered since the last call and must be drawn again.
-  bool take_stale();
+  bool take_redraw_request();
 
   // The mode in use, never automatic.
   StereoMode mode() const;

@@ -54,7 +54,7 @@ ViewerWindow::ViewerWindow(StereoView& view, Clock& clock, const VisionOptions& 
 UserRequests ViewerWindow::poll_events(const TakeEvent& take, const FindSurface& find_surface) {
   handle_events(take, find_surface);
   follow_head();
-  if (view_.take_stale()) step_.spoil();
+  if (view_.take_redraw_request()) step_.request_redraw();
   check_aspect();
   const UserRequests requests = step_.take_requests();
   change_stereo(requests);
@@ -71,7 +71,7 @@ void ViewerWindow::use_setup(const HapticsSetup& setup) {
   if (radius_m == probe_radius_m_) return;
   probe_radius_m_ = radius_m;
   view_.set_probe_radius(radius_m);
-  step_.spoil();
+  step_.request_redraw();
 }
 
 void ViewerWindow::change_scene(TeachBuilder* teacher, bool is_view_new) {
@@ -177,7 +177,7 @@ void ViewerWindow::change_stereo(const UserRequests& requests) {
   if (view_.mode() == StereoMode::openxr) return;  // the eyes are those of the headset
   if (requests.swap_eyes) {
     view_.swap_eyes();
-    step_.spoil();
+    step_.request_redraw();
   }
   if (!requests.next_stereo) return;
   if (const auto changed = view_.set_stereo(next_stereo(view_.mode())); !changed) log_warning("{}", changed.error().what);
@@ -185,7 +185,7 @@ void ViewerWindow::change_stereo(const UserRequests& requests) {
 }
 
 void ViewerWindow::refine_scene() {
-  if (step_.is_scene_at_rest(clock_.now_ns()) && view_.refine()) step_.spoil();
+  if (step_.is_scene_at_rest(clock_.now_ns()) && view_.refine()) step_.request_redraw();
 }
 
 Result<void> ViewerWindow::take_screenshot(const std::filesystem::path& file) {

@@ -128,7 +128,7 @@ void VisionSession::take_state(const ProbeState& state) {
   received_ns_ = hub_.receive_time_ns();
   step_.receive(state, received_ns_);
   if (moved_ != nullptr && moved_->has_motion()) {
-    if (moved_->set_time(state.scene_time_ns)) step_.spoil();
+    if (moved_->set_time(state.scene_time_ns)) step_.request_redraw();
     if (annotator_ != nullptr) annotator_->place_moving(moved_->moving());
   }
   if (annotator_ != nullptr) annotator_->receive(state, step_.find_scene_pose(state.view_revision));
@@ -389,7 +389,7 @@ std::string run_bench(StereoView& view, Clock& clock, int frames, bool with_plot
     dials.turn(0, 1.0);
     view.set_scene_pose(dials.compute_pose(Vec3::Zero()));
     view.poll_events();
-    view.set_plots(plots.compose(start_ns));
+    view.set_plots(plots.update(start_ns));
     view.draw(before_probe);
     into.record_frame(start_ns, clock.now_ns());
     plots.receive(bench_state(start_ns), start_ns);

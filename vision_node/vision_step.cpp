@@ -76,7 +76,7 @@ UserRequests VisionStep::take_requests() {
   help_ = help_ != requests.toggle_help;
   depth_cues_ = depth_cues_ != requests.toggle_depth_cues;
   if (requests.toggle_plots) plots_.toggle();
-  stale_ = stale_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues || requests.toggle_plots;
+  needs_redraw_ = needs_redraw_ || requests.toggle_cull || requests.toggle_help || requests.toggle_depth_cues || requests.toggle_plots;
   if (requests.reset_head) head_.reset();
   head_.move(requests.head_by_m);
   if (requests.look_at_scene) interaction_.camera().look_at(settings_.home, scene_pose() * settings_.p_SO, settings_.scene_radius_m);
@@ -96,13 +96,13 @@ void VisionStep::change_scene(const Framing& home, const Vec3& p_SO, double radi
 void VisionStep::set_stereo(std::string_view name, bool always_changing) {
   settings_.stereo = name;
   settings_.always_changing = always_changing;
-  stale_ = true;
+  needs_redraw_ = true;
 }
 
 std::optional<ProbeShown> VisionStep::newest_probe() const { return state_ ? std::optional(probe_shown()) : std::nullopt; }
 
 bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
-  return frames_.drawn() > 0 && !stale_ && scene_pose().matrix() == X_WS_shown_.matrix() && interaction_.camera() == camera_shown_ &&
+  return frames_.drawn() > 0 && !needs_redraw_ && scene_pose().matrix() == X_WS_shown_.matrix() && interaction_.camera() == camera_shown_ &&
          is_head_at_rest_ && now_ns - scene_moved_ns_ >= kRestNs;
 }
 
@@ -155,7 +155,7 @@ bool VisionStep::has_head_moved(const Screen& where) const {
 bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
   is_head_at_rest_ = !has_head_moved(where);
   if (!may_draw(now_ns)) return false;
-  if (stale_ || !is_head_at_rest_ || is_annotated_ || settings_.always_changing || scene_pose().matrix() != X_WS_shown_.matrix() ||
+  if (needs_redraw_ || !is_head_at_rest_ || is_annotated_ || settings_.always_changing || scene_pose().matrix() != X_WS_shown_.matrix() ||
       interaction_.camera() != camera_shown_)
     return true;
   if (std::exchange(moved_, false)) {
@@ -189,7 +189,8 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   if (!is_head_at_rest_) head_shown_ = head_.head();  // less would have the whole scene drawn again for nothing that can be seen
   shown.framing.head = head_shown_;
   shown.probe = newest_probe();
-  if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || stale_ || contact() != hud_contact_ || touched_object() != hud_object_) {
+  if (now_ns - hud_ns_ >= kHudRefreshNs || hud_shown_.empty() || needs_redraw_ || contact() != hud_contact_ ||
+      touched_object() != hud_object_) {
     compose_texts(now_ns);
   }
   shown.hud = hud_shown_;
@@ -197,8 +198,8 @@ VisionStep::Shown VisionStep::compose(std::int64_t now_ns) {
   shown.help = help();
   shown.cull = cull_;
   shown.depth_cues = depth_cues_;
-  shown.plots = plots_.compose(now_ns);
-  stale_ = is_annotated_ = false;
+  shown.plots = plots_.update(now_ns);
+  needs_redraw_ = is_annotated_ = false;
   return shown;
 }
 

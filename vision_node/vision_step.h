@@ -60,7 +60,7 @@ class VisionStep {
     std::string notice;  // what is wrong with the scene; empty: nothing
     bool cull = true;
     bool depth_cues = true;
-    std::vector<PlotShown> plots;
+    std::vector<PlotContent> plots;
   };
   struct Texts {
     std::string_view hud;
@@ -80,7 +80,7 @@ class VisionStep {
   void lost() {
     connected_ = false;
     preparing_s_ = 0.0;
-    plots_.lost();
+    plots_.forget_force();
   }
   // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
@@ -100,15 +100,15 @@ class VisionStep {
   void set_scene_problem(std::string line) {
     if (line == scene_problem_) return;
     scene_problem_ = std::move(line);
-    spoil();
+    request_redraw();
   }
   const std::string& scene_problem() const { return scene_problem_; }
   // The next frame must be drawn whether or not something moved (the window was uncovered or resized).
-  void spoil() { stale_ = true; }
+  void request_redraw() { needs_redraw_ = true; }
   // Another scene is shown. home: the view that it begins with; the viewer's own turns, pans and zoom stay unless is_view_new.
   void change_scene(const Framing& home, const Vec3& p_SO, double radius_m, std::vector<ObjectName> names, bool is_view_new);
   // The scene has another shape: drawn as it is while it moves, and in full detail when it has kept that for a while.
-  void reshape_scene() { stale_ = has_new_shape_ = true; }
+  void reshape_scene() { needs_redraw_ = has_new_shape_ = true; }
 
   UserRequests take_requests();
   // The mode of stereo is another one from now on.
@@ -160,18 +160,18 @@ class VisionStep {
   // What has just happened, see HudFacts.
   void set_happened(std::string line) {
     happened_ = std::move(line);
-    spoil();
+    request_redraw();
   }
   // The line of a teaching view, see HudFacts; it has another picture.
   void set_teaching(std::string line) {
     teaching_ = std::move(line);
-    spoil();
+    request_redraw();
   }
   bool shows_plots() const { return plots_.is_shown(); }
   // The object that the stylus has picked up; -1: none.
   void set_held_object(std::int32_t object) {
     held_object_ = object;
-    spoil();
+    request_redraw();
   }
   std::int32_t held_object() const { return held_object_; }
   // Whether haptics_node has another scene than the one shown.
@@ -203,7 +203,7 @@ class VisionStep {
   std::int32_t held_object_ = -1;
   std::string annotations_;
   bool is_annotated_ = false;  // since the last frame
-  bool stale_ = true;
+  bool needs_redraw_ = true;
   bool moved_ = false;   // a new state has come since the last frame
   bool unseen_ = false;  // and would look the same
   bool cull_;

@@ -10,20 +10,20 @@
 namespace hapton {
 namespace {
 
-WindowEvent::Pad find_pad(const char* symbol) {
-  using Pad = WindowEvent::Pad;
+WindowEvent::NavigationKey find_navigation_key(const char* symbol) {
+  using NavigationKey = WindowEvent::NavigationKey;
   // X's names.
-  static constexpr std::array<std::pair<std::string_view, Pad>, 7> kPads = {{{"Left", Pad::left},
-                                                                             {"Right", Pad::right},
-                                                                             {"Up", Pad::up},
-                                                                             {"Down", Pad::down},
-                                                                             {"Prior", Pad::page_up},
-                                                                             {"Next", Pad::page_down},
-                                                                             {"Home", Pad::home}}};
-  for (const auto& [name, pad] : kPads) {
-    if (symbol != nullptr && name == symbol) return pad;
+  static constexpr std::array<std::pair<std::string_view, NavigationKey>, 7> kNavigationKeys = {{{"Left", NavigationKey::left},
+                                                                                                 {"Right", NavigationKey::right},
+                                                                                                 {"Up", NavigationKey::up},
+                                                                                                 {"Down", NavigationKey::down},
+                                                                                                 {"Prior", NavigationKey::page_up},
+                                                                                                 {"Next", NavigationKey::page_down},
+                                                                                                 {"Home", NavigationKey::home}}};
+  for (const auto& [name, key] : kNavigationKeys) {
+    if (symbol != nullptr && name == symbol) return key;
   }
-  return Pad::none;
+  return NavigationKey::none;
 }
 
 }  // namespace
@@ -62,7 +62,7 @@ void WindowListener::receive(unsigned long event) {
     case vtkCommand::KeyPressEvent:
       received.kind = Kind::key;
       received.key = interactor_->GetKeyCode();
-      received.pad = find_pad(interactor_->GetKeySym());
+      received.navigation_key = find_navigation_key(interactor_->GetKeySym());
       break;
     case vtkCommand::LeftButtonPressEvent:
       received.kind = Kind::press;
@@ -103,7 +103,7 @@ void WindowListener::receive(unsigned long event) {
       received.kind = Kind::close;
       break;
     default:
-      stale_ = true;
+      needs_redraw_ = true;
       return;
   }
   events_.push_back(received);
@@ -116,6 +116,6 @@ std::vector<WindowEvent> WindowListener::poll() {
   return std::exchange(events_, {});
 }
 
-bool WindowListener::take_stale() { return std::exchange(stale_, false); }
+bool WindowListener::take_redraw_request() { return std::exchange(needs_redraw_, false); }
 
 }  // namespace hapton

@@ -21,14 +21,14 @@ class WindowListener {
   // What happened since the last call.
   std::vector<WindowEvent> poll();
   // The window was resized or uncovered since the last call.
-  bool take_stale();
+  bool take_redraw_request();
 
  private:
   void receive(unsigned long event);
 
   vtkSmartPointer<vtkRenderWindowInteractor> interactor_;
   std::vector<WindowEvent> events_;
-  bool stale_ = true;
+  bool needs_redraw_ = true;
 };
 
 }  // namespace hapton

@@ -140,7 +140,7 @@ void ContactCones::note(const LocalContacts& local) noexcept {
   }
 }
 
-void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Held& frictionless,
+void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
                          bool is_static) noexcept {
   const Vec6 goal = wanted.cwiseQuotient(local.plain_inverse_root);
   at_ = goal;

@@ -24,7 +24,7 @@ class ContactCones {
   // Where the contacts hold the tool while the device is at `wanted`. wanted, from: motions from local.proxy. frictionless: of
   // local.solve(); its contacts and those that pushed in the last step are considered first. The forces of the last step are the first
   // guess.
-  void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Held& frictionless,
+  void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
              bool is_static) noexcept;
   // The last step is no guess for the next one.
   void forget() noexcept { known_count_ = 0; }

@@ -25,8 +25,8 @@ std::vector<std::shared_ptr<const SurfaceFeatures>> features_of(const std::vecto
   return features;
 }
 
-std::vector<const PatchTree*> trees_of(const std::vector<std::shared_ptr<const ContactSurface>>& objects) {
-  std::vector<const PatchTree*> trees;
+std::vector<const ObbTree*> trees_of(const std::vector<std::shared_ptr<const ContactSurface>>& objects) {
+  std::vector<const ObbTree*> trees;
   for (const auto& object : objects) trees.push_back(&object->tree());
   return trees;
 }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/collision/touch_geometry.h"
-#include "core/tool/patch_tree.h"
+#include "core/tool/obb_tree.h"
 #include "core/tool/surface_features.h"
 
 namespace hapton {
@@ -24,13 +24,13 @@ class ContactSurface {
 
   const ObjectGeometry& geometry() const { return *geometry_; }
   const SurfaceFeatures& features() const { return features_; }
-  const PatchTree& tree() const { return tree_; }
+  const ObbTree& tree() const { return tree_; }
   std::size_t bytes() const { return geometry_->bytes() + features_.bytes() + tree_.bytes(); }
 
  private:
   std::shared_ptr<const ObjectGeometry> geometry_;
   SurfaceFeatures features_;
-  PatchTree tree_;
+  ObbTree tree_;
 };
 
 // What the search for contacts needs of a tool, whatever the scene is.
@@ -41,7 +41,7 @@ struct ToolSurface {
   ToolSurface(const std::shared_ptr<const ContactSurface>& surface, const Vec3& grip, const ObjectGeometry& tool);
 
   std::shared_ptr<const SurfaceFeatures> features;  // the positions of their surface may have another origin
-  PatchTree tree;
+  ObbTree tree;
   double radius;  // largest distance of a point from the grip point
 };
 
@@ -53,7 +53,7 @@ struct SceneSurface {
   SceneSurface(const std::vector<std::shared_ptr<const ContactSurface>>& objects, const TouchGeometry& scene);
 
   std::vector<std::shared_ptr<const SurfaceFeatures>> features;  // by object
-  PatchTree tree;                                                // of all
+  ObbTree tree;                                                  // of all
 };
 
 }  // namespace hapton

@@ -75,7 +75,7 @@ void HeldTool::publish(const Placement& device, const Placement& goal, std::int6
 }
 
 // The newest contacts. True: they have come late.
-bool HeldTool::take_found(std::int64_t time_ns) noexcept {
+bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
   ++samples_since_new_;
   const bool are_new = found_.take();
   if (seconds(time_ns - felt_ns_) > kLongestGapS) is_after_sample_gap_ = true;
@@ -109,8 +109,8 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   const Placement device = tool_->to_local(input);
   std::copy(parts_.begin(), parts_.end(), last_parts_.begin());
   tool_->to_local(input.X_SO, parts_);
-  const bool are_late = take_found(time_ns);
-  Found& found = found_.value();
+  const bool are_late = take_found_contacts(time_ns);
+  FoundContacts& found = found_.value();
   output.proxy = found.step;
   is_known_ = found.serial == serial_;
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
@@ -127,20 +127,20 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   Placement at = device;
   found.contacts.follow(parts_);
   if (has_changed_) set_friction(found.contacts);
-  LocalContacts::Held held;
+  LocalContacts::Solution solution;
   if (has_friction_) {
     const ToolFriction::Step rubbed = friction_.step(found.contacts, device, parts_);
     goal = rubbed.goal;
-    held = rubbed.held;
+    solution = rubbed.solution;
     at = rubbed.at;
   } else {
-    held = found.contacts.solve(device);
-    at = held.at;
+    solution = found.contacts.solve(device);
+    at = solution.at;
   }
   output = tool_->felt_at(input, device, at);
   const Vec3 felt_p_WP = output.X_WP.translation();
   if (age_s_ > kLateS) output.X_WP = tool_->felt_at(input, device, drawn(found, at)).X_WP;
-  find_pushes(found.contacts, held, output, input.X_WS.linear());
+  find_pushes(found.contacts, solution, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
   const double share = std::clamp((kStaleS - age_s_) / (kStaleS - kFreshS), 0.0, 1.0);
@@ -148,13 +148,13 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   output.torque_nm *= share;
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
-  if (drag_.is_on()) add_drag(found.contacts, held, share, input.X_WS.linear(), output);
+  if (drag_.is_on()) add_drag(found.contacts, solution, share, input.X_WS.linear(), output);
   const Vec3 shift_m = felt_p_WP - output.X_WP.translation();
   for (ToolPush& push : pushes_) push.torque_nm += shift_m.cross(push.force_n);
   return output;
 }
 
-Placement HeldTool::drawn(const Found& found, const Placement& at) const noexcept {
+Placement HeldTool::drawn(const FoundContacts& found, const Placement& at) const noexcept {
   // Parts that move push the tool ahead, however far.
   const Placement from = parts_.empty() ? found.contacts.proxy : found.contacts.constrain(found.contacts.proxy);
   const RigidMotion motion = motion_between(from, at);
@@ -164,7 +164,7 @@ Placement HeldTool::drawn(const Found& found, const Placement& at) const noexcep
   return motion.at(1.0 + late * (found.reach / length - 1.0));
 }
 
-void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt,
+void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
                            const Mat3& R_WS) noexcept {
   if (pushes_.empty()) return;
   // Unit of a multiplier: force, and torque with a lever of the local unit.
@@ -173,23 +173,23 @@ void HeldTool::find_pushes(const LocalContacts& contacts, const LocalContacts::H
   Vec3 rest_n = felt.force_n;  // what friction adds
   Vec3 rest_nm = felt.torque_nm;
   double grip = 0.0;
-  for (int k = 0; k < held.active_count; ++k) {
-    const auto i = static_cast<std::size_t>(held.active[k]);
+  for (int k = 0; k < solution.active_count; ++k) {
+    const auto i = static_cast<std::size_t>(solution.active[k]);
     const LocalContact& contact = contacts.contacts[i];
-    const Vec3 force_n = unit_n * held.multipliers[k] * (R_WS * contacts.bounds[i].row.head<3>());
-    const Vec3 torque_nm = unit_nm * held.multipliers[k] * (R_WS * contacts.bounds[i].row.tail<3>());
+    const Vec3 force_n = unit_n * solution.multipliers[k] * (R_WS * contacts.bounds[i].row.head<3>());
+    const Vec3 torque_nm = unit_nm * solution.multipliers[k] * (R_WS * contacts.bounds[i].row.tail<3>());
     rest_n -= force_n;
     rest_nm -= torque_nm;
-    grip += held.multipliers[k] * contact.friction.friction_dynamic;
+    grip += solution.multipliers[k] * contact.friction.friction_dynamic;
     if (contact.part <= 0) continue;
     ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
     push = {push.force_n - force_n, push.torque_nm - torque_nm};
   }
   if (!(grip > 0.0)) return;
-  for (int k = 0; k < held.active_count; ++k) {
-    const LocalContact& contact = contacts.contacts[static_cast<std::size_t>(held.active[k])];
+  for (int k = 0; k < solution.active_count; ++k) {
+    const LocalContact& contact = contacts.contacts[static_cast<std::size_t>(solution.active[k])];
     if (contact.part <= 0) continue;
-    const double share = held.multipliers[k] * contact.friction.friction_dynamic / grip;
+    const double share = solution.multipliers[k] * contact.friction.friction_dynamic / grip;
     ToolPush& push = pushes_[static_cast<std::size_t>(contact.part) - 1];
     push = {push.force_n - share * rest_n, push.torque_nm - share * rest_nm};
   }
@@ -201,10 +201,10 @@ void HeldTool::move_drag(const ToolInput& input, const Placement& device, double
   drag_.move(device, parts_, dt_s);
 }
 
-void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
+void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
                         ToolOutput& output) noexcept {
   std::array<ContactDrag::Contact, ContactDrag::kMostContacts> touched;
-  const std::size_t count = list_drag_contacts(contacts, held, share * tool_->unit_force_n(), touched);
+  const std::size_t count = list_drag_contacts(contacts, solution, share * tool_->unit_force_n(), touched);
   const ContactDrag::Wrench drag = drag_.step({touched.data(), count}, output.contact);
   output.force_n += R_WS * drag.force_n;
   output.torque_nm += R_WS * drag.torque_nm;
@@ -215,7 +215,7 @@ void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Held
 }
 
 // In the energy norm of the coupling: how far the device is from the proxy, local units.
-double HeldTool::coupling_extension(const Felt& felt) const noexcept {
+double HeldTool::coupling_extension(const FeltWrench& felt) const noexcept {
   const ToolCoupling& coupling = tool_->coupling();
   const double k = coupling.stiffness_n_per_m;
   return std::sqrt(felt.force_n.squaredNorm() / (k * k) + felt.torque_nm.squaredNorm() / (k * coupling.rotational_stiffness_nm_per_rad)) /
@@ -226,10 +226,10 @@ double HeldTool::coupling_extension(const Felt& felt) const noexcept {
 // set does. Twice that leaves room for the curvature of the contacts.
 void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
   fading_share_ = std::max(0.0, fading_share_ - std::max(0.0, seconds(time_ns - felt_ns_)) / kContactFadeS);
-  const Felt plain{output.force_n, output.torque_nm};
+  const FeltWrench plain{output.force_n, output.torque_nm};
   if (are_late) {
-    const Felt jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
-                    felt_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
+    const FeltWrench jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
+                          felt_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
     const ToolCoupling& coupling = tool_->coupling();
     const Vec3 turn = turn_between(felt_at_.orientation, device.orientation);
     const double lever_squared = coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m;
@@ -258,7 +258,7 @@ double HeldTool::travel_since_last(const Sample& sample) const noexcept {
 bool HeldTool::follow() noexcept {
   if (!samples_.take()) return false;
   const Sample& sample = samples_.value();
-  Found& found = found_.draft();
+  FoundContacts& found = found_.draft();
   ToolProxy& proxy = tool_->proxy();
   const bool is_first = sample.serial != last_.serial;
   if (is_first) proxy.reset(start_.value_or(sample.device), sample.parts);

@@ -69,21 +69,22 @@ class HeldTool final : public StylusTool {
   const ToolStep& tool() const { return *tool_; }
 
  private:
-  struct Felt {
+  struct FeltWrench {
     Vec3 force_n = Vec3::Zero();
     Vec3 torque_nm = Vec3::Zero();
   };
-  bool take_found(std::int64_t time_ns) noexcept;
+  bool take_found_contacts(std::int64_t time_ns) noexcept;
   void count_lateness() noexcept;
   void release(const Placement& device, std::int64_t time_ns) noexcept;
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
-  double coupling_extension(const Felt& felt) const noexcept;
+  double coupling_extension(const FeltWrench& felt) const noexcept;
   void place_objects();
   void set_friction(LocalContacts& contacts) const noexcept;
   void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
-  void add_drag(const LocalContacts& contacts, const LocalContacts::Held& held, double share, const Mat3& R_WS,
+  void add_drag(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
                 ToolOutput& output) noexcept;
-  void find_pushes(const LocalContacts& contacts, const LocalContacts::Held& held, const ToolOutput& felt, const Mat3& R_WS) noexcept;
+  void find_pushes(const LocalContacts& contacts, const LocalContacts::Solution& solution, const ToolOutput& felt,
+                   const Mat3& R_WS) noexcept;
 
   struct Sample {
     Placement device = {};
@@ -94,18 +95,18 @@ class HeldTool final : public StylusTool {
   };
   void publish(const Placement& device, const Placement& goal, std::int64_t time_ns) noexcept;
   double travel_since_last(const Sample& sample) const noexcept;
-  struct Found {
+  struct FoundContacts {
     LocalContacts contacts;
     ToolProxyStep step;
     double reach = 0.0;  // local units; contacts has everything that can stop the tool within this distance of contacts.proxy
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;
   };
-  Placement drawn(const Found& found, const Placement& at) const noexcept;
+  Placement drawn(const FoundContacts& found, const Placement& at) const noexcept;
 
   std::unique_ptr<ToolStep> tool_;  // only the slow task moves its proxy
   Mailbox<Sample> samples_;
-  Mailbox<Found> found_;
+  Mailbox<FoundContacts> found_;
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
   Lateness lateness_;
@@ -126,8 +127,8 @@ class HeldTool final : public StylusTool {
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;
   // The fast task's last step, and the change of force that late contacts brought, of which fading_share_ has not faded yet.
-  Felt felt_;
-  Felt fading_wrench_;
+  FeltWrench felt_;
+  FeltWrench fading_wrench_;
   double fading_share_ = 0.0;
   Placement felt_at_;
   std::int64_t felt_ns_ = 0;

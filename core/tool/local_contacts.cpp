@@ -7,7 +7,7 @@ namespace hapton {
 namespace {
 
 // Finds the motion of least energy from the proxy towards a wanted one within the bounds. False: the bounds contradict each other.
-bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inverse_root, LocalContacts::Held& held) noexcept {
+bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inverse_root, LocalContacts::Solution& solution) noexcept {
   std::array<MotionBound, LocalContacts::kMost> scaled;
   const std::span<MotionBound> bounds(scaled.data(), local.count);
   for (std::size_t i = 0; i < local.count; ++i) {
@@ -20,10 +20,10 @@ bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inv
     for (MotionBound& bound : bounds) bound.least = std::min(bound.least, 0.0);
     least = find_least_motion(goal, bounds, local.tolerance);
   }
-  held.motion = inverse_root * least.y;
-  held.active = least.active;
-  held.multipliers = least.multipliers;
-  held.active_count = least.active_count;
+  solution.motion = inverse_root * least.y;
+  solution.active = least.active;
+  solution.multipliers = least.multipliers;
+  solution.active_count = least.active_count;
   return least.solved;
 }
 
@@ -57,28 +57,28 @@ Vec6 LocalContacts::project(const Vec6& motion) const noexcept {
   const bool is_allowed = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
                                       [&](const MotionBound& bound) { return bound.row.dot(motion) >= bound.least - tolerance; });
   if (is_allowed) return motion;
-  Held held;
-  return find_motion(*this, motion, plain_inverse_root.asDiagonal(), held) ? held.motion : Vec6(Vec6::Zero());
+  Solution solution;
+  return find_motion(*this, motion, plain_inverse_root.asDiagonal(), solution) ? solution.motion : Vec6(Vec6::Zero());
 }
 
-LocalContacts::Held LocalContacts::solve(const Placement& device) const noexcept {
-  Held held;
-  held.at = is_blocked ? device : proxy;
-  if (is_blocked || is_held) return held;
+LocalContacts::Solution LocalContacts::solve(const Placement& device) const noexcept {
+  Solution solution;
+  solution.at = is_blocked ? device : proxy;
+  if (is_blocked || is_held) return solution;
   Vec6 wanted;
   wanted << device.position - proxy.position, turn_between(proxy.orientation, device.orientation);
   const bool is_free = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
                                    [&](const MotionBound& bound) { return bound.row.dot(wanted) >= bound.least - tolerance; });
   if (is_free) {
-    held.at = device;
-    held.motion = wanted;
-    return held;
+    solution.at = device;
+    solution.motion = wanted;
+    return solution;
   }
-  Held found = held;
+  Solution found = solution;
   bool is_found = find_motion(*this, wanted, inverse_root, found);
   // In the curved metric the bounds may allow a motion that they would forbid in the flat one.
   if (is_found && found.active_count == 0) is_found = find_motion(*this, wanted, plain_inverse_root.asDiagonal(), found);
-  if (!is_found) return held;
+  if (!is_found) return solution;
   found.at = RigidMotion{proxy, found.motion.head<3>(), found.motion.tail<3>()}.at(1.0);
   return found;
 }

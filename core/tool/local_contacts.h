@@ -67,14 +67,14 @@ struct LocalContacts {
 
   // The same, with what holds the tool there. The motion is from `proxy`; multipliers as LeastMotion has them, in local units: times the
   // coupling's stiffness they are forces. None is active where the device is free, and where the tool stays for want of a solution.
-  struct Held {
+  struct Solution {
     Placement at;
     Vec6 motion = Vec6::Zero();
     std::array<int, 6> active = {-1, -1, -1, -1, -1, -1};
     Vec6 multipliers = Vec6::Zero();
     int active_count = 0;
   };
-  Held solve(const Placement& device) const noexcept;
+  Solution solve(const Placement& device) const noexcept;
 };
 
 }  // namespace hapton

@@ -116,7 +116,7 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   ++walk_;
   for (Worker& worker : workers_) worker.found.clear();
   const bool is_whole =
-      front_.for_each_near(path, distance, [&](PatchFront::Turn turn, std::uint32_t own, std::uint32_t id, std::uint16_t features) {
+      front_.for_each_near(path, distance, [&](ObbFront::Turn turn, std::uint32_t own, std::uint32_t id, std::uint16_t features) {
         Worker& worker = workers_[static_cast<std::size_t>(turn.worker)];
         const SweptTriangle& tool = swept(worker, own, path, distance);
         const ObjectGeometry::Corners c = scene_->corners(id);
@@ -132,16 +132,16 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   return true;
 }
 
-PatchFront::Visited NearFeatures::find_near(Visit& visit, std::uint16_t features) const noexcept {
+ObbFront::Visited NearFeatures::find_near(Visit& visit, std::uint16_t features) const noexcept {
   double gap = 0.0;
   // Over a motion a separating plane may exclude a pair that the distances of its features do not exclude.
-  if (features != PatchFront::kAllFeatures && visit.tool.most_moved == 0.0) add_features(features, visit);
+  if (features != ObbFront::kAllFeatures && visit.tool.most_moved == 0.0) add_features(features, visit);
   if (visit.near == 0) {
     const PlacedTriangle scene(visit.scene[0], visit.scene[1], visit.scene[2]);
     const PlaneGap plane = find_plane_gap(visit.tool, scene);
     if (plane.apart) return apart_by(plane, visit.tool, scene);
     gap = plane.gap;
-    add_features(PatchFront::kAllFeatures, visit);
+    add_features(ObbFront::kAllFeatures, visit);
   }
   return {std::max(gap, std::sqrt(visit.all_squared)), std::max(gap, std::sqrt(visit.rest_squared)), visit.fits, visit.near};
 }
@@ -155,7 +155,7 @@ bool NearFeatures::merge_found() noexcept {
   std::size_t found = 0;
   for (const Worker& worker : workers_) found += worker.found.size();
   if (count_ + found > features_.size()) return false;
-  PatchFront::for_each_by_place(
+  ObbFront::for_each_by_place(
       workers_, [](const Worker& worker) -> const std::vector<Found>& { return worker.found; },
       [&](const Found& one) {
         if (known_.insert(one.near.pair)) features_[count_++] = one.near;
@@ -226,8 +226,8 @@ NearFeatures::PlaneGap NearFeatures::find_box_gap(const SweptTriangle& tool, con
   return found;
 }
 
-PatchFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
-  PatchFront::Visited visited{plane.gap, plane.gap, true};
+ObbFront::Visited NearFeatures::apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept {
+  ObbFront::Visited visited{plane.gap, plane.gap, true};
   // The length of a shorter direction would be inexact (denormal numbers).
   visited.has_plane = plane.direction.squaredNorm() > 0x1p-900;
   if (!visited.has_plane) return visited;

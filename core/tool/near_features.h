@@ -13,7 +13,7 @@
 #include "core/tool/feature_pair.h"
 #include "core/tool/feature_set.h"
 #include "core/tool/near_pairs.h"
-#include "core/tool/patch_front.h"
+#include "core/tool/obb_front.h"
 
 namespace hapton {
 
@@ -30,7 +30,7 @@ struct NearFeature {
 // way. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
 // The workers of a team share the work; the result does not depend on their number. Frame and units: TouchGeometry's local ones.
-// Work: at most PatchFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend, follow and
+// Work: at most ObbFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend, follow and
 // any_intersect yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
 class NearFeatures {
  public:
@@ -57,7 +57,7 @@ class NearFeatures {
   // and minima of all known pairs. All pairs that are no farther apart than the distance of that extend() are among them. Pre: the last
   // call of collect or extend returned true, and was extend.
   void follow(const Placement& placement, double turn) noexcept;
-  // The next traversal starts at the roots of the trees (PatchFront::restart).
+  // The next traversal starts at the roots of the trees (ObbFront::restart).
   void restart() noexcept { front_.restart(); }
   // The pairs of the last collect, then those that each extend has added; their gaps are those at the last collect or follow.
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
@@ -104,7 +104,7 @@ class NearFeatures {
 
   struct Found {
     NearFeature near;
-    std::uint32_t place;  // of the visit in the traversal (PatchFront::Turn)
+    std::uint32_t place;  // of the visit in the traversal (ObbFront::Turn)
   };
   // Data of one worker in a call.
   struct Worker {
@@ -133,9 +133,9 @@ class NearFeatures {
   };
   static PlaneGap find_plane_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   static PlaneGap find_box_gap(const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
-  static PatchFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
+  static ObbFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   // features: bits of the features to consider.
-  PatchFront::Visited find_near(Visit& visit, std::uint16_t features) const noexcept;
+  ObbFront::Visited find_near(Visit& visit, std::uint16_t features) const noexcept;
   // These add features that matter to what the worker has found.
   void add_features(std::uint16_t features, Visit& visit) const noexcept;
   void add_vertices(std::uint16_t features, Visit& visit) const noexcept;
@@ -155,7 +155,7 @@ class NearFeatures {
   const SurfaceFeatures& tool_features_;  // of tool_surface_
   NearPairs pairs_;
   double radius_ = 0.0;
-  PatchFront front_;
+  ObbFront front_;
   Placement placement_;  // of the last collect or follow
   double turn_ = 0.0;
   double within_ = 0.0;   // all pairs with at most this distance at placement_ are known

@@ -13,7 +13,7 @@ float float_below(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-
 float float_above(double x) { return -float_below(-x); }
 
 // How far a box reaches from its centre along a normal that is given along the axes of its coordinates.
-double reach_along(const PatchTree::Node& box, const Vec3& normal) {
+double reach_along(const ObbTree::Node& box, const Vec3& normal) {
   const Lanes4 axes[3] = {lanes_at(box.axes[0].data()), lanes_at(box.axes[1].data()), lanes_at(box.axes[2].data())};
   const Lanes4 reach = absolute(along(axes, normal)) * lanes_of(box.half_size());
   return reach[0] + reach[1] + reach[2];
@@ -66,13 +66,13 @@ Vec3 SeparatingPlanes::normal_along(const Vec3& direction) noexcept {
   return {rounded_to_float(unit.x()), rounded_to_float(unit.y()), rounded_to_float(unit.z())};
 }
 
-double SeparatingPlanes::gap_along(const Vec3& normal, const PatchTree::Node& tool, const PatchTree::Node& scene) const noexcept {
+double SeparatingPlanes::gap_along(const Vec3& normal, const ObbTree::Node& tool, const ObbTree::Node& scene) const noexcept {
   const Vec3 between = at_.position + turn_ * tool.at() - scene.at();
   const double gap = normal.dot(between) - reach_along(tool, turn_.transpose() * normal) - reach_along(scene, normal);
   return gap - 0x1p-45 * between.cwiseAbs().sum();
 }
 
-void SeparatingPlanes::put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept {
+void SeparatingPlanes::put(std::size_t i, const Vec3& normal, double gap, const ObbTree::Node& tool) noexcept {
   const Vec3 arm = tool.at();
   const double radius = tool.half_size().norm() * (1.0 + 0x1p-18);  // the axes are orthonormal to 2^-20
   const double rounding = 0x1p-45 * (1.0 + arm.cwiseAbs().sum() + at_.position.cwiseAbs().sum());

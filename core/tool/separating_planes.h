@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/math/float8.h"
-#include "core/tool/patch_tree.h"
+#include "core/tool/obb_tree.h"
 #include "core/tool/tool_sweep.h"
 
 namespace hapton {
@@ -36,10 +36,10 @@ class SeparatingPlanes {
   // The normal of a plane about this direction, as it is stored. Pre: it is not zero, and its squared length is finite and not zero.
   static Vec3 normal_along(const Vec3& direction) noexcept;
   // How far apart the boxes are along a normal, from the scene to the tool, at the placement where the motion starts, at least.
-  double gap_along(const Vec3& normal, const PatchTree::Node& tool, const PatchTree::Node& scene) const noexcept;
+  double gap_along(const Vec3& normal, const ObbTree::Node& tool, const ObbTree::Node& scene) const noexcept;
   // Plane i has this normal, of normal_along. gap: what is in the tool's box is that far from what is in the scene's along the normal, at
   // least, to 2^-45 of the coordinates.
-  void put(std::size_t i, const Vec3& normal, double gap, const PatchTree::Node& tool) noexcept;
+  void put(std::size_t i, const Vec3& normal, double gap, const ObbTree::Node& tool) noexcept;
   // Plane i gives no bound.
   void clear(std::size_t i) noexcept { groups_[i / kTogether].gap[i % kTogether] = -std::numeric_limits<float>::infinity(); }
 

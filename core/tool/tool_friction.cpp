@@ -46,16 +46,17 @@ void ToolFriction::carry_along(std::span<const Placement> parts) noexcept {
   device_ = moved * device_;
 }
 
-void ToolFriction::choose_carrier(const LocalContacts& local, const LocalContacts::Held& held, std::span<const Placement> parts) noexcept {
+void ToolFriction::choose_carrier(const LocalContacts& local, const LocalContacts::Solution& solution,
+                                  std::span<const Placement> parts) noexcept {
   carrier_ = 0;
   if (parts.empty()) return;
   double most = 0.0;
-  for (int k = 0; k < held.active_count; ++k) {
-    const LocalContact& own = local.contacts[static_cast<std::size_t>(held.active[k])];
+  for (int k = 0; k < solution.active_count; ++k) {
+    const LocalContact& own = local.contacts[static_cast<std::size_t>(solution.active[k])];
     double sum = 0.0;
-    for (int i = 0; i < held.active_count; ++i) {
-      const LocalContact& other = local.contacts[static_cast<std::size_t>(held.active[i])];
-      if (other.part == own.part) sum += other.friction.friction_static * held.multipliers[i];
+    for (int i = 0; i < solution.active_count; ++i) {
+      const LocalContact& other = local.contacts[static_cast<std::size_t>(solution.active[i])];
+      if (other.part == own.part) sum += other.friction.friction_static * solution.multipliers[i];
     }
     if (sum <= most) continue;
     most = sum;
@@ -66,23 +67,23 @@ void ToolFriction::choose_carrier(const LocalContacts& local, const LocalContact
 
 ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts) noexcept {
   carry_along(parts);
-  const LocalContacts::Held held = local.solve(device);
-  choose_carrier(local, held, parts);
+  const LocalContacts::Solution solution = local.solve(device);
+  choose_carrier(local, solution, parts);
   const Vec6 moved = motion_between(std::exchange(device_, device), device);
   const bool was_held = is_placed_ && cones_.holds() && !local.is_blocked;
-  if (held.active_count == 0 && was_held && turn_between(at_.orientation, held.at.orientation).norm() > kMostTurn) {
-    const Vec6 back = motion_between(at_, held.at);
+  if (solution.active_count == 0 && was_held && turn_between(at_.orientation, solution.at.orientation).norm() > kMostTurn) {
+    const Vec6 back = motion_between(at_, solution.at);
     at_ = displaced(at_, (kMostTurn / back.tail<3>().norm()) * back);
-    return {at_, at_, held};
+    return {at_, at_, solution};
   }
-  if (!is_placed_ || held.active_count == 0) {
-    reset(held.at);
-    return {held.at, device, held};
+  if (!is_placed_ || solution.active_count == 0) {
+    reset(solution.at);
+    return {solution.at, device, solution};
   }
   const Vec6 here = motion_between(local.proxy, at_);
   const Vec6 wanted = motion_between(local.proxy, device);
-  const Vec6 slide = held.motion - here;
-  cones_.solve(local, wanted, here, held, sticks_);
+  const Vec6 slide = solution.motion - here;
+  cones_.solve(local, wanted, here, solution, sticks_);
   const double moved_length = moved.head<3>().norm() + std::sqrt(local.stiffness[3]) * moved.tail<3>().norm();
   const Vec6 extension = wanted - cones_.motion();
   const double left = kLeftSlip * std::sqrt(local.stiffness.cwiseProduct(extension).dot(extension));
@@ -92,7 +93,7 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   slides_ = slides || (slides_ && pulls_onward);
   sticks_ = !slides && !slides_;
   Step step;
-  step.held = held;
+  step.solution = solution;
   const Vec6 ahead = cones_.motion() - here;
   const double turn = ahead.tail<3>().norm();
   const Vec6 motion = was_held && turn > kMostTurn ? Vec6(here + (kMostTurn / turn) * ahead) : cones_.motion();

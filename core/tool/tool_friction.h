@@ -34,9 +34,9 @@ class ToolFriction {
   void move_to(const Placement& at) noexcept { at_ = at; }
 
   struct Step {
-    Placement at;              // pose of the tool, with friction
-    Placement goal;            // of the slow task: the same, or the device without contact
-    LocalContacts::Held held;  // without friction
+    Placement at;                      // pose of the tool, with friction
+    Placement goal;                    // of the slow task: the same, or the device without contact
+    LocalContacts::Solution solution;  // without friction
   };
   // Where the device is at `device` and `local` holds the tool. Without contact: at the device. parts: as LocalContacts::follow has them.
   Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;
@@ -46,7 +46,7 @@ class ToolFriction {
 
  private:
   void carry_along(std::span<const Placement> parts) noexcept;
-  void choose_carrier(const LocalContacts& local, const LocalContacts::Held& held, std::span<const Placement> parts) noexcept;
+  void choose_carrier(const LocalContacts& local, const LocalContacts::Solution& solution, std::span<const Placement> parts) noexcept;
 
   ContactCones cones_;
   Placement at_;

@@ -260,13 +260,13 @@ void ToolStep::set_drag(const std::vector<ContactDamping>& damping) {
   drag_ = ContactDrag(std::move(by_part), scene_.unit_m(), proxy_.radius());
 }
 
-std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Held& held, double unit_force_n,
+std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
                                std::array<ContactDrag::Contact, ContactDrag::kMostContacts>& contacts) noexcept {
-  const auto count = static_cast<std::size_t>(held.active_count);
+  const auto count = static_cast<std::size_t>(solution.active_count);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto i = static_cast<std::size_t>(held.active[k]);
+    const auto i = static_cast<std::size_t>(solution.active[k]);
     const LocalContact& contact = local.contacts[i];
-    contacts[k] = {contact.arm, local.bounds[i].row.head<3>(), unit_force_n * held.multipliers[static_cast<int>(k)], contact.part,
+    contacts[k] = {contact.arm, local.bounds[i].row.head<3>(), unit_force_n * solution.multipliers[static_cast<int>(k)], contact.part,
                    contact.object};
   }
   return count;
@@ -276,7 +276,7 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
   std::array<ContactDrag::Contact, ContactDrag::kMostContacts> contacts;
   std::size_t count = 0;
   if (output.contact && has_friction_) {
-    count = list_drag_contacts(local_, held_, unit_force_n(), contacts);
+    count = list_drag_contacts(local_, solution_, unit_force_n(), contacts);
   } else if (output.contact) {
     for (const ToolContact& contact : proxy_.contacts()) {
       const TouchGeometry& scene = contact.part > 0 ? *moving_[static_cast<std::size_t>(contact.part) - 1] : scene_;
@@ -296,7 +296,7 @@ ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
   proxy_.find_local_contacts(device, parts_, proxy_.local_reach(moved.length(proxy_.radius()) + proxy_.travel_to(parts_)), local_);
   local_.follow(parts_);
   const ToolFriction::Step rubbed = friction_.step(local_, device, parts_);
-  held_ = rubbed.held;
+  solution_ = rubbed.solution;
   const ToolProxyStep followed = proxy_.step(rubbed.goal, parts_);
   friction_.move_to(proxy_.placement());
   return followed;

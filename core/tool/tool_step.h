@@ -60,7 +60,7 @@ struct PreparedTool {
 double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip = Vec3::Zero());
 
 // The contacts that hold a tool, for damping. unit_force_n: of a multiplier of 1. Returns how many. RT: yes.
-std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Held& held, double unit_force_n,
+std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
                                std::array<ContactDrag::Contact, ContactDrag::kMostContacts>& contacts) noexcept;
 
 // One haptic step of a rigid tool, shared by the live node, replay, tests and benches: the 6-DOF counterpart of TouchStep.
@@ -154,8 +154,8 @@ class ToolStep {
   // With friction only:
   ToolFriction friction_;
   LocalContacts local_;
-  LocalContacts::Held held_;  // by these
-  Placement last_;            // device
+  LocalContacts::Solution solution_;  // by these
+  Placement last_;                    // device
   // With damping only:
   ContactDrag drag_;
   ToolView last_view_;

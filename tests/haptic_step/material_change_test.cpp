@@ -15,7 +15,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kLift = 0.0005 * 0.0254;
+constexpr double kContactOffset = 0.0005 * 0.0254;
 constexpr double kFadeS = ForceFade::kInContactS;
 constexpr double kStepS = 1e-3;
 
@@ -33,7 +33,7 @@ class Node {
   explicit Node(const Case& tested, const Material& material)
       : step(std::make_unique<TouchStep>(*make_method({.name = tested.method, .probe_radius_m = tested.probe_radius_m},
                                                       {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), material}}})),
-             kLift),
+             kContactOffset),
         radius_(tested.probe_radius_m) {}
 
   // The reply to a sample a millisecond after the last one: x along the surface, depth below it.

@@ -44,12 +44,12 @@ struct GraspWithdrawalTest : GraspTaskTest {
 };
 
 TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
-  EXPECT_FALSE(grasp->is_leaving(true));
+  EXPECT_FALSE(grasp->is_object_away(true));
   grasp->set_may_leave(false);
   reply(at, 1);
-  EXPECT_TRUE(grasp->is_leaving(true)) << "it has been requested";
+  EXPECT_TRUE(grasp->is_object_away(true)) << "it has been requested";
   rest(1, 200);
-  EXPECT_TRUE(grasp->is_leaving(false)) << "its tool is made";
+  EXPECT_TRUE(grasp->is_object_away(false)) << "its tool is made";
   EXPECT_FALSE(step->holds_tool());
   EXPECT_FALSE(grasp->poses()[kCube].is_held);
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
@@ -58,15 +58,15 @@ TEST_F(GraspWithdrawalTest, WhatIsPickedUpWaitsAndIsFeltWhereItLies) {
   reply(at, 1);
   EXPECT_TRUE(step->holds_tool());
   EXPECT_TRUE(grasp->poses()[kCube].is_held);
-  EXPECT_TRUE(grasp->is_leaving(false));
+  EXPECT_TRUE(grasp->is_object_away(false));
   rest(1, 200);
   EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02);
   waits = true;
   rest(0, 100);
-  EXPECT_TRUE(grasp->is_leaving(false)) << "it is not felt yet where it was put down";
+  EXPECT_TRUE(grasp->is_object_away(false)) << "it is not felt yet where it was put down";
   waits = false;
   wait_for_method(1);
-  EXPECT_FALSE(grasp->is_leaving(true));
+  EXPECT_FALSE(grasp->is_object_away(true));
 }
 
 TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
@@ -74,7 +74,7 @@ TEST_F(GraspWithdrawalTest, AButtonReleasedBeforeThatMovesNothing) {
   grasp->set_may_leave(false);
   rest(1, 200);
   rest(0, 5);
-  EXPECT_FALSE(grasp->is_leaving(true));
+  EXPECT_FALSE(grasp->is_object_away(true));
   grasp->set_may_leave(true);
   rest(0, 100);
   EXPECT_FALSE(step->holds_tool());
@@ -89,12 +89,12 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   go({0.0, 0.0, 0.05}, 0);
   const ObjectPose pose = {.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)};
   grasp->set_may_leave(false);
-  EXPECT_FALSE(grasp->is_leaving(true));
+  EXPECT_FALSE(grasp->is_object_away(true));
   grasp->request(pose);
-  EXPECT_TRUE(grasp->is_leaving(false));
+  EXPECT_TRUE(grasp->is_object_away(false));
   rest(0, 100);
   EXPECT_EQ(grasp->poses()[kCube].p_m, Vec3(Vec3::Zero()));
-  EXPECT_TRUE(grasp->is_leaving(false)) << "without being repeated";
+  EXPECT_TRUE(grasp->is_object_away(false)) << "without being repeated";
   EXPECT_FALSE(grasp->is_busy());
   grasp->set_may_leave(true);
   rest(0, 1);
@@ -103,7 +103,7 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
   grasp->set_may_leave(false);
   grasp->request(pose);
-  EXPECT_FALSE(grasp->is_leaving(true)) << "that pose is not the newest any more";
+  EXPECT_FALSE(grasp->is_object_away(true)) << "that pose is not the newest any more";
 }
 
 // Once the hub has no parts any more, it asks to go on from its probe. What waited for that must not leave before that probe is known.
@@ -209,7 +209,7 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
         ASSERT_EQ(last.object, kCube);
       } else {
         EXPECT_FALSE(grasp->is_busy());
-        EXPECT_FALSE(grasp->is_leaving(true)) << "the parts may be sent again";
+        EXPECT_FALSE(grasp->is_object_away(true)) << "the parts may be sent again";
         rest(0, 5);
         go(pressed, 0);
       }
@@ -223,9 +223,9 @@ TEST_F(GraspWithdrawalTest, AToolThatIsMadeIsKnownBetweenSamples) {
   grasp->set_may_leave(false);
   step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = 1});
   step->reply();
-  EXPECT_FALSE(grasp->is_leaving(false));
+  EXPECT_FALSE(grasp->is_object_away(false));
   for (int n = 0; n < 5; ++n) task->run_once();
-  EXPECT_TRUE(grasp->is_leaving(false));
+  EXPECT_TRUE(grasp->is_object_away(false));
 }
 
 }  // namespace

@@ -89,9 +89,9 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   ASSERT_EQ(object_, 1);
   EXPECT_EQ(method(), "name=proxy");
   exchange({0.0, 0.0, 0.0095}, 1);
-  ASSERT_TRUE(link_.orders.take());
-  ASSERT_EQ(link_.orders.value().kind, GraspOrder::Kind::pick_up);
-  link_.replies.publish({link_.orders.value().serial, &tool, {"name=tool"}});
+  ASSERT_TRUE(link_.requests.take());
+  ASSERT_EQ(link_.requests.value().kind, GraspRequest::Kind::pick_up);
+  link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
   for (int n = 0; n < 50; ++n) {
     exchange({2e-4 * n, 0.0, 0.02}, 1);
     tool.follow();
@@ -100,9 +100,9 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   EXPECT_TRUE(pose_.is_held);
   const std::uint32_t methods = setup_.method_serial;
   exchange({0.01, 0.0, 0.02}, 0);
-  ASSERT_TRUE(link_.orders.take());
-  ASSERT_EQ(link_.orders.value().kind, GraspOrder::Kind::put_down);
-  link_.replies.publish({link_.orders.value().serial});
+  ASSERT_TRUE(link_.requests.take());
+  ASSERT_EQ(link_.requests.value().kind, GraspRequest::Kind::put_down);
+  link_.replies.publish({link_.requests.value().serial});
   for (int n = 0; n < 5; ++n) exchange({0.01, 0.0, 0.02}, 0);
   EXPECT_EQ(method(), "name=proxy");
   EXPECT_GT(setup_.method_serial, methods) << "to a recording it is another one than the tool";
@@ -219,10 +219,10 @@ TEST_F(WithdrawnPartsTest, AnObjectIsPickedUpOnceTheHubHasConfirmedThatItHasNoPa
   touch();
   ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
   turn(1);
-  ASSERT_TRUE(link_.orders.take());
+  ASSERT_TRUE(link_.requests.take());
   for (int n = 0; n < 50; ++n) turn(1);
   EXPECT_FALSE(is_empty()) << "it may turn out that it cannot be picked up";
-  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  link_.replies.publish({link_.requests.value().serial, &tool_, {"name=tool"}});
   // The hub gets the epoch without parts, and what it says of that is lost.
   for (int n = 0; n < 2000 && !is_empty(); ++n) {
     exchange({0.0, 0.0, 0.0095}, 1);
@@ -249,8 +249,8 @@ TEST_F(WithdrawnPartsTest, AnOlderHubGetsNoParts) {
   EXPECT_NE(log.find("objects of the scene are movable, and io_node is of an older version"), std::string::npos) << log;
   EXPECT_TRUE(is_empty());
   turn(1);
-  ASSERT_TRUE(link_.orders.take());
-  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial, &tool_, {"name=tool"}});
   turn(1);
   turn(1);
   EXPECT_TRUE(step_.holds_tool()) << "without waiting";
@@ -270,8 +270,8 @@ TEST_F(WithdrawnPartsTest, PartsAreWithdrawnWithoutWaitingForASample) {
   touch();
   ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
   turn(1);
-  ASSERT_TRUE(link_.orders.take());
-  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial, &tool_, {"name=tool"}});
   for (int n = 0; n < 2000 && !is_empty(); ++n) turn_without_sample();
   ASSERT_TRUE(is_empty());
   EXPECT_FALSE(step_.holds_tool());
@@ -300,8 +300,8 @@ TEST_F(WithdrawnPartsTest, WhereTheHubHasNoPartsTheLoopIsThatOfRemoteForce) {
   EXPECT_EQ(advice(0).find("stiffness"), std::string::npos);
   EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0);
   turn(1);
-  ASSERT_TRUE(link_.orders.take());
-  link_.replies.publish({link_.orders.value().serial, &tool_, {"name=tool"}});
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial, &tool_, {"name=tool"}});
   loop_.turn(clock_.now_ns() + kMs);
   EXPECT_GT(patches_.find_lead_ns(clock_.now_ns()), 0) << "the hub has not confirmed yet that it has none";
   ASSERT_TRUE(turn_until(1, [&] { return step_.holds_tool(); }));

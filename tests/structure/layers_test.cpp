@@ -350,7 +350,7 @@ const std::map<std::string, std::string> kTestedElsewhere = {
     {"core/geometry/shaded_mesh.h", "plain data: corner_normals and split_large fill it"},
     {"core/geometry/triangle_mesh.h", "plain data"},
     {"core/sculpt/sculpt_settings.h", "plain data: sculpt_reader fills it"},
-    {"core/tool/box_lanes.h", "what patch_front and separating_planes share: each has its own test"},
+    {"core/tool/box_lanes.h", "what obb_front and separating_planes share: each has its own test"},
     {"core/math/float8_avx2.h", "tested by float8_test against its scalar twin"},
     {"core/math/float8_scalar.h", "tested by float8_test against AVX2"},
     {"core/math/types.h", "names for Eigen's types"},

@@ -53,8 +53,8 @@ TEST(HeadsetPanel, TheCurvesStandAtTheRight) {
   HeadsetPanel panel;
   const FigureParts parts(panel);
   vtkActor* curves = parts.solid(1);
-  const PlotShown force{.title = "force 1.5 N of 5 N", .points = {{0.0, 1.5}, {4.0, 0.5}}, .top = 5.0, .limit = 4.0};
-  const PlotShown age{.title = "age 12 ms of 20 ms", .points = {{0.0, 12.0}}, .top = 20.0};
+  const PlotContent force{.title = "force 1.5 N of 5 N", .points = {{0.0, 1.5}, {4.0, 0.5}}, .top = 5.0, .limit = 4.0};
+  const PlotContent age{.title = "age 12 ms of 20 ms", .points = {{0.0, 12.0}}, .top = 20.0};
   panel.set_plots({force, age});
   ASSERT_NE(curves->GetVisibility(), 0);
   const double* box = curves->GetBounds();

@@ -180,7 +180,7 @@ TEST_F(HeadsetMirror, AWindowOfAnotherSizeShowsItAsLargeAsFits) {
   person_->resize(300, 500);
   wait_until([&] {
     view_->poll_events();
-    return view_->take_stale();
+    return view_->take_redraw_request();
   });
   EXPECT_EQ(view_->picture_size(), kEyePixels) << "the headset's pictures keep their size";
   show();

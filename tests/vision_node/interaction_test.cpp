@@ -304,22 +304,23 @@ TEST_F(InteractionTest, KeysOfThePenAreRequestsOnce) {
 }
 
 TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
-  using Pad = WindowEvent::Pad;
-  const auto pad = [](Pad which) {
+  using NavigationKey = WindowEvent::NavigationKey;
+  const auto navigation_key = [](NavigationKey which) {
     WindowEvent event;
-    event.pad = which;
+    event.navigation_key = which;
     return event;
   };
-  const std::pair<Pad, Vec3> moves[] = {{Pad::left, {-0.01, 0, 0}}, {Pad::right, {0.01, 0, 0}},    {Pad::up, {0, 0.01, 0}},
-                                        {Pad::down, {0, -0.01, 0}}, {Pad::page_up, {0, 0, -0.01}}, {Pad::page_down, {0, 0, 0.01}}};
+  const std::pair<NavigationKey, Vec3> moves[] = {{NavigationKey::left, {-0.01, 0, 0}},    {NavigationKey::right, {0.01, 0, 0}},
+                                                  {NavigationKey::up, {0, 0.01, 0}},       {NavigationKey::down, {0, -0.01, 0}},
+                                                  {NavigationKey::page_up, {0, 0, -0.01}}, {NavigationKey::page_down, {0, 0, 0.01}}};
   for (const auto& [which, by_m] : moves) {
-    give(pad(which));
-    give(pad(which));
+    give(navigation_key(which));
+    give(navigation_key(which));
     EXPECT_EQ(hands_.take_requests().head_by_m, 2.0 * by_m);
     EXPECT_TRUE(hands_.take_requests().head_by_m.isZero(0.0)) << "once";
   }
-  give(pad(Pad::left));
-  give(pad(Pad::home));
+  give(navigation_key(NavigationKey::left));
+  give(navigation_key(NavigationKey::home));
   const UserRequests back = hands_.take_requests();
   EXPECT_TRUE(back.reset_head && back.head_by_m.isZero(0.0));
   EXPECT_FALSE(hands_.take_requests().reset_head);

@@ -21,7 +21,7 @@ TEST(LivePlots, ShowForceWithItsLimitAndTheAgeOfTheFrames) {
   plots.receive(state_with(2.0), 1000 * kMs);
   plots.receive(state_with(3.25), 1100 * kMs);
   plots.record_motion_to_photon(14 * kMs, 1110 * kMs);
-  const auto shown = plots.compose(1120 * kMs);
+  const auto shown = plots.update(1120 * kMs);
   ASSERT_EQ(shown.size(), 2u);
   EXPECT_EQ(shown[0].title, "force 3.25 N, limit 8.5   (0 to 10, 5 s)");
   EXPECT_EQ(shown[0].limit, 8.5);
@@ -38,11 +38,11 @@ TEST(LivePlots, ShowForceWithItsLimitAndTheAgeOfTheFrames) {
 TEST(LivePlots, AreOffUntilAskedForAndThenKnowThePast) {
   LivePlots plots(false);
   plots.receive(state_with(2.0), 1000 * kMs);
-  EXPECT_TRUE(plots.compose(1100 * kMs).empty());
+  EXPECT_TRUE(plots.update(1100 * kMs).empty());
   EXPECT_FALSE(plots.wants_picture(5000 * kMs));
   plots.toggle();
   EXPECT_TRUE(plots.wants_picture(5000 * kMs));
-  EXPECT_EQ(plots.compose(5000 * kMs)[0].points.front().value, 2.0);
+  EXPECT_EQ(plots.update(5000 * kMs)[0].points.front().value, 2.0);
 }
 
 TEST(LivePlots, CallForTenPicturesASecondWhileThereIsAHub) {
@@ -50,12 +50,12 @@ TEST(LivePlots, CallForTenPicturesASecondWhileThereIsAHub) {
   EXPECT_FALSE(plots.wants_picture(1000 * kMs)) << "nothing to show";
   plots.receive(state_with(0.0), 1000 * kMs);
   EXPECT_TRUE(plots.wants_picture(1000 * kMs));
-  plots.compose(1000 * kMs);
+  plots.update(1000 * kMs);
   EXPECT_FALSE(plots.wants_picture(1099 * kMs));
   EXPECT_TRUE(plots.wants_picture(1100 * kMs));
-  plots.lost();
+  plots.forget_force();
   EXPECT_FALSE(plots.wants_picture(1100 * kMs));
-  const auto after = plots.compose(3000 * kMs);
+  const auto after = plots.update(3000 * kMs);
   EXPECT_GT(after[0].points.back().age_s, 1.9) << "no force is claimed while nobody tells one";
 }
 
@@ -64,7 +64,7 @@ TEST(LivePlots, NaNIsNotPlotted) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   plots.receive(state_with(std::numeric_limits<double>::quiet_NaN(), kNaN), 1000 * kMs);
   plots.receive(state_with(1.0, -3.0F), 1100 * kMs);
-  const auto shown = plots.compose(1200 * kMs);
+  const auto shown = plots.update(1200 * kMs);
   EXPECT_EQ(shown[0].limit, 0.0);
   EXPECT_EQ(shown[0].title, "force 1 N   (0 to 1, 5 s)");
 }

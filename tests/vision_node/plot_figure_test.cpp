@@ -11,8 +11,8 @@ constexpr PictureSize kPlotPicture{2000, 1000};
 const PartColour kGridLine = {120, 126, 134}, kLimitLine = {240, 80, 70}, kFirstCurve = {90, 230, 120}, kSecondCurve = {120, 200, 255};
 
 // Half a minute of a force with a gap of more than a second, and a value above the scale; a round trip without values.
-std::vector<PlotShown> two_plots() {
-  PlotShown force{.title = "force", .points = {{4.0, 2.0}, {3.5, 4.0}, {2.0, 20.0}, {1.0, 8.0}, {0.0, 0.0}}, .top = 10.0, .limit = 8.0};
+std::vector<PlotContent> two_plots() {
+  PlotContent force{.title = "force", .points = {{4.0, 2.0}, {3.5, 4.0}, {2.0, 20.0}, {1.0, 8.0}, {0.0, 0.0}}, .top = 10.0, .limit = 8.0};
   return {force, {.title = "round trip", .points = {}, .top = 1.0, .limit = 0.0}};
 }
 
@@ -63,7 +63,7 @@ TEST(PlotFigure, CurvesAreDrawnInTheirFramesAtTheRight) {
 TEST(PlotFigure, ASecondCurveHasItsColourAndAThirdIsLeftOut) {
   PlotFigure figure;
   const FigureParts parts(figure);
-  std::vector<PlotShown> plots = two_plots();
+  std::vector<PlotContent> plots = two_plots();
   plots[1].points = {{1.0, 0.5}, {0.5, 0.5}};
   plots.push_back(plots[1]);
   figure.set(plots, kPlotPicture);

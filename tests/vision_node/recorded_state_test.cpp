@@ -132,9 +132,9 @@ TEST(RecordedState, PlotsHaveTheLastFiveSecondsAndTheLimit) {
   auto reader = SessionReader::open(file);
   const auto index = SessionIndex::read(*reader);
   ASSERT_TRUE(index);
-  const std::vector<PlotShown> plots = make_recorded_plots(*index, 6.9);
+  const std::vector<PlotContent> plots = make_recorded_plots(*index, 6.9);
   ASSERT_EQ(plots.size(), 2U);
-  for (const PlotShown& plot : plots) {
+  for (const PlotContent& plot : plots) {
     ASSERT_FALSE(plot.points.empty());
     EXPECT_LE(plot.points.front().age_s, RecentCurve::kSeconds);
     EXPECT_GT(plot.points.front().age_s, RecentCurve::kSeconds - 0.021);
@@ -159,7 +159,7 @@ TEST(RecordedState, AMarkIsShownForTwoSeconds) {
 
 TEST(RecordedState, PlotsEndAtTheMomentShown) {
   OpenedRecording recording;
-  const std::vector<PlotShown> plots = make_recorded_plots(recording.index, 1.0);
+  const std::vector<PlotContent> plots = make_recorded_plots(recording.index, 1.0);
   ASSERT_EQ(plots.size(), 2U);
   ASSERT_FALSE(plots[0].points.empty());
   EXPECT_NEAR(plots[0].points.front().age_s, 1.0, 0.021);

@@ -66,7 +66,8 @@ TEST(SessionControl, OnlyCameraAndOverlayKeysReachTheWindow) {
   ControlledRecording recording;
   for (const char key : std::string("xYz0hpdluUwt")) EXPECT_TRUE(recording.key(key)) << key;
   for (const char key : std::string("rfmebgcskq+-")) EXPECT_FALSE(recording.key(key)) << key;
-  EXPECT_FALSE(recording.control.handle({.kind = WindowEvent::Kind::key, .pad = WindowEvent::Pad::left}, std::nullopt, kControlledPicture));
+  EXPECT_FALSE(recording.control.handle({.kind = WindowEvent::Kind::key, .navigation_key = WindowEvent::NavigationKey::left}, std::nullopt,
+                                        kControlledPicture));
   EXPECT_FALSE(recording.control.handle({.kind = WindowEvent::Kind::close}, std::nullopt, kControlledPicture));
 }
 

@@ -363,7 +363,7 @@ TEST(StereoView, PlotsAreDrawnToScaleAtTheRight) {
   ASSERT_TRUE(view);
   view->draw();
   const Picture without = view->read_picture();
-  PlotShown flat{"force", {}, 10.0, 7.5}, rising{"age", {}, 10.0, 0.0};
+  PlotContent flat{"force", {}, 10.0, 7.5}, rising{"age", {}, 10.0, 0.0};
   for (int n = 249; n >= 0; --n) {
     flat.points.push_back({0.02 * n, 2.5});
     rising.points.push_back({0.02 * n, 10.0 - 0.04 * n});
@@ -483,7 +483,7 @@ TEST(StereoView, OnScreenWindowDrawsTheSameAsOffScreen) {
   ASSERT_TRUE(view);
   view->draw();
   view->poll_events();
-  view->take_stale();
+  view->take_redraw_request();
   view->draw();
   EXPECT_EQ(view->read_picture().rgb, picture_of(StereoMode::side_by_side, 640, 360, three_markers()).rgb);
 }

@@ -65,7 +65,7 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   step.lost();
   step.joined();
   step.receive(state);
-  step.spoil();
+  step.request_redraw();
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
 }
 
@@ -106,7 +106,7 @@ TEST_F(VisionStepTest, TheHudNamesTheTouchedObjectOfTheSameScene) {
   state.object = 0;
   step.receive(state);
   step.set_other_scene(true);
-  step.spoil();
+  step.request_redraw();
   EXPECT_EQ(step.compose(3 * kMs).hud.find("hood"), std::string::npos) << "the numbers are those of another scene";
 }
 
@@ -205,7 +205,7 @@ TEST_F(VisionStepTest, AHeadThatMovesByMoreThanHalfAPixelIsDrawn) {
   step.set_head({{0.9 * half_pixel_m, 0.0, 0.6}, Quat::Identity()});
   EXPECT_FALSE(turn(step, 500 * kMs));
   EXPECT_TRUE(step.is_scene_at_rest(500 * kMs));
-  step.spoil();
+  step.request_redraw();
   ASSERT_TRUE(step.wants_picture(520 * kMs, where_));
   EXPECT_EQ(step.compose(520 * kMs).framing.head.p_RH.x(), 0.0) << "nor does it change a picture that is drawn for something else";
   step.end_frame(520 * kMs, 525 * kMs, where_);
@@ -228,7 +228,7 @@ TEST_F(VisionStepTest, KeysMoveTheHeadBeforeTheScreenAndTheHudSaysWhereItIs) {
   VisionStep step(made);
   ASSERT_TRUE(turn(step, 0));
   WindowEvent right;
-  right.pad = WindowEvent::Pad::right;
+  right.navigation_key = WindowEvent::NavigationKey::right;
   for (int n = 0; n < 3; ++n) step.handle(right, where_);
   step.take_requests();
   ASSERT_TRUE(step.wants_picture(500 * kMs, where_));
@@ -237,7 +237,7 @@ TEST_F(VisionStepTest, KeysMoveTheHeadBeforeTheScreenAndTheHudSaysWhereItIs) {
   EXPECT_NE(shown.hud.find("head 3 0 60 cm"), std::string::npos) << shown.hud;
   step.end_frame(500 * kMs, 505 * kMs, where_);
   WindowEvent home;
-  home.pad = WindowEvent::Pad::home;
+  home.navigation_key = WindowEvent::NavigationKey::home;
   step.handle(home, where_);
   step.take_requests();
   ASSERT_TRUE(step.wants_picture(520 * kMs, where_));
@@ -326,7 +326,7 @@ TEST_F(VisionStepTest, DialsCullAndAnUncoveredWindowCallForAPicture) {
   EXPECT_FALSE(step.compose(80 * kMs).cull);
   step.end_frame(80 * kMs, 85 * kMs, where_);
   EXPECT_FALSE(turn(step, 100 * kMs));
-  step.spoil();
+  step.request_redraw();
   EXPECT_TRUE(turn(step, 120 * kMs));
 }
 

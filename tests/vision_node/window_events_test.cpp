@@ -66,15 +66,17 @@ TEST_F(WindowEvents, ShiftArrivesWithTheButtonOfTheMouse) {
 }
 
 TEST_F(WindowEvents, ArrowsAndPageKeysArriveByName) {
-  using Pad = WindowEvent::Pad;
-  const std::pair<KeySym, Pad> keys[] = {{XK_Left, Pad::left},     {XK_Right, Pad::right},    {XK_Up, Pad::up},     {XK_Down, Pad::down},
-                                         {XK_Prior, Pad::page_up}, {XK_Next, Pad::page_down}, {XK_Home, Pad::home}, {XK_x, Pad::none}};
-  for (const auto& [symbol, pad] : keys) person_->press_key(symbol);
+  using NavigationKey = WindowEvent::NavigationKey;
+  const std::pair<KeySym, NavigationKey> keys[] = {{XK_Left, NavigationKey::left},     {XK_Right, NavigationKey::right},
+                                                   {XK_Up, NavigationKey::up},         {XK_Down, NavigationKey::down},
+                                                   {XK_Prior, NavigationKey::page_up}, {XK_Next, NavigationKey::page_down},
+                                                   {XK_Home, NavigationKey::home},     {XK_x, NavigationKey::none}};
+  for (const auto& [symbol, key] : keys) person_->press_key(symbol);
   const auto received = receive(std::size(keys));
   ASSERT_EQ(received.size(), std::size(keys));
   for (std::size_t n = 0; n < received.size(); ++n) {
     EXPECT_EQ(received[n].kind, Kind::key) << n;
-    EXPECT_EQ(received[n].pad, keys[n].second) << n;
+    EXPECT_EQ(received[n].navigation_key, keys[n].second) << n;
   }
 }
 
@@ -115,11 +117,11 @@ TEST_F(WindowEvents, RightButtonAndWheel) {
 }
 
 TEST_F(WindowEvents, ResizeMakesThePictureStaleAndKeepsItsShape) {
-  view_->take_stale();
+  view_->take_redraw_request();
   person_->resize(800, 300);
   EXPECT_TRUE(wait_until([&] {
     view_->poll_events();
-    return view_->take_stale();
+    return view_->take_redraw_request();
   }));
   view_->draw();
   EXPECT_EQ(view_->picture_size(), (PictureSize{400, 300}));

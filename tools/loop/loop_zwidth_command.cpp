@@ -54,7 +54,7 @@ Result<ZWidthGrid> make_grid(const ZWidthOptions& options) {
   if (filled) filled = fill(grid.jitters_ms, read_range("--jitter", options.jitters, 0.0, 10'000.0, "ms"));
   if (filled) filled = fill(grid.losses, read_range("--loss", options.losses, 0.0, 0.99, "as a share"));
   grid.seed = options.seed;
-  grid.presses = options.presses;
+  grid.measures_presses = options.presses;
   grid.mass_filter_s = options.mass_filter_s;
   if (filled) filled = fill(grid.wall_dampings_ns_per_m, read_range("--wall-damping", options.wall_dampings, 0.0, 1e6, "Ns/m"));
   if (!filled) return tl::unexpected(filled.error());

@@ -44,7 +44,7 @@ std::uint64_t fingerprint(const ZWidthGrid& grid) {
   for (const auto* numbers : {&grid.rates_hz, &grid.delays_ms, &grid.jitters_ms, &grid.losses, &grid.wall_dampings_ns_per_m}) {
     add(fmt::format("{}", fmt::join(*numbers, " ")));
   }
-  add(fmt::format("{} {} {}", grid.seed, grid.presses, grid.mass_filter_s));
+  add(fmt::format("{} {} {}", grid.seed, grid.measures_presses, grid.mass_filter_s));
   return hash;
 }
 
@@ -131,7 +131,7 @@ ZWidthRow measure_cell(const ZWidthGrid& grid, std::size_t cell) {
   row.inputs.hand = row.loop->hand_model;
   row.found = find_zwidth(row.inputs);
   if (row.is_simulated()) simulate(row);
-  if (grid.presses) press(row);
+  if (grid.measures_presses) press(row);
   return row;
 }
 

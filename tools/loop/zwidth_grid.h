@@ -25,7 +25,7 @@ struct ZWidthGrid {
   std::vector<double> wall_dampings_ns_per_m = {0.0};
   std::uint64_t seed = 1;
   double mass_filter_s = MassEffect().filter_s;  // of the virtual mass
-  bool presses = false;                          // also find the largest stiffness at which a press comes to rest
+  bool measures_presses = false;                 // also find the largest stiffness at which a press comes to rest
 
   std::size_t cells() const noexcept {
     return loops.size() * rates_hz.size() * delays_ms.size() * jitters_ms.size() * losses.size() * wall_dampings_ns_per_m.size();

@@ -25,7 +25,7 @@ LocalContacts cones_at(std::initializer_list<std::pair<Vec3, Vec3>> points, cons
   return local;
 }
 
-LocalContacts::Held frictionless_at(const LocalContacts& local, const Vec6& wanted) {
+LocalContacts::Solution frictionless_at(const LocalContacts& local, const Vec6& wanted) {
   const Vec3 turn = wanted.tail<3>();
   return local.solve({wanted.head<3>(), turn_by(turn)});
 }

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-using Node = PatchTree::Node;
+using Node = ObbTree::Node;
 
 // A box in the scene, with the axes as they are stored.
 struct BoxInScene {

@@ -9,7 +9,7 @@
 
 #include "core/base/worker_team.h"
 #include "core/geometry/triangle_distance.h"
-#include "core/tool/patch_tree.h"
+#include "core/tool/obb_tree.h"
 #include "core/tool/separating_planes.h"
 #include "core/tool/tool_sweep.h"
 
@@ -27,12 +27,12 @@ namespace hapton {
 // whether a walk ends early, is the same with any number of workers.
 // Work: at most kMostTests pairs of boxes in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and
 // the team outlive this.
-class PatchFront {
+class ObbFront {
  public:
   static constexpr std::size_t kMostTests = 1U << 20;
 
   // radius: the largest distance of a point of the tool from the grip point.
-  PatchFront(const PatchTree& tool, const PatchTree& scene, double radius, WorkerTeam& team = calling_thread());
+  ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, WorkerTeam& team = calling_thread());
 
   // The worker of a visit, and the position of the visit in the order of the traversal. Each worker visits in ascending order of places,
   // and makes all visits of a place.
@@ -78,7 +78,7 @@ class PatchFront {
     std::uint32_t scene;
   };
   struct ToolBox {
-    void place(const PatchTree::Node& tool, const ToolSweep& motion);
+    void place(const ObbTree::Node& tool, const ToolSweep& motion);
 
     std::uint64_t walk = 0;  // that it was made for
     std::uint32_t node = 0;
@@ -125,7 +125,7 @@ class PatchFront {
     std::size_t tests = 0;
   };
 
-  static Apart test(const ToolBox& tool, const PatchTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
+  static Apart test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
   const ToolBox& placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept;
   // Prepares a walk: which pairs it begins at.
   void begin(const ToolSweep& motion, double distance) noexcept;
@@ -155,8 +155,8 @@ class PatchFront {
   static constexpr std::size_t kTogether = 8;  // places that a worker takes at a time
   static constexpr std::size_t kWorthIt = 32;  // places: fewer are walked by one worker
 
-  const PatchTree* tool_;
-  const PatchTree* scene_;
+  const ObbTree* tool_;
+  const ObbTree* scene_;
   double radius_;
   WorkerTeam* team_;
   std::vector<Walker> walkers_;
@@ -180,7 +180,7 @@ class PatchFront {
 // ---------------------------------------------------------------------------------------------------------------------
 
 template <class Visit>
-bool PatchFront::for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept {
+bool ObbFront::for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept {
   if (tool_->nodes().empty() || scene_->nodes().empty()) return true;
   begin(motion, distance);
   std::atomic<std::size_t> next = 0;
@@ -211,11 +211,11 @@ bool PatchFront::for_each_near(const ToolSweep& motion, double distance, Visit&&
 }
 
 template <class Visit>
-bool PatchFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept {
+bool ObbFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept {
   if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMostTests) return false;
   const std::uint32_t at = places_[turn.place];
   const Pair pair = ended_[at];
-  const PatchTree::Node& tool = tool_->nodes()[pair.tool];
+  const ObbTree::Node& tool = tool_->nodes()[pair.tool];
   const float rest = rest_until_[at];
   const bool is_partial = visited_in_[at] != epoch_ && rest > enough_;
   const Visited found =
@@ -233,20 +233,20 @@ bool PatchFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) 
 }
 
 template <class Visit>
-bool PatchFront::descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept {
+bool ObbFront::descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
   const bool wants_plane = motion.angle < kFastTurn;
   bool is_first = true;
   bool has_replaced = false;
-  std::array<Pair, 2 * PatchTree::kMostDepth + 2> stack;
+  std::array<Pair, 2 * ObbTree::kMostDepth + 2> stack;
   int top = 0;
   stack[top++] = ended_[from];
   while (top > 0) {
     const Pair pair = stack[--top];
     if (++walker.tests > kMostTests) return false;
-    const PatchTree::Node& tool = tool_->nodes()[pair.tool];
-    const PatchTree::Node& scene = scene_->nodes()[pair.scene];
+    const ObbTree::Node& tool = tool_->nodes()[pair.tool];
+    const ObbTree::Node& scene = scene_->nodes()[pair.scene];
     const Apart apart = test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
     if (apart.over_motion || is_end(pair)) {
       const Visited found =
@@ -283,7 +283,7 @@ bool PatchFront::descend(Turn turn, const ToolSweep& motion, double distance, Vi
 }
 
 template <class Workers, class ListOf, class Use>
-void PatchFront::for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept {
+void ObbFront::for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept {
   std::array<std::size_t, WorkerTeam::kMaxWorkers> at = {};
   for (;;) {
     // The worker whose next item comes first has all items of that place.

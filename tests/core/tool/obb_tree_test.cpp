@@ -1,4 +1,4 @@
-#include "core/tool/patch_tree.h"
+#include "core/tool/obb_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +17,10 @@ struct Checked {
 };
 
 // Every box contains the exact corners of all triangles under it.
-Checked check_tree(const PatchTree& tree, const std::function<std::array<Vec3, 3>(std::uint32_t)>& corners) {
+Checked check_tree(const ObbTree& tree, const std::function<std::array<Vec3, 3>(std::uint32_t)>& corners) {
   Checked checked;
   const std::function<std::vector<std::uint32_t>(std::uint32_t, int)> visit = [&](std::uint32_t at, int depth) {
-    const PatchTree::Node& node = tree.nodes()[at];
+    const ObbTree::Node& node = tree.nodes()[at];
     checked.depth = std::max(checked.depth, depth);
     std::vector<std::uint32_t> below;
     if (node.is_leaf()) {
@@ -46,30 +46,30 @@ Checked check_tree(const PatchTree& tree, const std::function<std::array<Vec3, 3
   return checked;
 }
 
-TEST(PatchTree, BoxesContainTheirTriangles) {
+TEST(ObbTree, BoxesContainTheirTriangles) {
   for (const TriangleMesh& mesh : {make_bumpy_sphere(0.3, 0.2, 2000, 5), make_box({0.1, 0.2, 0.3}, 4), make_cylinder(0.1, 0.3, 64, 3),
                                    make_gutter(0.1, 0.03, 1.5, 3), make_plane_grid(0.2, 6)}) {
     const ObjectGeometry surface(mesh, {Vec3::Zero(), 1.0});
-    const PatchTree tree(surface);
+    const ObbTree tree(surface);
     const Checked checked = check_tree(tree, [&](std::uint32_t t) {
       return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
     });
     EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
-    EXPECT_LE(checked.depth, PatchTree::kMostDepth);
+    EXPECT_LE(checked.depth, ObbTree::kMostDepth);
   }
 }
 
-TEST(PatchTree, HoldsTheTrianglesOfAllObjectsUnderTheirNumbersInTheScene) {
+TEST(ObbTree, HoldsTheTrianglesOfAllObjectsUnderTheirNumbersInTheScene) {
   const TriangleMesh ball = make_bumpy_sphere(0.3, 0.2, 300, 3);
   const TriangleMesh box = scaled_and_moved(make_box({0.4, 0.2, 0.3}, 3), 1.0, {0.5, 0.0, 0.0});
   const TouchGeometry scene(std::vector<const TriangleMesh*>{&ball, &box});
-  const Checked checked = check_tree(PatchTree(scene), [&](std::uint32_t id) {
+  const Checked checked = check_tree(ObbTree(scene), [&](std::uint32_t id) {
     return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
   });
   EXPECT_EQ(checked.triangles.size(), scene.triangle_count());
 }
 
-TEST(PatchTree, TreesOfObjectsAreJoined) {
+TEST(ObbTree, TreesOfObjectsAreJoined) {
   for (const int count : {0, 1, 2, 33}) {
     std::vector<std::shared_ptr<const TriangleMesh>> meshes;
     for (int i = 0; i < count; ++i) {
@@ -78,26 +78,26 @@ TEST(PatchTree, TreesOfObjectsAreJoined) {
                               : std::make_shared<TriangleMesh>(scaled_and_moved(make_bumpy_sphere(0.3, 0.2, 80, i), 1.0, at)));
     }
     const TouchGeometry scene(meshes);
-    std::vector<PatchTree> trees;
+    std::vector<ObbTree> trees;
     for (std::uint32_t o = 0; o < scene.object_count(); ++o) trees.emplace_back(scene.object_geometry(o));
-    std::vector<const PatchTree*> all;
-    for (const PatchTree& tree : trees) all.push_back(&tree);
-    const PatchTree joined(all, scene);
+    std::vector<const ObbTree*> all;
+    for (const ObbTree& tree : trees) all.push_back(&tree);
+    const ObbTree joined(all, scene);
     const Checked checked = check_tree(joined, [&](std::uint32_t id) {
       return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
     });
     EXPECT_EQ(checked.triangles.size(), scene.triangle_count()) << count;
-    EXPECT_LE(checked.depth, PatchTree::kMostDepth);
+    EXPECT_LE(checked.depth, ObbTree::kMostDepth);
     EXPECT_EQ(joined.nodes().size(), count == 0 ? 0 : 2 * scene.triangle_count() - 1) << count;
   }
 }
 
-TEST(PatchTree, WithAnotherOriginBoxesContainTheDisplacedTriangles) {
+TEST(ObbTree, WithAnotherOriginBoxesContainTheDisplacedTriangles) {
   const ObjectGeometry surface(make_bumpy_sphere(0.3, 0.2, 2000, 5), {Vec3::Zero(), 1.0});
-  const PatchTree tree(surface);
+  const ObbTree tree(surface);
   for (const Vec3& p : {Vec3(0.1, -0.2, 0.3), Vec3(-1.7, 0.9, 0.4), Vec3(0.0, 0.0, 0.0)}) {
     const ObjectGeometry displaced = surface.about(p);
-    const PatchTree moved = tree.about(p);
+    const ObbTree moved = tree.about(p);
     const Checked checked = check_tree(moved, [&](std::uint32_t t) {
       return std::array<Vec3, 3>{displaced.corner(t, 0), displaced.corner(t, 1), displaced.corner(t, 2)};
     });
@@ -109,11 +109,11 @@ TEST(PatchTree, WithAnotherOriginBoxesContainTheDisplacedTriangles) {
 }
 
 // A box over a piece of a sphere is as thick as the cap is high; flat faces have flat boxes.
-TEST(PatchTree, BoxesAreThin) {
+TEST(ObbTree, BoxesAreThin) {
   const ObjectGeometry ball(make_icosphere(1.0, 5), {Vec3::Zero(), 1.0});
-  const PatchTree ball_tree(ball);
+  const ObbTree ball_tree(ball);
   int compared = 0;
-  for (const PatchTree::Node& node : ball_tree.nodes()) {
+  for (const ObbTree::Node& node : ball_tree.nodes()) {
     const double radius = node.half_size().norm();
     if (radius > 0.2) continue;
     ++compared;
@@ -122,12 +122,12 @@ TEST(PatchTree, BoxesAreThin) {
   EXPECT_GT(compared, 10000);
   const ObjectGeometry box(make_box({1.0, 1.0, 1.0}, 4), {Vec3::Zero(), 1.0});
   int flat = 0;
-  const PatchTree tree(box);
-  for (const PatchTree::Node& node : tree.nodes()) flat += node.half[0] < 1e-6 ? 1 : 0;
+  const ObbTree tree(box);
+  for (const ObbTree::Node& node : tree.nodes()) flat += node.half[0] < 1e-6 ? 1 : 0;
   EXPECT_GT(flat, static_cast<int>(tree.nodes().size()) - 16);
 }
 
-TEST(PatchTree, OfTrianglesWithoutAreaIsComplete) {
+TEST(ObbTree, OfTrianglesWithoutAreaIsComplete) {
   TriangleMesh mesh;
   for (int i = 0; i < 20; ++i) {
     const auto v = static_cast<std::uint32_t>(mesh.vertices.size());
@@ -135,7 +135,7 @@ TEST(PatchTree, OfTrianglesWithoutAreaIsComplete) {
     mesh.triangles.push_back({v, v + 1, v + 2});
   }
   const ObjectGeometry surface(mesh, {Vec3::Zero(), 1.0});
-  const Checked checked = check_tree(PatchTree(surface), [&](std::uint32_t t) {
+  const Checked checked = check_tree(ObbTree(surface), [&](std::uint32_t t) {
     return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
   });
   EXPECT_EQ(checked.triangles.size(), surface.triangle_count());

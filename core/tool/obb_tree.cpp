@@ -1,4 +1,4 @@
-#include "core/tool/patch_tree.h"
+#include "core/tool/obb_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,8 +97,8 @@ struct PatchAxes {
 float to_float(double x) { return static_cast<float>(rounded_to_float(x)); }
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
 
-PatchTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
-  PatchTree::Node node;
+ObbTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
+  ObbTree::Node node;
   Mat3 stored;
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k) stored(k, i) = node.axes[k][i] = to_float(axes(k, i));
@@ -143,7 +143,7 @@ class PatchBuilder {
  public:
   std::vector<PatchItem> items;
   std::vector<std::uint32_t> numbers;  // of the items, leaf by leaf
-  LargeVector<PatchTree::Node> nodes;
+  LargeVector<ObbTree::Node> nodes;
 
   void run() {
     if (items.empty()) return;
@@ -159,7 +159,7 @@ class PatchBuilder {
   void build(std::uint32_t at, std::size_t begin, std::size_t end) {
     const PatchPiece own{items, std::span(numbers).subspan(begin, end - begin)};
     const PatchAxes patch(own);
-    PatchTree::Node node = box_around(own, patch.axes);
+    ObbTree::Node node = box_around(own, patch.axes);
     if (own.size() == 1) {
       node.link = ~static_cast<std::uint32_t>(begin);
       nodes[at] = node;
@@ -247,10 +247,10 @@ class PatchBuilder {
 // Puts the trees of objects under one root.
 class PatchJoiner {
  public:
-  LargeVector<PatchTree::Node> nodes;
+  LargeVector<ObbTree::Node> nodes;
   std::vector<std::uint32_t> triangles;
 
-  PatchJoiner(std::span<const PatchTree* const> trees, const TouchGeometry& scene) {
+  PatchJoiner(std::span<const ObbTree* const> trees, const TouchGeometry& scene) {
     const std::uint32_t step = object_step(scene);
     std::size_t node_count = 0;
     for (std::uint32_t o = 0; o < trees.size(); ++o) {
@@ -269,7 +269,7 @@ class PatchJoiner {
 
  private:
   struct Object {
-    const PatchTree* tree;
+    const ObbTree* tree;
     std::uint32_t first_id;
     Box bounds;
   };
@@ -281,7 +281,7 @@ class PatchJoiner {
     }
     Box bounds;
     for (const Object& object : objects) bounds.grow(object.bounds);
-    PatchTree::Node node = box_along(bounds);
+    ObbTree::Node node = box_along(bounds);
     int longest = 0;
     (bounds.high - bounds.low).maxCoeff(&longest);
     const std::size_t half = objects.size() / 2;
@@ -299,11 +299,11 @@ class PatchJoiner {
   }
 
   // A box along the coordinate axes, which it has in the order of its extents, the shortest first.
-  static PatchTree::Node box_along(const Box& bounds) {
+  static ObbTree::Node box_along(const Box& bounds) {
     const Vec3 size = bounds.high - bounds.low;
     std::array<int, 3> order = {0, 1, 2};
     std::sort(order.begin(), order.end(), [&](int a, int b) { return size[a] < size[b]; });
-    PatchTree::Node node = {};
+    ObbTree::Node node = {};
     for (int k = 0; k < 3; ++k) node.centre[k] = to_float(bounds.centre()[k]);
     for (int i = 0; i < 3; ++i) {
       const int k = order[i];
@@ -317,14 +317,14 @@ class PatchJoiner {
   void put(std::uint32_t at, const Object& object) {
     const auto shift = static_cast<std::uint32_t>(nodes.size() - 1);
     const auto first_leaf = static_cast<std::uint32_t>(triangles.size());
-    const auto placed = [&](const PatchTree::Node& node) {
-      PatchTree::Node other = node;
+    const auto placed = [&](const ObbTree::Node& node) {
+      ObbTree::Node other = node;
       other.link = node.is_leaf() ? ~(~node.link + first_leaf) : node.link + shift;
       return other;
     };
-    const std::span<const PatchTree::Node> own = object.tree->nodes();
+    const std::span<const ObbTree::Node> own = object.tree->nodes();
     nodes[at] = placed(own[0]);
-    for (const PatchTree::Node& node : own.subspan(1)) nodes.push_back(placed(node));
+    for (const ObbTree::Node& node : own.subspan(1)) nodes.push_back(placed(node));
     for (const std::uint32_t id : object.tree->triangles()) triangles.push_back(object.first_id | id);
   }
 
@@ -339,7 +339,7 @@ void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vec
 
 }  // namespace
 
-PatchTree::PatchTree(const ObjectGeometry& surface) {
+ObbTree::ObbTree(const ObjectGeometry& surface) {
   PatchBuilder builder;
   add_surface(surface, 0, builder.items);
   builder.run();
@@ -347,7 +347,7 @@ PatchTree::PatchTree(const ObjectGeometry& surface) {
   for (const std::uint32_t number : builder.numbers) triangles_.push_back(builder.items[number].id);
 }
 
-PatchTree::PatchTree(const TouchGeometry& scene) {
+ObbTree::ObbTree(const TouchGeometry& scene) {
   PatchBuilder builder;
   const std::uint32_t step = PatchJoiner::object_step(scene);
   for (std::uint32_t o = 0; o < scene.object_count(); ++o) add_surface(scene.object_geometry(o), o * step, builder.items);
@@ -356,14 +356,14 @@ PatchTree::PatchTree(const TouchGeometry& scene) {
   for (const std::uint32_t number : builder.numbers) triangles_.push_back(builder.items[number].id);
 }
 
-PatchTree::PatchTree(std::span<const PatchTree* const> objects, const TouchGeometry& scene) {
+ObbTree::ObbTree(std::span<const ObbTree* const> objects, const TouchGeometry& scene) {
   PatchJoiner joiner(objects, scene);
   nodes_ = std::move(joiner.nodes);
   triangles_ = std::move(joiner.triangles);
 }
 
-PatchTree PatchTree::about(const Vec3& p) const {
-  PatchTree moved(*this);
+ObbTree ObbTree::about(const Vec3& p) const {
+  ObbTree moved(*this);
   for (Node& node : moved.nodes_) {
     const Vec3 centre = node.at() - p;
     for (int i = 0; i < 3; ++i) node.centre[i] = to_float(centre[i]);

@@ -1,4 +1,4 @@
-#include "core/tool/patch_front.h"
+#include "core/tool/obb_front.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using Corners3 = std::array<Vec3, 3>;
 
-class PatchFrontTest : public testing::Test {
+class ObbFrontTest : public testing::Test {
  protected:
   static constexpr unsigned kSeed = 23;
   std::mt19937_64 random{kSeed};
@@ -27,14 +27,14 @@ class PatchFrontTest : public testing::Test {
   const TriangleMesh slab = scaled_and_moved(make_box({0.4, 0.2, 0.3}, 3), 1.0, {0.5, 0.0, 0.0});
   const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball, &slab}};
   const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}, 3), {Vec3::Zero(), scene.unit_m()}};
-  const PatchTree tool_tree{tool};
-  const PatchTree scene_tree{scene};
+  const ObbTree tool_tree{tool};
+  const ObbTree scene_tree{scene};
   const double radius = 0.5 * Vec3(0.1, 0.2, 0.15).norm() / scene.unit_m() * 1.001;
-  PatchFront front{tool_tree, scene_tree, radius};
+  ObbFront front{tool_tree, scene_tree, radius};
   std::vector<std::uint32_t> scene_ids;
 
   void SetUp() override {
-    for (const PatchTree::Node& node : scene_tree.nodes()) {
+    for (const ObbTree::Node& node : scene_tree.nodes()) {
       if (node.is_leaf()) scene_ids.push_back(scene_tree.triangle(node));
     }
   }
@@ -53,7 +53,7 @@ class PatchFrontTest : public testing::Test {
 
 // Also from the front of earlier walks, over motions of every length, and where pairs were left out because the visit said that they are
 // far apart.
-TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
+TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::size_t found = 0;
   std::size_t visited = 0;
@@ -65,10 +65,10 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * vector()), is_still ? Vec3::Zero() : Vec3(length * vector())};
     const double distance = 0.03 * std::abs(uniform(random));
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+    ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
       pairs.insert({t, id});
       const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
-      return PatchFront::Visited{gap, gap, true};
+      return ObbFront::Visited{gap, gap, true};
     }));
     visited += pairs.size();
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
@@ -87,7 +87,7 @@ TEST_F(PatchFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
 
 // An infinite distance, of pairs that do not matter to the visitor, is not taken for the bounds of those beside them.
 // Between two walks that begin at some pairs, one begins at none.
-TEST_F(PatchFrontTest, PairsThatDoNotMatterHideNoOthers) {
+TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const auto matters = [](std::uint32_t t, std::uint32_t id) { return (t + id) % 5 == 0; };
@@ -96,10 +96,10 @@ TEST_F(PatchFrontTest, PairsThatDoNotMatterHideNoOthers) {
     const Placement at{vector().normalized() * 0.6, turn_by(3.0 * vector())};
     const auto walk = [&](const RigidMotion& motion, double distance) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-      EXPECT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+      EXPECT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
         pairs.insert({t, id});
         const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
-        return PatchFront::Visited{gap, gap, true};
+        return ObbFront::Visited{gap, gap, true};
       }));
       return pairs;
     };
@@ -121,7 +121,7 @@ TEST_F(PatchFrontTest, PairsThatDoNotMatterHideNoOthers) {
 }
 
 // Hundreds of short motions in a row, mostly along the surface, so that bounds found many placements ago decide.
-TEST_F(PatchFrontTest, ALongSlideLosesNoPair) {
+TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::size_t found = 0;
   for (int slide = 0; slide < 6; ++slide) {
@@ -134,10 +134,10 @@ TEST_F(PatchFrontTest, ALongSlideLosesNoPair) {
       const RigidMotion motion{at, n % 2 == 0 ? Vec3::Zero() : shift, n % 2 == 0 ? Vec3::Zero() : turn};
       const double distance = 0.3 * step * std::abs(uniform(random));
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-      ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+      ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
         pairs.insert({t, id});
         const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
-        return PatchFront::Visited{gap, gap, true};
+        return ObbFront::Visited{gap, gap, true};
       }));
       found += pairs.size();
       for (std::uint32_t t = 0; t < tool.triangle_count() && n % 15 == 14; ++t) {
@@ -153,12 +153,12 @@ TEST_F(PatchFrontTest, ALongSlideLosesNoPair) {
   EXPECT_GT(found, 1000U);
 }
 
-TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
+TEST_F(ObbFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&](std::size_t most) {
     std::size_t visits = 0;
-    const bool complete = front.for_each_near(ToolSweep(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
-      return PatchFront::Visited{0.0, 0.0, ++visits != most};
+    const bool complete = front.for_each_near(ToolSweep(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+      return ObbFront::Visited{0.0, 0.0, ++visits != most};
     });
     EXPECT_EQ(complete, visits < most);
     return visits;
@@ -171,13 +171,13 @@ TEST_F(PatchFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
 }
 
 // What a visitor knows is left out until it forgets.
-TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
+TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&] {
     std::size_t visits = 0;
-    EXPECT_TRUE(front.for_each_near(ToolSweep(motion), 0.2, [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+    EXPECT_TRUE(front.for_each_near(ToolSweep(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
       ++visits;
-      return PatchFront::Visited{0.0, 1.0, true};
+      return ObbFront::Visited{0.0, 1.0, true};
     }));
     return visits;
   };
@@ -191,17 +191,17 @@ TEST_F(PatchFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
 }
 
 // The same pairs at the same places, whatever the number of workers; also after walks that a visitor has ended.
-TEST_F(PatchFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
+TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   using Visits = std::vector<std::array<std::uint32_t, 3>>;
-  const auto walk = [&](PatchFront& shared, const RigidMotion& motion, double distance, std::size_t most, int workers) {
+  const auto walk = [&](ObbFront& shared, const RigidMotion& motion, double distance, std::size_t most, int workers) {
     std::vector<Visits> by_worker(static_cast<std::size_t>(workers));
     std::atomic<std::size_t> count = 0;
     const bool is_whole =
-        shared.for_each_near(ToolSweep(motion), distance, [&](PatchFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+        shared.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
           by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
           const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
-          return PatchFront::Visited{gap, gap, ++count <= most};
+          return ObbFront::Visited{gap, gap, ++count <= most};
         });
     Visits all;
     for (const Visits& visits : by_worker) {
@@ -213,8 +213,8 @@ TEST_F(PatchFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   };
   for (const int workers : {2, 3, 8}) {
     made::ThreadTeam team(workers);
-    PatchFront together(tool_tree, scene_tree, radius, team);
-    PatchFront alone(tool_tree, scene_tree, radius);
+    ObbFront together(tool_tree, scene_tree, radius, team);
+    ObbFront alone(tool_tree, scene_tree, radius);
     std::size_t found = 0;
     Placement at;
     for (int n = 0; n < 60; ++n) {
@@ -232,18 +232,18 @@ TEST_F(PatchFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
 }
 
 // A fast motion along a surface brings few of the boxes together.
-TEST_F(PatchFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
+TEST_F(ObbFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
   const TriangleMesh grid = make_plane_grid(1.0, 40);
   const TouchGeometry plane(std::vector<const TriangleMesh*>{&grid});
   const ObjectGeometry box(make_box({0.1, 0.1, 0.1}, 2), {Vec3::Zero(), plane.unit_m()});
-  const PatchTree box_tree(box);
-  const PatchTree plane_tree(plane);
-  PatchFront sliding(box_tree, plane_tree, 0.1 / plane.unit_m());
+  const ObbTree box_tree(box);
+  const ObbTree plane_tree(plane);
+  ObbFront sliding(box_tree, plane_tree, 0.1 / plane.unit_m());
   const Placement above{plane.to_local({0.0, 0.0, 0.06}), Quat::Identity()};
   std::size_t visits = 0;
-  const auto count = [&](PatchFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+  const auto count = [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
     ++visits;
-    return PatchFront::Visited{0.0, 0.0, true};
+    return ObbFront::Visited{0.0, 0.0, true};
   };
   ASSERT_TRUE(sliding.for_each_near(ToolSweep({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
   EXPECT_EQ(visits, 0U);

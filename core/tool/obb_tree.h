@@ -17,7 +17,7 @@ namespace hapton {
 // We differ in splitting in the middle, and small pieces with sharp edges where that makes the halves flattest. Neither half has less than
 // an eighth of the triangles, which bounds the depth. Boxes are stored in single precision and contain their triangles' exact
 // corners. Threads: immutable. RT: queries yes, construction set-up only.
-class PatchTree {
+class ObbTree {
  public:
   static constexpr int kMostDepth = 96;
 
@@ -33,14 +33,14 @@ class PatchTree {
     Vec3 half_size() const { return {half[0], half[1], half[2]}; }
   };
 
-  explicit PatchTree(const ObjectGeometry& surface);
+  explicit ObbTree(const ObjectGeometry& surface);
   // Of all objects; triangles have TouchGeometry's numbers. Pre: the scene is built.
-  explicit PatchTree(const TouchGeometry& scene);
+  explicit ObbTree(const TouchGeometry& scene);
   // The same, from the trees of the objects, above which boxes along the coordinate axes are put. Pre: as many trees as objects.
-  PatchTree(std::span<const PatchTree* const> objects, const TouchGeometry& scene);
+  ObbTree(std::span<const ObbTree* const> objects, const TouchGeometry& scene);
 
   // That of the same surface with its origin at p. Boxes are larger by the rounding of their centres.
-  PatchTree about(const Vec3& p) const;
+  ObbTree about(const Vec3& p) const;
   std::size_t bytes() const { return nodes_.capacity() * sizeof(Node) + triangles_.capacity() * sizeof(std::uint32_t); }
 
   // Node 0 is the root. None if there are no triangles.
@@ -51,7 +51,7 @@ class PatchTree {
   std::span<const std::uint32_t> triangles() const { return triangles_; }
 
  private:
-  PatchTree() = default;
+  ObbTree() = default;
 
   LargeVector<Node> nodes_;
   std::vector<std::uint32_t> triangles_;

@@ -1,4 +1,4 @@
-#include "core/tool/patch_front.h"
+#include "core/tool/obb_front.h"
 
 #include <algorithm>
 #include <bit>
@@ -44,7 +44,7 @@ double largest_of(const Lanes4& a, const Lanes4& b) {
 
 }  // namespace
 
-PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double radius, WorkerTeam& team)
+ObbFront::ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, WorkerTeam& team)
     : tool_(&tool),
       scene_(&scene),
       radius_(radius),
@@ -64,7 +64,7 @@ PatchFront::PatchFront(const PatchTree& tool, const PatchTree& scene, double rad
   }
 }
 
-void PatchFront::ToolBox::place(const PatchTree::Node& tool, const ToolSweep& motion) {
+void ObbFront::ToolBox::place(const ObbTree::Node& tool, const ToolSweep& motion) {
   const Vec3 arm = motion.orientation * tool.at();
   half = tool.half_size();
   half_lanes = lanes_of(half);
@@ -79,7 +79,7 @@ void PatchFront::ToolBox::place(const PatchTree::Node& tool, const ToolSweep& mo
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
-const PatchFront::ToolBox& PatchFront::placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept {
+const ObbFront::ToolBox& ObbFront::placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept {
   ToolBox& box = walker.boxes[node % kBoxes];
   if (box.walk != walk_ || box.node != node) {
     box.place(tool_->nodes()[node], motion);
@@ -89,15 +89,15 @@ const PatchFront::ToolBox& PatchFront::placed(Walker& walker, std::uint32_t node
   return box;
 }
 
-bool PatchFront::is_end(Pair pair) const noexcept { return tool_->nodes()[pair.tool].is_leaf() && scene_->nodes()[pair.scene].is_leaf(); }
+bool ObbFront::is_end(Pair pair) const noexcept { return tool_->nodes()[pair.tool].is_leaf() && scene_->nodes()[pair.scene].is_leaf(); }
 
-bool PatchFront::splits_tool(Pair pair) const noexcept {
-  const PatchTree::Node& tool = tool_->nodes()[pair.tool];
-  const PatchTree::Node& scene = scene_->nodes()[pair.scene];
+bool ObbFront::splits_tool(Pair pair) const noexcept {
+  const ObbTree::Node& tool = tool_->nodes()[pair.tool];
+  const ObbTree::Node& scene = scene_->nodes()[pair.scene];
   return !tool.is_leaf() && (scene.is_leaf() || tool.half[2] > scene.half[2]);
 }
 
-PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& scene, double clearance, bool wants_direction) noexcept {
+ObbFront::Apart ObbFront::test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction) noexcept {
   const Lanes4 axes[3] = {lanes_at(scene.axes[0].data()), lanes_at(scene.axes[1].data()), lanes_at(scene.axes[2].data())};
   const Vec3 half = scene.half_size();
   const Vec3 between = tool.centre - scene.at();
@@ -127,7 +127,7 @@ PatchFront::Apart PatchFront::test(const ToolBox& tool, const PatchTree::Node& s
   return apart;
 }
 
-void PatchFront::begin(const ToolSweep& motion, double distance) noexcept {
+void ObbFront::begin(const ToolSweep& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
   const double turned = turn_between(at_.orientation, motion.from.orientation).norm();
   travelled_ += (motion.from.position - at_.position).norm() + radius_ * turned + rounding;
@@ -145,7 +145,7 @@ void PatchFront::begin(const ToolSweep& motion, double distance) noexcept {
 
 // A front has tens of thousands of pairs, and a walk begins at few of them: not where the tool has not come as far, nor where a plane is
 // between the boxes.
-void PatchFront::find_places(float enough, float clearance) noexcept {
+void ObbFront::find_places(float enough, float clearance) noexcept {
   constexpr std::size_t kLanes = SeparatingPlanes::kTogether;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   const Float8 travelled(rounded_down(travelled_));
@@ -182,7 +182,7 @@ void PatchFront::find_places(float enough, float clearance) noexcept {
 }
 
 // The pairs a few levels below the roots, as if a walk had ended there.
-void PatchFront::begin_at_roots(const ToolSweep& motion, double distance) noexcept {
+void ObbFront::begin_at_roots(const ToolSweep& motion, double distance) noexcept {
   travelled_ = 0.0;
   first_count_ = 0;
   planes_.restart(motion.from);
@@ -203,12 +203,12 @@ void PatchFront::begin_at_roots(const ToolSweep& motion, double distance) noexce
   std::fill(lowest_.begin(), lowest_.end(), -std::numeric_limits<float>::infinity());
 }
 
-PatchFront::End PatchFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
+ObbFront::End ObbFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
   constexpr double kFar = 0x1p100;  // a visitor to whom a pair does not matter gives an infinite distance; bounds are finite
   return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in};
 }
 
-void PatchFront::put(std::size_t i, const End& end) noexcept {
+void ObbFront::put(std::size_t i, const End& end) noexcept {
   ended_[i] = end.pair;
   until(i) = end.until;
   rest_until_[i] = end.rest_until;
@@ -218,7 +218,7 @@ void PatchFront::put(std::size_t i, const End& end) noexcept {
   put_plane(i, end);
 }
 
-void PatchFront::put_again(std::size_t i, const End& end) noexcept {
+void ObbFront::put_again(std::size_t i, const End& end) noexcept {
   until(i) = std::max(until(i), end.until);
   // Two bounds that leave out different features hold for those that both do not.
   const bool is_again = visited_in_[i] == epoch_;
@@ -228,11 +228,11 @@ void PatchFront::put_again(std::size_t i, const End& end) noexcept {
   put_plane(i, end);
 }
 
-void PatchFront::put_plane(std::size_t i, const End& end) noexcept {
+void ObbFront::put_plane(std::size_t i, const End& end) noexcept {
   if (end.has_plane) planes_.put(i, end.normal, end.along_normal, tool_->nodes()[end.pair.tool]);
 }
 
-bool PatchFront::finish() noexcept {
+bool ObbFront::finish() noexcept {
   std::size_t tests = 0;
   std::size_t added = 0;
   for (const Walker& walker : walkers_) {
