@@ -17,8 +17,9 @@ constexpr int kOk = 0;
 constexpr int kTimeguard = 1;       // called again too soon: the library returned the previous result
 constexpr int kMotorSaturated = 2;  // a motor has reached its maximum
 
-// Indices into the array that get_status fills; newer releases have more of them.
-constexpr std::size_t kStatusPower = 0, kStatusConnected = 1, kStatusStarted = 2, kStatusForce = 5, kStatusBrake = 6;
+// Indices into the array that get_status fills; newer releases have more of them. kStatusReset: 1 while the device waits in its RESET mode
+// to be calibrated.
+constexpr std::size_t kStatusPower = 0, kStatusConnected = 1, kStatusStarted = 2, kStatusReset = 3, kStatusForce = 5, kStatusBrake = 6;
 constexpr std::size_t kStatusError = 9, kStatusTimeguard = 11, kStatusForceOffCause = 14;
 using Status = std::array<int, 32>;
 

@@ -51,12 +51,14 @@ class ForceDimensionDevice final : public VendorDevice {
 
  private:
   std::string last_error() const;
-  bool is_initialized() const { return dhd_.drd_is_initialized == nullptr || dhd_.drd_is_initialized(id_); }
+  // A device that does not tell counts as not calibrated.
+  bool is_initialized() const;
 
   // Owned by the thread.
   void run();
   void calibrate();
   void wait_for_hand_calibration();
+  void notice_calibration();
   bool wait_warning();
   bool tick(std::int64_t now_ns);
   void check_status(std::int64_t now_ns);
@@ -170,6 +172,12 @@ void ForceDimensionDevice::run() {
   }
 }
 
+bool ForceDimensionDevice::is_initialized() const {
+  if (dhd_.drd_is_initialized != nullptr) return dhd_.drd_is_initialized(id_);
+  dhd::Status status = {};
+  return dhd_.get_status(status.data(), id_) >= 0 && status[dhd::kStatusReset] == 0;
+}
+
 // The arm moves by itself: warn the person who holds it first.
 bool ForceDimensionDevice::wait_warning() {
   log_warning("{} will move by itself to calibrate: release it and keep clear", model_);
@@ -187,8 +195,9 @@ void ForceDimensionDevice::calibrate() {
   if (!reading_.is_calibrated && type_ == dhd::kFalcon) return wait_for_hand_calibration();
   if (!reading_.is_calibrated) {
     if (dhd_.drd_auto_init == nullptr) {
-      log_warning("{} is not calibrated, and {} cannot do it; install libdrd beside it, or use the vendor's own program", model_,
-                  dhd_.file);
+      log_warning(
+          "{}: calibrate: hold its end-effector in its rest position, or use the vendor's own program; {} cannot do it without libdrd",
+          model_, dhd_.file);
       return;
     }
     if (!wait_warning()) return;
@@ -218,6 +227,13 @@ void ForceDimensionDevice::wait_for_hand_calibration() {
   reading_.is_calibrated = true;
   log_info("{} is calibrated", model_);
   dhd_.enable_force(1, id_);
+}
+
+// Without libdrd a device is calibrated by hand, or by another program, while ours runs.
+void ForceDimensionDevice::notice_calibration() {
+  if (dhd_.drd_auto_init != nullptr || !is_initialized()) return;
+  log_info("{} is calibrated", model_);
+  calibrate();
 }
 
 // False if the device did not reply.
@@ -251,7 +267,7 @@ void ForceDimensionDevice::check_status(std::int64_t now_ns) {
   dhd::Status status = {};
   if (dhd_.get_status(status.data(), id_) < 0) return;
   if (status[dhd::kStatusConnected] == 0) return log_away(now_ns, "it reports that it is not connected");
-  if (!reading_.is_calibrated) return;
+  if (!reading_.is_calibrated) return notice_calibration();
   const bool was_off = std::exchange(is_force_off_, status[dhd::kStatusForce] == 0);
   if (!is_force_off_) return;
   exchange_.restart_ramp();

@@ -8,11 +8,12 @@
 
 namespace hapton {
 
-// The second barrier within io_node: a thread that cuts the device if its force gets older than the device loop permits. It sleeps until
-// the present force would be too old, so it costs fifty wake-ups a second. Unlike the device loop it does not run under SCHED_FIFO: the
-// kernel throttles all such threads of a CPU together, and one that never sleeps starves all others (docs/realtime.md). It requests
-// SCHED_DEADLINE, which has priority over them and is not throttled; if that is denied it stays an ordinary thread, which runs when they
-// are throttled. RT: no. Threads: one; device_loop.h explains why another thread may cut.
+// The second of three barriers against an old force, between DeviceLoop and the watchdog process: a thread that cuts the device if its
+// force gets older than the device loop permits. It sleeps until the present force would be too old, so it costs fifty wake-ups a second.
+// Unlike the device loop it does not run under SCHED_FIFO: the kernel throttles all such threads of a CPU together, and one that never
+// sleeps starves all others (docs/realtime.md). It requests SCHED_DEADLINE, which has priority over them and is not throttled; if that is
+// denied it stays an ordinary thread, which runs when they are throttled. RT: no. Threads: one; device_loop.h explains why another thread
+// may cut.
 class ReleaseWatch {
  public:
   // Half a cycle of 1 kHz later than the loop itself releases the force.

@@ -14,7 +14,9 @@ struct WrenchCommand {
 
 // Decides which commands are valid, and for how long:
 // - finite: one that is not finite is rejected, and ends the one before as well.
-// - fresh: one that replies to a future sample is rejected, or to one of age kCommandTimeoutNs or more, or to none newer than the last.
+// - fresh: one is rejected if the sample that it replies to is in the future, of age kCommandTimeoutNs or more, or not newer than that of
+// the
+//   last command accepted.
 // - timeout: a command is valid until kCommandTimeoutNs after its sample, not after its arrival. A force that travelled for 19 ms would
 //   otherwise be held until its sample is 39 ms old.
 // RT: yes.

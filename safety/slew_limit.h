@@ -21,7 +21,7 @@ class SlewLimit {
     const double length = length_of(value_);
     if (length > limit) {
       const double shrink = std::fmin(length - limit * kJustBelow, rates.release);
-      // Rounding must not leave a remainder of zero.
+      // A remainder that is only rounding error becomes zero.
       value_ = length - shrink <= 1e-12 * length ? Vec3(Vec3::Zero()) : Vec3(value_ * ((length - shrink) / length));
       left = std::fmax(left - shrink, 0.0);
     }

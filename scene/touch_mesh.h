@@ -24,9 +24,9 @@ SealReport seal_for_touch(TriangleMesh& mesh, CrackSealing sealing = CrackSealin
 struct TouchMesh {
   TriangleMesh mesh;  // metres, the file's own frame
   SealReport sealed;
-  std::uint64_t given_hash = 0;    // hash_mesh before it was sealed
+  std::uint64_t given_hash = 0;    // hash_mesh() of the mesh as its file gives it
   std::vector<std::string> notes;  // what was sealed, skipped or is suspicious, one line each
-  bool has_haptics = false;        // the file has haptic materials for some of its triangles
+  bool has_haptics = false;        // some triangles have a material of MPEG_haptic_material (glTF)
   MeshAppearance appearance;       // without triangles if it was not requested, or if the mesh was sealed, which changes its triangles
 };
 

@@ -24,7 +24,7 @@ HeartbeatMemory::~HeartbeatMemory() {
 }
 
 Result<void> HeartbeatMemory::make() {
-  file_ = ::memfd_create("hapton-guard", MFD_CLOEXEC);
+  file_ = ::memfd_create("hapton-heartbeat", MFD_CLOEXEC);
   if (file_ < 0)
     return fail("no memory to share with the watchdog: {}; allow the process more open files (ulimit -n)", std::strerror(errno));
   void* const memory = ::ftruncate(file_, sizeof(HeartbeatPage)) == 0 ? map(file_) : nullptr;

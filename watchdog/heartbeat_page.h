@@ -42,7 +42,7 @@ struct HeartbeatPage {
 
   // The watchdog. is_cut: it has released the force; the device side clears it once its own force is zero.
   std::atomic<std::uint32_t> is_cut{0};
-  std::atomic<std::int64_t> guard_beat_ns{0};
+  std::atomic<std::int64_t> watchdog_beat_ns{0};
   std::atomic<std::uint64_t> cuts{0};
   std::atomic<std::int64_t> longest_force_ns{0};  // age of a force when it was cut, counted from its sample
 

@@ -26,7 +26,7 @@ namespace {
 using namespace hapton;
 
 // Descriptor of the memory that io_node shares with this process.
-constexpr int kGuardFile = 3;
+constexpr int kPageFile = 3;
 constexpr int kTimesAtTheEnd = 3;
 // Runtime of SCHED_DEADLINE in each period.
 constexpr std::int64_t kRuntimeNs = 100'000;
@@ -63,7 +63,7 @@ void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
   while (true) {
     const bool has_ended = is_gone(process_file);
     const OuterWatchdog::Verdict verdict = watchdog.check(page, has_ended, clock.now_ns());
-    page.guard_beat_ns.store(clock.now_ns(), std::memory_order_release);
+    page.watchdog_beat_ns.store(clock.now_ns(), std::memory_order_release);
     if (verdict == OuterWatchdog::Verdict::fine) {
       if (has_ended) return;
       is_reported = false;
@@ -100,11 +100,11 @@ int main(int argc, char** argv) {
         "io_node's "
         "device when\n"
         "io_node is frozen or killed (docs/safety-case.md).\n",
-        kGuardFile);
+        kPageFile);
     return 0;
   }
   HeartbeatMemory memory;
-  if (const auto opened = memory.open(kGuardFile); !opened || process <= 0) {
+  if (const auto opened = memory.open(kPageFile); !opened || process <= 0) {
     fmt::print(stderr, "hapton_watchdog: {}\n",
                opened ? "process number missing; this program is started by io_node" : opened.error().what);
     return 2;

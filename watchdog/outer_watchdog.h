@@ -10,9 +10,9 @@ namespace hapton {
 
 // Decides whether a force may stay on the motors, from another process. Pure: time is a parameter.
 //
-//   heartbeat   the device side has not finished a cycle for kHeartbeatLimitNs, and there is a force: frozen, or starved
-//   force       a force replies to a sample older than kForceLimitNs although the device side is alive: its governor should have released
-//   it gone        the process has ended with a force on the motors
+//   frozen   the device side has not finished a cycle for kHeartbeatLimitNs, and there is a force
+//   stale    the force replies to a sample older than kForceLimitNs although the device side is alive: its governor should have released it
+//   gone     the process has ended with a force on the motors
 //
 // A stall of the whole machine is not io_node's fault: a bad state must last kGraceNs from the first check that finds it. With rare checks
 // the second one after that time trips. RT: yes. Threads: one.

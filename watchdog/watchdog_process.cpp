@@ -14,7 +14,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kGuardFile = 3;
+constexpr int kPageFile = 3;
 
 }  // namespace
 
@@ -37,8 +37,8 @@ Result<void> WatchdogProcess::spawn() {
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawnattr_init(&attributes);
   // Nothing else of ours: a socket that it kept would hold our port after our death.
-  ::posix_spawn_file_actions_adddup2(&actions, memory_->file(), kGuardFile);
-  ::posix_spawn_file_actions_addclosefrom_np(&actions, kGuardFile + 1);
+  ::posix_spawn_file_actions_adddup2(&actions, memory_->file(), kPageFile);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions, kPageFile + 1);
   // A group of its own: Ctrl-Z and Ctrl-C at the terminal are for us.
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::string program = program_.string();
@@ -61,7 +61,7 @@ Result<void> WatchdogProcess::spawn() {
 bool WatchdogProcess::restart_if_dead(std::int64_t now_ns) {
   if (process_ <= 0 || now_ns - started_ns_ < kPeerTimeoutNs) return false;
   const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) == process_;
-  const bool has_timed_out = now_ns - memory_->page().guard_beat_ns.load() > kPeerTimeoutNs;
+  const bool has_timed_out = now_ns - memory_->page().watchdog_beat_ns.load() > kPeerTimeoutNs;
   if (!has_ended && !has_timed_out) return false;
   if (!has_ended) {
     ::kill(process_, SIGKILL);

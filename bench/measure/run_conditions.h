@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-constexpr const char* kBenchSchema = "hapton.bench/3";
+constexpr const char* kBenchSchema = "hapton.bench/3";  // rises when a field of a report changes its name or meaning
 
 // Conditions of a benchmark run.
 struct RunConditions {
@@ -18,18 +18,19 @@ struct RunConditions {
   std::uint64_t seed = 1;
   double load_before = 0.0;  // load average of the last minute
   double load_after = 0.0;
-  double clock_cost_ns = 0.0;
+  double clock_cost_ns = 0.0;  // these three: as Stopwatch has them
   double clock_resolution_ns = 0.0;
   double clock_drift = 0.0;
-  double seconds = 0.0;
+  double seconds = 0.0;  // that the run took
   std::vector<std::string> missing_peers;
 
-  // Whether the load, this program included, was above the number of CPUs.
+  // Whether other programs probably ran: the load, this program included, was above the number of CPUs.
   bool was_shared() const;
   // One line for people.
   std::string to_text() const;
 };
 
+// begin_conditions: machine, stopwatch, and the load before. end_conditions: the load after, and the time since start_ticks.
 RunConditions begin_conditions(const Stopwatch& watch, std::uint64_t seed);
 void end_conditions(RunConditions& conditions, std::uint64_t start_ticks, const Stopwatch& watch);
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <memory>
 #include <numbers>
+#include <string>
 
 #include "devices/dhd_library.h"
 #include "runtime/clock.h"
@@ -26,11 +27,13 @@ struct ForceDimension : ServedDevice {
   ScratchFolder folder;
   standin::BoardFile board{folder.path() / "board"};
 
+  std::string library = "forcedimension/libdrd.so";
+
   using ServedDevice::make;
   Result<std::unique_ptr<Device>> make(const std::string& id) override {
     DeviceSettings settings;
     settings.id = id;
-    return make_force_dimension(settings, {standin::library("forcedimension/libdrd.so"), kWarningS});
+    return make_force_dimension(settings, {standin::library(library), kWarningS});
   }
   static constexpr double kWarningS = 0.1;  // before it moves by itself
 };
@@ -142,6 +145,26 @@ TEST_F(ForceDimension, ThatCannotCalibrateExertsNoForce) {
   ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 100; }, {.force_n = Vec3(0, 0, 2)}));
   EXPECT_EQ(device->status(), DeviceStatus::calibrating);
   EXPECT_EQ(board->pushed_ticks, 0U);
+}
+
+// libdhd cannot move the arm, and knows only that the device waits in its RESET mode.
+TEST_F(ForceDimension, WithoutLibdrdItExertsNoForceUntilSomebodyHasCalibratedIt) {
+  library = "dhd_alone/libdhd.so";
+  board->calibration = 2;
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  testing::internal::CaptureStderr();
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->ticks > 300; }, push));
+  EXPECT_EQ(device->status(), DeviceStatus::calibrating);
+  EXPECT_EQ(board->pushed_ticks, 0U);
+  EXPECT_EQ(board->enabled, 0);
+  board->calibration = 0;
+  ASSERT_TRUE(serve_until_ready());
+  EXPECT_TRUE(serve_until([&] { return board->pushed_ticks > 0; }, push));
+  EXPECT_EQ(board->enabled, 1);
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("rest position"));
+  EXPECT_THAT(said, HasSubstr("is calibrated"));
 }
 
 TEST_F(ForceDimension, AFalconIsCalibratedByHand) {

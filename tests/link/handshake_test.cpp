@@ -16,8 +16,8 @@ using Finished = ClientHandshake::Finished;
 using Verdict = HubHandshake::Verdict;
 using Where = AgreementWorker::Where;
 
-constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;
-constexpr std::uint64_t kHost = 77;
+constexpr std::int64_t kNow = 100 * HubHandshake::kCookieTimeNs;  // of the hub's clock; later than two cookie times
+constexpr std::uint64_t kHost = 77;                               // any
 
 LinkKey master_of(std::uint8_t number) {
   EXPECT_TRUE(seal::start_crypto());
@@ -51,7 +51,7 @@ class HandshakeTest : public testing::Test {
     return bytes;
   }
   // A request that shows the hub's cookie.
-  Bytes good_request() {
+  Bytes request_with_cookie() {
     EXPECT_TRUE(client_.read_retry(retry(request())));
     return request();
   }
@@ -67,8 +67,7 @@ class HandshakeTest : public testing::Test {
     hub_channel_ = std::move(agreement.channel);
     return {agreement.reply.begin(), agreement.reply.end()};
   }
-  // True when it led to a session.
-  bool takes(const Bytes& reply) {
+  bool leads_to_session(const Bytes& reply) {
     if (!client_.read_reply(reply)) return false;
     Bytes none(seal::kRequestBytes);
     return client_.poll(none) == Finished::agreement;
@@ -96,7 +95,7 @@ TEST_F(HandshakeTest, ANodeAndItsHubAgreeOnASession) {
   EXPECT_TRUE(client_.read_retry(retry(first)));
   const Bytes second = request();
   EXPECT_EQ(check_request(second), Verdict::shows_cookie);
-  EXPECT_TRUE(takes(reply(second)));
+  EXPECT_TRUE(leads_to_session(reply(second)));
   EXPECT_FALSE(client_.is_pending());
   SealedChannel channel = client_.take_channel();
   EXPECT_EQ(channel.connection(), 5U);
@@ -134,50 +133,52 @@ TEST_F(HandshakeTest, WithAThreadOfItsOwnItIsTheSame) {
 
 TEST_F(HandshakeTest, WithoutTheKeyNothingIsAccepted) {
   HubHandshake unknown(master_of(2), Where::caller);
-  const Bytes shown = good_request();
-  EXPECT_EQ(unknown.check_request(shown, from_, kNow), Verdict::wrong_key);
+  const Bytes with_cookie = request_with_cookie();
+  EXPECT_EQ(unknown.check_request(with_cookie, from_, kNow), Verdict::wrong_key);
   Bytes forged(seal::kRetryBytes);
-  unknown.write_retry(shown, from_, kNow, forged);
+  unknown.write_retry(with_cookie, from_, kNow, forged);
   EXPECT_FALSE(client_.read_retry(forged));
-  EXPECT_FALSE(agree(unknown, shown).went_well);
+  EXPECT_FALSE(agree(unknown, with_cookie).went_well);
   EXPECT_TRUE(client_.is_pending());
 }
 
 TEST_F(HandshakeTest, TheRoleIsPartOfTheKeys) {
-  Bytes shown = good_request();
+  Bytes with_cookie = request_with_cookie();
   for (const KeyRole other : {KeyRole::vision, KeyRole::tool, KeyRole::operator_role}) {
-    shown[seal::kRoleAt] = static_cast<std::byte>(other);
-    EXPECT_EQ(check_request(shown), Verdict::wrong_key);
+    with_cookie[seal::kRoleAt] = static_cast<std::byte>(other);
+    EXPECT_EQ(check_request(with_cookie), Verdict::wrong_key);
   }
-  for (const int none : {0, 1, 6, 255}) {
-    shown[seal::kRoleAt] = static_cast<std::byte>(none);
-    EXPECT_EQ(check_request(shown), Verdict::malformed) << none;
+  for (const int none : {0, 1, 6, 255}) {  // unsealed, master, one above the last, the largest byte
+    with_cookie[seal::kRoleAt] = static_cast<std::byte>(none);
+    EXPECT_EQ(check_request(with_cookie), Verdict::malformed) << none;
   }
 }
 
-// The holder of another role's key, with every byte of a handshake, does not have its session.
+// Whoever has another role's key, and has heard every byte of a handshake, cannot open its session.
 TEST_F(HandshakeTest, AnotherRolesKeyOpensNoHandshakeThatWasListenedTo) {
-  const Bytes shown = good_request();
-  const Bytes replied = reply(shown);
+  const Bytes with_cookie = request_with_cookie();
+  const Bytes replied = reply(with_cookie);
   const RoleKey vision = key_of(1, KeyRole::vision);
+  // As a hub that has this key alone: it cannot read the request.
   AgreementTask task;
   task.kind = AgreementTask::Kind::reply_to_request;
   task.psk = seal::derive_psk(vision);
-  std::copy_n(seal::bytes_of(std::span(shown)), seal::kPrologueBytes, task.prologue.begin());
-  std::copy_n(seal::bytes_of(std::span(shown)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
+  std::copy_n(seal::bytes_of(std::span(with_cookie)), seal::kPrologueBytes, task.prologue.begin());
+  std::copy_n(seal::bytes_of(std::span(with_cookie)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
   run_agreement(task);
   EXPECT_FALSE(task.went_well);
-  // Like a hub that holds this key alone: neither side accepts its messages.
+  // As a node that has this key alone: it cannot read the reply.
   ClientHandshake vision_node(vision, kHost, Where::caller);
   vision_node.begin();
   EXPECT_FALSE(vision_node.read_reply(replied));
-  EXPECT_TRUE(takes(replied));
+  EXPECT_TRUE(leads_to_session(replied));
 }
 
-// With the role's own key learnt later, the master key too, and every byte of the handshake: the key pairs are gone.
-TEST_F(HandshakeTest, TheKeyLearntLaterOpensNoSessionThatIsOver) {
-  const Bytes shown = good_request();
-  ASSERT_TRUE(takes(reply(shown)));
+// Forward secrecy: whoever has recorded every byte and later learns the role's key, or the master key that it is derived from, cannot open
+// the session, because both ephemeral key pairs are erased.
+TEST_F(HandshakeTest, AKeyLearntLaterOpensNoRecordedDatagram) {
+  const Bytes with_cookie = request_with_cookie();
+  ASSERT_TRUE(leads_to_session(reply(with_cookie)));
   SealedChannel channel = client_.take_channel();
   Bytes recorded(kMaxDatagramBytes);
   recorded.resize(channel.seal(Bytes(20), recorded));
@@ -186,8 +187,8 @@ TEST_F(HandshakeTest, TheKeyLearntLaterOpensNoSessionThatIsOver) {
   task.kind = AgreementTask::Kind::reply_to_request;
   task.connection = 5;
   task.psk = seal::derive_psk(key_of(1));
-  std::copy_n(seal::bytes_of(std::span(shown)), seal::kPrologueBytes, task.prologue.begin());
-  std::copy_n(seal::bytes_of(std::span(shown)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
+  std::copy_n(seal::bytes_of(std::span(with_cookie)), seal::kPrologueBytes, task.prologue.begin());
+  std::copy_n(seal::bytes_of(std::span(with_cookie)) + seal::kFirstAt, seal::kFirstBytes, task.first.begin());
   run_agreement(task);
   ASSERT_TRUE(task.went_well);
   SealedChannel later(task.keys, 5, SealedChannel::Side::hub);
@@ -198,30 +199,30 @@ TEST_F(HandshakeTest, TheKeyLearntLaterOpensNoSessionThatIsOver) {
 }
 
 TEST_F(HandshakeTest, NoFlippedBitPasses) {
-  const Bytes shown = good_request();
-  for (std::size_t bit = 0; bit < 8 * shown.size(); ++bit) {
-    const Bytes flipped = flip(shown, bit);
+  const Bytes with_cookie = request_with_cookie();
+  for (std::size_t bit = 0; bit < 8 * with_cookie.size(); ++bit) {
+    const Bytes flipped = flip(with_cookie, bit);
     if (classify_sealed(flipped).status != OpenStatus::opened) continue;
     const Verdict verdict = check_request(flipped);
     ASSERT_TRUE(verdict == Verdict::wrong_key || verdict == Verdict::malformed) << bit;
   }
-  const Bytes good_retry = retry(shown);
+  const Bytes good_retry = retry(with_cookie);
   for (std::size_t bit = 0; bit < 8 * good_retry.size(); ++bit) ASSERT_FALSE(client_.read_retry(flip(good_retry, bit))) << bit;
-  const Bytes good_reply = reply(shown);
-  for (std::size_t bit = 0; bit < 8 * good_reply.size(); ++bit) ASSERT_FALSE(takes(flip(good_reply, bit))) << bit;
-  EXPECT_TRUE(takes(good_reply));
+  const Bytes good_reply = reply(with_cookie);
+  for (std::size_t bit = 0; bit < 8 * good_reply.size(); ++bit) ASSERT_FALSE(leads_to_session(flip(good_reply, bit))) << bit;
+  EXPECT_TRUE(leads_to_session(good_reply));
 }
 
 TEST_F(HandshakeTest, NoOtherLengthOrVersionIsAHandshake) {
-  const Bytes shown = request();
-  for (const Bytes& message : {shown, retry(shown), reply(shown)}) {
+  const Bytes first = request();
+  for (const Bytes& message : {first, retry(first), reply(first)}) {
     for (std::size_t size = 0; size < 2 * message.size(); ++size) {
       Bytes other = message;
       other.resize(size);
       EXPECT_EQ(classify_sealed(other).status == OpenStatus::opened, size == message.size()) << size;
     }
     Bytes other = message;
-    other[1] = std::byte{2};
+    other[1] = std::byte{kProtocolVersion - 1};
     EXPECT_EQ(classify_sealed(other).status, OpenStatus::wrong_version);
   }
 }
@@ -231,52 +232,52 @@ TEST_F(HandshakeTest, ARequestIsGoodOnceFromAnyAddress) {
   EXPECT_EQ(check_request(first), Verdict::wants_cookie);
   EXPECT_EQ(check_request(first), Verdict::replayed);
   EXPECT_EQ(hub_.check_request(first, memory_address(3, 20), kNow), Verdict::replayed);
-  const Bytes shown = good_request();
-  EXPECT_EQ(check_request(shown), Verdict::shows_cookie);
-  EXPECT_EQ(check_request(shown), Verdict::replayed);
+  const Bytes with_cookie = request_with_cookie();
+  EXPECT_EQ(check_request(with_cookie), Verdict::shows_cookie);
+  EXPECT_EQ(check_request(with_cookie), Verdict::replayed);
   EXPECT_EQ(check_request(first), Verdict::replayed);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsAddressOnly) {
-  EXPECT_EQ(hub_.check_request(good_request(), memory_address(3, 20), kNow), Verdict::wants_cookie);
+  EXPECT_EQ(hub_.check_request(request_with_cookie(), memory_address(3, 20), kNow), Verdict::wants_cookie);
   EXPECT_EQ(hub_.check_request(request(), memory_address(2, 21), kNow), Verdict::wants_cookie);
   EXPECT_EQ(hub_.check_request(request(), from_, kNow), Verdict::shows_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForAWhileOnly) {
-  EXPECT_EQ(hub_.check_request(good_request(), from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
+  EXPECT_EQ(hub_.check_request(request_with_cookie(), from_, kNow + HubHandshake::kCookieTimeNs), Verdict::shows_cookie);
   EXPECT_EQ(hub_.check_request(request(), from_, kNow + 2 * HubHandshake::kCookieTimeNs), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, ACookieIsGoodForItsHubOnly) {
   HubHandshake restarted(master_of(1), Where::caller);
-  EXPECT_EQ(restarted.check_request(good_request(), from_, kNow), Verdict::wants_cookie);
+  EXPECT_EQ(restarted.check_request(request_with_cookie(), from_, kNow), Verdict::wants_cookie);
 }
 
 TEST_F(HandshakeTest, TwoRepliesToARequestAreTwoSessions) {
-  const Bytes shown = good_request();
-  const Bytes first = reply(shown);
+  const Bytes with_cookie = request_with_cookie();
+  const Bytes first = reply(with_cookie);
   SealedChannel old_hub = std::move(hub_channel_);
-  const Bytes second = reply(shown);
+  const Bytes second = reply(with_cookie);
   EXPECT_NE(first, second);
-  ASSERT_TRUE(takes(first));
+  ASSERT_TRUE(leads_to_session(first));
   SealedChannel channel = client_.take_channel();
   EXPECT_TRUE(carries(channel, old_hub));
   EXPECT_FALSE(carries(channel, hub_channel_));
-  EXPECT_FALSE(takes(second));
+  EXPECT_FALSE(leads_to_session(second));
 }
 
 TEST_F(HandshakeTest, AReplyMayComeLateButNotToAnEarlierHandshake) {
-  const Bytes shown = good_request();
-  const Bytes late = reply(shown);
+  const Bytes with_cookie = request_with_cookie();
+  const Bytes late = reply(with_cookie);
   for (std::size_t i = 1; i < ClientHandshake::kAttempts; ++i) request();
-  EXPECT_TRUE(takes(late));
+  EXPECT_TRUE(leads_to_session(late));
   client_.begin();
   const Bytes old_retry = retry(request());
   const Bytes old_reply = reply(request());
   client_.begin();
   EXPECT_FALSE(client_.read_retry(old_retry));
-  EXPECT_FALSE(takes(old_reply));
+  EXPECT_FALSE(leads_to_session(old_reply));
 }
 
 TEST_F(HandshakeTest, ARequestReflectedIsNoRetry) {

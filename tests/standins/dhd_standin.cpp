@@ -100,7 +100,6 @@ extern "C" {
 
 int dhdGetDeviceCount() { return hardware().count(); }
 int dhdOpenID(char index) { return hardware().open(index); }
-int drdOpenID(char index) { return hardware().open(index); }
 int dhdClose(char id) { return hardware().close(id); }
 int dhdEnableForce(unsigned char on, char) {
   hardware().board().enabled = on;
@@ -128,6 +127,7 @@ int dhdGetStatus(int* status, char) {
   const Board& board = hardware().board();
   status[0] = 1;
   status[1] = board.is_plugged;
+  status[3] = board.calibration != 0;
   status[5] = board.enabled != 0 && board.force_off_cause == 0 ? 1 : 0;
   status[14] = board.force_off_cause;
   return 0;
@@ -138,6 +138,8 @@ int dhdSetWatchdog(unsigned char units, char) {
   return 0;
 }
 int dhdSetGravityCompensation(int, char) { return 0; }
+#ifndef HAPTON_STANDIN_IS_WITHOUT_DRD
+int drdOpenID(char index) { return hardware().open(index); }
 bool drdIsInitialized(char) { return hardware().board().calibration == 0; }
 int drdAutoInit(char) {
   hardware().board().moved_by_itself = 1;
@@ -145,4 +147,5 @@ int drdAutoInit(char) {
   return hardware().board().calibration == 0 ? 0 : -1;
 }
 int drdStop(bool, char) { return 0; }
+#endif
 }

@@ -39,7 +39,7 @@ class MotorObserver {
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/fd", error)) {
       const auto target = std::filesystem::read_symlink(entry.path(), error);
-      if (error || target.string().find("hapton-guard") == std::string::npos) continue;
+      if (error || target.string().find("hapton-heartbeat") == std::string::npos) continue;
       const int file = ::open(entry.path().c_str(), O_RDWR | O_CLOEXEC);
       if (file >= 0 && memory_.open(file)) return true;
     }

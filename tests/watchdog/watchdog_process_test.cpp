@@ -35,7 +35,7 @@ struct WatchdogProcessTest : testing::Test {
 
 TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
-  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   EXPECT_FALSE(watchdog.restart_if_dead(clock.now_ns()));
   const pid_t first = watchdog.id();
   ::kill(first, SIGKILL);
@@ -47,14 +47,14 @@ TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
 
 TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
-  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   const pid_t stalled = watchdog.id();
   ::kill(stalled, SIGSTOP);
   ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
   EXPECT_NE(watchdog.id(), stalled);
   EXPECT_EQ(::kill(stalled, 0), -1) << "it is gone, and no zombie";
   const std::int64_t replaced_ns = clock.now_ns();
-  EXPECT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > replaced_ns; }));
+  EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > replaced_ns; }));
   ::kill(watchdog.id(), SIGKILL);
 }
 
@@ -70,7 +70,7 @@ TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
   ASSERT_EQ(::pipe(pipe.data()), 0);  // inherited by whoever does not look out
   soil_the_stack();
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
-  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   EXPECT_EQ(::getpgid(watchdog.id()), watchdog.id());
   const auto held = [&](int file) {
     std::error_code error;
@@ -98,7 +98,7 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   const std::filesystem::path copy = std::filesystem::path(testing::TempDir()) / fmt::format("watchdog_copy_{}", ::getpid());
   std::filesystem::copy_file(program(), copy, std::filesystem::copy_options::overwrite_existing);
   ASSERT_TRUE(watchdog.start(memory, copy, 0));
-  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   std::filesystem::remove(copy);
   ::kill(watchdog.id(), SIGKILL);
   std::int64_t tried_ns = 0;
@@ -108,10 +108,10 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
 
 TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
-  ASSERT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > 0; }));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::kill(watchdog.id(), signal);
   const std::int64_t requested_ns = clock.now_ns();
-  EXPECT_TRUE(wait_until([&] { return memory.page().guard_beat_ns.load() > requested_ns + 20 * kMs; }));
+  EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > requested_ns + 20 * kMs; }));
   ::kill(watchdog.id(), SIGKILL);
 }
 

@@ -40,7 +40,7 @@ struct HostileStep {
   std::int64_t now_ns = 0;
 };
 
-// A hostile device, hand and haptics node, from one seed: a device of random limits, and periods of a few dozen turns of every kind
+// A hostile device, hand and haptics node, from one seed: a device of random limits, and spells of a few dozen turns of every kind
 // of force (springs, square waves at Nyquist, NaN, active forces, repeated old ones, none), motion (a yielding hand, one that
 // follows the force, jumps, invalid poses), time (250 Hz to 10 kHz, jitter, jumps, backwards) and state (away, released, hot,
 // failed). Many programs have peaceful parts, because otherwise each would soon end in a latched fault. RT: no heap. Threads: one

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-// In local units: the scene's diagonal lies in (1/2, 1].
+// In the unit of the reference: the scene's diagonal lies in [1/2, 1).
 constexpr double kRounding = 0x1p-48;       // bound on the error of a distance between points within the scene
 constexpr double kErosion = 0x1p-47;        // largest loss of one motion from a distance that is already minimal: twice the rounding error
 constexpr double kIdleGain = 0x1p-50;       // a motion that comes nearer to the device by less counts as idle

@@ -14,9 +14,9 @@
 namespace hapton {
 
 // The proxy of the reference: its position, its contacts, and its motion to an equilibrium for one device position.
-// All lengths in local units: the scene's diagonal lies in (1/2, 1]. The caller supplies the triangles nearby.
-// A point probe is a sphere of radius kPointRadius, so distances decide and never signs: it passes no edge, vertex or narrower crack.
-// surface_position() subtracts that radius again. RT: no heap, lock or system call after construction, but unbounded time.
+// All lengths in the unit of the reference, the power of two that puts the scene's diagonal into [1/2, 1). The caller supplies the
+// triangles nearby. A point probe is a sphere of radius kPointRadius, so distances decide and never signs: it passes no edge, vertex or
+// narrower crack. surface_position() subtracts that radius again. RT: no heap, lock or system call after construction, but unbounded time.
 class ReferenceProxy {
  public:
   static constexpr double kPointRadius = 0x1p-32;  // 2^16 times the error of a distance

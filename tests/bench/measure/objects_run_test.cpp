@@ -30,7 +30,8 @@ TEST(ObjectsRun, MeasuresEachSceneBesideTheTouchedObjectAlone) {
   EXPECT_NE(to_text(*report).find("27"), std::string::npos);
 }
 
-TEST(ObjectsRun, SaysWhenThereAreMoreObjectsThanTriangles) {
+// 10 objects need 180 triangles: the coarsest torus has 18.
+TEST(ObjectsRun, RejectsMoreObjectsThanThereAreTrianglesFor) {
   const Stopwatch watch = Stopwatch::calibrate();
   ObjectsSettings settings;
   settings.triangles = 100;
