@@ -159,7 +159,8 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     const Vec3 before = centre_;
     const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
     is_descending_ = true;
-    least_distance_ = std::numeric_limits<double>::infinity();  // that of the call before was to another place
+    if (seen != seen_) least_distance_ = std::numeric_limits<double>::infinity();  // that of the call before was to another place
+    seen_ = seen;
     double part = 0.0;
     outcome = follow_near(seen, seen, part);
     if (outcome != Outcome::settled) return outcome;
