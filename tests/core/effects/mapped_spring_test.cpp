@@ -134,5 +134,28 @@ TEST(MappedSpring, NoPlaceIsStifferAndTheStiffestIsFound) {
   }
 }
 
+// On a spring so stiff that only the gradient counts, by its formula at places all over the image, on sheets that are sheared far.
+TEST(MappedSpring, WhatItAddsToBumpsIsThatOfTheSteepestPlace) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> unit(0, 1);
+    const ImageMap share{
+        .image = noise(random, 2 + static_cast<int>(random() % 6), 2 + static_cast<int>(random() % 6)), .at_black = 0.2, .at_white = 1.0};
+    const double slope = unit(random);
+    const Triangles triangles = sheet(0.1, 0.1 * (0.3 + unit(random)), 0.2 * (2.0 * unit(random) - 1.0));
+    const MappedSpring spring{.spring_n_per_m = 1e15, .pressed_n = 3.0};
+    MapPlace place = map_gradients(triangles[0]);
+    double most = 0.0;
+    for (int n = 0; n < 30000; ++n) {
+      place.texcoord = {unit(random), unit(random)};
+      const ImageMap::Value at = share.at(place);
+      most = std::max(most, spring.pressed_n / at.number * at.gradient.norm() * (std::sqrt(1.0 + slope * slope) + slope));
+    }
+    const double found = spring.added_n_per_m(share, triangles, slope);
+    EXPECT_GE(found, (1.0 - 1e-3) * most) << "seed " << seed;
+    EXPECT_LE(found, 1.1 * most) << "seed " << seed;
+  }
+}
+
 }  // namespace
 }  // namespace hapton
