@@ -76,6 +76,20 @@ TEST(ReferenceMethod, ThinWallHoldsFastMotion) {
   EXPECT_NEAR(felt.p_SP.z(), 5e-6, 1e-10);
 }
 
+// Nothing is looked for until the sphere is near the scene, which a large one is while its centre is far away.
+TEST(ReferenceMethod, ASphereLargerThanTheSceneMeetsItFromFarAway) {
+  constexpr double kHalf = 0.25;
+  for (const double radius : {0.01, 0.4, 0.7, 0.99}) {
+    for (const double aside : {-0.1, 0.0, 0.2}) {
+      auto method = reference_over(make_box(Vec3::Constant(2.0 * kHalf)), radius);
+      method->reset(Vec3(aside, 0.001, 40.0));
+      const MethodOutput felt = method->step({.p_SD = {aside, 0.001, kHalf + 0.9 * radius}});
+      EXPECT_NEAR(felt.p_SP.z(), kHalf + radius, 1e-6 * radius) << radius;
+      EXPECT_NEAR(felt.force_n.z(), 0.1 * kStiffness * radius, 1e-3) << radius;
+    }
+  }
+}
+
 TEST(ReferenceMethod, OneSidedSurfaceReleasesFromBehind) {
   Material material;
   material.two_sided = false;
