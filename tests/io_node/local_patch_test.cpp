@@ -13,9 +13,9 @@
 namespace hapton {
 namespace {
 
-std::unique_ptr<Patch> sheet_patch(double height_m, double radius_m = 1.0) {
+std::unique_ptr<Patch> sheet_patch(double height_m, double radius_m = 1.0, const Material& material = {}) {
   TouchScene scene;
-  scene.objects.push_back({made::shared(made::sheet(0.05, height_m, 20)), Material()});
+  scene.objects.push_back({made::shared(made::sheet(0.05, height_m, 20)), material});
   auto patch = std::make_unique<Patch>();
   patch->step = std::make_unique<TouchStep>(*make_method({}, scene));
   patch->radius_m = radius_m;
@@ -53,6 +53,19 @@ TEST(LocalPatch, GivesTheForceOfThePatch) {
       EXPECT_NEAR(felt->visual_offset_m.z(), 3e-4 * n - 0.001, 1e-9);
     }
   }
+}
+
+// Velocity is that of the time between two samples. After a gap of a second the device is not taken for slow: only 20 ms count.
+TEST(LocalPatch, DampingIsThatOfTheTimeThatHasPassed) {
+  constexpr double kDamping = 4.0;
+  LocalPatch local;
+  local.offer(sheet_patch(0.0, 1.0, {.stiffness_n_per_m = 500.0, .damping_ns_per_m = kDamping}));
+  local.publish(orders_until(9000 * kMs));
+  for (int n = 1; n <= 10; ++n) (void)local.step(sample_at(Vec3(0.001, 0.002, 0.001 - 3e-4 * n), n * kMs));
+  const auto at = [&](double z, std::int64_t ms) { return local.step(sample_at(Vec3(0.001, 0.002, z), ms * kMs))->force_n.z(); };
+  EXPECT_NEAR(at(-0.0022, 11), 500.0 * 0.0022 + kDamping * 2e-4 / 0.001, 1e-6);
+  EXPECT_NEAR(at(-0.0024, 16), 500.0 * 0.0024 + kDamping * 2e-4 / 0.005, 1e-6);
+  EXPECT_NEAR(at(-0.0034, 1016), 500.0 * 0.0034 + kDamping * 1e-3 / 0.020, 1e-6);
 }
 
 // The safety case: nothing but patches for no longer than haptics' last word allows.
