@@ -337,6 +337,27 @@ TEST_F(GraspTaskTest, AButtonThatWasDownBeforePicksUpNothingAndOneInTheAirNeithe
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
+// What was never picked up is said to stay. What was held and is put down does not stay, and nothing says so.
+TEST_F(GraspTaskTest, SaysThatAnObjectStaysOnlyIfItWasNotPickedUp) {
+  reply(at, 0);
+  go({0.0, 0.0, 0.021 - kPress}, 0);
+  const std::string held = log_of([&] {
+    rest(1, 200);
+    EXPECT_TRUE(step->holds_tool());
+    rest(0, 200);
+    EXPECT_FALSE(step->holds_tool());
+  });
+  EXPECT_THAT(held, AllOf(HasSubstr("cube"), Not(HasSubstr("stays where it is"))));
+  const std::string missed = log_of([&] {
+    for (const std::uint32_t buttons : {1U, 0U}) {  // released before the slow task has seen the order
+      step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = buttons});
+      (void)step->reply();
+    }
+    rest(0, 200);
+  });
+  EXPECT_THAT(missed, HasSubstr("cube stays where it is"));
+}
+
 TEST_F(GraspTaskTest, ABriefPressLeavesEverythingAsItWas) {
   reply(at, 0);
   go({0.0, 0.0, 0.021 - kPress}, 0);

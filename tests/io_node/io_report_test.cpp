@@ -143,6 +143,8 @@ TEST(IoReport, SaysWhatTheGovernorDoes) {
   EXPECT_EQ(report.ratios.at("thermal_load"), 0.25);
   EXPECT_EQ(report.ratios.at("energy_spent"), 0.25);
   EXPECT_THAT(describe_run(*stats), HasSubstr("faults: 2 latched, 1 reset"));
+  stats->governor.fault = SafetyFault::none;
+  EXPECT_EQ(make_io_report(*stats, {}, "").ratios.at("fault_latched_now"), 0.0);
 }
 
 TEST(IoReport, NamesTheNodesThatAreThereAndHowFarTheirClockIsOff) {
