@@ -198,7 +198,8 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
         OnMesh{"meshes/nist_pump_assembly.glb", {{5, 249}, {5, 249, 1e-3}, {5, 249, 1e-6}, {5, 249, 1.0, 1e6}}},
         OnMesh{"meshes/nist_assembly_insert.obj",
                {{1, 65}, {2, 200}, {3, 94}, {4, 179}, {4, 202}, {5, 80}, {7, 687}, {8, 684}, {5, 440, 1.0, 1e6}, {2, 310, 1.0, 1e6}}},
-        OnMesh{"meshes/mountain_51k_open.ply", {{2, 470, 1.0, 1e3}}}, OnMesh{"meshes/skull_100k.ply", {{3, 132, 1.0, 1e3}}}}) {
+        OnMesh{"meshes/mountain_51k_open.ply", {{2, 470, 1.0, 1e3}}},
+        OnMesh{"meshes/skull_100k.ply", {{1, 375, 1.0, 1e3}, {2, 297, 1.0, 1e3}, {3, 132, 1.0, 1e3}}}}) {
     auto file = load_touch_mesh(std::string(HAPTON_SOURCE_DIR) + "/" + name);
     ASSERT_TRUE(file) << file.error().what;
     const StressBody body = make_stress_body(name, std::move(file->mesh));
