@@ -53,6 +53,7 @@ TEST_F(Servos, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
   ASSERT_EQ(shape_statuses.size(), 1U);
   EXPECT_EQ(shape_statuses[0].second.object, 4);
   EXPECT_EQ(shape_statuses[0].second.serial, 2U);
+  EXPECT_EQ(shape_statuses[0].second.first, 0U) << "nothing of it has come";
   start(7, 4, 1);
   say(kHaptics, part_of(7, 2, 64, 0, 4));
   run(300);

@@ -57,6 +57,33 @@ TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondLeaveEachOtherTheirPlaces
   }
 }
 
+// A hub that was busy for seconds when the node joined: the node waits for two of them before it takes the hub for gone.
+TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
+  for (const std::int64_t trip_ms : {500, 1'500, 2'500}) {
+    SCOPED_TRACE(trip_ms);
+    start_hub();
+    const auto node = make_node(2);
+    say(*node, "first");
+    hub_receives();        // cookie
+    node_receives(*node);  // requests with it
+    clock_.advance_ns(trip_ms * kMs);
+    hub_receives();  // agrees
+    node_receives(*node);
+    ASSERT_EQ(node->sealed.seal_counts().handshakes, 1U);
+    hub_receives();
+    const std::size_t arrived = hub_endpoint_.arrived().size();
+    const std::int64_t timeout_ns = SealedClient::kPeerTimeoutNs + std::min(trip_ms * kMs, SealedClient::kMostTripNs);
+    clock_.advance_ns(timeout_ns - kMs);
+    node_receives(*node);
+    hub_receives();
+    EXPECT_EQ(hub_endpoint_.arrived().size(), arrived) << "it waits";
+    clock_.advance_ns(kMs);
+    node_receives(*node);
+    hub_receives();
+    EXPECT_EQ(hub_endpoint_.arrived().size(), arrived + 1) << "it requests a session";
+  }
+}
+
 TEST_F(SealedHubTest, AnAddressGetsAnotherReplyOnlyWhenItsReplyMayBeLost) {
   const auto node = make_node(2);
   say(*node, "first");

@@ -317,8 +317,10 @@ TEST_F(SealedHubTest, ANewSessionSendsNothingOfTheOldOneAgain) {
   const auto node = make_node(2);
   join(*node);
   clock_.advance_ns(SealedClient::kRekeyEveryNs);
+  const std::size_t arrived = hub_endpoint_.arrived().size();
   EXPECT_TRUE(meet(*node).empty());
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 2U);
+  EXPECT_EQ(hub_endpoint_.arrived().size(), arrived + 2) << "two requests, and no datagram without words";
 }
 
 TEST_F(SealedHubTest, ARestartedNodeAtTheSameAddressReplacesItsOwnSession) {

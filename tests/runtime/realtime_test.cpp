@@ -3,12 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <optional>
 #include <thread>
 
@@ -90,6 +95,22 @@ TEST(RealtimeTest, ADenialIsReportedWithItsRemedyAndOnlyRequireFails) {
   ASSERT_FALSE(*required.report);
   EXPECT_THAT(required.report->error().what, HasSubstr("not granted: CPU 1000"));
   EXPECT_EQ(required.report->error().what.find('\n'), std::string::npos);
+}
+
+// The reason is that of the call that failed, not of one after it.
+TEST(RealtimeTest, WhoMayNotOpenTheWakeUpLatencyIsToldSo) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // this process may have it open already
+  const auto say_why = [] {
+    constexpr uid_t kNobody = 65534;
+    if (geteuid() == 0 && setuid(kNobody) != 0) std::_Exit(2);
+    const int file = open("/dev/cpu_dma_latency", O_RDWR | O_CLOEXEC);
+    const std::string expected = std::strerror(errno);
+    if (file >= 0) std::_Exit(0);
+    const auto report = enter_realtime({.mode = RealtimeMode::attempt, .priority = 0, .lock_memory = false});
+    const RealtimeItem* item = report ? find_item(*report, "wake-up latency") : nullptr;
+    std::_Exit(item != nullptr && !item->obtained && item->reason.find(expected) != std::string::npos ? 0 : 1);
+  };
+  EXPECT_EXIT(say_why(), testing::ExitedWithCode(0), "");
 }
 
 TEST(RealtimeTest, TheShareOfRealTimeThreadsIsSaidInPercent) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <random>
+
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/mesh_shapes.h"
 
@@ -117,6 +121,37 @@ TEST(SeamJoiner, PutsAnEdgeThatWouldBeZippedTooFarOnTheList) {
   EXPECT_TRUE(again.run(kPlentyOfWork));
   EXPECT_EQ(again.seam().splits(), 0U);
   EXPECT_EQ(again.seam().welded(), 0U);
+}
+
+// A crack from a tip, among hundreds of long edges that pass between its vertices: so many that the tree no longer tests these. The edges
+// at the tip are compared with one another all the same.
+TEST(SeamJoiner, ClosesACrackFromItsTipWhereHundredsOfEdgesPass) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    const std::array<Vec3, 5> crack = {Vec3(0, 0, 0), {1, 0, 0}, {0.5, -1, 0}, {0.5, 0.5 * kTolerance, 0}, {0.25, 1, 0}};
+    TriangleMesh mesh;
+    while (mesh.triangles.size() < 800) {
+      const Vec3 direction = Vec3(normal(random), normal(random), normal(random)).normalized();
+      const Vec3 through = Vec3(0.4, 0, 0) + 0.2 * Vec3(normal(random), normal(random), normal(random));
+      const auto is_beside = [&](const Vec3& corner) { return (corner - through).cross(direction).norm() > 0.1; };
+      if (!std::all_of(crack.begin(), crack.end(), is_beside)) continue;
+      const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+      const Vec3 aside = 0.02 * direction.unitOrthogonal();
+      mesh.vertices.insert(mesh.vertices.end(), {through - 6.0 * direction, through + 6.0 * direction, through + 6.0 * direction + aside});
+      mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    const auto tip = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), crack.begin(), crack.end());
+    mesh.triangles.push_back({tip + 1, tip, tip + 2});
+    mesh.triangles.push_back({tip, tip + 3, tip + 4});
+    JoinedParts untouched;
+    SeamJoiner joiner(mesh, find_boundary_vertices(mesh), kTolerance, untouched);
+    EXPECT_TRUE(joiner.run(kPlentyOfWork)) << seed;
+    EXPECT_EQ(joiner.seam().splits(), 1U) << seed;
+    EXPECT_EQ(joiner.seam().zipped(), 1U) << seed;
+    EXPECT_EQ(joiner.joined().vertices.count(tip + 3), 1U) << seed;
+  }
 }
 
 TEST(SeamJoiner, StopsWhereItTakesMoreWorkThanItMay) {
