@@ -8,8 +8,8 @@ namespace hapton {
 // The stylus of a device whose motors turn it, about one axis through the device point: an axis as in device_model.h whose units are kg m^2
 // for kg, Nm s/rad for Ns/m, Nm for N and rad for m. Then all of the laboratory holds for it: find_zwidth gives Nm/rad.
 
-// No data sheet or study that we know of says how stiffly a hand holds a stylus against turning. Assumed, as in devices/stylus_turn.h: the
-// hand's mass, damper and spring act at this lever, all along the fingers.
+// No data sheet or study that we know of says how stiffly a hand holds a stylus against turning. Assumed: the
+// hand's mass, damper and spring act at this lever, all along the fingers (devices/stylus_turn.h leaves out the mass).
 constexpr double kGripLeverM = 0.05;
 
 // A stylus of 40 g and 20 cm without damping or friction (devices/stylus_turn.h), read to 1/512 turn (model_a.h). RT: yes.

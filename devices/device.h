@@ -75,8 +75,9 @@ class Device {
   // Puts a wrench (N, N m, frame W) on the motors from now_ns on, until the next write. Must be finite and within the limits.
   virtual void write(const Wrench& wrench, std::int64_t now_ns) noexcept = 0;
 
-  // Cuts off: no force on the motors until restore, whatever is written. It needs only the device, so it works while another thread is
-  // inside write. Only the owner calls restore. False: the device cannot do that. RT: yes, wait-free. Threads: cut any, at any time.
+  // Cuts off: nothing on the motors until restore, whatever is written, nor what a driver adds by itself (gravity compensation). It needs
+  // only the device, so it works while another thread is inside write. Only the owner calls restore. False: the device cannot do that. RT:
+  // yes, wait-free. Threads: cut any, at any time.
   virtual bool cut() noexcept { return false; }
   virtual void restore() noexcept {}
 

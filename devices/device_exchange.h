@@ -53,6 +53,7 @@ class DeviceExchange {
   // Any thread: the driver gets zero until restore, then a ramp.
   void cut() noexcept { is_cut_.store(true, std::memory_order_release); }
   void restore() noexcept { is_cut_.store(false, std::memory_order_release); }
+  bool is_cut() const noexcept { return is_cut_.load(std::memory_order_acquire); }
 
   // Servo: as of the last read.
   const Reading& reading() const noexcept { return readings_.value(); }
@@ -77,7 +78,7 @@ class DeviceExchange {
     commands_.take();
     const Command& command = commands_.value();
     if (!is_ready_) return {};
-    if (now_ns - command.time_ns > kServoTimeoutNs || is_cut_.load(std::memory_order_acquire)) {
+    if (now_ns - command.time_ns > kServoTimeoutNs || is_cut()) {
       restart_ramp();
       return {};
     }

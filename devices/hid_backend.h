@@ -26,7 +26,7 @@ class HidBackend {
   virtual bool decode(std::span<const std::uint8_t> report, std::int64_t now_ns, DeviceExchange::Reading& reading) noexcept = 0;
 
   // Writes the next report to the device, with its id (or 0) in front. Returned: its size; 0: there is none to send. is_live: the device
-  // may exert a force; otherwise it must release it.
+  // may exert a force. Otherwise it must release it, and its motors be off: no compensation of its own weight either.
   virtual std::size_t encode(const Wrench& wrench, bool is_live, std::int64_t now_ns, std::span<std::uint8_t> into) noexcept = 0;
 
   // What the user has to do while the device is calibrating.

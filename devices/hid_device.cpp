@@ -147,7 +147,7 @@ void HidDevice::write_newest() noexcept {
     const std::lock_guard lock(driver_mutex_);
     const std::int64_t now_ns = clock_.now_ns();
     const Wrench wrench = exchange_.wrench(now_ns);
-    const bool is_live = reading_.status == DeviceStatus::ready && exchange_.is_servo_there(now_ns);
+    const bool is_live = reading_.status == DeviceStatus::ready && exchange_.is_servo_there(now_ns) && !exchange_.is_cut();
     size = backend_->encode(wrench, is_live, now_ns, report);
   }
   if (size == 0) return;

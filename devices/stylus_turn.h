@@ -11,12 +11,13 @@ namespace hapton {
 //
 //   I w' = k_h turn(q -> q_h) - b_h w + torque
 //
-// No data sheet or study that we know of says how stiffly a hand holds a stylus against turning; the numbers are those of StylusModel's
-// grip at a lever of 5 cm, and a stylus of 40 g and 20 cm. One step of semi-implicit Euler each 100 us of the device's time: the trajectory
+// No data sheet or study that we know of says how stiffly a hand holds a stylus against turning. Stiffness and damping are those of
+// StylusModel's hand at a lever of 5 cm; the hand's mass is left out. The inertia is that of a uniform rod of 40 g and 20 cm about a grip
+// 2 cm from its centre. One step of semi-implicit Euler each 100 us of the device's time: with a constant torque and hand the trajectory
 // does not depend on how often it is read. Frame W, SI. RT: advance yes.
 class StylusTurn {
  public:
-  static constexpr double kInertiaKgM2 = 1.5e-4;
+  static constexpr double kInertiaKgM2 = 1.5e-4;  // 1.33e-4 about the centre, 0.16e-4 for the 2 cm
   static constexpr double kHandNmPerRad = 1.0;
   static constexpr double kHandNmSPerRad = 0.015;
   static constexpr std::int64_t kStepNs = 100'000;

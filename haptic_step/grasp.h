@@ -59,7 +59,7 @@ class Grasp {
   // Requests that an object moves to this pose from its present one, which has the same serial. update() moves it, unless an object is
   // being picked up, held or put down, the serial is not the object's newest, or the object is not movable: then it ignores the request,
   // and the sender repeats it.
-  void request(const ObjectPose& pose) noexcept { requested_pose_ = pose; }
+  void request_pose(const ObjectPose& pose) noexcept { requested_pose_ = pose; }
 
   // Whether objects may leave their places at the next update(), because no hub computes forces with parts of the scene that have them
   // there. Otherwise picking up and requested moves wait. True at the start.

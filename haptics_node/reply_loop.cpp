@@ -141,7 +141,7 @@ void ReplyLoop::handle(const Message& message) noexcept {
     const bool is_remote = !sends_parts(hub_.receive_time_ns()) || has_withdrawn();
     if (!overtaken && adviser_ != nullptr && is_remote) adviser_->note(*facts);
   } else if (const auto* pose = std::get_if<ObjectPose>(&message)) {
-    if (step_.grasp() != nullptr) step_.grasp()->request(*pose);
+    if (step_.grasp() != nullptr) step_.grasp()->request_pose(*pose);
   } else if (const auto* move = std::get_if<MoveRequest>(&message)) {
     if (!overtaken && mover_ != nullptr) mover_->request(*move);
   } else if (const auto* missing = std::get_if<CarveStatus>(&message)) {

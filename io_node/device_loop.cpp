@@ -103,7 +103,7 @@ bool DeviceLoop::run_cycle() noexcept {
   const bool is_ramping_down = is_cut() && force_sample_ns() != 0;
   if (is_ramping_down) governor_.interrupt();
   if (!has_fresh_force || is_ramping_down) hold_force();
-  restore_if_cut();
+  cut_or_restore();
   apply_requests();
   tick_ns_ += period_ns();
   cycle_.next_tick_ns = tick_ns_;
@@ -131,9 +131,15 @@ bool DeviceLoop::is_cut() const noexcept {
          (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load(std::memory_order_acquire) != 0);
 }
 
-// Restores the device once the commanded force is zero, so that the force returns with the governor's ramp and not with a jump.
-void DeviceLoop::restore_if_cut() noexcept {
-  if (!is_cut() || force_sample_ns() != 0) return;
+// Once the commanded force is zero: cuts the device while a fault is latched, so that its driver adds nothing by itself either; restores
+// it otherwise, so that the force returns with the governor's ramp and not with a jump.
+void DeviceLoop::cut_or_restore() noexcept {
+  if (force_sample_ns() != 0) return;
+  if (governor_.fault() != SafetyFault::none) {
+    if (!is_cut_by_process_.exchange(true)) device_.cut();
+    return;
+  }
+  if (!is_cut()) return;
   device_.restore();
   is_cut_by_process_.store(false, std::memory_order_release);
   if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut.store(0, std::memory_order_release);

@@ -227,7 +227,7 @@ class DeviceLoop {
   void publish_side() noexcept;
   void set_force_sample(std::int64_t sample_ns) noexcept;
   bool is_cut() const noexcept;
-  void restore_if_cut() noexcept;
+  void cut_or_restore() noexcept;
 
   Device& device_;
   const Clock& clock_;

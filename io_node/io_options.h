@@ -12,7 +12,7 @@ namespace hapton {
 
 struct IoOptions {
   std::string name;  // of the device among several (--devices); empty: the only one
-  std::string bind = "127.0.0.1:4950";
+  std::string bind = "127.0.0.1:" + std::to_string(kDefaultHubPort);
   DeviceSettings device;
   std::string devices_file;  // several devices; empty: the one above
   double rate_hz = 1000.0;

@@ -263,11 +263,12 @@ void IoSession::check_watchdog() {
 
 // The service manager gets WATCHDOG=1 only while the device loop runs, so that it restarts the program if that loop hangs.
 void IoSession::notify_service() {
-  if (!service_.is_wanted() || clock_.now_ns() < next_sign_ns_) return;
+  if (!service_.has_manager() || clock_.now_ns() < next_sign_ns_) return;
   if (next_sign_ns_ == 0) service_.send("READY=1");
-  next_sign_ns_ = clock_.now_ns() + kWatchEveryNs;
+  const std::int64_t timeout_ns = service_.manager_timeout_ns();
+  next_sign_ns_ = clock_.now_ns() + (timeout_ns > 0 ? std::min(kWatchEveryNs, timeout_ns / 2) : kWatchEveryNs);
   const bool lives = clock_.now_ns() - servo_.device_loop().heartbeat_ns() < kWatchEveryNs;
-  if (service_.watchdog_ns() > 0 && lives) service_.send("WATCHDOG=1");
+  if (timeout_ns > 0 && lives) service_.send("WATCHDOG=1");
 }
 
 void IoSession::note_requests(const StopSignal& stop) {

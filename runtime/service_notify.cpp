@@ -18,7 +18,7 @@ ServiceNotify::ServiceNotify() {
   if (const char* period = std::getenv("WATCHDOG_USEC"); period != nullptr) {
     std::int64_t period_us = 0;
     const auto read = std::from_chars(period, period + std::strlen(period), period_us);
-    if (read.ec == std::errc() && period_us > 0) watchdog_ns_ = period_us * 1000;
+    if (read.ec == std::errc() && period_us > 0) manager_timeout_ns_ = period_us * 1000;
   }
 }
 

@@ -195,12 +195,12 @@ const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, s
 // ramp: of what is wanted; share: of the limits; left_s: until nothing may be left.
 void SafetyGovernor::follow(double ramp, double share, double left_s, double passed_s) noexcept {
   const DeviceLimits& limits = limits_.now();
-  const double ball_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);
-  out_.force_n = force_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), ball_n,
+  const double limit_n = std::min(share * limits.max_force_n, limits_.release_n_per_s() * left_s);
+  out_.force_n = force_.follow(ramp > 0.0 ? shaped_n(ramp) : Vec3(Vec3::Zero()), limit_n,
                                {limits.max_slew_n_per_s * passed_s, limits_.release_n_per_s() * passed_s});
   if (limits_.device().max_torque_nm == 0.0) return;
-  const double ball_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
-  out_.torque_nm = torque_.follow(ramp * shortened(filter_.wanted().torque_nm, limits.max_torque_nm), ball_nm,
+  const double limit_nm = std::min(share * limits.max_torque_nm, limits_.release_nm_per_s() * left_s);
+  out_.torque_nm = torque_.follow(ramp * shortened(filter_.wanted().torque_nm, limits.max_torque_nm), limit_nm,
                                   {limits.max_torque_slew_nm_per_s * passed_s, limits_.release_nm_per_s() * passed_s});
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "link/address.h"
 #include "link/link_key.h"
 #include "tools/commands.h"
 #include "tools/doctor/diagnosis.h"
@@ -22,7 +23,7 @@ struct DoctorOptions {
   std::vector<std::string> only;
   bool json = false;
   std::string root = "/";
-  int port = 4950;
+  int port = kDefaultHubPort;
   std::string key_file;
 };
 

@@ -11,11 +11,11 @@ constexpr std::string_view kPosition = "vrpn_Tracker Pos_Quat";
 constexpr std::string_view kButtonChange = "vrpn_Button Change";
 constexpr std::string_view kButtonStates = "vrpn_Button States";
 constexpr std::string_view kPing = "vrpn_Base ping_message";
-// Our numbers for our own messages.
+// The ids that we define for our own sender and message type.
 constexpr std::int32_t kSender = 0, kPingType = 0;
 
-// A quaternion of single precision, or a mean of several, has not quite the length 1. Beyond these it is no rotation.
-constexpr double kLeastLength = 0.5, kMostLength = 2.0;
+// A quaternion in single precision, or a mean of several, is not exactly of unit length. Outside these bounds it is not a rotation.
+constexpr double kMinQuaternionNorm = 0.5, kMaxQuaternionNorm = 2.0;
 
 std::string printable(std::string_view name) {
   std::string text(name);
@@ -73,7 +73,7 @@ bool TrackerClient::receive_message(const Message& message) {
   }
 }
 
-// The number that is described is in the sender field; it may mean something else from now on.
+// A description has the id that it defines in its sender field. The server may give an id a new meaning at any time.
 void TrackerClient::receive_sender(const Message& message) {
   const std::string_view name = name_of(message);
   if (name == device_) {
@@ -87,9 +87,9 @@ void TrackerClient::receive_sender(const Message& message) {
 }
 
 void TrackerClient::receive_type(const Message& message) {
-  const std::pair<std::string_view, std::optional<std::int32_t>&> read[] = {
+  const std::pair<std::string_view, std::optional<std::int32_t>&> wanted[] = {
       {kPosition, position_type_}, {kButtonChange, change_type_}, {kButtonStates, states_type_}};
-  for (const auto& [name, number] : read) {
+  for (const auto& [name, number] : wanted) {
     if (name_of(message) == name) {
       number = message.sender;
     } else if (number == message.sender) {
@@ -113,7 +113,7 @@ void TrackerClient::receive_position(const Message& message) {
   const std::optional<SensorPose> pose = position_of(message);
   if (!pose || pose->sensor != sensor_ || !pose->p_m.allFinite()) return;
   const double length = pose->q.norm();
-  if (!(length > kLeastLength && length < kMostLength)) return;  // NaN as well
+  if (!(length > kMinQuaternionNorm && length < kMaxQuaternionNorm)) return;  // NaN as well
   newest_ = TrackerPose{pose->p_m, pose->q.normalized()};
 }
 

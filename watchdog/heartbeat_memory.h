@@ -5,6 +5,9 @@
 
 namespace hapton {
 
+// The descriptor by which the watchdog process gets its page.
+constexpr int kHeartbeatFile = 3;
+
 // A HeartbeatPage in memory that can be handed to a child process by its descriptor.
 // RT: set-up only; the page itself is wait-free. Threads: one.
 class HeartbeatMemory {

@@ -1,7 +1,7 @@
-// hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and takes the force
-// away when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. It checks from two
-// threads: one with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is denied, an ordinary one, which
-// runs when the kernel throttles the first or another real-time program uses all CPU time.
+// hapton_watchdog: started by io_node, one for each device. It watches io_node's device side from a process of its own and releases
+// the force when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. It checks from
+// two threads: one with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is denied, an ordinary one,
+// which runs when the kernel throttles the first or another real-time program uses all CPU time. With PRIORITY 0 both are ordinary threads.
 #include <fmt/core.h>
 #include <poll.h>
 #include <signal.h>
@@ -9,8 +9,10 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <string_view>
 #include <thread>
 
@@ -25,9 +27,8 @@ namespace {
 
 using namespace hapton;
 
-// Descriptor of the memory that io_node shares with this process.
-constexpr int kPageFile = 3;
-constexpr int kTimesAtTheEnd = 3;
+// io_node may have had one more force in transit when it ended; three, one check apart.
+constexpr int kCutsAfterEnd = 3;
 // Runtime of SCHED_DEADLINE in each period.
 constexpr std::int64_t kRuntimeNs = 100'000;
 constexpr std::int64_t kPeriodNs = 1'000'000;
@@ -38,7 +39,7 @@ bool is_gone(int process_file) {
 }
 
 // Sleeps until the next check, or until the process ends.
-void rest(int process_file) {
+void await_next_check(int process_file) {
   pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
   const timespec every = {.tv_sec = 0, .tv_nsec = OuterWatchdog::kCheckPeriodNs};
   ::ppoll(&ended, 1, &every, nullptr);
@@ -51,7 +52,7 @@ void note_cut(HeartbeatPage& page, const OuterWatchdog& watchdog) {
 }
 
 void report(std::string_view what, const OuterWatchdog& watchdog, const ForceCutter& cutter) {
-  fmt::print(stderr, "hapton_watchdog: io_node {}, its last cycle {:.1f} ms ago, a force out {:.1f} ms after its sample: {}\n", what,
+  fmt::print(stderr, "hapton_watchdog: io_node {} (last cycle {:.1f} ms ago, force on the motors {:.1f} ms after its sample): {}\n", what,
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
@@ -68,23 +69,24 @@ void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
       if (has_ended) return;
       is_reported = false;
       cutter.prepare();
-      rest(process_file);
+      await_next_check(process_file);
       continue;
     }
     // Repeated at every check: a frozen process may have had one more force in transit.
     note_cut(page, watchdog);
     cutter.cut();
     if (verdict == OuterWatchdog::Verdict::gone) {
-      for (int n = 1; n < kTimesAtTheEnd; ++n) {
+      for (int n = 1; n < kCutsAfterEnd; ++n) {
         clock.sleep_until_ns(clock.now_ns() + OuterWatchdog::kCheckPeriodNs);
         cutter.cut();
       }
       if (reports) report("has ended", watchdog, cutter);
       return;
     }
-    if (reports && !is_reported) report(verdict == OuterWatchdog::Verdict::frozen ? "hangs" : "holds a force too long", watchdog, cutter);
+    if (reports && !is_reported)
+      report(verdict == OuterWatchdog::Verdict::frozen ? "is frozen" : "holds a force for too long", watchdog, cutter);
     is_reported = true;
-    rest(process_file);
+    await_next_check(process_file);
   }
 }
 
@@ -96,29 +98,33 @@ int main(int argc, char** argv) {
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
     fmt::print(
-        "hapton_watchdog PROCESS PRIORITY\nStarted by io_node, which shares memory with it as descriptor {}: releases the force of "
-        "io_node's "
-        "device when\n"
-        "io_node is frozen or killed (docs/safety-case.md).\n",
-        kPageFile);
+        "hapton_watchdog PROCESS PRIORITY\n"
+        "Started by io_node, which shares memory with it as descriptor {}. Releases the force of io_node's device\n"
+        "when io_node is frozen, killed, or holds a force for too long (docs/safety-case.md).\n",
+        kHeartbeatFile);
     return 0;
   }
   HeartbeatMemory memory;
-  if (const auto opened = memory.open(kPageFile); !opened || process <= 0) {
-    fmt::print(stderr, "hapton_watchdog: {}\n",
-               opened ? "process number missing; this program is started by io_node" : opened.error().what);
+  if (const auto opened = memory.open(kHeartbeatFile); !opened || process <= 0) {
+    fmt::print(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
-  // It must outlive io_node briefly: signals that end io_node's unit or terminal are ignored.
+  // It must outlive io_node briefly: signals that end io_node's unit or terminal are ignored, and so are SIGPIPE, as its stderr may be
+  // closed, and SIGABRT, by which systemd ends a unit that hangs.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
   const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
-  if (process_file < 0 || ::getppid() != process) return 0;  // it has ended already, without a force
-  std::thread beside = start_thread([&] {
+  if (::getppid() != process) return 0;  // io_node has ended already; at a first start no force was exerted yet
+  if (process_file < 0) {
+    fmt::print(stderr, "hapton_watchdog: cannot watch process {}: {}\n", process, std::strerror(errno));
+    return 2;
+  }
+  // Whether these two got their scheduling: io_node logs what its own threads did not get, and has the same rights.
+  std::thread second = start_thread([&] {
     if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
     watch(memory.page(), process, process_file, false);
   });
   (void)enter_realtime({.mode = priority > 0 ? RealtimeMode::attempt : RealtimeMode::off, .priority = priority, .low_dma_latency = false});
   watch(memory.page(), process, process_file, true);
-  beside.join();
+  second.join();
   return 0;
 }

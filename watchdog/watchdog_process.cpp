@@ -12,11 +12,7 @@
 #include "runtime/clock.h"
 
 namespace hapton {
-namespace {
-
-constexpr int kPageFile = 3;
-
-}  // namespace
+namespace {}  // namespace
 
 std::filesystem::path WatchdogProcess::find_program() {
   std::error_code error;
@@ -37,8 +33,8 @@ Result<void> WatchdogProcess::spawn() {
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawnattr_init(&attributes);
   // Nothing else of ours: a socket that it kept would hold our port after our death.
-  ::posix_spawn_file_actions_adddup2(&actions, memory_->file(), kPageFile);
-  ::posix_spawn_file_actions_addclosefrom_np(&actions, kPageFile + 1);
+  ::posix_spawn_file_actions_adddup2(&actions, memory_->file(), kHeartbeatFile);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions, kHeartbeatFile + 1);
   // A group of its own: Ctrl-Z and Ctrl-C at the terminal are for us.
   ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   std::string program = program_.string();

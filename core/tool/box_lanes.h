@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// Three numbers as lanes, for boxes of a ObbTree; the last lane is of no use. RT: yes.
+// Three numbers as lanes, for boxes of an ObbTree; the last lane is of no use. RT: yes.
 
 inline Lanes4 lanes_of(const Vec3& v) { return Lanes4{v.x(), v.y(), v.z(), 0.0}; }
 

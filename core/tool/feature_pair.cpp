@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/triangle_distance.h"
 #include "core/math/cross_matrix.h"
 
 namespace hapton {
@@ -17,8 +16,8 @@ struct SegmentPoints {
   bool inside = false;
 };
 
-// The closest points of segments from a along d and from b along e (Ericson, Real-Time Collision Detection, 5.1.9). The pair of one
-// parameter given the other is solved last, so each point is the closest to the other to rounding.
+// The closest points of segments from a along d and from b along e (Ericson, Real-Time Collision Detection, 5.1.9). Each
+// parameter is solved again for the other at the end, so each point is the closest to the other to rounding.
 SegmentPoints closest_on_segments(const Vec3& a, const Vec3& d, const Vec3& b, const Vec3& e) {
   const Vec3 r = a - b;
   const double dd = d.squaredNorm();
@@ -26,9 +25,9 @@ SegmentPoints closest_on_segments(const Vec3& a, const Vec3& d, const Vec3& b, c
   const double de = d.dot(e);
   const double dr = d.dot(r);
   const double er = e.dot(r);
-  const double volume = dd * ee - de * de;
+  const double gram = dd * ee - de * de;
   const auto clamp01 = [](double x) { return std::clamp(x, 0.0, 1.0); };
-  double s = volume > 0.0 ? clamp01((de * er - dr * ee) / volume) : 0.0;
+  double s = gram > 0.0 ? clamp01((de * er - dr * ee) / gram) : 0.0;
   double t = ee > 0.0 ? clamp01((de * s + er) / ee) : 0.0;
   s = dd > 0.0 ? clamp01((de * t - dr) / dd) : 0.0;
   t = ee > 0.0 ? clamp01((de * s + er) / ee) : 0.0;
@@ -59,15 +58,15 @@ double time_above(double distance, double floor, double rate, double bend) {
   return rate > 0.0 || above > 0.0 ? 1e300 : 1.0;
 }
 
-// A rigid motion from a moment of it on: positions are from the grip point at that moment.
-struct Moment {
+// What a rigid motion has at one instant: its velocity and bounds of accelerations. Positions are from the grip point at that instant.
+struct MotionRates {
   Vec3 shift;
   Vec3 turn;
   double turn_squared;
   double turn_length;
   double shift_length;
 
-  explicit Moment(const RigidMotion& motion)
+  explicit MotionRates(const RigidMotion& motion)
       : shift(motion.shift),
         turn(motion.turn),
         turn_squared(motion.turn.squaredNorm()),
@@ -76,22 +75,24 @@ struct Moment {
 
   Vec3 velocity(const Vec3& arm) const { return shift + turn.cross(arm); }
   // Largest acceleration of a point of the tool, and, in the tool's frame, of a fixed point of the scene.
-  double bend_of_tool(const Vec3& arm) const { return turn_squared * arm.norm(); }
-  double bend_of_scene(const Vec3& arm) const { return turn_squared * (arm.norm() + shift_length) + 2.0 * turn_length * shift_length; }
+  double acceleration_of_tool(const Vec3& arm) const { return turn_squared * arm.norm(); }
+  double acceleration_of_scene(const Vec3& arm) const {
+    return turn_squared * (arm.norm() + shift_length) + 2.0 * turn_length * shift_length;
+  }
 };
 
-double vertex_face_time(const FeatureGap& gap, const Moment& m, double floor) {
-  return time_above(gap.distance, floor, gap.normal.dot(m.velocity(gap.on_tool)), m.bend_of_tool(gap.on_tool));
+double vertex_face_time(const FeatureGap& gap, const MotionRates& m, double floor) {
+  return time_above(gap.distance, floor, gap.normal.dot(m.velocity(gap.on_tool)), m.acceleration_of_tool(gap.on_tool));
 }
 
-double face_vertex_time(const FeatureGap& gap, const Moment& m, const Vec3& position, double floor) {
+double face_vertex_time(const FeatureGap& gap, const MotionRates& m, const Vec3& position, double floor) {
   const Vec3 arm = gap.on_scene - position;
-  return time_above(gap.distance, floor, gap.normal.dot(m.velocity(arm)), m.bend_of_scene(arm));
+  return time_above(gap.distance, floor, gap.normal.dot(m.velocity(arm)), m.acceleration_of_scene(arm));
 }
 
-// While the lines through the edges keep their order, and the distance between the lines is above the floor:
+// The time for which the lines through the edges stay on the same side of each other, farther apart than the floor:
 // w . (d x e) > floor |d x e| for unit d, e and w from a point of one line to a point of the other.
-double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor) {
+double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const MotionRates& m, double floor) {
   const Vec3 d = (placement.orientation * (pair.tool[1] - pair.tool[0])).normalized();
   const Vec3 e = (pair.scene[1] - pair.scene[0]).normalized();
   Vec3 normal = d.cross(e);
@@ -99,20 +100,21 @@ double line_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
   const double side = w.dot(normal) < 0.0 ? -1.0 : 1.0;
   normal *= side;
   const Vec3 velocity = m.velocity(gap.on_tool);
-  const Vec3 turned = m.turn.cross(d);
-  const Vec3 twice = m.turn.cross(turned);
-  const Vec3 once_normal = side * turned.cross(e);
-  const double rate = velocity.dot(normal) + w.dot(once_normal) - floor * m.turn_length;
-  const double second =
-      m.turn.cross(m.turn.cross(gap.on_tool)).dot(normal) + 2.0 * velocity.dot(once_normal) + side * w.dot(twice.cross(e));
+  const Vec3 d1 = m.turn.cross(d);  // derivatives of d by the time
+  const Vec3 d2 = m.turn.cross(d1);
+  const Vec3 normal_rate = side * d1.cross(e);
+  const double rate = velocity.dot(normal) + w.dot(normal_rate) - floor * m.turn_length;
+  const double second = m.turn.cross(m.turn.cross(gap.on_tool)).dot(normal) + 2.0 * velocity.dot(normal_rate) + side * w.dot(d2.cross(e));
   const double speed = m.shift_length + m.turn_length * gap.on_tool.norm();
   // Third derivative: w''' . (d x e) + 3 w'' . (d' x e) + 3 w' . (d'' x e) + w . (d''' x e).
   const double third = m.turn_squared * (4.0 * m.turn_length * gap.on_tool.norm() + 3.0 * speed + m.turn_length * (gap.distance + speed));
   return time_above(w.dot(normal), floor * normal.norm(), rate, std::max(0.0, third / 3.0 - second));
 }
 
-// While a plane that is fixed in the scene, or in the tool, separates the edges. If the first does until then, the second is not tried.
-double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor, double until) {
+// The time for which a plane that is fixed in the scene, or one fixed in the tool, separates the edges. If the first does up to `until`,
+// the second is not computed.
+double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const MotionRates& m, double floor,
+                  double until) {
   const Vec3& n = gap.normal;
   const double scene_top = std::max(n.dot(pair.scene[0]), n.dot(pair.scene[1]));
   double tool_low = 1e300;
@@ -121,19 +123,19 @@ double plane_time(const FeaturePair& pair, const FeatureGap& gap, const Placemen
     const Vec3 arm = placement.orientation * pair.tool[k];
     const double height = n.dot(placement.position + arm);
     tool_low = std::min(tool_low, height);
-    in_scene = std::min(in_scene, time_above(height - scene_top, floor, n.dot(m.velocity(arm)), m.bend_of_tool(arm)));
+    in_scene = std::min(in_scene, time_above(height - scene_top, floor, n.dot(m.velocity(arm)), m.acceleration_of_tool(arm)));
   }
   if (in_scene >= until) return in_scene;
   double in_tool = 1e300;
   for (int k = 0; k < 2; ++k) {
     const Vec3 arm = pair.scene[k] - placement.position;
-    in_tool = std::min(in_tool, time_above(tool_low - n.dot(pair.scene[k]), floor, n.dot(m.velocity(arm)), m.bend_of_scene(arm)));
+    in_tool = std::min(in_tool, time_above(tool_low - n.dot(pair.scene[k]), floor, n.dot(m.velocity(arm)), m.acceleration_of_scene(arm)));
   }
   return std::max(in_scene, in_tool);
 }
 
 // The ends of the edges are pairs of a vertex and a face; between them the distance changes by no more than the sine times the length.
-bool is_covered_by_ends(const FeaturePair& pair, const Placement& placement, const Moment& m, double floor) {
+bool is_covered_by_ends(const FeaturePair& pair, const Placement& placement, const MotionRates& m, double floor) {
   const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
   const Vec3 e = pair.scene[1] - pair.scene[0];
   const double shorter = std::sqrt(std::min(d.squaredNorm(), e.squaredNorm()));
@@ -141,8 +143,10 @@ bool is_covered_by_ends(const FeaturePair& pair, const Placement& placement, con
   return !(shorter * (sine + m.turn_length) > 0.25 * floor);
 }
 
-// A lower bound of the time at the floor. Where that is `until` or more, some bound of that kind.
-double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const Moment& m, double floor, double until) {
+// A lower bound of the time at which the pair reaches its floor. If a cheap bound is `until` or more, it is returned, and the better ones
+// are not computed.
+double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement, const MotionRates& m, double floor,
+                 double until) {
   switch (pair.kind) {
     case Kind::vertex_face:
       return vertex_face_time(gap, m, floor);
@@ -156,7 +160,8 @@ double part_time(const FeaturePair& pair, const FeatureGap& gap, const Placement
   return std::max(by_plane, line_time(pair, gap, placement, m, floor));
 }
 
-// The second derivative of n . R(w) a by the rotation vector w, at w = 0: n . (e_i x (e_j x a)), symmetric in i and j.
+// The second derivative of n . R(w) a by the rotation vector w, at w = 0: the part of n . (e_i x (e_j x a)) that
+// is symmetric in i and j.
 Mat3 turn_curvature(const Vec3& n, const Vec3& a) { return 0.5 * (n * a.transpose() + a * n.transpose()) - n.dot(a) * Mat3::Identity(); }
 
 // Of two edges that are closest inside both: f = N . u / |N|, where N = d x e turns with the tool's edge d, and u is from the scene's edge
@@ -166,7 +171,7 @@ Mat6 edge_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placem
   const Vec3 e = pair.scene[1] - pair.scene[0];
   Vec3 unit = d.cross(e);
   const double length = unit.norm();
-  if (!(length > 0x1p-48 * d.norm() * e.norm())) return Mat6::Zero();
+  if (!(length > 0x1p-48 * d.norm() * e.norm())) return Mat6::Zero();  // parallel to rounding
   unit /= unit.dot(gap.normal) < 0.0 ? -length : length;
   const double side = unit.dot(d.cross(e)) < 0.0 ? -1.0 : 1.0;
   // Over |N|: the derivatives of N by the turn, in columns, ...
@@ -213,23 +218,6 @@ FeatureGap measure_gap(const FeaturePair& pair, const Placement& placement) noex
   return gap_between(near.on_a, near.on_b, placement.position, near.inside ? TriangleFeature::face : TriangleFeature::vertex0);
 }
 
-bool is_beyond(const FeaturePair& pair, const Placement& placement, double distance) noexcept {
-  // Far above the rounding of the distance, of coordinates of about 1.
-  const double bound = distance * distance * (1.0 + 0x1p-20) + 0x1p-90;
-  switch (pair.kind) {
-    case Kind::vertex_face:
-      return triangle_distance_squared(placement.at(pair.tool[0]), pair.scene[0], pair.scene[1], pair.scene[2]) > bound;
-    case Kind::face_vertex:
-      return triangle_distance_squared(placement.orientation.conjugate() * (pair.scene[0] - placement.position), pair.tool[0], pair.tool[1],
-                                       pair.tool[2]) > bound;
-    case Kind::edge_edge:
-      break;
-  }
-  const Vec3 a = placement.at(pair.tool[0]);
-  const Vec3 d = placement.orientation * (pair.tool[1] - pair.tool[0]);
-  return detail::segment_segment_distance_squared(of3(a), of3(d), of3(pair.scene[0]), of3(Vec3(pair.scene[1] - pair.scene[0]))) > bound;
-}
-
 double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement& from, const Placement& to) noexcept {
   const Quat turn = to.orientation * from.orientation.conjugate();
   const Vec3 between = to.position + turn * gap.on_tool - gap.on_scene;
@@ -240,6 +228,7 @@ double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement
     const Vec3 normal = d.cross(e);
     const double length = normal.norm();
     const double cosine = normal.dot(gap.normal);
+    // Turned by less than 60 degrees; else along the old normal.
     if (std::fabs(cosine) > 0.5 * length) return normal.dot(between) / (cosine < 0.0 ? -length : length);
   }
   return gap.normal.dot(between);
@@ -261,15 +250,15 @@ Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placeme
 }
 
 double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept {
-  // Of the whole motion: a pair that goes on in smaller parts is at its floor.
+  // As a share of the whole motion. If an advance is shorter, the pair has reached its floor.
   constexpr double kLeastPart = 0x1p-12;
-  const Moment m(motion);
+  const MotionRates m(motion);
   if (pair.kind == Kind::edge_edge && is_covered_by_ends(pair, motion.from, m, floor)) return until;
   double time = part_time(pair, gap, motion.from, m, floor, until);
   for (int part = 1; time < until && part < kMostParts; ++part) {
     const Placement placement = motion.at(time);
-    const double more =
-        part_time(pair, measure_gap(pair, placement), placement, m, floor, 2.0 * (until - time));  // what is rounded up stays above
+    const double more = part_time(pair, measure_gap(pair, placement), placement, m, floor,
+                                  2.0 * (until - time));  // more than what is left, by more than rounding
     time += more;
     if (more < kLeastPart) break;
   }

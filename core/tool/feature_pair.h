@@ -35,9 +35,6 @@ struct FeatureGap {
 // The closest points. RT: yes.
 FeatureGap measure_gap(const FeaturePair& pair, const Placement& placement) noexcept;
 
-// True if the pair is certainly farther apart than `distance`; false for some that are. RT: yes.
-bool is_beyond(const FeaturePair& pair, const Placement& placement, double distance) noexcept;
-
 // The distance at `to` along the closest features of `from`: a face's normal turns with the face, an edge pair's with both edges. Accurate
 // to second order of the motion between the two, where the distance itself may meanwhile be attained elsewhere. RT: yes.
 double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement& from, const Placement& to) noexcept;
@@ -48,11 +45,11 @@ Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placeme
 
 // The time until which the pair certainly stays at least `floor` apart over the motion, up to `until`. A lower bound: each part of the
 // motion is covered by a bound of second order (conservative advancement, Mirtich 1996; we differ in bounding a vertex against a triangle
-// in the triangle's frame, where the distance is a convex function of the point, and edges by their volume), and after kMostParts of them
-// the rest is left out. Edges that are parallel to within floor / 4 over their length may come to 3/4 of the floor: their ends, pairs of a
-// vertex and a face, keep the floor. RT: yes. Pre: gap is the pair's at motion.from; floor > 0.
+// in the triangle's frame, where the distance is a convex function of the point, and edge pairs by the triple product w . (d x e)), and
+// after kMostParts of them the time reached is returned. Edges that are parallel to within floor / 4 over their length may come to 3/4 of
+// the floor: their ends, pairs of a vertex and a face, keep the floor. RT: yes. Pre: gap is the pair's at motion.from; floor > 0.
 double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept;
 
-constexpr int kMostParts = 32;
+constexpr int kMostParts = 32;  // of a motion; a choice that bounds the work of a pair
 
 }  // namespace hapton

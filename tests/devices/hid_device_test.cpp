@@ -103,6 +103,20 @@ TEST_F(HidDeviceTest, ReleasesTheForceWhenTheServoIsSilent) {
   for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
 }
 
+TEST_F(HidDeviceTest, ACutTurnsOffWhatTheDriverAddsUntilItIsRestored) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  EXPECT_TRUE(device_->cut());
+  EXPECT_TRUE(serve_until([&] {
+    const auto written = hid_.take_written();
+    return !written.empty() && written.back()[1] == 0 && written.back()[2] == 0;
+  }));
+  (void)hid_.take_written();
+  EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo goes on writing";
+  for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
+  device_->restore();
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+}
+
 // A CPU is not spent on the same report again and again.
 TEST_F(HidDeviceTest, RepeatsWhatItWroteEveryTwoMilliseconds) {
   constexpr std::size_t kReports = 100;

@@ -57,13 +57,13 @@ struct ObjectMoverTest : testing::Test {
   MoveRequest lift(double height_m, std::optional<double> over_s = std::nullopt) {
     return {.request = ++last_request, .object = {"plate"}, .p_m = Vec3(0, 0, height_m), .over_s = over_s};
   }
-  ObjectMover::Done ask(const MoveRequest& request) {
+  ObjectMover::Done send(const MoveRequest& request) {
     mover.request(request);
     EXPECT_TRUE(mover.has_request());
     return mover.work(step);
   }
   std::string rejection_of(const MoveRequest& request) {
-    const ObjectMover::Done done = ask(request);
+    const ObjectMover::Done done = send(request);
     EXPECT_FALSE(done.move);
     EXPECT_EQ(done.reply.request, request.request);
     return done.reply.rejection.data();
@@ -74,9 +74,9 @@ struct ObjectMoverTest : testing::Test {
 };
 
 // What is felt, what is announced and what the reply says are one motion.
-TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
+TEST_F(ObjectMoverTest, ARequestMovesTheObjectAndItsForce) {
   for (int i = 0; i < 10; ++i) reply_to();
-  const ObjectMover::Done done = ask(lift(0.03, 0.4));
+  const ObjectMover::Done done = send(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
   EXPECT_STREQ(done.move->name.data(), "plate");
   EXPECT_STREQ(done.reply.rejection.data(), "");
@@ -103,12 +103,12 @@ TEST_F(ObjectMoverTest, ARequestBecomesAMoveThatIsFelt) {
   EXPECT_EQ(height(), 0.03);
 }
 
-TEST_F(ObjectMoverTest, NoSurfaceGetsFasterThanAllowed) {
+TEST_F(ObjectMoverTest, MovesAreSlowedToTheLargestSurfaceSpeed) {
   reply_to();
-  const ObjectMover::Done slowed = ask(lift(0.05, 0.01));
+  const ObjectMover::Done slowed = send(lift(0.05, 0.01));
   ASSERT_TRUE(slowed.move);
   EXPECT_NEAR(slowed.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9) << "not 0.01 s";
-  const ObjectMover::Done fastest = ask(lift(0.05));
+  const ObjectMover::Done fastest = send(lift(0.05));
   EXPECT_NEAR(fastest.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9);
   double before = height();
   for (int i = 0; i < 300; ++i) {
@@ -119,17 +119,17 @@ TEST_F(ObjectMoverTest, NoSurfaceGetsFasterThanAllowed) {
   EXPECT_EQ(height(), 0.05);
   MoveRequest turn{.request = 7, .object = {"plate"}, .q = Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
   const double radius = scene.objects[1].commanded->radius_m();
-  EXPECT_NEAR(ask(turn).reply.over_s, radius / kMostSurfaceSpeed, 1e-9);
+  EXPECT_NEAR(send(turn).reply.over_s, radius / kMostSurfaceSpeed, 1e-9);
 }
 
 TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
   reply_to();
-  ask(lift(0.05, 1.0));
+  send(lift(0.05, 1.0));
   std::mt19937 random(3);
   std::uniform_real_distribution<double> target(-0.04, 0.05);
   double before = height();
   for (int i = 0; i < 2000; ++i) {
-    if (i % 7 == 0) ask(lift(target(random), 0.02));
+    if (i % 7 == 0) send(lift(target(random), 0.02));
     EXPECT_EQ(height(), before) << "at the moment of the request, " << i;
     reply_to();
     ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
@@ -138,24 +138,24 @@ TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
   EXPECT_EQ(step.counts().moves_taken, 1U + 286U);
 }
 
-TEST_F(ObjectMoverTest, WhatIsNotGivenStaysAsItIs) {
+TEST_F(ObjectMoverTest, AMissingPositionOrRotationIsUnchanged) {
   reply_to();
-  ask(lift(0.02, 0.1));
+  send(lift(0.02, 0.1));
   for (int i = 0; i < 200; ++i) reply_to();
   const Quat turned(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
-  const ObjectMover::Done done = ask({.request = 5, .object = {"plate"}, .q = turned});
+  const ObjectMover::Done done = send({.request = 5, .object = {"plate"}, .q = turned});
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->to_p_m, Vec3(0, 0, 0.02));
   EXPECT_LT(done.move->to_q.angularDistance(turned), 1e-12);
 }
 
-TEST_F(ObjectMoverTest, ARepetitionOnlyGetsItsReplyAgain) {
+TEST_F(ObjectMoverTest, ARepeatedRequestGetsTheSameReplyAndNoNewMove) {
   reply_to();
   const MoveRequest first = lift(0.02, 0.5);
-  const ObjectMover::Done done = ask(first);
+  const ObjectMover::Done done = send(first);
   const MoveRequest second = lift(-0.01, 0.5);
-  ask(second);
-  const ObjectMover::Done again = ask(first);
+  send(second);
+  const ObjectMover::Done again = send(first);
   EXPECT_FALSE(again.move) << "it would take over from the second";
   EXPECT_EQ(again.reply.serial, done.reply.serial);
   EXPECT_EQ(again.reply.over_s, done.reply.over_s);
@@ -164,7 +164,7 @@ TEST_F(ObjectMoverTest, ARepetitionOnlyGetsItsReplyAgain) {
   EXPECT_EQ(rejection_of(unknown), rejection_of(unknown));
 }
 
-TEST_F(ObjectMoverTest, OthersAreRejectedWithOneLine) {
+TEST_F(ObjectMoverTest, InvalidRequestsAreRejectedWithOneLine) {
   reply_to();
   const auto at = [&](const char* name) {
     MoveRequest request{.request = ++last_request, .p_m = Vec3::Zero()};
@@ -178,7 +178,7 @@ TEST_F(ObjectMoverTest, OthersAreRejectedWithOneLine) {
   EXPECT_THAT(rejection_of({.request = 2, .number = 0, .p_m = Vec3::Zero()}), HasSubstr("programs may not move 'floor'"));
   EXPECT_THAT(rejection_of(lift(1e9)), HasSubstr("it may take a day at most"));
   EXPECT_EQ(step.counts().moves_taken, 0U);
-  EXPECT_TRUE(ask({.request = 3, .number = 3, .p_m = Vec3::Zero()}).move) << "by its number";
+  EXPECT_TRUE(send({.request = 3, .number = 3, .p_m = Vec3::Zero()}).move) << "by its number";
   Scene none = movers_scene();
   for (SceneObject& object : none.objects) object.commanded.reset();
   ObjectMover nothing(none, kSource);
@@ -187,7 +187,7 @@ TEST_F(ObjectMoverTest, OthersAreRejectedWithOneLine) {
   EXPECT_TRUE(nothing.moves().empty());
 }
 
-// Of those that wait for one object the newest counts, and who sent the others gets to know it.
+// Of several pending requests for one object only the newest is executed; the others are rejected, with the reason.
 TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
   reply_to();
   std::vector<MoveRequest> flood;
@@ -199,11 +199,12 @@ TEST_F(ObjectMoverTest, AFloodKeepsOneRequestForEachObject) {
   EXPECT_EQ(done.reply.request, flood.back().request);
   EXPECT_EQ(mover.work(step).reply.object, 3);
   EXPECT_FALSE(mover.has_request());
-  EXPECT_THAT(ask(flood[4990]).reply.rejection.data(), HasSubstr("a newer request for 'plate' replaced this one"));
+  // One of the last kRemembered, whose replies are kept.
+  EXPECT_THAT(send(flood[4990]).reply.rejection.data(), HasSubstr("a newer request for 'plate' replaced this one"));
   EXPECT_EQ(step.counts().moves_taken, 2U);
 }
 
-TEST_F(ObjectMoverTest, MoreThanCanWaitAreCounted) {
+TEST_F(ObjectMoverTest, RequestsBeyondTheQueueAreCounted) {
   Scene many = movers_scene();
   for (int n = 0; n < 30; ++n) many.objects.push_back(box_object("more", {0.1 * n, 0.0, 0.0}, {0.1 * n + 0.05, 0.1, 0.1}, true));
   ObjectMover crowded(many, kSource);
@@ -213,7 +214,7 @@ TEST_F(ObjectMoverTest, MoreThanCanWaitAreCounted) {
 }
 
 // No heap for requests, good or bad, however many: the loop that replies to the device calls this.
-TEST_F(ObjectMoverTest, TakesNoHeap) {
+TEST_F(ObjectMoverTest, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   reply_to();
   std::vector<MoveRequest> requests = {lift(0.02, 0.5),
@@ -239,30 +240,30 @@ TEST_F(ObjectMoverTest, TakesNoHeap) {
 // The same requests at the same samples give the same forces, to the last bit, as the announced moves do in a replay.
 TEST_F(ObjectMoverTest, TheAnnouncedMovesGiveTheSameForces) {
   std::vector<std::pair<std::size_t, ObjectMove>> announced;
-  std::vector<ForceCommand> felt;
+  std::vector<ForceCommand> live;
   for (std::size_t n = 0; n < 800; ++n) {
-    felt.push_back(reply_to());
-    if (n % 50 == 10) announced.emplace_back(n + 1, *ask(lift(n % 100 < 50 ? 0.05 : 0.01, 0.03)).move);
+    live.push_back(reply_to());
+    if (n % 50 == 10) announced.emplace_back(n + 1, *send(lift(n % 100 < 50 ? 0.05 : 0.01, 0.03)).move);
   }
   HapticsStep again{std::make_unique<TouchStep>(*make_method({}, scene.touch_scene()), scene.touch_scene()), 1e-5};
   std::size_t next = 0;
   int contacts = 0;
-  for (std::size_t n = 0; n < felt.size(); ++n) {
+  for (std::size_t n = 0; n < live.size(); ++n) {
     for (; next < announced.size() && announced[next].first == n; ++next) again.command(1, to_command(announced[next].second));
     again.offer({.sample = n + 1, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(n + 1), .p_WD = {0.01, 0.02, 0.02}});
     const ForceCommand reply = again.reply();
-    ASSERT_EQ(reply.force_n, felt[n].force_n) << n;
-    ASSERT_EQ(reply.move_serial, felt[n].move_serial) << n;
+    ASSERT_EQ(reply.force_n, live[n].force_n) << n;
+    ASSERT_EQ(reply.move_serial, live[n].move_serial) << n;
     contacts += reply.contact ? 1 : 0;
   }
   EXPECT_GT(contacts, 100);
 }
 
 // The hub has to know of a move before it begins: until then the object is where it was.
-TEST_F(ObjectMoverTest, AMoveMayBeginLater) {
+TEST_F(ObjectMoverTest, AMoveStartsAfterTheLead) {
   for (int i = 0; i < 10; ++i) reply_to();
   mover.set_lead_ns(100'000'000);
-  const ObjectMover::Done done = ask(lift(0.03, 0.4));
+  const ObjectMover::Done done = send(lift(0.03, 0.4));
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->start_ns, 109'000'000);
   EXPECT_EQ(done.move->end_ns, 509'000'000);
@@ -272,22 +273,23 @@ TEST_F(ObjectMoverTest, AMoveMayBeginLater) {
   EXPECT_NEAR(height(), 0.015, 1e-12);
 }
 
-// A network that has become faster: the move that waits is overtaken, and the object goes where the newer one says.
-TEST_F(ObjectMoverTest, AMoveThatBeginsBeforeTheOneThatWaitsNeedsNoPause) {
+// The lead has become shorter, so the newer move starts before the pending one. It replaces it at once, without the least distance in time
+// that moves otherwise keep.
+TEST_F(ObjectMoverTest, AMoveThatStartsBeforeThePendingOneIsNotDelayed) {
   for (int i = 0; i < 10; ++i) reply_to();
   mover.set_lead_ns(500'000'000);
-  ASSERT_TRUE(ask(lift(0.03, 0.1)).move);
+  ASSERT_TRUE(send(lift(0.03, 0.1)).move);
   mover.set_lead_ns(498'000'000);
-  const ObjectMover::Done done = ask(lift(0.02, 0.1));
+  const ObjectMover::Done done = send(lift(0.02, 0.1));
   ASSERT_TRUE(done.move);
   EXPECT_EQ(done.move->start_ns, 507'000'000);
   for (int i = 0; i < 1000; ++i) reply_to();
   EXPECT_NEAR(height(), 0.02, 1e-12);
 }
 
-// A program that sends poses without pause: as many of them wait for their beginning as a CommandedMotion can keep, and the object follows
-// without a jump.
-TEST_F(ObjectMoverTest, NoMoreMovesAreAheadThanAreKept) {
+// A program that sends poses without pause: at most kMostAhead moves, half of what a CommandedMotion keeps, wait for their start, and the
+// object follows without a jump.
+TEST_F(ObjectMoverTest, PendingMovesAreLimitedToHalfOfThoseKept) {
   mover.set_lead_ns(1'000'000'000);
   std::uint64_t moves = 0;
   double before = 0.0;
@@ -299,7 +301,7 @@ TEST_F(ObjectMoverTest, NoMoreMovesAreAheadThanAreKept) {
     ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
     before = height();
   }
-  EXPECT_LE(moves, 4000U * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMostAhead) / 1'000'000'000U + 2U);
+  EXPECT_LE(moves, std::uint64_t{4000} * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMostAhead) / 1'000'000'000U + 2U);
   EXPECT_GT(moves, 100U);
   EXPECT_NEAR(before, 0.01 * std::sin(0.002 * 3000), 0.001) << "it follows, a second later";
 }

@@ -23,7 +23,7 @@ TEST_F(GraspTaskTest, WhatDoesNotMoveIsNotBuiltAgain) {
     rest(0, 1);
     wait_for_method(2 * turn - 1);
     go({x + 0.015, 0.0, 0.06}, 0);
-    grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.015 * turn, 0.0, 0.0}});
+    grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.015 * turn, 0.0, 0.0}});
     rest(0, 1);
     wait_for_method(2 * turn);
   }
@@ -118,7 +118,7 @@ TEST_F(GraspTaskTest, AMoveOnRequestThatFailsLeavesWhatIsTouched) {
   go({-0.05, 0.0, 0.03}, 0);
   EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
   fails = true;
-  grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}});
+  grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}});
   rest(0, 1);
   EXPECT_TRUE(grasp->is_busy());
   for (int i = 0; i < 2000 && grasp->is_busy(); ++i) rest(0, 1);

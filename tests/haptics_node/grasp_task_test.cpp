@@ -200,16 +200,16 @@ TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   go({-0.05, 0.0, 0.03}, 0);
   EXPECT_EQ(go({-0.05, 0.0, -kPress}, 0).object, kPlate);
   ObjectPose wanted{.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = {0.03, 0.0, 0.0}};
-  grasp->request(wanted);
+  grasp->request_pose(wanted);
   rest(0, 1);
   EXPECT_EQ(grasp->poses()[kCube].p_m, wanted.p_m) << "said at once";
   EXPECT_GT(grasp->poses()[kCube].serial, wanted.serial);
-  grasp->request(wanted);  // again, as a reply may be lost
+  grasp->request_pose(wanted);  // again, as a reply may be lost
   wait_for_method(1);
   rest(0, 200);
   EXPECT_EQ(last.object, kPlate) << "the probe has not sunk in";
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 0.01);
-  grasp->request(wanted);
+  grasp->request_pose(wanted);
   rest(0, 50);
   EXPECT_FALSE(grasp->is_busy()) << "that pose has been left already";
   go({-0.05, 0.0, 0.05}, 0);
@@ -217,7 +217,7 @@ TEST_F(GraspTaskTest, AnObjectIsMovedOnRequestWhileAnotherIsTouched) {
   EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
   // Under the tip: nothing is left there to be felt.
   wanted = {.serial = grasp->poses()[kCube].serial, .object = kCube};
-  grasp->request(wanted);
+  grasp->request_pose(wanted);
   rest(0, 1);
   wait_for_method(2);
   rest(0, 200);
@@ -234,14 +234,14 @@ TEST_F(GraspTaskTest, RequestsThatDoNotSuitAreIgnored) {
                                 ObjectPose{.serial = serial, .object = kCube, .is_held = true, .p_m = aside},
                                 ObjectPose{.serial = 0, .object = kPlate, .p_m = aside}, ObjectPose{.serial = serial, .object = 3},
                                 ObjectPose{.serial = serial, .object = -1}}) {
-    grasp->request(bad);
+    grasp->request_pose(bad);
     rest(0, 2);
     EXPECT_FALSE(grasp->is_busy()) << bad.object;
   }
   go({0.0, 0.0, 0.021 - kPress}, 0);
   rest(1, 150);
   ASSERT_TRUE(step->holds_tool());
-  grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = aside});
+  grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = aside});
   rest(1, 10);
   EXPECT_TRUE(step->holds_tool()) << "not while it is held";
 }
@@ -258,7 +258,7 @@ TEST_F(GraspTaskTest, ObjectsArePreparedWhileThereIsNothingElseToDoAndOnlyWhatHa
   go(at, 1);
   ASSERT_TRUE(step->holds_tool());
   go({0.0, 0.0, 0.03}, 1);
-  // Released: the order is carried out, then the cube is prepared where it is now.
+  // Released: the request is carried out, then the cube is prepared where it is now.
   step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at});
   (void)step->reply();
   EXPECT_EQ(count(), 2);
@@ -349,7 +349,7 @@ TEST_F(GraspTaskTest, SaysThatAnObjectStaysOnlyIfItWasNotPickedUp) {
   });
   EXPECT_THAT(held, AllOf(HasSubstr("cube"), Not(HasSubstr("stays where it is"))));
   const std::string missed = log_of([&] {
-    for (const std::uint32_t buttons : {1U, 0U}) {  // released before the slow task has seen the order
+    for (const std::uint32_t buttons : {1U, 0U}) {  // released before the slow task has received the request
       step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = at, .buttons = buttons});
       (void)step->reply();
     }

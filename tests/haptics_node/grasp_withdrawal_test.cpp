@@ -90,7 +90,7 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   const ObjectPose pose = {.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)};
   grasp->set_may_leave(false);
   EXPECT_FALSE(grasp->is_object_away(true));
-  grasp->request(pose);
+  grasp->request_pose(pose);
   EXPECT_TRUE(grasp->is_object_away(false));
   rest(0, 100);
   EXPECT_EQ(grasp->poses()[kCube].p_m, Vec3(Vec3::Zero()));
@@ -102,7 +102,7 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
   wait_for_method(1);
   EXPECT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
   grasp->set_may_leave(false);
-  grasp->request(pose);
+  grasp->request_pose(pose);
   EXPECT_FALSE(grasp->is_object_away(true)) << "that pose is not the newest any more";
 }
 
@@ -110,7 +110,7 @@ TEST_F(GraspWithdrawalTest, WhatIsRequestedElsewhereWaits) {
 TEST_F(GraspWithdrawalTest, WhatLeavesAsTheProbeBeginsAnewTakesNoContactAway) {
   press_on_plate();
   grasp->set_may_leave(false);
-  grasp->request({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)});
+  grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = Vec3(0.03, 0.0, 0.0)});
   reply(at, 0);
   grasp->set_may_leave(true);
   resume_at({-0.08, 0.0, 0.0}, 0);

@@ -123,6 +123,38 @@ TEST_F(DeviceLoops, AResetThatNeedsTheSwitchTakesEffectOnlyWhileItIsHeld) {
   EXPECT_EQ(held.collect_stats().resets_denied, 1U);
 }
 
+// The force ramps down first, and ramps up again after the reset.
+TEST_F(DeviceLoops, WhileAFaultIsLatchedTheDeviceIsCut) {
+  press();
+  device.place.x() = -device.place.x();
+  for (int n = 0; n < 20 && loop.latest().governor.fault == SafetyFault::none; ++n) {
+    ASSERT_FALSE(device.is_cut);
+    cycle(Vec3(0, 0, 2));
+  }
+  ASSERT_NE(loop.latest().governor.fault, SafetyFault::none);
+  for (int n = 0; n < 20; ++n) cycle(Vec3(0, 0, 2));
+  EXPECT_TRUE(device.is_cut);
+  EXPECT_EQ(device.written.back().first.norm(), 0.0) << "ramped to zero before the cut";
+  EXPECT_EQ(loop.collect_stats().cuts, 0U) << "nothing was late";
+  for (int n = 0; n < 1000; ++n) cycle(Vec3(0, 0, 2));
+  EXPECT_TRUE(device.is_cut) << "however much time has passed";
+  loop.reset_faults(ResetPresence::known);
+  for (int n = 0; n < 3; ++n) cycle(Vec3(0, 0, 2));
+  EXPECT_EQ(loop.latest().governor.fault, SafetyFault::none);
+  EXPECT_FALSE(device.is_cut);
+  EXPECT_LT(device.force_n(), 0.2);
+  press();
+}
+
+TEST_F(DeviceLoops, AFaultThatWasLatchedBeforeKeepsTheDeviceCut) {
+  loop.restore_latched_fault(SafetyFault::jump);
+  cycle(std::nullopt);
+  EXPECT_TRUE(device.is_cut);
+  loop.reset_faults(ResetPresence::known);
+  for (int n = 0; n < 3; ++n) cycle(std::nullopt);
+  EXPECT_FALSE(device.is_cut);
+}
+
 TEST_F(DeviceLoops, APostedForceIsGovernedAndWrittenAtOnce) {
   press();
   const DeviceSide& side = loop.latest();

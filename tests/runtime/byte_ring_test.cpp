@@ -28,7 +28,7 @@ TEST(ByteRing, GivesBackWhatWasPushedInOrder) {
   EXPECT_TRUE(drain(ring).empty());
 }
 
-TEST(ByteRing, KeepsRecordsWholeAcrossItsEnd) {
+TEST(ByteRing, RecordsStayContiguousAcrossTheWrapAround) {
   ByteRing ring(128);
   for (int n = 0; n < 1000; ++n) {
     const std::string record(static_cast<std::size_t>(n) % 50, static_cast<char>('a' + n % 26));
@@ -38,7 +38,7 @@ TEST(ByteRing, KeepsRecordsWholeAcrossItsEnd) {
   EXPECT_EQ(ring.dropped(), 0U);
 }
 
-TEST(ByteRing, DropsAndCountsWhatFindsNoRoomAndGoesOn) {
+TEST(ByteRing, RecordsThatDoNotFitAreDroppedAndCounted) {
   ByteRing ring(64);
   EXPECT_TRUE(ring.push(bytes_of(std::string(40, 'a')), {}));
   EXPECT_FALSE(ring.push(bytes_of(std::string(40, 'b')), {}));
@@ -59,7 +59,7 @@ TEST(ByteRing, PushingUsesNoHeap) {
   EXPECT_GT(ring.dropped(), 0U);
 }
 
-TEST(ByteRing, TwoThreadsLoseNothingButWhatWasCounted) {
+TEST(ByteRing, EveryRecordArrivesInOrderOrIsCountedAsDropped) {
   ByteRing ring(4096);
   constexpr std::uint64_t kRecords = 200'000;
   std::thread writer([&] {

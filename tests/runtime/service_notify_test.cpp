@@ -28,8 +28,8 @@ struct ServiceNotifyTest : testing::Test {
 TEST_F(ServiceNotifyTest, SaysNothingWithoutAListener) {
   ::unsetenv("NOTIFY_SOCKET");
   const ServiceNotify notify;
-  EXPECT_FALSE(notify.is_wanted());
-  EXPECT_EQ(notify.watchdog_ns(), 0);
+  EXPECT_FALSE(notify.has_manager());
+  EXPECT_EQ(notify.manager_timeout_ns(), 0);
   EXPECT_FALSE(notify.send("READY=1"));
 }
 
@@ -43,7 +43,7 @@ TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
   ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
   ::setenv("WATCHDOG_USEC", "2000000", 1);
   const ServiceNotify notify;
-  EXPECT_EQ(notify.watchdog_ns(), 2'000'000'000);
+  EXPECT_EQ(notify.manager_timeout_ns(), 2'000'000'000);
   ASSERT_TRUE(notify.send("READY=1"));
   std::array<char, 64> received = {};
   const ssize_t size = ::recv(manager, received.data(), received.size(), MSG_DONTWAIT);
@@ -75,7 +75,7 @@ TEST_F(ServiceNotifyTest, AnAbstractSocketIsNotifiedAndTheSenderClosed) {
 
 TEST_F(ServiceNotifyTest, InvalidTextInTheEnvironmentIsNoPeriod) {
   ::setenv("WATCHDOG_USEC", "soon", 1);
-  EXPECT_EQ(ServiceNotify().watchdog_ns(), 0);
+  EXPECT_EQ(ServiceNotify().manager_timeout_ns(), 0);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ TEST(SessionRows, StepsGoFromSampleToSampleBothWays) {
   EXPECT_FALSE(opened.rows->previous_s(opened.index.begin_s()));
 }
 
-TEST(SessionRows, AReplyIsThatOfTheNewestSampleThatHasOne) {
+TEST(SessionRows, TheNewestSampleWithAReplyIsFound) {
   OpenedRecording opened;
   const JoinedRow* replied = opened.rows->replied_at(2.0015, 0.02);
   ASSERT_NE(replied, nullptr);
@@ -84,7 +84,7 @@ TEST(SessionRows, AReplyIsThatOfTheNewestSampleThatHasOne) {
   EXPECT_NEAR(trips.front(), 3e-4, 1e-9);
 }
 
-TEST(SessionRows, RoundTripsAreThoseOfTheSecondBeforeSorted) {
+TEST(SessionRows, RoundTripsAreSortedAndCoverTheLastSecond) {
   MadeRecording recording;
   recording.slower_ns = 200'000;
   OpenedRecording opened(std::move(recording));
@@ -95,8 +95,8 @@ TEST(SessionRows, RoundTripsAreThoseOfTheSecondBeforeSorted) {
   EXPECT_EQ(opened.rows->round_trips(0.0025).size(), 1U);
 }
 
-// Played on so far that the beginning was forgotten, then back by less than what is kept.
-TEST(SessionRows, TheWayBackIsReadAgain) {
+// Goes back after rows were dropped. 1.3005 s itself is still in memory then, but not all of the second before it that round_trips() needs.
+TEST(SessionRows, GoingBackReadsDroppedRowsAgain) {
   OpenedRecording opened;
   for (const double t_s : {0.1005, 1.5005, 2.9005, 3.9005}) ASSERT_EQ(opened.rows->at(t_s)->sample, static_cast<std::uint64_t>(1e3 * t_s));
   for (const double t_s : {1.2005, 0.3005, 3.2005, 2.2005, 1.3005, 0.1005}) {

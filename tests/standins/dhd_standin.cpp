@@ -1,4 +1,5 @@
-// Our own library with the binary interface of libdrd, as far as it is used, and a point mass instead of a device.
+// Stand-in for Force Dimension's libdrd and, without the drd functions, for libdhd: those functions that Hapton calls, on a simulated point
+// mass. The test controls and observes it through shared memory (board.h).
 #include <chrono>
 #include <thread>
 
@@ -11,9 +12,11 @@ using namespace hapton::standin;
 using Clock = std::chrono::steady_clock;
 
 constexpr char kDevice = 3;
+constexpr int kFalcon = 60;  // DHD_DEVICE_FALCON
 
 class Hardware {
  public:
+  // Reads the environment again: a test may have made another board meanwhile.
   int count() {
     board_ = &BoardFile::of_environment();
     return board().is_plugged;
@@ -32,25 +35,26 @@ class Hardware {
   }
 
   int close(char id) {
-    if (id != kDevice || !is_open_) return wrong();
+    if (id != kDevice || !is_open_) return reject_call();
     is_open_ = false;
     ++board().closed;
     return 0;
   }
 
-  // What moves data: 0, the board's result, or an error while unplugged.
+  // Result of a call that transfers data: what the test set (0: success), or -1 while unplugged.
   int exchange(char id) {
-    if (id != kDevice || !is_open_) return wrong();
+    if (id != kDevice || !is_open_) return reject_call();
     if (board().slow_us > 0) std::this_thread::sleep_for(std::chrono::microseconds(board().slow_us));
     return board().is_plugged != 0 ? board().result.load() : -1;
   }
 
   int position(double* x, double* y, double* z, char id) {
     const auto now = Clock::now();
+    // The integration is explicit, and a test may have paused: at most 5 ms a step.
     const double passed_s = std::min(std::chrono::duration<double>(now - stepped_).count(), 0.005);
     stepped_ = now;
-    const bool pushes = board().enabled != 0 && board().force_off_cause == 0;
-    mass_.step(board(), pushes ? force_ : std::array<double, 3>{}, passed_s);
+    const bool force_is_on = board().enabled != 0 && board().force_off_cause == 0;
+    mass_.step(board(), force_is_on ? force_ : std::array<double, 3>{}, passed_s);
     ++board().ticks;
     *x = mass_.position_m()[0];
     *y = mass_.position_m()[1];
@@ -62,8 +66,8 @@ class Hardware {
     force_ = force;
     torque_ = torque;
     PointMass::note_force(board(), force, torque, board().calibration == 0);
-    // A Falcon is calibrated by hand while it is being talked to.
-    if (board().system_type == 60) calibrate();
+    // A Falcon calibrates while the user moves it, as long as the host sends forces.
+    if (board().system_type == kFalcon) calibrate();
     return exchange(id);
   }
 
@@ -72,7 +76,7 @@ class Hardware {
     ++board().calibration_updates;
   }
 
-  int wrong() {
+  int reject_call() {
     ++board().wrong_calls;
     return -1;
   }
@@ -123,7 +127,7 @@ int dhdGetSerialNumber(unsigned short* number, char) {
   return 0;
 }
 int dhdGetStatus(int* status, char) {
-  std::fill(status, status + 17, 0);
+  std::fill(status, status + 17, 0);  // indices as in the SDK's documentation, on purpose not from dhd_library.h
   const Board& board = hardware().board();
   status[0] = 1;
   status[1] = board.is_plugged;

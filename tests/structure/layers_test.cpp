@@ -198,10 +198,13 @@ TEST(Layers, OwnHeadersAreQuotedFromTheRoot) {
   EXPECT_THAT(find_wrong(kFolders, [](const SourceFile&, const Include& include) { return is_misspelt(include); }), IsEmpty());
 }
 
+// The table of message kinds is a header of one codec.
 TEST(Layers, OnlyTheCodecsSeeGeneratedProtobufCode) {
+  const std::string table = "link/message_kinds.h";
   EXPECT_THAT(find_wrong(kFolders,
-                         [](const SourceFile& file, const Include& include) {
-                           return is_generated_by_protobuf(include.path) && !file.path.ends_with("codec.cpp");
+                         [&](const SourceFile& file, const Include& include) {
+                           const bool is_seen = is_generated_by_protobuf(include.path) || include.path == table;
+                           return is_seen && !file.path.ends_with("codec.cpp") && file.path != table;
                          }),
               IsEmpty());
 }

@@ -34,7 +34,8 @@ int run_haptons(const HaptonsOptions& options) {
   }
   if (run.holds()) return 0;
   fmt::print(stderr,
-             "hapton bench haptons: not every pair was located to 0.1 %, so these do not count; see the columns missed and > 0.1 %\n");
+             "hapton bench haptons: not every pair was located to 0.1 %, so these rates do not count as haptons; see the columns missed "
+             "and > 0.1 %\n");
   return 1;
 }
 

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "link/address.h"
+
 namespace hapton::doctor {
 
 // The user of this process, as the kernel sees it.
@@ -69,7 +71,7 @@ class Machine {
     std::function<HubReply()> hub;
   };
   struct Settings {
-    int hub_port = 4950;
+    int hub_port = kDefaultHubPort;
     std::string key_file;  // empty: the user's own
   };
 

@@ -48,7 +48,7 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
 
 Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& settings, const TouchScene& scene) {
   if (settings.set_size < 1 || settings.set_size > LocalSet::kCapacity) {
-    return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
+    return fail("smooth: a set of {} triangles; give 1 to {}", settings.set_size, LocalSet::kCapacity);
   }
   if (!(settings.radius_m >= 0.0) || !std::isfinite(settings.radius_m)) {
     return fail("smooth: the radius {:g} m is not 0 or more", settings.radius_m);

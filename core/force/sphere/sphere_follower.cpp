@@ -157,12 +157,12 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
   Vec3 ahead = Vec3::Zero();
   for (int i = 0; i < kMostTurns; ++i) {
     const Vec3 before = centre_;
-    const Vec3 seen = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
+    const Vec3 target = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
     is_descending_ = true;
-    if (seen != seen_) least_distance_ = std::numeric_limits<double>::infinity();  // that of the call before was to another place
-    seen_ = seen;
+    if (target != far_target_) least_distance_ = std::numeric_limits<double>::infinity();  // that to another target says nothing
+    far_target_ = target;
     double part = 0.0;
-    outcome = follow_near(seen, seen, part);
+    outcome = follow_near(target, target, part);
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
     moved[static_cast<std::size_t>(i % 3)] = turn.norm();

@@ -243,9 +243,9 @@ class SphereFollower {
   LargeFan fan_;
   int work_ = 0;  // units, in this call
   int most_work_ = 0;
-  int idle_ = 0;                 // events without progress
-  double least_distance_ = 0.0;  // least distance to the device since the device moved
-  Vec3 seen_ = Vec3::Zero();     // place of a device that is far away, as the last descent had it
+  int idle_ = 0;                    // events without progress
+  double least_distance_ = 0.0;     // least distance to the device since the device moved
+  Vec3 far_target_ = Vec3::Zero();  // of the last descent towards a device beyond kFar
   CornerExit::Memory corner_;
   int corner_tries_ = 0;                    // in this motion
   int skips_ = 0;                           // in this motion
