@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostEventsPerCell = 16;  // as StylusDynamics: then the mass rests until the next cell
+constexpr int kMaxEventsPerCell = 16;  // as StylusDynamics: then the mass rests until the next cell
 // Cells for each period, or time constant times 2 pi, of the fastest motion.
 constexpr double kCellsPerPeriod = 100.0;
 
@@ -60,7 +60,7 @@ AxisMotion::Steps AxisMotion::make_steps(bool pinned) const {
   rate(states_ + AxisPlant::hand, states_ + AxisPlant::hand_speed) = 1.0;
   if (pinned) rate.topRows(2).setZero();
   Steps steps;
-  for (int bit = 0; bit < kMostBits; ++bit) {
+  for (int bit = 0; bit < kMaxBits; ++bit) {
     steps[bit].transition = compute_exponential(rate * std::ldexp(1e-9, bit));
     // Free of the exponential's rounding: what is pinned does not move.
     if (pinned) steps[bit].transition.topRows(2) = WholeMatrix::Identity(n, n).topRows(2);
@@ -68,7 +68,7 @@ AxisMotion::Steps AxisMotion::make_steps(bool pinned) const {
   // Over 1 ns the state does not change in a way that matters to an energy; over twice the time it is the integral of both halves.
   steps[0].motor_j = 1e-9 * motor_power();
   steps[0].lost_j = 1e-9 * heat();
-  for (int bit = 1; bit < kMostBits; ++bit) {
+  for (int bit = 1; bit < kMaxBits; ++bit) {
     const Step& half = steps[bit - 1];
     steps[bit].motor_j = half.motor_j + half.transition.transpose() * half.motor_j * half.transition;
     steps[bit].lost_j = half.lost_j + half.transition.transpose() * half.lost_j * half.transition;
@@ -117,7 +117,7 @@ void AxisMotion::cross_cell(State& state, Whole& whole, std::int64_t left_ns) co
   for (int events = 0; left_ns > 0; ++events) {
     const double net_n = net_force_n(whole);
     const bool at_rest = whole[1] == 0.0;
-    const bool may_break = events < kMostEventsPerCell;
+    const bool may_break = events < kMaxEventsPerCell;
     if ((at_rest && std::fabs(net_n) <= most_n) || !may_break) {
       whole[1] = 0.0;
       run(pinned_, state, whole, left_ns, [&](const Whole& next) { return may_break && std::fabs(net_force_n(next)) > most_n; });

@@ -15,8 +15,8 @@ namespace hapton {
 // advance; making one is set-up only.
 class AxisMotion {
  public:
-  static constexpr int kMostStates = AxisPlant::kMostStates;
-  using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
+  static constexpr int kMaxStates = AxisPlant::kMaxStates;
+  using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxStates, 1>;
 
   struct State {
     StateVector x;         // as in AxisPlant
@@ -47,10 +47,10 @@ class AxisMotion {
   const AxisPlant& plant() const noexcept { return plant_; }
 
  private:
-  static constexpr int kMostBits = 31;  // steps of up to 2^30 ns, a second
-  static constexpr int kMostWhole = kMostStates + AxisPlant::kInputs;
-  using Whole = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostWhole, 1>;  // states and inputs
-  using WholeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostWhole, kMostWhole>;
+  static constexpr int kMaxBits = 31;  // steps of up to 2^30 ns, a second
+  static constexpr int kMaxWhole = kMaxStates + AxisPlant::kInputs;
+  using Whole = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxWhole, 1>;  // states and inputs
+  using WholeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxWhole, kMaxWhole>;
 
   // Over 2^k ns: the step, and the integrals of motor power and of heat as quadratic forms.
   struct Step {
@@ -58,7 +58,7 @@ class AxisMotion {
     WholeMatrix motor_j;
     WholeMatrix lost_j;
   };
-  using Steps = std::array<Step, kMostBits>;
+  using Steps = std::array<Step, kMaxBits>;
 
   Steps make_steps(bool pinned) const;
   WholeMatrix motor_power() const;
@@ -72,8 +72,8 @@ class AxisMotion {
   HandModel hand_;
   AxisPlant plant_;
   int states_;
-  int cell_bits_ = kMostBits - 1;  // events are searched on a grid this fine
-  Whole net_force_;                // on the motor mass, but for friction
+  int cell_bits_ = kMaxBits - 1;  // events are searched on a grid this fine
+  Whole net_force_;               // on the motor mass, but for friction
   Steps sliding_;
   Steps pinned_;
 };

@@ -18,12 +18,12 @@ namespace hapton {
 // x0 is the position that the encoder reads. Coulomb friction is an input here, because it depends on the motion (axis_motion.h).
 // Units SI. RT: no.
 struct AxisPlant {
-  static constexpr int kMostStates = 2 * (DeviceModel::kMostModes + 1) + 1;
+  static constexpr int kMaxStates = 2 * (DeviceModel::kMaxModes + 1) + 1;
   static constexpr int kInputs = 4;
   enum Input : int { hand = 0, hand_speed = 1, command = 2, friction = 3 };
 
-  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
-  using InputMatrix = Eigen::Matrix<double, Eigen::Dynamic, kInputs, 0, kMostStates, kInputs>;
+  using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxStates, kMaxStates>;
+  using InputMatrix = Eigen::Matrix<double, Eigen::Dynamic, kInputs, 0, kMaxStates, kInputs>;
 
   Matrix a;
   InputMatrix b;
@@ -33,7 +33,7 @@ struct AxisPlant {
   int masses() const noexcept { return states() / 2; }
 };
 
-// Pre: every mass above zero, mode_count within 0..DeviceModel::kMostModes. A hand without spring and damper is allowed.
+// Pre: every mass above zero, mode_count within 0..DeviceModel::kMaxModes. A hand without spring and damper is allowed.
 AxisPlant make_axis_plant(const DeviceModel& device, const HandModel& hand);
 
 }  // namespace hapton

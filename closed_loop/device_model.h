@@ -19,7 +19,7 @@ struct StructuralMode {
 
 // One axis of a device. The encoder and Coulomb friction sit at the motors; the hand holds the last mass.
 struct DeviceModel {
-  static constexpr int kMostModes = 2;
+  static constexpr int kMaxModes = 2;
 
   double mass_kg = 0.0;  // of all, at the device point
   double damping_ns_per_m = 0.0;
@@ -28,7 +28,7 @@ struct DeviceModel {
   double max_force_n = 0.0;   // 0: unlimited
   double amplifier_hz = 0.0;  // of a first-order low-pass; 0: no lag
   int mode_count = 0;
-  std::array<StructuralMode, kMostModes> modes = {};
+  std::array<StructuralMode, kMaxModes> modes = {};
 
   // The mass at the motors: all that is not beyond a joint.
   double motor_mass_kg() const noexcept;

@@ -12,8 +12,8 @@ namespace hapton {
 namespace {
 
 constexpr double kLowestTurn = 1e-3;  // rad in all of the delay: slower motions are those of `slow`
-constexpr int kPerTurn = 24;          // frequencies evaluated for each turn of the delay, and at least kLeastPoints
-constexpr int kLeastPoints = 400;
+constexpr int kPerTurn = 24;          // frequencies evaluated for each turn of the delay, and at least kMinPoints
+constexpr int kMinPoints = 400;
 constexpr int kAliases = 2000;  // summed one by one on either side, with an amplifier
 
 // The weights of the aliases of one frequency: what a hand's admittances are summed with.
@@ -36,7 +36,7 @@ class Sweep {
     const double periods = (loop_.delay_s + loop_.amplifier_s) / loop_.period_s + 1.0;
     const double first = kLowestTurn / periods;
     const double last = std::max(2.0 * first, find_last(slow));
-    const int points = kLeastPoints + static_cast<int>(kPerTurn * periods * last / (2.0 * std::numbers::pi));
+    const int points = kMinPoints + static_cast<int>(kPerTurn * periods * last / (2.0 * std::numbers::pi));
     double least = slow;
     int at_least = 0;
     const double step = (last - first) / points;

@@ -70,11 +70,11 @@ class OnsetSearch {
   // The worst motion at one frequency and its aliases: two speeds in each period, before and after the force changes. The speeds are the
   // eigenvector of the largest work per heat; their phases advance by the frequency from period to period.
   void swing_between_samples() {
-    constexpr int kFrequencies = 24;           // from a tenth of a turn of the delay to nearly Nyquist
-    constexpr std::int64_t kMostPeriods = 20;  // of delay; with more the slow motions of a press decide
+    constexpr int kFrequencies = 24;          // from a tenth of a turn of the delay to nearly Nyquist
+    constexpr std::int64_t kMaxPeriods = 20;  // of delay; with more the slow motions of a press decide
     const std::int64_t whole = delay_ns_ / period_ns_;
     const std::int64_t rest_ns = delay_ns_ % period_ns_;
-    if (whole > kMostPeriods || rest_ns == 0) return;
+    if (whole > kMaxPeriods || rest_ns == 0) return;
     const double lowest = 0.1 / static_cast<double>(whole + 1);
     for (int i = 0; i < kFrequencies; ++i) {
       const double angle = lowest * std::pow(0.98 * std::numbers::pi / lowest, i / (kFrequencies - 1.0));

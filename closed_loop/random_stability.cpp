@@ -55,19 +55,19 @@ double growth_per_s(const RandomLoop& loop, const WallLaw::Wall& gains, const Ha
 template <class IsStable>
 double find_limit(double start, IsStable is_stable) {
   // Of the start: below it counts as unstable, above the other as stable.
-  constexpr double kLeastShare = 1e-6;
-  constexpr double kMostShare = 1e9;
+  constexpr double kMinShare = 1e-6;
+  constexpr double kMaxShare = 1e9;
   double low = start;
   double high = start;
   if (is_stable(low)) {
     for (high *= kStride; is_stable(high); high *= kStride) {
       low = high;
-      if (low > kMostShare * start) return kWithoutEnd;
+      if (low > kMaxShare * start) return kWithoutEnd;
     }
   } else {
     for (low /= kStride; !is_stable(low); low /= kStride) {
       high = low;
-      if (low < kLeastShare * start) return 0.0;
+      if (low < kMinShare * start) return 0.0;
     }
   }
   return bisect(low, high, kFine, is_stable);

@@ -57,8 +57,8 @@ SampledPlant::SampledPlant(const AxisPlant& plant, double period_s, double delay
 }
 
 std::complex<double> SampledPlant::response(double angle) const {
-  using ComplexMatrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, AxisPlant::kMostStates, AxisPlant::kMostStates>;
-  using ComplexVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, AxisPlant::kMostStates, 1>;
+  using ComplexMatrix = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, AxisPlant::kMaxStates, AxisPlant::kMaxStates>;
+  using ComplexVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, AxisPlant::kMaxStates, 1>;
   // z - 1 without the cancellation near z = 1, where positions change little from sample to sample.
   const double half = std::sin(0.5 * angle);
   const Complex z_minus_1(-2.0 * half * half, std::sin(angle));

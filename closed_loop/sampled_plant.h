@@ -17,7 +17,7 @@ namespace hapton {
 class SampledPlant {
  public:
   using Matrix = AxisPlant::Matrix;
-  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, AxisPlant::kMostStates, 1>;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, AxisPlant::kMaxStates, 1>;
 
   // Pre: period_s > 0, delay_s >= 0.
   SampledPlant(const AxisPlant& plant, double period_s, double delay_s);

@@ -16,8 +16,8 @@ constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // Between two angles that are evaluated, 1/L turns by no more and grows by no more (natural logarithm). Small enough that its imaginary
 // part changes sign no more than once.
-constexpr double kMostTurn = 0.1;
-constexpr double kMostGrowth = 0.2;
+constexpr double kMaxTurn = 0.1;
+constexpr double kMaxGrowth = 0.2;
 // What lies this far above the best is not refined.
 constexpr double kFarAbove = 1.5;
 // Angle to begin at, in shares of the loop's delay: nothing swings so slowly.
@@ -105,7 +105,7 @@ class Boundary {
     const double growth = std::fabs(std::log(std::abs(ratio)));
     const bool is_far = std::min(here.least, next.least) > kFarAbove * best;
     const double turn = is_far ? own_turn : own_turn + (next.angle - here.angle) * plant_.whole_periods();
-    return std::max(turn / kMostTurn, growth / kMostGrowth);
+    return std::max(turn / kMaxTurn, growth / kMaxGrowth);
   }
 
   void note_crossing(const Point& here, const Point& next, StabilityLimit& best) const {

@@ -66,7 +66,7 @@ class AdaptiveWindow final : public VelocityEstimator {
     double time_s = 0.0;
     double position_m = 0.0;
   };
-  static constexpr int kPoints = VelocityFilter::kMostWindow + 1;
+  static constexpr int kPoints = VelocityFilter::kMaxWindow + 1;
 
   // n samples before the newest.
   const Point& before(int n) const noexcept { return points_[static_cast<std::size_t>((count_ - 1 - n) % kPoints)]; }
@@ -151,7 +151,7 @@ double read(double position_m, double step_m) { return step_m > 0.0 ? step_m * s
 // Visits time and estimate of each sample of a motion, once the estimate has settled.
 template <class PositionAt, class Visit>
 void estimate(const VelocityFilter& filter, double period_s, double step_m, const PositionAt& position_at, const Visit& visit) {
-  constexpr double kSettleS = 0.3;  // longer than the longest window at 250 Hz (kMostWindow)
+  constexpr double kSettleS = 0.3;  // longer than the longest window at 250 Hz (kMaxWindow)
   constexpr double kSeconds = 1.3;
   const auto estimator = make_velocity_estimator(filter, step_m);
   estimator->reset(0.0);

@@ -28,7 +28,7 @@ class VelocityEstimator {
 //                 acceleration, m/s^2
 struct VelocityFilter {
   enum class Kind : std::uint8_t { difference, first_order, adaptive, mean, kalman };
-  static constexpr int kMostWindow = 64;
+  static constexpr int kMaxWindow = 64;
 
   Kind kind = Kind::difference;
   double parameter = 0.0;
@@ -40,7 +40,7 @@ struct VelocityFilter {
 // What is compared: each kind with the parameters that people use. RT: no.
 std::vector<VelocityFilter> velocity_filters();
 
-// step_m: of the encoder; 0: exact. Pre: a parameter above 0 where the kind has one, windows up to kMostWindow. RT: no.
+// step_m: of the encoder; 0: exact. Pre: a parameter above 0 where the kind has one, windows up to kMaxWindow. RT: no.
 std::unique_ptr<VelocityEstimator> make_velocity_estimator(const VelocityFilter& filter, double step_m);
 
 // How good an estimator is.

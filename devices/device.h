@@ -75,9 +75,9 @@ class Device {
   // Puts a wrench (N, N m, frame W) on the motors from now_ns on, until the next write. Must be finite and within the limits.
   virtual void write(const Wrench& wrench, std::int64_t now_ns) noexcept = 0;
 
-  // Cuts off: nothing on the motors until restore, whatever is written, nor what a driver adds by itself (gravity compensation). It needs
-  // only the device, so it works while another thread is inside write. Only the owner calls restore. False: the device cannot do that. RT:
-  // yes, wait-free. Threads: cut any, at any time.
+  // Cuts off: no force on the motors until restore, whatever is written, nor Hapton's compensation of the device's weight; a vendor's
+  // library may keep its own. It needs only the device, so it works while another thread is inside write. Only the owner calls restore.
+  // False: the device cannot do that. RT: yes, wait-free. Threads: cut any, at any time.
   virtual bool cut() noexcept { return false; }
   virtual void restore() noexcept {}
 
@@ -99,9 +99,9 @@ class Device {
   // whole turn. False: as above. RT: yes.
   virtual bool turn_hand(const Vec3& /*turn_rad*/) noexcept { return false; }
 
-  // As many points as SceneFacts has (SceneFacts::kMostPoints).
-  static constexpr std::size_t kMostAims = 16;
-  // Points of the scene's surface (W) that the simulated hand goes to, one after the other; only the first kMostAims are used. None: it
+  // As many points as SceneFacts has (SceneFacts::kMaxPoints).
+  static constexpr std::size_t kMaxAims = 16;
+  // Points of the scene's surface (W) that the simulated hand goes to, one after the other; only the first kMaxAims are used. None: it
   // searches by itself. False: as above. RT: yes.
   virtual bool aim_hand(std::span<const Vec3> /*p_WA*/) noexcept { return false; }
 };

@@ -23,7 +23,7 @@ constexpr int kTicksPerStatusCheck =
     100;  // 10 times a second: soon enough for a person who reads the status, and each check is a USB transfer
 constexpr std::int64_t kReopenEveryNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;  // between two lines about the same state
-constexpr int kMostFailuresInARow = 10;                           // failed calls; this many lost USB packets mean an unplugged cable
+constexpr int kMaxFailuresInARow = 10;                            // failed calls; this many lost USB packets mean an unplugged cable
 // Our choice, see docs/vendor-devices.md.
 constexpr double kPeakS = 10.0;
 constexpr double kMaxSpeedMPerS = 5.0;
@@ -51,6 +51,7 @@ class ForceDimensionDevice final : public VendorDevice {
 
  private:
   std::string last_error() const;
+  std::string read_serial() const;
   // A device that does not tell counts as not calibrated.
   bool is_initialized() const;
 
@@ -102,6 +103,13 @@ std::string ForceDimensionDevice::last_error() const {
   return said != nullptr && *said != '\0' ? said : "the library gives no reason";
 }
 
+// Empty: the library does not say.
+std::string ForceDimensionDevice::read_serial() const {
+  unsigned short number = 0;
+  const bool is_known = dhd_.get_serial_number != nullptr && dhd_.get_serial_number(&number, id_) >= 0;
+  return is_known ? fmt::format("{}", number) : "";
+}
+
 Result<void> ForceDimensionDevice::open() {
   const int count = dhd_.get_device_count();
   if (count <= index_) {
@@ -114,7 +122,7 @@ Result<void> ForceDimensionDevice::open() {
   id_ = static_cast<dhd::Id>(id);
   is_open_ = true;
   const int type = dhd_.get_system_type(id_);
-  if (!model_.empty() && type != type_) {
+  if (!model_.empty() && (type != type_ || read_serial() != serial_)) {
     dhd_.close(id_);
     is_open_ = false;
     return fail("another device is connected than before");
@@ -124,8 +132,7 @@ Result<void> ForceDimensionDevice::open() {
   if (model_.empty()) {
     const char* said = dhd_.get_system_name(id_);
     model_ = said != nullptr && *said != '\0' ? said : "unknown model";
-    unsigned short number = 0;
-    if (dhd_.get_serial_number != nullptr && dhd_.get_serial_number(&number, id_) >= 0) serial_ = fmt::format("{}", number);
+    serial_ = read_serial();
     limits_ = {.max_force_n = system.max_force_n,
                .max_slew_n_per_s = system.max_force_n / kForceRiseS,
                .max_stiffness_n_per_m = 2000.0,
@@ -166,7 +173,7 @@ void ForceDimensionDevice::run() {
       try_to_reopen(now_ns);
     } else if (tick(now_ns)) {
       failures_ = 0;
-    } else if (++failures_ >= kMostFailuresInARow) {
+    } else if (++failures_ >= kMaxFailuresInARow) {
       log_away(now_ns, last_error());
     }
   }
@@ -211,7 +218,7 @@ void ForceDimensionDevice::calibrate() {
   // Switches the robot's position control off and its forces on.
   if (dhd_.drd_stop != nullptr) dhd_.drd_stop(true, id_);
   dhd_.enable_force(1, id_);
-  dhd_.set_watchdog(dhd::kWatchdogUnits, id_);
+  if (dhd_.set_watchdog(dhd::kWatchdogUnits, id_) < 0) log_warning("{}: its watchdog could not be set: {}", model_, last_error());
 }
 
 // A Falcon has no motors for it: the user must pull its grip out and push it in once, while the program exchanges data with it.
@@ -241,7 +248,7 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   Vec3 p = Vec3::Zero();
   double frame[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   if (dhd_.get_position(&p.x(), &p.y(), &p.z(), id_) < 0 || dhd_.get_orientation_frame(frame, id_) < 0) return false;
-  if (p.allFinite()) reading_.sample.p_WD = to_w(p);
+  reading_.sample.p_WD = to_w(p);  // finite or not: the governor judges it
   Eigen::Matrix3d r;
   for (int row = 0; row < 3; ++row) {
     const Vec3 in_device(frame[row][0], frame[row][1], frame[row][2]);
@@ -250,7 +257,8 @@ bool ForceDimensionDevice::tick(std::int64_t now_ns) {
   }
   if (r.allFinite() && std::abs(r.determinant() - 1.0) < 0.1) reading_.sample.q_WT = Quat(r).normalized();
   reading_.sample.buttons = dhd_.get_button_mask(id_);
-  const Wrench wrench = exchange_.wrench(now_ns);
+  // While the firmware keeps the force off, the ramp must not run: it begins when the force is back.
+  const Wrench wrench = is_force_off_ ? Wrench{} : exchange_.wrench(now_ns);
   const Vec3 f = from_w(wrench.force_n);
   const Vec3 t = from_w(wrench.torque_nm);
   if (dhd_.set_force_and_torque_and_gripper_force(f.x(), f.y(), f.z(), t.x(), t.y(), t.z(), 0.0, id_) < 0) return false;

@@ -44,7 +44,7 @@ void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
 }
 
 void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
-  std::array<Vec3, kMostAims> taken;
+  std::array<Vec3, kMaxAims> taken;
   std::size_t count = 0;
   for (const Vec3& p : p_WA) {
     const bool is_within = (p - options_.workspace_min_m).minCoeff() >= 0.0 && (options_.workspace_max_m - p).minCoeff() >= 0.0;
@@ -175,7 +175,7 @@ void HandScript::follow_path() noexcept {
     path_s_ = 0.0;
     path_row_ = 0;
   }
-  move_towards(within_workspace(point_of_path()), kMostPathSpeed);
+  move_towards(within_workspace(point_of_path()), kMaxPathSpeed);
 }
 
 void HandScript::turn_tangent(double angle_rad) noexcept {

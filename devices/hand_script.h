@@ -28,14 +28,14 @@ struct HandIntention {
 // it searches nearer to the middle first, then farther out. Given a surface point (aim), it goes there instead: a scene may be
 // small, or far from the middle. Given a path, it follows that instead of its own script: to its first row, then row by row,
 // straight in between; an obstacle holds the stylus, not the hand, which pulls at it. Rows outside the workspace are clamped to
-// it, jumps are made at kMostPathSpeed. A lead (the mouse in the vision window) takes the hand over; when it ends, the script (or
+// it, jumps are made at kMaxPathSpeed. A lead (the mouse in the vision window) takes the hand over; when it ends, the script (or
 // the path) starts again from there. Every random number comes from the seed; an aim restarts the sequence. RT: step, lead and aim
 // yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
-  static constexpr std::size_t kMostAims = 16;   // as Device::kMostAims
-  static constexpr double kMostPathSpeed = 1.5;  // m/s; an arm in earnest
+  static constexpr std::size_t kMaxAims = 16;   // as Device::kMaxAims
+  static constexpr double kMaxPathSpeed = 1.5;  // m/s; an arm in earnest
 
   struct Options {
     std::uint64_t seed = 1;
@@ -87,7 +87,7 @@ class HandScript {
   Vec3 filtered_force_n_ = Vec3::Zero();  // force, low-passed as a hand does
   Vec3 contact_m_ = Vec3::Zero();         // device point when last in contact
   std::optional<Vec3> lead_m_;
-  std::array<Vec3, kMostAims> aims_m_;
+  std::array<Vec3, kMaxAims> aims_m_;
   std::size_t aim_count_ = 0;
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;

@@ -25,7 +25,7 @@ constexpr std::int64_t kCommandPeriodNs = kNanosecondsPerMillisecond;
 constexpr std::int64_t kConnectPatienceNs = 2 * kNanosecondsPerSecond;
 constexpr std::int64_t kReplyPatienceNs = kNanosecondsPerSecond / 2;
 constexpr std::int64_t kRetryEveryNs = kNanosecondsPerSecond;
-constexpr int kMostAbsences = 20;  // states in succession without our device, after which it counts as unplugged
+constexpr int kMaxAbsences = 20;  // states in succession without our device, after which it counts as unplugged
 constexpr const char* kRemedy = "start it (systemctl start haply-inverse-service, or open the Haply Hub), or install it from haply.co";
 
 // The service does not report limits; these are careful values, see docs/vendor-devices.md.
@@ -183,11 +183,11 @@ bool HaplyDevice::tick() {
 void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
   const auto arm = std::find_if(state.arms.begin(), state.arms.end(), [&](const haply::Arm& each) { return each.id == id_; });
   if (arm == state.arms.end()) {
-    if (++absences_ == kMostAbsences) log_warning("{} {} is disconnected; trying to reconnect", model_, id_);
-    if (absences_ >= kMostAbsences) publish(DeviceStatus::away, now_ns);
+    if (++absences_ == kMaxAbsences) log_warning("{} {} is disconnected; trying to reconnect", model_, id_);
+    if (absences_ >= kMaxAbsences) publish(DeviceStatus::away, now_ns);
     return;
   }
-  if (std::exchange(absences_, 0) >= kMostAbsences) log_info("{} {} is back", model_, id_);
+  if (std::exchange(absences_, 0) >= kMaxAbsences) log_info("{} {} is back", model_, id_);
   session_.update(*arm);
   if (session_.is_scaled()) {
     if (!std::exchange(is_scale_logged_, true)) {
@@ -202,6 +202,8 @@ void HaplyDevice::take(const haply::State& state, std::int64_t now_ns) {
   if (state.grip) {
     reading_.sample.q_WT = state.grip->q_WT;
     reading_.sample.buttons = state.grip->buttons;
+  } else {
+    reading_.sample.buttons = 0;  // a grip that is gone holds no dead man's switch
   }
   if (!arm->is_calibrated && !std::exchange(is_calibration_logged_, true)) {
     log_warning("{} {}: calibrate: leave the arm on its rest, or put the grip into the inkwell, until its light stays on", model_, id_);

@@ -64,8 +64,8 @@ std::string_view remedy_for_error(Enum code) {
 
 void forget_errors(const Library& hd) noexcept {
   // A bound, in case the queue never gets empty.
-  constexpr int kMost = 64;
-  for (int n = 0; n < kMost && hd.get_error().code != kSuccess; ++n) {
+  constexpr int kMax = 64;
+  for (int n = 0; n < kMax && hd.get_error().code != kSuccess; ++n) {
   }
 }
 

@@ -64,6 +64,7 @@ Result<void> HidDevice::on_opened(HidTransport& transport) {
   if (auto begun = backend_->on_open(transport); !begun) return begun;
   reading_.status = DeviceStatus::calibrating;
   reading_.sample.time_ns = clock_.now_ns();
+  is_first_report_ = true;
   exchange_.publish(reading_);
   show_guard(transport.description().path);
   return {};
@@ -105,7 +106,7 @@ void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
 // Pre: the mutex is held. What the watchdog would write: the motors off.
 void HidDevice::show_guard(const std::string& path) noexcept {
   if (guard_ == nullptr) return;
-  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   const std::size_t size = backend_->encode({}, false, clock_.now_ns(), report);
   guard_->set_hid(path, std::span(report).first(size));
 }
@@ -126,6 +127,13 @@ void HidDevice::run_writer() noexcept {
   release_force();
 }
 
+// Pre: the mutex is held. Its first report after it was opened is never a force: a firmware may have to see it off first.
+bool HidDevice::may_exert(std::int64_t now_ns) noexcept {
+  const bool is_first = std::exchange(is_first_report_, false);
+  const bool is_known = reading_.status == DeviceStatus::ready && now_ns - reading_.sample.time_ns <= DeviceExchange::kDriverTimeoutNs;
+  return is_known && !is_first && exchange_.is_servo_there(now_ns) && !exchange_.is_cut();
+}
+
 // Commands that have piled up count as one.
 void HidDevice::await_command() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + kRepeatNs;
@@ -141,18 +149,17 @@ void HidDevice::write_newest() noexcept {
     rejected_ = 0;
     return;
   }
-  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   std::size_t size = 0;
   {
     const std::lock_guard lock(driver_mutex_);
     const std::int64_t now_ns = clock_.now_ns();
     const Wrench wrench = exchange_.wrench(now_ns);
-    const bool is_live = reading_.status == DeviceStatus::ready && exchange_.is_servo_there(now_ns) && !exchange_.is_cut();
-    size = backend_->encode(wrench, is_live, now_ns, report);
+    size = backend_->encode(wrench, may_exert(now_ns), now_ns, report);
   }
   if (size == 0) return;
   rejected_ = transport->write(std::span(report).first(size)) ? 0 : rejected_ + 1;
-  if (rejected_ >= kMostRejected) {
+  if (rejected_ >= kMaxRejected) {
     rejected_ = 0;
     port_.report_write_failure();
   }
@@ -161,7 +168,7 @@ void HidDevice::write_newest() noexcept {
 void HidDevice::release_force() noexcept {
   const auto transport = port_.transport();
   if (!transport) return;
-  std::array<std::uint8_t, HidTransport::kMostBytes> report = {};
+  std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   std::size_t size = 0;
   {
     const std::lock_guard lock(driver_mutex_);

@@ -26,7 +26,7 @@ class HidDevice final : public Device, private HidListener {
   // The time within which a device must send its first report after it was opened.
   static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
   // The number of rejected reports in succession after which the device is reopened.
-  static constexpr int kMostRejected = 100;
+  static constexpr int kMaxRejected = 100;
 
   // Opens it and waits for its first position. Error: it is not there, cannot be driven or sends no report; one line.
   static Result<std::unique_ptr<HidDevice>> open(std::unique_ptr<HidBackend> backend, HidOpener opener,
@@ -61,6 +61,7 @@ class HidDevice final : public Device, private HidListener {
   void run_writer() noexcept;
   void await_command() noexcept;
   void write_newest() noexcept;
+  bool may_exert(std::int64_t now_ns) noexcept;
   void release_force() noexcept;
   void show_guard(const std::string& path) noexcept;
 
@@ -72,6 +73,7 @@ class HidDevice final : public Device, private HidListener {
   std::mutex driver_mutex_;
   DeviceExchange::Reading reading_;
   bool has_news_ = false;
+  bool is_first_report_ = true;                       // to the device, since it was opened
   DeviceStatus logged_status_ = DeviceStatus::ready;  // the last one logged
   HeartbeatPage* guard_ = nullptr;
   int rejected_ = 0;  // of the writer

@@ -29,7 +29,7 @@ constexpr std::int64_t kSayEveryNs = 10 * kNanosecondsPerSecond;                
 constexpr std::int64_t kSchedulerTimeoutNs = kNanosecondsPerSecond / 2;
 constexpr int kTicksPerConditionCheck = 100;                                   // at temperature and calibration
 constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
-constexpr int kMostErrorsATick = 8;                                            // taken from the library's queue: bounds the work of a tick
+constexpr int kMaxErrorsATick = 8;                                             // taken from the library's queue: bounds the work of a tick
 // The library does not report these: conservative values of our own, see docs/vendor-devices.md.
 constexpr double kPeakS = 5.0;  // that the motors hold the maximum force
 constexpr double kMaxTorqueNm = 0.1;
@@ -253,13 +253,14 @@ void OpenHapticsDevice::tick() noexcept {
 // Positions in mm, the transform column after column.
 void OpenHapticsDevice::read_frame(DeviceSample& sample) noexcept {
   std::array<double, 3> position_mm = {};
+  position_mm.fill(std::numeric_limits<double>::quiet_NaN());  // what stays if the library gives none
   std::array<double, 16> transform = {};
   int buttons = 0;
   hd_.get_doubles(hd::kCurrentPosition, position_mm.data());
   hd_.get_doubles(hd::kCurrentTransform, transform.data());
   hd_.get_integers(hd::kCurrentButtons, &buttons);
-  const Vec3 p_m = kMPerMm * Vec3(position_mm[0], position_mm[1], position_mm[2]) - middle_m_;
-  if (p_m.allFinite()) sample.p_WD = p_m;
+  // Finite or not: the governor judges it.
+  sample.p_WD = kMPerMm * Vec3(position_mm[0], position_mm[1], position_mm[2]) - middle_m_;
   const Eigen::Map<const Eigen::Matrix4d> x(transform.data());
   const Eigen::Matrix3d r = x.topLeftCorner<3, 3>();
   if (r.allFinite() && std::abs(r.determinant() - 1.0) < 0.1) sample.q_WT = Quat(r).normalized();
@@ -294,6 +295,7 @@ void OpenHapticsDevice::check_calibration() noexcept {
   }
   reading_.is_calibrated = false;
   const bool needs_update = result == hd::kCalibrationNeedsUpdate;
+  const bool needs_user = needs_update || result == hd::kCalibrationNeedsManualInput;  // else the check itself failed
   const bool is_button_down = reading_.sample.buttons != 0;
   if ((styles_ & hd::kStyleAuto) != 0) {
     if (needs_update) hd_.update_calibration(hd::kStyleAuto);
@@ -303,14 +305,14 @@ void OpenHapticsDevice::check_calibration() noexcept {
     calibration_.store(Calibration::in_inkwell, std::memory_order_relaxed);
   } else {
     // Only the user knows the neutral pose: the button makes the present pose the neutral one.
-    if (is_button_down) hd_.update_calibration(hd::kStyleEncoderReset);
+    if (is_button_down && needs_user) hd_.update_calibration(hd::kStyleEncoderReset);
     calibration_.store(Calibration::at_neutral_pose, std::memory_order_relaxed);
   }
 }
 
 // What went wrong in this frame. A flood of errors is taken a few at a time.
 void OpenHapticsDevice::collect_errors(std::int64_t now_ns) noexcept {
-  for (int n = 0; n < kMostErrorsATick; ++n) {
+  for (int n = 0; n < kMaxErrorsATick; ++n) {
     const hd::ErrorInfo error = hd_.get_error();
     if (error.code == hd::kSuccess) return;
     if (hd::is_force_error(error.code)) {

@@ -40,7 +40,7 @@ bool PlacedDevice::set_hand_target(const std::optional<Vec3>& p_WH) noexcept {
 }
 
 bool PlacedDevice::aim_hand(std::span<const Vec3> p_WA) noexcept {
-  std::array<Vec3, kMostAims> p_BA;
+  std::array<Vec3, kMaxAims> p_BA;
   const std::size_t count = std::min(p_WA.size(), p_BA.size());
   for (std::size_t i = 0; i < count; ++i) p_BA[i] = X_BW_ * p_WA[i];
   return device_->aim_hand(std::span(p_BA).first(count));

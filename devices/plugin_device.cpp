@@ -7,9 +7,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostForceN = 1000.0;         // as io_node's own flags
-constexpr double kMostTorqueNm = 1000.0;       // likewise
-constexpr double kMostNumber = 1e9;            // of whatever has no limit of its own
+constexpr double kMaxForceN = 1000.0;          // as io_node's own flags
+constexpr double kMaxTorqueNm = 1000.0;        // likewise
+constexpr double kMaxNumber = 1e9;             // of whatever has no limit of its own
 constexpr double kQuaternionTolerance = 1e-3;  // of the squared length: single precision, or numbers with four digits
 
 DeviceStatus to_status(std::int32_t said) noexcept {
@@ -69,12 +69,12 @@ Result<void> PluginDevice::take_limits(const hapton_device_limits& limits) {
     double most;
   };
   for (const Bound& bound :
-       {Bound{"max_force_n", limits.max_force_n, kMostForceN}, Bound{"max_slew_n_per_s", limits.max_slew_n_per_s, kMostNumber},
-        Bound{"max_stiffness_n_per_m", limits.max_stiffness_n_per_m, kMostNumber},
-        Bound{"max_torque_nm", limits.max_torque_nm, kMostTorqueNm},
-        Bound{"max_torque_slew_nm_per_s", limits.max_torque_slew_nm_per_s, kMostNumber},
-        Bound{"continuous_force_n", limits.continuous_force_n, kMostForceN}, Bound{"peak_s", limits.peak_s, kMostNumber},
-        Bound{"max_speed_m_per_s", limits.max_speed_m_per_s, kMostNumber}}) {
+       {Bound{"max_force_n", limits.max_force_n, kMaxForceN}, Bound{"max_slew_n_per_s", limits.max_slew_n_per_s, kMaxNumber},
+        Bound{"max_stiffness_n_per_m", limits.max_stiffness_n_per_m, kMaxNumber},
+        Bound{"max_torque_nm", limits.max_torque_nm, kMaxTorqueNm},
+        Bound{"max_torque_slew_nm_per_s", limits.max_torque_slew_nm_per_s, kMaxNumber},
+        Bound{"continuous_force_n", limits.continuous_force_n, kMaxForceN}, Bound{"peak_s", limits.peak_s, kMaxNumber},
+        Bound{"max_speed_m_per_s", limits.max_speed_m_per_s, kMaxNumber}}) {
     if (!(bound.value >= 0.0 && bound.value <= bound.most))
       return fail("{}: {} states a {} of {}; it must be 0 to {}", file_.path(), name_, bound.name, bound.value, bound.most);
   }

@@ -58,8 +58,8 @@ bool SimulatedPhantom::aim_hand(std::span<const Vec3> p_WA) noexcept {
 void SimulatedPhantom::begin_hand_step() noexcept {
   const HandIntention next = script_.step(exact_position_m(), force_n_);
   hand_m_per_s_ = (next.p_WH - hand_m_) * (1e9 / static_cast<double>(HandScript::kStepNs));
-  constexpr double kMostTurn = kHandTurnRadPerS * 1e-9 * static_cast<double>(HandScript::kStepNs);
-  turn_rad_ += (turn_goal_rad_ - turn_rad_).cwiseMax(-kMostTurn).cwiseMin(kMostTurn);
+  constexpr double kMaxTurn = kHandTurnRadPerS * 1e-9 * static_cast<double>(HandScript::kStepNs);
+  turn_rad_ += (turn_goal_rad_ - turn_rad_).cwiseMax(-kMaxTurn).cwiseMin(kMaxTurn);
   gimbal_rad_ = next.gimbal_rad + turn_rad_;
   q_WH_ = next.q_WT;
   buttons_ = next.buttons;

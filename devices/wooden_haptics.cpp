@@ -17,8 +17,8 @@ constexpr std::size_t kLongReport = 14;
 // degrees of an arm with 2000 counts a turn of the motor and a ratio of 12.
 constexpr int kNearZero = 50;
 constexpr int kMovedCounts = 200;
-constexpr int kStillCounts = 1;                // an encoder at the border of two counts flickers
-constexpr double kMostMilliamperes = 32767.0;  // of an int16
+constexpr int kStillCounts = 1;               // an encoder at the border of two counts flickers
+constexpr double kMaxMilliamperes = 32767.0;  // of an int16
 
 // B to W: the base's x points to the person, its z up.
 Vec3 to_world(const Vec3& in_base) noexcept { return {in_base.y(), in_base.z(), in_base.x()}; }
@@ -36,7 +36,7 @@ std::int16_t int16_at(std::span<const std::uint8_t> report, std::size_t byte) no
 
 void put_int16(std::span<std::uint8_t> into, std::size_t byte, double value) noexcept {
   const auto rounded =
-      static_cast<std::uint16_t>(static_cast<std::int16_t>(std::clamp(std::round(value), -kMostMilliamperes, kMostMilliamperes)));
+      static_cast<std::uint16_t>(static_cast<std::int16_t>(std::clamp(std::round(value), -kMaxMilliamperes, kMaxMilliamperes)));
   into[byte] = static_cast<std::uint8_t>(rounded);
   into[byte + 1] = static_cast<std::uint8_t>(rounded >> 8);
 }

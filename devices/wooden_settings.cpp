@@ -1,6 +1,8 @@
 #include "devices/wooden_settings.h"
 
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -11,9 +13,9 @@ namespace {
 
 constexpr double kReachM = 0.1;  // the 2016 edition's own
 // Limits of a file, beyond any arm on a desk: what is outside is a wrong unit.
-constexpr double kMostLengthM = 2.0;
-constexpr double kLeastDiameterM = 1e-3;
-constexpr double kMostForceN = 100.0;
+constexpr double kMaxLengthM = 2.0;
+constexpr double kMinDiameterM = 1e-3;
+constexpr double kMaxForceN = 100.0;
 
 void read_direction(TomlReader& reader, double& direction) {
   reader.read("direction", direction, -1.0, 1.0);
@@ -29,15 +31,21 @@ double read_degrees(TomlReader& reader, std::string_view key) {
 void read_body(TomlReader reader, WoodenArm::Body& body) {
   reader.allow({"capstan_diameter_m", "body_diameter_m", "length_m", "counts_per_turn", "torque_constant_nm_per_a", "direction", "rest_deg",
                 "mass_kg", "mass_centre_m"});
-  reader.read("capstan_diameter_m", body.capstan_diameter_m, kLeastDiameterM, kMostLengthM);
-  reader.read("body_diameter_m", body.body_diameter_m, kLeastDiameterM, kMostLengthM);
-  reader.read("length_m", body.length_m, 0.0, kMostLengthM);
+  reader.read("capstan_diameter_m", body.capstan_diameter_m, kMinDiameterM, kMaxLengthM);
+  reader.read("body_diameter_m", body.body_diameter_m, kMinDiameterM, kMaxLengthM);
+  reader.read("length_m", body.length_m, 0.0, kMaxLengthM);
   reader.read("counts_per_turn", body.counts_per_turn, 1.0, 1e6);
+  const double half_turn = 0.5 * body.counts_per_turn * body.body_diameter_m / body.capstan_diameter_m;
+  if (half_turn > std::numeric_limits<std::int16_t>::max()) {
+    reader.reject(
+        "counts_per_turn",
+        "the encoder's 16 bits must hold half a turn of the body: counts_per_turn * body_diameter_m / capstan_diameter_m at most 65534");
+  }
   reader.read("torque_constant_nm_per_a", body.torque_constant_nm_per_a, 1e-4, 10.0);
   read_direction(reader, body.direction);
   body.rest_rad = read_degrees(reader, "rest_deg");
   reader.read("mass_kg", body.mass_kg, 0.0, 10.0);
-  reader.read("mass_centre_m", body.mass_centre_m, -kMostLengthM, kMostLengthM);
+  reader.read("mass_centre_m", body.mass_centre_m, -kMaxLengthM, kMaxLengthM);
 }
 
 void read_joint(TomlReader reader, WoodenWrist::Joint& joint) {
@@ -46,22 +54,22 @@ void read_joint(TomlReader reader, WoodenWrist::Joint& joint) {
   reader.read("axis", joint.axis, -1.0, 1.0);
   if (joint.axis.norm() < 1e-3) reader.reject("axis", "'axis' has zero length: one of its three numbers must not be zero");
   joint.axis.normalize();
-  reader.read("counts_per_turn", joint.counts_per_turn, 1.0, 1e6);
+  reader.read("counts_per_turn", joint.counts_per_turn, 1.0, 65534.0);  // half a turn fits into the encoder's 16 bits
   read_direction(reader, joint.direction);
   joint.offset_rad = read_degrees(reader, "offset_deg");
 }
 
 void read_limits(TomlReader& reader, WoodenSettings& settings) {
   DeviceLimits& limits = settings.limits;
-  reader.read("max_force_n", limits.max_force_n, 0.1, kMostForceN);
+  reader.read("max_force_n", limits.max_force_n, 0.1, kMaxForceN);
   reader.read("max_slew_n_per_s", limits.max_slew_n_per_s, 1.0, 1e6);
   reader.read("max_stiffness_n_per_m", limits.max_stiffness_n_per_m, 1.0, 1e5);
-  reader.read("continuous_force_n", limits.continuous_force_n, 0.0, kMostForceN);
+  reader.read("continuous_force_n", limits.continuous_force_n, 0.0, kMaxForceN);
   reader.read("peak_s", limits.peak_s, 0.0, 1e4);
   reader.read("max_speed_m_per_s", limits.max_speed_m_per_s, 0.0, 100.0);
   reader.read("max_current_a", settings.max_current_a, 0.01, 30.0);
   double radius_m = kReachM;
-  reader.read("workspace_radius_m", radius_m, 1e-3, kMostLengthM);
+  reader.read("workspace_radius_m", radius_m, 1e-3, kMaxLengthM);
   limits.workspace_min_m = Vec3::Constant(-radius_m);
   limits.workspace_max_m = Vec3::Constant(radius_m);
 }
@@ -89,7 +97,7 @@ Result<WoodenSettings> read_wooden_settings(const std::filesystem::path& path) {
                  "max_current_a", "workspace_radius_m", "origin_m", "gravity_compensation", "report_bytes", "body_a", "body_b", "body_c",
                  "wrist"});
   read_limits(*reader, settings);
-  reader->read("origin_m", settings.arm.origin_m, -kMostLengthM, kMostLengthM);
+  reader->read("origin_m", settings.arm.origin_m, -kMaxLengthM, kMaxLengthM);
   reader->read("gravity_compensation", settings.has_gravity_compensation);
   reader->read("report_bytes", settings.report_bytes, 8, 14);
   if (reader->has("report_bytes") && settings.report_bytes != 8 && settings.report_bytes != 14) {

@@ -121,7 +121,7 @@ std::unique_ptr<ShapeStage> HapticsStep::deform(int object, std::unique_ptr<Shap
 }
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
-  if (running_ && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMostSceneStepNs);
+  if (running_ && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMaxSceneStepNs);
   // The hub computes the force, and so determines where everything is.
   if (state_.scene_time_ns >= 0 && touch_->has_motion()) scene_time_ns_ = state_.scene_time_ns;
   scene_time_ns_ = std::exchange(next_scene_time_ns_, std::nullopt).value_or(scene_time_ns_);

@@ -80,11 +80,11 @@ class HapticsStep {
   bool turn_scene(const ViewTransform& view) noexcept;
 
   // Sets the scene time of the next reply, from which keyframes continue. Without this call scene time begins at 0 with the first reply and
-  // advances with the samples. A gap between two samples counts as at most kMostSceneStepNs, the time between two sessions as 0. A state
+  // advances with the samples. A gap between two samples counts as at most kMaxSceneStepNs, the time between two sessions as 0. A state
   // that has a scene time of its own (DeviceState) sets it.
   void set_scene_time(std::int64_t time_ns) noexcept { next_scene_time_ns_ = time_ns; }
   // As long as the hub is silent to a node that computes no force (20 samples a second).
-  static constexpr std::int64_t kMostSceneStepNs = 50'000'000;
+  static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;
 
   std::int64_t scene_time_ns() const noexcept { return scene_time_ns_; }
 

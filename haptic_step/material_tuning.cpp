@@ -129,7 +129,7 @@ Result<void> MaterialTuning::change(const MaterialRequest& request) {
     for (const std::size_t o : objects) has_room = has_room && merge_into(changed, static_cast<std::int32_t>(o), request.change);
   }
   if (!has_room) {
-    return fail("no more than {} objects can be changed one by one: change all, or the scene file", MaterialState::kMostObjects);
+    return fail("no more than {} objects can be changed one by one: change all, or the scene file", MaterialState::kMaxObjects);
   }
   Result<void> first_misfit;
   bool some_fit = false;

@@ -71,7 +71,7 @@ void ObjectMover::request(const MoveRequest& request) noexcept {
     }
     return;
   }
-  if (waiting_count_ == kMostWaiting) {
+  if (waiting_count_ == kMaxWaiting) {
     ++overflows_;
     return;
   }
@@ -81,7 +81,7 @@ void ObjectMover::request(const MoveRequest& request) noexcept {
 // Not too soon after the one before, where that has not begun.
 bool ObjectMover::may_begin(const Waiting& waiting, std::int64_t start_ns) const noexcept {
   const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
-  return own == moves_.end() || own->serial == 0 || start_ns < own->start_ns || start_ns - own->start_ns >= lead_ns_ / kMostAhead;
+  return own == moves_.end() || own->serial == 0 || start_ns < own->start_ns || start_ns - own->start_ns >= lead_ns_ / kMaxAhead;
 }
 
 ObjectMover::Done ObjectMover::work(HapticsStep& step) noexcept {
@@ -115,10 +115,10 @@ void ObjectMover::move(HapticsStep& step, const Waiting& waiting, Done& done) no
   const MoveRequest& requested = waiting.request;
   const Keyframe from = motion->keyframe_at(1e-9 * static_cast<double>(start_ns));
   const Keyframe to = object.place(requested.p_m, requested.q, from);
-  const double seconds = compute_move_time_s(from, to, requested.over_s.value_or(0.0), object.radius_m(), kMostSurfaceSpeed);
-  if (!(seconds <= MoveRequest::kMostSeconds)) {
+  const double seconds = compute_move_time_s(from, to, requested.over_s.value_or(0.0), object.radius_m(), kMaxSurfaceSpeed);
+  if (!(seconds <= MoveRequest::kMaxSeconds)) {
     return say(done.reply.rejection, "'{}' would need {:.3g} s at {:g} m/s: it may take a day at most", name_of(waiting.object), seconds,
-               kMostSurfaceSpeed);
+               kMaxSurfaceSpeed);
   }
   const auto own = std::find_if(moves_.begin(), moves_.end(), [&](const ObjectMove& one) { return one.object == waiting.object; });
   own->serial = static_cast<std::uint32_t>(step.counts().moves_taken) + 1;

@@ -19,15 +19,15 @@ namespace hapton {
 
 // Carries out the requests of programs to move objects with `moved_by = "program"`. A request becomes a move that begins at the pose of the
 // object at the scene time of the last reply, so that the next reply continues without a jump. No point of an object moves faster than
-// kMostSurfaceSpeed: a move that would be faster takes longer than requested, and the reply says so.
+// kMaxSurfaceSpeed: a move that would be faster takes longer than requested, and the reply says so.
 //
-// A flood costs little: request() only keeps the request, one for each object, kMostWaiting at most; work() carries out one, and its
+// A flood costs little: request() only keeps the request, one for each object, kMaxWaiting at most; work() carries out one, and its
 // caller sets the pace. RT: request and work yes. Threads: the step's.
 class ObjectMover {
  public:
-  static constexpr std::size_t kMostWaiting = 16;  // objects; one is carried out every 4 ms (decision 155)
+  static constexpr std::size_t kMaxWaiting = 16;  // objects; one is carried out every 4 ms (decision 155)
   // Moves that begin later than now: the other half of those kept is for the past.
-  static constexpr std::int64_t kMostAhead = CommandedMotion::kMoves / 2;
+  static constexpr std::int64_t kMaxAhead = CommandedMotion::kMoves / 2;
   static constexpr std::size_t kRemembered = 128;  // for longer than a sender waits until it repeats
 
   // source: as in ObjectMove.
@@ -35,12 +35,12 @@ class ObjectMover {
   ObjectMover(const ObjectMover&) = delete;
   ObjectMover& operator=(const ObjectMover&) = delete;
 
-  // To be carried out. For one object the newest counts: an earlier one that waits is rejected. Beyond kMostWaiting it is counted and left
+  // To be carried out. For one object the newest counts: an earlier one that waits is rejected. Beyond kMaxWaiting it is counted and left
   // out; its sender repeats it. One that was carried out already only gets its reply again.
   void request(const MoveRequest& request) noexcept;
   bool has_request() const noexcept { return waiting_count_ > 0; }
   // Moves begin so much later than the last reply: while the hub computes the force, it has to know of a move before it begins. Then no
-  // more than kMostAhead of one object wait for their beginning, half of what CommandedMotion keeps: a newer request waits, and replaces
+  // more than kMaxAhead of one object wait for their beginning, half of what CommandedMotion keeps: a newer request waits, and replaces
   // those that wait.
   void set_lead_ns(std::int64_t lead_ns) noexcept { lead_ns_ = lead_ns; }
 
@@ -80,7 +80,7 @@ class ObjectMover {
   std::vector<std::pair<std::string_view, std::int32_t>> by_name_;  // sorted
   std::vector<std::shared_ptr<const CommandedObject>> objects_;     // by object; null: programs may not move it
   std::vector<ObjectMove> moves_;
-  std::array<Waiting, kMostWaiting> waiting_ = {};  // the first has waited longest
+  std::array<Waiting, kMaxWaiting> waiting_ = {};  // the first has waited longest
   std::size_t waiting_count_ = 0;
   std::array<MoveReply, kRemembered> replies_ = {};  // the newest, a ring
   std::size_t next_reply_ = 0;

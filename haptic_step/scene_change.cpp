@@ -57,7 +57,7 @@ std::optional<MaterialState> describe_materials(const Scene& before, const Scene
   for (std::size_t o = 0; o < before.objects.size(); ++o) {
     const Material& now = after.objects[o].material;
     if (is_same_material(before.objects[o].material, now)) continue;
-    if (state.object_count == MaterialState::kMostObjects) return std::nullopt;
+    if (state.object_count == MaterialState::kMaxObjects) return std::nullopt;
     state.objects[state.object_count++] = {static_cast<std::int32_t>(o),
                                            {.given = MaterialChange::kAll,
                                             .stiffness_n_per_m = now.stiffness_n_per_m,

@@ -53,8 +53,8 @@ std::optional<Carves> CarveSender::take_due(std::int64_t now_ns) noexcept {
 
 // The serial from which on the newest ones fit into a datagram.
 std::uint32_t CarveSender::find_tail() const noexcept {
-  constexpr auto kMostHere = static_cast<std::uint32_t>(Carves::kMost);
-  return newest() > kMostHere ? newest() - kMostHere + 1 : 1;
+  constexpr auto kMaxHere = static_cast<std::uint32_t>(Carves::kMax);
+  return newest() > kMaxHere ? newest() - kMaxHere + 1 : 1;
 }
 
 Carves CarveSender::take_fresh(std::int64_t now_ns) noexcept {
@@ -78,7 +78,7 @@ Carves CarveSender::announce() const noexcept { return {.source = source_, .newe
 Carves CarveSender::gather(std::uint32_t first, std::uint32_t last) const noexcept {
   Carves carves = announce();
   carves.first = first;
-  carves.count = std::min(last - first + 1, static_cast<std::uint32_t>(Carves::kMost));
+  carves.count = std::min(last - first + 1, static_cast<std::uint32_t>(Carves::kMax));
   std::copy_n(carves_.begin() + (first - 1), carves.count, carves.carves.begin());
   return carves;
 }

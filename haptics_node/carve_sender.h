@@ -19,7 +19,7 @@ namespace hapton {
 // number of them costs no more than one. RT: yes, except construction. Threads: one.
 class CarveSender {
  public:
-  static constexpr std::size_t kMost = Sculpture::kMostCarves;  // 44 MB
+  static constexpr std::size_t kMax = Sculpture::kMaxCarves;  // 44 MB
   static constexpr std::int64_t kEveryNs = 5 * kNanosecondsPerMillisecond;
   // So most losses need no request (decision 161): new ones are sent with so many before them, the last ones twice more.
   static constexpr std::uint32_t kOverlap = 8;
@@ -27,7 +27,7 @@ class CarveSender {
   static constexpr int kTimesAgain = 2;
 
   // source: as in Carves, odd. Takes the memory for `most` carves.
-  explicit CarveSender(std::uint32_t source, std::size_t most = kMost);
+  explicit CarveSender(std::uint32_t source, std::size_t most = kMax);
 
   // The next one, whose serial is newest() + 1, or 1 where other bodies have taken the place of those carved before: for vision nodes they
   // are those of another process. Any other serial, and what there is no memory for, is left out.

@@ -18,7 +18,7 @@ CarveUndoTask::CarveUndoTask(const Sculpture& whole, std::span<const MadeCarve> 
   for (const MadeCarve& made : before) {
     list_.add(made);
     carve(made);
-    last_[made.serial % kMostMissing] = made;
+    last_[made.serial % kMaxMissing] = made;
   }
   synced_ = list_.newest();
   thread_ = start_thread([this] { run(); });
@@ -30,20 +30,20 @@ CarveUndoTask::~CarveUndoTask() {
 }
 
 void CarveUndoTask::note(const MadeCarve& made) noexcept {
-  last_[made.serial % kMostMissing] = made;
+  last_[made.serial % kMaxMissing] = made;
   if (!noted_->push(made)) has_lost_ = true;
 }
 
 std::optional<MadeCarve> CarveUndoTask::work(HapticsStep& step) noexcept {
   if (stage_.load(std::memory_order_acquire) != Stage::ready) return std::nullopt;
   const std::uint32_t newest = step.touch().count_carves();
-  if (newest - synced_ > kMostMissing) {
+  if (newest - synced_ > kMaxMissing) {
     stage_.store(Stage::behind, std::memory_order_release);
     return std::nullopt;
   }
-  for (std::uint32_t serial = synced_ + 1; serial <= newest; ++serial) carve(last_[serial % kMostMissing]);
+  for (std::uint32_t serial = synced_ + 1; serial <= newest; ++serial) carve(last_[serial % kMaxMissing]);
   const CarveRange undone = undone_;
-  const bool is_done = newest < Sculpture::kMostCarves && step.restore_carves(copy_, newest + 1);
+  const bool is_done = newest < Sculpture::kMaxCarves && step.restore_carves(copy_, newest + 1);
   if (!is_done) has_lost_ = true;  // other bodies, or no serial is left
   stage_.store(is_done ? Stage::taken : Stage::idle, std::memory_order_release);
   if (!is_done) return std::nullopt;

@@ -41,7 +41,7 @@ class CarveUndoTask {
   // Whose the copy is: the slow task's until an undo is ready in it, then that of the caller of work().
   enum class Stage : std::uint8_t { idle, ready, taken, behind };
   // Entries that the caller may have to add to the copy itself: as many as it makes while the task hands it over.
-  static constexpr std::size_t kMostMissing = 4;
+  static constexpr std::size_t kMaxMissing = 4;
   using Ring = HandoffRing<MadeCarve, 4096>;  // some seconds of carving
 
   void run();
@@ -53,7 +53,7 @@ class CarveUndoTask {
   const Sculpture whole_;
   Sculpture copy_;
   // The caller's:
-  std::array<MadeCarve, kMostMissing> last_ = {};  // entries, by serial modulo their number
+  std::array<MadeCarve, kMaxMissing> last_ = {};  // entries, by serial modulo their number
   // The task's:
   CarveList list_;
   // Of both:

@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 // The least winding number inside a body. It is a whole number for a closed body; small holes reduce it slightly.
-constexpr double kLeastWinding = 0.9;
+constexpr double kMinWinding = 0.9;
 constexpr auto kInsideCheckPeriod = std::chrono::milliseconds(50);
 constexpr int kLooksBetween = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
 
@@ -27,7 +27,7 @@ Box box_of(const TriangleMesh& mesh) {
 Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S) {
   for (const TouchObject& object : scene.objects) {
     if (object.motion != nullptr || object.command_pivot || box_of(*object.mesh).distance_squared(p_S) > 0.0) continue;
-    if (compute_winding_number(*object.mesh, p_S) > kLeastWinding) return {true, object.material.two_sided && !object.sculpt};
+    if (compute_winding_number(*object.mesh, p_S) > kMinWinding) return {true, object.material.two_sided && !object.sculpt};
   }
   return {};
 }

@@ -13,13 +13,13 @@ namespace hapton {
 namespace {
 
 // What knows shapes by messages alone has as many places.
-static_assert(ProgramShape::kMostObjects <= ShapePart::kMostObjects);
-static_assert(ProgramShape::kMostVertices <= ShapePart::kMostVertices);
+static_assert(ProgramShape::kMaxObjects <= ShapePart::kMaxObjects);
+static_assert(ProgramShape::kMaxVertices <= ShapePart::kMaxVertices);
 
 // Between two polls for shapes: a small part of the time between two of them.
 constexpr std::chrono::milliseconds kShapePollPeriod(2);
 constexpr std::int64_t kLossyNs = 10 * kNanosecondsPerSecond;  // since a part was requested again
-constexpr std::int64_t kMostAtOnce = 4;                        // parts, after a pause, where they are paced
+constexpr std::int64_t kMaxAtOnce = 4;                         // parts, after a pause, where they are paced
 
 }  // namespace
 
@@ -90,8 +90,8 @@ std::string_view ObjectShaper::explain(const ShapeRequest& part) const noexcept 
 }
 
 void ObjectShaper::push_reply(const ShapeReply& reply) noexcept {
-  if (reply_count_ == kMostReplies) return;  // its sender repeats the shape
-  replies_[(first_reply_ + reply_count_++) % kMostReplies] = reply;
+  if (reply_count_ == kMaxReplies) return;  // its sender repeats the shape
+  replies_[(first_reply_ + reply_count_++) % kMaxReplies] = reply;
 }
 
 void ObjectShaper::reject(const ShapeRequest& part, std::int32_t object, std::string_view why, std::int64_t now_ns) noexcept {
@@ -177,19 +177,19 @@ void ObjectShaper::accept(const ShapeStatus& status, std::int64_t now_ns) noexce
     if (status.count == 0) continue;
     lossy_until_ns_ = now_ns + kLossyNs;
     const std::uint32_t end = std::min(status.first + status.count, object->start.total);
-    if (again_end_ - again_begin_ < kMostAgain) again_[again_end_++ % kMostAgain] = {object.get(), status.serial, status.first, end};
+    if (again_end_ - again_begin_ < kMaxAgain) again_[again_end_++ % kMaxAgain] = {object.get(), status.serial, status.first, end};
   }
 }
 
 // A part that the hub has requested. Of a shape that is not kept any more: left out.
 std::optional<Message> ObjectShaper::take_again(std::int64_t now_ns) noexcept {
   for (; again_begin_ != again_end_; ++again_begin_) {
-    Again& again = again_[again_begin_ % kMostAgain];
+    Again& again = again_[again_begin_ % kMaxAgain];
     const auto& announced = again.object->announced;
     const auto is_it = [&](const Object::Announced& one) { return one.serial == again.serial && one.made != nullptr; };
     const auto found = std::find_if(announced.begin(), announced.end(), is_it);
     if (found == announced.end() || again.first >= again.end) continue;
-    const std::uint32_t first = std::exchange(again.first, again.first + ShapePart::kMostHere);
+    const std::uint32_t first = std::exchange(again.first, again.first + ShapePart::kMaxHere);
     return make_part(*again.object, again.serial, found->made->wanted, first, now_ns);
   }
   return std::nullopt;
@@ -206,7 +206,7 @@ void ObjectShaper::take_rejection(Object& object) noexcept {
 // That the hub gets to make a shape ready.
 std::int64_t ObjectShaper::find_stage_ns(const Object& object) const noexcept {
   if (pace_.lead_ns == 0) return 0;
-  return std::clamp(2 * pace_.stage_ns_per_vertex, kLeastStageNsPerVertex, kMostStageNsPerVertex) * object.start.total;
+  return std::clamp(2 * pace_.stage_ns_per_vertex, kMinStageNsPerVertex, kMaxStageNsPerVertex) * object.start.total;
 }
 
 std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
@@ -217,13 +217,13 @@ std::int64_t ObjectShaper::find_lead_ns(const Object& object) const noexcept {
 // So that the surface does not stop between two shapes: one may be announced while so many wait, and each takes its time to be sent, and to
 // be made ready by a hub that spends half of its time on shapes at most.
 double ObjectShaper::find_least_s(const Object& object) const noexcept {
-  const std::int64_t of_queue_ns = find_lead_ns(object) / static_cast<std::int64_t>(StreamedMethod::kMostWaiting - 1);
+  const std::int64_t of_queue_ns = find_lead_ns(object) / static_cast<std::int64_t>(StreamedMethod::kMaxWaiting - 1);
   const std::int64_t of_parts_ns = ShapePart::count_parts(object.start.total) * pace_.part_ns;
   return 1e-9 * static_cast<double>(std::max({of_queue_ns, of_parts_ns, find_stage_ns(object)}));
 }
 
 bool ObjectShaper::has_room(const Object& object) const noexcept {
-  return object.method->waiting() < (pace_.lead_ns > 0 ? StreamedMethod::kMostWaiting : 1);
+  return object.method->waiting() < (pace_.lead_ns > 0 ? StreamedMethod::kMaxWaiting : 1);
 }
 
 bool ObjectShaper::begin_sending(Object& object, std::int64_t scene_time_ns) noexcept {
@@ -244,7 +244,7 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
   start.start_ns = std::max(start.end_ns, step.scene_time_ns() + 1 + find_lead_ns(object));
   start.end_ns = start.start_ns + static_cast<std::int64_t>(std::ceil(1e9 * over_s));
   auto used = step.deform(start.object, std::move(object.next->stage), start.start_ns, start.end_ns);
-  Object::Announced& place = object.announced[object.announced_count++ % kMostAnnounced];
+  Object::Announced& place = object.announced[object.announced_count++ % kMaxAnnounced];
   (place.made != nullptr ? place.made : object.next)->stage = std::move(used);
   if (place.made != nullptr) object.maker.give_back(std::move(place.made));
   place = {serial_, std::move(object.next)};
@@ -263,7 +263,7 @@ Message ObjectShaper::begin_motion(Object& object, HapticsStep& step) noexcept {
 
 Message ObjectShaper::make_part(const Object& object, std::uint32_t serial, const WantedShape& shape, std::uint32_t first,
                                 std::int64_t now_ns) noexcept {
-  next_part_ns_ = std::max(next_part_ns_, now_ns - kMostAtOnce * pace_.part_ns) + pace_.part_ns;
+  next_part_ns_ = std::max(next_part_ns_, now_ns - kMaxAtOnce * pace_.part_ns) + pace_.part_ns;
   return ObjectShape{.source = object.start.source,
                      .serial = serial,
                      .object = object.start.object,
@@ -275,7 +275,7 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
   is_lossy_ = now_ns < lossy_until_ns_;
   if (reply_count_ > 0) {
     const ShapeReply& reply = replies_[first_reply_];
-    first_reply_ = (first_reply_ + 1) % kMostReplies;
+    first_reply_ = (first_reply_ + 1) % kMaxReplies;
     --reply_count_;
     return reply;
   }
@@ -290,12 +290,12 @@ std::optional<Message> ObjectShaper::take_due(HapticsStep& step, std::int64_t no
   if (now_ns < next_part_ns_) return std::nullopt;
   if (auto again = take_again(now_ns)) return again;
   if (!is_whole) {
-    const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMostHere);
+    const std::uint32_t first = std::exchange(sending_->sent_to, sending_->sent_to + ShapePart::kMaxHere);
     return make_part(*sending_, serial_, sending_->next->wanted, first, now_ns);
   }
   for (const auto& object : objects_) {
     if (object->again_from >= object->start.total || object->announced_count == 0) continue;
-    const std::uint32_t first = std::exchange(object->again_from, object->again_from + ShapePart::kMostHere);
+    const std::uint32_t first = std::exchange(object->again_from, object->again_from + ShapePart::kMaxHere);
     return make_part(*object, object->start.serial, object->present().made->wanted, first, now_ns);
   }
   return std::nullopt;

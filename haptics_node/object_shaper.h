@@ -21,7 +21,7 @@ namespace hapton {
 // Deforms the objects with `deformed_by = "program"` as programs request. A shape comes in parts; once it is whole, a task of its own makes
 // it ready; then its vertices are sent on, and then it is announced from which scene time on the surface moves there: after the last reply,
 // so that nothing that was felt changes, and not before the surface has arrived at the shape before. No vertex is faster than
-// kMostSurfaceSpeed. Source: decision 201.
+// kMaxSurfaceSpeed. Source: decision 201.
 //
 // A flood costs little: a part is copied, and a shape takes its place only after the one before. RT: all but the construction. Threads:
 // one.
@@ -33,8 +33,8 @@ class ObjectShaper {
   static constexpr std::int64_t kSilentNs = 1'000'000'000;
   // The time that the hub gets to make a shape ready: twice what it took lately, within these. The first is 15 us a vertex of large meshes
   // (decision 191), and as much to spare; the other the same at an eighth of the speed.
-  static constexpr std::int64_t kLeastStageNsPerVertex = 30'000;
-  static constexpr std::int64_t kMostStageNsPerVertex = 240'000;
+  static constexpr std::int64_t kMinStageNsPerVertex = 30'000;
+  static constexpr std::int64_t kMaxStageNsPerVertex = 240'000;
   // Between two replies that reject parts.
   static constexpr std::int64_t kRejectEveryNs = 100'000'000;
 
@@ -81,8 +81,8 @@ class ObjectShaper {
   std::string_view name_of(std::int32_t object) const noexcept;
 
  private:
-  static constexpr std::size_t kMostAnnounced = StreamedMethod::kMostWaiting + 1;
-  static constexpr std::size_t kMostAgain = 32;  // parts that are to be sent again ahead
+  static constexpr std::size_t kMaxAnnounced = StreamedMethod::kMaxWaiting + 1;
+  static constexpr std::size_t kMaxAgain = 32;  // parts that are to be sent again ahead
 
   struct Object {
     Object(std::int32_t number, const SceneObject& object, StreamedMethod& streamed, std::uint32_t source);
@@ -104,9 +104,9 @@ class ObjectShaper {
       std::uint32_t serial = 0;  // 0: none
       std::unique_ptr<MadeShape> made = nullptr;
     };
-    std::array<Announced, kMostAnnounced> announced = {};
+    std::array<Announced, kMaxAnnounced> announced = {};
     std::size_t announced_count = 0;  // so far
-    const Announced& present() const noexcept { return announced[(announced_count + kMostAnnounced - 1) % kMostAnnounced]; }
+    const Announced& present() const noexcept { return announced[(announced_count + kMaxAnnounced - 1) % kMaxAnnounced]; }
     std::unique_ptr<MadeShape> next;  // being sent
     std::uint32_t sent_to = 0;        // of next: vertices before this one have been sent
     std::uint32_t again_from = 0;     // of present(): vertices from here on are sent again
@@ -133,11 +133,11 @@ class ObjectShaper {
   std::optional<Message> take_again(std::int64_t now_ns) noexcept;
   void run();
 
-  static constexpr std::size_t kMostReplies = 16;  // that wait to be sent; a program repeats what gets none
+  static constexpr std::size_t kMaxReplies = 16;  // that wait to be sent; a program repeats what gets none
 
   std::vector<std::unique_ptr<Object>> objects_;
-  std::vector<std::string> names_;                     // of all objects of the scene
-  std::array<ShapeReply, kMostReplies> replies_ = {};  // to be sent, a ring
+  std::vector<std::string> names_;                    // of all objects of the scene
+  std::array<ShapeReply, kMaxReplies> replies_ = {};  // to be sent, a ring
   std::size_t first_reply_ = 0;
   std::size_t reply_count_ = 0;
   Object* sending_ = nullptr;    // whose shape is being sent
@@ -150,7 +150,7 @@ class ObjectShaper {
     std::uint32_t first = 0;
     std::uint32_t end = 0;
   };
-  std::array<Again, kMostAgain> again_ = {};
+  std::array<Again, kMaxAgain> again_ = {};
   std::size_t again_begin_ = 0;
   std::size_t again_end_ = 0;
   std::int64_t lossy_until_ns_ = 0;

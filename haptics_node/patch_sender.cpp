@@ -28,36 +28,36 @@ constexpr auto kSenderPollPeriod = std::chrono::milliseconds(4);
 // trip. A move takes another half; the rest is for jitter, and where the round trip is short for sending it again.
 constexpr std::int64_t kLeadNs = 120 * kNanosecondsPerMillisecond;
 constexpr double kLeadTrips = 1.25;
-constexpr double kMostLeadTripS = 2.0;  // a longer round trip counts as this
-constexpr double kVelocityS = 0.1;      // over which the hand's velocity is a mean
+constexpr double kMaxLeadTripS = 2.0;  // a longer round trip counts as this
+constexpr double kVelocityS = 0.1;     // over which the hand's velocity is a mean
 constexpr const char* kTooLarge = "the scene has more triangles than the hub keeps (about 500,000)";
 
 const char* find_scene_obstacle(const TouchScene& scene) {
-  if (scene.effects.size() > kMostSpaceEffects) return "the scene has more than 256 effects in free space";
+  if (scene.effects.size() > kMaxSpaceEffects) return "the scene has more than 256 effects in free space";
   if (scene.has_sculpt()) return "objects of the scene can be carved";
   std::size_t triangles = 0;
   for (const TouchObject& object : scene.objects) triangles += object.mesh->triangles.size();
-  if (triangles > PatchStore::kMostTiles * PatchTile::kMostTriangles) return kTooLarge;
+  if (triangles > PatchStore::kMaxTiles * PatchTile::kMaxTriangles) return kTooLarge;
   if (!scene.has_motion()) return "";
   const std::vector<MotionGroup> groups = group_by_motion(scene);
-  if (groups.size() >= PatchBody::kMostBodies) return "more than 31 objects of the scene move";
+  if (groups.size() >= PatchBody::kMaxBodies) return "more than 31 objects of the scene move";
   const auto has_many_weights = [](const TouchObject& object) {
-    return object.deformation != nullptr && object.deformation->keys().size() > PatchDeformation::kMostAllKeys;
+    return object.deformation != nullptr && object.deformation->keys().size() > PatchDeformation::kMaxAllKeys;
   };
   if (std::any_of(scene.objects.begin(), scene.objects.end(), has_many_weights))
     return "an object of the scene has more than 4,096 keys of its shape";
   const auto is_long = [](const MotionGroup& group) {
-    return group.motion != nullptr && group.motion->keyframes().size() > PatchBody::kMostAllKeys;
+    return group.motion != nullptr && group.motion->keyframes().size() > PatchBody::kMaxAllKeys;
   };
   return std::any_of(groups.begin(), groups.end(), is_long) ? "an object of the scene has more than 1,536 keyframes" : "";
 }
 
 // Why the parts cannot hold all of the scene; empty: they can.
 const char* find_obstacle(const TiledScene& tiles, double probe_radius_m) {
-  if (tiles.tiles.size() > PatchStore::kMostTiles) return kTooLarge;
+  if (tiles.tiles.size() > PatchStore::kMaxTiles) return kTooLarge;
   if (tiles.has_unlisted) return "too many triangles of the scene overlap in one place";
-  if (tiles.displaced.size() > PatchStore::kMostDisplaced) return "the shapes of the objects that deform are more than the hub keeps";
-  if (tiles.effects.size() > PatchEffects::kMostAllBytes) return "images of effects of the scene are more than the hub keeps (2 MB)";
+  if (tiles.displaced.size() > PatchStore::kMaxDisplaced) return "the shapes of the objects that deform are more than the hub keeps";
+  if (tiles.effects.size() > PatchEffects::kMaxAllBytes) return "images of effects of the scene are more than the hub keeps (2 MB)";
   if (tiles.has_parting) return "an object of the scene deforms and comes apart";
   return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object of the scene deforms that cannot be felt on the grid of its parts";
 }
@@ -156,7 +156,7 @@ std::int64_t PatchSender::find_lead_ns(std::int64_t now_ns) const noexcept {
 }
 
 std::int64_t PatchSender::round_trip_ns() const noexcept {
-  const double round_trip_s = std::min(static_cast<double>(round_trip_s_.load(std::memory_order_relaxed)), kMostLeadTripS);
+  const double round_trip_s = std::min(static_cast<double>(round_trip_s_.load(std::memory_order_relaxed)), kMaxLeadTripS);
   return static_cast<std::int64_t>(1e9 * round_trip_s);
 }
 

@@ -118,7 +118,7 @@ class PatchSender {
   };
   struct SentMoves {
     MoveTable table;
-    std::array<std::int64_t, PatchBody::kMostBodies> sent_ns = {};  // in the order of the table
+    std::array<std::int64_t, PatchBody::kMaxBodies> sent_ns = {};  // in the order of the table
   };
 
   // The newest shapes, in no order; object below 0: none.
@@ -127,7 +127,7 @@ class PatchSender {
       std::int32_t object = -1;
       std::uint32_t serial = 0;
     };
-    std::array<One, ShapePart::kMostObjects> newest = {};
+    std::array<One, ShapePart::kMaxObjects> newest = {};
   };
 
   void run();

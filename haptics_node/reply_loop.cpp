@@ -12,14 +12,14 @@ namespace {
 
 constexpr std::int64_t kIdlePollNs = 50 * kNanosecondsPerMillisecond;  // between two polls while no state comes
 constexpr std::int64_t kPatchPollNs = 4 * kNanosecondsPerMillisecond;  // the same while parts of the scene wait to be sent
-constexpr int kMostPatches = 4;                                        // parts of the scene sent between two states
+constexpr int kMaxPatches = 4;                                         // parts of the scene sent between two states
 constexpr std::int64_t kWaitedNs = 20'000;                             // longer than it takes to receive what is there
 constexpr std::int64_t kHubAbsentNs = kNanosecondsPerSecond;
 constexpr std::int64_t kSetupEveryNs = kNanosecondsPerSecond;
 // After a change it is sent a few times more, soon, because a datagram may be lost.
 constexpr std::int64_t kSetupAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kSetupRepeats = 3;
-constexpr std::size_t kMostMovesAgain = 16;  // of objects, sent again with a setup
+constexpr std::size_t kMaxMovesAgain = 16;  // of objects, sent again with a setup
 // Between two requests of programs that are carried out: each is sent to every vision node.
 constexpr std::int64_t kMoveEveryNs = 4 * kNanosecondsPerMillisecond;
 // A first reply that waits no longer is not reported; otherwise vision nodes are notified at this interval.
@@ -301,7 +301,7 @@ void ReplyLoop::change_materials() noexcept {
 }
 
 void ReplyLoop::send_patches() noexcept {
-  for (int n = 0; n < kMostPatches; ++n) {
+  for (int n = 0; n < kMaxPatches; ++n) {
     const Message* part = patches_->front();
     if (part == nullptr) return;
     hub_.send(*part);
@@ -382,7 +382,7 @@ void ReplyLoop::report_move(const ObjectMover::Done& done) {
 void ReplyLoop::send_moves() noexcept {
   if (mover_ == nullptr || mover_->moves().empty()) return;
   const std::span<const ObjectMove> moves = mover_->moves();
-  for (std::size_t sent = 0; sent < std::min(kMostMovesAgain, moves.size()); ++sent) {
+  for (std::size_t sent = 0; sent < std::min(kMaxMovesAgain, moves.size()); ++sent) {
     hub_.send(moves[next_move_]);
     next_move_ = (next_move_ + 1) % moves.size();
   }

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostPosesAgain = 16;  // of objects, sent again with a setup
+constexpr std::size_t kMaxPosesAgain = 16;  // of objects, sent again with a setup
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void ReplyLoop::send_poses() noexcept {
     if (pose.serial == step_.grasp()->pose_serial() && pose.serial > 1) hub_.send(pose);
   }
   std::size_t sent = 0;
-  for (std::size_t looked = 0; looked < poses.size() && sent < kMostPosesAgain; ++looked) {
+  for (std::size_t looked = 0; looked < poses.size() && sent < kMaxPosesAgain; ++looked) {
     const ObjectPose& pose = poses[next_pose_];
     next_pose_ = (next_pose_ + 1) % poses.size();
     if (pose.serial == 0) continue;

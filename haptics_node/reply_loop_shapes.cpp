@@ -5,7 +5,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostShapeMessages = 4;  // between two states, as parts of the scene
+constexpr int kMaxShapeMessages = 4;  // between two states, as parts of the scene
 // As a setup (kSetupAgainNs): a datagram may be lost.
 constexpr std::int64_t kStartAgainNs = 100 * kNanosecondsPerMillisecond;
 constexpr int kStartRepeats = 3;
@@ -41,7 +41,7 @@ void ReplyLoop::deform_objects() {
     pace.stage_ns_per_vertex = patches_->shape_ns_per_vertex();
   }
   shapes_->set_pace(pace);
-  for (int n = 0; n < kMostShapeMessages; ++n) {
+  for (int n = 0; n < kMaxShapeMessages; ++n) {
     const auto message = shapes_->take_due(step_, now_ns);
     if (!message) break;
     hub_.send(*message);

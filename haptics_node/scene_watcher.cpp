@@ -115,7 +115,7 @@ bool SceneWatcher::may_replace(const Scene& scene) const {
     log_warning(
         "{}: the stylus {} this scene, so only stiffness, damping and friction may change, of {} objects at most, and more than these has "
         "changed: start haptics_node again to use it; the present scene stays in use",
-        options_.path.string(), options_.has_tool ? "holds a rigid tool in" : "picks up objects of", MaterialState::kMostObjects);
+        options_.path.string(), options_.has_tool ? "holds a rigid tool in" : "picks up objects of", MaterialState::kMaxObjects);
     return false;
   }
   if (!has_same_plugins(used_, scene)) {

@@ -16,7 +16,7 @@ namespace hapton {
 class StateWait {
  public:
   // Of each period at least this share is slept, so that a loop of real-time priority is never throttled.
-  static constexpr double kLeastSleep = 0.25;
+  static constexpr double kMinSleep = 0.25;
 
   StateWait(HubClient& hub, const Clock& clock) noexcept : hub_(hub), clock_(clock) {}
 

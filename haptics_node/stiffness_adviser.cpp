@@ -123,7 +123,7 @@ std::optional<StiffnessAdvice> advise_stiffness(const LoopFacts& facts) {
   least.pressed_n = 0.0;
   for (const DevicePreset* device : presets_of_device(name_of(facts))) {
     const double most_n = device->limits.max_force_n;
-    least.pressed_n = std::max(least.pressed_n, most_n > 0.0 ? std::min(most_n, kMostPressedN) : kMostPressedN);
+    least.pressed_n = std::max(least.pressed_n, most_n > 0.0 ? std::min(most_n, kMaxPressedN) : kMaxPressedN);
     for (const HandPreset& hand : hand_presets()) {
       if (hand.name == "off") continue;  // the stylus without a hand
       const Recommendation advice =

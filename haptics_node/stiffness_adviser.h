@@ -25,7 +25,7 @@ struct StiffnessAdvice {
   Loop by_stiffness;
   double loop_n_per_m = 0.0;  // without the stiffness limits of the devices: where the stiffness changes from place to place
   Loop by_loop;
-  double pressed_n = kMostPressedN;   // how hard surfaces are pressed: the largest force of the strongest of these devices
+  double pressed_n = kMaxPressedN;    // how hard surfaces are pressed: the largest force of the strongest of these devices
   bool is_limited_by_device = false;  // the device's own stiffness limit is the least, whatever hand and delay
   double damping_ns_per_m = 0.0;      // of materials
   Loop by_damping;

@@ -23,12 +23,12 @@ constexpr std::uint8_t kOrientation = 1, kKnowsHeld = 2, kTorque = 4;
 constexpr std::uint8_t kFlagOn = 1;
 
 // Beyond these it is a mistake of the maker's, or not a device that a hand may hold.
-constexpr int kLeastRateHz = 100;
-constexpr int kLeastWatchdogMs = 5;
-constexpr int kMostWatchdogMs = 100;
-constexpr double kMostForceN = 200.0;
-constexpr double kMostTorqueNm = 20.0;
-constexpr double kMostWorkspaceM = 3.0;
+constexpr int kMinRateHz = 100;
+constexpr int kMinWatchdogMs = 5;
+constexpr int kMaxWatchdogMs = 100;
+constexpr double kMaxForceN = 200.0;
+constexpr double kMaxTorqueNm = 20.0;
+constexpr double kMaxWorkspaceM = 3.0;
 
 std::uint16_t get16(std::span<const std::uint8_t> report, std::size_t at) noexcept {
   return static_cast<std::uint16_t>(report[at] | (report[at + 1] << 8));
@@ -58,24 +58,23 @@ void put_micro(std::span<std::uint8_t> report, std::size_t at, double value) noe
 }
 
 Result<void> check(const Limits& limits) {
-  if (limits.rate_hz < kLeastRateHz) return fail("it reports {} times a second; at least {} are needed", limits.rate_hz, kLeastRateHz);
-  if (limits.watchdog_ms < kLeastWatchdogMs || limits.watchdog_ms > kMostWatchdogMs) {
-    return fail("its watchdog takes {} ms; {} to {} are safe", limits.watchdog_ms, kLeastWatchdogMs, kMostWatchdogMs);
+  if (limits.rate_hz < kMinRateHz) return fail("it reports {} times a second; at least {} are needed", limits.rate_hz, kMinRateHz);
+  if (limits.watchdog_ms < kMinWatchdogMs || limits.watchdog_ms > kMaxWatchdogMs) {
+    return fail("its watchdog takes {} ms; {} to {} are safe", limits.watchdog_ms, kMinWatchdogMs, kMaxWatchdogMs);
   }
   const Vec3 size = limits.workspace_max_m - limits.workspace_min_m;
-  if (size.minCoeff() <= 0.0 || size.maxCoeff() > kMostWorkspaceM) {
+  if (size.minCoeff() <= 0.0 || size.maxCoeff() > kMaxWorkspaceM) {
     return fail("its workspace is {:g} x {:g} x {:g} m; more than 0 and at most {} m each is possible", size.x(), size.y(), size.z(),
-                kMostWorkspaceM);
+                kMaxWorkspaceM);
   }
-  if (limits.max_force_n <= 0.0 || limits.max_force_n > kMostForceN || limits.continuous_force_n > limits.max_force_n) {
+  if (limits.max_force_n <= 0.0 || limits.max_force_n > kMaxForceN || limits.continuous_force_n > limits.max_force_n) {
     return fail("its force limits are {:g} N and {:g} N (continuous); the first must be above 0 and at most {} N, the second no larger",
-                limits.max_force_n, limits.continuous_force_n, kMostForceN);
+                limits.max_force_n, limits.continuous_force_n, kMaxForceN);
   }
   if (limits.max_slew_n_per_s <= 0.0) return fail("it states no limit on how fast the force may change");
-  if (limits.has_torque &&
-      (limits.max_torque_nm <= 0.0 || limits.max_torque_nm > kMostTorqueNm || limits.max_torque_slew_nm_per_s <= 0.0)) {
+  if (limits.has_torque && (limits.max_torque_nm <= 0.0 || limits.max_torque_nm > kMaxTorqueNm || limits.max_torque_slew_nm_per_s <= 0.0)) {
     return fail("its torque limits are {:g} Nm and {:g} Nm/s; more than 0 and at most {} Nm is possible", limits.max_torque_nm,
-                limits.max_torque_slew_nm_per_s, kMostTorqueNm);
+                limits.max_torque_slew_nm_per_s, kMaxTorqueNm);
   }
   return {};
 }

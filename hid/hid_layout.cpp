@@ -7,8 +7,8 @@ namespace hapton {
 namespace {
 
 // More bits than any report has: a descriptor that says so is broken.
-constexpr std::size_t kMostBits = std::size_t{1} << 19;
-constexpr std::size_t kMostNested = 64;
+constexpr std::size_t kMaxBits = std::size_t{1} << 19;
+constexpr std::size_t kMaxNested = 64;
 
 // An item's prefix without its size bits (HID 1.11, 6.2.2.2 to 6.2.2.8).
 constexpr std::uint8_t kInput = 0x80;
@@ -59,7 +59,7 @@ class Reader {
         return value != 0 && value <= 0xFF;
       case kPush:
         saved_.push_back(globals_);
-        return saved_.size() <= kMostNested;
+        return saved_.size() <= kMaxNested;
       case kPop:
         if (saved_.empty()) return false;
         globals_ = saved_.back();
@@ -91,7 +91,7 @@ class Reader {
       case kCollection:
         if (depth_++ == 0 && value == kApplication && usage_) applications_.push_back(compute_usage());
         usage_.reset();
-        return depth_ <= kMostNested;
+        return depth_ <= kMaxNested;
       case kEndCollection:
         usage_.reset();
         return depth_-- > 0;
@@ -105,7 +105,7 @@ class Reader {
     auto of_id = std::find_if(bits_.begin(), bits_.end(), [&](const Bits& bits) { return bits.id == globals_.id; });
     if (of_id == bits_.end()) of_id = bits_.insert(bits_.end(), Bits{globals_.id});
     const std::uint64_t more = std::uint64_t{globals_.size_bits} * globals_.count;
-    if (more > kMostBits || (*of_id).*kind + more > kMostBits) return false;
+    if (more > kMaxBits || (*of_id).*kind + more > kMaxBits) return false;
     (*of_id).*kind += more;
     return true;
   }

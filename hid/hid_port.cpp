@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWaitMs = 20;                                              // the longest delay until it notices a request to stop
 constexpr std::int64_t kShortSleepNs = 20 * kNanosecondsPerMillisecond;  // as kWaitMs, within kSearchPeriodNs
-constexpr int kMostDrained = 256;  // four full queues: a device that sends faster than it is read must not keep the listener waiting
+constexpr int kMaxDrained = 256;  // four full queues: a device that sends faster than it is read must not keep the listener waiting
 
 }  // namespace
 
@@ -81,11 +81,11 @@ void HidPort::run() noexcept {
 }
 
 void HidPort::read_until_gone(HidTransport& transport) noexcept {
-  std::array<std::uint8_t, HidTransport::kMostBytes> report;
+  std::array<std::uint8_t, HidTransport::kMaxBytes> report;
   while (!ends_.load(std::memory_order_acquire) && !has_write_failed_.load(std::memory_order_acquire)) {
     HidRead read = transport.read(report, kWaitMs);
     std::int64_t now_ns = clock_.now_ns();
-    for (int drained = 0; read.outcome == HidIo::done && drained < kMostDrained; ++drained) {
+    for (int drained = 0; read.outcome == HidIo::done && drained < kMaxDrained; ++drained) {
       listener_.on_report(std::span(report).first(std::min(read.size, report.size())), now_ns);
       read = transport.read(report, 0);
       now_ns = clock_.now_ns();

@@ -43,7 +43,7 @@ struct HidRead {
 class HidTransport {
  public:
   // Buffer for a report: the largest interrupt packet of USB 2.0 (high speed, 5.7.3). No device that we know has longer reports.
-  static constexpr std::size_t kMostBytes = 1024;
+  static constexpr std::size_t kMaxBytes = 1024;
 
   virtual ~HidTransport() = default;
 

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "hid/choose_hid_device.h"
+#include "hid/device_lock.h"
 #include "hid/utf8.h"
 #include "runtime/clock.h"
 
@@ -54,8 +55,8 @@ using HidHandle = std::unique_ptr<hid_device, CloseHid>;
 // Two handles, because one of hidapi's is for one thread; each has a queue of its own in the kernel, and the second one's is never read.
 class HidapiTransport final : public HidTransport {
  public:
-  HidapiTransport(HidDescription description, HidHandle reading, HidHandle writing)
-      : description_(std::move(description)), reading_(std::move(reading)), writing_(std::move(writing)) {}
+  HidapiTransport(HidDescription description, DeviceLock lock, HidHandle reading, HidHandle writing)
+      : description_(std::move(description)), lock_(std::move(lock)), reading_(std::move(reading)), writing_(std::move(writing)) {}
 
   const HidDescription& description() const noexcept override { return description_; }
 
@@ -78,6 +79,7 @@ class HidapiTransport final : public HidTransport {
 
  private:
   HidDescription description_;
+  DeviceLock lock_;
   HidHandle reading_;
   HidHandle writing_;
 };
@@ -122,12 +124,14 @@ std::vector<HidDescription> list_hid_devices() {
   return devices;
 }
 
-Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device) {
+Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing) {
   auto reading = open_handle(device.path);
   if (!reading) return tl::unexpected(reading.error());
+  auto lock = sharing == HidSharing::exclusive ? DeviceLock::take(device.path) : DeviceLock();
+  if (!lock) return tl::unexpected(lock.error());
   auto writing = open_handle(device.path);
   if (!writing) return tl::unexpected(writing.error());
-  return std::make_unique<HidapiTransport>(device, std::move(*reading), std::move(*writing));
+  return std::make_unique<HidapiTransport>(device, std::move(*lock), std::move(*reading), std::move(*writing));
 }
 
 HidOpener make_hid_opener(HidKind kind, std::string id) {
@@ -135,7 +139,7 @@ HidOpener make_hid_opener(HidKind kind, std::string id) {
     const std::vector<HidDescription> devices = list_hid_devices();
     const auto device = chosen ? find_hid_device_again(devices, *chosen, kind) : choose_hid_device(devices, kind, id);
     if (!device) return tl::unexpected(device.error());
-    auto opened = open_hid_device(*device);
+    auto opened = open_hid_device(*device, kind == HidKind::space_mouse ? HidSharing::shared : HidSharing::exclusive);
     if (opened) chosen = *device;
     return opened;
   };

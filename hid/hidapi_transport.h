@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,9 +14,12 @@ namespace hapton {
 // permission. RT: no. Error: never; a system without HID has none.
 std::vector<HidDescription> list_hid_devices();
 
+// A force device is one program's, and one hand's in it: an exclusive node that somebody else has exclusively is not opened
+// (device_lock.h).
+enum class HidSharing : std::uint8_t { shared, exclusive };
 // Opens a node. The system creates it before it grants access: a denied access is retried for a second. Error: one line with the remedy.
 // RT: set-up only.
-Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device);
+Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing = HidSharing::exclusive);
 
 // Opens the device that choose_hid_device finds, and after that only the same one again.
 HidOpener make_hid_opener(HidKind kind, std::string id);

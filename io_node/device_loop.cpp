@@ -62,7 +62,7 @@ void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
   const bool is_catching_up = policy_ == OverrunPolicy::catch_up && cycle_.cause != MissCause::none;
   if (!is_catching_up) cycle_.cause = cause_of(late_ns);
   const std::int64_t missed = late_ns / period_ns();
-  const std::int64_t kept = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMostCaughtUp) : 0;
+  const std::int64_t kept = policy_ == OverrunPolicy::catch_up ? std::min(missed, kMaxCaughtUp) : 0;
   tick_ns_ += (missed - kept) * period_ns();
   cycle_.missed = static_cast<std::uint32_t>(missed - kept);
   stats_.missed_cycles += static_cast<std::uint64_t>(missed - kept);
@@ -136,13 +136,14 @@ bool DeviceLoop::is_cut() const noexcept {
 void DeviceLoop::cut_or_restore() noexcept {
   if (force_sample_ns() != 0) return;
   if (governor_.fault() != SafetyFault::none) {
-    if (!is_cut_by_process_.exchange(true)) device_.cut();
+    if (!std::exchange(is_cut_for_fault_, true)) device_.cut();
     return;
   }
-  if (!is_cut()) return;
-  device_.restore();
+  if (!is_cut() && !is_cut_for_fault_) return;
+  is_cut_for_fault_ = false;
   is_cut_by_process_.store(false, std::memory_order_release);
   if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut.store(0, std::memory_order_release);
+  device_.restore();  // last: a cut meanwhile is at worst restored at the next cycle
 }
 
 void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
@@ -154,9 +155,9 @@ void DeviceLoop::set_force_sample(std::int64_t sample_ns) noexcept {
 bool DeviceLoop::cut_if_older(std::int64_t limit_ns) noexcept {
   const std::int64_t sample_ns = force_sample_ns();
   if (sample_ns == 0 || clock_.now_ns() - sample_ns < limit_ns) return false;
-  device_.cut();
-  if (!is_cut_by_process_.exchange(true)) cuts_.fetch_add(1, std::memory_order_relaxed);
-  return true;
+  const bool is_off = device_.cut();
+  if (!is_cut_by_process_.exchange(true) && is_off) cuts_.fetch_add(1, std::memory_order_relaxed);
+  return is_off;
 }
 
 void DeviceLoop::sample_device() noexcept {
@@ -213,7 +214,7 @@ void DeviceLoop::apply_requests() noexcept {
     device_.turn_hand(requests.p_WH ? requests.turn_rad : Vec3(Vec3::Zero()));
   }
   if (std::exchange(aim_serial_, requests.aim_serial) != requests.aim_serial) {
-    std::array<Vec3, Device::kMostAims> aims = requests.p_WA;
+    std::array<Vec3, Device::kMaxAims> aims = requests.p_WA;
     for (Vec3& aim : aims) aim -= clutch_.offset_m();
     device_.aim_hand(std::span(aims).first(requests.aim_count));
   }

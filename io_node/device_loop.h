@@ -23,7 +23,7 @@ namespace hapton {
 
 // The handling of late cycles:
 //   skip      whole periods are skipped, and the next tick is on time again
-//   catch_up  the missed cycles run at once, one after the other, up to kMostCaughtUp of them; more are skipped
+//   catch_up  the missed cycles run at once, one after the other, up to kMaxCaughtUp of them; more are skipped
 //   stop      a missed cycle ends the session: has_overrun() from then on
 enum class OverrunPolicy : std::uint8_t { skip, catch_up, stop };
 
@@ -101,7 +101,7 @@ struct DeviceLoopStats {
 class DeviceLoop {
  public:
   // At 1 kHz the longest delay that is not a stall (kStallNs).
-  static constexpr std::int64_t kMostCaughtUp = 10;
+  static constexpr std::int64_t kMaxCaughtUp = 10;
   // A cycle later than this means that the machine was stalled: no work, device access or wake-up takes that long.
   static constexpr std::int64_t kStallNs = 10 * kNanosecondsPerMillisecond;
   // Size of the queue of cycles to the network side: 0.8 s at 10 kHz. For that long it may have no CPU, or start later, without a gap in a
@@ -168,7 +168,7 @@ class DeviceLoop {
   std::uint64_t post(const WrenchCommand& wanted) noexcept;
   // These take effect with the next cycle.
   void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0, const Vec3& turn_rad = Vec3::Zero()) noexcept;
-  void aim_hand(std::span<const Vec3> p_WA) noexcept;  // see Device::aim_hand; at most Device::kMostAims points
+  void aim_hand(std::span<const Vec3> p_WA) noexcept;  // see Device::aim_hand; at most Device::kMaxAims points
   void reset_faults(ResetPresence presence) noexcept;
   void set_rate_hz(double rate_hz) noexcept;
   void end() noexcept;  // the session ends: the governor's later events are not counted
@@ -180,7 +180,8 @@ class DeviceLoop {
 
   // --- any thread
   // Cuts the device off (Device::cut) if the force on it replies to a sample of that age or older: for a monitor in a thread of another
-  // scheduling class, which runs when this one cannot. The force ramps up afterwards. True: it was cut off. RT: yes, wait-free.
+  // scheduling class, which runs when this one cannot. The force ramps up afterwards. True: it was cut off; false: no force is that old, or
+  // the device has no cut. RT: yes, wait-free.
   bool cut_if_older(std::int64_t limit_ns) noexcept;
   // The end of the newest cycle.
   std::int64_t heartbeat_ns() const noexcept { return heartbeat_ns_.load(std::memory_order_acquire); }
@@ -201,7 +202,7 @@ class DeviceLoop {
     std::uint32_t buttons = 0;
     Vec3 turn_rad = Vec3::Zero();
     std::uint32_t hand_target_serial = 0;
-    std::array<Vec3, Device::kMostAims> p_WA;
+    std::array<Vec3, Device::kMaxAims> p_WA;
     std::size_t aim_count = 0;
     std::uint32_t aim_serial = 0;
     std::uint32_t reset_serial = 0;          // by someone known to be present
@@ -273,6 +274,7 @@ class DeviceLoop {
   std::atomic<DeviceStatus> status_{DeviceStatus::ready};
   std::atomic<bool> has_overrun_{false};
   std::atomic<bool> is_cut_by_process_{false};
+  bool is_cut_for_fault_ = false;  // the holder of the claim's: while a fault is latched
   std::atomic<std::uint64_t> cuts_{0};
   Mailbox<Command> commands_;
   Mailbox<DeviceSide> sides_;

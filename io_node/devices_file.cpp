@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kFarthestM = 10.0;  // no two devices of one person are farther apart
 // The same limits as those of io_node's flags, beyond any device that a hand may hold.
-constexpr double kMostForceN = 1e3;
-constexpr double kMostTorqueNm = 1e3;
-constexpr double kMostSlewNPerS = 1e6;
-constexpr std::int64_t kMostSeed = std::int64_t{1} << 62;
+constexpr double kMaxForceN = 1e3;
+constexpr double kMaxTorqueNm = 1e3;
+constexpr double kMaxSlewNPerS = 1e6;
+constexpr std::int64_t kMaxSeed = std::int64_t{1} << 62;
 constexpr std::size_t kLongestName = 32;
 
 // A name is used as the name of a folder and as the prefix of log lines.
@@ -84,10 +84,10 @@ void allow_device_keys(TomlReader& reader) {
 }
 
 void read_safety(TomlReader& reader, DeviceSettings& device) {
-  reader.read("max_force_n", device.max_force_n, 0.0, kMostForceN);
-  reader.read("max_slew_n_per_s", device.max_slew_n_per_s, 0.0, kMostSlewNPerS);
-  reader.read("max_torque_nm", device.max_torque_nm, 0.0, kMostTorqueNm);
-  reader.read("continuous_force_n", device.continuous_force_n, 0.0, kMostForceN);
+  reader.read("max_force_n", device.max_force_n, 0.0, kMaxForceN);
+  reader.read("max_slew_n_per_s", device.max_slew_n_per_s, 0.0, kMaxSlewNPerS);
+  reader.read("max_torque_nm", device.max_torque_nm, 0.0, kMaxTorqueNm);
+  reader.read("continuous_force_n", device.continuous_force_n, 0.0, kMaxForceN);
   reader.read("max_speed_m_per_s", device.max_speed_m_per_s, 0.0, 100.0);
   device.dead_mans_switch = read_dead_mans_switch(reader, device.dead_mans_switch);
   std::int64_t clutch_button = device.clutch_button;
@@ -123,7 +123,7 @@ IoOptions read_device(TomlReader& reader, const IoOptions& common) {
   reader.read_path("trajectory", options.device.trajectory);
   reader.read("loop", options.device.loop);
   auto seed = static_cast<std::int64_t>(options.device.seed);
-  reader.read("seed", seed, 0, kMostSeed);
+  reader.read("seed", seed, 0, kMaxSeed);
   options.device.seed = static_cast<std::uint64_t>(seed);
   options.device.X_WB = read_place(reader);
   read_safety(reader, options.device);

@@ -6,6 +6,7 @@
 
 #include "devices/device_settings.h"
 #include "io_node/touch_chooser.h"
+#include "link/address.h"
 #include "runtime/realtime.h"
 
 namespace hapton {

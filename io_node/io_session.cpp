@@ -33,9 +33,7 @@ std::string name_plugin(const IoOptions& options) {
 }
 
 // Largest share of a period that is spun for a force.
-double find_reply_share(const IoOptions& options) {
-  return std::min(1e-6 * options.reply_spin_us * options.rate_hz, ReplySpin::kMostShare);
-}
+double find_reply_share(const IoOptions& options) { return std::min(1e-6 * options.reply_spin_us * options.rate_hz, ReplySpin::kMaxShare); }
 
 // The round trip by which --touch auto chooses.
 std::string describe_round_trip(double seconds) {

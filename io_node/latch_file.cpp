@@ -13,7 +13,7 @@ namespace hapton {
 namespace {
 
 // The file has one word, the name of a fault.
-constexpr std::size_t kMostBytes = 64;
+constexpr std::size_t kMaxBytes = 64;
 
 // The text as part of a file name: it cannot lead to another folder.
 std::string plain(std::string_view text) {
@@ -27,13 +27,14 @@ std::string plain(std::string_view text) {
 
 SafetyFault LatchFile::read() const {
   if (file_.empty()) return SafetyFault::none;
-  const auto text = read_regular_file(file_, "", kMostBytes);
-  if (!text) return SafetyFault::none;
+  std::error_code missing;
+  if (!std::filesystem::exists(file_, missing) && !missing) return SafetyFault::none;
+  const auto text = read_regular_file(file_, "", kMaxBytes);
   for (int n = 1; n < kSafetyFaults; ++n) {
     const auto fault = static_cast<SafetyFault>(n);
-    if (*text == std::string(to_string(fault)) + "\n") return fault;
+    if (text && *text == std::string(to_string(fault)) + "\n") return fault;
   }
-  return SafetyFault::none;
+  return SafetyFault::position;
 }
 
 Result<void> LatchFile::keep(SafetyFault fault) const {

@@ -70,7 +70,7 @@ std::int64_t LocalPatch::scene_time_of(const DeviceSample& sample, std::int64_t 
   const PatchOrders& orders = orders_.value();
   if (!touch_.has_arrived()) return std::max<std::int64_t>(orders.anchor_scene_ns + (sample.time_ns - orders.anchor_ns), 0);
   const bool is_given = sample.time_ns < orders.until_ns;
-  return scene_ns_ + (is_given ? std::clamp<std::int64_t>(passed_ns, 0, kMostSceneStepNs) : 0);
+  return scene_ns_ + (is_given ? std::clamp<std::int64_t>(passed_ns, 0, kMaxSceneStepNs) : 0);
 }
 
 std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept {

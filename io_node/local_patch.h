@@ -38,14 +38,14 @@ struct PatchOrders {
 // Force from patches of the scene, on the device's own thread. Patches come from a thread that builds them, and go back to it to be freed.
 //
 // Of a scene that moves, the scene time of a sample is that of the newest remote force plus the time since, until a patch reaches the hand.
-// From then on it advances with the samples of this side, as the haptics node does it: a gap counts as at most kMostSceneStepNs, and while
+// From then on it advances with the samples of this side, as the haptics node does it: a gap counts as at most kMaxSceneStepNs, and while
 // no force is given it stands still.
 //
 // Frames: W and S as named. RT: step, publish, hand and so on yes; making one and ending it is set-up only.
 // Threads: one calls step, one the network side, one the builder's side.
 class LocalPatch final : public LocalTouch {
  public:
-  static constexpr std::int64_t kMostSceneStepNs = 50'000'000;  // as HapticsStep
+  static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;  // as HapticsStep
 
   LocalPatch() = default;
   ~LocalPatch() override;

@@ -11,7 +11,7 @@ LoopReporter::LoopReporter(HubPeers& peers, const ServoStats& stats, std::string
 }
 
 void LoopReporter::send_if_due(double rate_hz, std::int64_t now_ns) noexcept {
-  if (now_ns < next_ns_ || stats_.round_trip.count() < kLeastTrips || !peers_.has_haptics()) return;
+  if (now_ns < next_ns_ || stats_.round_trip.count() < kMinTrips || !peers_.has_haptics()) return;
   next_ns_ = now_ns + kEveryNs;
   facts_.servo_rate_hz = rate_hz;
   facts_.round_trip_s = static_cast<float>(1e-9 * static_cast<double>(stats_.round_trip.quantile_ns(0.99)));

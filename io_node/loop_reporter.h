@@ -15,7 +15,7 @@ namespace hapton {
 class LoopReporter {
  public:
   static constexpr std::int64_t kEveryNs = kNanosecondsPerSecond;
-  static constexpr std::uint64_t kLeastTrips = 2000;  // round trips: enough for a p99
+  static constexpr std::uint64_t kMinTrips = 2000;  // round trips: enough for a p99
 
   // max_torque_nm: of the device; 0: no motor turns the stylus. Pre: peers and stats outlive this.
   LoopReporter(HubPeers& peers, const ServoStats& stats, std::string_view device, double max_torque_nm) noexcept;

@@ -21,7 +21,7 @@ constexpr float kForgetShare = 0.125F;  // of the difference, with each stage th
 }  // namespace
 
 PatchBuilder::PatchBuilder(LocalPatch& local) : local_(local) {
-  for (std::uint32_t body = 0; body < PatchBody::kMostBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
+  for (std::uint32_t body = 0; body < PatchBody::kMaxBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
   failed_work_.assign(makers_.size(), WorkShare(kFailureShare, kFailureBurstNs));
   thread_ = start_thread([this] { run(); });
 }

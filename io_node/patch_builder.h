@@ -37,7 +37,7 @@ class PatchBuilder {
  public:
   static constexpr double kStageShare = 0.5;
   static constexpr std::int64_t kStageBurstNs = 1'000'000'000;  // several of the largest in a row
-  static constexpr double kFailureShare = 0.5 / PatchBody::kMostBodies;
+  static constexpr double kFailureShare = 0.5 / PatchBody::kMaxBodies;
   static constexpr std::int64_t kFailureBurstNs = 250'000'000;
 
   // Pre: outlives this.

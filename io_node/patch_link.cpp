@@ -94,6 +94,11 @@ void PatchLink::update(ForceExchange& forces, const std::optional<ViewTransform>
   if (now_ns - status_ns_ >= (has_news_ ? kSoonNs : kStatusNs)) send_status(round_trip_s_, now_ns);
 }
 
+void PatchLink::finish() noexcept {
+  orders_.is_wanted = false;
+  local_.publish(orders_);
+}
+
 void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
   if (now_ns >= next_check_ns_) {
     next_check_ns_ = now_ns + kRoundTripCheckNs;

@@ -50,6 +50,8 @@ class PatchLink {
   void update(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
 
   bool is_wanted() const noexcept { return state_ != State::remote; }
+  // The session ends: the device side computes no force from patches any more, so that the command timeout releases it.
+  void finish() noexcept;
   // The median by which that was chosen; below 0: not known.
   double round_trip_s() const noexcept { return round_trip_s_; }
   const PatchBuilderCounts& builder_counts() noexcept { return builder_.counts(); }

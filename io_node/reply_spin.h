@@ -13,7 +13,7 @@ namespace hapton {
 class ReplySpin {
  public:
   // Share of a period. The rest is for other threads on this CPU; SchedulingMonitor lowers the limit further.
-  static constexpr double kMostShare = 0.5;
+  static constexpr double kMaxShare = 0.5;
 
   // longest_ns: the longest spin for one sample; 0: never spins.
   explicit ReplySpin(std::int64_t longest_ns = 0) noexcept : longest_ns_(longest_ns) {}
@@ -39,7 +39,7 @@ class ReplySpin {
 
  private:
   std::int64_t longest_ns_;
-  std::atomic<double> limit_{kMostShare};
+  std::atomic<double> limit_{kMaxShare};
   std::atomic<std::int64_t> spun_ns_{0};
   SpinTrial trial_;
 };

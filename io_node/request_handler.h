@@ -54,7 +54,7 @@ class RequestHandler {
   // 30 shapes a second of 8,500 vertices. Each part takes the haptics node some microseconds.
   static constexpr std::int64_t kShapePartsPerSecond = 4000;
   static constexpr std::int64_t kAllShapePartsPerSecond = 6000;
-  static constexpr std::int64_t kShapePartsAtOnce = 2 * ShapePart::kMostParts;
+  static constexpr std::int64_t kShapePartsAtOnce = 2 * ShapePart::kMaxParts;
 
  private:
   static constexpr std::size_t kNobody = HubPeers::kCapacity;

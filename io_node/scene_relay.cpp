@@ -21,7 +21,7 @@ void SceneRelay::accept(const SceneFacts& scene, NodeRole role, const std::optio
 void SceneRelay::place(const std::optional<ViewTransform>& view) noexcept {
   if (!scene_) return;
   const Pose X_WS = view ? pose_of(*view) : Pose(Pose::Identity());
-  std::array<Vec3, SceneFacts::kMostPoints> p_WA;
+  std::array<Vec3, SceneFacts::kMaxPoints> p_WA;
   for (std::size_t i = 0; i < scene_->point_count; ++i) p_WA[i] = point_in_world(*scene_, X_WS, i);
   loop_.aim_hand(std::span(p_WA).first(scene_->point_count));
   const SceneReach before = std::exchange(reach_, find_reach(*scene_, X_WS, loop_.limits()));

@@ -12,7 +12,7 @@ constexpr double kMillisecondsPerSecond = 1e3;
 
 SchedulingMonitor::SchedulingMonitor(double requested, std::optional<double> realtime_share) : requested_(requested) {
   figures_.realtime_share = realtime_share.value_or(1.0);
-  figures_.spin_limit = std::min(requested_, kMostOfAllowed * figures_.realtime_share);
+  figures_.spin_limit = std::min(requested_, kMaxOfAllowed * figures_.realtime_share);
 }
 
 double SchedulingMonitor::update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns) {
@@ -24,7 +24,7 @@ double SchedulingMonitor::update(const ThreadUsage& usage, std::int64_t spun_ns,
   if (passed_s <= 0.0) return figures_.spin_limit;
   const double ran = (usage.run_s - last.usage.run_s) / passed_s;
   const double spun = kSecondsPerNanosecond * static_cast<double>(spun_ns - last.spun_ns) / passed_s;
-  figures_.spin_limit = std::clamp(kMostOfAllowed * figures_.realtime_share - std::max(0.0, ran - spun), 0.0, requested_);
+  figures_.spin_limit = std::clamp(kMaxOfAllowed * figures_.realtime_share - std::max(0.0, ran - spun), 0.0, requested_);
   figures_.near_throttling += ran >= kNearThrottling * figures_.realtime_share ? 1 : 0;
 
   const double all_s = kSecondsPerNanosecond * static_cast<double>(now_ns - first_->now_ns);

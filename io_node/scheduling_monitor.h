@@ -26,7 +26,7 @@ struct SchedulingStats {
 class SchedulingMonitor {
  public:
   // Share of the kernel's limit that work and spinning together may use.
-  static constexpr double kMostOfAllowed = 0.8;
+  static constexpr double kMaxOfAllowed = 0.8;
   // Above this much of it the loop is about to be throttled.
   static constexpr double kNearThrottling = 0.95;
 

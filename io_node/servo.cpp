@@ -276,6 +276,7 @@ void Servo::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
   const bool runs_device = !cycles_.has_device_thread();
   loop_.end();
+  if (patches_ != nullptr) patches_->finish();
   const std::int64_t end_ns = clock_.now_ns() + kCommandTimeoutNs + 2 * kStepNs;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < end_ns; now_ns = clock_.now_ns()) {
     if (runs_device) loop_.hold();

@@ -275,7 +275,7 @@ void SessionRecorder::write_entries(bool all) {
 void SessionRecorder::plan_flight(const SessionEntry& fault) {
   if (flight_) return;  // it will be in that one
   std::int64_t& last_ns = last_flight_ns_[static_cast<std::size_t>(fault.fault)];
-  if ((last_ns != 0 && fault.time_ns - last_ns < kFlightEveryNs) || counts_.flights >= kMostFlights) {
+  if ((last_ns != 0 && fault.time_ns - last_ns < kFlightEveryNs) || counts_.flights >= kMaxFlights) {
     ++counts_.flights_left_out;
     return;
   }
@@ -316,7 +316,7 @@ void SessionRecorder::forget_old_flights() const {
     if (name.starts_with("flight-") && name.ends_with(".hapton")) records.push_back(entry.path());
   }
   std::sort(records.begin(), records.end());
-  for (std::size_t n = 0; n + kMostKept < records.size(); ++n) std::filesystem::remove(records[n], ignored);
+  for (std::size_t n = 0; n + kMaxKept < records.size(); ++n) std::filesystem::remove(records[n], ignored);
 }
 
 void SessionRecorder::on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept {
@@ -342,9 +342,9 @@ void SessionRecorder::on_fault(SessionFault fault, std::int64_t time_ns) noexcep
 
 MarkerStatus SessionRecorder::on_marker(const MarkerNote& n, std::int64_t time_ns) noexcept {
   const Note note{.kind = SessionEntry::Kind::marker, .source = n.source, .time_ns = time_ns};
-  std::array<std::byte, sizeof n.sample + MarkerText::kMostBytes> body;
+  std::array<std::byte, sizeof n.sample + MarkerText::kMaxBytes> body;
   std::memcpy(body.data(), &n.sample, sizeof n.sample);
-  const std::size_t size = std::min(n.text.size(), MarkerText::kMostBytes);
+  const std::size_t size = std::min(n.text.size(), MarkerText::kMaxBytes);
   std::memcpy(body.data() + sizeof n.sample, n.text.data(), size);
   const bool is_in = ring_.push(bytes_of(note), std::span(body).first(sizeof n.sample + size));
   return !records_all_ ? MarkerStatus::no_recording : is_in ? MarkerStatus::recorded : MarkerStatus::no_room;

@@ -22,7 +22,7 @@ namespace hapton {
 
 // Records everything a servo does, at full rate, in its own thread: the whole session in one file and, after a fault, the last two seconds
 // in a flight record named after the fault. The servo only copies into a ring; entries that do not fit are counted, also in the file.
-// Flight records are limited: one of a kind in kFlightEveryNs, kMostFlights in a session; a folder keeps the newest kMostKept. RT: the
+// Flight records are limited: one of a kind in kFlightEveryNs, kMaxFlights in a session; a folder keeps the newest kMaxKept. RT: the
 // on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
 class SessionRecorder final : public ServoTap {
  public:
@@ -30,8 +30,8 @@ class SessionRecorder final : public ServoTap {
   static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // of what follows a fault, in its flight record
   // Limits of what a fault that repeats, or many sessions, put on the disk: choices.
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
-  static constexpr int kMostFlights = 16;
-  static constexpr std::size_t kMostKept = 64;
+  static constexpr int kMaxFlights = 16;
+  static constexpr std::size_t kMaxKept = 64;
   static constexpr std::size_t kRingBytes = std::size_t{1} << 22;        // 0.5 s at 10 kHz: enough for flight records
   static constexpr std::size_t kRecordRingBytes = std::size_t{1} << 24;  // 2 s at 10 kHz: a recording is to have every sample
 

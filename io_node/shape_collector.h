@@ -37,7 +37,7 @@ class ShapeCollector {
     std::uint32_t total = 0;      // vertices
     bool has_begun = false;       // its ShapeStart has come
     std::int64_t request_ns = 0;  // not before
-    std::bitset<ShapePart::kMostParts> received = {};
+    std::bitset<ShapePart::kMaxParts> received = {};
     bool is_missing() const noexcept { return serial != 0 && has_begun && received.count() < ShapePart::count_parts(total); }
   };
   Newest* find(std::uint32_t source, std::int32_t object, std::uint32_t serial, std::uint32_t total, Arrival arrival) noexcept;
@@ -47,7 +47,7 @@ class ShapeCollector {
   const ServoTap* tap_;
   MoveSource processes_;
   std::uint32_t source_ = 0;
-  std::array<Newest, ShapePart::kMostObjects> objects_ = {};
+  std::array<Newest, ShapePart::kMaxObjects> objects_ = {};
 };
 
 }  // namespace hapton

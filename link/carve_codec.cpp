@@ -14,7 +14,7 @@ namespace hapton {
 namespace {
 
 constexpr int kNumbersOfOne = 7;
-static_assert(Carves::kMost == 32, "a bit for each entry");
+static_assert(Carves::kMax == 32, "a bit for each entry");
 
 constexpr std::uint32_t bit_of(std::size_t entry) { return std::uint32_t{1} << entry; }
 
@@ -35,7 +35,7 @@ bool is_carve(const Carves::One& one) {
   if (!is_point(one.from_m) || !is_point(one.to_m)) return false;
   const Vec3 along(static_cast<double>(one.to_m[0]) - one.from_m[0], static_cast<double>(one.to_m[1]) - one.from_m[1],
                    static_cast<double>(one.to_m[2]) - one.from_m[2]);
-  return along.norm() <= Carves::kMostLengthM && one.radius_m > 0.0F && one.radius_m <= Carves::kMostRadiusM;
+  return along.norm() <= Carves::kMaxLengthM && one.radius_m > 0.0F && one.radius_m <= Carves::kMaxRadiusM;
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void write(const Carves& from, wire::Carves& to) {
   to.mutable_undone()->Clear();
   std::uint32_t begins = 0;
   std::uint32_t undoes = 0;
-  for (std::size_t n = 0; n < std::min<std::size_t>(from.count, Carves::kMost); ++n) {
+  for (std::size_t n = 0; n < std::min<std::size_t>(from.count, Carves::kMax); ++n) {
     const Carves::One& one = from.carves[n];
     to.mutable_object()->AddAlreadyReserved(one.is_undo() ? 0 : static_cast<std::uint32_t>(one.object));
     if (one.is_undo()) {
@@ -82,7 +82,7 @@ bool read(const wire::Carves& from, Carves& to) {
   to.newest = from.newest();
   to.first = from.first();
   const int count = from.object().size();
-  if (to.source == 0 || count > static_cast<int>(Carves::kMost)) return false;
+  if (to.source == 0 || count > static_cast<int>(Carves::kMax)) return false;
   const std::uint64_t all = (std::uint64_t{1} << static_cast<unsigned>(count)) - 1;
   if ((from.undoes() & ~all) != 0 || (from.begins() & ~all) != 0 || (from.begins() & from.undoes()) != 0) return false;
   const int undoes = std::popcount(from.undoes());

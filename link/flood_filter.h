@@ -28,7 +28,7 @@ class FloodFilter {
   static constexpr std::uint64_t kFlood = 50;
   static constexpr std::int64_t kQuietNs = 2'000'000'000;
   static constexpr double kPassedPerS = 5000.0;  // 5 ms of work a second, at 1 us each; a choice
-  static constexpr std::size_t kMostInstructions = 640;
+  static constexpr std::size_t kMaxInstructions = 640;
 
   // The action on the socket's filter.
   enum class Action : std::uint8_t { none, install, remove };
@@ -81,7 +81,7 @@ class FloodFilter {
   double built_rate_per_s_ = 0.0;
   bool is_shut_ = false;
   bool may_hasten_ = false;  // once per period: a new session is admitted at once
-  std::array<sock_filter, kMostInstructions> program_ = {};
+  std::array<sock_filter, kMaxInstructions> program_ = {};
   std::size_t program_size_ = 0;
 };
 

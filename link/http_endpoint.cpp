@@ -19,7 +19,7 @@ namespace http = boost::beast::http;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-constexpr std::size_t kMostBytes = 1 << 16;  // of a reply; the services send a version and a few lines
+constexpr std::size_t kMaxBytes = 1 << 16;  // of a reply; the services send a version and a few lines
 
 // One request and its reply, with one time limit for both.
 class HttpExchange {
@@ -29,7 +29,7 @@ class HttpExchange {
     request_.target(beast::string_view(target.data(), target.size()));
     request_.set(http::field::host, to_string(to));
     request_.set(http::field::connection, "close");
-    parser_.body_limit(kMostBytes);
+    parser_.body_limit(kMaxBytes);
     error_code result;
     stream_.expires_after(std::chrono::nanoseconds(timeout_ns));
     stream_.async_connect(tcp::endpoint(to_asio(to), to.port), [&](const error_code& connected) {
@@ -47,7 +47,7 @@ class HttpExchange {
  private:
   asio::io_context context_{1};
   beast::tcp_stream stream_{context_};
-  beast::flat_buffer buffer_{kMostBytes};
+  beast::flat_buffer buffer_{kMaxBytes};
   http::request<http::empty_body> request_;
   http::response_parser<http::string_body> parser_;
 };
@@ -61,7 +61,7 @@ Result<std::string> read_http(const Address& to, std::string_view target, std::i
   if (error) return fail("{}", error == beast::error::timeout ? "no reply in time" : error.message());
   const auto& response = (*exchange)->response();
   if (response.result() != http::status::ok) return fail("HTTP status {} for {}", response.result_int(), target);
-  if (response.body().size() > kMostBytes) return fail("more than {} bytes from {}", kMostBytes, target);
+  if (response.body().size() > kMaxBytes) return fail("more than {} bytes from {}", kMaxBytes, target);
   return response.body();
 }
 

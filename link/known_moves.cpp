@@ -16,13 +16,13 @@ void KnownMoves::take(const ObjectMove& move, Arrival arrival) {
   const auto known = motions_.find(move.object);
   if (known != motions_.end()) {
     known->second.begin(to_command(move));
-  } else if (motions_.size() < kMostObjects) {
+  } else if (motions_.size() < kMaxObjects) {
     motions_.emplace(move.object, begin_motion(move));
   }
 }
 
 void KnownMoves::note_name(std::string_view name, std::int32_t object) {
-  if (names_.size() < kMostObjects || names_.contains(object)) names_.insert_or_assign(object, std::string(name));
+  if (names_.size() < kMaxObjects || names_.contains(object)) names_.insert_or_assign(object, std::string(name));
 }
 
 // Where the object was before its first known move is not known: it stands where that one began, from before the beginning of scene time.

@@ -19,7 +19,7 @@ namespace hapton {
 class KnownMoves {
  public:
   // More than any scene has: a broken haptics node may announce any numbers, and others are left out.
-  static constexpr std::size_t kMostObjects = 1 << 16;
+  static constexpr std::size_t kMaxObjects = 1 << 16;
 
   // arrival: as HubClient::last_arrival of this move.
   void take(const ObjectMove& move, Arrival arrival);

@@ -43,7 +43,7 @@ void KnownShapes::take(const ObjectShape& shape, Arrival arrival) {
   const bool is_past = !object.starts.empty() && shape.serial < object.starts.front().serial;
   if (is_past) return;
   object.shapes.try_emplace(shape.serial, shape.part.total).first->second.add(shape.part);
-  if (object.shapes.size() > kMostShapes) object.shapes.erase(object.shapes.begin());
+  if (object.shapes.size() > kMaxShapes) object.shapes.erase(object.shapes.begin());
 }
 
 void KnownShapes::take(const ShapeStart& start, Arrival arrival) {
@@ -54,7 +54,7 @@ void KnownShapes::take(const ShapeStart& start, Arrival arrival) {
   if (after != object.starts.end() && after->serial == start.serial) return;
   if (after == object.starts.end()) object.request_ns = 0;
   object.starts.insert(after, start);
-  if (object.starts.size() > kMostStarts) object.starts.pop_front();
+  if (object.starts.size() > kMaxStarts) object.starts.pop_front();
   std::uint32_t oldest = start.before;
   for (const ShapeStart& one : object.starts) oldest = std::min(oldest, one.before);
   object.shapes.erase(object.shapes.begin(), object.shapes.lower_bound(oldest));
@@ -148,16 +148,16 @@ void KnownShapes::request_runs(std::size_t object, const ShapeStart& start, cons
   const std::uint32_t all = ShapePart::count_parts(start.total);
   const auto is_missing = [&](std::uint32_t part) { return parts == nullptr || !parts->has(part); };
   std::size_t runs = 0;
-  for (std::uint32_t part = 0; part < all && runs < kMostRuns; ++part) {
+  for (std::uint32_t part = 0; part < all && runs < kMaxRuns; ++part) {
     if (!is_missing(part)) continue;
     const std::uint32_t first = part;
     while (part < all && is_missing(part)) ++part;
-    if (++runs == kMostRuns) part = all;
+    if (++runs == kMaxRuns) part = all;
     into.push_back({.source = process_,
                     .serial = start.serial,
                     .object = static_cast<std::int32_t>(object),
-                    .first = first * ShapePart::kMostHere,
-                    .count = (part - first) * ShapePart::kMostHere});
+                    .first = first * ShapePart::kMaxHere,
+                    .count = (part - first) * ShapePart::kMaxHere});
   }
 }
 

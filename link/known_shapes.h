@@ -53,13 +53,13 @@ class KnownShapes {
   void take_requests_ahead(std::int64_t now_ns, std::vector<ShapeStatus>& into);
 
  private:
-  // The newest of an object: those that wait for their start (StreamedGeometry::kMostWaiting), and a few for pictures of earlier samples.
-  static constexpr std::size_t kMostStarts = 12;
-  static constexpr std::size_t kMostShapes = 16;
+  // The newest of an object: those that wait for their start (StreamedGeometry::kMaxWaiting), and a few for pictures of earlier samples.
+  static constexpr std::size_t kMaxStarts = 12;
+  static constexpr std::size_t kMaxShapes = 16;
   static constexpr std::int64_t kPartTimeoutNs = 60'000'000;  // the parts may be on their way
   static constexpr std::int64_t kRequestEveryNs = 200'000'000;
   static constexpr std::int64_t kReorderedNs = 25'000'000;  // parts sent before a start may come that much after it
-  static constexpr std::size_t kMostRuns = 8;               // of parts that are missing, in requests ahead
+  static constexpr std::size_t kMaxRuns = 8;                // of parts that are missing, in requests ahead
 
   struct Object {
     std::uint32_t total = 0;             // vertices

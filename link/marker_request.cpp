@@ -8,8 +8,7 @@ namespace hapton {
 
 Result<Marker> make_marker(std::string_view text) {
   if (text.empty()) return fail("a marker needs a text");
-  if (text.size() > MarkerText::kMostBytes)
-    return fail("a marker has at most {} bytes of text, not {}", MarkerText::kMostBytes, text.size());
+  if (text.size() > MarkerText::kMaxBytes) return fail("a marker has at most {} bytes of text, not {}", MarkerText::kMaxBytes, text.size());
   if (!MarkerText::is_valid(text)) return fail("a marker is UTF-8 without line ends and other control characters");
   Marker marker{.request = static_cast<std::uint32_t>(make_random_id()) | 1U};
   std::copy(text.begin(), text.end(), marker.text.begin());

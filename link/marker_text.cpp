@@ -16,9 +16,9 @@ bool take_character(std::string_view& text, std::uint32_t& character) noexcept {
     if ((next & 0xC0) != 0x80) return false;
     character = character << 6 | (next & 0x3FU);
   }
-  constexpr std::uint32_t kLeast[] = {0, 0, 0x80, 0x800, 0x10000};
+  constexpr std::uint32_t kMin[] = {0, 0, 0x80, 0x800, 0x10000};
   const bool is_surrogate = character >= 0xD800 && character <= 0xDFFF;
-  if (character < kLeast[length] || is_surrogate || character > 0x10FFFF) return false;
+  if (character < kMin[length] || is_surrogate || character > 0x10FFFF) return false;
   text.remove_prefix(length);
   return true;
 }
@@ -28,7 +28,7 @@ bool is_shown(std::uint32_t c) noexcept { return c >= 0x20 && !(c >= 0x7F && c <
 }  // namespace
 
 bool MarkerText::is_valid(std::string_view text) noexcept {
-  if (text.empty() || text.size() > kMostBytes) return false;
+  if (text.empty() || text.size() > kMaxBytes) return false;
   while (!text.empty()) {
     std::uint32_t character = 0;
     if (!take_character(text, character) || !is_shown(character)) return false;

@@ -215,7 +215,7 @@ struct MaterialRequest {
 // haptics -> hub -> every tool and vision node, when it has changed and once a second from the first request on: the differences between
 // the materials in use and those of the scene file, so that a recording can be replayed, and the result of the last request.
 struct MaterialState {
-  static constexpr std::size_t kMostObjects = 20;
+  static constexpr std::size_t kMaxObjects = 20;
   struct Object {
     std::int32_t object = -1;  // of the scene, from 0; -1: all, before the others
     MaterialChange change;
@@ -225,24 +225,24 @@ struct MaterialState {
   std::uint32_t request = 0;          // replied to last; 0: none
   HapticsSetup::Text rejection = {};  // why it changed nothing; empty: it is in use
   std::uint32_t object_count = 0;
-  std::array<Object, kMostObjects> objects = {};
+  std::array<Object, kMaxObjects> objects = {};
 };
 
 // haptics -> hub -> every vision node, vision -> hub -> haptics, when a session begins and once a second: identifies a node's scene, so
 // that two nodes notice if their scenes or tools differ. From haptics also points of its surface, to which a simulated hand goes.
 struct SceneFacts {
-  static constexpr std::size_t kMostPoints = 16;  // a choice: a hand finds a scene by a few of them
-  static constexpr std::uint64_t kNoTool = 1;     // for tool_hash
-  using Point = std::array<float, 3>;             // frame S, m
+  static constexpr std::size_t kMaxPoints = 16;  // a choice: a hand finds a scene by a few of them
+  static constexpr std::uint64_t kNoTool = 1;    // for tool_hash
+  using Point = std::array<float, 3>;            // frame S, m
 
   std::uint64_t given_hash = 0;  // of the meshes as the files have them, and their poses (Scene::given_hash)
   Point lowest_m = {};           // corners of its box
   Point highest_m = {};
   std::uint32_t point_count = 0;
-  std::array<Point, kMostPoints> points_m = {};  // spread over its surface
-  float preparing_s = 0.0F;                      // above 0: haptics has been preparing its method for this long, and there is no force yet
-  bool is_hand_inside = false;                   // of a body since haptics began: the body gives no force, or holds the hand inside
-  std::uint64_t tool_hash = 0;                   // SceneTool::given_hash; kNoTool: the stylus is a probe; 0: not known
+  std::array<Point, kMaxPoints> points_m = {};  // spread over its surface
+  float preparing_s = 0.0F;                     // above 0: haptics has been preparing its method for this long, and there is no force yet
+  bool is_hand_inside = false;                  // of a body since haptics began: the body gives no force, or holds the hand inside
+  std::uint64_t tool_hash = 0;                  // SceneTool::given_hash; kNoTool: the stylus is a probe; 0: not known
 };
 
 // tool -> hub: a part of the hub's report.
@@ -284,8 +284,8 @@ struct ObjectPose {
 
 // tool, vision or haptics -> hub: something happened, at the newest sample that the hub has. It is recorded (io_node --record).
 struct Marker {
-  std::uint32_t request = 0;                               // identifies the reply, never 0; the same again: a repetition
-  std::array<char, MarkerText::kMostBytes + 1> text = {};  // NUL-padded, MarkerText::is_valid
+  std::uint32_t request = 0;                              // identifies the reply, never 0; the same again: a repetition
+  std::array<char, MarkerText::kMaxBytes + 1> text = {};  // NUL-padded, MarkerText::is_valid
 };
 
 // hub -> the sender of a Marker.
@@ -304,14 +304,14 @@ struct MarkerReply {
 // tool or vision -> hub -> haptics: moves an object that programs may move (docs/scene-files.md). Pose as position_m and rotation of the
 // scene file; what is not given stays as it is when the move begins.
 struct MoveRequest {
-  static constexpr double kMostSeconds = 86'400.0;  // a day
+  static constexpr double kMaxSeconds = 86'400.0;  // a day
 
   std::uint32_t request = 0;       // identifies the reply, never 0; the same again: a repetition
   HapticsSetup::Text object = {};  // name; empty: the object of that number
   std::int32_t number = 0;         // of the scene, from 0
   std::optional<Vec3> p_m = {};    // one of the two is given
   std::optional<Quat> q = {};
-  std::optional<double> over_s = {};  // above 0, at most kMostSeconds; none: the least time allowed
+  std::optional<double> over_s = {};  // above 0, at most kMaxSeconds; none: the least time allowed
 };
 
 // haptics -> hub -> the sender of a MoveRequest.
@@ -341,9 +341,9 @@ struct ObjectMove {
 // consecutive serials, as MadeCarve (core/sculpt/carve_list.h). Frame: of the object as the scene file places it. The numbers are those
 // that forces and pictures are computed with.
 struct Carves {
-  static constexpr std::size_t kMost = 32;
-  static constexpr float kMostRadiusM = 1000.0F;  // as scene files allow
-  static constexpr float kMostLengthM = 1000.0F;
+  static constexpr std::size_t kMax = 32;
+  static constexpr float kMaxRadiusM = 1000.0F;  // as scene files allow
+  static constexpr float kMaxLengthM = 1000.0F;
   using Point = std::array<float, 3>;  // frame S, m
   struct One {
     std::int32_t object = 0;  // of the scene
@@ -362,7 +362,7 @@ struct Carves {
   std::uint32_t newest = 0;  // serial; they count the carves of all objects and their undos, from 1; 0: none yet
   std::uint32_t first = 0;   // serial of the first one here; 0: there is none
   std::uint32_t count = 0;
-  std::array<One, kMost> carves = {};
+  std::array<One, kMax> carves = {};
 };
 
 // vision -> hub -> haptics, while some are missing: those after `complete` are sent again.

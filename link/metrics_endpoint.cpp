@@ -31,9 +31,9 @@ using asio::ip::tcp;
 using boost::system::error_code;
 
 constexpr auto kPatience = std::chrono::seconds(2);            // for a client to send its request and to read
-constexpr std::size_t kMostClients = 16;                       // one or two ask; for one more the oldest is closed
+constexpr std::size_t kMaxClients = 16;                        // one or two ask; for one more the oldest is closed
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // where the process has no descriptor left
-constexpr std::size_t kMostRequestBytes = 8192;                // a scraper sends some hundred
+constexpr std::size_t kMaxRequestBytes = 8192;                 // a scraper sends some hundred
 
 // A browser that was directed here by another name (DNS rebinding) sends that name as Host. A client without Host is no browser.
 bool is_host_ours(std::string_view host) {
@@ -81,7 +81,7 @@ struct MetricsEndpoint::State {
 
     void start() {
       parser.body_limit(0);
-      parser.header_limit(kMostRequestBytes);
+      parser.header_limit(kMaxRequestBytes);
       stream.expires_after(kPatience);
       http::async_read_header(stream, buffer, parser, [self = shared_from_this()](const error_code& error, std::size_t) {
         if (!error) self->await_text();
@@ -115,7 +115,7 @@ struct MetricsEndpoint::State {
 
     State& state;
     beast::tcp_stream stream;
-    beast::flat_buffer buffer{kMostRequestBytes};
+    beast::flat_buffer buffer{kMaxRequestBytes};
     http::request_parser<http::empty_body> parser;
     Response response;
     asio::steady_timer timer{stream.get_executor()};
@@ -143,7 +143,7 @@ struct MetricsEndpoint::State {
   // Closes the oldest connection, so that a new request is served however many silent connections there are.
   void make_room() {
     std::erase_if(order, [](const std::weak_ptr<Client>& client) { return client.expired(); });
-    while (order.size() >= kMostClients) {
+    while (order.size() >= kMaxClients) {
       if (const auto longest = order.front().lock()) {
         error_code ignored;
         longest->stream.socket().close(ignored);

@@ -46,7 +46,7 @@ bool read(const wire::MoveRequest& from, MoveRequest& to) {
   if (to.request == 0 || !(has_position || has_rotation)) return false;
   if (has_position && !read_vector(from.p_m(), to.p_m.emplace())) return false;
   if (has_rotation && !read_rotation(from.q(), to.q.emplace())) return false;
-  if (from.has_over_s() && !(from.over_s() > 0.0 && from.over_s() <= MoveRequest::kMostSeconds)) return false;
+  if (from.has_over_s() && !(from.over_s() > 0.0 && from.over_s() <= MoveRequest::kMaxSeconds)) return false;
   if (from.has_over_s()) to.over_s = from.over_s();
   return read_text(from.object(), to.object) && read_object_number(from.number(), to.number);
 }

@@ -20,8 +20,8 @@ Result<void> check(const MoveTarget& target) {
   if (target.rotation && !(std::abs(target.rotation->norm() - 1.0) <= kUnitTolerance)) {
     return fail("a rotation is a quaternion w, x, y, z of length 1, not {:.6g}", target.rotation->norm());
   }
-  if (target.over_s && !(*target.over_s > 0.0 && *target.over_s <= MoveRequest::kMostSeconds)) {
-    return fail("a move takes a time above 0 s and up to {:g} s, not {:g} s", MoveRequest::kMostSeconds, *target.over_s);
+  if (target.over_s && !(*target.over_s > 0.0 && *target.over_s <= MoveRequest::kMaxSeconds)) {
+    return fail("a move takes a time above 0 s and up to {:g} s, not {:g} s", MoveRequest::kMaxSeconds, *target.over_s);
   }
   return {};
 }

@@ -41,7 +41,7 @@ bool read_keys(const Field& field, PatchBody& to) {
   if (to.motion != PatchBody::Motion::keyframes) return field.empty();
   if (field.size() % kNumbers != 0 || count == 0 || count > static_cast<int>(to.keys.size())) return false;
   to.key_count = static_cast<std::uint32_t>(count);
-  if (to.all_keys < 2 || to.all_keys > PatchBody::kMostAllKeys || to.first_key >= to.all_keys) return false;
+  if (to.all_keys < 2 || to.all_keys > PatchBody::kMaxAllKeys || to.first_key >= to.all_keys) return false;
   if (to.key_count > to.all_keys - to.first_key) return false;
   for (int n = 0; n < count; ++n) {
     const auto at = [&](int i) { return field.Get(kNumbers * n + i); };
@@ -126,8 +126,8 @@ void write(const PatchTile& from, wire::PatchTile& to) {
   to.set_tile(from.tile);
   write_material(from, to);
   to.set_one_sided(!from.two_sided);
-  const std::size_t vertices = std::min<std::size_t>(from.vertex_count, PatchTile::kMostVertices);
-  const std::size_t triangles = std::min<std::size_t>(from.triangle_count, PatchTile::kMostTriangles);
+  const std::size_t vertices = std::min<std::size_t>(from.vertex_count, PatchTile::kMaxVertices);
+  const std::size_t triangles = std::min<std::size_t>(from.triangle_count, PatchTile::kMaxTriangles);
   to.mutable_vertices()->assign(reinterpret_cast<const char*>(from.vertices.data()), vertices * PatchTile::kVertexBytes);
   to.mutable_triangles()->assign(reinterpret_cast<const char*>(from.triangles.data()), 3 * triangles);
 }
@@ -236,7 +236,7 @@ bool read(const wire::PatchBegin& from, PatchBegin& to) {
   to.request = from.request();
   to.method_serial = from.method_serial();
   to.effect_bytes = from.effect_bytes();
-  if (to.body_count > PatchBody::kMostBodies || to.effect_bytes > PatchEffects::kMostAllBytes) return false;
+  if (to.body_count > PatchBody::kMaxBodies || to.effect_bytes > PatchEffects::kMaxAllBytes) return false;
   return read_vector(from.origin_m(), to.origin_m) && std::isnormal(to.step_m) && is_amount(to.step_m) && is_amount(to.probe_radius_m);
 }
 
@@ -245,7 +245,7 @@ bool read(const wire::PatchCell& from, PatchCell& to) {
   to.serial = from.serial();
   to.level = from.level();
   to.body = from.body();
-  if (to.body >= PatchBody::kMostBodies) return false;
+  if (to.body >= PatchBody::kMaxBodies) return false;
   const std::string& empty = from.empty_children();
   if (to.level > kPatchDeepestLevel || from.index().size() != 3 || empty.size() != to.level) return false;
   std::copy(empty.begin(), empty.end(), to.empty_children.begin());
@@ -263,8 +263,8 @@ bool read(const wire::PatchTile& from, PatchTile& to) {
   to.tile = from.tile();
   to.two_sided = !from.one_sided();
   if (!read_material(from, to)) return false;
-  const std::size_t vertices = count_records(from.vertices(), PatchTile::kVertexBytes, PatchTile::kMostVertices);
-  const std::size_t triangles = count_records(from.triangles(), 3, PatchTile::kMostTriangles);
+  const std::size_t vertices = count_records(from.vertices(), PatchTile::kVertexBytes, PatchTile::kMaxVertices);
+  const std::size_t triangles = count_records(from.triangles(), 3, PatchTile::kMaxTriangles);
   if (vertices == 0 || triangles == 0) return false;
   to.vertex_count = static_cast<std::uint8_t>(vertices);
   to.triangle_count = static_cast<std::uint8_t>(triangles);
@@ -288,7 +288,7 @@ bool read(const wire::PatchBody& from, PatchBody& to) {
   to.loops = from.loops();
   to.all_keys = from.all_keys();
   to.first_key = from.first_key();
-  if (to.body >= PatchBody::kMostBodies || motion > static_cast<std::uint32_t>(PatchBody::Motion::commanded)) return false;
+  if (to.body >= PatchBody::kMaxBodies || motion > static_cast<std::uint32_t>(PatchBody::Motion::commanded)) return false;
   if (!is_amount(to.radius_m) || to.object < 0 || !read_bounds(from.bounds(), to)) return false;
   if (to.motion != PatchBody::Motion::still && !read_vector(from.pivot_m(), to.pivot_m)) return false;
   return read_keys(from.keys(), to);
@@ -312,9 +312,9 @@ bool read(const wire::PatchDeformation& from, PatchDeformation& to) {
   to.loops = from.loops();
   to.all_keys = from.all_keys();
   to.first_key = from.first_key();
-  if (to.body >= PatchBody::kMostBodies || to.tile_count == 0) return false;
-  if (to.target_count == 0 || to.target_count > PatchDeformation::kMostTargets) return false;
-  if (to.all_keys == 0 || to.all_keys > PatchDeformation::kMostAllKeys) return false;
+  if (to.body >= PatchBody::kMaxBodies || to.tile_count == 0) return false;
+  if (to.target_count == 0 || to.target_count > PatchDeformation::kMaxTargets) return false;
+  if (to.all_keys == 0 || to.all_keys > PatchDeformation::kMaxAllKeys) return false;
   return read_weights(from, to);
 }
 
@@ -324,7 +324,7 @@ bool read(const wire::PatchDisplacements& from, PatchDisplacements& to) {
   to.tile = from.tile();
   to.target = from.target();
   const auto count = static_cast<std::size_t>(from.by_m().size());
-  if (to.target >= PatchDeformation::kMostTargets || count == 0 || count % 3 != 0 || count > to.by_m.size()) return false;
+  if (to.target >= PatchDeformation::kMaxTargets || count == 0 || count % 3 != 0 || count > to.by_m.size()) return false;
   to.vertex_count = static_cast<std::uint8_t>(count / 3);
   std::copy(from.by_m().begin(), from.by_m().end(), to.by_m.begin());
   return std::all_of(from.by_m().begin(), from.by_m().end(), [](float by_m) { return is_amount(std::abs(static_cast<double>(by_m))); });
@@ -341,8 +341,8 @@ bool read(const wire::PatchStream& from, PatchStream& to) {
   to.reach_m = from.reach_m();
   to.shape_serial = from.shape_serial();
   to.tile = from.tile();
-  if (to.body >= PatchBody::kMostBodies || to.object < 0 || to.tile - to.first_tile >= to.tile_count) return false;
-  if (to.total == 0 || to.total > ShapePart::kMostVertices || !is_amount(to.reach_m) || to.reach_m == 0.0) return false;
+  if (to.body >= PatchBody::kMaxBodies || to.object < 0 || to.tile - to.first_tile >= to.tile_count) return false;
+  if (to.total == 0 || to.total > ShapePart::kMaxVertices || !is_amount(to.reach_m) || to.reach_m == 0.0) return false;
   if (from.to_scene().size() != 9) return false;
   for (int n = 0; n < 9; ++n) {
     to.to_scene(n / 3, n % 3) = from.to_scene(n);
@@ -360,8 +360,8 @@ bool read(const wire::PatchEffects& from, PatchEffects& to) {
   to.serial = from.serial();
   to.part = from.part();
   to.byte_count = static_cast<std::uint32_t>(from.bytes().size());
-  constexpr std::uint32_t kMostParts = PatchEffects::kMostAllBytes / PatchEffects::kMostBytes + 1;
-  if (to.byte_count == 0 || to.byte_count > to.bytes.size() || to.part >= kMostParts) return false;
+  constexpr std::uint32_t kMaxParts = PatchEffects::kMaxAllBytes / PatchEffects::kMaxBytes + 1;
+  if (to.byte_count == 0 || to.byte_count > to.bytes.size() || to.part >= kMaxParts) return false;
   std::copy(from.bytes().begin(), from.bytes().end(), to.bytes.begin());
   return true;
 }

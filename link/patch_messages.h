@@ -34,19 +34,19 @@ struct PatchBegin {
 
 // haptics -> hub: some bytes of the scene's effects (patch/effect_codec.h), in order. Nothing is felt before all have come.
 struct PatchEffects {
-  static constexpr std::size_t kMostBytes = 960;             // in a part: one datagram. All but the last have as many
-  static constexpr std::uint32_t kMostAllBytes = 1U << 21U;  // of a scene: 17 s at 1 Mbit/s
+  static constexpr std::size_t kMaxBytes = 960;             // in a part: one datagram. All but the last have as many
+  static constexpr std::uint32_t kMaxAllBytes = 1U << 21U;  // of a scene: 17 s at 1 Mbit/s
   std::uint32_t epoch = 0;
   std::uint32_t serial = 0;
   std::uint32_t part = 0;  // from 0
   std::uint32_t byte_count = 0;
-  std::array<std::uint8_t, kMostBytes> bytes = {};
+  std::array<std::uint8_t, kMaxBytes> bytes = {};
 };
 
 // haptics -> hub: a cluster of triangles of one object.
 struct PatchTile {
-  static constexpr std::size_t kMostVertices = 88;  // with kMostTriangles 984 bytes: a part is one datagram
-  static constexpr std::size_t kMostTriangles = 64;
+  static constexpr std::size_t kMaxVertices = 88;  // with kMaxTriangles 984 bytes: a part is one datagram
+  static constexpr std::size_t kMaxTriangles = 64;
   static constexpr std::size_t kVertexBytes = 9;  // x, y, z, 3 bytes each, lowest first
   std::uint32_t epoch = 0;
   std::uint32_t serial = 0;
@@ -59,16 +59,16 @@ struct PatchTile {
   bool two_sided = true;
   std::uint8_t vertex_count = 0;
   std::uint8_t triangle_count = 0;
-  std::array<std::uint8_t, kMostVertices* kVertexBytes> vertices = {};
-  std::array<std::uint8_t, kMostTriangles* 3> triangles = {};  // vertex numbers in this tile
+  std::array<std::uint8_t, kMaxVertices* kVertexBytes> vertices = {};
+  std::array<std::uint8_t, kMaxTriangles* 3> triangles = {};  // vertex numbers in this tile
 };
 
 // haptics -> hub: objects that move together, or what stands still (body 0). Positions of its parts are those of the scene at rest; where
 // it is, its motion says. A motion with more keyframes than one message holds takes several.
 struct PatchBody {
-  static constexpr std::size_t kMostBodies = 32;
-  static constexpr std::size_t kMostKeys = 12;          // in a message
-  static constexpr std::uint32_t kMostAllKeys = 1'536;  // of a body
+  static constexpr std::size_t kMaxBodies = 32;
+  static constexpr std::size_t kMaxKeys = 12;          // in a message
+  static constexpr std::uint32_t kMaxAllKeys = 1'536;  // of a body
   enum class Motion : std::uint8_t { still = 0, keyframes = 1, commanded = 2 };
 
   std::uint32_t epoch = 0;
@@ -90,15 +90,15 @@ struct PatchBody {
   std::uint32_t all_keys = 0;   // of the motion
   std::uint32_t first_key = 0;  // of those here
   std::uint32_t key_count = 0;
-  std::array<Keyframe, kMostKeys> keys = {};
+  std::array<Keyframe, kMaxKeys> keys = {};
 };
 
 // haptics -> hub: how a body deforms (MeshDeformation): its weights over time. It is felt once all of it has come, with all of its tiles,
 // which have consecutive numbers and are in no PatchCell. More weights than one message holds take several.
 struct PatchDeformation {
-  static constexpr std::uint32_t kMostTargets = 16;    // as MeshDeformation has it
-  static constexpr std::size_t kMostNumbers = 120;     // in a message
-  static constexpr std::uint32_t kMostAllKeys = 4096;  // of a body
+  static constexpr std::uint32_t kMaxTargets = 16;    // as MeshDeformation has it
+  static constexpr std::size_t kMaxNumbers = 120;     // in a message
+  static constexpr std::uint32_t kMaxAllKeys = 4096;  // of a body
 
   std::uint32_t epoch = 0;
   std::uint32_t serial = 0;
@@ -111,7 +111,7 @@ struct PatchDeformation {
   std::uint32_t all_keys = 0;   // of the deformation
   std::uint32_t first_key = 0;  // of those here
   std::uint32_t key_count = 0;
-  std::array<double, kMostNumbers> keys = {};  // each: time in s, the weight of each target
+  std::array<double, kMaxNumbers> keys = {};  // each: time in s, the weight of each target
 
   static constexpr std::size_t numbers_of_key(std::uint32_t targets) noexcept { return 1 + std::size_t{targets}; }
 };
@@ -122,8 +122,8 @@ struct PatchDisplacements {
   std::uint32_t serial = 0;
   std::uint32_t tile = 0;
   std::uint32_t target = 0;
-  std::uint8_t vertex_count = 0;                              // as the tile has them
-  std::array<float, 3 * PatchTile::kMostVertices> by_m = {};  // x, y, z of each
+  std::uint8_t vertex_count = 0;                             // as the tile has them
+  std::array<float, 3 * PatchTile::kMaxVertices> by_m = {};  // x, y, z of each
 };
 
 // haptics -> hub: programs deform a body, one object (ShapeStart), and which vertices of its mesh those of a tile are. It is felt once all
@@ -140,8 +140,8 @@ struct PatchStream {
   Mat3 to_scene = Mat3::Zero();    // of displacements in ObjectShape
   std::uint32_t shape_serial = 0;  // of ShapeStart, the newest when this was sent; 0: at rest
   std::uint32_t tile = 0;
-  std::uint8_t vertex_count = 0;                                      // as the tile has them
-  std::array<std::uint32_t, PatchTile::kMostVertices> vertices = {};  // of the mesh
+  std::uint8_t vertex_count = 0;                                     // as the tile has them
+  std::array<std::uint32_t, PatchTile::kMaxVertices> vertices = {};  // of the mesh
 };
 
 // haptics -> hub: an object has another material than its tiles say. Of several the one of the highest serial counts.
@@ -157,7 +157,7 @@ struct PatchMaterial {
 
 // haptics -> hub: all tiles that have a triangle in one cube of the octree over the grid: at level n it is 2^-n of the whole wide.
 struct PatchCell {
-  static constexpr std::size_t kMostTiles = 128;  // a scene with more in one place is not sent in parts (decision 197)
+  static constexpr std::size_t kMaxTiles = 128;  // a scene with more in one place is not sent in parts (decision 197)
   std::uint32_t epoch = 0;
   std::uint32_t serial = 0;
   std::uint32_t level = 0;
@@ -165,7 +165,7 @@ struct PatchCell {
   // Of the cubes around it, the whole one first: bit x + 2 y + 4 z: that child of it has no triangle.
   std::array<std::uint8_t, kPatchDeepestLevel> empty_children = {};
   std::uint32_t tile_count = 0;
-  std::array<std::uint32_t, kMostTiles> tiles = {};
+  std::array<std::uint32_t, kMaxTiles> tiles = {};
   std::uint32_t body = 0;
 };
 

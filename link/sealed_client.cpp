@@ -126,7 +126,7 @@ void SealedClient::change_over() noexcept {
   previous_ends_ns_ = 0;  // set when the hub has changed over, too
   channel_ = handshake_.take_channel();
   last_received_ns_ = clock_.now_ns();
-  timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.replied_request_ns(), 0, kMostTripNs);
+  timeout_ns_ = kPeerTimeoutNs + std::clamp<std::int64_t>(last_received_ns_ - handshake_.replied_request_ns(), 0, kMaxTripNs);
   rekey_ns_ = last_received_ns_ + options_.rekey_every_ns;
   if (held_bytes_ != 0) transmit(std::span(held_).first(held_bytes_));
   held_bytes_ = 0;

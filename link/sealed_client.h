@@ -29,7 +29,7 @@ namespace hapton {
 class SealedClient final : public Endpoint {
  public:
   static constexpr std::int64_t kPeerTimeoutNs = 200 * kNanosecondsPerMillisecond;  // two of the hub's replies are missing (Pre)
-  static constexpr std::int64_t kMostTripNs = 2 * kNanosecondsPerSecond;            // most that the round trip adds to the timeout
+  static constexpr std::int64_t kMaxTripNs = 2 * kNanosecondsPerSecond;             // most that the round trip adds to the timeout
   static constexpr std::int64_t kRequestPeriodNs = 50 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyRequestPeriodNs = 250 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kRekeyEveryNs = 120 * kNanosecondsPerSecond;  // as WireGuard

@@ -283,7 +283,7 @@ bool SealedHub::had_reply_lately(const Address& address, KeyRole role, std::int6
     if (!is_unused || now_ns - session.last_received_ns >= kReplyLivesNs) continue;
     ++young;
     if (session.address != address) continue;
-    wait_ns = wait_ns == 0 ? kReplyEveryNs : std::min(2 * wait_ns, kMostReplyEveryNs);
+    wait_ns = wait_ns == 0 ? kReplyEveryNs : std::min(2 * wait_ns, kMaxReplyEveryNs);
     newest_ns = std::max(newest_ns, session.last_received_ns);
   }
   return wait_ns != 0 && (now_ns - newest_ns < wait_ns || young >= most_candidates(places));

@@ -25,7 +25,7 @@ namespace hapton {
 //   X25519     A worker computes agreements. The caller hands over requests that have shown key, time and address, and sends the reply in
 //              a later call, when it is finished. A full worker drops requests; it never makes the caller wait.
 //   candidates A request from an address that got a reply lately gets no reply: that one may still be under way. The next gets one
-//              kReplyEveryNs later, the one after it twice that, and so on to kMostReplyEveryNs: a node whose reply was lost soon has
+//              kReplyEveryNs later, the one after it twice that, and so on to kMaxReplyEveryNs: a node whose reply was lost soon has
 //              another, and one that is a second away finds its session when its first datagram arrives. While all places for candidates
 //              are taken, an address that has a reply gets no other for kReplyLivesNs.
 //   sessions   A new session of the same role and address replaces the old one once a datagram was opened in it. The old one can still be
@@ -41,7 +41,7 @@ class SealedHub final : public Endpoint {
   static constexpr std::int64_t kIdleNs = 2 * kNanosecondsPerSecond;
   static constexpr std::int64_t kOverlapNs = kNanosecondsPerSecond;
   static constexpr std::int64_t kReplyEveryNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kMostReplyEveryNs = 8 * kReplyEveryNs;
+  static constexpr std::int64_t kMaxReplyEveryNs = 8 * kReplyEveryNs;
   static constexpr std::int64_t kReplyLivesNs = 2 * kNanosecondsPerSecond;
   static constexpr SourceLimit::Rates kHandshakeRates = {
       .source_per_second = 64, .source_burst = 32, .all_per_second = 256, .all_burst = 64};

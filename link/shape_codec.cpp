@@ -29,7 +29,7 @@ bool read_part(const Message& from, ShapePart& to) {
   to = {};
   to.total = from.total();
   to.first = from.first();
-  if (to.total == 0 || to.total > ShapePart::kMostVertices || to.first >= to.total || to.first % ShapePart::kMostHere != 0) return false;
+  if (to.total == 0 || to.total > ShapePart::kMaxVertices || to.first >= to.total || to.first % ShapePart::kMaxHere != 0) return false;
   const std::string& bytes = from.displacements();
   if (bytes.size() != to.count() * kBytesOfOne) return false;
   std::memcpy(to.displacements_m.data(), bytes.data(), bytes.size());
@@ -88,7 +88,7 @@ bool read(const wire::ShapeRequest& from, ShapeRequest& to) {
   to.stream = from.stream();
   to.shape = from.shape();
   to.over_s = from.over_s();
-  if (to.stream == 0 || to.shape == 0 || !(to.over_s >= 0.0 && to.over_s <= ShapeRequest::kMostSeconds)) return false;
+  if (to.stream == 0 || to.shape == 0 || !(to.over_s >= 0.0 && to.over_s <= ShapeRequest::kMaxSeconds)) return false;
   return read_text(from.object(), to.object) && read_object_number(from.number(), to.number) && read_part(from, to.part);
 }
 
@@ -114,7 +114,7 @@ bool read(const wire::ShapeStart& from, ShapeStart& to) {
   to.total = from.total();
   to.start_ns = from.start_ns();
   to.end_ns = from.end_ns();
-  if (to.source == 0 || to.total == 0 || to.total > ShapePart::kMostVertices) return false;
+  if (to.source == 0 || to.total == 0 || to.total > ShapePart::kMaxVertices) return false;
   if (to.start_ns < 0 || to.end_ns < to.start_ns || !is_wire_time(to.end_ns)) return false;
   // Of an object at rest there is nothing before.
   if (to.serial == 0 ? to.before != 0 : to.before >= to.serial) return false;
@@ -126,8 +126,8 @@ bool read(const wire::ShapeStatus& from, ShapeStatus& to) {
   to.serial = from.serial();
   to.first = from.first();
   to.count = from.count();
-  if (to.source == 0 || to.serial == 0 || to.first >= ShapePart::kMostVertices || to.first % ShapePart::kMostHere != 0) return false;
-  if (to.count > ShapePart::kMostParts * ShapePart::kMostHere || to.count % ShapePart::kMostHere != 0) return false;
+  if (to.source == 0 || to.serial == 0 || to.first >= ShapePart::kMaxVertices || to.first % ShapePart::kMaxHere != 0) return false;
+  if (to.count > ShapePart::kMaxParts * ShapePart::kMaxHere || to.count % ShapePart::kMaxHere != 0) return false;
   return read_object_number(from.object(), to.object);
 }
 

@@ -8,21 +8,21 @@ namespace hapton {
 // The messages about objects that programs deform, of those in link/messages.h.
 
 // Displacements of some vertices of an object that programs deform (`deformed_by = "program"` in the scene file), from where they are at
-// rest: m, of the mesh, before scale and pose, as a morph's. A shape is sent in parts that begin at each multiple of kMostHere.
+// rest: m, of the mesh, before scale and pose, as a morph's. A shape is sent in parts that begin at each multiple of kMaxHere.
 struct ShapePart {
-  static constexpr std::size_t kMostObjects = 8;          // of a scene
-  static constexpr std::uint32_t kMostHere = 64;          // 768 bytes: a part is one datagram
-  static constexpr std::uint32_t kMostVertices = 10'000;  // a step moves them in 57 us (decision 191)
-  static constexpr std::uint32_t kMostParts = (kMostVertices + kMostHere - 1) / kMostHere;
+  static constexpr std::size_t kMaxObjects = 8;          // of a scene
+  static constexpr std::uint32_t kMaxHere = 64;          // 768 bytes: a part is one datagram
+  static constexpr std::uint32_t kMaxVertices = 10'000;  // a step moves them in 57 us (decision 191)
+  static constexpr std::uint32_t kMaxParts = (kMaxVertices + kMaxHere - 1) / kMaxHere;
   using Displacement = std::array<float, 3>;
 
-  std::uint32_t total = 0;  // vertices of the mesh, 1 to kMostVertices
+  std::uint32_t total = 0;  // vertices of the mesh, 1 to kMaxVertices
   std::uint32_t first = 0;  // the first one here
-  std::array<Displacement, kMostHere> displacements_m = {};
+  std::array<Displacement, kMaxHere> displacements_m = {};
 
-  std::uint32_t number() const { return first / kMostHere; }
-  std::uint32_t count() const { return first < total ? (total - first < kMostHere ? total - first : kMostHere) : 0; }
-  static std::uint32_t count_parts(std::uint32_t total) { return (total + kMostHere - 1) / kMostHere; }
+  std::uint32_t number() const { return first / kMaxHere; }
+  std::uint32_t count() const { return first < total ? (total - first < kMaxHere ? total - first : kMaxHere) : 0; }
+  static std::uint32_t count_parts(std::uint32_t total) { return (total + kMaxHere - 1) / kMaxHere; }
 };
 
 // As HapticsSetup::Text.
@@ -31,13 +31,13 @@ using ShapeText = std::array<char, 256>;
 // tool or vision -> hub -> haptics: a part of the next shape of an object that programs deform. A shape counts once it is whole; a part of
 // a newer one discards it.
 struct ShapeRequest {
-  static constexpr double kMostSeconds = 86'400.0;  // a day
+  static constexpr double kMaxSeconds = 86'400.0;  // a day
 
   std::uint32_t stream = 0;  // of the sender, random, never 0
   std::uint32_t shape = 0;   // counts the sender's shapes, from 1
   ShapeText object = {};     // name; empty: the object of that number
   std::int32_t number = 0;   // of the scene, from 0
-  double over_s = 0.0;       // that the motion to this shape takes at least, up to kMostSeconds
+  double over_s = 0.0;       // that the motion to this shape takes at least, up to kMaxSeconds
   ShapePart part = {};
 };
 

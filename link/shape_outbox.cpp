@@ -14,11 +14,11 @@ namespace hapton {
 namespace {
 
 Result<void> check_shape(std::span<const ShapePart::Displacement> displacements_m, double over_s) {
-  if (displacements_m.empty() || displacements_m.size() > ShapePart::kMostVertices) {
-    return fail("a shape has 1 to {} vertices, not {}", ShapePart::kMostVertices, displacements_m.size());
+  if (displacements_m.empty() || displacements_m.size() > ShapePart::kMaxVertices) {
+    return fail("a shape has 1 to {} vertices, not {}", ShapePart::kMaxVertices, displacements_m.size());
   }
-  if (!(over_s >= 0.0 && over_s <= ShapeRequest::kMostSeconds)) {
-    return fail("the motion to a shape takes 0 to {:g} s, not {:g} s", ShapeRequest::kMostSeconds, over_s);
+  if (!(over_s >= 0.0 && over_s <= ShapeRequest::kMaxSeconds)) {
+    return fail("the motion to a shape takes 0 to {:g} s, not {:g} s", ShapeRequest::kMaxSeconds, over_s);
   }
   for (std::size_t v = 0; v < displacements_m.size(); ++v) {
     for (const float x : displacements_m[v]) {
@@ -63,7 +63,7 @@ void ShapeOutbox::send(HubClient& client, std::int64_t now_ns) {
     while (left > 0 && shape.next < shape.displacements_m.size()) {
       shape.head.part = make_shape_part(shape.displacements_m, shape.next);
       client.send(shape.head);
-      shape.next += ShapePart::kMostHere;
+      shape.next += ShapePart::kMaxHere;
       shape.repeat_ns = now_ns + kRepeatNs;
       --left;
     }
@@ -81,7 +81,7 @@ void ShapeOutbox::take(const Message& message) {
   }
   std::erase_if(shapes_, [&](const Shape& one) { return is_done(one); });
   std::erase_if(replies_, [&](const ShapeReply& one) { return one.shape == reply->shape; });
-  if (replies_.size() == kMostReplies) replies_.erase(replies_.begin());
+  if (replies_.size() == kMaxReplies) replies_.erase(replies_.begin());
   replies_.push_back(*reply);
   came_.notify_all();
 }

@@ -58,7 +58,7 @@ class ShapeOutbox {
     std::int64_t repeat_ns = 0;  // sent again then
   };
 
-  static constexpr std::size_t kMostReplies = 64;
+  static constexpr std::size_t kMaxReplies = 64;
 
   // Pre of both: locked.
   const ShapeReply* reply_to(std::uint32_t shape) const;  // null: none

@@ -32,10 +32,10 @@ class ShapeParts {
 
  private:
   std::vector<ShapePart::Displacement> displacements_m_;
-  std::bitset<ShapePart::kMostParts> received_;
+  std::bitset<ShapePart::kMaxParts> received_;
 };
 
-// The part that begins at that vertex. Pre: first is below the number of displacements, and a multiple of ShapePart::kMostHere. RT: yes.
+// The part that begins at that vertex. Pre: first is below the number of displacements, and a multiple of ShapePart::kMaxHere. RT: yes.
 ShapePart make_shape_part(std::span<const ShapePart::Displacement> displacements_m, std::uint32_t first) noexcept;
 
 }  // namespace hapton

@@ -22,8 +22,8 @@ namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kAcceptPauseNs = 100'000'000;  // where the process has no descriptor left
-constexpr int kMostAcceptsAtOnce = 8;                 // so that neither new connections nor datagrams keep the others waiting
-constexpr int kMostDatagramsAtOnce = 64;
+constexpr int kMaxAcceptsAtOnce = 8;                  // so that neither new connections nor datagrams keep the others waiting
+constexpr int kMaxDatagramsAtOnce = 64;
 constexpr int kSendBufferBytes = 128 * 1024;  // the kernel's share of the waiting data: older data is of no use
 constexpr int kTriesForAPort = 32;            // free for TCP and UDP alike
 
@@ -156,7 +156,7 @@ void SocketStreams::wake() noexcept {
 }
 
 StreamEndpoint::Id SocketStreams::connect(const Address& to) {
-  if (connections_.size() >= kMostConnections) return 0;
+  if (connections_.size() >= kMaxConnections) return 0;
   Connection connection;
   connection.socket = make_socket(to, SOCK_STREAM);
   SocketAddress system = to_socket_address(to);
@@ -172,7 +172,7 @@ StreamEndpoint::Id SocketStreams::connect(const Address& to) {
 bool SocketStreams::send(Id id, std::span<const std::byte> bytes) {
   Connection* connection = find(id);
   if (connection == nullptr) return false;
-  if (connection->waiting.size() + bytes.size() > kMostWaitingBytes) {
+  if (connection->waiting.size() + bytes.size() > kMaxWaitingBytes) {
     connection->is_closing = true;
     return false;
   }
@@ -267,7 +267,7 @@ void SocketStreams::receive(Id id, Listener& listener) {
 }
 
 void SocketStreams::accept_some(Listener& listener) {
-  for (int n = 0; n < kMostAcceptsAtOnce; ++n) {
+  for (int n = 0; n < kMaxAcceptsAtOnce; ++n) {
     SocketAddress from;
     Descriptor socket(::accept4(listening_.get(), from.get(), &from.size, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (socket.get() < 0) {
@@ -276,7 +276,7 @@ void SocketStreams::accept_some(Listener& listener) {
       return;
     }
     // A connection above the limit is closed silently.
-    if (count_open() >= kMostConnections) {
+    if (count_open() >= kMaxConnections) {
       const Id given_up = listener.choose_connection_to_evict();
       if (given_up == 0) continue;
       close(given_up);
@@ -293,7 +293,7 @@ void SocketStreams::accept_some(Listener& listener) {
 }
 
 void SocketStreams::receive_datagrams(Listener& listener) {
-  for (int n = 0; n < kMostDatagramsAtOnce; ++n) {
+  for (int n = 0; n < kMaxDatagramsAtOnce; ++n) {
     SocketAddress from;
     const ssize_t bytes = ::recvfrom(datagrams_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT, from.get(), &from.size);
     if (bytes < 0 && errno == ECONNREFUSED) continue;

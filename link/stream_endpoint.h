@@ -12,13 +12,13 @@
 namespace hapton {
 
 // A few TCP connections, and datagrams at the same port: for foreign protocols that need both. Never blocks on a peer: a
-// peer that does not read is disconnected when more than kMostWaitingBytes wait for it. RT: no. Threads: one, but for
+// peer that does not read is disconnected when more than kMaxWaitingBytes wait for it. RT: no. Threads: one, but for
 // wake.
 class StreamEndpoint {
  public:
   using Id = std::uint64_t;  // of a connection; never used twice
-  static constexpr std::size_t kMostConnections = 16;
-  static constexpr std::size_t kMostWaitingBytes = std::size_t{256} * 1024;
+  static constexpr std::size_t kMaxConnections = 16;
+  static constexpr std::size_t kMaxWaitingBytes = std::size_t{256} * 1024;
 
   // Events. Each connection gets on_connected first (a requested one perhaps on_closed instead) and on_closed last.
   struct Listener {

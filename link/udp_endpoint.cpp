@@ -34,7 +34,7 @@ constexpr std::int64_t kNothingPrepared = std::numeric_limits<std::int64_t>::min
 constexpr std::int64_t kBlockingNs = 8'000'000;
 constexpr std::int64_t kFarNs = 20'000'000;
 // Foreign datagrams that one receive skips after its deadline, so that a flood cannot hold it.
-constexpr int kMostPassedOver = 64;
+constexpr int kMaxPassedOver = 64;
 constexpr int kReceiveBufferBytes = 1 << 20;  // a second of 10 kHz traffic to a node that is paused
 
 std::int64_t monotonic_ns() {
@@ -249,7 +249,7 @@ Received UdpEndpoint::receive(std::span<std::byte> into, std::int64_t deadline_n
   // call; by ppoll when it is near; not at all when it has passed.
   std::int64_t now_ns = monotonic_ns();
   if (filters_floods_ && filter_.is_due(now_ns)) update_filter(now_ns);
-  for (int passed_over = 0; passed_over < kMostPassedOver; now_ns = monotonic_ns()) {
+  for (int passed_over = 0; passed_over < kMaxPassedOver; now_ns = monotonic_ns()) {
     const bool is_far = now_ns + kFarNs < deadline_ns && find_timer(deadline_ns) == nullptr;
     const bool is_past = deadline_ns <= now_ns;
     // After a wait that found nothing, there is no need for another system call.

@@ -25,7 +25,7 @@ class BeastEndpoint final : public WebSocketEndpoint {
   bool open(const Address& to, std::int64_t timeout_ns) {
     // The stream's own time limits would be restarted by every byte.
     stream_.set_option(websocket::stream_base::timeout{websocket::stream_base::none(), websocket::stream_base::none(), false});
-    stream_.read_message_max(kMostMessageBytes);
+    stream_.read_message_max(kMaxMessageBytes);
     const bool is_there = run(timeout_ns, [&](auto&& done) {
       lowest().async_connect(tcp::endpoint(to_asio(to), to.port), [done](const error_code& error) { done(error); });
     });
@@ -84,7 +84,7 @@ class BeastEndpoint final : public WebSocketEndpoint {
 
   asio::io_context context_{1};
   websocket::stream<beast::tcp_stream> stream_{context_};
-  beast::flat_buffer buffer_{kMostMessageBytes};
+  beast::flat_buffer buffer_{kMaxMessageBytes};
   bool is_over_ = false;
   std::string reason_;
 };

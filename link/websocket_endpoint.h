@@ -15,7 +15,7 @@ namespace hapton {
 class WebSocketEndpoint {
  public:
   // Largest message, bytes; a longer one closes the connection.
-  static constexpr std::size_t kMostMessageBytes = 1 << 20;
+  static constexpr std::size_t kMaxMessageBytes = 1 << 20;
 
   // Error, one line with the system's text: no listener, no reply in time, or another protocol.
   static Result<std::unique_ptr<WebSocketEndpoint>> connect(const Address& to, std::int64_t timeout_ns);

@@ -9,7 +9,7 @@ namespace hapton {
 // The motion of a body by commanded moves, on the device side, which learns of each move some time after it was decided. A move that is
 // known before it begins is the move itself, to the last bit: haptics, pictures and this side have the body at one place. For one that
 // comes later, because its datagrams were lost, the body goes from where it is to the same end, at the same time, or as soon after it as
-// kMostSurfaceSpeed allows. So the body never jumps, and is where haptics and the pictures have it at the end of the move at the latest.
+// kMaxSurfaceSpeed allows. So the body never jumps, and is where haptics and the pictures have it at the end of the move at the latest.
 // Frame: S. Units: SI. RT: all. Threads: one.
 class AnnouncedMotion {
  public:
@@ -33,11 +33,11 @@ class AnnouncedMotion {
   bool accept_in_contact(const CommandedMove& move, double now_s) noexcept {
     if (move.serial <= serial()) return false;
     const bool is_as_announced = now_s <= move.from.time_s && is_same_place(motion_.keyframe_at(move.from.time_s), move.from) &&
-                                 compute_move_time_s(move.from, move.to, 0.0, radius_m_, kMostSurfaceSpeed) <= announced_duration_s(move);
+                                 compute_move_time_s(move.from, move.to, 0.0, radius_m_, kMaxSurfaceSpeed) <= announced_duration_s(move);
     if (is_as_announced) return motion_.begin(move);
     const double begin_s = std::max(now_s, move.from.time_s);
     const double left_s = std::max(move.to.time_s - begin_s, 0.0);
-    CommandedMove late = make_move(motion_, move.serial, begin_s, move.to, left_s, radius_m_, kMostSurfaceSpeed);
+    CommandedMove late = make_move(motion_, move.serial, begin_s, move.to, left_s, radius_m_, kMaxSurfaceSpeed);
     ++late_;
     return motion_.begin(late);
   }

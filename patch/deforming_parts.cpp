@@ -30,7 +30,7 @@ bool is_slow_enough(const MeshDeformation& deformation) {
     for (std::size_t j = 0; j < deformation.targets().size(); ++j) {
       rounding += kFloatRounding * std::abs(keys[i + 1].weights[j] - keys[i].weights[j]) * longest_of(deformation.targets()[j]) / time_s;
     }
-    if (!(deformation.fastest_per_s(i) <= kMostSurfaceSpeed * (1.0 + kSpeedRounding) + rounding)) return false;
+    if (!(deformation.fastest_per_s(i) <= kMaxSurfaceSpeed * (1.0 + kSpeedRounding) + rounding)) return false;
   }
   return true;
 }

@@ -37,7 +37,7 @@ class DeformingParts {
     return has_begun() && keys_there_ == head_.all_keys && tiles_ >= head_.tile_count && displaced_ >= head_.displaced_count;
   }
 
-  // Pre: is_whole(). Null: it deforms as nothing may, faster than kMostSurfaceSpeed or with weights that are out of order.
+  // Pre: is_whole(). Null: it deforms as nothing may, faster than kMaxSurfaceSpeed or with weights that are out of order.
   std::shared_ptr<const MeshDeformation> make(std::span<const DisplacedTile> tiles) const;
 
  private:

@@ -13,7 +13,7 @@ namespace hapton {
 // position is always kept. Frame: S. Units: SI. RT: all. Threads: one.
 class DevicePath {
  public:
-  static constexpr std::size_t kMost = 1024;  // a second at 1 kHz
+  static constexpr std::size_t kMax = 1024;  // a second at 1 kHz
 
   struct Place {
     Vec3 p_SD = Vec3::Zero();
@@ -24,14 +24,14 @@ class DevicePath {
   bool empty() const noexcept { return size_ == 0; }
   std::size_t size() const noexcept { return size_; }
   const Place& front() const noexcept { return places_[first_]; }
-  const Place& operator[](std::size_t i) const noexcept { return places_[(first_ + i) % kMost]; }
+  const Place& operator[](std::size_t i) const noexcept { return places_[(first_ + i) % kMax]; }
 
   void clear() noexcept {
     first_ = size_ = 0;
     spacing_m_ = 0.0;
   }
   void pop() noexcept {
-    first_ = (first_ + 1) % kMost;
+    first_ = (first_ + 1) % kMax;
     if (--size_ == 0) clear();
   }
   // Keeps only positions that are no older than this; the age of the newest is 0. An age of 0 or less keeps none.
@@ -47,14 +47,14 @@ class DevicePath {
       at(size_ - 1) = {place.p_SD, at(size_ - 1).dt_s + place.dt_s, place.time_s};
       return;
     }
-    if (size_ == kMost) thin_out();
+    if (size_ == kMax) thin_out();
     at(size_++) = place;
   }
 
  private:
-  static_assert(kMost % 2 == 0, "the newest place stays");
+  static_assert(kMax % 2 == 0, "the newest place stays");
 
-  Place& at(std::size_t i) noexcept { return places_[(first_ + i) % kMost]; }
+  Place& at(std::size_t i) noexcept { return places_[(first_ + i) % kMax]; }
   void thin_out() noexcept {
     double length_m = 0.0;
     for (std::size_t i = 1; i < size_; ++i) length_m += (at(i).p_SD - at(i - 1).p_SD).norm();
@@ -63,7 +63,7 @@ class DevicePath {
     size_ /= 2;
   }
 
-  std::array<Place, kMost> places_;
+  std::array<Place, kMax> places_;
   std::size_t first_ = 0;
   std::size_t size_ = 0;
   double spacing_m_ = 0.0;  // least distance of positions that are added

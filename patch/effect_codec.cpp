@@ -19,7 +19,7 @@ namespace {
 
 using Triangles = std::vector<MappedTriangle>;
 constexpr double kWhole = 65535.0;  // of a texel
-constexpr int kMostImageSide = 4096;
+constexpr int kMaxImageSide = 4096;
 constexpr int kTriangleNumbers = 15;
 constexpr std::size_t kModelNumbers = 4;
 
@@ -145,7 +145,7 @@ bool read_kind(std::size_t kind, std::span<const double> numbers, SpaceEffect& e
     std::variant_alternative_t<Kind, SpaceEffect> one;
     if (!read_numbers(numbers, one)) return false;
     if constexpr (std::is_same_v<decltype(one), MassEffect>) {
-      if (one.filter_s < MassEffect::kLeastFilterS) return false;
+      if (one.filter_s < MassEffect::kMinFilterS) return false;
     }
     effect = one;
     return true;
@@ -155,7 +155,7 @@ bool read_kind(std::size_t kind, std::span<const double> numbers, SpaceEffect& e
 
 bool read_layers(std::span<const double> numbers, TissueLayers& layers) {
   constexpr std::size_t kEach = 4;
-  if (numbers.size() % kEach != 0 || numbers.size() / kEach > TissueLayers::kMost) return false;
+  if (numbers.size() % kEach != 0 || numbers.size() / kEach > TissueLayers::kMax) return false;
   for (std::size_t at = 0; at < numbers.size(); at += kEach) {
     TissueLayer layer;
     if (!read_numbers(numbers.subspan(at, kEach), layer)) return false;
@@ -179,11 +179,11 @@ class EffectReader {
 
   bool read(const wire::SceneEffects::Surface& from, SurfaceEffects& to) const {
     if (!read_numbers(to_vector(from.numbers()), to) || !read_layers(to_vector(from.layers()), to.layers)) return false;
-    if (to.snap.bound_n() > kMostEffectForceN || to.bumps.slope() > SurfaceMaps::kSteepest) return false;
-    if (from.has_height() && !read(from.height(), -kMostHeightM, 0.0, to.maps.height)) return false;
+    if (to.snap.bound_n() > kMaxEffectForceN || to.bumps.slope() > SurfaceMaps::kSteepest) return false;
+    if (from.has_height() && !read(from.height(), -kMaxHeightM, 0.0, to.maps.height)) return false;
     if (from.has_stiffness() && !read(from.stiffness(), 0.0, 1.0, to.maps.stiffness)) return false;
-    if (from.has_friction() && !read(from.friction(), 0.0, kMostNumber, to.maps.friction)) return false;
-    if (from.has_viscosity() && !read(from.viscosity(), 0.0, kMostNumber, to.maps.viscosity)) return false;
+    if (from.has_friction() && !read(from.friction(), 0.0, kMaxNumber, to.maps.friction)) return false;
+    if (from.has_viscosity() && !read(from.viscosity(), 0.0, kMaxNumber, to.maps.viscosity)) return false;
     if (to.maps.is_on()) {
       if (from.triangles() >= triangles_.size()) return false;
       to.maps.triangles = triangles_[from.triangles()];
@@ -192,8 +192,8 @@ class EffectReader {
   }
 
  private:
-  static constexpr double kMostHeightM = 10.0;  // choices, as NumberReader has them
-  static constexpr double kMostNumber = 1e9;
+  static constexpr double kMaxHeightM = 10.0;  // choices, as NumberReader has them
+  static constexpr double kMaxNumber = 1e9;
 
   bool read(const wire::SceneEffects::Map& from, double least, double most, ImageMap& to) const {
     const auto is_within = [&](double number) { return number >= least && number <= most; };
@@ -203,8 +203,8 @@ class EffectReader {
   }
 
   bool read(const wire::SceneEffects::Texture& from, RecordedTexture& to) const {
-    const bool is_possible = from.mass_kg() > 0.0 && from.mass_kg() <= kMostMassKg && from.max_force_n() >= 0.0 &&
-                             from.max_force_n() <= kMostEffectForceN && from.models() < models_.size();
+    const bool is_possible = from.mass_kg() > 0.0 && from.mass_kg() <= kMaxMassKg && from.max_force_n() >= 0.0 &&
+                             from.max_force_n() <= kMaxEffectForceN && from.models() < models_.size();
     if (!is_possible) return false;
     to = {.models = models_[from.models()], .mass_kg = from.mass_kg(), .max_force_n = from.max_force_n(), .seed = from.seed()};
     return true;
@@ -214,7 +214,7 @@ class EffectReader {
     const std::size_t texels = std::size_t{from.width()} * from.height();
     const double lowest = static_cast<double>(from.at_lowest());
     const double range = static_cast<double>(from.at_highest()) - lowest;
-    if (from.width() - 1 >= kMostImageSide || from.height() - 1 >= kMostImageSide || from.texels().size() != 2 * texels) return false;
+    if (from.width() - 1 >= kMaxImageSide || from.height() - 1 >= kMaxImageSide || from.texels().size() != 2 * texels) return false;
     if (!(lowest >= 0.0 && range >= 0.0 && lowest + range <= 1.0)) return false;
     std::vector<float> read;
     for (std::size_t n = 0; n < texels; ++n) {
@@ -227,7 +227,7 @@ class EffectReader {
 
   bool add(const wire::SceneEffects::Triangles& from) {
     const auto& numbers = from.numbers();
-    const auto is_possible = [](float number) { return std::abs(number) <= kMostCoordinate; };
+    const auto is_possible = [](float number) { return std::abs(number) <= kMaxCoordinate; };
     if (numbers.empty() || numbers.size() % kTriangleNumbers != 0 || !std::all_of(numbers.begin(), numbers.end(), is_possible))
       return false;
     Triangles triangles(static_cast<std::size_t>(numbers.size() / kTriangleNumbers));
@@ -261,8 +261,8 @@ class EffectReader {
     return true;
   }
 
-  static constexpr double kMostMassKg = 5.0;      // as scene files have it
-  static constexpr float kMostCoordinate = 1e6F;  // m, and of texture coordinates: a choice
+  static constexpr double kMaxMassKg = 5.0;      // as scene files have it
+  static constexpr float kMaxCoordinate = 1e6F;  // m, and of texture coordinates: a choice
 
   std::vector<std::shared_ptr<const SurfaceImage>> images_;
   std::vector<std::shared_ptr<const Triangles>> triangles_;
@@ -287,22 +287,22 @@ Result<SceneEffectSet> decode_effects(std::string_view bytes) {
   wire::SceneEffects message;
   if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return fail("no effects of a scene");
   SceneEffectSet effects;
-  if (static_cast<std::size_t>(message.space().size()) > kMostSpaceEffects)
-    return fail("more than {} effects in free space", kMostSpaceEffects);
+  if (static_cast<std::size_t>(message.space().size()) > kMaxSpaceEffects)
+    return fail("more than {} effects in free space", kMaxSpaceEffects);
   for (const wire::SceneEffects::Space& space : message.space()) {
     SwitchedEffect& effect = effects.space.emplace_back(no_effect());
     effect.on.button = space.button();
     if (!read_kind(space.kind(), to_vector(space.numbers()), effect.effect))
       return fail("effect {} in free space is none of kind {}", effects.space.size(), space.kind());
   }
-  if (message.objects() > kMostEffectObjects) return fail("more than {} objects", kMostEffectObjects);
+  if (message.objects() > kMaxEffectObjects) return fail("more than {} objects", kMaxEffectObjects);
   effects.surfaces.resize(message.objects());
   effects.body_of.resize(message.objects(), 0);
   EffectReader reader;
   if (!reader.read_shared(message)) return fail("an image, texture coordinates or a recorded texture of the effects cannot be");
   for (const wire::SceneEffects::Surface& surface : message.surfaces()) {
     const std::size_t object = surface.object();
-    if (object >= effects.surfaces.size() || surface.body() >= PatchBody::kMostBodies)
+    if (object >= effects.surfaces.size() || surface.body() >= PatchBody::kMaxBodies)
       return fail("effects of object {} that there is not", object);
     effects.body_of[object] = static_cast<int>(surface.body());
     if (!reader.read(surface, effects.surfaces[object] = {})) return fail("the effects of object {} cannot be", object);

@@ -25,15 +25,15 @@ struct SceneEffectSet {
 };
 
 // Bounds of what decode_effects takes. They bound the time of a step and the memory.
-constexpr std::size_t kMostSpaceEffects = 256;
-constexpr std::size_t kMostEffectObjects = 8192;  // as many as a scene in parts has tiles
+constexpr std::size_t kMaxSpaceEffects = 256;
+constexpr std::size_t kMaxEffectObjects = 8192;  // as many as a scene in parts has tiles
 
 // Effects as SceneEffects of proto/hapton.proto; empty: there are none. Numbers are exact but for images, whose texels are rounded to a
 // 65,535th of their range, and for their triangles, which are rounded to floats.
 std::string encode_effects(const SceneEffectSet& effects);
 
 // Error: the bytes are no SceneEffects, or name something that no scene may have: a number that is not finite or not in its range, a force
-// above kMostEffectForceN, an image or model that is not there. The result is safe to compute forces with.
+// above kMaxEffectForceN, an image or model that is not there. The result is safe to compute forces with.
 Result<SceneEffectSet> decode_effects(std::string_view bytes);
 
 }  // namespace hapton

@@ -48,21 +48,21 @@ class NumberReader {
   // All were read, and each is in its range.
   bool is_done() const { return is_good_ && at_ == numbers_.size(); }
 
-  void finite(double& number) { take(number, -kMost, kMost); }
-  void amount(double& number) { take(number, 0.0, kMost); }
-  void positive(double& number) { take(number, std::numeric_limits<double>::min(), kMost); }
-  void force(double& number_n) { take(number_n, 0.0, kMostEffectForceN); }
+  void finite(double& number) { take(number, -kMax, kMax); }
+  void amount(double& number) { take(number, 0.0, kMax); }
+  void positive(double& number) { take(number, std::numeric_limits<double>::min(), kMax); }
+  void force(double& number_n) { take(number_n, 0.0, kMaxEffectForceN); }
   // Infinite: there is no such force.
   void force_or_none(double& number_n) {
     take(number_n, 0.0, std::numeric_limits<double>::infinity());
-    is_good_ = is_good_ && (std::isinf(number_n) || number_n <= kMostEffectForceN);
+    is_good_ = is_good_ && (std::isinf(number_n) || number_n <= kMaxEffectForceN);
   }
   void point(Vec3& p) {
     for (int k = 0; k < 3; ++k) finite(p[k]);
   }
   void force(Vec3& force_n) {
     point(force_n);
-    is_good_ = is_good_ && force_n.norm() <= kMostEffectForceN;
+    is_good_ = is_good_ && force_n.norm() <= kMaxEffectForceN;
   }
   void direction(Vec3& unit) {
     point(unit);
@@ -84,7 +84,7 @@ class NumberReader {
   }
 
  private:
-  static constexpr double kMost = 1e9;   // a choice: squares and products of a few stay finite
+  static constexpr double kMax = 1e9;    // a choice: squares and products of a few stay finite
   static constexpr double kUnit = 1e-6;  // a choice: far above the rounding of a unit vector
 
   void take(double& number, double least, double most) {

@@ -13,12 +13,12 @@ namespace hapton {
 
 // How many parts these bytes of effects take (PatchEffects). RT: yes.
 constexpr std::uint32_t count_effect_parts(std::size_t bytes) noexcept {
-  return static_cast<std::uint32_t>((bytes + PatchEffects::kMostBytes - 1) / PatchEffects::kMostBytes);
+  return static_cast<std::uint32_t>((bytes + PatchEffects::kMaxBytes - 1) / PatchEffects::kMaxBytes);
 }
 
 // One of these parts, without epoch and serial. Pre: there is one.
 inline PatchEffects make_effect_part(std::string_view bytes, std::uint32_t part) noexcept {
-  const std::string_view here = bytes.substr(part * PatchEffects::kMostBytes, PatchEffects::kMostBytes);
+  const std::string_view here = bytes.substr(part * PatchEffects::kMaxBytes, PatchEffects::kMaxBytes);
   PatchEffects message{.part = part, .byte_count = static_cast<std::uint32_t>(here.size())};
   std::copy(here.begin(), here.end(), message.bytes.begin());
   return message;

@@ -68,7 +68,7 @@ class MoveTable {
   std::uint32_t newest_ = 0;
   std::uint64_t received_ = 0;
   std::size_t count_ = 0;
-  std::array<ObjectMove, PatchBody::kMostBodies> moves_ = {};
+  std::array<ObjectMove, PatchBody::kMaxBodies> moves_ = {};
   std::size_t recent_count_ = 0;
   std::array<ObjectMove, kRecent> recent_ = {};
 };

@@ -20,9 +20,9 @@ class ObjectJoiner {
   explicit ObjectJoiner(const PatchGrid& grid) : grid_(grid), mesh_(std::make_shared<TriangleMesh>()) {}
 
   // Returns the numbers of the tile's vertices in the mesh.
-  std::array<std::uint32_t, PatchTile::kMostVertices> add(const PatchTile& tile) {
+  std::array<std::uint32_t, PatchTile::kMaxVertices> add(const PatchTile& tile) {
     material_ = material_of(tile);
-    std::array<std::uint32_t, PatchTile::kMostVertices> number = {};
+    std::array<std::uint32_t, PatchTile::kMaxVertices> number = {};
     for (std::size_t v = 0; v < tile.vertex_count; ++v) {
       const GridPoint g = read_vertex(tile, v);
       const std::uint64_t low = (std::uint64_t{g[0]} << kPatchGridBits) | g[1];

@@ -27,7 +27,7 @@ namespace hapton {
 // Frames: W and S as named. Units: SI. RT: all but construction. Threads: one.
 class PatchChain {
  public:
-  static constexpr std::size_t kLinks = PatchBody::kMostBodies;
+  static constexpr std::size_t kLinks = PatchBody::kMaxBodies;
 
   PatchChain();
 
@@ -98,7 +98,7 @@ class PatchChain {
 
   std::vector<PatchTouch> touches_;
   std::array<Vec3, kLinks> p_OD_;  // the device of each link in the last step, in its frame
-  std::array<AnnouncedMotion, PatchBody::kMostBodies> commanded_;
+  std::array<AnnouncedMotion, PatchBody::kMaxBodies> commanded_;
   std::unique_ptr<PatchBodies> bodies_;
   std::unique_ptr<PatchMaterials> materials_;
   std::size_t most_bodies_ = 1;  // that there were at a time

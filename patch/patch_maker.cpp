@@ -18,7 +18,7 @@ constexpr double kGrowth = 1.3;            // ... when the scene is known in a r
 constexpr std::size_t kMoreTriangles = 2;  // ... or when there is time for so many times its triangles
 constexpr double kLiftSteps = 4.0;         // lift_m in steps of the grid, on which a vertex moves by 0.87 steps at most
 constexpr double kVelocityS = 0.02;        // time constant of the hand's velocity
-constexpr double kLeastSpeed = 0.05;       // m/s: a hand at rest may start to move
+constexpr double kMinSpeed = 0.05;         // m/s: a hand at rest may start to move
 constexpr double kTimeShare = 0.5;         // of the time until the hand is out of a patch, for making the next one
 constexpr double kMakeShare = 0.3;         // weight of the newest duration in the mean
 constexpr double kPathShare = 1.5;         // radius of a patch over PathBall::radius_m: the proxy may go around an obstacle
@@ -47,8 +47,8 @@ bool PatchMaker::is_left() const noexcept { return !p_SC_ || (std::isfinite(radi
 std::size_t PatchMaker::affordable() const noexcept {
   if (!p_SC_) return few_;
   const double room_m = std::max(radius_m_ - distance_m(), 0.0);
-  const double count = kTimeShare * room_m / std::max(v_SD_.norm(), kLeastSpeed) / triangle_s_;
-  return static_cast<std::size_t>(std::clamp(count, static_cast<double>(few_), static_cast<double>(kMostTriangles)));
+  const double count = kTimeShare * room_m / std::max(v_SD_.norm(), kMinSpeed) / triangle_s_;
+  return static_cast<std::size_t>(std::clamp(count, static_cast<double>(few_), static_cast<double>(kMaxTriangles)));
 }
 
 bool PatchMaker::can_grow() const noexcept { return is_limited_ && affordable() >= kMoreTriangles * triangles_; }
@@ -112,7 +112,7 @@ std::unique_ptr<Patch> PatchMaker::make(const PatchStore& store, const Vec3& p_S
                                         std::uint32_t generation) {
   std::size_t most = affordable();
   PatchStore::Piece piece = store.make_piece(p_SC, known_m, most, body_);
-  while (piece.radius_m < std::min(least_m, known_m) && most < kMostTriangles) piece = store.make_piece(p_SC, known_m, most *= 2, body_);
+  while (piece.radius_m < std::min(least_m, known_m) && most < kMaxTriangles) piece = store.make_piece(p_SC, known_m, most *= 2, body_);
   auto patch = std::make_unique<Patch>();
   patch->p_SC = p_SC;
   patch->radius_m = piece.radius_m;

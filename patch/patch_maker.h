@@ -19,7 +19,7 @@ namespace hapton {
 class PatchMaker {
  public:
   static constexpr std::size_t kFewTriangles = 8192;  // triangles that a patch may have at any speed of the hand: 5 ms to make
-  static constexpr std::size_t kMostTriangles = PatchStore::kMostTiles * PatchTile::kMostTriangles;  // of the largest scene
+  static constexpr std::size_t kMaxTriangles = PatchStore::kMaxTiles * PatchTile::kMaxTriangles;  // of the largest scene
   static constexpr double kFirstMakeS = 1e-6;  // time to make a patch, for each triangle, before the first measurement
 
   // few: the value of kFewTriangles for this one. body: of the scene, in whose frame the hand is.

@@ -15,9 +15,9 @@
 namespace hapton {
 namespace {
 
-constexpr std::int64_t kPlanEveryNs = 20'000'000;       // the hand moves 2 cm at 1 m/s meanwhile
-constexpr std::int64_t kLeastPatienceNs = 150'000'000;  // the hub's status comes ten times a second
-constexpr std::uint32_t kReordered = 64;                // a part this many serials before the newest received one counts as lost
+constexpr std::int64_t kPlanEveryNs = 20'000'000;     // the hand moves 2 cm at 1 m/s meanwhile
+constexpr std::int64_t kMinPatienceNs = 150'000'000;  // the hub's status comes ten times a second
+constexpr std::uint32_t kReordered = 64;              // a part this many serials before the newest received one counts as lost
 // Where the round trip is longer than this a part that got lost would be missed for long: it is sent again before it can be confirmed.
 constexpr double kLongRoundTripS = 0.3;
 constexpr double kBurstBytes = 5000.0;  // four datagrams at once, however long nothing was sent
@@ -25,7 +25,7 @@ constexpr double kBurstBytes = 5000.0;  // four datagrams at once, however long 
 constexpr double kOverheadBytes = 150.0;
 // A move that the hub has not confirmed by then, and a round trip later, is sent again: it confirms within 50 ms.
 constexpr std::int64_t kMovePatienceNs = 70'000'000;
-constexpr int kMostMoveRepeats = 8;  // then it counts as received
+constexpr int kMaxMoveRepeats = 8;  // then it counts as received
 
 bool is_same(const Material& a, const Material& b) {
   return a.stiffness_n_per_m == b.stiffness_n_per_m && a.damping_ns_per_m == b.damping_ns_per_m && a.friction_static == b.friction_static &&
@@ -74,12 +74,12 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
   for (std::uint32_t b = 0; begin_.body_count > 1 && b < begin_.body_count; ++b) {
     const KeyframeMotion* motion = scene_.bodies[b].group.motion.get();
     const std::size_t keys = motion != nullptr ? motion->keyframes().size() : 1;
-    for (std::uint32_t first = 0; first < keys; first += PatchBody::kMostKeys) body_parts_.push_back({b, first});
+    for (std::uint32_t first = 0; first < keys; first += PatchBody::kMaxKeys) body_parts_.push_back({b, first});
   }
   for (std::uint32_t b = 0; b < scene_.bodies.size(); ++b) {
     const MeshDeformation* deformation = scene_.bodies[b].deformation.get();
     if (deformation == nullptr) continue;
-    const std::size_t in_message = PatchDeformation::kMostNumbers / (1 + deformation->targets().size());
+    const std::size_t in_message = PatchDeformation::kMaxNumbers / (1 + deformation->targets().size());
     for (std::size_t first = 0; first < deformation->keys().size(); first += in_message) {
       weight_parts_.push_back({b, static_cast<std::uint32_t>(first)});
     }
@@ -94,7 +94,7 @@ PatchSource::PatchSource(TiledScene scene, double probe_radius_m, std::uint64_t 
 std::int64_t PatchSource::resend_after_ns() const noexcept {
   const double round_trip_s = std::min(round_trip_s_, 10.0);
   const double wait_s = round_trip_s < kLongRoundTripS ? 1.2 * round_trip_s : 0.5 * round_trip_s;
-  return kLeastPatienceNs + static_cast<std::int64_t>(1e9 * wait_s);
+  return kMinPatienceNs + static_cast<std::int64_t>(1e9 * wait_s);
 }
 
 bool PatchSource::is_due(const Item& item, std::int64_t now_ns) const noexcept {
@@ -137,7 +137,7 @@ void PatchSource::note_move(const ObjectMove& move, std::int64_t sent_ns) noexce
   if (move.serial == 0) return;
   const auto known = std::find_if(moves_.begin(), moves_.end(), [&](const MoveItem& one) { return one.move.object == move.object; });
   if (known == moves_.end()) {
-    if (moves_.size() < PatchBody::kMostBodies) moves_.push_back({.move = move, .sent_ns = sent_ns});
+    if (moves_.size() < PatchBody::kMaxBodies) moves_.push_back({.move = move, .sent_ns = sent_ns});
   } else if (known->move.serial < move.serial) {
     *known = {.move = move, .sent_ns = sent_ns};
   }
@@ -175,7 +175,7 @@ double PatchSource::distance_of(const Box& bounds, std::uint32_t body) const noe
 
 // How near a part has to be to be sent: what moves may come towards the hand, too.
 double PatchSource::reach_of(std::uint32_t body) const noexcept {
-  const double moves = scene_.bodies[body].moves() ? kMostSurfaceSpeed : 0.0;
+  const double moves = scene_.bodies[body].moves() ? kMaxSurfaceSpeed : 0.0;
   return (options_.least_reach_m + 2.0 * (0.1 + round_trip_s_) * (options_.fastest_m_per_s + moves)) / scene_.grid.step_m;
 }
 
@@ -279,7 +279,7 @@ PatchBody PatchSource::make_body(const BodyPart& part) const {
     message.loops = motion->loops();
     message.all_keys = static_cast<std::uint32_t>(keys.size());
     message.first_key = part.first_key;
-    message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchBody::kMostKeys));
+    message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchBody::kMaxKeys));
     std::copy_n(keys.begin() + part.first_key, message.key_count, message.keys.begin());
   }
   return message;
@@ -297,7 +297,7 @@ PatchDeformation PatchSource::make_deformation(const WeightPart& part) const {
   message.all_keys = static_cast<std::uint32_t>(keys.size());
   message.first_key = part.first_key;
   const std::size_t each = PatchDeformation::numbers_of_key(message.target_count);
-  message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchDeformation::kMostNumbers / each));
+  message.key_count = std::min(message.all_keys - part.first_key, static_cast<std::uint32_t>(PatchDeformation::kMaxNumbers / each));
   for (std::size_t n = 0; n < message.key_count; ++n) {
     const MorphKey& key = keys[part.first_key + n];
     message.keys[n * each] = key.time_s;
@@ -313,7 +313,7 @@ std::optional<Message> PatchSource::take_move(std::int64_t now_ns) {
     if (!pay(item.move, now_ns)) return std::nullopt;
     item.sent_ns = now_ns;
     // The hub confirms only the last 64 moves of all objects.
-    item.is_held = ++item.repeats >= kMostMoveRepeats;
+    item.is_held = ++item.repeats >= kMaxMoveRepeats;
     ++counts_.moves_repeated;
     return item.move;
   }

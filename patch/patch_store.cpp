@@ -37,7 +37,7 @@ bool is_possible_motion(const std::vector<Keyframe>& keys, const PatchBody& body
     if (i == 0) continue;
     const double travel_m = most_travel_m(keys[i - 1], keys[i], body.radius_m);
     const double time_s = keys[i].time_s - keys[i - 1].time_s;
-    if (!(time_s > 0.0) || !(travel_m <= kMostSurfaceSpeed * (1.0 + kSpeedRounding) * time_s)) return false;
+    if (!(time_s > 0.0) || !(travel_m <= kMaxSurfaceSpeed * (1.0 + kSpeedRounding) * time_s)) return false;
   }
   return true;
 }
@@ -156,7 +156,7 @@ std::size_t PatchStore::count_new_cells(const PatchCell& cell) const {
 
 void PatchStore::accept(const PatchCell& cell) {
   if (!adopt(cell.epoch, cell.serial)) return;
-  if (cell.body >= PatchBody::kMostBodies || cells_.size() + count_new_cells(cell) > kMostCells) {
+  if (cell.body >= PatchBody::kMaxBodies || cells_.size() + count_new_cells(cell) > kMaxCells) {
     ++counts_.rejected;
     return;
   }
@@ -172,7 +172,7 @@ void PatchStore::accept(const PatchCell& cell) {
 
 void PatchStore::accept(const PatchTile& tile) {
   if (!adopt(tile.epoch, tile.serial)) return;
-  if (!tiles_.contains(tile.tile) && tiles_.size() >= kMostTiles) {
+  if (!tiles_.contains(tile.tile) && tiles_.size() >= kMaxTiles) {
     ++counts_.rejected;
     return;
   }
@@ -188,7 +188,7 @@ void PatchStore::accept(const PatchTile& tile) {
 
 void PatchStore::accept(const PatchBody& body) {
   if (!adopt(body.epoch, body.serial)) return;
-  if (body.body >= PatchBody::kMostBodies) {
+  if (body.body >= PatchBody::kMaxBodies) {
     ++counts_.rejected;
     return;
   }
@@ -233,7 +233,7 @@ bool PatchStore::is_possible(const Body& body) const {
 void PatchStore::accept(const PatchMaterial& material) {
   if (!adopt(material.epoch, material.serial)) return;
   // An object has a tile at least.
-  if (!material_serials_.contains(material.object) && material_serials_.size() >= kMostTiles) {
+  if (!material_serials_.contains(material.object) && material_serials_.size() >= kMaxTiles) {
     ++counts_.rejected;
     return;
   }

@@ -40,14 +40,14 @@ inline Material with_numbers_of(const Material& surface, Material numbers) noexc
 
 // The parts of a scene that io_node has received. Within the known radius of a point no triangle of a body is missing. Parts may arrive
 // in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed. So is one that
-// announces a body which moves as no scene may: faster than kMostSurfaceSpeed, or farther from its pivot than it says.
+// announces a body which moves as no scene may: faster than kMaxSurfaceSpeed, or farther from its pivot than it says.
 //
 // Frame: that of the body, S where it stands still. Units: m. RT: no. Threads: one.
 class PatchStore {
  public:
-  static constexpr std::size_t kMostTiles = 8192;      // bounds the memory for triangles
-  static constexpr std::size_t kMostCells = 32768;     // ... and for the tree of cells above the tiles
-  static constexpr std::size_t kMostDisplaced = 8192;  // ... and for displacements
+  static constexpr std::size_t kMaxTiles = 8192;      // bounds the memory for triangles
+  static constexpr std::size_t kMaxCells = 32768;     // ... and for the tree of cells above the tiles
+  static constexpr std::size_t kMaxDisplaced = 8192;  // ... and for displacements
 
   // The triangles near a point, as a scene of their own, and how far from the point none is missing.
   struct Piece {
@@ -158,7 +158,7 @@ class PatchStore {
 
   std::optional<PatchBegin> begin_;
   PatchGrid grid_;
-  std::array<Body, PatchBody::kMostBodies> bodies_;
+  std::array<Body, PatchBody::kMaxBodies> bodies_;
   EffectParts effect_parts_;
   std::optional<SceneEffectSet> effects_;  // once all of it has come
   std::map<std::uint32_t, Material> materials_;

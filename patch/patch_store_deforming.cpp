@@ -21,7 +21,7 @@ PatchStore::Body* PatchStore::find_deforming(std::uint32_t tile) noexcept {
 void PatchStore::accept(const PatchDeformation& deformation) {
   if (!adopt(deformation.epoch, deformation.serial)) return;
   const std::uint64_t end = std::uint64_t{deformation.first_tile} + deformation.tile_count;
-  if (deformation.body >= bodies_.size() || deformation.tile_count > kMostTiles || end > std::numeric_limits<std::uint32_t>::max()) {
+  if (deformation.body >= bodies_.size() || deformation.tile_count > kMaxTiles || end > std::numeric_limits<std::uint32_t>::max()) {
     ++counts_.rejected;
     return;
   }
@@ -43,7 +43,7 @@ void PatchStore::accept(const PatchDeformation& deformation) {
 void PatchStore::accept(const PatchDisplacements& displaced) {
   if (!adopt(displaced.epoch, displaced.serial)) return;
   const std::pair key(displaced.tile, displaced.target);
-  if (!displaced_.contains(key) && displaced_.size() >= kMostDisplaced) {
+  if (!displaced_.contains(key) && displaced_.size() >= kMaxDisplaced) {
     ++counts_.rejected;
     return;
   }
@@ -65,7 +65,7 @@ std::size_t PatchStore::count_streams() const noexcept {
 
 void PatchStore::accept(const PatchStream& stream) {
   if (!adopt(stream.epoch, stream.serial)) return;
-  if (stream.body >= bodies_.size() || stream.tile_count > kMostTiles || count_streams() >= kMostTiles) {
+  if (stream.body >= bodies_.size() || stream.tile_count > kMaxTiles || count_streams() >= kMaxTiles) {
     ++counts_.rejected;
     return;
   }
@@ -112,7 +112,7 @@ bool PatchStore::complete_deforming(Body& body) {
 TouchObject PatchStore::join_deforming(const Body& body) const {
   const DeformingParts& parts = body.parts;
   ObjectJoiner joiner(grid_);
-  std::vector<std::array<std::uint32_t, PatchTile::kMostVertices>> numbers(parts.tile_count());
+  std::vector<std::array<std::uint32_t, PatchTile::kMaxVertices>> numbers(parts.tile_count());
   std::vector<DeformingParts::DisplacedTile> displaced;
   for (std::uint32_t n = 0; n < parts.tile_count(); ++n) {
     const PatchTile& tile = tiles_.at(parts.first_tile() + n);

@@ -130,7 +130,7 @@ std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
   bool could_go_on = !was_beyond && is_over_ && reaches_next();
   take_offered({p_SD, input.dt_s, input.time_s});
   PatchOutput output;
-  for (int n = 0; n < kMostFollowed && reaches_next(); ++n) {
+  for (int n = 0; n < kMaxFollowed && reaches_next(); ++n) {
     const DevicePath::Place place = path_.front();
     path_.pop();
     counts_.followed += path_.empty() ? 0 : 1;
@@ -154,7 +154,7 @@ bool PatchTouch::take(PatchShape& next) noexcept {
   }
   if (patch == nullptr) return next.patch < newest;
   StreamedMethod& method = *patch->streamed;
-  if (method.waiting() == StreamedMethod::kMostWaiting) return false;
+  if (method.waiting() == StreamedMethod::kMaxWaiting) return false;
   ++counts_.shapes;
   const double start_s = 1e-9 * static_cast<double>(next.start_ns);
   const double over_s = 1e-9 * static_cast<double>(next.end_ns - next.start_ns);
@@ -229,9 +229,9 @@ bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
   const double along_m = (p_SD + depth_m * outward_S_ - p_SP_).norm();
   const double room_m = patch.radius_m - (p_SD - patch.p_SC).norm() - 4.0 * patch.lift_m;
   const double wanted_m = depth_m + kRise * along_m;
-  const double rise_m = std::min(wanted_m, kMostRoom * room_m);
+  const double rise_m = std::min(wanted_m, kMaxRoom * room_m);
   // A start below the surface would be a fall-through: a small patch has to grow first.
-  const double least_m = std::min(wanted_m, kLeastRise * force_n_ / stiffness_n_per_m_);
+  const double least_m = std::min(wanted_m, kMinRise * force_n_ / stiffness_n_per_m_);
   if (!(rise_m > 0.0 && rise_m >= least_m)) return false;
   p_SP_ = p_SD + rise_m * outward_S_;
   is_on_grid_ = false;
@@ -317,7 +317,7 @@ std::optional<PatchOutput> PatchTouch::step_plane(const TouchInput& input, const
   const double depth = (p_SP_ - p_SD).dot(outward_S_);
   if (outward_S_.isZero(0.0) || depth <= 0.0) return output;
   const double wanted = stiffness_n_per_m_ * (depth - kBeyondDampingS * velocity.dot(outward_S_));
-  output.force_n = input.X_WS.linear() * (std::clamp(wanted, 0.0, kMostBeyond * force_n_) * outward_S_);
+  output.force_n = input.X_WS.linear() * (std::clamp(wanted, 0.0, kMaxBeyond * force_n_) * outward_S_);
   output.visual_offset_m = input.X_WS.linear() * (depth * outward_S_);
   output.contact = true;
   return output;

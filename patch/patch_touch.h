@@ -79,8 +79,8 @@ struct PatchHandState {
 // difference between them.
 //
 // Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
-// stiffness of the surface and damping, and is at most kMostBeyond times the last force within the patch. Without contact there is no force
-// past the edge. When a patch reaches there, the proxy follows the stored positions, kMostFollowed in each step, until it has caught up: it
+// stiffness of the surface and damping, and is at most kMaxBeyond times the last force within the patch. Without contact there is no force
+// past the edge. When a patch reaches there, the proxy follows the stored positions, kMaxFollowed in each step, until it has caught up: it
 // is then where the whole scene would have it. A patch with is_path_incomplete does not wait for that: in contact it takes over from a
 // point above the plane, higher the farther the hand went past the edge, and contact continues with the surface met first from there. A
 // hand that was free for kBeyondS past the edge starts again where it is.
@@ -88,13 +88,13 @@ struct PatchHandState {
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
  public:
-  static constexpr int kMostFollowed = 32;          // stored positions a step: those of a second at 1 kHz within 32 steps
+  static constexpr int kMaxFollowed = 32;           // stored positions a step: those of a second at 1 kHz within 32 steps
   static constexpr double kBeyondS = 5.0;           // s, see above
-  static constexpr double kMostBeyond = 2.0;        // largest force past the edge, over the last one within
+  static constexpr double kMaxBeyond = 2.0;         // largest force past the edge, over the last one within
   static constexpr double kBeyondDampingS = 0.005;  // damping of the plane over its stiffness
   static constexpr double kRise = 0.25;             // height above the plane over the distance along it since the edge, ...
-  static constexpr double kLeastRise = 2.0;         // ... and at least this many times the last penetration within
-  static constexpr double kMostRoom = 0.9;          // share of a patch's room above the hand in which a proxy may start
+  static constexpr double kMinRise = 2.0;           // ... and at least this many times the last penetration within
+  static constexpr double kMaxRoom = 0.9;           // share of a patch's room above the hand in which a proxy may start
 
   struct Counts {
     std::uint64_t steps = 0;
@@ -124,7 +124,7 @@ class PatchTouch {
   // The proxy is exactly there, on this side of the surface, and goes on from there: what was before does not count.
   void go_on_from(const Vec3& p_SP) noexcept;
   // The next motion of the surface of a patch that is here. One that comes late goes to the same shape at the same time, or as soon after
-  // it as kMostSurfaceSpeed allows. False: it has to wait, as its patch is not here yet or other stages wait. Otherwise it holds what is
+  // it as kMaxSurfaceSpeed allows. False: it has to wait, as its patch is not here yet or other stages wait. Otherwise it holds what is
   // used no more, to be destroyed elsewhere.
   bool take(PatchShape& stage) noexcept;
   // The surface has other materials from the next step on, in which is_handed_over is set.

@@ -15,7 +15,7 @@ namespace hapton {
 // Units: SI. RT: no. Threads: one.
 class StreamedParts {
  public:
-  using TileVertices = std::array<std::uint32_t, PatchTile::kMostVertices>;
+  using TileVertices = std::array<std::uint32_t, PatchTile::kMaxVertices>;
 
   // False: it is not of the same body as what came before.
   bool accept(const PatchStream& part);

@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kTilesInCell = 24;
 // Of eight children together, times the tiles of their parent: where more, tiles lie across each other, and dividing parts little. (A
 // surface has 2 to 4.)
-constexpr std::size_t kMostSpread = 5;
+constexpr std::size_t kMaxSpread = 5;
 
 struct GridTriangle {
   std::array<GridPoint, 3> corners;
@@ -43,8 +43,8 @@ std::vector<GridTriangle> to_grid(const TriangleMesh& mesh, const PatchGrid& gri
 
 // False: they do not fit one tile.
 bool fill_tile(std::span<const GridTriangle> triangles, PatchTile& tile, Box& bounds) {
-  if (triangles.size() > PatchTile::kMostTriangles) return false;
-  std::array<GridPoint, PatchTile::kMostVertices> known;
+  if (triangles.size() > PatchTile::kMaxTriangles) return false;
+  std::array<GridPoint, PatchTile::kMaxVertices> known;
   std::size_t count = 0;
   std::size_t corner = 0;
   for (const GridTriangle& triangle : triangles) {
@@ -93,7 +93,7 @@ int longest_axis(std::span<const GridTriangle> triangles) {
 
 // Where to cut: whole tiles on the lower side, so that few are half empty.
 std::size_t find_cut(std::size_t count) {
-  constexpr std::size_t kWhole = PatchTile::kMostTriangles;
+  constexpr std::size_t kWhole = PatchTile::kMaxTriangles;
   const std::size_t tiles = (count + kWhole - 1) / kWhole;
   return tiles > 1 ? tiles / 2 * kWhole : count / 2;
 }
@@ -155,7 +155,7 @@ class CellDivider {
 
   void divide(Open& open) {
     const CellKey key = scene_.nodes[open.node].key;
-    const bool can_divide = key.level < kPatchDeepestLevel && scene_.nodes.size() + 8 <= PatchStore::kMostCells;
+    const bool can_divide = key.level < kPatchDeepestLevel && scene_.nodes.size() + 8 <= PatchStore::kMaxCells;
     if (open.tiles.size() <= kTilesInCell || !can_divide) return close(open);
     std::array<std::vector<std::uint32_t>, 8> parts;
     std::size_t together = 0;
@@ -165,7 +165,7 @@ class CellDivider {
                    [&](std::uint32_t tile) { return scene_.tile_bounds[tile].overlaps(bounds); });
       together += parts[octant].size();
     }
-    if (together > kMostSpread * open.tiles.size() && open.tiles.size() <= PatchCell::kMostTiles) return close(open);
+    if (together > kMaxSpread * open.tiles.size() && open.tiles.size() <= PatchCell::kMaxTiles) return close(open);
     scene_.nodes[open.node].first_child = static_cast<std::int32_t>(scene_.nodes.size());
     std::uint8_t& empty = open.empty_children[key.level];
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
@@ -179,8 +179,8 @@ class CellDivider {
 
   // A leaf. What no datagram can list is never sent: the hub then takes that place for unknown.
   void close(Open& open) {
-    if (open.tiles.size() > PatchCell::kMostTiles) scene_.has_unlisted = true;
-    if (open.tiles.empty() || open.tiles.size() > PatchCell::kMostTiles) return;
+    if (open.tiles.size() > PatchCell::kMaxTiles) scene_.has_unlisted = true;
+    if (open.tiles.empty() || open.tiles.size() > PatchCell::kMaxTiles) return;
     scene_.nodes[open.node].cell = static_cast<std::int32_t>(scene_.cells.size());
     scene_.cells.push_back({body_, scene_.nodes[open.node].key, open.empty_children, std::move(open.tiles)});
   }

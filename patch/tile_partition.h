@@ -75,7 +75,7 @@ inline PatchCell to_message(const TileCell& cell, std::uint32_t epoch, std::uint
 
 // Divides the scene's triangles into compact tiles, each of one object and small enough for one datagram, and space into cells with few
 // tiles. Triangles without area on the grid, because two corners coincide, are left out: their neighbours meet there. There are at most
-// PatchStore::kMostCells nodes: where many tiles overlap, cells stay larger. Each body has tiles and cells of its own; one that deforms has
+// PatchStore::kMaxCells nodes: where many tiles overlap, cells stay larger. Each body has tiles and cells of its own; one that deforms has
 // no cells, as it is felt only when all of it is there. Time: n log n. RT: no. Threads: one.
 TiledScene make_tiles(const TouchScene& scene);
 

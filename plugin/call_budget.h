@@ -12,7 +12,7 @@ class CallBudget {
  public:
   static constexpr std::int64_t kDefaultNs = 100'000;  // a tenth of the period at 1 kHz
   static constexpr std::int64_t kFarNs = 10'000'000;   // half of the time after which the hub releases the force
-  static constexpr double kMostOverruns = 10.0;
+  static constexpr double kMaxOverruns = 10.0;
 
   explicit CallBudget(std::int64_t budget_ns = kDefaultNs) : budget_ns_(budget_ns) {}
 
@@ -20,7 +20,7 @@ class CallBudget {
   bool add(std::int64_t spent_ns) noexcept {
     const double cost = spent_ns > kFarNs ? 6.0 : spent_ns > budget_ns_ ? 1.0 : -0.01;
     overruns_ = std::max(0.0, overruns_ + cost);
-    is_exhausted_ = is_exhausted_ || overruns_ >= kMostOverruns;
+    is_exhausted_ = is_exhausted_ || overruns_ >= kMaxOverruns;
     return !is_exhausted_;
   }
 

@@ -21,7 +21,7 @@ void put(const Quat& from, double (&into)[4]) noexcept {
 }  // namespace
 
 Result<void> PluginEffects::add(const PluginChoice& choice) {
-  if (effects_.size() == kMost) return fail("{}: at most {} effects from files; leave one out", choice.file, kMost);
+  if (effects_.size() == kMax) return fail("{}: at most {} effects from files; leave one out", choice.file, kMax);
   auto effect = PluginEffect::make(choice, clock_, budget_ns_);
   if (!effect) return tl::unexpected(effect.error());
   effects_.push_back({.effect = std::move(*effect)});

@@ -29,9 +29,9 @@ class PluginEffects {
   // Pre: the clock outlives it. A clock that stands still grants every call any time.
   explicit PluginEffects(const Clock& clock, std::int64_t budget_ns = CallBudget::kDefaultNs) : clock_(clock), budget_ns_(budget_ns) {}
 
-  // Error: one line: this one cannot be used, or there are more than a recording can name (kMost).
+  // Error: one line: this one cannot be used, or there are more than a recording can name (kMax).
   Result<void> add(const PluginChoice& choice);
-  static constexpr std::size_t kMost = 3;
+  static constexpr std::size_t kMax = 3;
   bool empty() const { return effects_.empty(); }
 
   // The sum of all.

@@ -17,10 +17,10 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 constexpr std::size_t kWhySize = 512;
-constexpr double kMostForceN = 100.0;  // as every effect of a scene
-constexpr double kMostTorqueNm = 10.0;
+constexpr double kMaxForceN = 100.0;  // as every effect of a scene
+constexpr double kMaxTorqueNm = 10.0;
 constexpr char kHowToCompile[] = "compile the plug-in with: gcc -shared -fPIC -o FILE.so FILE.c";
 
 #if defined(__x86_64__)
@@ -74,10 +74,10 @@ std::string one_line(std::string_view text) {
 }
 
 Result<void> check_bounds(const std::string& path, double max_force_n, double max_torque_nm) {
-  if (!(max_force_n > 0.0 && max_force_n <= kMostForceN))
-    return fail("{}: its max_force_n is {}; state the largest force it gives, above 0 and at most {} N", path, max_force_n, kMostForceN);
-  if (!(max_torque_nm >= 0.0 && max_torque_nm <= kMostTorqueNm))
-    return fail("{}: its max_torque_nm is {}; state the largest torque it gives, 0 to {} Nm", path, max_torque_nm, kMostTorqueNm);
+  if (!(max_force_n > 0.0 && max_force_n <= kMaxForceN))
+    return fail("{}: its max_force_n is {}; state the largest force it gives, above 0 and at most {} N", path, max_force_n, kMaxForceN);
+  if (!(max_torque_nm >= 0.0 && max_torque_nm <= kMaxTorqueNm))
+    return fail("{}: its max_torque_nm is {}; state the largest torque it gives, 0 to {} Nm", path, max_torque_nm, kMaxTorqueNm);
   return {};
 }
 
@@ -99,7 +99,7 @@ Result<PluginFile> PluginFile::open(const PluginChoice& choice) {
   std::error_code error;
   // The loader looks up a name without a slash in its own folders.
   if (const auto absolute = std::filesystem::absolute(choice.file, error); !error) file.choice_.file = absolute.lexically_normal().string();
-  const auto bytes = read_regular_file(file.path(), "give the shared library of a plug-in (docs/plugins.md)", kMostBytes);
+  const auto bytes = read_regular_file(file.path(), "give the shared library of a plug-in (docs/plugins.md)", kMaxBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   if (const auto checked = check_elf(file.path(), *bytes); !checked) return tl::unexpected(checked.error());
   file.hash_ = fnv1a(*bytes, 0xcbf29ce484222325U);

@@ -11,7 +11,7 @@
 namespace hapton::python {
 namespace {
 
-constexpr std::size_t kMostLetters = 1000;
+constexpr std::size_t kMaxLetters = 1000;
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::array<const char*, 7> kVariables = {"x", "y", "z", "vx", "vy", "vz", "t"};
 
@@ -59,7 +59,7 @@ Result<ExpressionField> ExpressionField::make(const std::array<std::string, 3>& 
     if (const auto good = check_constant(name, value); !good) return tl::unexpected(good.error());
   }
   for (std::size_t axis = 0; axis < texts.size(); ++axis) {
-    if (texts[axis].size() > kMostLetters) return fail("{} has {} letters; give at most {}", kAxes[axis], texts[axis].size(), kMostLetters);
+    if (texts[axis].size() > kMaxLetters) return fail("{} has {} letters; give at most {}", kAxes[axis], texts[axis].size(), kMaxLetters);
     try {
       program->compile(axis);
     } catch (const mu::Parser::exception_type& error) {

@@ -6,9 +6,9 @@
 namespace hapton::python {
 namespace {
 
-constexpr double kMostNumber = 1e6;
-constexpr double kMostMassKg = 5.0;  // as in scene files, like the next
-constexpr double kMostFilterS = 1.0;
+constexpr double kMaxNumber = 1e6;
+constexpr double kMaxMassKg = 5.0;  // as in scene files, like the next
+constexpr double kMaxFilterS = 1.0;
 
 // What Python holds: one of several laws.
 struct PythonField {
@@ -16,8 +16,8 @@ struct PythonField {
 };
 
 double check_number(double value, const char* name, bool may_be_zero = true) {
-  if (!(value <= kMostNumber && (may_be_zero ? value >= 0.0 : value > 0.0))) {
-    raise_value_error(fmt::format("{} is {}; give {} 0, at most {}", name, value, may_be_zero ? "at least" : "more than", kMostNumber));
+  if (!(value <= kMaxNumber && (may_be_zero ? value >= 0.0 : value > 0.0))) {
+    raise_value_error(fmt::format("{} is {}; give {} 0, at most {}", name, value, may_be_zero ? "at least" : "more than", kMaxNumber));
   }
   return value;
 }
@@ -40,11 +40,11 @@ PythonField make_viscous(double damping, double most_n) {
 }
 
 PythonField make_mass(double mass_kg, double filter_s, double most_n) {
-  if (!(filter_s >= MassEffect::kLeastFilterS && filter_s <= kMostFilterS)) {
-    raise_value_error(fmt::format("filter_s is {}; give at least {} s, at most {}", filter_s, MassEffect::kLeastFilterS, kMostFilterS));
+  if (!(filter_s >= MassEffect::kMinFilterS && filter_s <= kMaxFilterS)) {
+    raise_value_error(fmt::format("filter_s is {}; give at least {} s, at most {}", filter_s, MassEffect::kMinFilterS, kMaxFilterS));
   }
-  if (!(mass_kg >= 0.0 && mass_kg <= kMostMassKg))
-    raise_value_error(fmt::format("mass_kg is {}; give at least 0, at most {}", mass_kg, kMostMassKg));
+  if (!(mass_kg >= 0.0 && mass_kg <= kMaxMassKg))
+    raise_value_error(fmt::format("mass_kg is {}; give at least 0, at most {}", mass_kg, kMaxMassKg));
   MassField field;
   field.law = {.mass_kg = mass_kg, .filter_s = filter_s, .max_force_n = check_number(most_n, "max_force_n")};
   return {field};

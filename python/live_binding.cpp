@@ -294,9 +294,9 @@ py::dict describe_run(const NodeLink& link, double seconds) {
 
 // The last reply is a zero force, also after an exception of the function or Ctrl-C.
 py::dict run_force_function(const py::function& force, double seconds, const std::string& hub, const std::string& key_file) {
-  constexpr double kMostS = 1e9;  // as the nodes' --seconds
-  if (!(seconds > 0.0 && seconds <= kMostS))
-    raise_value_error(fmt::format("seconds is {}; give a time above 0, at most {:g}", seconds, kMostS));
+  constexpr double kMaxS = 1e9;  // as the nodes' --seconds
+  if (!(seconds > 0.0 && seconds <= kMaxS))
+    raise_value_error(fmt::format("seconds is {}; give a time above 0, at most {:g}", seconds, kMaxS));
   const std::unique_ptr<NodeLink> link = open_or_raise([&] { return NodeLink::open(hub, key_file); });
   const std::int64_t begin_ns = link->clock().now_ns();
   const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kClientPatienceS = 5.0;
 constexpr std::int64_t kClientTurnNs = kNanosecondsPerMillisecond;  // the longest that a marker waits until it is sent
-constexpr std::size_t kMostCarves = 1'000'000;                      // as Sculpture has them
+constexpr std::size_t kMaxCarves = 1'000'000;                       // as Sculpture has them
 constexpr auto kMovePatience = std::chrono::seconds(3);
 constexpr double kShapePatienceS = 5.0;
 constexpr std::int64_t kViewEveryNs = 50 * kNanosecondsPerMillisecond;  // until the forces use it, as a datagram may be lost
@@ -146,7 +146,7 @@ void LiveClient::take_carves(const Message& message, Arrival arrival) {
   const KnownCarves::News news = known_carves_.take(*carves, arrival);
   if (news.starts_anew) carves_.clear();
   const std::size_t end = std::size_t{carves->first} + carves->count - 1;  // the first of the news is so many before
-  if (news.carves.empty() || end > kMostCarves) return;
+  if (news.carves.empty() || end > kMaxCarves) return;
   if (carves_.size() < end) carves_.resize(end);
   std::copy(news.carves.begin(), news.carves.end(), carves_.begin() + static_cast<std::ptrdiff_t>(end - news.carves.size()));
 }

@@ -17,7 +17,7 @@ void compare_directions(const std::vector<ForceRow>& rows, ForceComparison& foun
   double squares = 0.0;
   std::size_t counted = 0;
   for (const ForceRow& row : rows) {
-    if (row.force_n.norm() <= kLeastN || row.zero_delay_n.norm() <= kLeastN) continue;
+    if (row.force_n.norm() <= kMinN || row.zero_delay_n.norm() <= kMinN) continue;
     const double angle = angle_deg(row.force_n, row.zero_delay_n);
     squares += angle * angle;
     ++counted;
@@ -72,7 +72,7 @@ ForceComparison compare_forces(const std::vector<ForceRow>& rows, double period_
   const double rms_n = std::sqrt(whole / static_cast<double>(contact));
   const auto most_late = static_cast<std::size_t>(std::lround(most_late_s / period_s));
   const double step_cost = kStepCostShare * rms_n * period_s / 1e-3;
-  const EffectiveOffset offset = find_effective_offset(forces, zero_delay, period_s, most_late, step_cost, kLeastN);
+  const EffectiveOffset offset = find_effective_offset(forces, zero_delay, period_s, most_late, step_cost, kMinN);
   found.time_offset_s = offset.time_s;
   found.value_offset = offset.value / rms_n;
   compare_directions(rows, found);

@@ -19,7 +19,7 @@ struct ForceRow {
 struct ForceComparison {
   double error_rms = 0.0;  // share of the zero-delay force: root of sum |F - F0|^2 / sum |F0|^2
   double error_max_n = 0.0;
-  double direction_rms_deg = 0.0;  // between the two, where both are above kLeastN
+  double direction_rms_deg = 0.0;  // between the two, where both are above kMinN
   double direction_max_deg = 0.0;
   double time_offset_s = 0.0;  // effective_offset.h
   double value_offset = 0.0;   // share of the zero-delay force's RMS
@@ -32,7 +32,7 @@ struct ForceComparison {
 
 // Fall-through: no force, or one without a component along the zero-delay force, while the device is deeper than kFallM.
 constexpr double kFallM = 0.25e-3;  // 0.25 % of a scene of 100 mm, as hapton evaluate
-constexpr double kLeastN = 0.05;    // smaller forces are not compared
+constexpr double kMinN = 0.05;      // smaller forces are not compared
 
 // most_late_s: how late a force may be taken to be. RT: no.
 ForceComparison compare_forces(const std::vector<ForceRow>& rows, double period_s, double most_late_s);

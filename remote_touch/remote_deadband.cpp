@@ -13,9 +13,9 @@ RemoteDeadband::RemoteDeadband(std::shared_ptr<ForceMethod> method, const Remote
       down_(network.down, back_seed(network.seed)),
       state_bytes_(packet_bytes_of_state()),
       force_bytes_(packet_bytes_of_force()),
-      velocity_(options.fraction, kLeastSpeed, Prediction::hold),
+      velocity_(options.fraction, kMinSpeed, Prediction::hold),
       step_(std::move(method)),
-      force_coder_(options.fraction, kLeastForceN, options.prediction) {}
+      force_coder_(options.fraction, kMinForceN, options.prediction) {}
 
 RemoteStep RemoteDeadband::step(const Vec3& p_WD, std::int64_t now_ns) {
   send_motion(p_WD, now_ns);

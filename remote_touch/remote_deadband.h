@@ -20,8 +20,8 @@ namespace hapton {
 class RemoteDeadband final : public RemoteTouch {
  public:
   static constexpr double kPositionM = 1e-3;        // m: scale of the position error, see above
-  static constexpr double kLeastForceN = 0.1;       // the fraction is of this for smaller forces: else noise near 0 would be sent
-  static constexpr double kLeastSpeed = 0.05;       // m/s: the same for slower motions
+  static constexpr double kMinForceN = 0.1;         // the fraction is of this for smaller forces: else noise near 0 would be sent
+  static constexpr double kMinSpeed = 0.05;         // m/s: the same for slower motions
   static constexpr std::size_t kVelocityRows = 20;  // samples over which the velocity is a mean; otherwise encoder noise would be sent
 
   struct Options {

@@ -104,7 +104,7 @@ void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
   maker_.note_hand(touch_.hand_at(p_WD, now_ns));
   if (made_ == nullptr) {
     made_ = maker_.make_if_due(store_, 0);
-    made_ns_ = now_ns + std::max(kLeastMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));
+    made_ns_ = now_ns + std::max(kMinMakeNs, kTriangleNs * static_cast<std::int64_t>(maker_.triangles()));
   }
   if (made_ != nullptr && now_ns >= made_ns_) (void)touch_.offer(std::move(made_));
 }

@@ -24,7 +24,7 @@ class RemotePatch final : public RemoteTouch {
   static constexpr std::int64_t kSendNs = 4'000'000;  // period at which the haptics node chooses what to send
   // To make a patch, and to make the smallest one. Assumed, not measured here.
   static constexpr std::int64_t kTriangleNs = 1000;
-  static constexpr std::int64_t kLeastMakeNs = 5'000'000;
+  static constexpr std::int64_t kMinMakeNs = 5'000'000;
 
   struct Options {
     PatchSource::Options source = {};

@@ -21,12 +21,12 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr double kPeriodS = 1e-3;
-constexpr double kLeastWaitS = 0.5;  // for the scene to arrive, before the hand begins
-constexpr double kMostWaitS = 120.0;
+constexpr double kMinWaitS = 0.5;  // for the scene to arrive, before the hand begins
+constexpr double kMaxWaitS = 120.0;
 constexpr double kGreetingsHz = 10.0;     // HubClient::kHelloPeriodNs
 constexpr double kGreetingBytes = 110.0;  // IP packet of a Hello or a Welcome, about
 constexpr double kLateShare = 1.5;        // of the round trip: the most that a force is taken to be late by
-constexpr double kLeastLateS = 0.03;      // for short round trips
+constexpr double kMinLateS = 0.03;        // for short round trips
 
 // A method's law, the passivity controller where it has no governor, and the chain from position to motors.
 class Rig {
@@ -64,8 +64,8 @@ RemoteRates rates_of(const RemoteTraffic& traffic, double seconds) {
 }
 
 Result<double> wait_for_scene(RemoteLaw& law, const RemoteMethod& method, const Vec3& p_WD, double round_trip_s) {
-  const auto ready_s = law.wait(p_WD, kLeastWaitS + 2.0 * round_trip_s, kMostWaitS);
-  if (!ready_s) return fail("{}: the scene around the hand had not arrived after {:g} s", method.name, kMostWaitS);
+  const auto ready_s = law.wait(p_WD, kMinWaitS + 2.0 * round_trip_s, kMaxWaitS);
+  if (!ready_s) return fail("{}: the scene around the hand had not arrived after {:g} s", method.name, kMaxWaitS);
   return *ready_s;
 }
 
@@ -119,7 +119,7 @@ Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath
   }
   if (before && after) touch.rates = rates_of(*after - *before, kPeriodS * static_cast<double>(path.leaving - path.sliding));
   touch.scene_kb = 1e-3 * static_cast<double>(rig.law().touch().traffic().scene.bytes);
-  touch.force = compare_forces(touch.rows, kPeriodS, std::max(kLateShare * which.round_trip_s, kLeastLateS));
+  touch.force = compare_forces(touch.rows, kPeriodS, std::max(kLateShare * which.round_trip_s, kMinLateS));
   return touch;
 }
 
@@ -154,7 +154,7 @@ Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePat
 
 namespace {
 
-constexpr double kLeastHeldN = 0.5;  // of the newton with which the hand presses
+constexpr double kMinHeldN = 0.5;  // of the newton with which the hand presses
 
 double mean_force_n(std::span<const LoopRow> rows) {
   double sum = 0.0;
@@ -177,7 +177,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
   const PressMeasures measures = measure_press(rows, path, kPeriodNs, device.model.encoder_step_m, true);
   constexpr double kStill = 0.01;  // of the depth, as closed_loop/press.cpp
   const bool is_still = measures.limit_cycle_m <= std::max(2.0 * device.model.encoder_step_m, kStill * std::fabs(measures.depth_m));
-  return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kLeastHeldN;
+  return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kMinHeldN;
 }
 
 }  // namespace

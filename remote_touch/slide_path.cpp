@@ -15,10 +15,10 @@ constexpr double kClearanceM = 0.005;    // above the surface, where the path be
 constexpr double kLeaveM = 0.010;        // as far as it leaves
 constexpr double kApproachSpeed = 0.05;  // m/s
 constexpr double kSmoothM = 0.002;       // along the path: length constant with which its normal follows that of the surface
-constexpr double kMostCurvature = 15.0;  // 1/m
+constexpr double kMaxCurvature = 15.0;   // 1/m
 constexpr double kProbeDepthM = 1e-4;    // under the surface, where a place is tried
-constexpr double kMostDepths = 2.0;      // the zero-delay proxy is no farther from the device than this many depths
-constexpr int kMostDraws = 1000;         // of a place with room above it
+constexpr double kMaxDepths = 2.0;       // the zero-delay proxy is no farther from the device than this many depths
+constexpr int kMaxDraws = 1000;          // of a place with room above it
 
 // From far above to kClearanceM nothing is touched, and just below the surface that surface is.
 bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {
@@ -110,19 +110,19 @@ Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method,
   SurfaceWalk walk(mesh);
   std::mt19937_64 random(plan.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  for (int draw = 0; draw < kMostDraws; ++draw) {
+  for (int draw = 0; draw < kMaxDraws; ++draw) {
     const std::uint32_t triangle = draw_triangle(random);
     const double heading_rad = std::numbers::pi * (2.0 * uniform(random) - 1.0);
-    const double curvature = kMostCurvature * (2.0 * uniform(random) - 1.0);
+    const double curvature = kMaxCurvature * (2.0 * uniform(random) - 1.0);
     const SlidePath path = make_rows(Walker(walk, triangle, heading_rad, curvature), plan);
     const SlideRow& first = path.rows.front();
     const SlideRow& last = path.rows.back();
     if (is_free_above(method, first.p_SQ, first.outward_S) && is_free_above(method, last.p_SQ, last.outward_S) &&
-        is_followed(method, path, kMostDepths * plan.depth_m)) {
+        is_followed(method, path, kMaxDepths * plan.depth_m)) {
       return path;
     }
   }
-  return fail("slide: no path over the surface was found that the hand can follow, in {} draws with seed {}", kMostDraws, plan.seed);
+  return fail("slide: no path over the surface was found that the hand can follow, in {} draws with seed {}", kMaxDraws, plan.seed);
 }
 
 }  // namespace hapton

@@ -20,7 +20,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // far beyond any configuration
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // far beyond any configuration
 constexpr int kBadCommandLine = 2;
 
 bool names_option(std::string_view argument, const CLI::Option& option) {
@@ -67,7 +67,7 @@ class ConfigFile {
 };
 
 Result<toml::table> ConfigFile::read() const {
-  const auto text = read_regular_file(path_, "--config wants a TOML file", kMostBytes);
+  const auto text = read_regular_file(path_, "--config wants a TOML file", kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   try {
     return toml::parse(*text, path_);

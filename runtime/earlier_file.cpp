@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostKeptFiles = 100'000;
+constexpr int kMaxKeptFiles = 100'000;
 
 // 0, or the errno. Never replaces another file, except on a file system that cannot promise that, where one that appears in between is
 // lost.
@@ -30,7 +30,7 @@ Result<std::filesystem::path> keep_earlier_file(const std::filesystem::path& pat
   if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0 || error) return {};
   const std::filesystem::path file = std::filesystem::canonical(path, error);
   int failure = error.value();
-  for (int n = 1; failure == 0 && n <= kMostKeptFiles; ++n) {
+  for (int n = 1; failure == 0 && n <= kMaxKeptFiles; ++n) {
     const std::filesystem::path kept = file.parent_path() / fmt::format("{}-{}{}", file.stem().string(), n, file.extension().string());
     const int code = rename_to_free_name(file, kept);
     if (code == 0) return kept;

@@ -4,9 +4,9 @@
 
 namespace hapton {
 
-// Turns SIGINT and SIGTERM into a flag to poll, and SIGUSR1 into a request for a report. Interrupted system calls restart, so a loop sees
-// the flag in its next turn; a second SIGINT or SIGTERM kills the process. One per process: the handlers stay until it is destroyed. RT:
-// the readers yes. Threads: any.
+// Turns SIGINT and SIGTERM into a flag to poll, and SIGUSR1 into a request for a report. Blocking reads and writes restart; poll and sleeps
+// return EINTR. A loop sees the flag in its next turn; a second SIGINT or SIGTERM kills the process. One per process: the handlers stay
+// until it is destroyed. RT: the readers yes. Threads: any.
 class StopSignal {
  public:
   StopSignal();

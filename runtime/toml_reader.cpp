@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
@@ -71,7 +71,7 @@ struct TomlReader::Table {
 };
 
 Result<TomlReader> TomlReader::open(const std::filesystem::path& path) {
-  const auto text = read_regular_file(path, "a TOML file was looked for there", kMostBytes);
+  const auto text = read_regular_file(path, "a TOML file was looked for there", kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   auto parsed = parse(path, *text);
   if (!parsed) return tl::unexpected(parsed.error());

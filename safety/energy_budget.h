@@ -10,10 +10,10 @@ namespace hapton {
 //   spent -= kForgivenMPerS x max_force each second, the energy that sampling and delay add at any wall; never below -kFreeM x max_force
 //
 // Up to kFreeM x max_force it does nothing: springs and friction of a normal contact stay far below. Above, damping dissipates the excess
-// within kTakeBackS, and the force limit decreases with the energy spent: at kMostM x max_force it is zero. So over any time t even an
+// within kTakeBackS, and the force limit decreases with the energy spent: at kMaxM x max_force it is zero. So over any time t even an
 // active source gives no more than
 //
-//   (kFreeM + kMostM + kForgivenMPerS t) max_force + what it gives while its last force is released.
+//   (kFreeM + kMaxM + kForgivenMPerS t) max_force + what it gives while its last force is released.
 //
 // Source: Hannaford and Ryu, "Time-domain passivity control of haptic interfaces", IEEE Trans. Robotics and Automation 18 (2002). We
 // differ: their damper dissipates all excess in the next sample, which is felt as a blow; ours takes kTakeBackS, within the device's stable
@@ -26,7 +26,7 @@ class EnergyBudget {
   // more lets them buzz.
   static constexpr double kFreeM = 0.010;
   // 0.25 J for a PHANToM Model A: a tenth of what it could give in one stroke through its workspace.
-  static constexpr double kMostM = 0.030;
+  static constexpr double kMaxM = 0.030;
   // What sampling and delay add at any wall. A source may give this power for ever: 17 mW for a Model A.
   static constexpr double kForgivenMPerS = 0.002;
   // In one sample, as in the source, it would be felt as a blow; 5 ms are a choice.
@@ -46,7 +46,7 @@ class EnergyBudget {
   double spent_j() const noexcept { return spent_j_; }
   // Above what is free: 0 and less is none.
   static double free_j(double max_force_n) noexcept { return kFreeM * max_force_n; }
-  static double most_j(double max_force_n) noexcept { return kMostM * max_force_n; }
+  static double most_j(double max_force_n) noexcept { return kMaxM * max_force_n; }
 
   // N s / m at this speed, no more than `most`.
   double damping_n_s_per_m(double max_force_n, double speed_m_per_s, double most) const noexcept;

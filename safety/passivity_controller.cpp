@@ -24,7 +24,7 @@ void PassivityController::observe(double max_force_n, const Vec3& moved_m) noexc
     given_j_ = std::max(0.0, given_j_);
     return;
   }
-  given_j_ = std::max(given_j_ + mean_force_n_.dot(moved_m) + hidden_j - dissipated_j, -kMostCreditM * max_force_n);
+  given_j_ = std::max(given_j_ + mean_force_n_.dot(moved_m) + hidden_j - dissipated_j, -kMaxCreditM * max_force_n);
 }
 
 // Once a window: int b v^2 dt is at least b motion^2 / time.

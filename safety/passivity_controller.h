@@ -36,7 +36,7 @@ class PassivityController {
   };
 
   // Of max_force: a larger credit is not kept. A spring that stores more would have to be softer than max_force / 4 cm.
-  static constexpr double kMostCreditM = 0.020;
+  static constexpr double kMaxCreditM = 0.020;
 
   // Samples over which dissipation is estimated by the motion from first to last: noise of the encoder, which goes to and fro, adds
   // nothing.

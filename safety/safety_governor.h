@@ -97,8 +97,12 @@ class SafetyGovernor {
     is_open_ = false;
   }
 
-  // Set-up: this fault was latched before this program started and has not been reset. It is latched again, and not counted again.
-  void restore_latched_fault(SafetyFault fault) noexcept { fault_ = fault; }
+  // Set-up: this fault was latched before this program started and has not been reset. It is latched again, and not counted again. After
+  // `thermal` the motors count as hot.
+  void restore_latched_fault(SafetyFault fault) noexcept {
+    fault_ = fault;
+    if (fault == SafetyFault::thermal) thermal_.assume_hot(limits_.device());
+  }
 
   // A person says that the cause of the latched fault is fixed. False: it is still there, and so is the fault. The force ramps up.
   bool reset_faults() noexcept;

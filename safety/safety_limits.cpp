@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 // Beyond is a slip of a unit, and no arithmetic to trust.
-bool usable(double limit) { return limit > 1e-9 && limit < 1e9; }
+bool usable(double limit) { return limit > kMinUsableLimit && limit < 1e9; }
 
 // Fast enough that `most` is gone within kLongestReleaseNs.
 double release_rate(double slew, double most) {

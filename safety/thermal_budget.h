@@ -23,6 +23,8 @@ class ThermalBudget {
 
   // force_n was on the motors for passed_s.
   void held(const Vec3& force_n, double passed_s) noexcept;
+  // The motors are as warm as they may be: how warm they are is not known.
+  void assume_hot(const DeviceLimits& limits) noexcept { heat_n2_ = limits.continuous_force_n * limits.continuous_force_n; }
   double allowed_n(const DeviceLimits& limits) const noexcept;
 
   double load(const DeviceLimits& limits) const noexcept {

@@ -63,10 +63,10 @@ struct Annotations {
 };
 
 // Of all strokes and measures; a file with more is rejected, and nothing more is drawn.
-constexpr std::size_t kMostAnnotationPoints = 100'000;
+constexpr std::size_t kMaxAnnotationPoints = 100'000;
 
 // As many as a haptics node keeps.
-constexpr std::size_t kMostSavedCarves = CarveList::kMost;
+constexpr std::size_t kMaxSavedCarves = CarveList::kMax;
 
 std::size_t count_points(const Annotations& annotations);
 // Of all presses.

@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::string_view kSchema = "hapton.annotations/1";
 // A million carves are about 100 MB.
-constexpr std::size_t kMostBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
 constexpr double kFarthestM = 1e6;
-constexpr double kMostCarveM = 1000.0;  // radius and length, as messages have them
-constexpr std::size_t kMostObjects = 1'000'000;
+constexpr double kMaxCarveM = 1000.0;  // radius and length, as messages have them
+constexpr std::size_t kMaxObjects = 1'000'000;
 // Of a quaternion's length from one: the text has all its digits, and somebody may have typed three.
 constexpr double kUnitSlack = 1e-3;
 
@@ -169,8 +169,7 @@ class AnnotationsParser {
     const toml::node* names = table_.get("objects");
     if (names == nullptr) return;
     const toml::array* list = names->as_array();
-    if (list == nullptr || list->size() > kMostObjects)
-      return reject(*names, "'objects' must be a list of names, at most {}", kMostObjects);
+    if (list == nullptr || list->size() > kMaxObjects) return reject(*names, "'objects' must be a list of names, at most {}", kMaxObjects);
     for (const toml::node& name : *list) {
       const auto text = name.value_exact<std::string>();
       if (!text) return reject(name, "'objects' must be a list of names in quotes");
@@ -227,8 +226,8 @@ class AnnotationsParser {
       return {};
     }
     points_ += list->size();
-    if (points_ > kMostAnnotationPoints) {
-      reject(*table.get("points_m"), "there are more than {} points: split the file", kMostAnnotationPoints);
+    if (points_ > kMaxAnnotationPoints) {
+      reject(*table.get("points_m"), "there are more than {} points: split the file", kMaxAnnotationPoints);
       return {};
     }
     std::vector<Vec3> points;
@@ -298,7 +297,7 @@ class AnnotationsParser {
     if (!has_keys(table, "[[carve]]", {"object", "radius_m", "capsules_m"})) return;
     TableReader reader(table, "[[carve]]");
     CarvedPress press;
-    reader.read("radius_m", press.radius_m, 1e-9, kMostCarveM);
+    reader.read("radius_m", press.radius_m, 1e-9, kMaxCarveM);
     keep(reader);
     press.object = find_object(*table.get("object"));
     press.radius_m = rounded_to_float(press.radius_m);
@@ -306,7 +305,7 @@ class AnnotationsParser {
     const toml::array* list = capsules.as_array();
     if (list == nullptr || list->empty()) return reject(capsules, "'capsules_m' must be a list of capsules");
     carves_ += list->size();
-    if (carves_ > kMostSavedCarves) return reject(capsules, "there are more than {} carves: split the file", kMostSavedCarves);
+    if (carves_ > kMaxSavedCarves) return reject(capsules, "there are more than {} carves: split the file", kMaxSavedCarves);
     press.carves.reserve(list->size());
     for (const toml::node& each : *list) {
       if (error_) return;
@@ -328,7 +327,7 @@ class AnnotationsParser {
     for (std::size_t k = 0; k < 6; ++k) {
       (k < 3 ? carve.from_m : carve.to_m)[static_cast<Eigen::Index>(k % 3)] = rounded_to_float(read_coordinate(*list->get(k)));
     }
-    if (!((carve.to_m - carve.from_m).norm() <= kMostCarveM)) reject(node, "the ends of a capsule are at most {} m apart", kMostCarveM);
+    if (!((carve.to_m - carve.from_m).norm() <= kMaxCarveM)) reject(node, "the ends of a capsule are at most {} m apart", kMaxCarveM);
     return carve;
   }
 
@@ -380,7 +379,7 @@ Result<AnnotationsRead> parse_annotations(std::string_view text, std::span<const
 }
 
 Result<AnnotationsRead> read_annotations(const std::filesystem::path& path, std::span<const std::string> names, std::uint64_t scene_hash) {
-  const Result<std::string> bytes = read_file_bytes(path, kMostBytes);
+  const Result<std::string> bytes = read_file_bytes(path, kMaxBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   auto read = parse_annotations(*bytes, names, scene_hash);
   if (!read) return fail("{}: {}", path.string(), read.error().what);

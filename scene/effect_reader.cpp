@@ -17,11 +17,11 @@ constexpr double kEffectMaxLengthM = 10.0;
 constexpr double kEffectMaxPositionM = 1e6;
 constexpr double kEffectMaxTimeS = 60.0;
 constexpr double kEffectMaxFrequencyHz = 1000.0;  // the upper limit of human vibrotactile perception
-constexpr double kMostButtons = 32.0;
+constexpr double kMaxButtons = 32.0;
 constexpr double kEffectLeastMassKg = 1e-3;
 constexpr double kEffectMostMassKg = 5.0;
 constexpr double kEffectMostFilterS = 1.0;
-constexpr double kMostBumpShare = 1.0 / 3.0;  // height over length; the steepest slope is then pi / 3
+constexpr double kMaxBumpShare = 1.0 / 3.0;  // height over length; the steepest slope is then pi / 3
 
 constexpr std::array<std::string_view, 13> kSurfaceKeys = {
     "progressive_n_per_m2", "viscosity_ns_per_m", "snap_range_m",   "snap_stiffness_n_per_m", "bump_height_m",
@@ -46,7 +46,7 @@ void read_bumps(TableReader& reader, SurfaceBumps& bumps) {
   if (bumps.pattern != SurfaceBumps::Pattern::ridges && reader.has("bump_direction")) {
     reader.fail_at("bump_direction", "'bump_direction' is for 'bump_pattern' \"ridges\": leave it out");
   }
-  if (bumps.height_m > kMostBumpShare * bumps.length_m) {
+  if (bumps.height_m > kMaxBumpShare * bumps.length_m) {
     reader.fail_at("bump_height_m", "'bump_height_m' is {}: it must be at most a third of 'bump_length_m', {}", bumps.height_m,
                    bumps.length_m);
   }
@@ -56,9 +56,9 @@ void read_snap(TableReader& reader, SurfaceSnap& snap) {
   reader.read("snap_range_m", snap.range_m, 0.0, kEffectMaxLengthM);
   reader.read("snap_stiffness_n_per_m", snap.stiffness_n_per_m, 0.0, kEffectMaxStiffnessNPerM, true);
   need(reader, "snap_stiffness_n_per_m", "snap_range_m", snap.is_on());
-  if (snap.bound_n() > kMostEffectForceN) {
+  if (snap.bound_n() > kMaxEffectForceN) {
     reader.fail_at("snap_range_m", "'snap_range_m' times 'snap_stiffness_n_per_m' is {} N: it must be at most {} N", snap.bound_n(),
-                   kMostEffectForceN);
+                   kMaxEffectForceN);
   }
 }
 
@@ -66,7 +66,7 @@ void read_tap(TableReader& reader, TapVibration& tap) {
   reader.read("tap_ns_per_m", tap.ns_per_m, 0.0, kEffectMaxTapNsPerM);
   reader.read("tap_frequency_hz", tap.frequency_hz, 0.0, kEffectMaxFrequencyHz, true);
   reader.read("tap_decay_s", tap.decay_s, 0.0, kEffectMaxTimeS, true);
-  reader.read("tap_max_force_n", tap.max_force_n, 0.0, kMostEffectForceN, true);
+  reader.read("tap_max_force_n", tap.max_force_n, 0.0, kMaxEffectForceN, true);
   for (const char* key : {"tap_frequency_hz", "tap_decay_s", "tap_max_force_n"}) need(reader, key, "tap_ns_per_m", tap.is_on());
 }
 
@@ -78,7 +78,7 @@ Result<TissueLayer> read_layer(const toml::table& table, const std::string& wher
   reader.require("stiffness_n_per_m");
   reader.read("depth_m", layer.depth_m, 0.0, kEffectMaxLengthM);
   reader.read("stiffness_n_per_m", layer.stiffness_n_per_m, 0.0, kEffectMaxStiffnessNPerM, true);
-  reader.read("pop_force_n", layer.pop_force_n, 0.0, kMostEffectForceN, true);
+  reader.read("pop_force_n", layer.pop_force_n, 0.0, kMaxEffectForceN, true);
   reader.read("drag_ns_per_m", layer.drag_ns_per_m, 0.0, kEffectMaxDampingNsPerM);
   if (reader.has("drag_ns_per_m") && !reader.has("pop_force_n")) {
     reader.fail_at("drag_ns_per_m", "'drag_ns_per_m' has no effect in a layer without 'pop_force_n', which is never punctured");
@@ -96,8 +96,8 @@ Result<void> read_layers(const toml::table& table, const std::string& material_n
   if (array == nullptr || array->empty() || !array->is_array_of_tables()) {
     return fail("{}'layer' must be tables that begin with {}", line_prefix(*node), header);
   }
-  if (array->size() > TissueLayers::kMost)
-    return fail("{}{} layers: give at most {}", line_prefix(*node), array->size(), TissueLayers::kMost);
+  if (array->size() > TissueLayers::kMax)
+    return fail("{}{} layers: give at most {}", line_prefix(*node), array->size(), TissueLayers::kMax);
   for (const toml::node& one : *array) {
     const std::size_t number = effects.layers.count() + 1;
     const auto layer = read_layer(*one.as_table(), fmt::format("{} {}", header, number));
@@ -108,7 +108,7 @@ Result<void> read_layers(const toml::table& table, const std::string& material_n
         return fail("{}'depth_m' in {} {} is {}: it must be more than that of the layer before, {}", line_prefix(one), header, number,
                     layer->depth_m, before.depth_m);
       }
-      if (!(before.pop_force_n <= kMostEffectForceN)) {
+      if (!(before.pop_force_n <= kMaxEffectForceN)) {
         return fail("{}{} {} is never reached: give the layer before it a 'pop_force_n'", line_prefix(one), header, number);
       }
     }
@@ -156,7 +156,7 @@ void read_position(TableReader& reader, const EffectSpec& spec, Vec3& position) 
   reader.read("position_m", position, kEffectMaxPositionM);
 }
 
-void read_max_force(TableReader& reader, double& max_force_n) { reader.read("max_force_n", max_force_n, 0.0, kMostEffectForceN, true); }
+void read_max_force(TableReader& reader, double& max_force_n) { reader.read("max_force_n", max_force_n, 0.0, kMaxEffectForceN, true); }
 
 void read_effect(TableReader& reader, EffectSpec& spec, SpringEffect& spring) {
   read_position(reader, spec, spring.centre);
@@ -166,9 +166,9 @@ void read_effect(TableReader& reader, EffectSpec& spec, SpringEffect& spring) {
 
 void read_effect(TableReader& reader, EffectSpec& spec, ConstantEffect& constant) {
   reader.require("force_n");
-  reader.read("force_n", constant.force_n, kMostEffectForceN);
-  if (constant.bound_n() > kMostEffectForceN) {
-    reader.fail_at("force_n", "'force_n' has length {}: it must be at most {}", constant.bound_n(), kMostEffectForceN);
+  reader.read("force_n", constant.force_n, kMaxEffectForceN);
+  if (constant.bound_n() > kMaxEffectForceN) {
+    reader.fail_at("force_n", "'force_n' has length {}: it must be at most {}", constant.bound_n(), kMaxEffectForceN);
   }
   read_volume(reader, spec, constant.volume);
 }
@@ -199,7 +199,7 @@ void read_effect(TableReader& reader, EffectSpec& spec, ViscousEffect& viscous) 
 void read_effect(TableReader& reader, EffectSpec& spec, MassEffect& mass) {
   reader.require("mass_kg");
   reader.read("mass_kg", mass.mass_kg, kEffectLeastMassKg, kEffectMostMassKg);
-  reader.read("filter_s", mass.filter_s, MassEffect::kLeastFilterS, kEffectMostFilterS);
+  reader.read("filter_s", mass.filter_s, MassEffect::kMinFilterS, kEffectMostFilterS);
   read_max_force(reader, mass.max_force_n);
   read_volume(reader, spec, mass.volume);
 }
@@ -210,7 +210,7 @@ void read_effect(TableReader& reader, EffectSpec& spec, WaveEffect& wave) {
   wave.waveform = static_cast<Waveform>(form);
   reader.require("direction");
   reader.read_direction("direction", wave.direction);
-  reader.read("amplitude_n", wave.amplitude_n, 0.0, kMostEffectForceN, true);
+  reader.read("amplitude_n", wave.amplitude_n, 0.0, kMaxEffectForceN, true);
   reader.read("frequency_hz", wave.frequency_hz, 0.0, kEffectMaxFrequencyHz, true);
   read_volume(reader, spec, wave.volume);
 }
@@ -218,7 +218,7 @@ void read_effect(TableReader& reader, EffectSpec& spec, WaveEffect& wave) {
 void read_effect(TableReader& reader, EffectSpec& spec, BurstEffect& burst) {
   reader.require("direction");
   reader.read_direction("direction", burst.direction);
-  reader.read("amplitude_n", burst.amplitude_n, 0.0, kMostEffectForceN, true);
+  reader.read("amplitude_n", burst.amplitude_n, 0.0, kMaxEffectForceN, true);
   reader.read("frequency_hz", burst.frequency_hz, 0.0, kEffectMaxFrequencyHz, true);
   reader.read("decay_s", burst.decay_s, 0.0, kEffectMaxTimeS, true);
   reader.read("duration_s", burst.duration_s, 0.0, kEffectMaxTimeS, true);
@@ -343,7 +343,7 @@ Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t numbe
     if (spec.object.empty()) reader.fail_at("object", "'object' in [[effect]] {} is empty: name an object", number);
   }
   double button = 0.0;
-  reader.read("button", button, 1.0, kMostButtons);
+  reader.read("button", button, 1.0, kMaxButtons);
   if (button != std::floor(button))
     reader.fail_at("button", "'button' in [[effect]] {} is {}: buttons are counted 1, 2, 3 ...", number, button);
   if (button >= 1.0 && !reader.error()) spec.on.button = std::uint32_t{1} << (static_cast<unsigned>(button) - 1U);

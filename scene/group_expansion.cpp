@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostShownObjects = 4096;
+constexpr std::size_t kMaxShownObjects = 4096;
 constexpr std::size_t kDeepestGroup = 16;
 
 // What the table leaves out is that of what it shows.
@@ -239,8 +239,8 @@ class Expansion {
                   around.instance_line == 0 && other->second != 0 ? other->second : line, printable(object.name));
     }
     shown_.push_back(std::move(object));
-    if (shown_.size() > kMostShownObjects)
-      return fail("line {}: there are more than {} objects: use fewer instances", line, kMostShownObjects);
+    if (shown_.size() > kMaxShownObjects)
+      return fail("line {}: there are more than {} objects: use fewer instances", line, kMaxShownObjects);
     return {};
   }
 

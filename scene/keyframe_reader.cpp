@@ -6,10 +6,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostTimeS = 86400.0;  // a day
+constexpr double kMaxTimeS = 86400.0;  // a day
 // What a hand pushes on a desk: a lighter body would follow a stylus as if it had no mass, a heavier one would not move.
-constexpr double kLeastMassKg = 0.001;
-constexpr double kMostMassKg = 100.0;
+constexpr double kMinMassKg = 0.001;
+constexpr double kMaxMassKg = 100.0;
 
 Result<KeyframeSpec> read_keyframe(const toml::table& table, const std::string& where) {
   KeyframeSpec spec;
@@ -17,7 +17,7 @@ Result<KeyframeSpec> read_keyframe(const toml::table& table, const std::string& 
   TableReader reader(table, where);
   reader.allow({"time_s", "position_m", "rotation_deg", "rotation"});
   reader.require("time_s");
-  reader.read("time_s", spec.time_s, 0.0, kMostTimeS);
+  reader.read("time_s", spec.time_s, 0.0, kMaxTimeS);
   if (reader.has("position_m")) reader.read("position_m", spec.p_SM.emplace(Vec3::Zero()), kMaxLengthM);
   Quat q = Quat::Identity();
   if (!reader.error()) read_rotation(table, reader, q);
@@ -70,7 +70,7 @@ Result<MotionSpec> read_motion(const toml::table& object, const std::string& nam
   reader.read("animation", spec.animation);
   reader.read("animation_speed", spec.animation_speed, 1e-6, 1e6);
   read_moved_by(object, reader, name, spec);
-  reader.read("mass_kg", spec.mass_kg, kLeastMassKg, kMostMassKg);
+  reader.read("mass_kg", spec.mass_kg, kMinMassKg, kMaxMassKg);
   if (reader.has("mass_kg") && !spec.by_program) {
     reader.fail_at("mass_kg", "'mass_kg' in {} goes with 'moved_by = \"program\"': add it, or leave this out", name);
   }

@@ -7,8 +7,8 @@ namespace hapton {
 namespace {
 
 constexpr double kLatestKeyS = 86400.0;  // a day
-constexpr double kMostWeight = 1e3;
-constexpr double kMostStretch = 1e3;
+constexpr double kMaxWeight = 1e3;
+constexpr double kMaxStretch = 1e3;
 
 Result<std::vector<MorphSpec::Key>> read_keys(const toml::node& node, const std::string& where) {
   const auto wrong = [&](const toml::node& at) {
@@ -27,8 +27,8 @@ Result<std::vector<MorphSpec::Key>> read_keys(const toml::node& node, const std:
     if (!(*time >= 0.0 && *time <= kLatestKeyS)) {
       return fail("{}a time in 'keys' of {} is {} s: give 0 to {:g}", line_prefix(each), where, *time, kLatestKeyS);
     }
-    if (!(*weight >= -kMostWeight && *weight <= kMostWeight)) {
-      return fail("{}a weight in 'keys' of {} is {}: give {:g} to {:g}", line_prefix(each), where, *weight, -kMostWeight, kMostWeight);
+    if (!(*weight >= -kMaxWeight && *weight <= kMaxWeight)) {
+      return fail("{}a weight in 'keys' of {} is {}: give {:g} to {:g}", line_prefix(each), where, *weight, -kMaxWeight, kMaxWeight);
     }
     if (!keys.empty() && !(*time > keys.back().time_s)) {
       return fail("{}the times in 'keys' of {} must increase: {} s comes after {} s", line_prefix(each), where, *time, keys.back().time_s);
@@ -46,7 +46,7 @@ Result<MorphSpec> read_morph(const toml::table& table, const std::string& where)
   if (reader.has("push_m")) reader.read("push_m", spec.push_m.emplace(Vec3::Zero()), kMaxLengthM);
   if (reader.has("stretch")) {
     std::array<double, 3> stretch = {};
-    reader.read("stretch", stretch, 0.0, kMostStretch);
+    reader.read("stretch", stretch, 0.0, kMaxStretch);
     spec.stretch = Vec3(stretch[0], stretch[1], stretch[2]);
   }
   if (!spec.push_m && !spec.stretch) reader.fail_at("push_m", "{} has neither 'push_m' nor 'stretch': add one", where);
@@ -76,8 +76,8 @@ Result<std::vector<MorphSpec>> read_morphs(const toml::table& object, const std:
     if (!morph) return tl::unexpected(morph.error());
     morphs.push_back(std::move(*morph));
   }
-  if (morphs.size() > MeshDeformation::kMostTargets) {
-    return fail("{}{} has {} morphs: at most {}", line_prefix(*node), name, morphs.size(), MeshDeformation::kMostTargets);
+  if (morphs.size() > MeshDeformation::kMaxTargets) {
+    return fail("{}{} has {} morphs: at most {}", line_prefix(*node), name, morphs.size(), MeshDeformation::kMaxTargets);
   }
   return morphs;
 }

@@ -12,9 +12,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastBlue = 0.1;    // of a unit normal: a slope of 10
+constexpr double kMinBlue = 0.1;      // of a unit normal: a slope of 10
 constexpr double kGrid = 65535.0;     // heights are rounded to this many steps, so that every machine has the same
-constexpr int kMostSide = 2048;       // of the image that is transformed
+constexpr int kMaxSide = 2048;        // of the image that is transformed
 constexpr double kUnitLength = 0.25;  // a mean length of the normals farther than this from 1, or
 constexpr double kUpright = 0.3;      // a mean of blue below this: no normal map
 
@@ -38,7 +38,7 @@ Result<SlopeField> read_slopes(const ImageTexels& numbers, double scale) {
     const Vec3 normal = Vec3(numbers.values[i], numbers.values[i + 1], numbers.values[i + 2]) * (2.0 / 255.0) - Vec3::Ones();
     length += normal.norm();
     upright += normal.z();
-    const double up = std::max(normal.z(), kLeastBlue * std::max(normal.norm(), kLeastBlue));
+    const double up = std::max(normal.z(), kMinBlue * std::max(normal.norm(), kMinBlue));
     field.slopes.emplace_back(-scale * normal.x() / up, scale * normal.y() / up);  // v runs down
   }
   const auto count = static_cast<double>(field.slopes.size());
@@ -120,7 +120,7 @@ void integrate(SlopeField& field, const Eigen::Vector2d& image_m) {
 Result<Relief> relief_of_normals(const ImageTexels& numbers, const Eigen::Vector2d& image_m, double scale) {
   auto field = read_slopes(numbers, scale);
   if (!field) return tl::unexpected(field.error());
-  while (std::max(field->width, field->height) > kMostSide) field = halve(*field);
+  while (std::max(field->width, field->height) > kMaxSide) field = halve(*field);
   transform(*field, false);
   integrate(*field, image_m);
   transform(*field, true);

@@ -83,21 +83,21 @@ double fastest_motion(const KeyframeMotion* motion, const TriangleMesh& mesh, co
 
 Result<void> check_speed(const MeshDeformation& deformation, double motion_m_per_s, const std::string& name) {
   const auto& keys = deformation.keys();
-  const double left = kMostSurfaceSpeed - motion_m_per_s;
+  const double left = kMaxSurfaceSpeed - motion_m_per_s;
   for (std::size_t i = 1; i < keys.size(); ++i) {
     const double fastest = deformation.fastest_per_s(i - 1);
-    if (fastest + motion_m_per_s <= kMostSurfaceSpeed * (1.0 + kRoundedSpeed)) continue;
+    if (fastest + motion_m_per_s <= kMaxSurfaceSpeed * (1.0 + kRoundedSpeed)) continue;
     const double seconds = keys[i].time_s - keys[i - 1].time_s;
     if (motion_m_per_s > 0.0) {
       return fail(
           "before {:g} s '{}' deforms at up to {:.3g} m/s and moves at up to {:.3g}; a surface may move at {:g} m/s at most: "
           "give both more time",
-          keys[i].time_s, name, fastest, motion_m_per_s, kMostSurfaceSpeed);
+          keys[i].time_s, name, fastest, motion_m_per_s, kMaxSurfaceSpeed);
     }
     return fail(
         "from {:g} to {:g} s '{}' deforms at up to {:.3g} m/s; a surface may move at {:g} m/s at most: give it {:.3f} s "
         "or more",
-        keys[i - 1].time_s, keys[i].time_s, name, fastest, kMostSurfaceSpeed, std::ceil(1e3 * seconds * fastest / left) / 1e3);
+        keys[i - 1].time_s, keys[i].time_s, name, fastest, kMaxSurfaceSpeed, std::ceil(1e3 * seconds * fastest / left) / 1e3);
   }
   return {};
 }
@@ -167,9 +167,9 @@ Result<MeshDeformation> place_animation(const ObjectSpec& object, const std::str
     for (std::size_t k = 0; k < keys.size(); ++k) placed[k].weights.push_back(keys[k].weights[t]);
   }
   if (targets.empty()) return fail("animation '{}' does not deform '{}'", printable(object.motion.animation), name);
-  if (targets.size() > MeshDeformation::kMostTargets) {
+  if (targets.size() > MeshDeformation::kMaxTargets) {
     return fail("animation '{}' uses {} morph targets of '{}': at most {}", printable(object.motion.animation), targets.size(), name,
-                MeshDeformation::kMostTargets);
+                MeshDeformation::kMaxTargets);
   }
   return MeshDeformation(std::move(targets), std::move(placed), object.motion.loops);
 }

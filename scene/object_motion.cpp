@@ -69,9 +69,9 @@ Result<void> check_turns(const MotionSpec& given, const std::vector<Keyframe>& k
 Result<void> check_animation_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
   double fastest = 0.0;
   for (std::size_t i = 1; i < motion.keyframes().size(); ++i) fastest = std::max(fastest, motion.fastest_m_per_s(i - 1, radius_m));
-  if (fastest <= kMostSurfaceSpeed * (1.0 + kSpeedRounding)) return {};
+  if (fastest <= kMaxSurfaceSpeed * (1.0 + kSpeedRounding)) return {};
   return fail("line {}: '{}' moves at up to {:.3g} m/s; a surface may move at {:g} m/s at most: set animation_speed to {:.2g} or less",
-              given.animation_line, name, fastest, kMostSurfaceSpeed, rounded_down(given.animation_speed * kMostSurfaceSpeed / fastest));
+              given.animation_line, name, fastest, kMaxSurfaceSpeed, rounded_down(given.animation_speed * kMaxSurfaceSpeed / fastest));
 }
 
 Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, double radius_m, const std::string& name) {
@@ -79,11 +79,11 @@ Result<void> check_speed(const MotionSpec& given, const KeyframeMotion& motion, 
   const std::vector<Keyframe>& keyframes = motion.keyframes();
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
     const double fastest = motion.fastest_m_per_s(i - 1, radius_m);
-    if (fastest <= kMostSurfaceSpeed * (1.0 + kSpeedRounding)) continue;
+    if (fastest <= kMaxSurfaceSpeed * (1.0 + kSpeedRounding)) continue;
     const double seconds = keyframes[i].time_s - keyframes[i - 1].time_s;
     return fail(
         "line {}: before keyframe {} '{}' moves at up to {:.3g} m/s; a surface may move at {:g} m/s at most: give it {:.3f} s or more",
-        line_of(given, i), i + 1, name, fastest, kMostSurfaceSpeed, std::ceil(1e3 * seconds * fastest / kMostSurfaceSpeed) / 1e3);
+        line_of(given, i), i + 1, name, fastest, kMaxSurfaceSpeed, std::ceil(1e3 * seconds * fastest / kMaxSurfaceSpeed) / 1e3);
   }
   return {};
 }

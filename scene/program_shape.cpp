@@ -14,9 +14,9 @@ Result<std::shared_ptr<const ProgramShape>> make_program_shape(const ObjectSpec&
     return fail("line {}: programs deform '{}', and cracks of it were sealed: add seal_cracks = false, or repair it", line,
                 printable(name));
   }
-  if (mesh.vertices.size() > ProgramShape::kMostVertices) {
+  if (mesh.vertices.size() > ProgramShape::kMaxVertices) {
     return fail("line {}: programs deform '{}', which has {} vertices: at most {}", line, printable(name), mesh.vertices.size(),
-                ProgramShape::kMostVertices);
+                ProgramShape::kMaxVertices);
   }
   const double scale = fit.scale * object.scale;
   return std::make_shared<const ProgramShape>(

@@ -21,8 +21,8 @@ struct SealReport;
 // each vertex from rest: m, of the mesh, before scale and pose. All who compute the vertices here have the same bits. RT: no. Threads:
 // const calls from any number.
 struct ProgramShape {
-  static constexpr std::size_t kMostObjects = 8;        // of a scene
-  static constexpr std::size_t kMostVertices = 10'000;  // of an object: a shape of so many is made ready in 150 ms
+  static constexpr std::size_t kMaxObjects = 8;        // of a scene
+  static constexpr std::size_t kMaxVertices = 10'000;  // of an object: a shape of so many is made ready in 150 ms
 
   double reach_m = 0.0;              // no vertex gets farther from where it is at rest; in S
   Mat3 to_scene = Mat3::Identity();  // of displacements

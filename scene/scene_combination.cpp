@@ -46,8 +46,8 @@ Result<void> check_combination(const std::filesystem::path& path, const Scene& s
   const auto* carved = find_object(scene, [](const SceneObject& each) { return each.sculpt.has_value(); });
   std::size_t shaped = 0;
   for (const SceneObject& each : scene.objects) {
-    if (each.program_shape != nullptr && ++shaped > ProgramShape::kMostObjects) {
-      return fail("{} is one too many that programs deform: at most {}", name_at(path, each), ProgramShape::kMostObjects);
+    if (each.program_shape != nullptr && ++shaped > ProgramShape::kMaxObjects) {
+      return fail("{} is one too many that programs deform: at most {}", name_at(path, each), ProgramShape::kMaxObjects);
     }
   }
   if (has_tool) {
@@ -64,11 +64,11 @@ Result<void> check_combination(const std::filesystem::path& path, const Scene& s
   if (carved != nullptr) return tl::unexpected(make_movable_conflict(path, *carved, "can be carved", *movable));
   const auto* both = find_object(scene, [](const SceneObject& each) { return each.is_movable && each.moves(); });
   if (both != nullptr) return tl::unexpected(make_movable_conflict(path, *both, describe_motion(*both), *both));
-  if (const std::size_t parts = make_tool_obstacles(scene.touch_scene()).parts.size(); parts > ToolStep::kMostParts) {
+  if (const std::size_t parts = make_tool_obstacles(scene.touch_scene()).parts.size(); parts > ToolStep::kMaxParts) {
     return fail(
         "{} is movable, and {} parts of the scene move by themselves: {} at most beside a movable object; let some stand still, or "
         "move together",
-        name_at(path, *movable), parts, ToolStep::kMostParts);
+        name_at(path, *movable), parts, ToolStep::kMaxParts);
   }
   return {};
 }

@@ -26,9 +26,9 @@ void scale_widths(SealReport& sealed, double scale) {
 
 Result<SceneFit> find_fit(const Eigen::AlignedBox3d& box, const Vec3& size_m) {
   if (!(box.sizes().maxCoeff() > 0.0)) return fail("all vertices are at one point, so the scene cannot be scaled to a size");
-  constexpr double kMost = 1e100;  // m; and its inverse: squares stay finite and keep their digits
+  constexpr double kMax = 1e100;  // m; and its inverse: squares stay finite and keep their digits
   const double longest_m = box.sizes().maxCoeff();
-  if (!(longest_m > 1.0 / kMost && box.min().cwiseAbs().maxCoeff() < kMost && box.max().cwiseAbs().maxCoeff() < kMost)) {
+  if (!(longest_m > 1.0 / kMax && box.min().cwiseAbs().maxCoeff() < kMax && box.max().cwiseAbs().maxCoeff() < kMax)) {
     return fail("the scene is {:.4g} m long, from {:.4g} m on, which cannot be scaled to a size", longest_m, box.min().x());
   }
   return SceneFit{box.center(), (size_m.array() / box.sizes().array()).minCoeff()};

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 24;  // as load_scene
+constexpr std::size_t kMaxBytes = std::size_t{1} << 24;  // as load_scene
 
 // As read_object numbers its lines.
 Result<void> read_accepted(const toml::table& scene, SceneLayout& layout) {
@@ -56,7 +56,7 @@ Result<SceneLayout> parse_layout(const std::string& text) {
 }  // namespace
 
 Result<SceneLayout> read_layout(const std::filesystem::path& scene_file) {
-  const auto text = read_file_bytes(scene_file, kMostBytes);
+  const auto text = read_file_bytes(scene_file, kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   auto layout = parse_layout(*text);
   if (!layout) return fail("{}: {}", scene_file.string(), layout.error().what);

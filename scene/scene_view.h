@@ -28,7 +28,7 @@ struct SceneLight {
 
 // How vision nodes show a scene. Nothing of it is felt.
 struct SceneView {
-  static constexpr std::size_t kMostLights = 4;
+  static constexpr std::size_t kMaxLights = 4;
 
   std::optional<SceneCamera> camera = {};  // none: vision_node finds a view
   std::vector<SceneLight> lights = {};     // empty: one that goes with the viewer

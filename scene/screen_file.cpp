@@ -11,9 +11,9 @@ namespace hapton {
 namespace {
 
 constexpr std::string_view kScreenSchema = "hapton.screen/1";
-constexpr std::size_t kMostScreenBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxScreenBytes = std::size_t{1} << 20;
 // Larger and farther away than any wall of projectors.
-constexpr double kMostScreenM = 100.0;
+constexpr double kMaxScreenM = 100.0;
 constexpr std::array<std::string_view, 6> kScreenKeys = {"schema", "position_m", "rotation", "rotation_deg", "width_m", "height_m"};
 
 Result<ScreenRectangle> read_screen_table(const toml::table& table) {
@@ -30,10 +30,10 @@ Result<ScreenRectangle> read_screen_table(const toml::table& table) {
   ScreenRectangle screen;
   Vec3 position_m = Vec3::Zero();
   Quat rotation = Quat::Identity();
-  reader.read("position_m", position_m, kMostScreenM);
+  reader.read("position_m", position_m, kMaxScreenM);
   read_rotation(table, reader, rotation);
-  reader.read("width_m", screen.width_m, kLeastSideM, kMostScreenM);
-  reader.read("height_m", screen.height_m, kLeastSideM, kMostScreenM);
+  reader.read("width_m", screen.width_m, kMinSideM, kMaxScreenM);
+  reader.read("height_m", screen.height_m, kMinSideM, kMaxScreenM);
   if (reader.error()) return tl::unexpected(*reader.error());
   screen.X_WR = Eigen::Translation3d(position_m) * rotation;
   return screen;
@@ -43,11 +43,11 @@ Result<ScreenRectangle> read_screen_table(const toml::table& table) {
 
 Result<void> check_screen(const ScreenRectangle& screen) {
   const double farthest_m = screen.X_WR.translation().cwiseAbs().maxCoeff();
-  if (std::max({screen.width_m, screen.height_m, farthest_m}) <= kMostScreenM) return {};
+  if (std::max({screen.width_m, screen.height_m, farthest_m}) <= kMaxScreenM) return {};
   return fail(
       "the picture would be {:.5g} x {:.5g} m, its centre up to {:.5g} m away along an axis, and {:.0f} m are the most: give the corners "
       "in metres",
-      screen.width_m, screen.height_m, farthest_m, kMostScreenM);
+      screen.width_m, screen.height_m, farthest_m, kMaxScreenM);
 }
 
 std::string write_screen(const ScreenRectangle& screen) {
@@ -70,7 +70,7 @@ Result<ScreenRectangle> parse_screen(std::string_view text) {
 }
 
 Result<ScreenRectangle> read_screen(const std::filesystem::path& path) {
-  const Result<std::string> bytes = read_file_bytes(path, kMostScreenBytes);
+  const Result<std::string> bytes = read_file_bytes(path, kMaxScreenBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   auto screen = parse_screen(*bytes);
   if (!screen) return fail("{}: {}", path.string(), screen.error().what);

@@ -9,18 +9,18 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostMm = 1e6;
-constexpr double kMostButton = 32.0;
+constexpr double kMaxMm = 1e6;
+constexpr double kMaxButton = 32.0;
 // A carve takes time with the cube of its radius: 27,000 nodes here. The points of the ball that touches are 2.6 voxels apart.
-constexpr double kMostVoxelsOfRadius = 12.0;
+constexpr double kMaxVoxelsOfRadius = 12.0;
 
 void read_length(TableReader& reader, const char* key, std::optional<double>& value) {
-  if (reader.has(key)) reader.read(key, value.emplace(1.0), 0.0, kMostMm, true);
+  if (reader.has(key)) reader.read(key, value.emplace(1.0), 0.0, kMaxMm, true);
 }
 
 void read_button(TableReader& reader, const std::string& name, SculptSpec& spec) {
   double button = spec.carve_button;
-  reader.read("carve_button", button, 1.0, kMostButton);
+  reader.read("carve_button", button, 1.0, kMaxButton);
   if (button != std::floor(button)) {
     reader.fail_at("carve_button", "'carve_button' in {} is {}: buttons are counted 1, 2, 3 ...", name, button);
   }
@@ -58,16 +58,16 @@ Result<SculptSettings> make_sculpt(const SculptSpec& spec, const std::string& na
   const std::string shown = printable(name);
   if (const auto grid = CarvedField::plan(mesh, settings.voxel_m); !grid)
     return fail("'{}' cannot be carved: {}", shown, grid.error().what);
-  if (settings.tool_radius_m < SculptSettings::kLeastVoxelsOfRadius * settings.voxel_m * (1.0 - 1e-9)) {
+  if (settings.tool_radius_m < SculptSettings::kMinVoxelsOfRadius * settings.voxel_m * (1.0 - 1e-9)) {
     return fail(
         "'{}' is carved with a ball of {:.4g} mm radius in voxels of {:.4g} mm: give a radius of {:.4g} mm or more, or voxel_mm = {:.4g}",
-        shown, 1e3 * settings.tool_radius_m, 1e3 * settings.voxel_m, 1e3 * SculptSettings::kLeastVoxelsOfRadius * settings.voxel_m,
+        shown, 1e3 * settings.tool_radius_m, 1e3 * settings.voxel_m, 1e3 * SculptSettings::kMinVoxelsOfRadius * settings.voxel_m,
         1e3 * settings.tool_radius_m / SculptSettings::kVoxelsOfRadius);
   }
-  if (settings.tool_radius_m > kMostVoxelsOfRadius * settings.voxel_m * (1.0 + 1e-9)) {
+  if (settings.tool_radius_m > kMaxVoxelsOfRadius * settings.voxel_m * (1.0 + 1e-9)) {
     return fail(
         "'{}' is carved with a ball of {:.4g} mm radius in voxels of {:.4g} mm: give a radius of {:.4g} mm or less, or larger voxels",
-        shown, 1e3 * settings.tool_radius_m, 1e3 * settings.voxel_m, 1e3 * kMostVoxelsOfRadius * settings.voxel_m);
+        shown, 1e3 * settings.tool_radius_m, 1e3 * settings.voxel_m, 1e3 * kMaxVoxelsOfRadius * settings.voxel_m);
   }
   return settings;
 }

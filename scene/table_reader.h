@@ -109,7 +109,7 @@ class TableReader {
   void read_direction(std::string_view key, Vec3& value) {
     if (!has(key)) return;
     Vec3 given = Vec3::Zero();
-    read(key, given, kMostDirection);
+    read(key, given, kMaxDirection);
     if (error_) return;
     if (!(given.norm() > 0.0)) return fail_at(key, "'{}' in {} has length 0: give a direction", key, where_);
     value = given.normalized();
@@ -139,7 +139,7 @@ class TableReader {
   }
 
  private:
-  static constexpr double kMostDirection = 1e6;
+  static constexpr double kMaxDirection = 1e6;
 
   const toml::node* find(std::string_view key) const { return error_ ? nullptr : table_.get(key); }
 

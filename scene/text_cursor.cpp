@@ -21,8 +21,8 @@ std::size_t visible_length(std::string_view text) {
     if ((byte(n) & 0xC0U) != 0x80U) return 0;
     code = code << 6U | (byte(n) & 0x3FU);
   }
-  constexpr char32_t kLeast[] = {0, 0, 0xA0, 0x800, 0x10000};
-  if (code < kLeast[length] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return 0;
+  constexpr char32_t kMin[] = {0, 0, 0xA0, 0x800, 0x10000};
+  if (code < kMin[length] || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return 0;
   const bool is_format = (code >= 0x200B && code <= 0x200F) || (code >= 0x2028 && code <= 0x202E) || (code >= 0x2060 && code <= 0x206F) ||
                          code == 0x61C || code == 0xAD || code == 0xFEFF;
   return is_format ? 0 : length;

@@ -19,7 +19,7 @@ using Element = tinyxml2::XMLElement;
 // The largest of the toolkit has 184 kB.
 constexpr std::size_t kMaxTextureFileBytes = std::size_t{1} << 22;
 constexpr double kMmPerM = 1000.0;
-constexpr double kMostTextureCount = 1000.0;
+constexpr double kMaxTextureCount = 1000.0;
 
 // Reads elements; the first error stays, and what is read after it is zero.
 class TextureXml {
@@ -58,8 +58,8 @@ class TextureXml {
     const Element* found = child(parent, name);
     if (found == nullptr) return 0;
     const double value = number(*found);
-    if (value >= 0.0 && value <= kMostTextureCount && value == std::floor(value)) return static_cast<std::size_t>(value);
-    set_error(*found, "<{}> is {}: it must be a whole number from 0 to {}", name, value, kMostTextureCount);
+    if (value >= 0.0 && value <= kMaxTextureCount && value == std::floor(value)) return static_cast<std::size_t>(value);
+    set_error(*found, "<{}> is {}: it must be a whole number from 0 to {}", name, value, kMaxTextureCount);
     return 0;
   }
 

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostTextureMassKg = 5.0;
+constexpr double kMaxTextureMassKg = 5.0;
 constexpr std::array<std::string_view, 3> kTextureKeys = {"recorded_texture", "texture_mass_kg", "texture_max_force_n"};
 
 }  // namespace
@@ -18,8 +18,8 @@ std::span<const std::string_view> texture_keys() { return kTextureKeys; }
 
 void read_texture(const toml::table& table, TableReader& reader, RecordedTexture& texture, TextureSpec& spec) {
   reader.read("recorded_texture", spec.file);
-  reader.read("texture_mass_kg", texture.mass_kg, 0.0, kMostTextureMassKg, true);
-  reader.read("texture_max_force_n", texture.max_force_n, 0.0, kMostEffectForceN, true);
+  reader.read("texture_mass_kg", texture.mass_kg, 0.0, kMaxTextureMassKg, true);
+  reader.read("texture_max_force_n", texture.max_force_n, 0.0, kMaxEffectForceN, true);
   if (!reader.has("recorded_texture")) {
     for (const char* key : {"texture_mass_kg", "texture_max_force_n"}) {
       if (reader.has(key)) reader.fail_at(key, "'{}' has no effect without 'recorded_texture'", key);

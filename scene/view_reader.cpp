@@ -5,12 +5,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastViewAngleDeg = 1.0;
-constexpr double kMostViewAngleDeg = 120.0;
-constexpr double kMostIntensity = 10.0;
+constexpr double kMinViewAngleDeg = 1.0;
+constexpr double kMaxViewAngleDeg = 120.0;
+constexpr double kMaxIntensity = 10.0;
 // Sine of the angle between `up` and the line of sight, below which it does not say what is up: far above the rounding of numbers that
 // people write.
-constexpr double kLeastUprightness = 1e-3;
+constexpr double kMinUprightness = 1e-3;
 
 Result<SceneCamera> read_camera(const toml::table& table) {
   SceneCamera camera;
@@ -20,11 +20,11 @@ Result<SceneCamera> read_camera(const toml::table& table) {
   reader.read("position_m", camera.p_WE, kMaxLengthM);
   reader.read("look_at_m", camera.p_WC, kMaxLengthM);
   reader.read_direction("up", camera.up);
-  reader.read("view_angle_deg", camera.view_angle_deg, kLeastViewAngleDeg, kMostViewAngleDeg);
+  reader.read("view_angle_deg", camera.view_angle_deg, kMinViewAngleDeg, kMaxViewAngleDeg);
   if (camera.p_WE == camera.p_WC) {
     reader.fail_at("position_m", "'position_m' in [camera] is the point that it looks at: move one of them");
   }
-  if (!reader.error() && (camera.p_WE - camera.p_WC).normalized().cross(camera.up).norm() < kLeastUprightness) {
+  if (!reader.error() && (camera.p_WE - camera.p_WC).normalized().cross(camera.up).norm() < kMinUprightness) {
     reader.fail_at("up", "[camera] looks along 'up' ([0, 1, 0] by default): give another direction for 'up', such as [0, 0, -1]");
   }
   if (reader.error()) return tl::unexpected(*reader.error());
@@ -46,7 +46,7 @@ Result<SceneLight> read_light(const toml::table& table, const std::string& where
   std::array<double, 3> colour = {1.0, 1.0, 1.0};
   reader.read("color", colour, 0.0, 1.0);
   double intensity = 1.0;
-  reader.read("intensity", intensity, 0.0, kMostIntensity);
+  reader.read("intensity", intensity, 0.0, kMaxIntensity);
   light.colour = intensity * Vec3(colour.data());
   if (reader.error()) return tl::unexpected(*reader.error());
   return light;
@@ -60,8 +60,8 @@ Result<void> read_lights(const toml::node& node, std::vector<SceneLight>& lights
   for (const toml::node& table : *tables) {
     const auto light = read_light(*table.as_table(), fmt::format("[[light]] {}", lights.size() + 1));
     if (!light) return tl::unexpected(light.error());
-    if (lights.size() == SceneView::kMostLights) {
-      return fail("{}there are more than {} [[light]] tables: leave some out", line_prefix(table), SceneView::kMostLights);
+    if (lights.size() == SceneView::kMaxLights) {
+      return fail("{}there are more than {} [[light]] tables: leave some out", line_prefix(table), SceneView::kMaxLights);
     }
     lights.push_back(*light);
   }

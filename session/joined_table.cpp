@@ -12,7 +12,7 @@ namespace hapton {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kMostEarly = 64;  // forces that wait for their cycle; it is written a few cycles later at most
+constexpr std::size_t kMaxEarly = 64;  // forces that wait for their cycle; it is written a few cycles later at most
 
 constexpr JoinedColumn kJoinedColumns[] = {
     {"t_s", "s", [](const JoinedRow& r) { return r.sample_t_s; }},
@@ -137,9 +137,9 @@ void JoinedTable::add_force(const ForceCommand& force, std::int64_t time_ns) {
   const auto is_before = [](const Waiting& waiting, std::uint64_t sample) { return waiting.row.sample < sample; };
   const auto found = std::lower_bound(waiting_.begin(), waiting_.end(), force.echo_sample, is_before);
   if (found == waiting_.end()) {
-    // Its cycle is still to come. A force whose cycle was lost is dropped once kMostEarly others wait.
+    // Its cycle is still to come. A force whose cycle was lost is dropped once kMaxEarly others wait.
     early_.emplace_back(force, time_ns);
-    if (early_.size() > kMostEarly) early_.pop_front();
+    if (early_.size() > kMaxEarly) early_.pop_front();
     return;
   }
   if (found->row.sample != force.echo_sample || found->is_complete) return;

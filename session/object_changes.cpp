@@ -96,7 +96,7 @@ void ObjectChanges::add_carves(const Carves& carves, std::uint64_t sender, doubl
   }
   for (std::uint32_t n = 0; n < carves.count; ++n) {
     const std::uint32_t serial = carves.first + n;
-    if (serial >= kMostSerial) return;
+    if (serial >= kMaxSerial) return;
     if (serial >= has_carve_.size()) has_carve_.resize(serial + 1);
     if (has_carve_[serial]) continue;
     has_carve_[serial] = true;

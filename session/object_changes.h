@@ -66,7 +66,7 @@ class ObjectChanges {
   void add_move(const ObjectMove& move, std::uint64_t sender, double t_s);
   void add_carves(const Carves& carves, std::uint64_t sender, double t_s);
   // A file may name any serial.
-  static constexpr std::uint32_t kMostSerial = std::uint32_t{1} << 24;
+  static constexpr std::uint32_t kMaxSerial = std::uint32_t{1} << 24;
 
   std::int64_t start_ns_;
   std::vector<RecordedSetup> setups_;

@@ -16,10 +16,10 @@ namespace {
 constexpr double kPlaceEveryS = 0.25;
 constexpr std::uint64_t kPlaceEveryBytes = 1 << 20;
 // Times from a file are limited to this, so that the numbers of spans fit into 64 bits.
-constexpr double kMostSeconds = 1e9;
+constexpr double kMaxSeconds = 1e9;
 
 double seconds_from(std::int64_t start_ns, std::int64_t time_ns) {
-  return std::clamp(seconds_between(start_ns, time_ns), -kMostSeconds, kMostSeconds);
+  return std::clamp(seconds_between(start_ns, time_ns), -kMaxSeconds, kMaxSeconds);
 }
 
 // The first one after that time.
@@ -64,7 +64,7 @@ bool is_known(const std::vector<Timed<Message>>& known, const Message& message) 
 bool SessionIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
 
 void SessionIndex::add_row(const JoinedRow& row) {
-  const double t_s = std::clamp(row.sample_t_s, spans_.empty() ? -kMostSeconds : end_s_, kMostSeconds);
+  const double t_s = std::clamp(row.sample_t_s, spans_.empty() ? -kMaxSeconds : end_s_, kMaxSeconds);
   if (spans_.empty()) begin_s_ = t_s;
   end_s_ = t_s;
   const auto number = static_cast<std::int64_t>(std::floor(t_s / kSpanS));
@@ -159,9 +159,7 @@ Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
 }
 
 std::span<const SessionSpan> SessionIndex::spans_between(double from_s, double to_s) const {
-  const auto number = [](double t_s) {
-    return static_cast<std::int64_t>(std::floor(std::clamp(t_s, -kMostSeconds, kMostSeconds) / kSpanS));
-  };
+  const auto number = [](double t_s) { return static_cast<std::int64_t>(std::floor(std::clamp(t_s, -kMaxSeconds, kMaxSeconds) / kSpanS)); };
   const auto from = std::ranges::lower_bound(spans_, number(from_s), {}, &SessionSpan::number);
   const auto to = std::ranges::upper_bound(spans_, number(to_s), {}, &SessionSpan::number);
   return from < to ? std::span(from, to) : std::span<const SessionSpan>();

@@ -62,8 +62,8 @@ void SessionShapeCollector::begin_process(std::uint32_t source, const Take& take
 SessionShapeCollector::Open& SessionShapeCollector::open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take) {
   const auto found = std::ranges::find_if(open_, [&](const Open& one) { return one.object == object && one.serial == serial; });
   if (found != open_.end()) return *found;
-  if (open_.size() == kMostOpen) close_first(take);
-  open_.push_back({.object = object, .serial = serial, .parts = ShapeParts(std::min(total, ShapePart::kMostVertices))});
+  if (open_.size() == kMaxOpen) close_first(take);
+  open_.push_back({.object = object, .serial = serial, .parts = ShapeParts(std::min(total, ShapePart::kMaxVertices))});
   return open_.back();
 }
 

@@ -43,7 +43,7 @@ class SessionShapeCollector {
 
  private:
   // Of 8 objects at most, each with a few on their way.
-  static constexpr std::size_t kMostOpen = 64;
+  static constexpr std::size_t kMaxOpen = 64;
 
   struct Open {
     std::int32_t object = 0;

@@ -18,9 +18,9 @@ bool is_of(const ShapeStart& start, std::uint32_t source, std::int32_t object, s
 // Only where parts still come: among the last ones, or those of before the recording, which are the first.
 IndexedShape* ShapeIndex::find_shape(std::uint32_t source, std::int32_t object, std::uint32_t serial) {
   const auto is_it = [&](const Timed<IndexedShape>& one) { return is_of(one.message.start, source, object, serial); };
-  const auto last = shapes_.size() > kMostOpen ? shapes_.end() - static_cast<std::ptrdiff_t>(kMostOpen) : shapes_.begin();
+  const auto last = shapes_.size() > kMaxOpen ? shapes_.end() - static_cast<std::ptrdiff_t>(kMaxOpen) : shapes_.begin();
   if (const auto found = std::find_if(last, shapes_.end(), is_it); found != shapes_.end()) return &found->message;
-  const auto first = shapes_.begin() + static_cast<std::ptrdiff_t>(std::min(kMostFirst, shapes_.size()));
+  const auto first = shapes_.begin() + static_cast<std::ptrdiff_t>(std::min(kMaxFirst, shapes_.size()));
   const auto found = std::find_if(shapes_.begin(), first, is_it);
   return found != first ? &found->message : nullptr;
 }
@@ -40,7 +40,7 @@ void ShapeIndex::add(const ObjectShape& shape, std::uint64_t position) {
   if (parts == open_.end()) {
     if (const IndexedShape* known = find_shape(shape.source, shape.object, shape.serial); known != nullptr && known->first_position) return;
     open_.push_back({.source = shape.source, .serial = shape.serial, .object = shape.object, .first_position = position});
-    if (open_.size() > kMostOpen) open_.pop_front();
+    if (open_.size() > kMaxOpen) open_.pop_front();
     parts = std::prev(open_.end());
   }
   if (shape.part.number() >= parts->received.size() || parts->received[shape.part.number()]) return;

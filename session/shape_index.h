@@ -45,13 +45,13 @@ class ShapeIndex {
     std::uint32_t source = 0;
     std::uint32_t serial = 0;
     std::int32_t object = 0;
-    std::bitset<ShapePart::kMostParts> received = {};
+    std::bitset<ShapePart::kMaxParts> received = {};
     std::uint64_t first_position = 0;
     std::uint64_t last_position = 0;
   };
   // Shapes whose parts are on their way at a time: of 8 objects at most, each with a few.
-  static constexpr std::size_t kMostOpen = 64;
-  static constexpr std::size_t kMostFirst = 8;
+  static constexpr std::size_t kMaxOpen = 64;
+  static constexpr std::size_t kMaxFirst = 8;
 
   IndexedShape* find_shape(std::uint32_t source, std::int32_t object, std::uint32_t serial);
   const Timed<IndexedShape>* find_newest(std::uint32_t source, std::int32_t object) const;

@@ -31,7 +31,7 @@ constexpr double kJoinS = 5.0;  // how long to wait for the hub; a free choice
 constexpr std::int64_t kTurnNs = 1 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kWarnEveryNs = kNanosecondsPerSecond;
 // Less is no news: nodes start, and machines stand still for a moment.
-constexpr double kMostLeftOutS = 0.5;
+constexpr double kMaxLeftOutS = 0.5;
 
 void say(const std::string& line) {
   fmt::print("{}\n", line);
@@ -114,7 +114,7 @@ Result<void> run_dynamics(const DynamicsOptions& options) {
   say(fmt::format("{} steps, {} moves requested, pressed in {} samples, delay {:.1f} ms", counts.steps, counts.requests, counts.pushes,
                   1e3 * driver->delay_s()));
   const double left_out_s = 1e-9 * static_cast<double>(counts.left_out_ns);
-  if (left_out_s > kMostLeftOutS)
+  if (left_out_s > kMaxLeftOutS)
     say(fmt::format("slow: bodies stood still for {:.1f} s, as states came late or the machine was busy", left_out_s));
   if (counts.steps > 0) return {};
   return fail("no scene time has passed: does haptics_node run with this scene, and is the device connected? `hapton top` shows");

@@ -20,12 +20,12 @@ namespace {
 
 const Vec3 kInk(0.10, 0.80, 1.0);
 const Vec3 kRule(0.98, 0.98, 0.95);
-// Lines are this share of the picture's height wide, in pixels, and at least kLeastWidthPx.
+// Lines are this share of the picture's height wide, in pixels, and at least kMinWidthPx.
 constexpr double kWidthShare = 1.0 / 240.0;
-constexpr double kLeastWidthPx = 2.0;
+constexpr double kMinWidthPx = 2.0;
 constexpr double kDotInWidths = 2.5;
 constexpr double kRuleInWidths = 0.7;
-constexpr std::size_t kMostLabels = 12;
+constexpr std::size_t kMaxLabels = 12;
 // How much nearer than they are lines are drawn, in pixels' widths at their depth.
 constexpr double kLiftPx = 1.0;
 
@@ -205,7 +205,7 @@ void AnnotationFigure::aim(const StereoScreen& screen, Eye eye, PictureSize size
     uniforms->SetUniformf("inkLiftShare", static_cast<float>(share));
     uniforms->SetUniformf("inkLiftScale", static_cast<float>(scale));
   }
-  const double width_px = std::max(kLeastWidthPx, kWidthShare * size.height_px);
+  const double width_px = std::max(kMinWidthPx, kWidthShare * size.height_px);
   for (vtkActor* actor : actors()) {
     const bool is_rule = actor == measures_.Get() || actor == hidden_measures_.Get();
     actor->GetProperty()->SetLineWidth(static_cast<float>(is_rule ? kRuleInWidths * width_px : width_px));
@@ -219,7 +219,7 @@ std::vector<InkLabel> AnnotationFigure::labels() const {
     const Vec3 from = find_in_world(*first_end_);
     labels.push_back({0.5 * (from + *p_WP_), describe_length((*p_WP_ - from).norm())});
   }
-  for (auto entry = entries().rbegin(); entry != entries().rend() && labels.size() < kMostLabels; ++entry) {
+  for (auto entry = entries().rbegin(); entry != entries().rend() && labels.size() < kMaxLabels; ++entry) {
     const auto* measure = std::get_if<Measure>(&*entry);
     if (measure == nullptr || !is_shown(measure->ends[0].object) || !is_shown(measure->ends[1].object)) continue;
     const Vec3 from = find_in_world(measure->ends[0]);

@@ -134,7 +134,7 @@ void Annotator::receive(const ProbeState& state, const Pose& X_WS) {
 
 void Annotator::log_finished() {
   if (pen_.take_full()) {
-    log_warning("nothing more can be drawn: there are {} points; save, and start with another file", kMostAnnotationPoints);
+    log_warning("nothing more can be drawn: there are {} points; save, and start with another file", kMaxAnnotationPoints);
   }
   const auto finished = pen_.take_finished();
   if (!finished) return;

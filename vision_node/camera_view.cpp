@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastZoom = 0.1;  // of the first view; this and the next: free choices
-constexpr double kMostZoom = 100.0;
+constexpr double kMinZoom = 0.1;  // of the first view; this and the next: free choices
+constexpr double kMaxZoom = 100.0;
 // look_at() leaves a margin of a tenth of the radius around the object.
 constexpr double kMargin = 1.1;
 
@@ -23,14 +23,14 @@ void CameraView::orbit(double yaw_by_rad, double pitch_by_rad) {
 
 void CameraView::zoom_by(double factor) {
   if (!(factor > 0.0) || !std::isfinite(factor)) return;
-  zoom = std::clamp(zoom * factor, kLeastZoom, kMostZoom);
+  zoom = std::clamp(zoom * factor, kMinZoom, kMaxZoom);
 }
 
 void CameraView::look_at(const Framing& home, const Vec3& p_WO, double radius_m) {
   if (!(radius_m > 0.0) || !p_WO.allFinite()) return;
   pan_m = p_WO - home.p_WC;
   is_centred = true;
-  zoom = std::clamp(home.view_m / (2.0 * kMargin * radius_m), kLeastZoom, kMostZoom);
+  zoom = std::clamp(home.view_m / (2.0 * kMargin * radius_m), kMinZoom, kMaxZoom);
 }
 
 Framing CameraView::apply(const Framing& home) const {

@@ -18,7 +18,7 @@ constexpr std::chrono::milliseconds kEvery(33);
 // As DetailBuilder: the servo loop and the haptics node may live on the same cores.
 constexpr int kNiceness = 5;
 // Carves that the thread has not taken: of ten seconds and more, so that it has to stand still for that.
-constexpr std::size_t kMostWaiting = 65'536;
+constexpr std::size_t kMaxWaiting = 65'536;
 
 Vec3 to_point(const Carves::Point& p) { return {p[0], p[1], p[2]}; }
 
@@ -52,7 +52,7 @@ void CarvedObjects::take(const Carves& carves, Arrival arrival) {
   {
     const std::lock_guard lock(mutex_);
     // Those left out here are missing, and so requested again.
-    if (count_waiting() >= kMostWaiting) return;
+    if (count_waiting() >= kMaxWaiting) return;
     const KnownCarves::News news = known_.take(carves, arrival);
     if (!news.starts_anew && news.carves.empty()) return;
     if (news.starts_anew) begin_anew();

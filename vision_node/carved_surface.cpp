@@ -10,7 +10,7 @@ namespace {
 // A coarser level lies about this far from the finest, where the surface has an edge.
 constexpr double kErrorInSteps = 0.5;
 // A cluster whose triangles point in nearly all directions is never seen from behind as a whole.
-constexpr float kLeastConeCosine = 0.1F;
+constexpr float kMinConeCosine = 0.1F;
 
 Vec3f unit_or_up(const Vec3f& v) {
   const float length = v.norm();
@@ -29,7 +29,7 @@ void bound_directions(const std::vector<FlatVertex>& vertices, const std::vector
   const Vec3f axis = unit_or_up(sum);
   float least = 1.0F;
   for (std::size_t i = 0; i < indices.size(); i += 3) least = std::min(least, normal_of(vertices, &indices[i]).dot(axis));
-  if (least <= kLeastConeCosine) return;
+  if (least <= kMinConeCosine) return;
   float farthest = 0.0F;
   for (std::size_t i = 0; i < indices.size(); i += 3) {
     const Vec3f normal = normal_of(vertices, &indices[i]);

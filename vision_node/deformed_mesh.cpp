@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 // Kept anchors: those of all points that there may be, and of as many that were replaced while a stroke was drawn.
-constexpr std::size_t kMostAnchors = 2 * kMostAnnotationPoints;
+constexpr std::size_t kMaxAnchors = 2 * kMaxAnnotationPoints;
 
 }  // namespace
 
@@ -65,7 +65,7 @@ DeformedMesh::Touched DeformedMesh::find_closest(const Vec3& p) const {
 }
 
 const DeformedMesh::Anchor& DeformedMesh::find_anchor(const Vec3& p_rest) const {
-  if (anchors_.size() >= kMostAnchors) anchors_.clear();
+  if (anchors_.size() >= kMaxAnchors) anchors_.clear();
   const auto [at, is_new] = anchors_.try_emplace({p_rest.x(), p_rest.y(), p_rest.z()});
   if (is_new) {
     const SurfaceFinder::Found found = finder().find_closest(p_rest);

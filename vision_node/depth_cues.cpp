@@ -7,8 +7,8 @@
 namespace hapton {
 namespace {
 
-constexpr double kCell = 0.02;        // m: side of a square of the grid; a free choice
-constexpr double kMostOfWidth = 0.2;  // of the picture, for the scale bar; a free choice
+constexpr double kCell = 0.02;       // m: side of a square of the grid; a free choice
+constexpr double kMaxOfWidth = 0.2;  // of the picture, for the scale bar; a free choice
 
 }  // namespace
 
@@ -71,7 +71,7 @@ std::optional<Vec3> find_shadow(const Vec3& p_W) {
 
 ScaleBar choose_scale_bar(const StereoScreen& screen, PictureSize size) {
   ScaleBar bar;
-  const double most_m = kMostOfWidth * screen.width_m;
+  const double most_m = kMaxOfWidth * screen.width_m;
   if (!(most_m > 0.0) || !std::isfinite(most_m) || size.width_px <= 0) return bar;
   const double ten = std::pow(10.0, std::floor(std::log10(most_m)));
   bar.length_m = ten;

@@ -61,7 +61,7 @@ class DetailBuilder::Work {
 
 DetailBuilder::Work::Work(std::vector<std::shared_ptr<const DetailLevel>> full) : full_(std::move(full)) {
   for (const auto& level : full_) {
-    if (level->triangles() >= kLeastTriangles) total_ += static_cast<double>(level->triangles());
+    if (level->triangles() >= kMinTriangles) total_ += static_cast<double>(level->triangles());
   }
   if (!has_any()) progress_ = 1.0;
 }
@@ -102,7 +102,7 @@ void DetailBuilder::Work::run() {
     if (full_[i]->triangles() >= kLarge) build_rough(i);
   }
   for (std::size_t i = 0; i < full_.size() && !stop_; ++i) {
-    if (full_[i]->triangles() >= kLeastTriangles) build(i);
+    if (full_[i]->triangles() >= kMinTriangles) build(i);
   }
   if (!stop_) progress_ = 1.0;
 }

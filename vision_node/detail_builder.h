@@ -13,7 +13,7 @@ namespace hapton {
 class DetailBuilder {
  public:
   // Meshes with fewer triangles are drawn as they are.
-  static constexpr std::size_t kLeastTriangles = 12'000;
+  static constexpr std::size_t kMinTriangles = 12'000;
 
   // Full levels, one for each object, in its frame U.
   explicit DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full);

@@ -18,8 +18,8 @@ namespace {
 // from behind. meshoptimizer takes 255 vertices and 512 triangles at most, triangles by fours.
 constexpr std::size_t kClusters = 2000;
 constexpr std::size_t kClusterVertices = 255;
-constexpr std::size_t kLeastClusterTriangles = 16;
-constexpr std::size_t kMostClusterTriangles = 256;
+constexpr std::size_t kMinClusterTriangles = 16;
+constexpr std::size_t kMaxClusterTriangles = 256;
 constexpr float kConeWeight = 0.8F;
 // A level that saves less is not worth its memory.
 constexpr double kWorthwhile = 0.8;
@@ -190,7 +190,7 @@ double measure_level_error(const DetailLevel& level, const DetailLevel& full, st
 
 void divide_into_clusters(DetailLevel& level) {
   if (level.indices.empty()) return;
-  const std::size_t at_most = std::clamp(level.triangles() / kClusters, kLeastClusterTriangles, kMostClusterTriangles) / 4 * 4;
+  const std::size_t at_most = std::clamp(level.triangles() / kClusters, kMinClusterTriangles, kMaxClusterTriangles) / 4 * 4;
   const std::size_t most = meshopt_buildMeshletsBound(level.indices.size(), kClusterVertices, at_most);
   std::vector<meshopt_Meshlet> meshlets(most);
   std::vector<unsigned int> vertices(most * kClusterVertices);

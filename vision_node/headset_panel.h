@@ -39,7 +39,7 @@ class HeadsetPanel {
   vtkNew<vtkTextActor3D> bar_label_;
   PlotFigure plots_;
   vtkNew<vtkActor> plot_actor_;
-  std::array<vtkNew<vtkTextActor3D>, PlotFigure::kMost> plot_titles_;
+  std::array<vtkNew<vtkTextActor3D>, PlotFigure::kMax> plot_titles_;
 };
 
 }  // namespace hapton

@@ -7,7 +7,7 @@
 namespace hapton {
 
 void LabelFigure::add_to(vtkRenderer* renderer) {
-  for (std::size_t i = 0; i < kMost; ++i) {
+  for (std::size_t i = 0; i < kMax; ++i) {
     auto text = vtkSmartPointer<vtkTextActor>::New();
     vtkTextProperty* style = text->GetTextProperty();
     style->SetFontFamilyToArial();

@@ -49,8 +49,8 @@ const std::vector<PlotContent>& LivePlots::update(std::int64_t now_ns) {
   curves_ns_ = now_ns;
   // Without a new state the force is still the last one: the hub sends no state that would be drawn the same.
   if (newest_n_) force_n_.add(now_ns, *newest_n_);
-  plots_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kLeastAxisMostN),
-            make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kLeastTopMs)};
+  plots_ = {make_plot(force_n_.points(now_ns), "force", "N", limit_n_, kMinAxisMostN),
+            make_plot(age_ms_.points(now_ns), "age", "ms", 0.0, kMinTopMs)};
   return plots_;
 }
 

@@ -57,8 +57,8 @@ class LivePlots {
 PlotContent make_plot(std::vector<CurvePoint> points, std::string_view name, std::string_view unit, double limit, double least_axis_most);
 
 // The smallest tops of the scales of a force (N) and of a time (ms).
-constexpr double kLeastAxisMostN = 1.0;
-constexpr double kLeastTopMs = 20.0;
+constexpr double kMinAxisMostN = 1.0;
+constexpr double kMinTopMs = 20.0;
 
 // The smallest of the numbers 1, 2 and 5 times a power of ten that is at least the value and at least `least`.
 double choose_axis_most(double value, double least);

@@ -7,7 +7,7 @@
 namespace hapton {
 
 void MarkerKey::press(std::int64_t now_ns) {
-  if (waiting_.size() == kMostWaiting) return;
+  if (waiting_.size() == kMaxWaiting) return;
   if (const auto marker = make_marker(fmt::format("key {}", ++presses_))) waiting_.push_back({*marker, now_ns, now_ns + kReplyTimeoutNs});
 }
 

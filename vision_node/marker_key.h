@@ -15,7 +15,7 @@ class MarkerKey {
  public:
   static constexpr std::int64_t kRepeatNs = 100'000'000;          // between two sendings of a marker; a free choice
   static constexpr std::int64_t kReplyTimeoutNs = 2'000'000'000;  // then the marker counts as not recorded; a free choice
-  static constexpr std::size_t kMostWaiting = 32;                 // more presses are dropped
+  static constexpr std::size_t kMaxWaiting = 32;                  // more presses are dropped
 
   void press(std::int64_t now_ns);
   // The next marker to send now, if any.

@@ -72,7 +72,7 @@ void Pen::add(Annotation entry) {
 }
 
 bool Pen::has_room(std::size_t points) {
-  if (points_ + points <= kMostAnnotationPoints) {
+  if (points_ + points <= kMaxAnnotationPoints) {
     was_full_ = false;
     return true;
   }

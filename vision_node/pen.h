@@ -70,7 +70,7 @@ class Pen {
   std::uint64_t entries_revision() const { return entries_revision_; }
   // The number of the entry that was finished since the last call; none: no entry was.
   std::optional<std::size_t> take_finished();
-  // True once for each time that something was rejected because there is no room (kMostAnnotationPoints).
+  // True once for each time that something was rejected because there is no room (kMaxAnnotationPoints).
   bool take_full();
 
  private:

@@ -18,7 +18,7 @@ namespace {
 using Colour = std::array<unsigned char, 3>;
 constexpr Colour kGrid = {120, 126, 134};
 constexpr Colour kLimit = {240, 80, 70};
-constexpr std::array<Colour, PlotFigure::kMost> kCurves = {{{90, 230, 120}, {120, 200, 255}}};
+constexpr std::array<Colour, PlotFigure::kMax> kCurves = {{{90, 230, 120}, {120, 200, 255}}};
 // Without a value for longer than this a curve has a gap.
 constexpr double kGapS = 1.0;
 
@@ -98,7 +98,7 @@ void PlotFigure::add_to(vtkRenderer* renderer) {
 PlotFigure::Frame PlotFigure::place(std::size_t plot, PictureSize size, double lift_px) {
   const double edge = 0.03 * std::min(size.width_px, size.height_px);
   const Vec2 each(0.34 * size.width_px, 0.13 * size.height_px);
-  const double above = static_cast<double>(kMost - 1 - plot) * (each.y() + 1.6 * edge);
+  const double above = static_cast<double>(kMax - 1 - plot) * (each.y() + 1.6 * edge);
   return {Vec2(size.width_px - edge - each.x(), 6.0 * edge + lift_px + above), each};
 }
 
@@ -111,7 +111,7 @@ void PlotFigure::set(const std::vector<PlotContent>& plots, PictureSize size, do
   size_ = size;
   lift_px_ = lift_px;
   ColouredLines lines;
-  for (std::size_t i = 0; i < std::min(plots.size(), kMost); ++i) {
+  for (std::size_t i = 0; i < std::min(plots.size(), kMax); ++i) {
     const Frame frame = place(i, size, lift_px);
     add_curve(
         plots[i], kCurves[i],

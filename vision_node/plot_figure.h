@@ -18,10 +18,10 @@ namespace hapton {
 // the HUD costs as much as hundreds of lines; a panel behind them would cost more than all of it where the CPU draws. RT: no.
 class PlotFigure {
  public:
-  static constexpr std::size_t kMost = 2;  // plots: the force, the age of the state
+  static constexpr std::size_t kMax = 2;  // plots: the force, the age of the state
 
   void add_to(vtkRenderer* renderer);
-  // Hidden where there are none. At most kMost are drawn.
+  // Hidden where there are none. At most kMax are drawn.
   // lift_px: as much higher.
   void set(const std::vector<PlotContent>& plots, PictureSize size, double lift_px = 0.0);
 
@@ -44,7 +44,7 @@ class PlotFigure {
   double lift_px_ = 0.0;
   vtkNew<vtkPolyData> lines_;
   vtkNew<vtkActor2D> line_actor_;
-  std::array<vtkNew<vtkTextActor>, kMost> titles_;
+  std::array<vtkNew<vtkTextActor>, kMax> titles_;
 };
 
 }  // namespace hapton

@@ -186,7 +186,7 @@ void ProbeFigure::place_arrow(const ProbeShown& probe) {
   place(rings_, from, along, Vec3::Ones());
   place(limit_, from + arrow, along, Vec3::Ones());
   // Only rings on the shaft: rings under the head would be visible through it.
-  const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMostRings);
+  const int newtons = std::clamp(static_cast<int>(shaft / sizes_.arrow_m_per_n), 0, kMaxRings);
   if (newtons == rings_shown_) return;
   rings_shown_ = newtons;
   vtkPolyDataMapper::SafeDownCast(rings_->GetMapper())->SetInputData(rings(newtons));

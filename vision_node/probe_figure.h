@@ -43,7 +43,7 @@ class ProbeFigure {
   const ProbeSizes& sizes() const { return sizes_; }
 
  private:
-  static constexpr int kMostRings = 12;  // one for each newton; a free choice, longer arrows have no more
+  static constexpr int kMaxRings = 12;  // one for each newton; a free choice, longer arrows have no more
 
   void place_arrow(const ProbeShown& probe);
   void place_device_point(const ProbeShown& probe);
@@ -69,7 +69,7 @@ class ProbeFigure {
   vtkNew<vtkActor> tool_;
   bool has_tool_ = false;
   bool has_stylus_ = true;
-  std::array<vtkSmartPointer<vtkPolyData>, kMostRings + 1> ring_shapes_;  // by number of newtons
+  std::array<vtkSmartPointer<vtkPolyData>, kMaxRings + 1> ring_shapes_;  // by number of newtons
   int rings_shown_ = -1;
   bool throws_shadow_ = false;
 

@@ -13,7 +13,7 @@ namespace hapton {
 namespace {
 
 // The oldest force that is shown: as in the hub, the command timeout of the governor.
-constexpr double kMostReplyAgeS = 0.02;
+constexpr double kMaxReplyAgeS = 0.02;
 constexpr double kMarkShownS = 2.0;  // how long the HUD shows a marker or a fault: long enough to read
 
 float microseconds_at(const std::vector<double>& sorted_s, double share) {
@@ -56,7 +56,7 @@ std::optional<RecordedState> find_recorded_state(const SessionIndex& index, Sess
   RecordedState recorded;
   recorded.state = make_state(*newest);
   std::optional<std::uint32_t> view = newest->view_revision;
-  if (const JoinedRow* replied = rows.replied_at(t_s, kMostReplyAgeS)) {
+  if (const JoinedRow* replied = rows.replied_at(t_s, kMaxReplyAgeS)) {
     recorded.has_reply = true;
     view = replied->view_revision;
     recorded.state = make_state(*replied);
@@ -97,7 +97,7 @@ std::vector<PlotContent> make_recorded_plots(const SessionIndex& index, double t
   const double limit_n = notice != nullptr && std::isfinite(notice->force_limit_n) ? std::max(0.0F, notice->force_limit_n) : 0.0;
   const auto force = make_curve(spans, t_s, [](const SessionSpan& span) { return static_cast<double>(span.written_n); });
   const auto trip = make_curve(spans, t_s, [](const SessionSpan& span) { return 1e3 * static_cast<double>(span.round_trip_s); });
-  return {make_plot(force, "force", "N", limit_n, kLeastAxisMostN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
+  return {make_plot(force, "force", "N", limit_n, kMinAxisMostN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
 }
 
 std::string describe_recording(const std::string& name, const SessionPlayer& player, std::uint64_t sample) {

@@ -17,9 +17,9 @@ Result<void> RendererLimits::check(PictureSize size) const {
                 largest.height_px);
   }
   const double pixels = static_cast<double>(size.width_px) * size.height_px;
-  if (is_software_renderer(renderer) && pixels > kMostSoftwarePixels) {
+  if (is_software_renderer(renderer) && pixels > kMaxSoftwarePixels) {
     return fail("--size {}x{}: {} draws with the processor, at most {:.0f} million pixels, such as 7680x4320 or 5760x5760; this is {:.0f}",
-                size.width_px, size.height_px, renderer, 1e-6 * kMostSoftwarePixels, 1e-6 * pixels);
+                size.width_px, size.height_px, renderer, 1e-6 * kMaxSoftwarePixels, 1e-6 * pixels);
   }
   return {};
 }

@@ -14,7 +14,7 @@ bool is_software_renderer(std::string_view name);
 // How large a picture a renderer draws.
 struct RendererLimits {
   // Of a renderer that draws with the processor: 7680x4320. A frame of that size takes tenths of a second and 2 GB.
-  static constexpr double kMostSoftwarePixels = 7680.0 * 4320.0;
+  static constexpr double kMaxSoftwarePixels = 7680.0 * 4320.0;
 
   std::string renderer;
   PictureSize largest;  // of its framebuffers

@@ -148,7 +148,7 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
     // All of a large mesh would take a tenth of a second; the builder makes them.
     object->is_preview = object->whole->triangles() > kPreviewTriangles;
     DetailLevel first = object->is_preview ? thin_out(*object->whole, kPreviewTriangles) : *object->whole;
-    if (object->whole->triangles() < DetailBuilder::kLeastTriangles) divide_into_clusters(first);  // the builder divides the others
+    if (object->whole->triangles() < DetailBuilder::kMinTriangles) divide_into_clusters(first);  // the builder divides the others
     object->full = make_flat(first);
     painter->all_triangles_ += object->whole->triangles();
     object->list_facts();

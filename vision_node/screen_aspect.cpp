@@ -10,7 +10,7 @@ std::string describe_aspect(const ScreenRectangle& screen, PictureSize size) {
   if (size.width_px <= 0 || size.height_px <= 0) return {};
   const double pixel_width_m = screen.width_m / size.width_px;
   const double pixel_height_m = screen.height_m / size.height_px;
-  if (std::abs(std::log(pixel_width_m / pixel_height_m)) <= std::log1p(kMostAspectShare)) return {};
+  if (std::abs(std::log(pixel_width_m / pixel_height_m)) <= std::log1p(kMaxAspectShare)) return {};
   return fmt::format(
       "the picture has {}x{} pixels, and the screen of --screen {:.0f} x {:.0f} mm: make the window fill the area whose corners were "
       "touched, or run hapton screen again; until then things are not seen where they are felt",

@@ -39,7 +39,7 @@ struct ViewSettings {
   bool plain = false;      // a dark background, no light, no HUD: for tests that measure pixels
   bool depth_cues = true;  // ground, shadow, workspace, haze and scale bar; none with plain
   Framing framing;
-  std::vector<SceneLight> lights = {};  // in place of the one that goes with the viewer; at most SceneView::kMostLights
+  std::vector<SceneLight> lights = {};  // in place of the one that goes with the viewer; at most SceneView::kMaxLights
 };
 
 // The pixels of the window: rows from the bottom, 3 bytes (red, green, blue) a pixel.

@@ -8,13 +8,13 @@ namespace hapton {
 
 // Makes a polyline of the points that a pen passes, as they come, with few vertices: every point given is within bound_m of it, and its
 // first vertex is the first point. A piece grows until it would miss one of the points that it passes over by half the bound; points closer
-// than half the bound to the last one are passed over at once, so that a pen at rest adds nothing. Work of a point: at most kMostWindow
+// than half the bound to the last one are passed over at once, so that a pen at rest adds nothing. Work of a point: at most kMaxWindow
 // distances. Any frame, metres. RT: no.
 // Source: the opening-window algorithm of Keogh et al., An online algorithm for segmenting time series (2001); we differ in the bound on
 // the window.
 class StrokeThinner {
  public:
-  static constexpr std::size_t kMostWindow = 256;  // points; bounds the work for each new one. A free choice
+  static constexpr std::size_t kMaxWindow = 256;  // points; bounds the work for each new one. A free choice
 
   // Pre: above 0, finite.
   explicit StrokeThinner(double bound_m) : bound_m_(bound_m) {}

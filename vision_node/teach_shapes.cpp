@@ -133,13 +133,13 @@ TeachShapes show_tree(const SmoothScene& scene, const TeachProbe& probe, int lev
       slabs.push_back({Vec3(axis[0], axis[1], axis[2]), hull.low[i] - 1e-6 * diagonal, hull.high[i] + 1e-6 * diagonal});
     }
     hulls.push_back({distance_squared, std::move(slabs)});
-    if (hulls.size() < 2 * kMostTeachHulls) return;
-    std::nth_element(hulls.begin(), hulls.begin() + kMostTeachHulls, hulls.end(), is_nearer);
-    hulls.resize(kMostTeachHulls);
+    if (hulls.size() < 2 * kMaxTeachHulls) return;
+    std::nth_element(hulls.begin(), hulls.begin() + kMaxTeachHulls, hulls.end(), is_nearer);
+    hulls.resize(kMaxTeachHulls);
   });
-  if (hulls.size() > kMostTeachHulls) {
-    std::nth_element(hulls.begin(), hulls.begin() + kMostTeachHulls, hulls.end(), is_nearer);
-    hulls.resize(kMostTeachHulls);
+  if (hulls.size() > kMaxTeachHulls) {
+    std::nth_element(hulls.begin(), hulls.begin() + kMaxTeachHulls, hulls.end(), is_nearer);
+    hulls.resize(kMaxTeachHulls);
   }
   TeachShapes shapes;
   for (const Near& hull : hulls) {
@@ -238,10 +238,10 @@ TeachShapes show_curvature(const TouchScene& scene, const TeachCurvature& curvat
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) all.push_back({(mesh.corner(t, 0) - probe.p_SP).squaredNorm(), o, t});
   }
   const std::size_t count = all.size();
-  if (count > kMostTeachTriangles) {
-    std::nth_element(all.begin(), all.begin() + kMostTeachTriangles, all.end(),
+  if (count > kMaxTeachTriangles) {
+    std::nth_element(all.begin(), all.begin() + kMaxTeachTriangles, all.end(),
                      [](const Near& a, const Near& b) { return a.distance_squared < b.distance_squared; });
-    all.resize(kMostTeachTriangles);
+    all.resize(kMaxTeachTriangles);
   }
   TeachShapes shapes;
   for (const Near& near : all) {

@@ -52,8 +52,8 @@ struct TeachProbe {
 };
 
 // However many triangles a scene has, no view draws more than these, the nearest to the probe.
-constexpr std::size_t kMostTeachHulls = 1'000;
-constexpr std::size_t kMostTeachTriangles = 60'000;
+constexpr std::size_t kMaxTeachHulls = 1'000;
+constexpr std::size_t kMaxTeachTriangles = 60'000;
 // The memo's division of the world.
 constexpr int kTeachCells = 32;
 

@@ -8,10 +8,10 @@ namespace hapton {
 namespace {
 
 // The number is a byte beside a vertex's colour, and 0 means none.
-constexpr std::size_t kMostLayers = 255;
+constexpr std::size_t kMaxLayers = 255;
 // Of all layers of one mesh; more is invisible in a picture of a few megapixels.
-constexpr std::size_t kMostBytes = std::size_t{256} << 20;
-constexpr int kMostSide = 4096;
+constexpr std::size_t kMaxBytes = std::size_t{256} << 20;
+constexpr int kMaxSide = 4096;
 
 // The largest image decides, each side for itself, within what all layers together may take.
 std::pair<int, int> choose_size(const std::vector<Texels>& images) {
@@ -21,11 +21,11 @@ std::pair<int, int> choose_size(const std::vector<Texels>& images) {
     width = std::max(width, image.width);
     height = std::max(height, image.height);
   }
-  GLint limit = kMostSide;
+  GLint limit = kMaxSide;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &limit);
-  width = std::min({width, static_cast<int>(limit), kMostSide});
-  height = std::min({height, static_cast<int>(limit), kMostSide});
-  while (4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * images.size() > kMostBytes) {
+  width = std::min({width, static_cast<int>(limit), kMaxSide});
+  height = std::min({height, static_cast<int>(limit), kMaxSide});
+  while (4 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * images.size() > kMaxBytes) {
     width = std::max(1, width / 2);
     height = std::max(1, height / 2);
   }
@@ -42,7 +42,7 @@ std::unique_ptr<TextureLayers> TextureLayers::make(const MeshAppearance& appeara
   std::vector<std::uint8_t> layer_of(appearance.images.size(), 0);
   std::vector<Texels> images;
   for (std::size_t i = 0; i < appearance.images.size(); ++i) {
-    if (!is_used[i] || images.size() >= kMostLayers) continue;
+    if (!is_used[i] || images.size() >= kMaxLayers) continue;
     auto decoded = decode_image(appearance.images[i]);
     if (!decoded) {
       notes.push_back(decoded.error().what);

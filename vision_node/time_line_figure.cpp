@@ -19,7 +19,7 @@ constexpr LineColour kContactBand = {90, 230, 120};
 constexpr LineColour kMarkerTick = {120, 200, 255};
 constexpr LineColour kFaultTick = {240, 80, 70};
 // Narrower ones could not be seen, pixels.
-constexpr double kLeastBand = 1.0;
+constexpr double kMinBand = 1.0;
 constexpr double kTickWidth = 2.0;
 
 // Rectangles of several colours, for one actor, which is drawn once.
@@ -102,7 +102,7 @@ void TimeLineFigure::draw_line(const TimeLineShown& line, const TimeLinePlace& p
   boxes.add(kTrack, x_of(0.0), x_of(1.0), place.bottom_px, top);
   for (const auto& band : line.contact) {
     const double from = x_of(band.from);
-    boxes.add(kContactBand, from, std::max(x_of(band.to), from + kLeastBand), place.bottom_px, top);
+    boxes.add(kContactBand, from, std::max(x_of(band.to), from + kMinBand), place.bottom_px, top);
   }
   const double over = 0.35 * place.height_px;
   for (const bool is_fault : {false, true}) {  // a fault is not hidden by a marker

@@ -32,8 +32,8 @@ Result<Vec3> parse_triple(std::string_view text) {
   char rest = 0;
   const std::string owned(text);
   const bool is_one = std::sscanf(owned.c_str(), "%lf,%lf,%lf%c", &numbers.x(), &numbers.y(), &numbers.z(), &rest) == 3;
-  constexpr double kMost = 1e6;  // of each number, in its unit; keeps what is computed from it finite
-  if (!is_one || !(numbers.cwiseAbs().array() <= kMost).all()) return fail("'{}' is not a triple; give X,Y,Z without spaces", text);
+  constexpr double kMax = 1e6;  // of each number, in its unit; keeps what is computed from it finite
+  if (!is_one || !(numbers.cwiseAbs().array() <= kMax).all()) return fail("'{}' is not a triple; give X,Y,Z without spaces", text);
   return numbers;
 }
 

@@ -16,11 +16,10 @@
 namespace hapton {
 namespace {
 
-// How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer.
-constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;  // between two looks at the scene file
 constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;  // from a look of one node at the file to one of the other
 constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
-// the longest wait for the hub, so that input is not handled later; a free choice
+// How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer. A choice.
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
 }  // namespace

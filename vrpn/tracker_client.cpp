@@ -37,7 +37,7 @@ bool TrackerClient::receive(std::span<const std::byte> bytes) {
   std::span<const std::byte> rest(in_);
   while (true) {
     Message message;
-    const ReadStatus status = read_message(rest, message, kMostServerMessageBytes);
+    const ReadStatus status = read_message(rest, message, kMaxServerMessageBytes);
     if (status == ReadStatus::broken) return false;
     if (status == ReadStatus::incomplete) break;
     if (!receive_message(message)) return false;
@@ -83,7 +83,7 @@ void TrackerClient::receive_sender(const Message& message) {
   }
   const std::string shown = printable(name);
   const bool is_known = std::find(devices_.begin(), devices_.end(), shown) != devices_.end();
-  if (!shown.empty() && !is_known && devices_.size() < kMostDevices) devices_.push_back(shown);
+  if (!shown.empty() && !is_known && devices_.size() < kMaxDevices) devices_.push_back(shown);
 }
 
 void TrackerClient::receive_type(const Message& message) {

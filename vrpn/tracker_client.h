@@ -22,7 +22,7 @@ struct TrackerPose {
 class TrackerClient {
  public:
   // Names of the server's devices that are kept for the log; further ones are ignored.
-  static constexpr std::size_t kMostDevices = 8;
+  static constexpr std::size_t kMaxDevices = 8;
 
   // device: the name before the '@'.
   TrackerClient(std::string_view device, std::int32_t sensor);

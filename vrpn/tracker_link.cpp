@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kLongestDevice = 64;
 // Reads in one call, each of the endpoint's buffer: a quarter of a megabyte in all, 2,500 reports.
-constexpr int kMostReads = 4;
+constexpr int kMaxReads = 4;
 
 }  // namespace
 
@@ -41,7 +41,7 @@ TrackerLink::TrackerLink(std::unique_ptr<StreamEndpoint> streams, const Address&
 
 std::optional<TrackerPose> TrackerLink::take_newest(std::int64_t now_ns) {
   keep_connected(now_ns);
-  for (int n = 0; n < kMostReads; ++n) {
+  for (int n = 0; n < kMaxReads; ++n) {
     has_arrived_ = false;
     streams_->wait(0, *this);
     if (!has_arrived_) break;

@@ -21,11 +21,11 @@ constexpr std::size_t kCookieBytes = 24;
 constexpr std::size_t kHeaderBytes = 24;
 constexpr std::size_t kPadding = 8;
 // The longest message that we accept from a client: far more than any that our server needs.
-constexpr std::size_t kMostMessageBytes = 16384;
+constexpr std::size_t kMaxMessageBytes = 16384;
 // The longest message from a server: VRPN's own limit.
-constexpr std::size_t kMostServerMessageBytes = 64000;
+constexpr std::size_t kMaxServerMessageBytes = 64000;
 // VRPN's own limit of a datagram with messages.
-constexpr std::size_t kMostDatagramBytes = 1472;
+constexpr std::size_t kMaxDatagramBytes = 1472;
 
 // The meaning of negative types.
 constexpr std::int32_t kSenderDescription = -1, kTypeDescription = -2, kUdpDescription = -3, kLogDescription = -4, kDisconnect = -5;
@@ -92,7 +92,7 @@ enum class ReadStatus : std::uint8_t {
 };
 
 // Reads one message and removes it from the front of bytes. A message longer than most_bytes is broken.
-ReadStatus read_message(std::span<const std::byte>& bytes, Message& into, std::size_t most_bytes = kMostMessageBytes);
+ReadStatus read_message(std::span<const std::byte>& bytes, Message& into, std::size_t most_bytes = kMaxMessageBytes);
 
 // The number in a body that is one number; none: the body is something else.
 std::optional<double> number_of(const Message& message);

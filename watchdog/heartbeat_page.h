@@ -21,8 +21,8 @@ enum class CutMeans : std::uint32_t {
 // never waits. Units: ns of CLOCK_MONOTONIC, which is one clock for the whole machine. RT: all yes, wait-free.
 struct HeartbeatPage {
   static constexpr std::uint64_t kMagic = 0x32647261'75477048;
-  static constexpr std::size_t kMostPath = 64;
-  static constexpr std::size_t kMostReport = 128;
+  static constexpr std::size_t kMaxPath = 64;
+  static constexpr std::size_t kMaxReport = 128;
 
   std::atomic<std::uint64_t> magic{kMagic};
 
@@ -36,8 +36,8 @@ struct HeartbeatPage {
   // io_node, or another process that opens the device. generation is odd while it is written.
   std::atomic<std::uint32_t> generation{0};
   std::atomic<CutMeans> means{CutMeans::none};
-  std::array<std::atomic<char>, kMostPath> path{};              // of the HID device, ends with 0
-  std::array<std::atomic<std::uint8_t>, kMostReport> report{};  // that turns it off
+  std::array<std::atomic<char>, kMaxPath> path{};              // of the HID device, ends with 0
+  std::array<std::atomic<std::uint8_t>, kMaxReport> report{};  // that turns it off
   std::atomic<std::uint32_t> report_size{0};
 
   // The watchdog. is_cut: it has released the force; the device side clears it once its own force is zero.
@@ -51,8 +51,8 @@ struct HeartbeatPage {
   // A path or report that does not fit leaves the device without means: then only its own watchdog remains.
   void set_hid(std::string_view device_path, std::span<const std::uint8_t> off_report) noexcept {
     generation.fetch_add(1, std::memory_order_acq_rel);
-    const bool fits = device_path.size() < kMostPath && off_report.size() <= kMostReport;
-    for (std::size_t n = 0; fits && n < kMostPath; ++n)
+    const bool fits = device_path.size() < kMaxPath && off_report.size() <= kMaxReport;
+    for (std::size_t n = 0; fits && n < kMaxPath; ++n)
       path[n].store(n < device_path.size() ? device_path[n] : '\0', std::memory_order_relaxed);
     for (std::size_t n = 0; fits && n < off_report.size(); ++n) report[n].store(off_report[n], std::memory_order_relaxed);
     report_size.store(fits ? static_cast<std::uint32_t>(off_report.size()) : 0, std::memory_order_relaxed);

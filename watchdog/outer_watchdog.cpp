@@ -36,8 +36,8 @@ void ForceCutter::close_device() noexcept {
 void ForceCutter::prepare() noexcept {
   const std::uint32_t generation = page_.generation.load(std::memory_order_acquire);
   if (generation == generation_ || generation % 2 != 0) return;
-  std::array<char, HeartbeatPage::kMostPath> path = {};
-  std::array<std::uint8_t, HeartbeatPage::kMostReport> report = {};
+  std::array<char, HeartbeatPage::kMaxPath> path = {};
+  std::array<std::uint8_t, HeartbeatPage::kMaxReport> report = {};
   std::transform(page_.path.begin(), page_.path.end(), path.begin(), [](const auto& c) { return c.load(std::memory_order_relaxed); });
   std::transform(page_.report.begin(), page_.report.end(), report.begin(), [](const auto& b) { return b.load(std::memory_order_relaxed); });
   const std::size_t size = std::min<std::size_t>(page_.report_size.load(std::memory_order_relaxed), report.size());

@@ -22,7 +22,7 @@ class PairMaker {
     const Vec3 on_a = a[0] + between(0.1, 0.9) * (a[1] - a[0]);
     const Vec3 on_b = b[0] + between(0.1, 0.9) * (b[1] - b[0]);
     Vec3 line = normal_of(a).cross(normal_of(b));
-    if (line.norm() < std::sin(kLeastAngle)) return {};
+    if (line.norm() < std::sin(kMinAngle)) return {};
     line.normalize();
     if (line.dot(inward(a)) < 0.0) line = -line;
     if (line.dot(inward(b)) > 0.0) return {};  // the other half of the line would make the contact long
@@ -37,7 +37,7 @@ class PairMaker {
   }
 
  private:
-  static constexpr double kLeastAngle = 0.1745;  // rad, 10 degrees
+  static constexpr double kMinAngle = 0.1745;  // rad, 10 degrees
 
   double between(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
   Vec3 direction() {
@@ -60,7 +60,7 @@ class PairMaker {
     Corners t;
     do {
       t = {direction(), direction(), direction()};
-    } while (least_angle(t) < kLeastAngle);
+    } while (least_angle(t) < kMinAngle);
     const double longest = std::fmax((t[1] - t[0]).norm(), std::fmax((t[2] - t[1]).norm(), (t[0] - t[2]).norm()));
     for (Vec3& p : t) p *= settings_.size_m / longest;
     return t;

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostRepeats = 1024;  // as in hapton stress; ends the repetition of a step that never converges
+constexpr int kMaxRepeats = 1024;  // as in hapton stress; ends the repetition of a step that never converges
 
 }  // namespace
 
@@ -32,7 +32,7 @@ ConvergedSteps::Window ConvergedSteps::compute(const TouchTrajectory& trajectory
       window.begins_at = method_->carried_from().value_or(input.p_WD);
     }
     if (i <= start) continue;
-    for (int repeat = 0; method_->carried_from() && repeat < kMostRepeats; ++repeat) output = touch_.step(input);
+    for (int repeat = 0; method_->carried_from() && repeat < kMaxRepeats; ++repeat) output = touch_.step(input);
     window.felt.push_back({.device = input.p_WD, .proxy = input.p_WD + output.visual_offset_m, .force_n = output.force_n});
   }
   return window;

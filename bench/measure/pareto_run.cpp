@@ -283,7 +283,7 @@ std::vector<ParetoMark> pareto_marks(const ParetoReport& report) {
   for (const MethodRow& r : report.methods) {
     if (r.timing.contact.count == 0) continue;
     marks.push_back({r.mesh, r.family, label_of(r), r.settings.probe_radius_m == 0.0, 1e-3 * r.timing.contact.p99_ns,
-                     std::max(kLeastShownError, r.error.error.rms)});
+                     std::max(kMinShownError, r.error.error.rms)});
   }
   return marks;
 }

@@ -60,7 +60,7 @@ std::string to_json(const ParetoReport& report);
 std::string to_text(const ParetoReport& report, const std::string& mesh);
 
 // Gives a mark without any error a position on a logarithmic axis.
-constexpr double kLeastShownError = 1e-12;
+constexpr double kMinShownError = 1e-12;
 
 // A mark of the plot and its front: p99 of the contact steps against the RMS force error.
 struct ParetoMark {
@@ -68,7 +68,7 @@ struct ParetoMark {
   std::string label;     // sweep: cells along an axis; smooth: triangles in the set, or "d6": directions of its hulls
   bool is_point = true;  // a sphere touches another surface: it is drawn, but does not compete
   double time_us = 0.0;
-  double error = 0.0;  // share; not below kLeastShownError
+  double error = 0.0;  // share; not below kMinShownError
 };
 std::vector<ParetoMark> pareto_marks(const ParetoReport& report);
 

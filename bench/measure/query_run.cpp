@@ -9,10 +9,10 @@
 namespace hapton {
 namespace {
 
-constexpr double kReachShare = 0.025;      // of the extent: radius of the queries
-constexpr double kAgreeShare = 1e-4;       // of the extent: by how much single precision and brute force may differ
-constexpr double kTriangleTests = 4e7;     // budget of brute force for comparison
-constexpr std::size_t kLeastQueries = 16;  // to time a query, and of every measurement; a free choice
+constexpr double kReachShare = 0.025;    // of the extent: radius of the queries
+constexpr double kAgreeShare = 1e-4;     // of the extent: by how much single precision and brute force may differ
+constexpr double kTriangleTests = 4e7;   // budget of brute force for comparison
+constexpr std::size_t kMinQueries = 16;  // to time a query, and of every measurement; a free choice
 
 std::size_t stride_for(std::size_t queries, std::size_t most) {
   return std::max<std::size_t>(1, (queries + most - 1) / std::max<std::size_t>(1, most));
@@ -21,12 +21,12 @@ std::size_t stride_for(std::size_t queries, std::size_t most) {
 // How many queries fit into a third of the budget, estimated from a few of them.
 template <class Ask>
 std::size_t find_stride(const Stopwatch& watch, const TimingBudget& budget, std::size_t queries, Ask&& ask) {
-  if (queries <= kLeastQueries) return 1;
+  if (queries <= kMinQueries) return 1;
   const std::uint64_t start = Stopwatch::ticks();
-  for (std::size_t i = 0; i < kLeastQueries; ++i) ask(i * (queries / kLeastQueries));
-  const double each_s = 1e-9 * watch.ns_between(start, Stopwatch::ticks()) / static_cast<double>(kLeastQueries);
+  for (std::size_t i = 0; i < kMinQueries; ++i) ask(i * (queries / kMinQueries));
+  const double each_s = 1e-9 * watch.ns_between(start, Stopwatch::ticks()) / static_cast<double>(kMinQueries);
   const double fit = budget.seconds / 3.0 / std::max(each_s, 1e-9);
-  return stride_for(queries, std::max(kLeastQueries, static_cast<std::size_t>(std::min(fit, 1e9))));
+  return stride_for(queries, std::max(kMinQueries, static_cast<std::size_t>(std::min(fit, 1e9))));
 }
 
 bool same(double a, double b, double tolerance) {

@@ -309,9 +309,9 @@ std::string to_text(const SculptRunReport& report) {
   }
   const double worst_us = 1e-3 * report.worst_step_ns();
   fmt::format_to(std::back_inserter(text), "worst step {:.0f} us (goal {:.0f}: {}); slowest surface {:.0f} a second (goal {:.0f}: {})\n",
-                 worst_us, 1e-3 * SculptRunReport::kMostStepNs, report.worst_step_ns() <= SculptRunReport::kMostStepNs ? "met" : "missed",
-                 report.least_surface_hz(), SculptRunReport::kLeastSurfaceHz,
-                 report.least_surface_hz() >= SculptRunReport::kLeastSurfaceHz ? "met" : "missed");
+                 worst_us, 1e-3 * SculptRunReport::kMaxStepNs, report.worst_step_ns() <= SculptRunReport::kMaxStepNs ? "met" : "missed",
+                 report.least_surface_hz(), SculptRunReport::kMinSurfaceHz,
+                 report.least_surface_hz() >= SculptRunReport::kMinSurfaceHz ? "met" : "missed");
   return text + report.conditions.to_text() + ".\n";
 }
 

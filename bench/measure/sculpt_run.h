@@ -44,8 +44,8 @@ struct SculptRunReport {
   std::vector<SculptRunRow> rows;
 
   // The goals: a step in 300 us, the surface 20 times a second.
-  static constexpr double kMostStepNs = 300e3;
-  static constexpr double kLeastSurfaceHz = 20.0;
+  static constexpr double kMaxStepNs = 300e3;
+  static constexpr double kMinSurfaceHz = 20.0;
   double worst_step_ns() const;
   double least_surface_hz() const;  // of the slowest surface
 };

@@ -60,7 +60,7 @@ void note_gaps(SixdofRow& row, const ToolStep& exact, const std::vector<Placemen
                const std::vector<std::uint8_t>& in_contact) {
   // A search as far as a millimetre meets many pairs, and on the finest scene millions.
   constexpr std::size_t kWideEvery = 16;
-  constexpr std::size_t kMostForWide = 200'000;
+  constexpr std::size_t kMaxForWide = 200'000;
   constexpr double kWideM = 1e-3;
   PenetrationCheck check(exact.tool(), exact.scene());
   row.least_gap = std::numeric_limits<double>::infinity();
@@ -69,7 +69,7 @@ void note_gaps(SixdofRow& row, const ToolStep& exact, const std::vector<Placemen
     row.penetrations += penetrates ? 1 : 0;
     const double gap = penetrates ? 0.0 : check.find_gap(placements[i], 2.0 * ToolProxy::kContactOffset);
     row.least_gap = std::min(row.least_gap, gap / ToolProxy::kContactOffset);
-    if (penetrates || in_contact[i] == 0 || i % kWideEvery != 0 || exact.scene().triangle_count() > kMostForWide) continue;
+    if (penetrates || in_contact[i] == 0 || i % kWideEvery != 0 || exact.scene().triangle_count() > kMaxForWide) continue;
     const double gap_m = check.find_gap(placements[i], kWideM / exact.scene().unit_m()) * exact.scene().unit_m();
     if (std::isfinite(gap_m)) row.widest_gap_um = std::max(row.widest_gap_um, 1e6 * gap_m);
   }

@@ -10,13 +10,11 @@ namespace hapton {
 namespace {
 
 constexpr std::size_t kLargePage = std::size_t{1} << 21;  // x86-64 and aarch64 with pages of 4 KiB
-constexpr std::size_t kLeast = 2 * kLargePage;            // a smaller block would leave up to half of its pages unused
+constexpr std::size_t kMin = 2 * kLargePage;              // of a smaller block up to half would stay in small pages
 
-std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) {
-  return std::align_val_t{bytes >= kLeast ? kLargePage : alignment};
-}
+std::align_val_t alignment_of(std::size_t bytes, std::size_t alignment) { return std::align_val_t{bytes >= kMin ? kLargePage : alignment}; }
 
-// Taken at once: once filled, the pages stay as they are. Otherwise the system might join small ones later, and stop whoever reads them.
+// Populated at once, then MADV_NOHUGEPAGE: otherwise khugepaged might collapse small pages later and stall readers.
 void use_large_pages(void* memory, std::size_t bytes) {
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
   const bool are_filled = ::madvise(memory, bytes, MADV_HUGEPAGE) == 0 && ::madvise(memory, bytes, MADV_POPULATE_WRITE) == 0;
@@ -31,8 +29,8 @@ void use_large_pages(void* memory, std::size_t bytes) {
 
 void* allocate_large(std::size_t bytes, std::size_t alignment) {
   void* const memory = ::operator new(bytes, alignment_of(bytes, alignment));
-  // Whole large pages only: the last one would keep what nobody uses.
-  if (bytes >= kLeast) use_large_pages(memory, bytes / kLargePage * kLargePage);
+  // Whole large pages only: a last, partly used one would waste memory.
+  if (bytes >= kMin) use_large_pages(memory, bytes / kLargePage * kLargePage);
   return memory;
 }
 

@@ -9,8 +9,8 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kLeastShapes = 4;                   // of a mesh too large for more: at rest, at keys and half-way
-constexpr std::size_t kMostCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
+constexpr std::size_t kMinShapes = 4;                    // of a mesh too large for more: at rest, at keys and half-way
+constexpr std::size_t kMaxCheckedTriangles = 4'000'000;  // in all shapes that are checked at start-up: some seconds
 
 // Times at which the shape is checked, about `count`: those of the keys, or of every second, third ... key, and half-way between them.
 std::vector<double> times_of_shapes(const MeshDeformation& deformation, std::size_t count) {
@@ -68,7 +68,7 @@ Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& defor
   if (box.diagonal() > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(box.diagonal()));
   TriangleMesh shape{.vertices = mesh.vertices, .triangles = mesh.triangles};
   if (auto checked = check_shape(shape, frame, "at rest"); !checked) return checked;
-  const std::size_t count = std::clamp(kMostCheckedTriangles / std::max<std::size_t>(1, mesh.triangles.size()), kLeastShapes, kMostShapes);
+  const std::size_t count = std::clamp(kMaxCheckedTriangles / std::max<std::size_t>(1, mesh.triangles.size()), kMinShapes, kMaxShapes);
   for (const double time : times_of_shapes(deformation, count)) {
     shape.vertices = deformation.vertices_at(mesh.vertices, deformation.weights_at(time));
     if (auto checked = check_shape(shape, frame, fmt::format("at {:.3g} s", time)); !checked) return checked;
@@ -131,9 +131,9 @@ std::size_t DeformingGeometry::choose_count() const {
     path += deformation_->most_displacement(deformation_->weights_at(keys[i - 1].time_s), deformation_->weights_at(keys[i].time_s));
   }
   const double edge = compute_mean_edge(*mesh_);
-  const std::size_t room = kMostBytes / std::max<std::size_t>(1, geometry_.deforming_object().tree().bytes());
+  const std::size_t room = kMaxBytes / std::max<std::size_t>(1, geometry_.deforming_object().tree().bytes());
   const double wanted = edge > 0.0 ? std::ceil(2.0 * path / edge) : 1.0;
-  return std::clamp<std::size_t>(static_cast<std::size_t>(std::min<double>(wanted, kMostTrees)), 1, std::max<std::size_t>(1, room));
+  return std::clamp<std::size_t>(static_cast<std::size_t>(std::min<double>(wanted, kMaxTrees)), 1, std::max<std::size_t>(1, room));
 }
 
 void DeformingGeometry::make_trees() {

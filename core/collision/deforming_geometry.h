@@ -25,24 +25,24 @@ Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deform
 // Checks that all triangles of a surface in one shape are walkable (SurfaceAdjacency). when: for the message. RT: set-up only, a tree.
 Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, std::string_view when);
 
-// Checks that all triangles of a deforming surface are walkable: at rest, and in about kMostShapes evenly chosen shapes
+// Checks that all triangles of a deforming surface are walkable: at rest, and in about kMaxShapes evenly chosen shapes
 // at the keys and half-way between them (in fewer for large meshes). RT: set-up only, a tree for each shape. Error: how many triangles are
 // not walkable at which time, because the surface comes near itself or more than two triangles meet.
-constexpr std::size_t kMostShapes = 64;
+constexpr std::size_t kMaxShapes = 64;
 Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation);
 
 // Gives the one object of a TouchGeometry the shape of a time.
 //
 // The vertices that the deformation moves are put where they are then: linear in their number, some ns each. The tree is not built again,
-// nor refitted by a step: there is one for each of up to kMostTrees equal parts of the deformation, the same nodes with boxes that hold
+// nor refitted by a step: there is one for each of up to kMaxTrees equal parts of the deformation, the same nodes with boxes that hold
 // their triangles in all shapes of that part, refitted beforehand.
 //
 // Threads: one. RT: yes, shape() linear in the vertices that move; construction is set-up only.
 class DeformingGeometry {
  public:
   // With choose_count() vertices move by less than half an edge in each part, up to a path of 32 edges; then boxes are larger.
-  static constexpr std::size_t kMostTrees = 64;
-  static constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of all trees
+  static constexpr std::size_t kMaxTrees = 64;
+  static constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // of all trees
 
   // Pre: the geometry was made with BuildPolicy::to_deform of this mesh, in bounds_of_all_shapes(). It outlives this. Begins with the shape
   // at 0 s.

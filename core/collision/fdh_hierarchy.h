@@ -134,7 +134,7 @@ class FdhHierarchy {
   static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
     Sweep sweep;
     for (int i = 0; i < kAxes; ++i) {
-      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + kLeastPad;
+      const double pad = 0x1p-21 * (std::fabs(from[i]) + std::fabs(to[i])) + kMinPad;
       double d = to[i] - from[i];
       double grow = radius * std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i))) * (1.0 + kNodeRounding) + pad;
       if (std::fabs(d) < pad) {
@@ -254,7 +254,7 @@ class FdhHierarchy {
   static constexpr double kNodeRounding = 0x1p-20;
   // For a sweep that begins and ends at the centre itself: a 2^-50th of the smallest extent that a tree accepts (1e-15); an inverse of
   // 2^100 is still a float.
-  static constexpr double kLeastPad = 0x1p-100;
+  static constexpr double kMinPad = 0x1p-100;
 
   static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeRounding)); }
 

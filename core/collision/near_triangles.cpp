@@ -26,8 +26,8 @@ using Lanes3 = std::array<Double4, 3>;
 // 1 / x; for x too small for that, a large number.
 [[gnu::always_inline]] inline Double4 inverse(const Double4& x) {
   // Its inverse is finite; squares of edges on the grid are 2^-102 and more.
-  constexpr double kLeast = 0x1p-900;
-  return Double4(1.0) / max(Double4(kLeast), x);
+  constexpr double kMin = 0x1p-900;
+  return Double4(1.0) / max(Double4(kMin), x);
 }
 
 // The vector from the closest point of an edge to the query point. `from`: the same vector from the edge's start.
@@ -100,7 +100,7 @@ bool NearTriangles::gather(const TouchGeometry& geometry, const Vec3& centre, do
     ++(geometry.is_in_large_fan(triangle) ? queried_in_fans_ : visited);
     if (waiting == kBatch) {
       queried += waiting;
-      fits = visited <= kMostVisited && queried_in_fans_ <= kMostVisitedInFans && add(batch, waiting, most);
+      fits = visited <= kMaxVisited && queried_in_fans_ <= kMaxVisitedInFans && add(batch, waiting, most);
       waiting = 0;
     }
     return fits;
@@ -136,7 +136,7 @@ bool NearTriangles::add(const Batch& batch, int count, int most) noexcept {
     for (int lane = 0; lane < lanes; ++lane) {
       if (bounds.distance[lane] > within_ - kRounding) continue;
       if (count_ == most) return false;
-      if (!geometry_->is_in_large_fan(batch[static_cast<std::size_t>(first + lane)]) && ++others_ > kMostOthers) return false;
+      if (!geometry_->is_in_large_fan(batch[static_cast<std::size_t>(first + lane)]) && ++others_ > kMaxOthers) return false;
       distance_[count_] = bounds.distance[lane];
       for (int k = 0; k < 3; ++k) normal_[k][count_] = bounds.normal[k][lane];
       triangle_[count_] = batch[static_cast<std::size_t>(first + lane)];

@@ -22,14 +22,14 @@ namespace hapton {
 // Frame: TouchGeometry's local one. RT: yes, fixed capacity. Pre: the geometry outlives this object.
 class NearTriangles {
  public:
-  static constexpr int kCapacity = 6144;                    // a sphere at a vertex reaches all triangles of its fan
-  static constexpr int kMostOthers = 1024;                  // triangles that are in no large fan (SurfaceAdjacency)
-  static constexpr int kMostVisited = 1280;                 // of these, those whose boxes are near, for the few that are near themselves
-  static constexpr int kMostVisitedInFans = 2 * kCapacity;  // slivers that lie across have large boxes
+  static constexpr int kCapacity = 6144;                   // a sphere at a vertex reaches all triangles of its fan
+  static constexpr int kMaxOthers = 1024;                  // triangles that are in no large fan (SurfaceAdjacency)
+  static constexpr int kMaxVisited = 1280;                 // of these, those whose boxes are near, for the few that are near themselves
+  static constexpr int kMaxVisitedInFans = 2 * kCapacity;  // slivers that lie across have large boxes
 
   // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
-  // `most`, at most kCapacity, or, not counting those in large fans, more than kMostOthers, or if more than kMostVisited, or
-  // kMostVisitedInFans of large fans, have a box that is as near. `queried`: is raised by the number of triangles whose distance was
+  // `most`, at most kCapacity, or, not counting those in large fans, more than kMaxOthers, or if more than kMaxVisited, or
+  // kMaxVisitedInFans of large fans, have a box that is as near. `queried`: is raised by the number of triangles whose distance was
   // computed.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {

@@ -75,7 +75,7 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
   ObjectGeometry geometry(mesh, frame, shading_crease_rad);
   if (geometry.is_walkable()) return geometry;
   const std::optional<TriangleMesh> resolved =
-      resolve_for_touch(mesh, kResolution * frame.unit_m, SurfaceAdjacency::kLeastHeight * frame.unit_m);
+      resolve_for_touch(mesh, kResolution * frame.unit_m, SurfaceAdjacency::kMinHeight * frame.unit_m);
   const bool fits = resolved && resolved->triangles.size() <= most_triangles;
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }

@@ -72,7 +72,7 @@ Result<void> ShapeStager::check(std::span<const Vec3> from, std::span<const Vec3
 // As DeformingGeometry: so many that vertices move by less than half an edge in each.
 std::size_t ShapeStager::choose_count(double most_m) const {
   const double wanted = mean_edge_m_ > 0.0 ? std::ceil(2.0 * most_m / mean_edge_m_) : 1.0;
-  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMostTrees)));
+  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxTrees)));
 }
 
 Result<std::unique_ptr<ShapeStage>> ShapeStager::make(std::span<const Vec3> from, std::span<const Vec3> to) const {

@@ -26,7 +26,7 @@ struct ShapeStage {
 // used.
 class ShapeStager {
  public:
-  static constexpr std::size_t kMostTrees = 8;
+  static constexpr std::size_t kMaxTrees = 8;
 
   // Pre: the geometry was made with BuildPolicy::to_deform of this mesh, in bounds_with_reach(), and no vertex has been moved yet.
   ShapeStager(const TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, double reach_m);
@@ -68,7 +68,7 @@ class StreamedGeometry {
   // Pre: the geometry is that of the stager, and outlives this.
   StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest);
 
-  static constexpr std::size_t kMostWaiting = 8;  // a quarter of a second of 30 shapes a second
+  static constexpr std::size_t kMaxWaiting = 8;  // a quarter of a second of 30 shapes a second
 
   struct Released {
     std::unique_ptr<ShapeStage> ended;
@@ -79,7 +79,7 @@ class StreamedGeometry {
   // most.
   Released offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept;
   // The stage that comes after all others: it begins at start_s, or when the one before has ended. Returned: one that is used no more;
-  // null: none. Pre: fewer than kMostWaiting wait; it was made from `to` of newest(); as offer().
+  // null: none. Pre: fewer than kMaxWaiting wait; it was made from `to` of newest(); as offer().
   std::unique_ptr<ShapeStage> append(std::unique_ptr<ShapeStage> stage, double over_s, double start_s) noexcept;
 
   // Of a vertex of the object, local: where it is at rest, and how far it moves from one time to another.
@@ -136,12 +136,12 @@ class StreamedGeometry {
   TouchGeometry& geometry_;
   std::vector<double> rest_;  // as ShapeStage::from
   Timed present_;
-  Timed ended_;                              // before it
-  std::array<Timed, kMostWaiting> waiting_;  // the next one first
+  Timed ended_;                             // before it
+  std::array<Timed, kMaxWaiting> waiting_;  // the next one first
   std::size_t waiting_count_ = 0;
   // Ended before ended_, and not given back yet, the oldest first. Each stage that comes takes one away, so with those that wait there are
-  // kMostWaiting at most.
-  std::array<std::unique_ptr<ShapeStage>, kMostWaiting> used_;
+  // kMaxWaiting at most.
+  std::array<std::unique_ptr<ShapeStage>, kMaxWaiting> used_;
   std::size_t used_count_ = 0;
   std::uint64_t serial_ = 0;
   std::size_t part_ = 0;      // whose tree is in the geometry, whose own first one is there

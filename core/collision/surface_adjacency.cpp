@@ -23,14 +23,14 @@ Corners corners_of(std::span<const Vec3> vertices, const Triangle& t) { return {
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-// The height of a triangle over its longest edge is at least kLeastHeight, far above the rounding of a plain cross product.
+// The height of a triangle over its longest edge is at least kMinHeight, far above the rounding of a plain cross product.
 bool is_high(const Corners& c) {
   const Vec3 ab = c[1] - c[0];
   const Vec3 ac = c[2] - c[0];
   const double longest = std::max({ab.squaredNorm(), ac.squaredNorm(), (c[2] - c[1]).squaredNorm()});
-  constexpr double kLeast = SurfaceAdjacency::kLeastHeight;
-  if (ab.cross(ac).squaredNorm() > 16.0 * kLeast * kLeast * longest) return true;
-  return longest > 0.0 && accurate_cross(ab, ac).squaredNorm() >= kLeast * kLeast * longest;
+  constexpr double kMin = SurfaceAdjacency::kMinHeight;
+  if (ab.cross(ac).squaredNorm() > 16.0 * kMin * kMin * longest) return true;
+  return longest > 0.0 && accurate_cross(ab, ac).squaredNorm() >= kMin * kMin * longest;
 }
 
 // Whether all points of b are on one side of the plane through `at`, farther than `margin` away. The normal need not have unit length.
@@ -79,16 +79,16 @@ struct Sector {
   bool is_over(const Vec3& v) const { return inward[0].dot(v) > 0.0 && inward[1].dot(v) > 0.0; }
 };
 
-// Whether the angle between a direction and a sector is more than kLeastAngle.
+// Whether the angle between a direction and a sector is more than kMinAngle.
 bool is_off(const Sector& sector, const Vec3& v) {
-  constexpr double kAngle = SurfaceAdjacency::kLeastAngle;
+  constexpr double kAngle = SurfaceAdjacency::kMinAngle;
   const double length = v.norm();
   if (sector.is_over(v)) return std::fabs(sector.normal.dot(v)) > kAngle * length * sector.normal.norm();
   return std::all_of(sector.edge.begin(), sector.edge.end(),
                      [&](const Vec3& edge) { return edge.dot(v) < 0.0 || edge.cross(v).norm() > kAngle * length * edge.norm(); });
 }
 
-// Whether two sectors with a common apex are farther apart than kLeastAngle elsewhere: no edge of one is near the other, and they do not
+// Whether two sectors with a common apex are farther apart than kMinAngle elsewhere: no edge of one is near the other, and they do not
 // intersect.
 bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3, 2>& edges_b) {
   const Sector a(edges_a[0], edges_a[1]);
@@ -104,7 +104,7 @@ bool are_sectors_apart(const std::array<Vec3, 2>& edges_a, const std::array<Vec3
 bool is_folded_flat(const Vec3& edge, const Vec3& to_a, const Vec3& to_b) {
   const Vec3 a = edge.cross(to_a);
   const Vec3 b = edge.cross(to_b);
-  return a.dot(b) > 0.0 && a.cross(b).norm() <= SurfaceAdjacency::kLeastAngle * a.norm() * b.norm();
+  return a.dot(b) > 0.0 && a.cross(b).norm() <= SurfaceAdjacency::kMinAngle * a.norm() * b.norm();
 }
 
 }  // namespace
@@ -249,7 +249,7 @@ bool SurfaceAdjacency::is_whole_fan(std::span<const Triangle> triangles, std::ui
 }
 
 // Finds even fans. The axis is the sum of the normals at the vertex: each normal is within 60 degrees of it, each triangle spans more than
-// kLeastAngle about it, and all together go round once. So there is only one fan, and the sectors of its triangles do not overlap. Each
+// kMinAngle about it, and all together go round once. So there is only one fan, and the sectors of its triangles do not overlap. Each
 // triangle adds its part, in any order; full turns are counted where they cross a half-plane that contains the axis. An edge gives both its
 // triangles the same numbers. Other fans are marked `broken`.
 SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> vertices, std::span<const Triangle> triangles) const {
@@ -259,7 +259,7 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> ve
     std::uint16_t turns = 0;
     bool is_even = true;
   };
-  static_assert(kMostValence < 65535);
+  static_assert(kMaxValence < 65535);
   LargeVector<Round> rounds(vertices.size());
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     const Triangle& corner = triangles[t];
@@ -271,7 +271,7 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> ve
       const Adjacent next = adjacent(t, k);
       const bool runs_on = next.exists && !next.flips && !repeats;
       round.axis += normal.cast<float>();
-      round.valence = static_cast<std::uint16_t>(std::min(round.valence + 1, kMostValence + 1));
+      round.valence = static_cast<std::uint16_t>(std::min(round.valence + 1, kMaxValence + 1));
       round.is_even = round.is_even && runs_on;
       if (!runs_on) rounds[corner[(k + 1) % 3]].is_even = false;
     }
@@ -286,9 +286,9 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> ve
       Round& round = rounds[corner[k]];
       const Vec3 axis = round.axis.cast<double>();
       const int before = (k + 2) % 3;
-      constexpr double kLeast = 8.0 * kLeastAngle;
+      constexpr double kMin = 8.0 * kMinAngle;
       const double along = axis.dot(normal);
-      const double least = std::max(least_lean, kLeast * kLeast * squared[k] * squared[before]);
+      const double least = std::max(least_lean, kMin * kMin * squared[k] * squared[before]);
       round.is_even = round.is_even && along > 0.0 && along * along > least * axis.squaredNorm();
       // Along the cross product of the axis and the coordinate axis that it deviates from most, of two, so that all triangles choose alike.
       const bool leans_from_x = std::fabs(axis.x()) <= std::fabs(axis.y());
@@ -302,7 +302,7 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_even_fans(std::span<const Vec3> ve
   Fans fans{std::vector<Fan>(vertices.size(), Fan::broken), {}};
   for (std::uint32_t v = 0; v < vertices.size(); ++v) {
     const Round& round = rounds[v];
-    if (round.is_even && round.turns == 1 && round.valence <= kMostValence) fans.of_vertex[v] = Fan::even;
+    if (round.is_even && round.turns == 1 && round.valence <= kMaxValence) fans.of_vertex[v] = Fan::even;
     if (round.valence > kLargeFan) fans.large.push_back(v);
   }
   return fans;
@@ -321,7 +321,7 @@ SurfaceAdjacency::Fans SurfaceAdjacency::find_fans(std::span<const Vec3> vertice
     if (repeats_vertex(triangles[start])) continue;
     for (int c = 0; c < 3; ++c) {
       std::uint32_t& count = valence[triangles[start][c]];
-      if (count > 0 && count <= kMostValence && is_whole_fan(triangles, start, c, count)) fans[triangles[start][c]] = Fan::whole;
+      if (count > 0 && count <= kMaxValence && is_whole_fan(triangles, start, c, count)) fans[triangles[start][c]] = Fan::whole;
       count = 0;  // each vertex once
     }
   }
@@ -400,7 +400,7 @@ std::size_t SurfaceAdjacency::compare_at(std::uint32_t vertex, std::span<const s
     sectors.push_back({vertices[corner[(k + 1) % 3]] - vertices[vertex], vertices[corner[(k + 2) % 3]] - vertices[vertex]});
   }
   std::size_t tests = 0;
-  NearSectors(sectors, kLeastAngle).visit_pairs([&](std::uint32_t i, std::uint32_t j) {
+  NearSectors(sectors, kMinAngle).visit_pairs([&](std::uint32_t i, std::uint32_t j) {
     const std::uint32_t s = around[i];
     const std::uint32_t t = around[j];
     ++tests;

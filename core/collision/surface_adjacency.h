@@ -19,17 +19,17 @@ namespace hapton {
 //
 // A triangle is walkable if a point on either side of it can meet only the adjacent triangles and those at its vertices: every edge has at
 // most two triangles; every vertex has one fan, in which no triangle repeats a vertex; no other triangle intersects it or comes nearer than
-// `margin`; and no two that share a vertex come nearer than kLeastAngle to each other.
+// `margin`; and no two that share a vertex come nearer than kMinAngle to each other.
 //
 // Frame and units: those of the vertices, whose extent is about 1. Threads: immutable but for mark_unwalkable. RT: queries yes;
 // construction, find_walkable and mark_unwalkable set-up only.
 class SurfaceAdjacency {
  public:
-  static constexpr int kMostValence = 4096;  // triangles at a vertex; with more it is not walkable, which bounds the work there
-  static constexpr int kLargeFan = 64;       // triangles at a vertex: with more, not each of them is compared with each
-  static constexpr double kLeastAngle =
+  static constexpr int kMaxValence = 4096;  // triangles at a vertex; with more it is not walkable, which bounds the work there
+  static constexpr int kLargeFan = 64;      // triangles at a vertex: with more, not each of them is compared with each
+  static constexpr double kMinAngle =
       0x1p-20;  // rad, seen from a shared vertex: below it, rounding could decide which triangle is hit first
-  static constexpr double kLeastHeight = 0x1p-36;  // of a triangle: far above the distance within which a point snaps to a vertex
+  static constexpr double kMinHeight = 0x1p-36;  // of a triangle: far above the distance within which a point snaps to a vertex
 
   struct Adjacent {
     std::uint32_t triangle = 0;

@@ -34,12 +34,12 @@ bool encloses(const Box& box, const std::vector<std::shared_ptr<const TriangleMe
          std::all_of(meshes.begin(), meshes.end(), [&](const auto& mesh) { return std::ranges::all_of(mesh->vertices, has); });
 }
 
-constexpr int kMostBits = 28;  // for a triangle's number: SurfaceAdjacency packs it, an edge and a side into 32 bits
+constexpr int kMaxBits = 28;  // for a triangle's number: SurfaceAdjacency packs it, an edge and a side into 32 bits
 
 // Bits for twice the number of triangles, if there are enough: to seal cracks splits triangles (ObjectGeometry::make).
 int bits_for_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   const int bits = static_cast<int>(std::bit_width(most_triangles_of(meshes)));
-  const bool has_room = bits < kMostBits && meshes.size() <= (std::size_t{1} << (31 - bits));
+  const bool has_room = bits < kMaxBits && meshes.size() <= (std::size_t{1} << (31 - bits));
   return has_room ? bits + 1 : bits;
 }
 
@@ -81,10 +81,10 @@ Result<void> TouchGeometry::check(const std::vector<std::shared_ptr<const Triang
   }
   const std::size_t most = most_triangles_of(meshes);
   const int bits = static_cast<int>(std::bit_width(most));
-  if (bits <= kMostBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};
+  if (bits <= kMaxBits && meshes.size() <= (std::size_t{1} << (32 - bits))) return {};
   return fail(
       "{} objects, the largest with {} triangles, are too many; with an object of this size a scene may have {} objects: join small ones",
-      meshes.size(), most, bits <= kMostBits ? std::size_t{1} << (32 - bits) : 0);
+      meshes.size(), most, bits <= kMaxBits ? std::size_t{1} << (32 - bits) : 0);
 }
 
 TouchGeometry::TouchGeometry(const std::vector<const TriangleMesh*>& meshes) : TouchGeometry(borrowed(meshes)) {}

@@ -23,14 +23,15 @@ struct ThinWalls {
 };
 
 // The faces of two triangles are the two sides of a wall if their normals are opposite within this angle: its cosine.
-constexpr double kWallCosine = 0.8660254037844386;  // 30 degrees: below that a wedge has an edge, not a thickness
+constexpr double kWallCosine =
+    0.8660254037844386;  // 30 degrees: faces inclined more than that are a wedge, which has an edge rather than a thickness
 
 // Where the thickness is below `width`: from points spread over each triangle, straight through the wall behind it to the first triangle
-// that shares no vertex with it. That triangle is the other face if it faces the other way. Triangles larger than the width are sampled
-// more densely, up to kMostThicknessRays points; a thinner place between the points is missed. Faces nearer than a millionth of the mesh's
-// extent lie in one place, as those of parts that touch: rays pass them. Units and frame: those of the mesh. Pre: width > 0. Time: n log n.
-// RT: set-up only.
-constexpr int kMostThicknessRays = 64;
+// that shares no vertex with it. That triangle is the other face if it faces the other way. Triangles with a side longer than four times
+// `width` are sampled more densely, up to kMaxThicknessRays points; a thinner place between the points is missed. Faces nearer than a
+// millionth of the mesh's extent lie in one place, as those of parts that touch: rays pass them. Units and frame: those of the mesh. Pre:
+// width > 0. Time: n log n. RT: set-up only.
+constexpr int kMaxThicknessRays = 64;
 ThinWalls find_thin_walls(const TriangleMesh& mesh, double width);
 
 // From p along the unit direction to the triangle, if it is met within (0, most). The triangle counts as met up to rounding at its edges.
@@ -40,10 +41,10 @@ std::optional<double> find_ray_hit(const Vec3& p, const Vec3& direction, double 
 // The points of one triangle from which the thickness is measured: at least its centroid. Calls use(point). RT: yes.
 template <class Use>
 void for_each_thickness_sample(const Vec3& a, const Vec3& b, const Vec3& c, double width, Use&& use) {
-  // Parts a side: as long as four widths, so that a wall as wide as that is met.
+  // Parts of each side: at most four times `width` long, so that a thin place of that extent is found.
   const double longest = std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
   int parts = 1;
-  while (parts * parts < kMostThicknessRays && longest > 4.0 * width * parts) ++parts;
+  while (parts * parts < kMaxThicknessRays && longest > 4.0 * width * parts) ++parts;
   const double step = 1.0 / parts;
   for (int i = 0; i < parts; ++i) {
     for (int j = 0; i + j < parts; ++j) {

@@ -381,7 +381,7 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
   // 2^-24 of the coordinates; times are widened by the rounding of the reciprocal and the product.
   constexpr float kRounding = 16.0F / 16777216.0F;
   // With coordinates of about 1, a shorter motion counts as none; its inverse, 2^100, is still a float.
-  constexpr double kLeastMotion = 0x1p-100;
+  constexpr double kMinMotion = 0x1p-100;
   Float8 start[3];
   Float8 inverse[3];
   float size = 1.0F;
@@ -389,7 +389,7 @@ void WideBvh::visit_along(const Vec3& p, const Vec3& motion, double radius, doub
   const Float8 error = Float8(size / 2097152.0F + detail::round_up(radius));
   for (int k = 0; k < 3; ++k) {
     start[k] = Float8(static_cast<float>(p[k]));
-    const double least = motion[k] < 0.0 ? std::min(motion[k], -kLeastMotion) : std::max(motion[k], kLeastMotion);
+    const double least = motion[k] < 0.0 ? std::min(motion[k], -kMinMotion) : std::max(motion[k], kMinMotion);
     inverse[k] = Float8(static_cast<float>(1.0 / least));
   }
   const Float8 zero = Float8(0.0F);

@@ -81,7 +81,7 @@ std::size_t BandLimitedSignal::stride_for(double samples_per_reading) noexcept {
   const double nearest = std::round(samples_per_reading);
   const auto* found =
       std::find_if(kStrides.begin(), kStrides.end(), [&](std::size_t stride) { return static_cast<double>(stride) >= nearest; });
-  return found == kStrides.end() ? kMostStride : *found;
+  return found == kStrides.end() ? kMaxStride : *found;
 }
 
 double BandLimitedSignal::at(double since_newest, std::size_t stride) const noexcept {

@@ -14,7 +14,7 @@ namespace hapton {
 class BandLimitedSignal {
  public:
   static constexpr std::size_t kHalfWidth = 12;
-  static constexpr std::size_t kMostStride = 10;
+  static constexpr std::size_t kMaxStride = 10;
 
   BandLimitedSignal() noexcept;
 
@@ -29,7 +29,7 @@ class BandLimitedSignal {
  private:
   // Every sample twice, so that the last kKept always are in one piece.
   static constexpr std::size_t kKept = 256;
-  static_assert(kKept >= 2 * kHalfWidth * kMostStride);
+  static_assert(kKept >= 2 * kHalfWidth * kMaxStride);
 
   std::array<double, 2 * kKept> samples_ = {};
   std::size_t next_ = 0;

@@ -6,7 +6,7 @@ namespace hapton {
 
 // The largest force of any single effect, N. The strongest devices of docs/vendor-devices.md give 20 N, and the governor limits every force
 // to the device's, so a larger number in a scene file is probably a typing error.
-constexpr double kMostEffectForceN = 100.0;
+constexpr double kMaxEffectForceN = 100.0;
 
 // The force, scaled to a magnitude of at most most_n; zero if it is not finite. RT: yes.
 inline Vec3 bounded_force(const Vec3& force_n, double most_n) noexcept {

@@ -16,7 +16,7 @@ struct ConstantEffect {
   Passivity passivity() const noexcept { return volume.is_everywhere() ? Passivity::conservative : Passivity::active; }
   double bound_n() const noexcept { return force_n.norm(); }
   Vec3 force(const EffectSample& sample) const noexcept {
-    return volume.contains(sample.p_SD) ? bounded_force(force_n, kMostEffectForceN) : Vec3(Vec3::Zero());
+    return volume.contains(sample.p_SD) ? bounded_force(force_n, kMaxEffectForceN) : Vec3(Vec3::Zero());
   }
 };
 

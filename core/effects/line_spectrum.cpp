@@ -13,7 +13,7 @@ using Lanes = Eigen::Array4d;
 
 // Products of factors 1 - 2 cos w z^-1 + z^-2. Coefficients are the same from both ends, so only the first half is multiplied, from c_0 = 1
 // to the middle. In front of it two zeros.
-using Halves = std::array<Lanes, kMostLines / 2 + 3>;
+using Halves = std::array<Lanes, kMaxLines / 2 + 3>;
 constexpr std::size_t kFront = 2;
 
 // The number of factors of the lane.
@@ -42,7 +42,7 @@ void multiply_out(const LineSpectrum& first, const LineSpectrum& second) noexcep
   const std::array<const LineSpectrum*, 2> both = {&first, &second};
   const std::size_t most = std::max(factors_of(both, 0), factors_of(both, 2));
   // A lane that has no such factor stays as it is. All are laid out first: what was just written by parts loads slowly as a whole.
-  std::array<Lanes, kMostLines / 2> twice, has;
+  std::array<Lanes, kMaxLines / 2> twice, has;
   for (int lane = 0; lane < 4; ++lane) {
     const std::size_t factors = factors_of(both, lane);
     for (std::size_t i = 0; i < most; ++i) {

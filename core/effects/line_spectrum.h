@@ -6,7 +6,7 @@
 namespace hapton {
 
 // The most line spectral frequencies of a polynomial.
-constexpr std::size_t kMostLines = 32;
+constexpr std::size_t kMaxLines = 32;
 
 // A polynomial C(z) = 1 + c_1 z^-1 + ... + c_p z^-p by the cosines of its line spectral frequencies w_1 < ... < w_p: C = (P + Q) / 2, where
 // P and Q have all zeros on the unit circle:
@@ -17,7 +17,7 @@ constexpr std::size_t kMostLines = 32;
 // Source: Itakura (1975), Line spectrum representation of linear predictor coefficients of speech signals; Soong and Juang (1984), Line
 // spectrum pair (LSP) and speech data compression, ICASSP.
 struct LineSpectrum {
-  std::span<const double> cosines;  // at most kMostLines
+  std::span<const double> cosines;  // at most kMaxLines
   std::span<double> coefficients;   // c_1 to c_p go there: as many
 };
 

@@ -25,7 +25,7 @@ namespace hapton {
 struct MassEffect {
   static constexpr Passivity kPassivity = Passivity::dissipative;
   // The damper is mass / filter_s: 10 Ns/m for the default mass. A shorter filter amplifies the noise of positions.
-  static constexpr double kLeastFilterS = 0.005;
+  static constexpr double kMinFilterS = 0.005;
 
   // What it remembers of the motion.
   struct State {

@@ -16,7 +16,7 @@ class SampleHistory {
  public:
   void reset() noexcept { *this = {}; }
 
-  // c_1 x[n-1] + c_2 x[n-2] + ...; at most kMostLines.
+  // c_1 x[n-1] + c_2 x[n-2] + ...; at most kMaxLines.
   double sum(std::span<const double> coefficients) const noexcept {
     // Four sums side by side, so that one does not wait for the other.
     std::array<double, 4> sums = {};
@@ -29,13 +29,13 @@ class SampleHistory {
     return (sums[0] + sums[1]) + (sums[2] + sums[3]);
   }
   void push(double sample) noexcept {
-    newest_ = (newest_ + kMostLines - 1) % kMostLines;
-    samples_[newest_] = samples_[newest_ + kMostLines] = sample;
+    newest_ = (newest_ + kMaxLines - 1) % kMaxLines;
+    samples_[newest_] = samples_[newest_ + kMaxLines] = sample;
   }
 
  private:
-  // Every sample twice, so that the last kMostLines always are in one piece, the newest first.
-  std::array<double, 2 * kMostLines> samples_ = {};
+  // Every sample twice, so that the last kMaxLines always are in one piece, the newest first.
+  std::array<double, 2 * kMaxLines> samples_ = {};
   std::size_t newest_ = 0;
 };
 

@@ -15,7 +15,7 @@ void SmoothVelocity::add(const Vec3& p, double dt_s) noexcept {
     return;
   }
   newest_ = (newest_ + 1) % kSamples;
-  differences_[newest_] = bounded_force(moved / dt_s, kMostMPerS);
+  differences_[newest_] = bounded_force(moved / dt_s, kMaxMPerS);
   update_mean();
 }
 
@@ -23,7 +23,7 @@ void SmoothVelocity::shift(std::size_t count, const Vec3& velocity) noexcept {
   if (!velocity.allFinite()) return;
   for (std::size_t i = 0; i < std::min(count, kSamples); ++i) {
     Vec3& difference = differences_[(newest_ + kSamples - i) % kSamples];
-    difference = bounded_force(difference - velocity, kMostMPerS);
+    difference = bounded_force(difference - velocity, kMaxMPerS);
   }
   update_mean();
 }

@@ -12,8 +12,8 @@ namespace hapton {
 //
 // Why these weights: for samples at equal intervals the sum of v_k . (mean at k) is never negative for any motion, because the real part of
 // the filter's frequency response is half a Fejer kernel plus a constant. So a damper on this velocity never gives energy. The memory ends
-// after kSamples: two steps with the same last samples agree to the last bit. The mean lags by (kSamples - 1) / 3 samples, and reduces the
-// noise of single differences to 0.40 of its value. Units: m, s, m/s. RT: yes. Threads: one.
+// after kSamples: two steps with the same last samples agree to the last bit. The mean lags the newest difference by (kSamples - 1) / 3
+// samples, and reduces the noise of single differences to 0.40 of its value. Units: m, s, m/s. RT: yes. Threads: one.
 class SmoothVelocity {
  public:
   static constexpr std::size_t kSamples = 8;
@@ -41,7 +41,7 @@ class SmoothVelocity {
   void update_mean() noexcept;
 
   // Far above the speed of any hand; keeps sums finite.
-  static constexpr double kMostMPerS = 1e6;
+  static constexpr double kMaxMPerS = 1e6;
 
   std::array<Vec3, kSamples> differences_ = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
                                              Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};

@@ -11,12 +11,12 @@ namespace hapton {
 // The frame F of surfaces that move together, and the motion of the device as they see it: a hand that they carry along rests. Where they
 // deform as well, ride() takes the motion of the touched point within F into account.
 //
-// A frame that takes the last device point along faster than kMostMPerS has jumped. That is no motion of the device: its velocity goes on
+// A frame that takes the last device point along faster than kMaxMPerS has jumped. That is no motion of the device: its velocity goes on
 // as that of the hand alone. Frame: S but for what is named F. Units: m, s, m/s. RT: yes. Threads: one.
 class SurfaceFrame {
  public:
-  // Four times as fast as any surface may move (kMostSurfaceSpeed).
-  static constexpr double kMostMPerS = 1.0;
+  // Four times as fast as any surface may move (kMaxSurfaceSpeed).
+  static constexpr double kMaxMPerS = 1.0;
 
   void reset() noexcept { *this = {}; }
 
@@ -27,7 +27,7 @@ class SurfaceFrame {
     const Vec3 p_FD = to_frame(p_SD);
     if (has_point_) {
       const Vec3 last_now = to_frame(last_p_SD_);
-      has_jumped_ = !((last_now - last_p_FD_).norm() <= kMostMPerS * std::max(dt_s, 0.0));
+      has_jumped_ = !((last_now - last_p_FD_).norm() <= kMaxMPerS * std::max(dt_s, 0.0));
       if (has_jumped_) move_last_to(last_now);
     }
     motion_ = has_point_ ? Vec3(p_FD - last_p_FD_) : Vec3(Vec3::Zero());
@@ -38,9 +38,9 @@ class SurfaceFrame {
     has_point_ = true;
   }
   // The touched point of the surface moved by so much within F since the sample before, and as fast before the contact. Once after
-  // advance(). One faster than kMostMPerS has jumped.
+  // advance(). One faster than kMaxMPerS has jumped.
   void ride(const Vec3& moved_F, double dt_s) noexcept {
-    const bool is_known = dt_s > 0.0 && moved_F.norm() <= kMostMPerS * dt_s;
+    const bool is_known = dt_s > 0.0 && moved_F.norm() <= kMaxMPerS * dt_s;
     if (is_known) {
       motion_ -= moved_F;
       velocity_.shift(not_ridden_, moved_F / dt_s);

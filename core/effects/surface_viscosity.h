@@ -9,7 +9,7 @@ namespace hapton {
 
 // A film of liquid on a surface: F = -b v along the surface, v without its part along the contact normal. No longer than the contact force
 // itself, so that it begins and ends with the contact without a force discontinuity. Frame: S. Units: SI. RT: yes.
-// Bound: the contact force, and kMostEffectForceN. Passivity: dissipative below the bound.
+// Bound: the contact force, and kMaxEffectForceN. Passivity: dissipative below the bound.
 struct SurfaceViscosity {
   static constexpr Passivity kPassivity = Passivity::dissipative;
 
@@ -19,7 +19,7 @@ struct SurfaceViscosity {
   // normal: unit. contact_n: magnitude of the contact force.
   Vec3 force(const Vec3& v_SD, const Vec3& normal, double contact_n) const noexcept {
     const Vec3 along = v_SD - v_SD.dot(normal) * normal;
-    return bounded_force(-damping_ns_per_m * along, std::min(contact_n, kMostEffectForceN));
+    return bounded_force(-damping_ns_per_m * along, std::min(contact_n, kMaxEffectForceN));
   }
 };
 

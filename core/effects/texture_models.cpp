@@ -11,12 +11,12 @@ namespace hapton {
 namespace {
 
 // Far beyond any recording.
-constexpr double kMostTextureSpeed = 10.0;   // m/s
-constexpr double kMostTextureForce = 100.0;  // N
-constexpr double kMostTextureNumber = 1e6;   // any other number of a model
+constexpr double kMaxTextureSpeed = 10.0;   // m/s
+constexpr double kMaxTextureForce = 100.0;  // N
+constexpr double kMaxTextureNumber = 1e6;   // any other number of a model
 // Of the range of speeds times that of forces. The weights of the corners divide by the area: in a triangle of less than this, fewer than
 // seven of their digits would be left, and a model has it by mistake.
-constexpr double kLeastTextureArea = 1e-9;
+constexpr double kMinTextureArea = 1e-9;
 // Samples of the impulse response whose energy counts.
 constexpr int kResponseSamples = 8192;
 
@@ -64,20 +64,20 @@ double rms_of(const TextureModel& model) {
 }
 
 Result<void> check_model(const TextureModel& model, const TextureModel& first, std::size_t number) {
-  if (!is_within(model.speed_m_per_s, kMostTextureSpeed))
-    return fail("model {}: its speed is {} m/s: it must be 0 to {}", number, model.speed_m_per_s, kMostTextureSpeed);
-  if (!is_within(model.force_n, kMostTextureForce))
-    return fail("model {}: its force is {} N: it must be 0 to {}", number, model.force_n, kMostTextureForce);
-  if (!is_within(model.variance, kMostTextureNumber))
-    return fail("model {}: its variance is {}: it must be 0 to {}", number, model.variance, kMostTextureNumber);
-  if (!is_within(model.gain, kMostTextureNumber))
-    return fail("model {}: its gain is {}: it must be 0 to {}", number, model.gain, kMostTextureNumber);
+  if (!is_within(model.speed_m_per_s, kMaxTextureSpeed))
+    return fail("model {}: its speed is {} m/s: it must be 0 to {}", number, model.speed_m_per_s, kMaxTextureSpeed);
+  if (!is_within(model.force_n, kMaxTextureForce))
+    return fail("model {}: its force is {} N: it must be 0 to {}", number, model.force_n, kMaxTextureForce);
+  if (!is_within(model.variance, kMaxTextureNumber))
+    return fail("model {}: its variance is {}: it must be 0 to {}", number, model.variance, kMaxTextureNumber);
+  if (!is_within(model.gain, kMaxTextureNumber))
+    return fail("model {}: its gain is {}: it must be 0 to {}", number, model.gain, kMaxTextureNumber);
   if (model.ar.size() != first.ar.size() || model.ma.size() != first.ma.size())
     return fail("model {} has {} AR and {} MA coefficients, model 1 has {} and {}: make them equal", number, model.ar.size(),
                 model.ma.size(), first.ar.size(), first.ma.size());
-  if (!ascends(model.ar, TextureModels::kLeastGap))
+  if (!ascends(model.ar, TextureModels::kMinGap))
     return fail("model {} is not stable: its AR line spectral frequencies must ascend from 0 to pi, {} or more apart", number,
-                TextureModels::kLeastGap);
+                TextureModels::kMinGap);
   if (!ascends(model.ma, 0.0)) return fail("model {}: its MA line spectral frequencies must ascend from 0 to pi", number);
   return {};
 }
@@ -85,23 +85,23 @@ Result<void> check_model(const TextureModel& model, const TextureModel& first, s
 }  // namespace
 
 Result<TextureModels> TextureModels::make(double rate_hz, std::vector<TextureModel> models, std::vector<TextureTriangle> triangles) {
-  if (!(rate_hz >= kLeastRateHz && rate_hz <= kMostRateHz))
-    return fail("the sample rate is {} Hz: it must be {} to {}", rate_hz, kLeastRateHz, kMostRateHz);
-  if (models.empty() || models.size() > kMostModels) return fail("there are {} models: give 1 to {}", models.size(), kMostModels);
-  if (triangles.empty() || triangles.size() > kMostTriangles)
-    return fail("there are {} triangles: give 1 to {}, so that models can be interpolated", triangles.size(), kMostTriangles);
+  if (!(rate_hz >= kMinRateHz && rate_hz <= kMaxRateHz))
+    return fail("the sample rate is {} Hz: it must be {} to {}", rate_hz, kMinRateHz, kMaxRateHz);
+  if (models.empty() || models.size() > kMaxModels) return fail("there are {} models: give 1 to {}", models.size(), kMaxModels);
+  if (triangles.empty() || triangles.size() > kMaxTriangles)
+    return fail("there are {} triangles: give 1 to {}, so that models can be interpolated", triangles.size(), kMaxTriangles);
   TextureModels made;
   made.rate_hz_ = rate_hz;
   made.ar_order_ = models.front().ar.size();
   made.ma_order_ = models.front().ma.size();
-  if (made.ar_order_ < 1 || made.ar_order_ > kMostLines || made.ma_order_ > kMostLines)
-    return fail("model 1 has {} AR and {} MA coefficients: give 1 to {} and at most {}", made.ar_order_, made.ma_order_, kMostLines,
-                kMostLines);
+  if (made.ar_order_ < 1 || made.ar_order_ > kMaxLines || made.ma_order_ > kMaxLines)
+    return fail("model 1 has {} AR and {} MA coefficients: give 1 to {} and at most {}", made.ar_order_, made.ma_order_, kMaxLines,
+                kMaxLines);
   for (std::size_t m = 0; m < models.size(); ++m) {
     const TextureModel& model = models[m];
     if (const auto fits = check_model(model, models.front(), m + 1); !fits) return tl::unexpected(fits.error());
     const double rms = rms_of(model);
-    if (!(rms <= kMostRms)) return fail("model {} has {} m/s^2 root mean square: it must be at most {}", m + 1, rms, kMostRms);
+    if (!(rms <= kMaxRms)) return fail("model {} has {} m/s^2 root mean square: it must be at most {}", m + 1, rms, kMaxRms);
     made.loudest_ = std::max(made.loudest_, rms);
     made.most_speed_ = std::max(made.most_speed_, model.speed_m_per_s);
     made.most_force_ = std::max(made.most_force_, model.force_n);
@@ -120,7 +120,7 @@ Result<TextureModels> TextureModels::make(double rate_hz, std::vector<TextureMod
     const double as = a.speed_m_per_s - c.speed_m_per_s, af = a.force_n - c.force_n;
     const double bs = b.speed_m_per_s - c.speed_m_per_s, bf = b.force_n - c.force_n;
     const double area = as * bf - af * bs;
-    if (!(std::abs(area) > kLeastTextureArea * made.most_speed_ * made.most_force_))
+    if (!(std::abs(area) > kMinTextureArea * made.most_speed_ * made.most_force_))
       return fail("triangle {} has no area: its models must differ in speed and force, and not be in one line", t + 1);
     const double cs = c.speed_m_per_s, cf = c.force_n;
     made.shares_.push_back(
@@ -162,7 +162,7 @@ void TextureModels::blend(double speed_m_per_s, double force_n, std::size_t& tri
   const double* a = frequencies_.data() + corners[0] * count;
   const double* b = frequencies_.data() + corners[1] * count;
   const double* c = frequencies_.data() + corners[2] * count;
-  std::array<double, 2 * kMostLines> cosines;
+  std::array<double, 2 * kMaxLines> cosines;
   for (std::size_t i = 0; i < count; ++i) cosines[i] = cosine(weights[0] * a[i] + weights[1] * b[i] + weights[2] * c[i]);
   multiply_out({std::span(cosines).first(ar_order_), std::span(result.a).first(ar_order_)},
                {std::span(cosines).subspan(ar_order_, ma_order_), std::span(result.b).first(ma_order_)});

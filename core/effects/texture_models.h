@@ -25,29 +25,29 @@ struct TextureModel {
 using TextureTriangle = std::array<std::size_t, 3>;  // models
 
 // Recorded models of one surface, with triangles over the plane of speed and force. Between models, line spectral frequencies, variance and
-// gain are interpolated linearly over the triangle, so that every filter is stable: its frequencies keep at least kLeastGap from 0, from pi
+// gain are interpolated linearly over the triangle, so that every filter is stable: its frequencies keep at least kMinGap from 0, from pi
 // and from each other, as those of the models do. Beyond the triangles the model is that of a nearby border. Threads: blend any.
 // Source: Culbertson, Unger, Lopez Delgado and Kuchenbecker (2014), Modeling and rendering realistic textures from unconstrained
 // tool-surface interactions, IEEE Transactions on Haptics 7(3).
 class TextureModels {
  public:
   // Choices; they bound the memory and the time of a search.
-  static constexpr std::size_t kMostModels = 256;
-  static constexpr std::size_t kMostTriangles = 512;
-  static constexpr double kLeastRateHz = 100.0;
-  static constexpr double kMostRateHz = 10000.0;
-  static constexpr double kLeastGap = 0.01;   // rad
-  static constexpr double kMostRms = 1000.0;  // m/s^2
+  static constexpr std::size_t kMaxModels = 256;
+  static constexpr std::size_t kMaxTriangles = 512;
+  static constexpr double kMinRateHz = 100.0;
+  static constexpr double kMaxRateHz = 10000.0;
+  static constexpr double kMinGap = 0.01;    // rad
+  static constexpr double kMaxRms = 1000.0;  // m/s^2
 
   // Error: what is wrong with which model or triangle, counted from 1: numbers that are not finite or out of range, different orders, a
-  // filter that is not stable, one that is louder than kMostRms, a triangle without area or of models that there are not, no triangle.
+  // filter that is not stable, one that is louder than kMaxRms, a triangle without area or of models that there are not, no triangle.
   // RT: set-up only.
   static Result<TextureModels> make(double rate_hz, std::vector<TextureModel> models, std::vector<TextureTriangle> triangles);
 
   // The model at one place of the plane.
   struct Blend {
-    std::array<double, kMostLines> a, b;  // coefficients of A and B after the first, which is 1
-    double deviation = 0.0;               // m/s^2, of the noise times the gain
+    std::array<double, kMaxLines> a, b;  // coefficients of A and B after the first, which is 1
+    double deviation = 0.0;              // m/s^2, of the noise times the gain
   };
 
   // triangle: of the last blend, where the search begins; any number. RT: yes.

@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 // Far beyond any model: keeps the memory of a filter finite, however fast it changes.
-constexpr double kMostAcceleration = 1e6;  // m/s^2
+constexpr double kMaxAcceleration = 1e6;  // m/s^2
 
 }  // namespace
 
@@ -31,11 +31,11 @@ void TextureVoice::advance(const RecordedTexture& texture, double speed_m_per_s,
   const auto ma = models.ma(blend);
   const double due = std::floor(since_newest_);
   since_newest_ -= due;
-  for (int n = 0; n < std::min(static_cast<int>(due), kMostSamples); ++n) {
+  for (int n = 0; n < std::min(static_cast<int>(due), kMaxSamples); ++n) {
     const double noise = blend.deviation * white_noise(texture.seed, drawn_++);
     const double shaped = noise + noises_.sum(ma);
     noises_.push(noise);
-    const double acceleration = std::clamp(shaped - accelerations_.sum(ar), -kMostAcceleration, kMostAcceleration);
+    const double acceleration = std::clamp(shaped - accelerations_.sum(ar), -kMaxAcceleration, kMaxAcceleration);
     accelerations_.push(acceleration);
     signal_.push(acceleration);
   }

@@ -17,7 +17,7 @@ class TextureVoice {
   // Of noise in positions, at a speed of some mm/s; the toolkit of the models smooths over as much (20 Hz).
   static constexpr double kSmoothS = 0.008;
   // After a step so long that more samples are due, the others are left out.
-  static constexpr int kMostSamples = 32;
+  static constexpr int kMaxSamples = 32;
 
   // The contact begins: silence. The noise goes on.
   void begin() noexcept;

@@ -19,7 +19,7 @@ double TissueLayers::force(double depth_m, double inward_m_per_s, State& state) 
     spring_n = spring_force(depth_m, state);
   }
   const double drag_n = state.punctured > 0 ? layers_[state.punctured - 1].drag_ns_per_m * inward_m_per_s : 0.0;
-  return std::clamp(spring_n + drag_n, -kMostEffectForceN, kMostEffectForceN);
+  return std::clamp(spring_n + drag_n, -kMaxEffectForceN, kMaxEffectForceN);
 }
 
 }  // namespace hapton

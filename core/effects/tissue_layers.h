@@ -23,7 +23,7 @@ struct TissueLayer {
 // that nobody has put in. A needle drawn back meets no spring, only drag. All layers are whole again when the contact ends. Units: SI. RT:
 // yes.
 //
-// Bound: kMostEffectForceN. Passivity: dissipative: a punctured layer keeps the energy that pressed it in, and drag takes some.
+// Bound: kMaxEffectForceN. Passivity: dissipative: a punctured layer keeps the energy that pressed it in, and drag takes some.
 // The force drops with each puncture by pop_force_n within one step.
 // Source: the phases of Okamura, Simone and O'Leary, Force modeling for needle insertion into soft tissue (2004): stiffness before the
 // puncture, friction behind it. We leave out the cutting force.
@@ -31,7 +31,7 @@ class TissueLayers {
  public:
   static constexpr Passivity kPassivity = Passivity::dissipative;
   // Twice skin, fat, muscle and bone.
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMax = 8;
 
   struct State {
     std::size_t punctured = 0;  // layers
@@ -39,13 +39,13 @@ class TissueLayers {
     bool has_begun = false;
   };
 
-  // Adds a layer. Pre: fewer than kMost; deeper than the one before; the layers before it can be punctured.
+  // Adds a layer. Pre: fewer than kMax; deeper than the one before; the layers before it can be punctured.
   void add(const TissueLayer& layer) noexcept { layers_[count_++] = layer; }
 
   bool is_on() const noexcept { return count_ > 0; }
   std::size_t count() const noexcept { return count_; }
   const TissueLayer& operator[](std::size_t i) const noexcept { return layers_[i]; }
-  static constexpr double bound_n() noexcept { return kMostEffectForceN; }
+  static constexpr double bound_n() noexcept { return kMaxEffectForceN; }
 
   // The force outwards; negative: drag holds a needle that is drawn back. inward_m_per_s: speed of the needle into the body. Punctures what
   // this depth punctures. Pre: depth_m >= 0, finite.
@@ -54,7 +54,7 @@ class TissueLayers {
  private:
   double spring_force(double depth_m, const State& state) const noexcept;
 
-  std::array<TissueLayer, kMost> layers_ = {};
+  std::array<TissueLayer, kMax> layers_ = {};
   std::size_t count_ = 0;
 };
 

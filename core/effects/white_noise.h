@@ -4,11 +4,11 @@
 
 namespace hapton {
 
-// The number `index` of a random sequence: mean 0, variance 1, no correlation between different indices, at most kMostWhiteNoise in
+// The number `index` of a random sequence: mean 0, variance 1, no correlation between different indices, at most kMaxWhiteNoise in
 // magnitude. It depends on nothing else, so a sequence repeats bit for bit on every machine, and any part of it can be had. RT: yes.
 // Source: SplitMix64 of Steele, Lea and Flood (2014), Fast splittable pseudorandom number generators; its four parts of 16 bits are summed,
 // which is Gaussian up to an excess kurtosis of -0.3.
-constexpr double kMostWhiteNoise = 3.47;  // sqrt(12)
+constexpr double kMaxWhiteNoise = 3.47;  // sqrt(12)
 
 inline double white_noise(std::uint64_t seed, std::uint64_t index) noexcept {
   constexpr double kValues = 65536.0;  // of a part

@@ -22,8 +22,8 @@ constexpr double kRounding = 0x1p-46;
 constexpr double kAgreeLifts = 0.25;
 // A share this many times as long as the whole, and this many lifts: two parts hold the proxy against each other without end. Two planes
 // at 14 degrees have one of eight times.
-constexpr double kMostShare = 8.0;
-constexpr double kMostLifts = 64.0;
+constexpr double kMaxShare = 8.0;
+constexpr double kMaxLifts = 64.0;
 
 }  // namespace
 
@@ -96,7 +96,7 @@ void CommonProxy::lead(FeltParts& felt) noexcept {
 }
 
 // Of the shares of all but the first part. whole_m: from the proxy to the device.
-double CommonProxy::limit_m(double whole_m) const noexcept { return kMostShare * whole_m + kMostLifts * lift_m_; }
+double CommonProxy::limit_m(double whole_m) const noexcept { return kMaxShare * whole_m + kMaxLifts * lift_m_; }
 
 // The shares of the planes that hold the proxy, if there is room.
 void CommonProxy::share_out() noexcept {

@@ -83,7 +83,7 @@ class FeltParts {
 //
 // In a sample in which a second part comes into contact, the first has followed the hand without it, maybe to where the second does not let
 // it go, such as below a wall that stands on a floor. So both begin the sample again from where their proxies were, and know what the other
-// one holds. Where there is no room between two parts, their shares would grow without end. So no share is longer than kMostShare times
+// one holds. Where there is no room between two parts, their shares would grow without end. So no share is longer than kMaxShare times
 // the whole but that of the first part that holds the proxy, which is never pressed into that one: what stands still, if it does.
 //
 // Between parts of different stiffness all shares have the mean stiffness, weighted by the shares, as between objects of one method

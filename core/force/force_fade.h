@@ -14,27 +14,27 @@ class ForceFade {
   static constexpr double kInAirS = 0.01;     // without contact: as fast as the governor releases a force
   // What a step counts at most. Samples may be missing for a while (a slow link, or the hub gives the force itself and sends few), and the
   // force must not jump by what would have faded meanwhile. Below 1 kHz the fade takes longer.
-  static constexpr double kMostStepS = 1e-3;
+  static constexpr double kMaxStepS = 1e-3;
 
   // The next step is another method's.
   void begin() noexcept { is_due_ = true; }
   // The next step is another method's. difference_n: the previous method's force less the new one's, both for the sample of that step. The
   // change of force due to the device's motion since the step before is then not part of the difference that fades.
-  void begin_from(const Vec3& difference_n) noexcept { known_n_ += difference_n; }
+  void begin_from(const Vec3& difference_n) noexcept { given_difference_n_ += difference_n; }
 
   void forget() noexcept { *this = {}; }
 
   // The force to send when the method gives force_n. A difference that is not finite is left out. Pre: dt_s > 0.
   Vec3 step(const Vec3& force_n, bool contact, double dt_s) noexcept;
 
-  // Something of the difference was in the last step's force.
-  bool is_felt() const noexcept { return share_ > 0.0 && !difference_n_.isZero(0.0); }
+  // The last step's force contained a part of the difference.
+  bool is_active() const noexcept { return share_ > 0.0 && !difference_n_.isZero(0.0); }
 
  private:
-  Vec3 felt_n_ = Vec3::Zero();  // last
+  Vec3 last_force_n_ = Vec3::Zero();  // returned by the last step
   Vec3 difference_n_ = Vec3::Zero();
-  Vec3 known_n_ = Vec3::Zero();  // to be added to it
-  double share_ = 0.0;           // of the difference, still there
+  Vec3 given_difference_n_ = Vec3::Zero();  // from begin_from(), for the next step
+  double share_ = 0.0;                      // of the difference, still there
   bool is_due_ = false;
 };
 

@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 constexpr double kOnCone = 1e-9;  // share of the cone's radius: a sliding proxy's pull equals the radius up to rounding
-constexpr int kMostPhases = 16;   // each is one stick and one slip; a straight motion needs two, the rest allows for rounding
+constexpr int kMaxPhases = 16;    // each is one stick and one slip; a straight motion needs two, the rest allows for rounding
 
 // The time at which the pull on a sticking proxy leaves the cone; infinite: never. Root of |pull + t motion|^2 - (radius + t growth)^2 = a
 // t^2 + 2 b t + c.
@@ -104,7 +104,7 @@ FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept {
   const double growth = input.pressure_end - input.pressure_start;
   FrictionDrag now{input.pull, input.sliding};
   double t = 0.0;
-  for (int phase = 0; phase < kMostPhases; ++phase) {
+  for (int phase = 0; phase < kMaxPhases; ++phase) {
     const double pressure = input.pressure_start + t * growth;
     const double radius = input.friction_dynamic * pressure;
     const double widening = input.friction_dynamic * growth;

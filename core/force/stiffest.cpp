@@ -50,7 +50,7 @@ double sideways_of(const Material& material, const SurfaceEffects& effects) {
 }
 
 double progressive_of(const SurfaceEffects& effects) {
-  return 2.0 * std::sqrt(kMostPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kMostPressedN
+  return 2.0 * std::sqrt(kMaxPressedN * effects.progressive.n_per_m2);  // 2 c d where c d^2 is kMaxPressedN
 }
 
 double stiffest_in_layers(const Relief& relief, const TissueLayers& layers, double sideways_n_per_m, double pressed_n) {
@@ -177,10 +177,10 @@ double drag_of(const SurfaceEffects& effects) {
 
 double viscosity_of(const SpaceEffect& effect) { return std::visit(ViscosityOf(), effect); }
 
-// Convex in the force that a surface is pressed with, so below kMostPressedN the chord is not less. In layers it is not: what pressing adds
+// Convex in the force that a surface is pressed with, so below kMaxPressedN the chord is not less. In layers it is not: what pressing adds
 // counts in full.
 double LargestGains::by_place_at(double pressed_n) const noexcept {
-  const double share = std::clamp(pressed_n / kMostPressedN, 0.0, 1.0);
+  const double share = std::clamp(pressed_n / kMaxPressedN, 0.0, 1.0);
   return by_place_n_per_m - (1.0 - share) * of_pressing_n_per_m;
 }
 

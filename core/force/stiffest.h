@@ -27,15 +27,15 @@ struct Stiffest {
   StiffCause cause = StiffCause::none;
 };
 
-// How hard a surface is pressed at most, where the device is not known: hardly any desktop device gives more.
-constexpr double kMostPressedN = 10.0;
+// How hard a surface is pressed at most, where the device's largest force is not known: hardly any desktop device gives more.
+constexpr double kMaxPressedN = 10.0;
 
-// Of the springs of a surface: its own or the layers, plus the progressive stiffness at kMostPressedN of its progressive part; or the snap,
+// Of the springs of a surface: its own or the layers, plus the progressive stiffness at kMaxPressedN of its progressive part; or the snap,
 // if that is stiffer.
 Stiffest stiffest_spring_of(const Material& material, const SurfaceEffects& effects);
 // Of a surface that is pressed with this force, where its normal or its stiffness changes from place to place (bumps, a stiffness map):
 // what a hand feels that moves along it, with the springs (TiltedSpring, MappedSpring). None: they do not change.
-Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& effects, double pressed_n = kMostPressedN);
+Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& effects, double pressed_n = kMaxPressedN);
 // Of a spring, a snap or a gravity well, where it is stiffest; other effects have no stiffness.
 Stiffest stiffest_of(const SpaceEffect& effect);
 // Of all springs of the surfaces of a scene: of stiffest_spring_of.
@@ -47,14 +47,14 @@ double find_stiffest(const TouchScene& scene);
 struct LargestGains {
   double stiffness_n_per_m = 0.0;  // of springs
   StiffCause cause = StiffCause::none;
-  double by_place_n_per_m = 0.0;     // stiffest_by_place_of, pressed with kMostPressedN
+  double by_place_n_per_m = 0.0;     // stiffest_by_place_of, pressed with kMaxPressedN
   double of_pressing_n_per_m = 0.0;  // the part of it that is due to the force; 0: not known
   StiffCause place_cause = StiffCause::none;
   double damping_ns_per_m = 0.0;       // of materials, with the velocity of the last interval
   double viscosity_ns_per_m = 0.0;     // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more
   double rotational_nm_per_rad = 0.0;  // of the coupling of a rigid tool, which no scene has alone
 
-  // By place, with less than kMostPressedN: no less than that of any of the surfaces. With more, as with kMostPressedN.
+  // By place, with less than kMaxPressedN: no less than that of any of the surfaces. With more, as with kMaxPressedN.
   double by_place_at(double pressed_n) const noexcept;
   // Both at once: of what is used by turns.
   LargestGains largest_of(const LargestGains& other) const noexcept;

@@ -59,7 +59,7 @@ std::optional<Vec3> StreamedMethod::held_at() const noexcept { return carried_->
 std::vector<Vec3> StreamedMethod::vertices() const { return carried_->surface().vertices_at(carried_->last_time_s()); }
 
 double StreamedMethod::compute_time_s(const ShapeStage& stage, double over_s) noexcept {
-  return std::max(over_s, stage.most_m / kMostSurfaceSpeed);
+  return std::max(over_s, stage.most_m / kMaxSurfaceSpeed);
 }
 
 StreamedGeometry::Released StreamedMethod::offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept {

@@ -19,7 +19,7 @@ class CarriedProxy;
 //
 // A shape is prepared outside of the step (stager()), and handed over (offer()) as a stage from the shape that the current stage leads to.
 // If the current stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
-// kMostSurfaceSpeed: a stage that would be faster takes longer.
+// kMaxSurfaceSpeed: a stage that would be faster takes longer.
 //
 // Frame: S. RT: step, reset, set_materials and offer yes: linear in the vertices, a few ns each, while the hand is near the surface.
 // Threads: as ForceMethod; stager() any, beside the steps.
@@ -49,16 +49,16 @@ class StreamedMethod final : public ForceMethod {
   // used, to be destroyed outside of the loop. Pre: it begins where the current stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
   // The same after all others, at a given time: the stage begins at start_s and takes over_s. Returned: one that is no longer used; null:
-  // none. Pre: fewer than kMostWaiting wait; it begins where newest_stage() ends; start_s is after the last step, and not before end_s();
+  // none. Pre: fewer than kMaxWaiting wait; it begins where newest_stage() ends; start_s is after the last step, and not before end_s();
   // over_s is not below compute_time_s.
   std::unique_ptr<ShapeStage> offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
-  static constexpr std::size_t kMostWaiting = StreamedGeometry::kMostWaiting;
+  static constexpr std::size_t kMaxWaiting = StreamedGeometry::kMaxWaiting;
   // How many stages wait for their start; the last of them, else the current one; and when that will have ended.
   std::size_t waiting() const noexcept;
   const ShapeStage& newest_stage() const noexcept;
   double end_s() const noexcept;
   double last_time_s() const noexcept;
-  // How long a stage takes: over_s, or longer where a vertex would be faster than kMostSurfaceSpeed.
+  // How long a stage takes: over_s, or longer where a vertex would be faster than kMaxSurfaceSpeed.
   static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
 
   // The shape at the time of the last step. RT: no.

@@ -13,9 +13,9 @@
 namespace hapton {
 namespace {
 
-constexpr double kShareOfEdge = 0.05;     // of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
-constexpr std::size_t kMostMeasured = 8;  // points whose nearest edge is searched; a free choice
-constexpr std::size_t kFewEdges = 64;     // added to the number of edges, so that a small mesh is examined completely; a free choice
+constexpr double kShareOfEdge = 0.05;    // of an edge's length: a wider gap beside it is not a crack (boundary_edges.h)
+constexpr std::size_t kMaxMeasured = 8;  // points whose nearest edge is searched; a free choice
+constexpr std::size_t kFewEdges = 64;    // added to the number of edges, so that a small mesh is examined completely; a free choice
 
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -53,7 +53,7 @@ struct Segment {
 };
 
 // Points on boundary edges for which an edge within their radius is searched, in a kd-tree. A point is done once an edge was found, or
-// after kMostMisses edges were not within its radius. So thousands of points and edges in one place cost time in proportion to their
+// after kMaxMisses edges were not within its radius. So thousands of points and edges in one place cost time in proportion to their
 // number, not to its square.
 class PendingPoints {
  public:
@@ -81,7 +81,7 @@ class PendingPoints {
  private:
   static constexpr std::uint32_t kLeafSize = 4;
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-  static constexpr std::uint32_t kMostMisses = 512;  // of one point
+  static constexpr std::uint32_t kMaxMisses = 512;  // of one point
 
   struct Node {
     Vec3 low, high;  // of the points, each inflated by its radius
@@ -136,11 +136,11 @@ class PendingPoints {
 
   // True if the point is done now.
   bool try_point(Point& point, const TestedEdge& tested) {
-    if (point.is_found || point.misses == kMostMisses || point.edge == tested.edge) return false;
+    if (point.is_found || point.misses == kMaxMisses || point.edge == tested.edge) return false;
     ++work_;
     point.squared_gap = tested.segment.squared_distance(point.at);
     point.is_found = point.squared_gap <= point.radius * point.radius;
-    return point.is_found || ++point.misses == kMostMisses;
+    return point.is_found || ++point.misses == kMaxMisses;
   }
 
   std::vector<Point> points_;
@@ -172,17 +172,17 @@ double find_squared_gap(const TriangleMesh& mesh, const std::vector<Edge>& borde
 }
 
 // The widest of the gaps at these points. Exact gaps are computed in descending order of the gaps found so far, which are upper bounds,
-// until no other can be wider. After kMostMeasured points: an upper bound.
+// until no other can be wider. After kMaxMeasured points: an upper bound.
 double find_widest_gap(const TriangleMesh& mesh, const std::vector<Edge>& borders, std::vector<PendingPoints::Point> points,
                        std::size_t& work) {
-  const std::size_t count = std::min(points.size(), kMostMeasured + 1);
+  const std::size_t count = std::min(points.size(), kMaxMeasured + 1);
   std::partial_sort(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(count), points.end(),
                     [](const PendingPoints::Point& p, const PendingPoints::Point& q) {
                       return p.squared_gap != q.squared_gap ? p.squared_gap > q.squared_gap : p.edge < q.edge;
                     });
   double widest_squared = 0.0;
   for (std::size_t i = 0; i < count && points[i].squared_gap > widest_squared; ++i) {
-    if (i == kMostMeasured) return std::sqrt(points[i].squared_gap);
+    if (i == kMaxMeasured) return std::sqrt(points[i].squared_gap);
     widest_squared = std::max(widest_squared, find_squared_gap(mesh, borders, points[i]));
     work += borders.size();
   }

@@ -20,7 +20,7 @@ struct BoundaryEdges {
 
 // Largest work per boundary edge, on average: more than twice what any mesh of meshes/ needs after a cut along every edge (143).
 // count_boundary_edges gives up beyond it, for example on 10,000 triangles that are each as large as the mesh.
-constexpr std::size_t kMostBoundaryWork = 320;
+constexpr std::size_t kMaxBoundaryWork = 320;
 
 // Classifies boundary edges. An edge is a crack if each of three points along it has another boundary edge within `width` and within a
 // twentieth of its own length, so that the next edge of the same boundary does not count. Vertices must be welded already; triangles that
@@ -28,10 +28,10 @@ constexpr std::size_t kMostBoundaryWork = 320;
 //
 // Time: n log n in the boundary edges of a surface; n^(4/3) if they lie in space at random, and no more than most_work for each edge. A
 // point that hundreds of edges pass without coming near counts as open. Units: those of the mesh. RT: set-up only.
-BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::size_t most_work = kMostBoundaryWork);
+BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, double width, std::size_t most_work = kMaxBoundaryWork);
 
 // The same, with at_boundary from find_boundary_vertices (seam_mesh.h).
 BoundaryEdges count_boundary_edges(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary, double width,
-                                   std::size_t most_work = kMostBoundaryWork);
+                                   std::size_t most_work = kMaxBoundaryWork);
 
 }  // namespace hapton

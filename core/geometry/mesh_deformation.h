@@ -31,10 +31,10 @@ struct MorphKey {
 class MeshDeformation {
  public:
   // A free choice: the time of a step is linear in the targets that have a weight.
-  static constexpr std::size_t kMostTargets = 16;
-  using Weights = std::array<double, kMostTargets>;  // unused ones are 0
+  static constexpr std::size_t kMaxTargets = 16;
+  using Weights = std::array<double, kMaxTargets>;  // unused ones are 0
 
-  // Pre: 1 to kMostTargets targets, none with a vertex twice; one key or more, times from 0 on, each after the one before. Where it loops,
+  // Pre: 1 to kMaxTargets targets, none with a vertex twice; one key or more, times from 0 on, each after the one before. Where it loops,
   // the first and the last have the same weights.
   MeshDeformation(std::vector<MorphTarget> targets, std::vector<MorphKey> keys, bool loops);
 

@@ -57,7 +57,7 @@ ScreenRectangle find_closest(const CornerMeans& means) {
 
 Result<void> check_sides(const ScreenRectangle& screen) {
   const auto [least, most] = std::minmax(screen.width_m, screen.height_m);
-  if (least >= std::max(kLeastSideM, kLeastSideShare * most)) return {};
+  if (least >= std::max(kMinSideM, kMinSideShare * most)) return {};
   return fail("the touched points span no rectangle, only {:.1f} x {:.1f} mm: {}", 1e3 * screen.width_m, 1e3 * screen.height_m,
               kTouchInOrder);
 }
@@ -73,11 +73,11 @@ Result<void> check_order(const ScreenRectangle& screen) {
 Result<void> check_residuals(const ScreenFit& fit) {
   const double most_m = *std::max_element(fit.residuals_m.begin(), fit.residuals_m.end());
   const double diagonal_m = std::hypot(fit.screen.width_m, fit.screen.height_m);
-  if (most_m <= kMostResidualShare * diagonal_m) return {};
+  if (most_m <= kMaxResidualShare * diagonal_m) return {};
   return fail(
       "the touched points are up to {:.1f} mm from the nearest rectangle, {:.1f} x {:.1f} mm: {:.1f} % of its diagonal, and {:g} % is "
       "allowed; touch all corners again, exactly, and move neither screen nor device meanwhile",
-      1e3 * most_m, 1e3 * fit.screen.width_m, 1e3 * fit.screen.height_m, 100.0 * most_m / diagonal_m, 100.0 * kMostResidualShare);
+      1e3 * most_m, 1e3 * fit.screen.width_m, 1e3 * fit.screen.height_m, 100.0 * most_m / diagonal_m, 100.0 * kMaxResidualShare);
 }
 
 }  // namespace

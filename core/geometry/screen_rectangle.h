@@ -25,10 +25,10 @@ ScreenCorners find_corners(const ScreenRectangle& screen);
 // three are exact, a residual is at least e / 4, and the fitted picture is off by at most 3/4 e: with 1 % no picture that one wrong corner
 // moves by more than 3 % of the diagonal is accepted. Touches with a standard deviation of 1 mm along each axis are accepted 997 times in
 // 1,000 for a diagonal of 250 mm.
-constexpr double kMostResidualShare = 0.01;
+constexpr double kMaxResidualShare = 0.01;
 // A side below this, or below that share of the other one, is no picture.
-constexpr double kLeastSideM = 0.02;
-constexpr double kLeastSideShare = 0.05;
+constexpr double kMinSideM = 0.02;
+constexpr double kMinSideShare = 0.05;
 
 // The rectangle that is closest to the touched corners, and how far each of them is from its corner.
 struct ScreenFit {

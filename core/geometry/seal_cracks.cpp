@@ -23,15 +23,15 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostTries = 16;                   // in which parts that led too far are left out; kMostJoins and kMostWork bound the time
-constexpr int kMostPasses = 8;                   // surfaces need one or two that change something
-constexpr double kMostOffsetOfPart = 2.0;        // tolerances from a part of a split triangle to the triangle
-constexpr std::size_t kMostWork = 5000;          // per boundary edge: surfaces need less than a fiftieth of that
+constexpr int kMaxTries = 16;                    // in which parts that led too far are left out; kMaxJoins and kMaxWork bound the time
+constexpr int kMaxPasses = 8;                    // surfaces need one or two that change something
+constexpr double kMaxOffsetOfPart = 2.0;         // tolerances from a part of a split triangle to the triangle
+constexpr std::size_t kMaxWork = 5000;           // per boundary edge: surfaces need less than a fiftieth of that
 constexpr std::size_t kTrianglesPerVertex = 64;  // away from the boundary, that cost as much as a vertex at it
 // Limit on complete repetitions, so that many close vertices do not take minutes: surfaces need one or two, dense clusters dozens. A small
-// mesh may take more: kMostJoinedVertices in all.
-constexpr std::size_t kMostJoins = 6;
-constexpr std::size_t kMostJoinedVertices = 60'000;
+// mesh may take more: kMaxJoinedVertices in all.
+constexpr std::size_t kMaxJoins = 6;
+constexpr std::size_t kMaxJoinedVertices = 60'000;
 
 struct WorkBudget {
   std::size_t left = 0;
@@ -49,8 +49,8 @@ std::size_t cost_of_join(const TriangleMesh& mesh, const std::vector<std::uint8_
 }
 
 WorkBudget make_budget(const TriangleMesh& mesh, const std::vector<std::uint8_t>& at_boundary) {
-  return {.left = kMostWork * count_vertices(at_boundary),
-          .vertices_left = std::max(kMostJoins * cost_of_join(mesh, at_boundary), kMostJoinedVertices)};
+  return {.left = kMaxWork * count_vertices(at_boundary),
+          .vertices_left = std::max(kMaxJoins * cost_of_join(mesh, at_boundary), kMaxJoinedVertices)};
 }
 
 struct Method {
@@ -79,7 +79,7 @@ void join(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched
     }
     budget.left -= joiner.work();
     budget.vertices_left -= cost;
-    if (untouched.size() > before && tries < kMostTries) continue;
+    if (untouched.size() > before && tries < kMaxTries) continue;
     use(joiner, joined_mesh);
     return;
   }
@@ -147,7 +147,7 @@ JoinedParts follow(const JoinedParts& parts, const TriangleMesh& mesh, const Sea
 // Joins in passes until nothing more can be joined, with these parts excluded.
 Sealing join_in_passes(const TriangleMesh& mesh, const Method& method, JoinedParts& untouched, WorkBudget& budget) {
   Sealing sealing;
-  for (int pass = 0; pass <= kMostPasses && !sealing.is_settled && !budget.is_spent; ++pass) {
+  for (int pass = 0; pass <= kMaxPasses && !sealing.is_settled && !budget.is_spent; ++pass) {
     JoinedParts followed;
     if (pass > 0) followed = follow(untouched, mesh, sealing);
     Sealing next{.mesh = {}, .report = {}, .sources = {}, .is_settled = true};
@@ -174,7 +174,7 @@ bool is_in_bounds(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& 
   if (!is_sound_change(before, after, tolerance)) return false;
   if (!is_part) return true;
   return std::all_of(after.begin(), after.end(), [&](const Vec3& corner) {
-    return closest_point(before[0], before[1], before[2], corner).distance <= kMostOffsetOfPart * tolerance;
+    return closest_point(before[0], before[1], before[2], corner).distance <= kMaxOffsetOfPart * tolerance;
   });
 }
 
@@ -268,7 +268,7 @@ std::optional<Sealing> join_until_settled(const TriangleMesh& mesh, const Method
   std::optional<Sealing> sealing = join_in_bounds(mesh, method, untouched, budget);
   if (!sealing || !sealing->report.has_sealed() || (untouched.size() == 0 && sealing->is_settled)) return sealing;
   sealing->is_settled = false;
-  for (int tries = 0; tries < kMostTries && !sealing->is_settled; ++tries) {
+  for (int tries = 0; tries < kMaxTries && !sealing->is_settled; ++tries) {
     JoinedParts none;
     std::optional<Sealing> again = join_in_bounds(sealing->mesh, method, none, budget);
     if (!again) return std::nullopt;

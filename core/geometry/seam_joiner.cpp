@@ -9,16 +9,16 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostNearVertices = 32;  // within the tolerance; with as many a vertex counts as crowded
-constexpr std::size_t kMostEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
-constexpr std::size_t kMostValence = 256;      // largest valence for which a weld is tried from both ends
-constexpr int kMostRounds = 64;                // of welding and splitting, until nothing changes; the work given to run() bounds the time
-constexpr double kReservedGap = 4.0;           // tolerances
-constexpr std::size_t kMostMembers = 32;       // welded together whose positions are tried as the common one
+constexpr std::size_t kMaxNearVertices = 32;  // within the tolerance; with as many a vertex counts as crowded
+constexpr std::size_t kMaxEdgesAtVertex = 8;  // boundary edges whose ends are compared in pairs
+constexpr std::size_t kMaxValence = 256;      // largest valence for which a weld is tried from both ends
+constexpr int kMaxRounds = 64;                // of welding and splitting, until nothing changes; the work given to run() bounds the time
+constexpr double kReservedGap = 4.0;          // tolerances
+constexpr std::size_t kMaxMembers = 32;       // welded together whose positions are tried as the common one
 // Averages over the boundary; a surface torn apart at every edge has 3 and 2. With more, most of the boundary lies within one tolerance.
-constexpr std::size_t kMostPairs = 8;       // per boundary edge of the original mesh
-constexpr std::size_t kMostJunctions = 64;  // per boundary edge of the original mesh
-constexpr double kFoldedBack = 0.5;         // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
+constexpr std::size_t kMaxPairs = 8;       // per boundary edge of the original mesh
+constexpr std::size_t kMaxJunctions = 64;  // per boundary edge of the original mesh
+constexpr double kFoldedBack = 0.5;        // cosine of the angle between the two faces at a common edge: below 60 degrees they fold back
 
 }  // namespace
 
@@ -55,7 +55,7 @@ bool SeamJoiner::run(std::size_t most_work) {
   for (int kind = straight; kind < kind_count; ++kind) {
     kind_ = static_cast<Kind>(kind);
     if (kind_ != straight) find_reserved();
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const std::size_t before = changes_;
       weld_round();
       if (is_spent()) return false;
@@ -94,7 +94,7 @@ void SeamJoiner::find_reserved() {
   for (const Edge& edge : seam_.boundary_edges()) {
     tree.find_near_segment(at(edge.from), at(edge.to), radius, found);
     for (const VertexTree::Found& near : found) {
-      if (near.vertex == edge.from || near.vertex == edge.to || seam_.valence(near.vertex) > kMostValence) continue;
+      if (near.vertex == edge.from || near.vertex == edge.to || seam_.valence(near.vertex) > kMaxValence) continue;
       seam_.find_boundary_edges_at(near.vertex, edges_v_);
       for (const Edge& other : edges_v_) {
         if (other.triangle == edge.triangle || seam_.inward(edge).dot(seam_.inward(other)) > kFoldedBack) continue;
@@ -124,20 +124,20 @@ void SeamJoiner::find_pairs() {
   std::vector<Edge> edges;
   std::vector<std::uint8_t> is_full(mesh_.vertices.size(), 0);
   for (const std::uint32_t u : vertices) {
-    tree.find_nearest(at(u), u, tolerance_, kMostNearVertices, found);
-    if (found.size() == kMostNearVertices) is_full[u] = 1;
+    tree.find_nearest(at(u), u, tolerance_, kMaxNearVertices, found);
+    if (found.size() == kMaxNearVertices) is_full[u] = 1;
     for (const VertexTree::Found& near : found) {
       // A vertex with a lower number that has examined all its neighbours has added the pair already.
       if (near.vertex > u || is_full[near.vertex] != 0) add(u, near.vertex);
     }
     // Edges from one vertex in the same direction: their far ends are joined, however many edges these have.
-    if (seam_.boundary_count(u) > kMostEdgesAtVertex) continue;
+    if (seam_.boundary_count(u) > kMaxEdgesAtVertex) continue;
     seam_.find_boundary_edges_at(u, edges);
     for (std::size_t i = 0; i < edges.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) add(edges[i].other(u), edges[j].other(u));
     }
   }
-  if (pairs_.size() > kMostPairs * (boundary_edges_ + 16)) {
+  if (pairs_.size() > kMaxPairs * (boundary_edges_ + 16)) {
     most_work_ = 0;
     return;
   }
@@ -148,7 +148,7 @@ void SeamJoiner::find_pairs() {
 // Edges at u and at v run side by side, so joining these vertices helps to close the gap between the edges; and there is a gap: they are
 // not the two sides of one narrow strip.
 bool SeamJoiner::is_seam_at(std::uint32_t u, std::uint32_t v) {
-  if (seam_.valence(u) > kMostValence || seam_.valence(v) > kMostValence) return is_seam_from_far_end(u, v);
+  if (seam_.valence(u) > kMaxValence || seam_.valence(v) > kMaxValence) return is_seam_from_far_end(u, v);
   seam_.find_boundary_edges_at(u, edges_u_);
   seam_.find_boundary_edges_at(v, edges_v_);
   for (const Edge& e : edges_u_) {
@@ -205,13 +205,13 @@ bool SeamJoiner::weld(std::uint32_t u, std::uint32_t v) {
   if (seam_.valence(u) > seam_.valence(v) || (seam_.valence(u) == seam_.valence(v) && u < v)) std::swap(u, v);
   const SeamMesh::Weld first = seam_.weld(u, v);
   if (first == SeamMesh::Weld::done) return true;
-  const SeamMesh::Weld second = seam_.valence(v) > kMostValence ? SeamMesh::Weld::rejected : seam_.weld(v, u);
+  const SeamMesh::Weld second = seam_.valence(v) > kMaxValence ? SeamMesh::Weld::rejected : seam_.weld(v, u);
   if (second == SeamMesh::Weld::done) return true;
   if (first != SeamMesh::Weld::too_far && second != SeamMesh::Weld::too_far) return false;
   std::vector<std::uint32_t> of_u, of_v;
   seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
   seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
-  if (of_u.size() + of_v.size() <= kMostMembers) {
+  if (of_u.size() + of_v.size() <= kMaxMembers) {
     candidates_ += of_u.size() * of_v.size();
     if (weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u)) return true;
     if (move_apart(u, of_u, v, of_v)) return false;
@@ -227,7 +227,7 @@ bool SeamJoiner::weld_between(std::uint32_t u, std::uint32_t v) {
   std::vector<std::uint32_t> of_u, of_v;
   seam_.for_each_member(u, [&](std::uint32_t member) { of_u.push_back(member); });
   seam_.for_each_member(v, [&](std::uint32_t member) { of_v.push_back(member); });
-  if (of_u.size() + of_v.size() > kMostMembers) return false;
+  if (of_u.size() + of_v.size() > kMaxMembers) return false;
   candidates_ += of_u.size() * of_v.size();
   return weld_at_member(u, of_u, v, of_v) || weld_at_member(v, of_v, u, of_u);
 }
@@ -282,12 +282,12 @@ void SeamJoiner::find_junctions() {
   for (std::uint32_t i = 0; i < edges_.size(); ++i) {
     tree.find_near_segment(at(edges_[i].from), at(edges_[i].to), tolerance_, found);
     for (const VertexTree::Found& near : found) add(i, near.vertex);
-    if (junctions_.size() <= kMostJunctions * (boundary_edges_ + 16)) continue;
+    if (junctions_.size() <= kMaxJunctions * (boundary_edges_ + 16)) continue;
     most_work_ = 0;
     return;
   }
   for (const std::uint32_t u : vertices) {
-    if (seam_.boundary_count(u) > kMostEdgesAtVertex) continue;
+    if (seam_.boundary_count(u) > kMaxEdgesAtVertex) continue;
     seam_.find_boundary_edges_at(u, edges_u_);
     for (const Edge& e : edges_u_) {
       for (const Edge& f : edges_u_) {
@@ -358,7 +358,7 @@ void SeamJoiner::uncut(const Edge& piece, std::uint32_t vertex) {
 bool SeamJoiner::zip_at(const Edge& piece, std::uint32_t vertex) {
   if (is_reserved(piece)) return false;
   std::vector<Edge> alongside;
-  if (seam_.valence(vertex) <= kMostValence) {
+  if (seam_.valence(vertex) <= kMaxValence) {
     seam_.find_boundary_edges_at(vertex, alongside);
   } else {
     for (const std::uint32_t end : {piece.from, piece.to}) {

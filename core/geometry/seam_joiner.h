@@ -33,7 +33,7 @@ struct JoinedParts {
 // boundary edges never grows. seam_mesh.h lists the changes that are allowed.
 //
 // Units and frame: the mesh's. RT: set-up only. Threads: one. Time: n log n in the boundary; for a vertex in a dense cluster the nearest 32
-// vertices and VertexTree::kMostSegments edges are examined.
+// vertices and VertexTree::kMaxSegments edges are examined.
 class SeamJoiner {
  public:
   // Pre: mesh and untouched outlive this; at_boundary from find_boundary_vertices. untouched: parts that are neither welded nor split.

@@ -7,12 +7,12 @@
 namespace hapton {
 namespace {
 
-constexpr double kNoArea = 1e-14;             // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
-constexpr double kLeastCosine = 1e-3;         // between a triangle's normals before and after
-constexpr double kLeastCosineOfShort = 0.75;  // 41 degrees: with Turning::little
-constexpr double kShortEdge = 2.0;            // tolerances
-constexpr double kLeastShare = 0.1;           // of a height that was below the least one
-constexpr std::ptrdiff_t kMostFlooded = 64;   // triangles
+constexpr double kNoArea = 1e-14;           // of the longest edge squared: a triangle without a valid normal (mesh_topology.h)
+constexpr double kMinCosine = 1e-3;         // between a triangle's normals before and after
+constexpr double kMinCosineOfShort = 0.75;  // 41 degrees: with Turning::little
+constexpr double kShortEdge = 2.0;          // tolerances
+constexpr double kMinShare = 0.1;           // of a height that was below the least one
+constexpr std::ptrdiff_t kMaxFlooded = 64;  // triangles
 
 bool repeats_vertex(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
@@ -52,9 +52,9 @@ bool is_sound_change(const std::array<Vec3, 3>& before, const std::array<Vec3, 3
   const Shape was = shape_of(before);
   if (!was.has_area()) return true;
   const Shape is = shape_of(after);
-  if (!is.has_area() || !(is.height() >= std::min(SeamMesh::kLeastHeight * tolerance, kLeastShare * was.height()))) return false;
+  if (!is.has_area() || !(is.height() >= std::min(SeamMesh::kMinHeight * tolerance, kMinShare * was.height()))) return false;
   const bool has_short_edge = is.shortest_squared < kShortEdge * kShortEdge * tolerance * tolerance;
-  const double least_cosine = turning == Turning::little && has_short_edge ? kLeastCosineOfShort : kLeastCosine;
+  const double least_cosine = turning == Turning::little && has_short_edge ? kMinCosineOfShort : kMinCosine;
   return was.normal.dot(is.normal) > least_cosine * was.normal.norm() * is.normal.norm();
 }
 
@@ -238,7 +238,7 @@ bool SeamMesh::flood(std::vector<std::uint32_t> reached, std::uint32_t to, const
       const std::uint32_t next = edge.triangles ^ reached[i];
       const auto behind = reached.begin() + start_end;
       if (std::binary_search(reached.begin(), behind, next) || std::find(behind, reached.end(), next) != reached.end()) continue;
-      if (reached.end() - behind == kMostFlooded) return true;
+      if (reached.end() - behind == kMaxFlooded) return true;
       reached.push_back(next);
     }
   }

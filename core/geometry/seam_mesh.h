@@ -20,13 +20,13 @@ std::vector<std::uint8_t> find_boundary_vertices(const TriangleMesh& mesh);
 enum class Turning : std::uint8_t { any, little };
 
 // Whether a triangle may become, or be split into, another one: not turned by 90 degrees or more, and not too thin for contact (height
-// below kLeastHeight tolerances where it had more). A triangle without an area may become anything.
+// below kMinHeight tolerances where it had more). A triangle without an area may become anything.
 bool is_sound_change(const std::array<Vec3, 3>& before, const std::array<Vec3, 3>& after, double tolerance, Turning turning = Turning::any);
 
 // A mesh whose boundary is being joined: vertices on it are welded and edges on it split. Only triangles at the boundary are tracked.
 //
 // A change is rejected if it would break the surface:
-// - no triangle loses its area (height below kLeastHeight tolerances where it had more) or gets a normal that points away from its original
+// - no triangle loses its area (height below kMinHeight tolerances where it had more) or gets a normal that points away from its original
 // one;
 // - no edge gets more than two triangles, no two triangles get the same three vertices, no edge shrinks to nothing;
 // - no vertex is farther than the tolerance from its origin. A vertex is moved onto another one, so every position is one of the original
@@ -36,7 +36,7 @@ bool is_sound_change(const std::array<Vec3, 3>& before, const std::array<Vec3, 3
 class SeamMesh {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-  static constexpr double kLeastHeight = 1e-6;  // of a triangle, in tolerances: far above what contact can distinguish from a line
+  static constexpr double kMinHeight = 1e-6;  // of a triangle, in tolerances: far above what contact can distinguish from a line
 
   // A boundary edge in the direction of its triangle.
   struct Edge {

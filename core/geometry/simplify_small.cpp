@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kTries = 16;      // down to 0.3 % of the bound: quadrics were off by a factor of six at most (decision 3)
 constexpr double kFiner = 0.7;  // factor on the quadrics' error bound from attempt to attempt
-constexpr int kMostIdle = 64;   // triangles visited without coming nearer
+constexpr int kMaxIdle = 64;    // triangles visited without coming nearer
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 // The triangles at each vertex.
@@ -82,7 +82,7 @@ class Descent {
     open_.clear();
     visit_around(from, p);
     double least = open_.front().first;
-    for (int idle = 0; idle < kMostIdle && !open_.empty() && least > 0.0; ++idle) {
+    for (int idle = 0; idle < kMaxIdle && !open_.empty() && least > 0.0; ++idle) {
       std::pop_heap(open_.begin(), open_.end(), std::greater<>());
       const auto [distance, triangle] = open_.back();
       open_.pop_back();

@@ -18,8 +18,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kApproach_s = 0.2;
 constexpr double kSlideSegment_s = 4.0;
 constexpr double kTap_s = 0.04;
-constexpr int kMostTries = 64;  // draws of a place whose normal is free
-constexpr int kSectors = 720;   // of a turn
+constexpr int kMaxTries = 64;  // draws of a place whose normal is free
+constexpr int kSectors = 720;  // of a turn
 
 // Whether the segment meets any triangle but `own`; tests every triangle. Rounding only changes the choice of a position.
 bool is_obstructed(const TriangleMesh& mesh, const Vec3& from, const Vec3& to, std::uint32_t own) {
@@ -53,7 +53,7 @@ struct Place {
 template <class DrawPlace>
 Place find_free_place(const TriangleMesh& mesh, double approach, DrawPlace draw) {
   Place place = draw();
-  for (int i = 0; i < kMostTries &&
+  for (int i = 0; i < kMaxTries &&
                   is_obstructed(mesh, place.point + 1e-6 * approach * place.normal, place.point + approach * place.normal, place.triangle);
        ++i) {
     place = draw();

@@ -100,8 +100,8 @@ void VertexTree::find_near_segment(const Vec3& a, const Vec3& b, double radius, 
       spent += self(self, node.right);
     } else {
       for (std::uint32_t i = node.first; i < node.last; ++i) {
-        if (tested_[i] == kMostSegments) continue;
-        spent += ++tested_[i] == kMostSegments ? 1 : 0;
+        if (tested_[i] == kMaxSegments) continue;
+        spent += ++tested_[i] == kMaxSegments ? 1 : 0;
         const double away = squared_distance_to_segment(a, b, points_[items_[i]]);
         if (away <= radius * radius) found.push_back({away, items_[i]});
       }

@@ -16,7 +16,7 @@ class VertexTree {
  public:
   // A point is tested against this many segments, then ignored by find_near_segment: thousands of points and segments in one place cost
   // time in proportion to their number, not to its square.
-  static constexpr std::uint32_t kMostSegments = 256;
+  static constexpr std::uint32_t kMaxSegments = 256;
 
   struct Found {
     double squared_distance = 0.0;
@@ -29,7 +29,7 @@ class VertexTree {
   // The nearest items within `radius` of p, at most `most`, nearest first; equally near ones by number. `except` is excluded.
   void find_nearest(const Vec3& p, std::uint32_t except, double radius, std::size_t most, std::vector<Found>& found) const;
 
-  // All items within `radius` of the segment from a to b, except those tested kMostSegments times already.
+  // All items within `radius` of the segment from a to b, except those tested kMaxSegments times already.
   void find_near_segment(const Vec3& a, const Vec3& b, double radius, std::vector<Found>& found);
 
  private:

@@ -9,7 +9,7 @@
 namespace hapton {
 
 // Largest speed of a surface that moves by itself, m/s: the reduced speed of ISO 10218-1 for robots beside people.
-constexpr double kMostSurfaceSpeed = 0.25;
+constexpr double kMaxSurfaceSpeed = 0.25;
 
 // A move of a rigid body that a program commanded: from one pose to another, interpolated linearly as between keyframes; at rest after it.
 struct CommandedMove {

@@ -25,7 +25,7 @@ CarvedFieldBox join_boxes(const CarvedFieldBox& a, const CarvedFieldBox& b) {
 }  // namespace
 
 bool CarveList::add(const MadeCarve& added) {
-  if (added.serial == 0 || added.serial > kMost) return false;
+  if (added.serial == 0 || added.serial > kMax) return false;
   if (added.is_undo() && (added.undone.last < added.undone.first || added.undone.last >= added.serial)) return false;
   if (added.serial > newest()) entries_.resize(added.serial);
   Kept& kept = entries_[added.serial - 1];

@@ -35,10 +35,10 @@ struct MadeCarve {
 // 192.
 class CarveList {
  public:
-  static constexpr std::uint32_t kMost = 1'000'000;  // larger serials are left out
+  static constexpr std::uint32_t kMax = 1'000'000;  // larger serials are left out
 
   void clear() { *this = {}; }
-  // False: it is in the list already, its serial is beyond kMost, or an undo names carves after itself.
+  // False: it is in the list already, its serial is beyond kMax, or an undo names carves after itself.
   bool add(const MadeCarve& entry);
 
   // Counts carves as undone before the entry that says so is there.

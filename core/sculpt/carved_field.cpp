@@ -13,7 +13,7 @@ namespace {
 
 // From the mesh to the edge of the grid: beyond the band, so that all values at the edge are +band.
 constexpr int kMarginVoxels = CarvedField::kBandVoxels + 1;
-constexpr double kMostNodesOfAxis = 1 << 20;  // keeps the number within an int; so many along one axis exceed kMostNodes
+constexpr double kMaxNodesOfAxis = 1 << 20;  // keeps the number within an int; so many along one axis exceed kMaxNodes
 
 // A row of nodes along x consists of blocks of eight, the lanes of a Float8.
 constexpr int round_up_to_block(int nodes) { return (nodes + 7) & ~7; }
@@ -99,15 +99,15 @@ Result<FieldGrid> CarvedField::plan(const TriangleMesh& mesh, double voxel_m) {
   double count = 1.0;
   for (int axis = 0; axis < 3; ++axis) {
     const double cells = std::ceil((bounds.high[axis] - bounds.low[axis]) / voxel_m) + 2.0 * kMarginVoxels;
-    const int nodes = static_cast<int>(std::min(cells, kMostNodesOfAxis)) + 1;
+    const int nodes = static_cast<int>(std::min(cells, kMaxNodesOfAxis)) + 1;
     const auto i = static_cast<std::size_t>(axis);
     grid.nodes[i] = axis == 0 ? round_up_to_block(nodes) : nodes;
     grid.origin_m[axis] = bounds.centre()[axis] - 0.5 * voxel_m * (grid.nodes[i] - 1);
     count *= grid.nodes[i];
   }
-  if (count > static_cast<double>(kMostNodes)) {
+  if (count > static_cast<double>(kMaxNodes)) {
     return fail("voxels of {:.4g} mm would be {:.3g} million, at most {} are possible: give voxels of {:.2g} mm or more", 1e3 * voxel_m,
-                1e-6 * count, kMostNodes >> 20, 1e3 * voxel_m * 1.05 * std::cbrt(count / static_cast<double>(kMostNodes)));
+                1e-6 * count, kMaxNodes >> 20, 1e3 * voxel_m * 1.05 * std::cbrt(count / static_cast<double>(kMaxNodes)));
   }
   return grid;
 }

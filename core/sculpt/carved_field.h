@@ -27,10 +27,10 @@ struct CarvedFieldBox {
 // Frame: that of the mesh (the static scene S). Threads: one at a time. Source: decision 160.
 class CarvedField {
  public:
-  static constexpr int kBandVoxels = 3;                            // gradients and steps along the surface need two
-  static constexpr std::size_t kMostNodes = std::size_t{1} << 24;  // 64 MiB
+  static constexpr int kBandVoxels = 3;                           // gradients and steps along the surface need two
+  static constexpr std::size_t kMaxNodes = std::size_t{1} << 24;  // 64 MiB
 
-  // The grid that make() would use. Error, in one line: the mesh is not closed, or the voxel is not positive or too small for kMostNodes.
+  // The grid that make() would use. Error, in one line: the mesh is not closed, or the voxel is not positive or too small for kMaxNodes.
   // RT: set-up only.
   static Result<FieldGrid> plan(const TriangleMesh& mesh, double voxel_m);
   // Error: that of plan(). RT: set-up only.

@@ -10,7 +10,7 @@ struct SculptSettings {
   static constexpr double kVoxelsOfSide = 128.0;
   static constexpr double kVoxelsOfRadius = 5.0;
   // The smallest tool radius, in voxels: a smaller ball could pass between the nodes of the field.
-  static constexpr double kLeastVoxelsOfRadius = 2.0;
+  static constexpr double kMinVoxelsOfRadius = 2.0;
 
   double voxel_m = 0.0;        // spacing of the field's nodes
   double tool_radius_m = 0.0;  // of the ball that carves, and that touches the material

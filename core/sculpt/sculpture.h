@@ -16,7 +16,7 @@ namespace hapton {
 class Sculpture {
  public:
   // The haptics node keeps all carves for vision nodes, 44 MB: half an hour of carving without a pause, 500 a second (decision 161).
-  static constexpr std::uint32_t kMostCarves = CarveList::kMost;
+  static constexpr std::uint32_t kMaxCarves = CarveList::kMax;
 
   struct Body {
     int object = -1;  // number in the scene
@@ -34,7 +34,7 @@ class Sculpture {
   // Serial of the newest entry: a carve, or an undo (exchange_shapes); 0: none yet.
   std::uint32_t newest() const noexcept { return newest_; }
   // No further carve or undo is possible.
-  bool is_full() const noexcept { return newest_ >= kMostCarves; }
+  bool is_full() const noexcept { return newest_ >= kMaxCarves; }
 
   // Whether both had the same bodies before any carve, so that one can be used in place of the other.
   bool is_alike(const Sculpture& other) const noexcept;

@@ -10,7 +10,7 @@ namespace {
 class Chosen {
  public:
   Chosen(std::span<const MotionBound> all, const LocalContacts& metric, std::span<std::uint32_t> numbers)
-      : all_(all), metric_(metric), numbers_(numbers.first(std::min(numbers.size(), LocalContacts::kMost))) {
+      : all_(all), metric_(metric), numbers_(numbers.first(std::min(numbers.size(), LocalContacts::kMax))) {
     roots_[kCurved] = metric.inverse_root;
     roots_[kPlain] = metric.plain_inverse_root.asDiagonal();
   }
@@ -81,7 +81,7 @@ class Chosen {
   const LocalContacts& metric_;
   std::array<Mat6, 2> roots_;
   std::span<std::uint32_t> numbers_;
-  std::array<std::array<MotionBound, LocalContacts::kMost>, 2> bounds_;  // in the coordinates of each metric
+  std::array<std::array<MotionBound, LocalContacts::kMax>, 2> bounds_;  // in the coordinates of each metric
   std::size_t count_ = 0;
   bool is_relaxed_ = false;
 };
@@ -91,7 +91,7 @@ void choose_for_all(std::span<const Vec6> goals, Chosen& chosen) noexcept {
   // The first one last as well, with as many as there are.
   for (std::size_t g = 0; g <= goals.size();) {
     const bool is_last = g == goals.size();
-    const bool is_held = chosen.hold(goals[is_last ? 0 : g], is_last ? static_cast<int>(LocalContacts::kMost) : kMostCuts);
+    const bool is_held = chosen.hold(goals[is_last ? 0 : g], is_last ? static_cast<int>(LocalContacts::kMax) : kMaxCuts);
     g = is_held ? g + 1 : 0;
   }
 }
@@ -102,7 +102,7 @@ std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const
                             std::span<std::uint32_t> numbers) noexcept {
   Chosen chosen(bounds, metric, numbers);
   choose_for_all(goals, chosen);
-  std::array<std::uint32_t, LocalContacts::kMost> nearest;
+  std::array<std::uint32_t, LocalContacts::kMax> nearest;
   std::size_t count = 0;
   const std::size_t most = chosen.left();
   const auto has_less_room = [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; };

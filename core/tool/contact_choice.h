@@ -12,14 +12,14 @@ namespace hapton {
 // For each goal, the bound that the motion within the chosen ones violates most is added, until none is violated: then the motion is that
 // within all bounds (cutting planes, Kelley 1960). The motion is that of LocalContacts::solve: in the metric with the curvature of the
 // contacts, or in the plain one if nothing is active there; and once the chosen bounds contradict each other, so do all, and all of them
-// are lowered to where zero motion meets them. A goal ends early after kMostCuts, the first one only where all places are taken. The
+// are lowered to where zero motion meets them. A goal ends early after kMaxCuts, the first one only where all places are taken. The
 // places that are left go to the bounds with the least room.
 //
 // bounds: of shift and turn. goals: where the device is, as shift and turn; the first one is what is most likely. metric: a local set of
 // which the contacts are not read. Returns how many are chosen, as many as fit; their numbers are in `chosen`, each once. RT: yes; for
-// each goal at most 2 kMostCuts + 2 passes over all bounds, for the first one 3 LocalContacts::kMost, and twice as many if bounds
+// each goal at most 2 kMaxCuts + 2 passes over all bounds, for the first one 3 LocalContacts::kMax, and twice as many if bounds
 // contradict each other.
-inline constexpr int kMostCuts = 8;  // in each metric
+inline constexpr int kMaxCuts = 8;  // in each metric
 std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const Vec6> goals, const LocalContacts& metric,
                             std::span<std::uint32_t> chosen) noexcept;
 

@@ -28,7 +28,7 @@ bool ContactCones::has(int index) const noexcept {
 
 void ContactCones::add(const LocalContacts& local, const Vec6& from, bool is_static, int index, double normal,
                        const Vec3& tangential) noexcept {
-  if (count_ == kMost || has(index)) return;
+  if (count_ == kMax || has(index)) return;
   const auto i = static_cast<std::size_t>(index);
   const MotionBound& bound = local.bounds[i];
   const LocalContact& found = local.contacts[i];
@@ -100,7 +100,7 @@ double ContactCones::correct(Contact& contact) noexcept {
 }
 
 void ContactCones::iterate(const Vec6& goal) noexcept {
-  while (rounds_ < kMostRounds) {
+  while (rounds_ < kMaxRounds) {
     double moved = 0.0;
     for (std::size_t i = 0; i < count_; ++i) moved = std::max(moved, correct(contacts_[i]));
     ++rounds_;
@@ -118,7 +118,7 @@ bool ContactCones::add_violated(const LocalContacts& local, const Vec6& from, bo
     most = below;
     worst = static_cast<int>(i);
   }
-  if (worst < 0 || count_ == kMost) return false;
+  if (worst < 0 || count_ == kMax) return false;
   add(local, from, is_static, worst, 0.0, Vec3::Zero());
   return true;
 }
@@ -150,10 +150,10 @@ void ContactCones::solve(const LocalContacts& local, const Vec6& wanted, const V
   for (std::size_t k = 0; k < static_cast<std::size_t>(frictionless.active_count); ++k) {
     add(local, from, is_static, frictionless.active[k], 0.0, Vec3::Zero());
   }
-  for (std::size_t set = 0; set < kMostSets; ++set) {
+  for (std::size_t set = 0; set < kMaxSets; ++set) {
     iterate(goal);
     motion_ = local.plain_inverse_root.cwiseProduct(at_);
-    if (rounds_ == kMostRounds || !add_violated(local, from, is_static)) break;
+    if (rounds_ == kMaxRounds || !add_violated(local, from, is_static)) break;
   }
   note(local);
 }

@@ -11,15 +11,15 @@ namespace hapton {
 //
 // Each contact exerts a normal force that is not negative, and a tangential one of at most the coefficient times that, against the slip of
 // its point since the tool was at `from`. Nonlinear Gauss-Seidel iteration (Jourdan, Alart & Jean 1998): the forces of one contact after
-// the other are corrected while those of the others stay, until no correction matters. However much of that is left after kMostRounds, the
+// the other are corrected while those of the others stay, until no correction matters. However much of that is left after kMaxRounds, the
 // coupling holds against exactly the sum of these forces: friction is never more than the coefficient allows, and no contact attracts.
 //
 // Frame: local units; forces over the coupling's linear stiffness. RT: yes. Threads: one.
 class ContactCones {
  public:
-  static constexpr std::size_t kMost = 12;     // contacts; 3 to 6 carry a tool
-  static constexpr int kMostRounds = 120;      // of the iteration in a step; what is left goes on in the next one
-  static constexpr std::size_t kMostSets = 6;  // a contact that was left out and is violated is added, and the iteration goes on
+  static constexpr std::size_t kMax = 12;     // contacts; 3 to 6 carry a tool
+  static constexpr int kMaxRounds = 120;      // of the iteration in a step; what is left goes on in the next one
+  static constexpr std::size_t kMaxSets = 6;  // a contact that was left out and is violated is added, and the iteration goes on
 
   // Where the contacts hold the tool while the device is at `wanted`. wanted, from: motions from local.proxy. frictionless: of
   // local.solve(); its contacts and those that pushed in the last step are considered first. The forces of the last step are the first
@@ -65,9 +65,9 @@ class ContactCones {
   void iterate(const Vec6& goal) noexcept;
   void note(const LocalContacts& local) noexcept;
 
-  std::array<Contact, kMost> contacts_ = {};
+  std::array<Contact, kMax> contacts_ = {};
   std::size_t count_ = 0;
-  std::array<Known, kMost> known_ = {};  // those that pushed in the last step
+  std::array<Known, kMax> known_ = {};  // those that pushed in the last step
   std::size_t known_count_ = 0;
   Vec6 at_ = Vec6::Zero();  // scaled: the device's motion, and what all forces cause
   Vec6 motion_ = Vec6::Zero();

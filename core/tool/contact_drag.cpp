@@ -16,7 +16,7 @@ bool has_damping_on_any(const std::vector<ContactDamping>& objects) {
 }
 
 // Share of the damping of a part that is no longer touched at which it is dropped: too little to be felt.
-constexpr double kLeastRemaining = 0x1p-16;
+constexpr double kMinRemaining = 0x1p-16;
 
 // The factor that limits a damping force to its bound.
 double share_within(double force_n, double most_n) { return force_n > most_n ? most_n / force_n : 1.0; }
@@ -128,7 +128,7 @@ Vec6 ContactDrag::DampingMatrix::force(const Vec6& velocity, double most_n) cons
   if (!(coefficient > 0.0)) return Vec6::Zero();
   const Vec6 drag = matrix * velocity;
   const double sum_n = std::sqrt(coefficient * std::max(0.0, drag.dot(velocity)));
-  const Vec6 force = -share_within(sum_n, std::min(most_n, kMostEffectForceN)) * drag;
+  const Vec6 force = -share_within(sum_n, std::min(most_n, kMaxEffectForceN)) * drag;
   return force.allFinite() ? force : Vec6(Vec6::Zero());
 }
 
@@ -181,7 +181,7 @@ void ContactDrag::blend(TouchedParts& now, double share) const noexcept {
   for (std::size_t i = 0; i < touched_.count && now.count < now.all.size(); ++i) {
     const Touched& before = touched_.all[i];
     const double remaining = before.remaining * (1.0 - share);
-    if (remaining < kLeastRemaining || now.find(before.part) != nullptr) continue;
+    if (remaining < kMinRemaining || now.find(before.part) != nullptr) continue;
     Touched& one = now.all[now.count++];
     one = before;
     one.remaining = remaining;
@@ -192,7 +192,7 @@ void ContactDrag::blend(TouchedParts& now, double share) const noexcept {
 }
 
 ContactDrag::Wrench ContactDrag::step(std::span<const Contact> contacts, bool is_held) noexcept {
-  contacts = contacts.first(std::min(contacts.size(), kMostContacts));
+  contacts = contacts.first(std::min(contacts.size(), kMaxContacts));
   TouchedParts now;
   for (const Contact& contact : contacts) {
     if (!(contact.force_n > 0.0) || !has_damping(contact.part)) continue;

@@ -37,15 +37,15 @@ struct ContactDamping {
 // Velocities: of the device relative to each part of the scene, filtered (SmoothVelocity). A jump of a part, i.e. a motion of it
 // relative to the tool faster than kJumpMPerS, does not count as velocity.
 // Frame: S, lengths in local units where said. RT: step yes, construction set-up only. Threads: one.
-// Bound: for damping and for viscosity, for each part, the smaller of the sum of its contact forces and kMostEffectForceN; the torque is at
+// Bound: for damping and for viscosity, for each part, the smaller of the sum of its contact forces and kMaxEffectForceN; the torque is at
 // most this force times the longest arm. The rest of contacts that ended while others continue is bounded by their last force, and decays.
 // Passivity: dissipative, relative to the surfaces.
 class ContactDrag {
  public:
   static constexpr Passivity kPassivity = Passivity::dissipative;
-  static constexpr double kSmoothS = 0.005;        // time constant of the filter of G; a choice
-  static constexpr double kJumpMPerS = 1.0;        // four times the fastest surface (kMostSurfaceSpeed); a choice
-  static constexpr std::size_t kMostContacts = 6;  // active at once
+  static constexpr double kSmoothS = 0.005;       // time constant of the filter of G; a choice
+  static constexpr double kJumpMPerS = 1.0;       // four times the fastest surface (kMaxSurfaceSpeed); a choice
+  static constexpr std::size_t kMaxContacts = 6;  // active at once
 
   struct Contact {
     Vec3 arm = Vec3::Zero();  // from the grip point, local units
@@ -73,7 +73,7 @@ class ContactDrag {
   void move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept;
   // The frame S has moved: this was the placement of the device in it at the last sample. It is not a motion of the hand.
   void move_last(const Placement& device) noexcept { device_ = device; }
-  // Contacts of this sample; only the first kMostContacts count. is_held: the tool is in contact, whether or not its contacts are known.
+  // Contacts of this sample; only the first kMaxContacts count. is_held: the tool is in contact, whether or not its contacts are known.
   // Returns the force and torque on the tool.
   Wrench step(std::span<const Contact> contacts, bool is_held) noexcept;
   // Contact has ended.
@@ -103,7 +103,7 @@ class ContactDrag {
   };
   // The parts touched in this step, then those touched shortly before.
   struct TouchedParts {
-    std::array<Touched, kMostContacts + 2> all;
+    std::array<Touched, kMaxContacts + 2> all;
     std::size_t count = 0;
 
     const Touched* find(int part) const noexcept;

@@ -251,16 +251,16 @@ Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placeme
 
 double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept {
   // As a share of the whole motion. If an advance is shorter, the pair has reached its floor.
-  constexpr double kLeastPart = 0x1p-12;
+  constexpr double kMinPart = 0x1p-12;
   const MotionRates m(motion);
   if (pair.kind == Kind::edge_edge && is_covered_by_ends(pair, motion.from, m, floor)) return until;
   double time = part_time(pair, gap, motion.from, m, floor, until);
-  for (int part = 1; time < until && part < kMostParts; ++part) {
+  for (int part = 1; time < until && part < kMaxParts; ++part) {
     const Placement placement = motion.at(time);
     const double more = part_time(pair, measure_gap(pair, placement), placement, m, floor,
                                   2.0 * (until - time));  // more than what is left, by more than rounding
     time += more;
-    if (more < kLeastPart) break;
+    if (more < kMinPart) break;
   }
   return std::min(time, until);
 }

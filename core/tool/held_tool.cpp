@@ -80,7 +80,7 @@ bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
   const bool are_new = found_.take();
   if (seconds(time_ns - felt_ns_) > kLongestGapS) is_after_sample_gap_ = true;
   is_after_sample_gap_ = is_after_sample_gap_ && !are_new;
-  const bool are_late = are_new && samples_since_new_ > kMostPromptSamples;
+  const bool are_late = are_new && samples_since_new_ > kMaxPromptSamples;
   if (are_new) samples_since_new_ = 0;
   return are_late;
 }
@@ -203,7 +203,7 @@ void HeldTool::move_drag(const ToolInput& input, const Placement& device, double
 
 void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
                         ToolOutput& output) noexcept {
-  std::array<ContactDrag::Contact, ContactDrag::kMostContacts> touched;
+  std::array<ContactDrag::Contact, ContactDrag::kMaxContacts> touched;
   const std::size_t count = list_drag_contacts(contacts, solution, share * tool_->unit_force_n(), touched);
   const ContactDrag::Wrench drag = drag_.step({touched.data(), count}, output.contact);
   output.force_n += R_WS * drag.force_n;

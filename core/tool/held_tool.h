@@ -14,7 +14,7 @@ namespace hapton {
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
 // passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
 // Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If the slow task stalls, the
-// force fades. Threads: functions marked `Fast` in one, follow() (`Slow`) in one other. RT: the fast ones yes, at most LocalContacts::kMost
+// force fades. Threads: functions marked `Fast` in one, follow() (`Slow`) in one other. RT: the fast ones yes, at most LocalContacts::kMax
 // contacts; follow as ToolStep::step.
 class HeldTool final : public StylusTool {
  public:
@@ -25,10 +25,10 @@ class HeldTool final : public StylusTool {
   // therefore drawn no farther from its last collision-free pose than the distance within which contacts were searched for. Between this
   // age and twice this age, the drawn pose moves gradually to that limit.
   static constexpr double kLateS = 0.005;
-  // If new contacts come more than kMostPromptSamples samples after the previous ones and change the force by more than the device's motion
+  // If new contacts come more than kMaxPromptSamples samples after the previous ones and change the force by more than the device's motion
   // explains, the force fades to the new one over this time.
   static constexpr double kContactFadeS = 0.02;
-  static constexpr int kMostPromptSamples = 2;
+  static constexpr int kMaxPromptSamples = 2;
   // If two samples are farther apart than this, or time goes back, damping takes no motion between them into account: io_node uses no force
   // that is older than this, so the hand felt none meanwhile.
   static constexpr double kLongestGapS = 0.02;

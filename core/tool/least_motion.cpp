@@ -97,7 +97,7 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
   // Of a row's length: what is left of a row that the active ones span is rounding.
   constexpr double kDependent = 0x1p-40;
   // Each bound is added a few times at most in practice; the limit only ends what rounding could repeat.
-  constexpr int kMostRounds = 200;
+  constexpr int kMaxRounds = 200;
   LeastMotion found;
   found.y = goal;
   ActiveRows rows;
@@ -109,7 +109,7 @@ LeastMotion find_least_motion(const Vec6& goal, std::span<const MotionBound> bou
     const Vec6& row = bounds[worst].row;
     double multiplier = 0.0;
     for (bool is_added = false; !is_added;) {
-      if (++round > kMostRounds) {
+      if (++round > kMaxRounds) {
         found.solved = false;
         return found;
       }

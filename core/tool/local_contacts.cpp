@@ -8,7 +8,7 @@ namespace {
 
 // Finds the motion of least energy from the proxy towards a wanted one within the bounds. False: the bounds contradict each other.
 bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inverse_root, LocalContacts::Solution& solution) noexcept {
-  std::array<MotionBound, LocalContacts::kMost> scaled;
+  std::array<MotionBound, LocalContacts::kMax> scaled;
   const std::span<MotionBound> bounds(scaled.data(), local.count);
   for (std::size_t i = 0; i < local.count; ++i) {
     scaled[i] = {inverse_root.transpose() * local.bounds[i].row, local.bounds[i].least};
@@ -30,7 +30,7 @@ bool find_motion(const LocalContacts& local, const Vec6& wanted, const Mat6& inv
 }  // namespace
 
 void LocalContacts::add(const MotionBound& bound, const LocalContact& contact) noexcept {
-  if (count < kMost) {
+  if (count < kMax) {
     bounds[count] = bound;
     contacts[count++] = contact;
     return;

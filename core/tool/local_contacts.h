@@ -36,11 +36,11 @@ double moved_least(const MotionBound& bound, const LocalContact& contact, std::s
 // computes with. Each pair of features that is a local minimum of the distance keeps the tool on its side of a plane through its contact
 // (Ortega, Redon & Coquillart 2007, section 5: constraint-based force between two steps of the pose). Plain memory. Frame: local units.
 struct LocalContacts {
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMax = 64;
 
   // Motions (shift, then turn about the grip point) from `proxy` with row . motion >= least keep the tool outside.
-  std::array<MotionBound, kMost> bounds = {};
-  std::array<LocalContact, kMost> contacts = {};  // of each bound
+  std::array<MotionBound, kMax> bounds = {};
+  std::array<LocalContact, kMax> contacts = {};  // of each bound
   std::size_t count = 0;
   Placement proxy;                         // where the tool was found to be free
   Mat6 inverse_root = Mat6::Identity();    // as in ToolProxy: what contacts do as their levers turn included
@@ -50,14 +50,14 @@ struct LocalContacts {
   bool is_blocked = true;                  // there is no force
   bool is_held = false;                    // too much was near: the tool stays where it is
 
-  // Keeps the kMost with the least room.
+  // Keeps the kMax with the least room.
   void add(const MotionBound& bound, const LocalContact& contact = {}) noexcept;
 
   // The parts have moved since the contacts were found: raises or lowers the bounds of those that move (moved_least). parts: where each
   // should be, without the one that stands still. RT: yes.
   void follow(std::span<const Placement> parts) noexcept;
 
-  // Where the bounds hold the tool while the device is there: the device itself where none does. RT: yes, at most kMost bounds a round of
+  // Where the bounds hold the tool while the device is there: the device itself where none does. RT: yes, at most kMax bounds a round of
   // find_least_motion.
   Placement constrain(const Placement& device) const noexcept { return solve(device).at; }
 

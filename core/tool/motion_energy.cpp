@@ -8,8 +8,8 @@ namespace hapton {
 namespace {
 
 // Bounds of the curvature along a step, over that of the coupling alone: the contacts make a step longer or shorter by these at most.
-constexpr double kLeastCurvature = 0.125;
-constexpr double kMostCurvature = 64.0;
+constexpr double kMinCurvature = 0.125;
+constexpr double kMaxCurvature = 64.0;
 
 Vec6 units(double turn_length) { return (Vec6() << Vec3::Ones(), Vec3::Constant(1.0 / turn_length)).finished(); }
 
@@ -32,7 +32,7 @@ void MotionEnergy::set_curvature(const Mat6& curvature) noexcept {
   const Vec6 unit = units(turn_length_);
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(unit.asDiagonal() * curvature * unit.asDiagonal());
   if (solver.info() != Eigen::Success) return set_plain();
-  const Vec6 roots = solver.eigenvalues().cwiseMax(kLeastCurvature).cwiseMin(kMostCurvature).cwiseSqrt();
+  const Vec6 roots = solver.eigenvalues().cwiseMax(kMinCurvature).cwiseMin(kMaxCurvature).cwiseSqrt();
   const Mat6& axes = solver.eigenvectors();
   // Not symmetric, as any root with root^T root = curvature will do.
   root_ = roots.asDiagonal() * axes.transpose() * unit.cwiseInverse().asDiagonal();

@@ -49,15 +49,15 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const Too
       tool_surface_(std::move(tool_surface)),
       scene_surface_(std::move(scene_surface)),
       tool_features_(*tool_surface_->features),
-      pairs_(tool, scene, kMostTrianglePairs),
+      pairs_(tool, scene, kMaxTrianglePairs),
       radius_(tool_surface_->radius),
       front_(tool_surface_->tree, scene_surface_->tree, radius_, team),
-      features_(kMostFeatures),
-      known_(kMostFeatures),
+      features_(kMaxFeatures),
+      known_(kMaxFeatures),
       workers_(static_cast<std::size_t>(team.size())) {
   for (Worker& worker : workers_) {
     worker.swept.resize(kSwept);
-    worker.found.reserve(kMostFeatures);
+    worker.found.reserve(kMaxFeatures);
   }
 }
 
@@ -82,7 +82,7 @@ void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, cons
 }
 
 bool NearFeatures::any_intersect(const Placement& placement) noexcept {
-  return !pairs_.collect(placement, 0.0, kMostTrianglePairs) || pairs_.any_intersect(placement);
+  return !pairs_.collect(placement, 0.0, kMaxTrianglePairs) || pairs_.any_intersect(placement);
 }
 
 bool NearFeatures::collect(const Placement& placement, double distance, double turn) noexcept {

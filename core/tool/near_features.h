@@ -30,12 +30,12 @@ struct NearFeature {
 // way. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
 // generation: the caller finds a motion from few pairs, and adds those that it brings together).
 // The workers of a team share the work; the result does not depend on their number. Frame and units: TouchGeometry's local ones.
-// Work: at most ObbFront::kMostTests pairs of boxes a call, and kMostFeatures pairs of features. RT: collect, extend, follow and
+// Work: at most ObbFront::kMaxTests pairs of boxes a call, and kMaxFeatures pairs of features. RT: collect, extend, follow and
 // any_intersect yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
 class NearFeatures {
  public:
-  static constexpr std::size_t kMostTrianglePairs = 1U << 17;  // of any_intersect; a choice
-  static constexpr std::size_t kMostFeatures = 1U << 14;       // pairs of features; a choice
+  static constexpr std::size_t kMaxTrianglePairs = 1U << 17;  // of any_intersect; a choice
+  static constexpr std::size_t kMaxFeatures = 1U << 14;       // pairs of features; a choice
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
   // The same, with surfaces that were made before. Pre: they are those of this tool and this scene.
@@ -46,7 +46,7 @@ class NearFeatures {
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 
-  // Finds the pairs that are no farther apart than `distance`. False: there are more than kMostFeatures, and features() is incomplete.
+  // Finds the pairs that are no farther apart than `distance`. False: there are more than kMaxFeatures, and features() is incomplete.
   // turn, rad: a pair that becomes a minimum if the tool turns by this angle counts as a minimum, if its closest points are inside a face
   // or inside two edges, so that its normal does not change.
   bool collect(const Placement& placement, double distance, double turn) noexcept;

@@ -50,17 +50,17 @@ ObbFront::ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, Wor
       radius_(radius),
       team_(&team),
       walkers_(static_cast<std::size_t>(team.size())),
-      ended_(kMostEnded),
-      until_(kMostEnded / SeparatingPlanes::kTogether),
-      lowest_(kMostEnded / kBlock),
-      rest_until_(kMostEnded),
-      visited_in_(kMostEnded),
-      near_(kMostEnded),
-      planes_(kMostEnded, radius) {
-  places_.reserve(kMostEnded);
+      ended_(kMaxEnded),
+      until_(kMaxEnded / SeparatingPlanes::kTogether),
+      lowest_(kMaxEnded / kBlock),
+      rest_until_(kMaxEnded),
+      visited_in_(kMaxEnded),
+      near_(kMaxEnded),
+      planes_(kMaxEnded, radius) {
+  places_.reserve(kMaxEnded);
   for (Walker& walker : walkers_) {
     walker.boxes.resize(kBoxes);
-    walker.added.reserve(kMostEnded);
+    walker.added.reserve(kMaxEnded);
   }
 }
 
@@ -239,7 +239,7 @@ bool ObbFront::finish() noexcept {
     tests += walker.tests;
     added += walker.added.size();
   }
-  if (tests > kMostTests || count_ + added > kMostEnded) return false;
+  if (tests > kMaxTests || count_ + added > kMaxEnded) return false;
   for_each_by_place(
       walkers_, [](const Walker& walker) -> const std::vector<End>& { return walker.added; },
       [&](const End& end) {

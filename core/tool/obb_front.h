@@ -25,11 +25,11 @@ namespace hapton {
 //
 // These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
 // whether a walk ends early, is the same with any number of workers.
-// Work: at most kMostTests pairs of boxes in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and
+// Work: at most kMaxTests pairs of boxes in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and
 // the team outlive this.
 class ObbFront {
  public:
-  static constexpr std::size_t kMostTests = 1U << 20;
+  static constexpr std::size_t kMaxTests = 1U << 20;
 
   // radius: the largest distance of a point of the tool from the grip point.
   ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, WorkerTeam& team = calling_thread());
@@ -63,7 +63,7 @@ class ObbFront {
   // the motion is long enough for, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it
   // may have come within the distance. features: only these, of those that an earlier visit returned as near, may come within the
   // distance; a visitor that finds that none does considers all, and so tells more. False: a visitor ended the walk, or it took more than
-  // kMostTests, and pairs are missing. Threads: workers visit concurrently.
+  // kMaxTests, and pairs are missing. Threads: workers visit concurrently.
   template <class Visit>
   bool for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept;
 
@@ -147,7 +147,7 @@ class ObbFront {
   template <class Visit>
   bool descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept;
 
-  static constexpr std::size_t kMostEnded = 1U << 17;
+  static constexpr std::size_t kMaxEnded = 1U << 17;
   static constexpr std::size_t kBlock = 64;  // pairs that share a bound
   static constexpr std::size_t kBoxes = 512;
   static constexpr std::size_t kFirst = 256;   // pairs that a walk from the roots begins at, to be shared out
@@ -212,7 +212,7 @@ bool ObbFront::for_each_near(const ToolSweep& motion, double distance, Visit&& v
 
 template <class Visit>
 bool ObbFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept {
-  if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMostTests) return false;
+  if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMaxTests) return false;
   const std::uint32_t at = places_[turn.place];
   const Pair pair = ended_[at];
   const ObbTree::Node& tool = tool_->nodes()[pair.tool];
@@ -239,12 +239,12 @@ bool ObbFront::descend(Turn turn, const ToolSweep& motion, double distance, Visi
   const bool wants_plane = motion.angle < kFastTurn;
   bool is_first = true;
   bool has_replaced = false;
-  std::array<Pair, 2 * ObbTree::kMostDepth + 2> stack;
+  std::array<Pair, 2 * ObbTree::kMaxDepth + 2> stack;
   int top = 0;
   stack[top++] = ended_[from];
   while (top > 0) {
     const Pair pair = stack[--top];
-    if (++walker.tests > kMostTests) return false;
+    if (++walker.tests > kMaxTests) return false;
     const ObbTree::Node& tool = tool_->nodes()[pair.tool];
     const ObbTree::Node& scene = scene_->nodes()[pair.scene];
     const Apart apart = test(placed(walker, pair.tool, motion), scene, distance, wants_plane);
@@ -262,7 +262,7 @@ bool ObbFront::descend(Turn turn, const ToolSweep& motion, double distance, Visi
         end.set_plane(found.normal, found.along_normal);
       }
       if (has_replaced) {
-        if (walker.added.size() == kMostEnded) return false;
+        if (walker.added.size() == kMaxEnded) return false;
         walker.added.push_back(end);
       } else if (!is_first) {
         put(from, end);

@@ -19,7 +19,7 @@ namespace hapton {
 // corners. Threads: immutable. RT: queries yes, construction set-up only.
 class ObbTree {
  public:
-  static constexpr int kMostDepth = 96;
+  static constexpr int kMaxDepth = 96;
 
   // A box: centre + sum of axis[i] * y[i], |y[i]| <= half[i]. The axes are orthonormal to 2^-20.
   struct alignas(64) Node {

@@ -6,10 +6,10 @@
 namespace hapton {
 
 PenetrationCheck::PenetrationCheck(const ObjectGeometry& tool, const TouchGeometry& scene)
-    : pairs_(tool, scene, NearFeatures::kMostTrianglePairs), near_(tool, scene) {}
+    : pairs_(tool, scene, NearFeatures::kMaxTrianglePairs), near_(tool, scene) {}
 
 bool PenetrationCheck::penetrates(const Placement& at) {
-  if (!pairs_.collect(at, 0.0, NearFeatures::kMostTrianglePairs)) return true;
+  if (!pairs_.collect(at, 0.0, NearFeatures::kMaxTrianglePairs)) return true;
   return pairs_.any_intersect(at);
 }
 

@@ -9,7 +9,7 @@ namespace {
 // A scene is within this of its frame's origin, local units; a new frame has it within 1.
 constexpr double kFarthest = 1.0;
 // And its diagonal is at least this; in a new frame it is 1 to 2. Tolerances are in proportion to it.
-constexpr double kLeastDiagonal = 0.5;
+constexpr double kMinDiagonal = 0.5;
 
 Box bounds_of(const TriangleMesh& mesh) {
   Box bounds;
@@ -44,7 +44,7 @@ bool PreparedObjects::suits_frame(const Box& bounds) const {
   if (bounds.is_empty()) return true;
   const Vec3 low = frame_.to_local(bounds.low);
   const Vec3 high = frame_.to_local(bounds.high);
-  return std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()) <= kFarthest && (high - low).norm() >= kLeastDiagonal;
+  return std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()) <= kFarthest && (high - low).norm() >= kMinDiagonal;
 }
 
 void PreparedObjects::replace(std::size_t object, std::shared_ptr<const TriangleMesh> mesh) {

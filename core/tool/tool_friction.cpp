@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 // Of the device's motion: what moves the tool by less is no slide.
-constexpr double kLeastPull = 0x1p-10;
+constexpr double kMinPull = 0x1p-10;
 // Of the same: what a tool that sticks moves by at most. One that slides moves by all of it.
 constexpr double kSticks = 0.125;
 // Of the distance between device and tool: what the iteration leaves of a slip, 16 times what ends it (ContactCones).
@@ -17,7 +17,7 @@ constexpr double kLeftSlip = 0x1p-16;
 // Largest rotation in a step, rad, of a tool that was in contact. Where friction has turned it far from the device, the bounds of contacts,
 // which are linear about the tool's pose, do not hold along the path back: the next step continues with contacts found on that path. 100
 // rad/s at 1 kHz, twice what a hand turns at.
-constexpr double kMostTurn = 0.1;
+constexpr double kMaxTurn = 0.1;
 
 Vec6 motion_between(const Placement& from, const Placement& to) {
   Vec6 motion;
@@ -71,9 +71,9 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   choose_carrier(local, solution, parts);
   const Vec6 moved = motion_between(std::exchange(device_, device), device);
   const bool was_held = is_placed_ && cones_.holds() && !local.is_blocked;
-  if (solution.active_count == 0 && was_held && turn_between(at_.orientation, solution.at.orientation).norm() > kMostTurn) {
+  if (solution.active_count == 0 && was_held && turn_between(at_.orientation, solution.at.orientation).norm() > kMaxTurn) {
     const Vec6 back = motion_between(at_, solution.at);
-    at_ = displaced(at_, (kMostTurn / back.tail<3>().norm()) * back);
+    at_ = displaced(at_, (kMaxTurn / back.tail<3>().norm()) * back);
     return {at_, at_, solution};
   }
   if (!is_placed_ || solution.active_count == 0) {
@@ -89,14 +89,14 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   const double left = kLeftSlip * std::sqrt(local.stiffness.cwiseProduct(extension).dot(extension));
   const bool slides = cones_.slip() > std::max({kSticks * moved_length, left, local.tolerance});
   const Vec6 pulled = local.stiffness.cwiseProduct(moved);
-  const bool pulls_onward = pulled.dot(slide) > kLeastPull * pulled.dot(moved);
+  const bool pulls_onward = pulled.dot(slide) > kMinPull * pulled.dot(moved);
   slides_ = slides || (slides_ && pulls_onward);
   sticks_ = !slides && !slides_;
   Step step;
   step.solution = solution;
   const Vec6 ahead = cones_.motion() - here;
   const double turn = ahead.tail<3>().norm();
-  const Vec6 motion = was_held && turn > kMostTurn ? Vec6(here + (kMostTurn / turn) * ahead) : cones_.motion();
+  const Vec6 motion = was_held && turn > kMaxTurn ? Vec6(here + (kMaxTurn / turn) * ahead) : cones_.motion();
   step.at = displaced(local.proxy, local.project(motion));
   at_ = step.goal = step.at;
   return step;

@@ -10,30 +10,30 @@ namespace {
 
 constexpr double kOffset = ToolProxy::kContactOffset;
 constexpr double kLargestTurn = 0.5;  // rad in a round: bounds are good for small ones
-constexpr int kMostCorrections = 3;
+constexpr int kMaxCorrections = 3;
 constexpr std::size_t kManyFeatures = 1024;  // with more, the reach does not grow
-constexpr std::size_t kMostFollowed = 96;    // or twice as many as a search found: with more, most of them are behind the tool
+constexpr std::size_t kMaxFollowed = 96;     // or twice as many as a search found: with more, most of them are behind the tool
 constexpr double kNothing = 0x1p-10;         // of the offset: what is left when the device is reached
 // Pairs that a round begins with: within a share of its reach.
 constexpr double kNearShare = 0x1p-8;
 constexpr double kNear = 2.0;  // and offsets
 // The first part that is searched of a motion that no contact holds: it may lead straight into a surface, however far the last one went.
 constexpr double kFirstShare = 0x1p-8;  // of the motion
-constexpr double kLeastFirst = 16.0;    // offsets
-constexpr int kMostExtensions = 8;
+constexpr double kMinFirst = 16.0;      // offsets
+constexpr int kMaxExtensions = 8;
 // Where a tool slides far below its device, a small slide brings it nearer by a far smaller distance.
-constexpr double kLeastGain = kOffset * 0x1p-12;
+constexpr double kMinGain = kOffset * 0x1p-12;
 constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
 ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team)
     : energy_(turn_length),
-      progress_(kLeastGain),
+      progress_(kMinGain),
       team_(&team),
-      bounds_(NearFeatures::kMostFeatures),
-      bound_pairs_(NearFeatures::kMostFeatures),
-      yields_(NearFeatures::kMostFeatures),
+      bounds_(NearFeatures::kMaxFeatures),
+      bound_pairs_(NearFeatures::kMaxFeatures),
+      yields_(NearFeatures::kMaxFeatures),
       known_(1) {
   parts_.push_back(std::move(scene));
 }
@@ -51,7 +51,7 @@ ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurfa
 void ToolProxy::add_part(const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface,
                          std::vector<CoulombFriction> friction) {
   parts_.push_back(std::make_unique<ScenePart>(*parts_[0], scene, std::move(scene_surface), std::move(friction), *team_));
-  const std::size_t most = parts_.size() * NearFeatures::kMostFeatures;
+  const std::size_t most = parts_.size() * NearFeatures::kMaxFeatures;
   bounds_.resize(most);
   bound_pairs_.resize(most);
   yields_.resize(most);
@@ -95,7 +95,7 @@ bool ToolProxy::overlaps(const Placement& placement) noexcept {
   if (!collect(placement, kOffset, 0.0)) return true;
   for (const auto& part : parts_) {
     for (const NearFeature& near : part->near().features()) {
-      if (near.gap.distance < kLeastGap * kOffset) return true;
+      if (near.gap.distance < kMinGap * kOffset) return true;
     }
     if (part->near().any_intersect(part->own(placement))) return true;  // triangles that intersect need not have near features
   }
@@ -207,7 +207,7 @@ RigidMotion ToolProxy::constrain(const RigidMotion& wanted, double reach) noexce
   RigidMotion motion = cut_to(reach, energy_.to_motion(proxy_, least_.y));
   // What is left of a long motion, and what its curvature does to the gaps, is brought back within the bounds.
   LeastMotion nearest;
-  for (int correction = 0; bound_count_ > 0 && correction < kMostCorrections; ++correction) {
+  for (int correction = 0; bound_count_ > 0 && correction < kMaxCorrections; ++correction) {
     if (!correct_bounds(motion) && correction > 0) break;
     if (!solve(energy_.to_coordinates(motion), nearest)) return RigidMotion{proxy_};
     motion = cut_to(reach, energy_.to_motion(proxy_, nearest.y));
@@ -240,14 +240,14 @@ bool ToolProxy::is_crossed(const RigidMotion& motion) const noexcept {
 }
 
 // The share of the motion over which every pair stays at its floor: kFloor of the offset, or a little below where it is, but never below
-// kLeastGap; a pair that is there already may only move apart.
+// kMinGap; a pair that is there already may only move apart.
 double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
   double until = 1.0;
   for (const auto& part : parts_) {
     const RigidMotion own = part->own(motion);
     for (const NearFeature& near : part->near().features()) {
       const double d = near.gap.distance;
-      const double floor = std::min(d, std::max(kLeastGap * kOffset, std::min(kFloor * kOffset, d - kOffset * 0x1p-8)));
+      const double floor = std::min(d, std::max(kMinGap * kOffset, std::min(kFloor * kOffset, d - kOffset * 0x1p-8)));
       until = find_safe_time(near.pair, near.gap, own, floor, until);
       if (!(until > 0.0)) return 0.0;
     }
@@ -277,9 +277,9 @@ void ToolProxy::return_to_best() noexcept {
 }
 
 bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, double tried, RigidMotion& motion) noexcept {
-  for (int k = 0; k < kMostExtensions && !(std::isfinite(reach) && is_at_rest()); ++k) {
+  for (int k = 0; k < kMaxExtensions && !(std::isfinite(reach) && is_at_rest()); ++k) {
     note_known();
-    const bool is_last = k + 1 == kMostExtensions;
+    const bool is_last = k + 1 == kMaxExtensions;
     const double length = motion.length(radius());
     const bool is_part = length > 2.0 * tried && !is_last;
     if (!extend(is_part ? motion.scaled(tried / length) : motion, kOffset)) return false;
@@ -319,12 +319,12 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   if (std::exchange(follows_, false)) {
     follow(proxy_, turn);
   } else if (collect(proxy_, kNearShare * reach + kNear * kOffset, turn)) {
-    most_followed_ = std::max(kMostFollowed, 2 * feature_count());
+    most_followed_ = std::max(kMaxFollowed, 2 * feature_count());
   } else {
     return shorten();
   }
   RigidMotion motion = constrain(wanted, reach);
-  const double first = std::max(kLeastFirst * kOffset, kFirstShare * motion.length(radius));
+  const double first = std::max(kMinFirst * kOffset, kFirstShare * motion.length(radius));
   const double tried = least_.active_count == 0 ? std::min(tried_, first) : tried_;
   if (!extend_until_clear(wanted, reach, tried, motion)) return shorten();
   report.feature_count = std::max(report.feature_count, feature_count());
@@ -404,7 +404,7 @@ double ToolProxy::carry_round(double length) noexcept {
 void ToolProxy::carry(std::size_t first, std::size_t last, ToolProxyStep& report) noexcept {
   double budget = 2.0 * travel_ + kCatchUp * kOffset;
   double limit = budget;
-  for (int k = 0; k < kMostCarries; ++k) {
+  for (int k = 0; k < kMaxCarries; ++k) {
     double left = 0.0;
     double turn = 0.0;
     bool is_arrived = true;
@@ -461,7 +461,7 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
   last_ = proxy_;
   progress_.restart();
   follows_ = false;
-  while (report.rounds < kMostRounds) {
+  while (report.rounds < kMaxRounds) {
     ++report.rounds;
     report.converged = true;
     if (!round(device, report)) break;

@@ -44,7 +44,7 @@ struct ToolProxyStep {
 // the proxy nearest to the device with every local minimum of the distance kept at the contact offset (Gauss' principle of least
 // constraint; Ortega, Redon & Coquillart 2007, section 4), corrects it for the curvature of the rotation, and makes as much of it as
 // certainly keeps every pair at kFloor of the offset, over the whole motion (conservative advancement). It ends when the motion left is
-// below kConverged of the offset (rest_radius), after kMostRounds, or when its rounds get no nearer (RoundProgress).
+// below kConverged of the offset (rest_radius), after kMaxRounds, or when its rounds get no nearer (RoundProgress).
 //
 // Nearest is meant in the energy of the coupling: the squared distance of the grip points plus the squared turn times turn_length^2. At the
 // end the coupling's force and torque are then exactly the sum of what frictionless contacts give.
@@ -63,12 +63,12 @@ class ToolProxy {
   static constexpr double kContactOffset = 0x1p-20;
   static constexpr double kTolerance = kContactOffset * 0x1p-7;  // of a bound
   static constexpr double kFloor = 0.75;                         // of the offset: no pair comes nearer by a motion
-  static constexpr double kLeastGap = 0.5;                       // of the offset: where the proxy may be
+  static constexpr double kMinGap = 0.5;                         // of the offset: where the proxy may be
   static constexpr double kConverged = 0.25;                     // of the offset
-  static constexpr int kMostRounds = 24;
-  static constexpr int kMostCarries = 16;   // rounds in which all parts move, and as many for each part that was kept back
+  static constexpr int kMaxRounds = 24;
+  static constexpr int kMaxCarries = 16;    // rounds in which all parts move, and as many for each part that was kept back
   static constexpr double kCatchUp = 64.0;  // offsets a step, beyond twice the part's own motion
-  static constexpr double kLeastLocalReach = 64.0 * kContactOffset;
+  static constexpr double kMinLocalReach = 64.0 * kContactOffset;
 
   // friction: of the scene's objects, for find_local_contacts; empty: none. team: shares the search for contacts; steps are the same to the
   // bit with any number of workers.
@@ -97,12 +97,12 @@ class ToolProxy {
   double radius() const { return parts_[0]->near().radius(); }  // of the tool about its grip point
   // The reach for find_local_contacts; `moved`: how far the device has moved since the last call. At the same speed the device stays within
   // it until the next call, unless radius() / 64 limits it. A longer reach would find contacts earlier, but the search would take longer.
-  double local_reach(double moved) const { return std::min(std::max(kLeastLocalReach, 2.0 * moved), radius() / 64.0); }
+  double local_reach(double moved) const { return std::min(std::max(kMinLocalReach, 2.0 * moved), radius() / 64.0); }
   // How far the parts of the scene move past the tool from where they should be now, if they should be at `parts` next. Local units.
   double travel_to(std::span<const Placement> parts) const noexcept;
   // For the fast task, until the next step: what keeps the tool out within `reach` of where it is now. If that is more than fits, what
   // holds it with the device and the parts of the scene there (contact_choice.h), and the nearest. The bounds are of where the parts are
-  // now: LocalContacts::follow moves them. The reach is shortened, as far as kLeastLocalReach, where surfaces that nearly fit into each
+  // now: LocalContacts::follow moves them. The reach is shortened, as far as kMinLocalReach, where surfaces that nearly fit into each
   // other would give so many pairs that the search takes far longer than a step; from call to call, as the number of pairs tells.
   void find_local_contacts(const Placement& device, std::span<const Placement> parts, double reach, LocalContacts& local) noexcept;
   // Of the last find_local_contacts: the one that was asked for, or a shorter one.
@@ -130,7 +130,7 @@ class ToolProxy {
   void follow(const Placement& placement, double turn) noexcept;
   std::size_t feature_count() const noexcept;
   const NearFeature& near_of(const BoundPair& pair) const noexcept { return parts_[pair.part]->near().features()[pair.feature]; }
-  // True if some pair is nearer than kLeastGap, or some triangles intersect.
+  // True if some pair is nearer than kMinGap, or some triangles intersect.
   bool overlaps(const Placement& placement) noexcept;
   void place(const Placement& device) noexcept;
   RigidMotion wanted_motion(const Placement& device) const noexcept;

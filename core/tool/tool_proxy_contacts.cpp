@@ -27,7 +27,7 @@ void ToolProxy::find_local_contacts(const Placement& device, std::span<const Pla
   last_local_reach_ = reach;
   limit_local_reach();
   find_minima();
-  if (bound_count_ <= LocalContacts::kMost) {
+  if (bound_count_ <= LocalContacts::kMax) {
     for (std::size_t i = 0; i < bound_count_; ++i) local.add(bounds_[i], local_contact(bound_pairs_[i]));
     return;
   }
@@ -42,12 +42,12 @@ void ToolProxy::limit_local_reach() noexcept {
   for (const auto& part : parts_) {
     for (const NearFeature& near : part->near().features()) {
       all += 1.0;
-      close += near.gap.distance <= kLeastLocalReach + kContactOffset ? 1.0 : 0.0;
+      close += near.gap.distance <= kMinLocalReach + kContactOffset ? 1.0 : 0.0;
     }
   }
   const double most = kMany + 2.0 * close;
   if (all > most) {
-    local_limit_ = std::max(kLeastLocalReach, std::max(kShrinkage, 0.5 * most / all) * last_local_reach_);
+    local_limit_ = std::max(kMinLocalReach, std::max(kShrinkage, 0.5 * most / all) * last_local_reach_);
   } else if (all < 0.25 * most && local_limit_ > 0.0) {
     local_limit_ *= 2.0;
     if (local_limit_ > radius()) local_limit_ = 0.0;
@@ -104,7 +104,7 @@ void ToolProxy::choose_local_contacts(const Placement& device, std::span<const P
   for (std::size_t i = 0; i < bound_count_ && !parts.empty(); ++i) {
     if (parts_[bound_pairs_[i].part]->moves()) bounds_[i].least = moved_least(bounds_[i], local_contact(bound_pairs_[i]), parts);
   }
-  std::array<std::uint32_t, LocalContacts::kMost> chosen;
+  std::array<std::uint32_t, LocalContacts::kMax> chosen;
   const std::size_t count = choose_contacts({bounds_.data(), bound_count_}, goals, local, chosen);
   for (std::size_t i = 0; i < count; ++i) {
     const BoundPair& pair = bound_pairs_[chosen[i]];

@@ -52,9 +52,9 @@ std::vector<std::shared_ptr<const ObjectGeometry>> geometries_of(const std::vect
 // Of the parts that move; of a scene without: 0.
 Result<std::size_t> count_moving(const std::vector<int>& part_of) {
   const int moving = part_of.empty() ? 0 : std::max(0, *std::max_element(part_of.begin(), part_of.end()));
-  if (moving > ToolStep::kMostParts) {
+  if (moving > ToolStep::kMaxParts) {
     return fail("{} parts of the scene move by themselves; a rigid tool touches {} at most: let some stand still, or move together", moving,
-                ToolStep::kMostParts);
+                ToolStep::kMaxParts);
   }
   return static_cast<std::size_t>(moving);
 }
@@ -128,11 +128,11 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const PreparedTool& prepared, c
 }
 
 Result<std::unique_ptr<ToolStep>> ToolStep::checked(std::unique_ptr<ToolStep> step) {
-  constexpr double kMostSizes = 1e6;
+  constexpr double kMaxSizes = 1e6;
   const double size = step->proxy_.radius();
   const double turn_length = turn_length_m(step->coupling_) / step->scene_.unit_m();
   if (!(size > 0.0) || !(turn_length > 0.0)) return fail("the tool has no surface about its grip point");
-  if (!(size <= kMostSizes)) return fail("the tool is {:.3g} times as large as the scene; check the units of both", size);
+  if (!(size <= kMaxSizes)) return fail("the tool is {:.3g} times as large as the scene; check the units of both", size);
   step->set_drag({});
   return step;
 }
@@ -261,7 +261,7 @@ void ToolStep::set_drag(const std::vector<ContactDamping>& damping) {
 }
 
 std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
-                               std::array<ContactDrag::Contact, ContactDrag::kMostContacts>& contacts) noexcept {
+                               std::array<ContactDrag::Contact, ContactDrag::kMaxContacts>& contacts) noexcept {
   const auto count = static_cast<std::size_t>(solution.active_count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(solution.active[k]);
@@ -273,7 +273,7 @@ std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::
 }
 
 void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
-  std::array<ContactDrag::Contact, ContactDrag::kMostContacts> contacts;
+  std::array<ContactDrag::Contact, ContactDrag::kMaxContacts> contacts;
   std::size_t count = 0;
   if (output.contact && has_friction_) {
     count = list_drag_contacts(local_, solution_, unit_force_n(), contacts);
@@ -313,8 +313,8 @@ std::string ToolStep::describe() const {
       "tool: {} triangles, {:.4g} m from its grip point; scene: {} triangles in {} objects\n"
       "coupling: {:.6g} N/m, {:.4g} Nm/rad; contact offset {:.3g} um; at most {} rounds of {} pairs of features a step\n",
       tool_.triangle_count(), proxy_.radius() * scene_.unit_m(), triangles, objects, coupling_.stiffness_n_per_m,
-      coupling_.rotational_stiffness_nm_per_rad, 1e6 * ToolProxy::kContactOffset * scene_.unit_m(), ToolProxy::kMostRounds,
-      NearFeatures::kMostFeatures);
+      coupling_.rotational_stiffness_nm_per_rad, 1e6 * ToolProxy::kContactOffset * scene_.unit_m(), ToolProxy::kMaxRounds,
+      NearFeatures::kMaxFeatures);
   if (!moving_.empty()) {
     text += fmt::format("{} of the objects move by themselves, in {} parts\n", objects - scene_.object_count(), moving_.size());
   }

@@ -61,7 +61,7 @@ double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip = Vec3
 
 // The contacts that hold a tool, for damping. unit_force_n: of a multiplier of 1. Returns how many. RT: yes.
 std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
-                               std::array<ContactDrag::Contact, ContactDrag::kMostContacts>& contacts) noexcept;
+                               std::array<ContactDrag::Contact, ContactDrag::kMaxContacts>& contacts) noexcept;
 
 // One haptic step of a rigid tool, shared by the live node, replay, tests and benches: the 6-DOF counterpart of TouchStep.
 //   force  = stiffness * (p_WP - p_WD)
@@ -69,7 +69,7 @@ std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::
 // RT: step and reset yes without a team, make set-up only.
 class ToolStep {
  public:
-  static constexpr int kMostParts = 32;  // that move; each takes about 24 MB
+  static constexpr int kMaxParts = 32;  // that move; each takes about 24 MB
 
   // tool: metres, from the grip point, along the stylus' axes. scene: frame S, metres, one mesh for each object. Error: a mesh without
   // triangles, numbers that are not finite, impossible stiffness or friction, a tool more than a million times as large as the scene.

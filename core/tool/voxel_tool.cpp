@@ -43,9 +43,9 @@ Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, con
   }
   made->grid_ = {low - Vec3::Constant(voxel_m), voxel_m};  // a cell of margin
   const Vec3 cells = ((high - low) / voxel_m).array().floor() + 3.0;
-  if (!(cells.prod() <= kMostCells)) {
+  if (!(cells.prod() <= kMaxCells)) {
     return fail("a voxel of {:.3g} m makes a grid of {:.3g} cells; {:.3g} m fits", voxel_m, cells.prod(),
-                voxel_m * std::cbrt(cells.prod() / kMostCells) * 1.05);
+                voxel_m * std::cbrt(cells.prod() / kMaxCells) * 1.05);
   }
   made->cells_ = cells.cast<int>();
   made->is_surface_.assign((static_cast<std::size_t>(cells.prod()) + 63) / 64, 0);

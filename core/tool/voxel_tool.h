@@ -25,7 +25,7 @@ class VoxelTool {
   static constexpr double kContactStiffness = 10.0;
   static constexpr double kFullContacts = 10.0;
   // Of the scene's grid, in bits: 128 MB.
-  static constexpr double kMostCells = 1 << 30;
+  static constexpr double kMaxCells = 1 << 30;
 
   // voxel_m: side of a voxel, of scene and tool alike. Error: as ToolStep::make, and a voxel size that is impossible.
   static Result<std::unique_ptr<VoxelTool>> make(const TriangleMesh& tool, const std::vector<std::shared_ptr<const TriangleMesh>>& scene,

@@ -98,7 +98,7 @@ void Client::reject_force(Time now) {
 // The number of the described sender is in the sender field.
 void Client::receive_sender(const Message& message) {
   const bool is_us = name_of(message) == name_;
-  if (is_us) remember(us_, message.sender, kMostIds);
+  if (is_us) remember(us_, message.sender, kMaxIds);
   // The number now means someone else.
   if (!is_us) std::erase(us_, message.sender);
 }
@@ -110,7 +110,7 @@ void Client::receive_type(const Message& message) {
   if (name == kToRoomRequest) to_room_type_ = message.sender;
   if (name == kUnitToSensorRequest) unit_to_sensor_type_ = message.sender;
   if (name == kRateRequest) rate_type_ = message.sender;
-  if (name.starts_with(kForceDevice)) remember(force_types_, message.sender, kMostIds);
+  if (name.starts_with(kForceDevice)) remember(force_types_, message.sender, kMaxIds);
 }
 
 void Client::receive_udp(const Message& message) {

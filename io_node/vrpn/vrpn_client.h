@@ -76,7 +76,7 @@ class Client {
   bool is_about_us(std::int32_t sender) const;
 
   // Names may be described again and again: no more are kept than a client has reason to.
-  static constexpr std::size_t kMostIds = 128;
+  static constexpr std::size_t kMaxIds = 128;
 
   std::string name_;
   Bytes in_;

@@ -31,8 +31,8 @@ constexpr std::array<HapticProperty, 4> kProperties = {{{"vibrotactileTexture", 
                                                         {"custom", "viscosity_map_ns_per_m", &HapticMaterial::viscosity}}};
 constexpr std::size_t kMaxHapticImageBytes = std::size_t{1} << 28;
 constexpr std::array<std::string_view, 2> kNotFelt = {"vibration", "temperature"};
-constexpr std::array<std::string_view, 7> kOthers = {"stiffness",  "friction", "vibrotactileTexture", kCustom, "name",
-                                                     "extensions", "extras"};
+constexpr std::array<std::string_view, 7> kKnownKeys = {"stiffness",  "friction", "vibrotactileTexture", kCustom, "name",
+                                                        "extensions", "extras"};
 
 Result<std::string> read_image_bytes(const Document& document, const Json& json, const std::string& where,
                                      const std::filesystem::path& folder) {
@@ -54,7 +54,8 @@ Result<std::string> read_image_bytes(const Document& document, const Json& json,
   });
 }
 
-// The texture of one property that is used: the best of its types. None: there is none. Error: what is not as the extension has it.
+// The texture of one property that is used: the best of its types. Null: the list has none that is supported. Error: an entry that the
+// extension does not allow.
 Result<const Json*> choose_texture(const Json& list, const std::string& where) {
   const Json* best = nullptr;
   std::size_t best_type = kHapticTypes.size();
@@ -142,9 +143,9 @@ class HapticReader {
 
   void note_ignored(const Json& json, const std::string& where) {
     for (const auto& [name, value] : json.items()) {
-      if (std::find(kOthers.begin(), kOthers.end(), name) != kOthers.end()) continue;
+      if (std::find(kKnownKeys.begin(), kKnownKeys.end(), name) != kKnownKeys.end()) continue;
       if (std::find(kNotFelt.begin(), kNotFelt.end(), name) == kNotFelt.end()) {
-        note("{}.{} is ignored: the extension has no such property{}", where, printable(name), similar_word_hint(name, kOthers));
+        note("{}.{} is ignored: the extension has no such property{}", where, printable(name), similar_word_hint(name, kKnownKeys));
       } else if (!value.empty()) {
         note("{}.{} is ignored: only stiffness, friction, vibrotactileTexture and custom are supported", where, name);
       }

@@ -126,7 +126,7 @@ std::optional<Error> make_triangles(const std::vector<std::uint32_t>& corners, s
   return std::nullopt;
 }
 
-constexpr std::size_t kMostUnfolded = 16;  // more than any material uses; each takes memory of its own
+constexpr std::size_t kMaxUnfolded = 16;  // more than any material uses; each takes memory of its own
 
 // Texture coordinates and colours of a compressed primitive.
 std::vector<std::string> unfoldable_attributes(const Json& draco) {
@@ -135,7 +135,7 @@ std::vector<std::string> unfoldable_attributes(const Json& draco) {
   if (!attributes.is_object()) return names;
   for (const auto& [name, id] : attributes.items()) {
     const bool is_id = id.is_number_unsigned() && id.get<std::uint64_t>() <= std::numeric_limits<std::uint32_t>::max();
-    if (names.size() < kMostUnfolded && is_id && (name.starts_with("TEXCOORD_") || name == "COLOR_0")) names.push_back(name);
+    if (names.size() < kMaxUnfolded && is_id && (name.starts_with("TEXCOORD_") || name == "COLOR_0")) names.push_back(name);
   }
   return names;
 }

@@ -41,8 +41,8 @@ double find_range(const std::vector<double>& times, const std::vector<std::vecto
     double high = low;
     for (std::size_t i = 0; i + 1 < times.size(); ++i) {
       const Cubic cubic = cubic_of(times, rows, i, k);
-      for (int n = 1; n <= kMostPieces; ++n) {
-        const double value = cubic.at(static_cast<double>(n) / kMostPieces);
+      for (int n = 1; n <= kMaxPieces; ++n) {
+        const double value = cubic.at(static_cast<double>(n) / kMaxPieces);
         low = std::min(low, value);
         high = std::max(high, value);
       }
@@ -55,7 +55,7 @@ double find_range(const std::vector<double>& times, const std::vector<std::vecto
 // A chord over 1/n of the share is off by at most an eighth of the second derivative over n^2.
 int count_pieces(double most_bent, double tolerance) {
   if (!(most_bent > 0.0) || !(tolerance > 0.0)) return 1;
-  return static_cast<int>(std::clamp(std::ceil(std::sqrt(most_bent / (8.0 * tolerance))), 1.0, static_cast<double>(kMostPieces)));
+  return static_cast<int>(std::clamp(std::ceil(std::sqrt(most_bent / (8.0 * tolerance))), 1.0, static_cast<double>(kMaxPieces)));
 }
 
 }  // namespace

@@ -11,10 +11,10 @@ struct NumberTrack {
 };
 
 // A CUBICSPLINE sampler as straight pieces: the rows of its keyframes stay, and between two of them as many more lie on the curve as keep
-// the pieces within a 256th of the range of the numbers, at most kMostPieces - 1. rows: for each time the tangent before it, the value and
+// the pieces within a 256th of the range of the numbers, at most kMaxPieces - 1. rows: for each time the tangent before it, the value and
 // the tangent after it. Pre: three rows a time, all finite and of the same length. RT: set-up only. Source: glTF 2.0, appendix C.5,
 // Hermite.
-constexpr int kMostPieces = 16;
+constexpr int kMaxPieces = 16;
 NumberTrack straighten_spline(const std::vector<double>& times, const std::vector<std::vector<double>>& rows);
 
 }  // namespace hapton::gltf

@@ -20,7 +20,7 @@ namespace {
 
 using process::Program;
 
-constexpr int kMostStalls = 4;
+constexpr int kMaxStalls = 4;
 constexpr double kStallMs = 1e-6 * StallWatch::kForceLifeNs;
 constexpr const char* kWildRealtime = "a real-time program runs wild";
 constexpr double kFastest = 1e7;  // a second: as fast as the machine sends
@@ -321,7 +321,7 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
     row.note = "io_node died; " + row.note;
   }
   // With patches nothing waits for the few replies.
-  if (!has_patches() && sent_per_s <= 1.1 * kBearablePerS && late_share > kMostLateShare) {
+  if (!has_patches() && sent_per_s <= 1.1 * kBearablePerS && late_share > kMaxLateShare) {
     row.is_over = true;
     row.is_broken = row.is_broken || settings_.slack_ms == 0.0;
   }
@@ -350,7 +350,7 @@ std::vector<Row> List::run() {
     for (double stall_ms = least_ms; is_stalled(rows_.back(), stall_ms); stall_ms = made(name, make)) {
       has_stalled_ = true;
       least_ms = std::min(least_ms, stall_ms);
-      if (stalls == kMostStalls || seconds_since_begin() > settings_.give_up_s) break;
+      if (stalls == kMaxStalls || seconds_since_begin() > settings_.give_up_s) break;
       rows_.pop_back();
       ++stalls;
     }

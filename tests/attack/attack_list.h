@@ -14,7 +14,7 @@ constexpr double kOutsideMs = 50.0;
 constexpr double kAloneMs = 1000.0 + kInsideMs;
 // A flood that a hub must bear without more late forces than this share.
 constexpr double kBearablePerS = 200'000.0;
-constexpr double kMostLateShare = 0.01;
+constexpr double kMaxLateShare = 0.01;
 
 enum class Kind { inside, outside, alone };
 

@@ -26,14 +26,14 @@ using eprosima::fastcdr::Cdr;
 using eprosima::fastcdr::FastBuffer;
 using Bytes = std::vector<unsigned char>;
 
-constexpr std::uint32_t kMostBytes = 4096;
+constexpr std::uint32_t kMaxBytes = 4096;
 
 // A type whose samples are serialised bytes, including the encapsulation header.
 class BytesType : public fast::TopicDataType {
  public:
   explicit BytesType(const std::string& name) {
     setName(name.c_str());
-    m_typeSize = kMostBytes;
+    m_typeSize = kMaxBytes;
     m_isGetKeyDefined = false;
     auto_fill_type_object(false);
     auto_fill_type_information(false);
@@ -213,7 +213,7 @@ void FastNode::write_wrench(const std::string& topic, const std::string& frame_i
     writer = state_->publisher->create_datawriter(state_->topic(topic, "geometry_msgs::msg::dds_::WrenchStamped_"), qos);
     if (writer == nullptr) throw std::runtime_error("no writer of " + topic);
   }
-  Bytes bytes(kMostBytes);
+  Bytes bytes(kMaxBytes);
   FastBuffer buffer(reinterpret_cast<char*>(bytes.data()), bytes.size());
   Cdr cdr(buffer, Cdr::LITTLE_ENDIANNESS, Cdr::DDS_CDR);
   cdr.serialize_encapsulation();

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <string>
@@ -208,10 +209,28 @@ TEST_F(ForceDimension, AForceThatTheFirmwareReleasedIsReportedWithItsCauseAndRet
 TEST_F(ForceDimension, AForceThatThePersonSwitchedOffStaysOff) {
   open();
   ASSERT_TRUE(serve_until_ready());
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
   board->force_off_cause = 1;
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 0.0; }, push));
+  board->largest_force = 0.0;
   const std::uint64_t ticks = board->ticks;
-  ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 300; }, {.force_n = Vec3(0, 0, 2)}));
+  ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 300; }, push));
   EXPECT_EQ(board->force_off_cause, 1);
+  EXPECT_EQ(board->largest_force, 0.0) << "no ramp runs meanwhile, so that the force returns from zero";
+  board->force_off_cause = 0;
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+}
+
+TEST_F(ForceDimension, APositionThatIsNotFiniteReachesTheGovernor) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->follows_hand = 0;
+  board->hand_m[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(serve_until([&] { return !hand.sample().p_WD.allFinite(); }));
+  EXPECT_EQ(device->status(), DeviceStatus::ready);
+  board->hand_m[1] = 0.0;
+  EXPECT_TRUE(serve_until([&] { return hand.sample().p_WD.allFinite(); }));
 }
 
 TEST_F(ForceDimension, UnpluggedInContactItIsAwayAndFoundAgain) {

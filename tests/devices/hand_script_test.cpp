@@ -38,7 +38,7 @@ TEST(HandScript, SurvivesAForceThatMakesNoSense) {
 // A device that does not move and whose force never ends: the hand neither pulls farther and farther, nor leaves its workspace, nor waits
 // for the force to end.
 TEST(HandScript, AForceThatNeverEndsHoldsUpNothing) {
-  constexpr double kMostPullM = 0.015;
+  constexpr double kMaxPullM = 0.015;
   for (const double height : {0.0, -0.2}) {  // in the middle, and at the lower end of the workspace
     SCOPED_TRACE(height);
     HandScript script(box(5));
@@ -57,8 +57,8 @@ TEST(HandScript, AForceThatNeverEndsHoldsUpNothing) {
       if (was_rubbing && rubs()) farthest_m = std::max(farthest_m, (hand - device).norm());
     }
     EXPECT_TRUE(phases.contains(HandScript::Phase::circle)) << "it waits for the end of the force before it taps";
-    EXPECT_LE(farthest_m, kMostPullM + 1e-12);
-    EXPECT_GT(farthest_m, height == 0.0 ? 0.9 * kMostPullM : 0.0) << "it presses less than it wants to";
+    EXPECT_LE(farthest_m, kMaxPullM + 1e-12);
+    EXPECT_GT(farthest_m, height == 0.0 ? 0.9 * kMaxPullM : 0.0) << "it presses less than it wants to";
   }
 }
 
@@ -127,7 +127,7 @@ TEST(HandScript, BeginsAPathAgainAtTheSpeedOfAnArm) {
   Vec3 last = hand_on_path(script, 1999);
   for (int step = 0; step < 1000; ++step) {
     const Vec3 next = script.step(last, Vec3::Zero()).p_WH;
-    ASSERT_LE((next - last).norm(), 1e-3 * HandScript::kMostPathSpeed + 1e-12) << "the way back is a jump";
+    ASSERT_LE((next - last).norm(), 1e-3 * HandScript::kMaxPathSpeed + 1e-12) << "the way back is a jump";
     last = next;
   }
   EXPECT_LT((last - Vec3(0.05, 0.02, 0)).norm(), 1e-3);

@@ -90,6 +90,17 @@ TEST_F(Haply, WorksWithoutAGrip) {
   EXPECT_EQ(hand.sample().q_WT.coeffs(), Quat::Identity().coeffs());
 }
 
+// A dead man's switch on it must not stay held.
+TEST_F(Haply, AGripThatIsGoneHoldsNoButton) {
+  service->buttons = 1;
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return hand.sample().buttons == 1U; }));
+  service->has_grip = false;
+  EXPECT_TRUE(serve_until([&] { return hand.sample().buttons == 0U; }));
+  EXPECT_EQ(device->status(), DeviceStatus::ready);
+}
+
 TEST_F(Haply, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {
   service->is_calibrated = false;
   testing::internal::CaptureStderr();

@@ -117,6 +117,18 @@ TEST_F(HidDeviceTest, ACutTurnsOffWhatTheDriverAddsUntilItIsRestored) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
+// What a driver adds by itself (gravity compensation) would be for angles of long ago.
+TEST_F(HidDeviceTest, WithoutReportsTheDeviceMayExertNothing) {
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  reporter_.be_silent(true);
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
+  (void)hid_.take_written();
+  EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; })) << "the servo goes on writing";
+  for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
+  reporter_.be_silent(false);
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+}
+
 // A CPU is not spent on the same report again and again.
 TEST_F(HidDeviceTest, RepeatsWhatItWroteEveryTwoMilliseconds) {
   constexpr std::size_t kReports = 100;
@@ -150,6 +162,7 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
       return is_ready && !reports.empty() && reports.back()[2] == 100;
     }));
     ASSERT_FALSE(reports.empty());
+    EXPECT_EQ(reports.front()[1], 0) << "the first report after it was opened is no force";
     EXPECT_EQ(reports.front()[2], 0);
     // Where a busy machine kept the servo from its commands for half of what the device waits for one, or the device from its reports, the
     // force may have been released in between: the ramp is the last one then.

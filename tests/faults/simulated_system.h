@@ -130,7 +130,7 @@ class SimulatedHaptics {
   const Grasp& grasp() const { return *grasp_; }
   // As a program requests a shape of the first object. Pre: programs deform it.
   void deform(std::uint32_t shape, const std::vector<ShapePart::Displacement>& displacements_m, double over_s) {
-    for (std::uint32_t first = 0; first < displacements_m.size(); first += ShapePart::kMostHere) {
+    for (std::uint32_t first = 0; first < displacements_m.size(); first += ShapePart::kMaxHere) {
       shaper_->accept({.stream = 1, .shape = shape, .over_s = over_s, .part = make_shape_part(displacements_m, first)}, clock.now_ns());
     }
   }

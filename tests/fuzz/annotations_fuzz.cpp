@@ -15,7 +15,7 @@ FUZZ_TARGET(annotations) {
     return;
   }
   const Annotations& annotations = read->annotations;
-  fuzz::require(count_points(annotations) <= kMostAnnotationPoints);
+  fuzz::require(count_points(annotations) <= kMaxAnnotationPoints);
   const auto is_known = [&](std::int32_t object) { return object >= 0 && static_cast<std::size_t>(object) < annotations.objects.size(); };
   for (const Annotation& entry : annotations.entries) {
     if (const auto* stroke = std::get_if<Stroke>(&entry)) {
@@ -25,7 +25,7 @@ FUZZ_TARGET(annotations) {
       for (const AnnotationPoint& end : std::get<Measure>(entry).ends) fuzz::require(is_known(end.object) && end.p_O.allFinite());
     }
   }
-  fuzz::require(count_carves(annotations.carved) <= kMostSavedCarves);
+  fuzz::require(count_carves(annotations.carved) <= kMaxSavedCarves);
   for (const CarvedPress& press : annotations.carved) {
     fuzz::require(is_known(press.object) && press.radius_m > 0.0 && !press.carves.empty());
     for (const Carve& carve : press.carves) fuzz::require(carve == rounded(carve) && carve.radius_m == press.radius_m);

@@ -2,6 +2,6 @@
 #include "tests/fuzz/mesh_target.h"
 
 FUZZ_TARGET(gltf) {
-  hapton::fuzz::require_sound(hapton::read_gltf(hapton::fuzz::text_of(bytes), hapton::fuzz::kNoFolder, hapton::fuzz::kMostTriangles,
-                                                hapton::AppearanceReading::on));
+  hapton::fuzz::require_sound(
+      hapton::read_gltf(hapton::fuzz::text_of(bytes), hapton::fuzz::kNoFolder, hapton::fuzz::kMaxTriangles, hapton::AppearanceReading::on));
 }

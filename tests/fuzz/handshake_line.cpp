@@ -13,7 +13,7 @@ using namespace seal;
 
 constexpr std::int64_t kStartNs = 1000 * kNanosecondsPerSecond;
 constexpr KeyRole kNodeRole = KeyRole::haptics;
-constexpr std::size_t kMostHandshakes = 8;  // of a changed input: each takes 0.2 ms and more
+constexpr std::size_t kMaxHandshakes = 8;  // of a changed input: each takes 0.2 ms and more
 
 LinkKey make_master() {
   LinkKey::Bytes bytes;
@@ -274,7 +274,7 @@ Bytes mutate_handshakes(std::span<const std::uint8_t> input, Mutation& mutation)
     default:
       change_handshake(datagrams, place, mutation);
   }
-  if (datagrams.size() > kMostHandshakes) datagrams.resize(kMostHandshakes);
+  if (datagrams.size() > kMaxHandshakes) datagrams.resize(kMaxHandshakes);
   for (std::size_t i = 0; i < datagrams.size(); ++i) {
     if (datagrams[i].bytes.empty() || (!has_tag(datagrams[i].bytes, kNodeRole) && mutation.one_in(2)))
       datagrams[i].bytes = make_honest(datagrams, i, mutation);
@@ -284,7 +284,7 @@ Bytes mutate_handshakes(std::span<const std::uint8_t> input, Mutation& mutation)
 
 Bytes cross_handshakes(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b, Mutation& mutation) {
   std::vector<ListedDatagram> both = mutation.cross(split_datagrams(a), split_datagrams(b));
-  if (both.size() > kMostHandshakes) both.resize(kMostHandshakes);
+  if (both.size() > kMaxHandshakes) both.resize(kMaxHandshakes);
   return join_datagrams(both);
 }
 

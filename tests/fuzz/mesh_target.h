@@ -86,6 +86,6 @@ inline void require_sound(Result<RawMesh> raw) {
 constexpr const char* kNoFolder = "/nonexistent/hapton";
 
 // Of a file with instances: a few bytes can request any number of triangles up to the limit.
-constexpr std::size_t kMostTriangles = 1U << 16;
+constexpr std::size_t kMaxTriangles = 1U << 16;
 
 }  // namespace hapton::fuzz

@@ -15,7 +15,7 @@ namespace hapton::fuzz {
 namespace {
 
 constexpr std::uint64_t kSeed = 13;
-constexpr std::size_t kMost = 4096;
+constexpr std::size_t kMax = 4096;
 
 // A stand-in for LLVMFuzzerMutate.
 Mutation::ChangeBytes plain_changes(std::mt19937_64& random) {
@@ -40,7 +40,7 @@ Bytes change_of(const std::string& target, const std::vector<Bytes>& corpus, std
   std::mt19937_64 random(kSeed + number);
   Bytes input = corpus[number % corpus.size()];
   for (std::uint64_t i = 0; i < changes; ++i) {
-    Mutation mutation(random(), kMost, plain_changes(random));
+    Mutation mutation(random(), kMax, plain_changes(random));
     input = mutators().at(target)(input, mutation);
   }
   return input;
@@ -130,7 +130,7 @@ TEST_P(Crossover, ComesPastTheCheck) {
   const std::vector<Bytes> corpus = read_corpus(GetParam());
   const double share = passing_share(GetParam(), 300, [&](std::uint64_t i) {
     std::mt19937_64 random(kSeed + i);
-    Mutation mutation(i, kMost, plain_changes(random));
+    Mutation mutation(i, kMax, plain_changes(random));
     return crossovers().at(GetParam())(corpus[i % corpus.size()], corpus[random() % corpus.size()], mutation);
   });
   EXPECT_GE(share, 0.5);

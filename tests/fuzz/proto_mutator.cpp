@@ -7,8 +7,8 @@ namespace {
 
 using Type = ProtoField::Type;
 
-constexpr int kMostDepth = 4;
-constexpr std::size_t kMostGrowth = 256;
+constexpr int kMaxDepth = 4;
+constexpr std::size_t kMaxGrowth = 256;
 
 std::optional<std::uint64_t> take_varint(std::span<const std::uint8_t>& rest) {
   std::uint64_t value = 0;
@@ -79,10 +79,10 @@ void change_field(ProtoField& field, Mutation& mutation, int depth) {
     return;
   }
   if (field.bytes.size() >= 8 && field.bytes.size() % 8 == 0 && mutation.one_in(2)) return change_packed_double(field.bytes, mutation);
-  if (depth < kMostDepth && !field.bytes.empty() && !mutation.one_in(8)) {
+  if (depth < kMaxDepth && !field.bytes.empty() && !mutation.one_in(8)) {
     field.bytes = mutate_proto(field.bytes, mutation, depth + 1);
   } else {
-    field.bytes = mutation.change(std::move(field.bytes), field.bytes.size() + kMostGrowth);
+    field.bytes = mutation.change(std::move(field.bytes), field.bytes.size() + kMaxGrowth);
   }
 }
 
@@ -130,7 +130,7 @@ Bytes join_proto(const std::vector<ProtoField>& fields) {
 
 Bytes mutate_proto(const Bytes& message, Mutation& mutation, int depth) {
   auto fields = split_proto(message);
-  if (!fields || fields->empty()) return mutation.change(message, message.size() + kMostGrowth);
+  if (!fields || fields->empty()) return mutation.change(message, message.size() + kMaxGrowth);
   switch (mutation.below(8)) {
     case 0:
       mutation.change_order(*fields);

@@ -18,10 +18,10 @@ FUZZ_TARGET(scene) {
     for (const Vec3& vertex : object.mesh->vertices) fuzz::require(vertex.allFinite());
     fuzz::require(object.material.stiffness_n_per_m > 0.0);
     fuzz::require(object.material.friction_dynamic <= object.material.friction_static);
-    fuzz::require(object.effects.snap.bound_n() <= kMostEffectForceN);
-    fuzz::require(object.effects.layers.count() <= TissueLayers::kMost);
+    fuzz::require(object.effects.snap.bound_n() <= kMaxEffectForceN);
+    fuzz::require(object.effects.layers.count() <= TissueLayers::kMax);
   }
   for (const SceneEffect& effect : scene->effects) {
-    fuzz::require(bound_of(effect.effect) >= 0.0 && bound_of(effect.effect) <= kMostEffectForceN);
+    fuzz::require(bound_of(effect.effect) >= 0.0 && bound_of(effect.effect) <= kMaxEffectForceN);
   }
 }

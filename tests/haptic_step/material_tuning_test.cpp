@@ -132,13 +132,13 @@ TEST(MaterialTuningLimit, MoreObjectsThanAMessageHoldsAreRejected) {
   std::vector<std::string> names;
   for (int i = 0; i < 30; ++i) names.push_back("part " + std::to_string(i));
   MaterialTuning tuning(scene_of(names));
-  for (std::size_t i = MaterialState::kMostObjects; i-- > 0;) ASSERT_TRUE(tuning.change(request(names[i], stiffness(500.0 + double(i)))));
+  for (std::size_t i = MaterialState::kMaxObjects; i-- > 0;) ASSERT_TRUE(tuning.change(request(names[i], stiffness(500.0 + double(i)))));
   const auto one_more = tuning.change(request(names[25], stiffness(500.0)));
   ASSERT_FALSE(one_more);
   EXPECT_THAT(one_more.error().what, HasSubstr("no more than 20 objects"));
   EXPECT_TRUE(tuning.change(request(names[3], stiffness(700.0)))) << "a known one may change again";
   // In the order that the codec wants.
-  for (std::size_t i = 0; i < MaterialState::kMostObjects; ++i) EXPECT_EQ(tuning.state().objects[i].object, static_cast<int>(i));
+  for (std::size_t i = 0; i < MaterialState::kMaxObjects; ++i) EXPECT_EQ(tuning.state().objects[i].object, static_cast<int>(i));
   EXPECT_TRUE(tuning.change(request("", stiffness(400.0))));
   EXPECT_EQ(tuning.state().object_count, 1U);
 }

@@ -107,19 +107,19 @@ TEST_F(ObjectMoverTest, MovesAreSlowedToTheLargestSurfaceSpeed) {
   reply_to();
   const ObjectMover::Done slowed = send(lift(0.05, 0.01));
   ASSERT_TRUE(slowed.move);
-  EXPECT_NEAR(slowed.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9) << "not 0.01 s";
+  EXPECT_NEAR(slowed.reply.over_s, 0.05 / kMaxSurfaceSpeed, 1e-9) << "not 0.01 s";
   const ObjectMover::Done fastest = send(lift(0.05));
-  EXPECT_NEAR(fastest.reply.over_s, 0.05 / kMostSurfaceSpeed, 1e-9);
+  EXPECT_NEAR(fastest.reply.over_s, 0.05 / kMaxSurfaceSpeed, 1e-9);
   double before = height();
   for (int i = 0; i < 300; ++i) {
     reply_to();
-    EXPECT_LE(height() - before, 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9));
+    EXPECT_LE(height() - before, 1e-3 * kMaxSurfaceSpeed * (1.0 + 1e-9));
     before = height();
   }
   EXPECT_EQ(height(), 0.05);
   MoveRequest turn{.request = 7, .object = {"plate"}, .q = Quat(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))};
   const double radius = scene.objects[1].commanded->radius_m();
-  EXPECT_NEAR(send(turn).reply.over_s, radius / kMostSurfaceSpeed, 1e-9);
+  EXPECT_NEAR(send(turn).reply.over_s, radius / kMaxSurfaceSpeed, 1e-9);
 }
 
 TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
@@ -132,7 +132,7 @@ TEST_F(ObjectMoverTest, ANewerRequestTakesOverWithoutAJump) {
     if (i % 7 == 0) send(lift(target(random), 0.02));
     EXPECT_EQ(height(), before) << "at the moment of the request, " << i;
     reply_to();
-    ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
+    ASSERT_LE(std::abs(height() - before), 1e-3 * kMaxSurfaceSpeed * (1.0 + 1e-9)) << i;
     before = height();
   }
   EXPECT_EQ(step.counts().moves_taken, 1U + 286U);
@@ -210,7 +210,7 @@ TEST_F(ObjectMoverTest, RequestsBeyondTheQueueAreCounted) {
   ObjectMover crowded(many, kSource);
   for (std::int32_t n = 0; n < 30; ++n)
     crowded.request({.request = 500U + static_cast<std::uint32_t>(n), .number = n, .p_m = Vec3::Zero()});
-  EXPECT_EQ(crowded.overflows(), 30U - ObjectMover::kMostWaiting);
+  EXPECT_EQ(crowded.overflows(), 30U - ObjectMover::kMaxWaiting);
 }
 
 // No heap for requests, good or bad, however many: the loop that replies to the device calls this.
@@ -287,7 +287,7 @@ TEST_F(ObjectMoverTest, AMoveThatStartsBeforeThePendingOneIsNotDelayed) {
   EXPECT_NEAR(height(), 0.02, 1e-12);
 }
 
-// A program that sends poses without pause: at most kMostAhead moves, half of what a CommandedMotion keeps, wait for their start, and the
+// A program that sends poses without pause: at most kMaxAhead moves, half of what a CommandedMotion keeps, wait for their start, and the
 // object follows without a jump.
 TEST_F(ObjectMoverTest, PendingMovesAreLimitedToHalfOfThoseKept) {
   mover.set_lead_ns(1'000'000'000);
@@ -298,10 +298,10 @@ TEST_F(ObjectMoverTest, PendingMovesAreLimitedToHalfOfThoseKept) {
     const ObjectMover::Done done = mover.work(step);
     moves += done.move ? 1 : 0;
     reply_to();
-    ASSERT_LE(std::abs(height() - before), 1e-3 * kMostSurfaceSpeed * (1.0 + 1e-9)) << i;
+    ASSERT_LE(std::abs(height() - before), 1e-3 * kMaxSurfaceSpeed * (1.0 + 1e-9)) << i;
     before = height();
   }
-  EXPECT_LE(moves, std::uint64_t{4000} * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMostAhead) / 1'000'000'000U + 2U);
+  EXPECT_LE(moves, std::uint64_t{4000} * 1'000'000U * static_cast<std::uint64_t>(ObjectMover::kMaxAhead) / 1'000'000'000U + 2U);
   EXPECT_GT(moves, 100U);
   EXPECT_NEAR(before, 0.01 * std::sin(0.002 * 3000), 0.001) << "it follows, a second later";
 }

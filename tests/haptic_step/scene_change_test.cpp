@@ -80,7 +80,7 @@ TEST_F(SceneChanges, OfMaterialsAreAStateOfTheSceneBefore) {
 TEST_F(SceneChanges, MoreMaterialsThanAStateHoldsAreNotDescribed) {
   Scene before;
   Scene after;
-  for (std::size_t n = 0; n <= MaterialState::kMostObjects; ++n) {
+  for (std::size_t n = 0; n <= MaterialState::kMaxObjects; ++n) {
     before.objects.push_back({.name = "o", .mesh = std::make_shared<const TriangleMesh>(), .material = {}});
     after.objects.push_back({.name = "o", .mesh = std::make_shared<const TriangleMesh>(), .material = {.stiffness_n_per_m = 1.0}});
   }

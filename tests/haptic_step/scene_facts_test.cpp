@@ -19,7 +19,7 @@ TEST(SceneFacts, SayWhereTheSceneIsAndWhichOneItIs) {
   EXPECT_EQ(make_scene_facts(scene).tool_hash, 78U);
   EXPECT_NEAR(facts.lowest_m[0], -0.1, 1e-3);
   EXPECT_NEAR(facts.highest_m[2], 0.1, 1e-3);
-  EXPECT_EQ(facts.point_count, SceneFacts::kMostPoints);
+  EXPECT_EQ(facts.point_count, SceneFacts::kMaxPoints);
   EXPECT_NEAR(Eigen::Map<const Eigen::Vector3f>(facts.points_m[3].data()).norm(), 0.1F, 1e-3F);
 }
 

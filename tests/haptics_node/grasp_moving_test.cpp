@@ -11,7 +11,7 @@ namespace {
 constexpr double kBeginsS = 3.0;         // the wall stands still before
 constexpr double kWallM = 0.02;          // how far it goes, towards the cube
 constexpr double kStiffness = 800.0;     // of all surfaces
-constexpr double kMostJumpN = 0.03;      // a sample's motion of hand and wall, 70 um, times the stiffness, is 0.056 N at most
+constexpr double kMaxJumpN = 0.03;       // a sample's motion of hand and wall, 70 um, times the stiffness, is 0.056 N at most
 const Vec3 kLifted = {0.03, 0.0, 0.04};  // the stylus with the cube, whose face is 10 mm from the wall before that moves
 
 void let_wall_move(Scene& scene) {
@@ -53,7 +53,7 @@ TEST_F(GraspBesideKeyframes, WhatIsHeldIsPushedByWhatMovesAndPutDownBesideIt) {
   EXPECT_NEAR(last.visual_offset_m.x(), -0.01, 2e-5);
   EXPECT_EQ(last.object, kCube);
   EXPECT_FALSE(last.push) << "no program moves it";
-  EXPECT_LT(most_change_n, kMostJumpN);
+  EXPECT_LT(most_change_n, kMaxJumpN);
 
   // Where the wall leaves it room, onto the plate.
   go({-0.02, 0.0, 0.04}, 1);
@@ -141,7 +141,7 @@ TEST_F(GraspBesidePrograms, WhatIsHeldPushesWhatProgramsMove) {
   rest(1, 400);
   EXPECT_EQ(last.object, kCube);
   EXPECT_NEAR(last.force_n.norm(), 0.0, 1e-6);
-  EXPECT_LT(most_change_n, kMostJumpN + kStiffness * 1e-4);
+  EXPECT_LT(most_change_n, kMaxJumpN + kStiffness * 1e-4);
 
   // It is put down, and the wall is felt where the program has moved it.
   go({0.0, 0.0, 0.0195}, 1);

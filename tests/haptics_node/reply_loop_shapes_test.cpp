@@ -78,7 +78,7 @@ class ReplyLoopShapes : public ReplyLoopStage {
             const char* object = "skin", std::uint32_t leave_out = 1) {
     ShapeRequest request{.stream = stream, .shape = shape, .over_s = over_s};
     put_text(object, request.object);
-    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kMostHere) {
+    for (std::uint32_t first = 0; first < displacements.size(); first += ShapePart::kMaxHere) {
       if (first == leave_out) continue;
       request.part = make_shape_part(displacements, first);
       send(request);
@@ -142,7 +142,7 @@ TEST_F(ReplyLoopShapes, GivesTheForceOfTheSameShapesAsKeyframes) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  constexpr std::uint32_t kShapes = MeshDeformation::kMostTargets;
+  constexpr std::uint32_t kShapes = MeshDeformation::kMaxTargets;
   std::vector<Displacements> given;
   struct Cycle {
     Vec3 hand;

@@ -138,8 +138,7 @@ TEST(StiffnessAdviser, CountsBumpsAtTheForceOfTheDevice) {
   ASSERT_TRUE(advice.is_limited_by_device);
   ASSERT_GT(advice.loop_n_per_m, 1.5 * advice.safe_n_per_m);
   const auto log_at = [&](double share) {
-    LargestGains gains{.by_place_n_per_m = share * advice.loop_n_per_m * kMostPressedN / advice.pressed_n,
-                       .place_cause = StiffCause::bumps};
+    LargestGains gains{.by_place_n_per_m = share * advice.loop_n_per_m * kMaxPressedN / advice.pressed_n, .place_cause = StiffCause::bumps};
     gains.of_pressing_n_per_m = gains.by_place_n_per_m;
     return log_of(gains, {fast});
   };

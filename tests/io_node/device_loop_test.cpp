@@ -35,8 +35,8 @@ class StillDevice final : public Device {
     written.emplace_back(wrench.force_n, now_ns);
   }
   bool cut() noexcept override {
-    is_cut = true;
-    return true;
+    is_cut = can_be_cut;
+    return can_be_cut;
   }
   void restore() noexcept override { is_cut = false; }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
@@ -53,6 +53,7 @@ class StillDevice final : public Device {
   std::vector<Vec3> aims;
   std::function<void()> within_write;
   bool is_cut = false;
+  bool can_be_cut = true;
 
  private:
   DeviceLimits limits_;
@@ -256,6 +257,17 @@ TEST_F(DeviceLoops, ANetworkSideStuckInTheMiddleOfAWriteDoesNotKeepTheForce) {
   cycle(Vec3(0, 0, 2));
   EXPECT_LT(device.force_n(), 0.1);
   press();
+}
+
+TEST_F(DeviceLoops, ADeviceThatCannotBeCutIsNotCountedAsCut) {
+  press();
+  clock.advance_ns(30 * kMs);
+  device.can_be_cut = false;
+  EXPECT_FALSE(loop.cut_if_older(kCommandTimeoutNs));
+  EXPECT_EQ(loop.collect_stats().cuts, 0U);
+  device.can_be_cut = true;
+  loop.cut_if_older(kCommandTimeoutNs);
+  EXPECT_TRUE(device.is_cut);
 }
 
 TEST_F(DeviceLoops, AForcePostedWhileACycleRunsIsServedAtItsEnd) {

@@ -32,14 +32,16 @@ TEST_F(Latch, KeepsEachFaultUntilItIsForgotten) {
   file.forget();
 }
 
-TEST_F(Latch, WhatIsNotUnderstoodIsNoFault) {
+TEST_F(Latch, WhatIsNotUnderstoodCountsAsAFault) {
   for (const char* text : {"", "none\n", "speed", "SPEED\n", "speed\nspeed\n", "no such fault\n"}) {
     std::filesystem::create_directories(file.path().parent_path());
     std::ofstream(file.path()) << text;
-    EXPECT_EQ(file.read(), SafetyFault::none) << text;
+    EXPECT_EQ(file.read(), SafetyFault::position) << text;
   }
   file.forget();
   ASSERT_EQ(::mkfifo(file.path().c_str(), 0600), 0);
+  EXPECT_EQ(file.read(), SafetyFault::position);
+  file.forget();
   EXPECT_EQ(file.read(), SafetyFault::none);
 }
 

@@ -15,7 +15,7 @@ TEST_F(LoopReports, ComeOnceASecondWhenEnoughIsMeasured) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
-  run(static_cast<int>(LoopReporter::kLeastTrips) - 100);
+  run(static_cast<int>(LoopReporter::kMinTrips) - 100);
   EXPECT_TRUE(loop_facts.empty());
   run(3200);
   ASSERT_GE(loop_facts.size(), 3U);

@@ -255,6 +255,22 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   EXPECT_GT(stats().local_forces, before + 300);
 }
 
+// Else the device side would compute a force at each cycle until the very end, which then drops in one step.
+TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
+  start_above_floor(TouchChoice::patch);
+  ASSERT_TRUE(builder_has_caught_up());
+  local.set_generation(7);
+  local.offer(floor_patch(7));
+  run(300);
+  device.place.z() = -0.002;
+  run(300);
+  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+  const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
+  EXPECT_TRUE(local.step(sample));
+  servo->finish();
+  EXPECT_FALSE(local.step(sample));
+}
+
 // The hand stays 2 mm below the floor, which only the hub knows. What it has of the node before is not felt, nor a first patch of the new
 // one as if the hand were free: contact would be lost for good.
 TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {

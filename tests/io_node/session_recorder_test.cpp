@@ -113,7 +113,7 @@ TEST_F(Recorders, WithAFullRingCountWhatIsDroppedInsteadOfWaiting) {
 TEST_F(Recorders, KeepMarkersAndSayWhereTheyAre) {
   auto recorder = make({file, {}});
   ASSERT_TRUE(recorder.start());
-  const std::string longest(MarkerText::kMostBytes, 'x');
+  const std::string longest(MarkerText::kMaxBytes, 'x');
   EXPECT_EQ(recorder.on_marker({7, NodeRole::vision, "gezückt"}, 8), MarkerStatus::recorded);
   EXPECT_EQ(recorder.on_marker({9, NodeRole::tool, longest}, 10), MarkerStatus::recorded);
   ASSERT_TRUE(recorder.stop());
@@ -226,17 +226,17 @@ TEST_F(Recorders, FlightRecordsAreFew) {
   };
   EXPECT_EQ(fault_and_wait(clock.now_ns() + kMs), 1U);
   recorder.on_fault(SessionFault::clamped, clock.now_ns());  // within ten seconds
-  for (int n = 1; n < SessionRecorder::kMostFlights; ++n) ASSERT_EQ(fault_and_wait(clock.now_ns() + SessionRecorder::kFlightEveryNs), 1U);
+  for (int n = 1; n < SessionRecorder::kMaxFlights; ++n) ASSERT_EQ(fault_and_wait(clock.now_ns() + SessionRecorder::kFlightEveryNs), 1U);
   recorder.on_fault(SessionFault::device, clock.now_ns());  // one too many
   ASSERT_TRUE(recorder.stop());
-  EXPECT_EQ(recorder.counts().flights, SessionRecorder::kMostFlights);
+  EXPECT_EQ(recorder.counts().flights, SessionRecorder::kMaxFlights);
   EXPECT_EQ(recorder.counts().flights_left_out, 2);
-  EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMostFlights));
+  EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMaxFlights));
 }
 
 TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
   std::filesystem::create_directories(flights);
-  for (std::size_t n = 0; n < SessionRecorder::kMostKept + 5; ++n) {
+  for (std::size_t n = 0; n < SessionRecorder::kMaxKept + 5; ++n) {
     scratch.write(fmt::format("flight/flight-20000101T0000{:02}.000Z-clamped.hapton", n), "old");
   }
   scratch.write("flight/a letter", "mine");
@@ -244,7 +244,7 @@ TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
   ASSERT_TRUE(recorder.start());
   recorder.on_fault(SessionFault::command_timeout, clock.now_ns());
   ASSERT_TRUE(recorder.stop());
-  EXPECT_EQ(flight_files().size(), SessionRecorder::kMostKept + 1);
+  EXPECT_EQ(flight_files().size(), SessionRecorder::kMaxKept + 1);
   EXPECT_FALSE(std::filesystem::exists(flights / "flight-20000101T000000.000Z-clamped.hapton"));
   EXPECT_TRUE(std::filesystem::exists(flights / "a letter"));
 }
@@ -309,10 +309,10 @@ TEST_F(Recorders, CountOnlyWhatIsInTheFileWhenItCannotGrow) {
   ASSERT_TRUE(recorder.start());
   for (int n = 1; n <= 20'000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);
   // Files of this process end here, as on a full disk. Nothing else writes meanwhile.
-  constexpr rlim_t kMostBytes = 300'000;
+  constexpr rlim_t kMaxBytes = 300'000;
   rlimit before = {};
   ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit lower = {.rlim_cur = kMostBytes, .rlim_max = before.rlim_max};
+  const rlimit lower = {.rlim_cur = kMaxBytes, .rlim_max = before.rlim_max};
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &lower), 0);
   for (int n = 20'001; n <= 40'000; ++n) recorder.on_cycle({.sample = static_cast<std::uint64_t>(n)}, n);

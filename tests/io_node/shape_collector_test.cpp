@@ -64,7 +64,7 @@ TEST_F(Servos, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
   EXPECT_EQ(shape_statuses[1].second.source, 9U);
   for (std::int32_t object = 10; object < 30; ++object) start(9, 5, object);
   run(80);
-  EXPECT_LE(shape_statuses.size(), 2U + ShapePart::kMostObjects);
+  EXPECT_LE(shape_statuses.size(), 2U + ShapePart::kMaxObjects);
 }
 
 TEST_F(Servos, WithoutARecordingNoShapesAreRequested) {

@@ -57,15 +57,15 @@ TEST(ClockOffsetTest, TheTruthIsWithinTheBoundWhateverTheNetworkDoes) {
 }
 
 TEST(ClockOffsetTest, TimesThatCannotBeAreLeftOut) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
-  constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
   ClockOffset offset;
-  offset.add({10, 0, 0, 5});           // back before it left
-  offset.add({0, 100, 50, 10});        // reply before it arrived
-  offset.add({0, 100, 5000, 10});      // held for longer than it was away
-  offset.add({-5, kMost, kMost, 10});  // overflows
-  offset.add({0, kLeast, kMost, 10});  // overflows
-  offset.add({kLeast, 0, 0, kMost});   // overflows
+  offset.add({10, 0, 0, 5});         // back before it left
+  offset.add({0, 100, 50, 10});      // reply before it arrived
+  offset.add({0, 100, 5000, 10});    // held for longer than it was away
+  offset.add({-5, kMax, kMax, 10});  // overflows
+  offset.add({0, kMin, kMax, 10});   // overflows
+  offset.add({kMin, 0, 0, kMax});    // overflows
   EXPECT_FALSE(offset.is_known());
   offset.add(exchange(0, 5, 10, 10));
   EXPECT_TRUE(offset.is_known());

@@ -114,7 +114,7 @@ class RandomDatagrams {
                           1 + draw_body_number(),
                           bits32(),
                           bits32(),
-                          static_cast<std::uint32_t>(bits32() % (PatchEffects::kMostAllBytes + 1))};
+                          static_cast<std::uint32_t>(bits32() % (PatchEffects::kMaxAllBytes + 1))};
       case 16:
         return draw_cell();
       case 17:
@@ -179,8 +179,8 @@ class RandomDatagrams {
   }
 
   ShapePart draw_shape() {
-    ShapePart part{.total = 1 + bits32() % ShapePart::kMostVertices};
-    part.first = ShapePart::kMostHere * (bits32() % ShapePart::count_parts(part.total));
+    ShapePart part{.total = 1 + bits32() % ShapePart::kMaxVertices};
+    part.first = ShapePart::kMaxHere * (bits32() % ShapePart::count_parts(part.total));
     for (std::size_t v = 0; v < part.count(); ++v) {
       for (float& x : part.displacements_m[v]) x = static_cast<float>(number(-1, 1));
     }
@@ -198,7 +198,7 @@ class RandomDatagrams {
   ShapeStart draw_shape_start() {
     ShapeStart start{.source = bits32() | 1U, .serial = bits32(), .object = static_cast<std::int32_t>(bits32() >> 1)};
     start.before = start.serial == 0 ? 0 : bits32() % start.serial;
-    start.total = 1 + bits32() % ShapePart::kMostVertices;
+    start.total = 1 + bits32() % ShapePart::kMaxVertices;
     start.start_ns = static_cast<std::int64_t>(bits() >> 4);
     start.end_ns = start.start_ns + static_cast<std::int64_t>(bits32());
     return start;
@@ -207,7 +207,7 @@ class RandomDatagrams {
   MaterialState draw_materials() {
     MaterialState state{.serial = bits32(), .request = bits32()};
     if (flag()) std::fill(state.rejection.begin(), state.rejection.end() - 1, 'r');
-    state.object_count = static_cast<std::uint32_t>(bits32() % (MaterialState::kMostObjects + 1));
+    state.object_count = static_cast<std::uint32_t>(bits32() % (MaterialState::kMaxObjects + 1));
     std::int32_t object = flag() ? -1 : 0;
     for (std::size_t i = 0; i < state.object_count; ++i) {
       state.objects[i] = {object, draw_change(bits32() % (MaterialChange::kAll + 1))};
@@ -224,7 +224,7 @@ class RandomDatagrams {
     const bool has_position = flag();
     if (has_position) request.p_m = vector();
     if (!has_position || flag()) request.q = rotation();
-    if (flag()) request.over_s = number(1e-3, MoveRequest::kMostSeconds);
+    if (flag()) request.over_s = number(1e-3, MoveRequest::kMaxSeconds);
     return request;
   }
 
@@ -244,7 +244,7 @@ class RandomDatagrams {
 
   Carves draw_carves() {
     Carves carves{.source = bits32() | 1U, .newest = bits32()};
-    carves.count = std::min(static_cast<std::uint32_t>(bits() % (Carves::kMost + 1)), carves.newest);
+    carves.count = std::min(static_cast<std::uint32_t>(bits() % (Carves::kMax + 1)), carves.newest);
     if (carves.count > 0) carves.first = 1 + bits32() % (carves.newest - carves.count + 1);
     for (std::size_t n = 0; n < carves.count; ++n) {
       Carves::One& one = carves.carves[n];
@@ -277,7 +277,7 @@ class RandomDatagrams {
     PatchCell cell{bits32(), bits32(), bits32() % (kPatchDeepestLevel + 1)};
     for (std::uint32_t& i : cell.index) i = bits32() % (1U << cell.level);
     for (std::size_t l = 0; l < cell.level; ++l) cell.empty_children[l] = static_cast<std::uint8_t>(bits());
-    cell.tile_count = static_cast<std::uint32_t>(bits32() % (PatchCell::kMostTiles + 1));
+    cell.tile_count = static_cast<std::uint32_t>(bits32() % (PatchCell::kMaxTiles + 1));
     for (std::size_t i = 0; i < cell.tile_count; ++i) cell.tiles[i] = bits32() % (1U << 20);
     cell.body = draw_body_number();
     return cell;
@@ -285,8 +285,8 @@ class RandomDatagrams {
 
   PatchTile draw_tile() {
     PatchTile tile{bits32(), bits32(), bits32(), bits32() >> 1, number(0, 1e4), number(0, 10), number(0.5, 1), number(0, 0.5), flag()};
-    tile.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
-    tile.triangle_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostTriangles);
+    tile.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMaxVertices);
+    tile.triangle_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMaxTriangles);
     for (std::size_t i = 0; i < tile.vertex_count * PatchTile::kVertexBytes; ++i) tile.vertices[i] = static_cast<std::uint8_t>(bits());
     for (std::size_t i = 0; i < tile.triangle_count * std::size_t{3}; ++i) {
       tile.triangles[i] = static_cast<std::uint8_t>(bits() % tile.vertex_count);
@@ -294,7 +294,7 @@ class RandomDatagrams {
     return tile;
   }
 
-  std::uint32_t draw_body_number() { return static_cast<std::uint32_t>(bits32() % PatchBody::kMostBodies); }
+  std::uint32_t draw_body_number() { return static_cast<std::uint32_t>(bits32() % PatchBody::kMaxBodies); }
 
   PatchBody draw_body() {
     PatchBody body{bits32(), bits32(), draw_body_number(), static_cast<PatchBody::Motion>(bits() % 3)};
@@ -311,7 +311,7 @@ class RandomDatagrams {
     body.loops = flag();
     if (body.motion != PatchBody::Motion::still) body.pivot_m = vector();
     if (body.motion != PatchBody::Motion::keyframes) return body;
-    body.key_count = static_cast<std::uint32_t>(1 + bits32() % PatchBody::kMostKeys);
+    body.key_count = static_cast<std::uint32_t>(1 + bits32() % PatchBody::kMaxKeys);
     body.first_key = bits32() % 1000;
     body.all_keys = std::max(body.first_key + body.key_count + bits32() % 100, 2U);
     double time_s = number(0, 1);
@@ -321,10 +321,10 @@ class RandomDatagrams {
 
   PatchDeformation draw_deformation() {
     PatchDeformation deformation{bits32(), bits32(), draw_body_number(), bits32(), bits32() | 1U, bits32()};
-    deformation.target_count = static_cast<std::uint32_t>(1 + bits32() % PatchDeformation::kMostTargets);
+    deformation.target_count = static_cast<std::uint32_t>(1 + bits32() % PatchDeformation::kMaxTargets);
     deformation.loops = flag();
     const std::size_t each = PatchDeformation::numbers_of_key(deformation.target_count);
-    deformation.key_count = static_cast<std::uint32_t>(1 + bits32() % (PatchDeformation::kMostNumbers / each));
+    deformation.key_count = static_cast<std::uint32_t>(1 + bits32() % (PatchDeformation::kMaxNumbers / each));
     deformation.first_key = bits32() % 1000;
     deformation.all_keys = deformation.first_key + deformation.key_count + bits32() % 100;
     double time_s = number(0, 1);
@@ -335,8 +335,8 @@ class RandomDatagrams {
   }
 
   PatchDisplacements draw_displacements() {
-    PatchDisplacements displacements{bits32(), bits32(), bits32(), static_cast<std::uint32_t>(bits32() % PatchDeformation::kMostTargets)};
-    displacements.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
+    PatchDisplacements displacements{bits32(), bits32(), bits32(), static_cast<std::uint32_t>(bits32() % PatchDeformation::kMaxTargets)};
+    displacements.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMaxVertices);
     for (std::size_t i = 0; i < 3 * std::size_t{displacements.vertex_count}; ++i) {
       displacements.by_m[i] = static_cast<float>(number(-0.01, 0.01));
     }
@@ -346,19 +346,19 @@ class RandomDatagrams {
   PatchStream draw_stream() {
     PatchStream stream{bits32(), bits32(), draw_body_number(), bits32() >> 1, bits32() >> 1 | 1U};
     stream.object = number_of_object();
-    stream.total = static_cast<std::uint32_t>(1 + bits32() % ShapePart::kMostVertices);
+    stream.total = static_cast<std::uint32_t>(1 + bits32() % ShapePart::kMaxVertices);
     stream.reach_m = number(1e-3, 1);
     for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = number(-1, 1);
     stream.shape_serial = bits32();
     stream.tile = stream.first_tile + bits32() % stream.tile_count;
-    stream.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMostVertices);
+    stream.vertex_count = static_cast<std::uint8_t>(1 + bits() % PatchTile::kMaxVertices);
     for (std::size_t v = 0; v < stream.vertex_count; ++v) stream.vertices[v] = static_cast<std::uint32_t>(bits32() % stream.total);
     return stream;
   }
 
   PatchEffects draw_effects() {
     PatchEffects effects{bits32(), bits32(), static_cast<std::uint32_t>(bits32() % 2000)};
-    effects.byte_count = static_cast<std::uint32_t>(1 + bits32() % PatchEffects::kMostBytes);
+    effects.byte_count = static_cast<std::uint32_t>(1 + bits32() % PatchEffects::kMaxBytes);
     for (std::size_t i = 0; i < effects.byte_count; ++i) effects.bytes[i] = static_cast<std::uint8_t>(bits());
     return effects;
   }
@@ -375,7 +375,7 @@ class RandomDatagrams {
     facts.given_hash = bits();
     facts.lowest_m = point();
     facts.highest_m = point();
-    facts.point_count = static_cast<std::uint32_t>(bits32() % (SceneFacts::kMostPoints + 1));
+    facts.point_count = static_cast<std::uint32_t>(bits32() % (SceneFacts::kMaxPoints + 1));
     for (std::size_t i = 0; i < facts.point_count; ++i) facts.points_m[i] = point();
     facts.preparing_s = static_cast<float>(bits32() % 100);
     facts.is_hand_inside = flag();

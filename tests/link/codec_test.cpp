@@ -363,14 +363,14 @@ TEST_F(CodecTest, RejectsBadCarves) {
     EXPECT_EQ(with([&](Carves& m) { m.carves[1].to_m[2] = x + 0.3F; }), DecodeStatus::bad_value) << x;
   }
   // What is just allowed.
-  EXPECT_EQ(with([](Carves& m) { m.carves[1].radius_m = static_cast<float>(Carves::kMostRadiusM); }), DecodeStatus::ok);
+  EXPECT_EQ(with([](Carves& m) { m.carves[1].radius_m = static_cast<float>(Carves::kMaxRadiusM); }), DecodeStatus::ok);
   EXPECT_EQ(with([](Carves& m) { m.carves[1].object = std::numeric_limits<std::int32_t>::max(); }), DecodeStatus::ok);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (const float share : {-1.0F, 1.0F, 1.01F}) {
       const auto stretched = [&](Carves& m) {
         m.carves[1].from_m = {0.0F, 0.0F, 0.0F};
         m.carves[1].to_m = {0.0F, 0.0F, 0.0F};
-        m.carves[1].to_m[axis] = share * static_cast<float>(Carves::kMostLengthM);
+        m.carves[1].to_m[axis] = share * static_cast<float>(Carves::kMaxLengthM);
       };
       EXPECT_EQ(with(stretched), share > 1.0F ? DecodeStatus::bad_value : DecodeStatus::ok) << axis << " " << share;
     }
@@ -436,7 +436,7 @@ TEST_F(CodecTest, RejectsMarkersThatNoTableCanHold) {
   std::fill(longest.text.begin(), longest.text.end() - 1, 'x');
   Bytes bytes = encode(Datagram{{1, 2, 3, 4}, longest});
   EXPECT_EQ(decode(bytes), DecodeStatus::ok);
-  const std::size_t text = bytes.size() - MarkerText::kMostBytes;
+  const std::size_t text = bytes.size() - MarkerText::kMaxBytes;
   std::byte& text_length = bytes[text - 2];            // two bytes of varint before the text
   std::byte& marker_length = bytes[text - 3 - 5 - 2];  // ... before its tag, the request, and its length
   ASSERT_EQ(text_length, std::byte{0xA0});

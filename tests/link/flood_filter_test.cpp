@@ -193,7 +193,7 @@ TEST_F(FloodFilterTest, TheMostNodesFitIntoAProgramAndAnAttackerCannotCrowdThemO
   }
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);
-  EXPECT_LT(filter.program().size(), FloodFilter::kMostInstructions);
+  EXPECT_LT(filter.program().size(), FloodFilter::kMaxInstructions);
   filter.note_received(unknown, sealed(seal::Kind::data), false);
   EXPECT_GT(filter.counts().unknown_peers, 500U);
 }

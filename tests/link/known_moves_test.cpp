@@ -113,8 +113,8 @@ TEST(KnownMoves, ObjectsOfAnyNumbersTakeLittleMemory) {
     move.name = {"a"};
     known.take(move, Arrival::newest);
   }
-  EXPECT_EQ(known.objects().size(), KnownMoves::kMostObjects);
-  EXPECT_EQ(known.find_named("a").count, KnownMoves::kMostObjects);
+  EXPECT_EQ(known.objects().size(), KnownMoves::kMaxObjects);
+  EXPECT_EQ(known.find_named("a").count, KnownMoves::kMaxObjects);
   EXPECT_TRUE(known.find(0, 0.0));
   known.note_name("b", 0);
   EXPECT_EQ(known.find_name(0), "b") << "one that is known goes on";

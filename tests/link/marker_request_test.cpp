@@ -13,8 +13,8 @@ TEST(MarkerRequest, HoldsAValidTextAndANumber) {
   EXPECT_STREQ(marker->text.data(), "trial 1");
   EXPECT_NE(marker->request, 0U);
   EXPECT_NE(make_marker("trial 1")->request, marker->request);
-  EXPECT_TRUE(make_marker(std::string(MarkerText::kMostBytes, 'x')));
-  for (const std::string& bad : {std::string(), std::string(MarkerText::kMostBytes + 1, 'x'), std::string("a\nb"), std::string("\xFF")}) {
+  EXPECT_TRUE(make_marker(std::string(MarkerText::kMaxBytes, 'x')));
+  for (const std::string& bad : {std::string(), std::string(MarkerText::kMaxBytes + 1, 'x'), std::string("a\nb"), std::string("\xFF")}) {
     const auto rejected = make_marker(bad);
     ASSERT_FALSE(rejected) << bad;
     EXPECT_EQ(rejected.error().what.find('\n'), std::string::npos);

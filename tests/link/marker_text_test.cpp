@@ -11,11 +11,11 @@ using std::string_literals::operator""s;
 
 TEST(MarkerText, IsUtf8OfAtMostItsLength) {
   for (const std::string& text : {"trial 1"s, "a"s, "gez\xC3\xBC"s + "ckt", "\xE2\x82\xAC"s, "\xF0\x9F\x9A\x80"s, "\xF4\x8F\xBF\xBF"s,
-                                  "\xC2\xA0"s, std::string(MarkerText::kMostBytes, 'x')}) {
+                                  "\xC2\xA0"s, std::string(MarkerText::kMaxBytes, 'x')}) {
     EXPECT_TRUE(MarkerText::is_valid(text)) << text;
   }
   EXPECT_FALSE(MarkerText::is_valid(""));
-  EXPECT_FALSE(MarkerText::is_valid(std::string(MarkerText::kMostBytes + 1, 'x')));
+  EXPECT_FALSE(MarkerText::is_valid(std::string(MarkerText::kMaxBytes + 1, 'x')));
 }
 
 TEST(MarkerText, IsNotWhatNoProgramShouldHaveToHandle) {

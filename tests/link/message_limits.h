@@ -14,9 +14,9 @@
 namespace hapton {
 
 inline void expect_sane(const ShapePart& part) {
-  EXPECT_TRUE(part.total > 0 && part.total <= ShapePart::kMostVertices);
+  EXPECT_TRUE(part.total > 0 && part.total <= ShapePart::kMaxVertices);
   EXPECT_LT(part.first, part.total);
-  EXPECT_EQ(part.first % ShapePart::kMostHere, 0U);
+  EXPECT_EQ(part.first % ShapePart::kMaxHere, 0U);
   for (const ShapePart::Displacement& one : part.displacements_m) {
     for (const float x : one) EXPECT_TRUE(std::abs(x) <= 1e9F) << "finite as well";
   }
@@ -88,8 +88,8 @@ inline void expect_sane(const Datagram& datagram) {
     for (const std::uint32_t i : cell->index) EXPECT_LT(i, 1U << cell->level);
     EXPECT_LE(cell->tile_count, cell->tiles.size());
   } else if (const auto* tile = std::get_if<PatchTile>(&datagram.message)) {
-    ASSERT_LE(tile->vertex_count, PatchTile::kMostVertices);
-    ASSERT_LE(tile->triangle_count, PatchTile::kMostTriangles);
+    ASSERT_LE(tile->vertex_count, PatchTile::kMaxVertices);
+    ASSERT_LE(tile->triangle_count, PatchTile::kMaxTriangles);
     for (std::size_t i = 0; i < std::size_t{3} * tile->triangle_count; ++i) EXPECT_LT(tile->triangles[i], tile->vertex_count);
     EXPECT_TRUE(std::isfinite(tile->stiffness_n_per_m) && tile->stiffness_n_per_m >= 0.0);
     EXPECT_LE(tile->friction_dynamic, tile->friction_static);
@@ -122,7 +122,7 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(wanted->p_m || wanted->q);
     EXPECT_TRUE(!wanted->p_m || wanted->p_m->allFinite());
     EXPECT_TRUE(!wanted->q || std::abs(wanted->q->norm() - 1.0) <= 1.1e-3);
-    EXPECT_TRUE(!wanted->over_s || (*wanted->over_s > 0.0 && *wanted->over_s <= MoveRequest::kMostSeconds));
+    EXPECT_TRUE(!wanted->over_s || (*wanted->over_s > 0.0 && *wanted->over_s <= MoveRequest::kMaxSeconds));
   } else if (const auto* move_reply = std::get_if<MoveReply>(&datagram.message)) {
     EXPECT_NE(move_reply->request, 0U);
     EXPECT_EQ(move_reply->rejection.back(), '\0');
@@ -138,7 +138,7 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_NEAR(move->to_q.norm(), 1.0, 1.1e-3);
   } else if (const auto* carves = std::get_if<Carves>(&datagram.message)) {
     EXPECT_NE(carves->source, 0U);
-    ASSERT_LE(carves->count, Carves::kMost);
+    ASSERT_LE(carves->count, Carves::kMax);
     EXPECT_EQ(carves->count == 0, carves->first == 0);
     EXPECT_LE(std::uint64_t{carves->first} + carves->count, std::uint64_t{carves->newest} + 1);
     for (std::size_t n = 0; n < carves->count; ++n) {
@@ -161,7 +161,7 @@ inline void expect_sane(const Datagram& datagram) {
     EXPECT_TRUE(undo->source != 0 && undo->serial != 0);
   } else if (const auto* wanted_shape = std::get_if<ShapeRequest>(&datagram.message)) {
     EXPECT_TRUE(wanted_shape->stream != 0 && wanted_shape->shape != 0);
-    EXPECT_TRUE(wanted_shape->over_s >= 0.0 && wanted_shape->over_s <= ShapeRequest::kMostSeconds);
+    EXPECT_TRUE(wanted_shape->over_s >= 0.0 && wanted_shape->over_s <= ShapeRequest::kMaxSeconds);
     EXPECT_GE(wanted_shape->number, 0);
     expect_sane(wanted_shape->part);
   } else if (const auto* shape = std::get_if<ObjectShape>(&datagram.message)) {
@@ -170,13 +170,13 @@ inline void expect_sane(const Datagram& datagram) {
   } else if (const auto* start = std::get_if<ShapeStart>(&datagram.message)) {
     EXPECT_TRUE(start->source != 0 && start->object >= 0);
     EXPECT_TRUE(start->serial == 0 ? start->before == 0 : start->before < start->serial);
-    EXPECT_TRUE(start->total > 0 && start->total <= ShapePart::kMostVertices);
+    EXPECT_TRUE(start->total > 0 && start->total <= ShapePart::kMaxVertices);
     EXPECT_TRUE(start->start_ns >= 0 && start->end_ns >= start->start_ns);
     expect_time(start->end_ns);
   } else if (const auto* shape_status = std::get_if<ShapeStatus>(&datagram.message)) {
     EXPECT_TRUE(shape_status->source != 0 && shape_status->serial != 0 && shape_status->object >= 0);
-    EXPECT_EQ(shape_status->first % ShapePart::kMostHere, 0U);
-    EXPECT_LT(shape_status->first, ShapePart::kMostVertices);
+    EXPECT_EQ(shape_status->first % ShapePart::kMaxHere, 0U);
+    EXPECT_LT(shape_status->first, ShapePart::kMaxVertices);
   } else if (const auto* shape_reply = std::get_if<ShapeReply>(&datagram.message)) {
     EXPECT_TRUE(shape_reply->stream != 0 && shape_reply->shape != 0 && shape_reply->over_s >= 0.0);
   } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {

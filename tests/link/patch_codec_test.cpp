@@ -25,7 +25,7 @@ TEST_F(PatchCodecTest, RejectsBadBodies) {
     change(bad);
     return round_trip(bad);
   };
-  EXPECT_EQ(with([](PatchBody& m) { m.body = PatchBody::kMostBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.body = PatchBody::kMaxBodies; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.motion = static_cast<PatchBody::Motion>(3); }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.motion = PatchBody::Motion::still; }), DecodeStatus::bad_value) << "keyframes of what stands still";
   EXPECT_EQ(with([](PatchBody& m) { m.highest[1] = 1U << kPatchGridBits; }), DecodeStatus::bad_value) << "past the grid";
@@ -34,15 +34,15 @@ TEST_F(PatchCodecTest, RejectsBadBodies) {
   EXPECT_EQ(with([](PatchBody& m) { m.radius_m = -1.0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.object = -1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.all_keys = 4; }), DecodeStatus::bad_value) << "more than there are";
-  EXPECT_EQ(with([](PatchBody& m) { m.all_keys = PatchBody::kMostAllKeys + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchBody& m) { m.all_keys = PatchBody::kMaxAllKeys + 1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.first_key = ~0U; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.key_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.keys[1].time_s = 0.5; }), DecodeStatus::bad_value) << "not after the one before";
   EXPECT_EQ(with([](PatchBody& m) { m.keys[0].time_s = -0.1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.keys[1].p_S.z() = kNoNumber; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchBody& m) { m.keys[1].turn = Quat(0.5, 0, 0, 0); }), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(PatchBegin{.step_m = 1e-8, .body_count = PatchBody::kMostBodies + 1}), DecodeStatus::bad_value);
-  EXPECT_EQ(round_trip(PatchCell{.body = PatchBody::kMostBodies}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchBegin{.step_m = 1e-8, .body_count = PatchBody::kMaxBodies + 1}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchCell{.body = PatchBody::kMaxBodies}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchMaterial{.friction_static = 0.1, .friction_dynamic = 0.2}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchMaterial{.stiffness_n_per_m = -1.0}), DecodeStatus::bad_value);
   EXPECT_EQ(round_trip(PatchMaterial{.object = 0x7FFFFFFF}), DecodeStatus::ok);
@@ -62,12 +62,12 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
     change(bad);
     return round_trip(bad);
   };
-  EXPECT_EQ(with([](PatchDeformation& m) { m.body = PatchBody::kMostBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.body = PatchBody::kMaxBodies; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.tile_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.target_count = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(with([](PatchDeformation& m) { m.target_count = PatchDeformation::kMostTargets + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.target_count = PatchDeformation::kMaxTargets + 1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.all_keys = 4; }), DecodeStatus::bad_value) << "more than there are";
-  EXPECT_EQ(with([](PatchDeformation& m) { m.all_keys = PatchDeformation::kMostAllKeys + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](PatchDeformation& m) { m.all_keys = PatchDeformation::kMaxAllKeys + 1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.first_key = ~0U; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.key_count = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](PatchDeformation& m) { m.keys[0] = -0.1; }), DecodeStatus::bad_value);
@@ -84,12 +84,12 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
     change(bad);
     return round_trip(bad);
   };
-  EXPECT_EQ(other([](PatchStream& m) { m.body = PatchBody::kMostBodies; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.body = PatchBody::kMaxBodies; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.tile = 3; }), DecodeStatus::bad_value) << "none of its tiles";
   EXPECT_EQ(other([](PatchStream& m) { m.tile = 6; }), DecodeStatus::bad_value) << "none of its tiles";
   EXPECT_EQ(other([](PatchStream& m) { m.object = -1; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.total = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(other([](PatchStream& m) { m.total = ShapePart::kMostVertices + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(other([](PatchStream& m) { m.total = ShapePart::kMaxVertices + 1; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.reach_m = 0.0; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.reach_m = kNoNumber; }), DecodeStatus::bad_value);
   EXPECT_EQ(other([](PatchStream& m) { m.to_scene(2, 2) = kNoNumber; }), DecodeStatus::bad_value);
@@ -98,14 +98,14 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
 
   PatchEffects effects{.epoch = 1, .serial = 2, .part = 3, .byte_count = 4};
   EXPECT_EQ(round_trip(effects), DecodeStatus::ok);
-  effects.part = PatchEffects::kMostAllBytes / PatchEffects::kMostBytes + 1;
+  effects.part = PatchEffects::kMaxAllBytes / PatchEffects::kMaxBytes + 1;
   EXPECT_EQ(round_trip(effects), DecodeStatus::bad_value) << "no scene has so many parts";
   EXPECT_EQ(round_trip(PatchEffects{.epoch = 1, .serial = 2}), DecodeStatus::bad_value) << "no bytes";
-  EXPECT_EQ(round_trip(PatchBegin{.epoch = 1, .step_m = 1e-8, .effect_bytes = PatchEffects::kMostAllBytes + 1}), DecodeStatus::bad_value);
+  EXPECT_EQ(round_trip(PatchBegin{.epoch = 1, .step_m = 1e-8, .effect_bytes = PatchEffects::kMaxAllBytes + 1}), DecodeStatus::bad_value);
 
   PatchDisplacements moved{.epoch = 1, .serial = 2, .tile = 3, .target = 1, .vertex_count = 2};
   EXPECT_EQ(round_trip(moved), DecodeStatus::ok);
-  moved.target = PatchDeformation::kMostTargets;
+  moved.target = PatchDeformation::kMaxTargets;
   EXPECT_EQ(round_trip(moved), DecodeStatus::bad_value);
   moved.target = 1;
   moved.vertex_count = 0;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kMost32 = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint64_t kMost64 = std::numeric_limits<std::uint64_t>::max();
-constexpr std::int64_t kLeastTime = -kMaxWireTimeNs;
+constexpr std::int64_t kMinTime = -kMaxWireTimeNs;
 // No value is left out for being zero, and none is short.
 const Vec3 kVector(-1.0 / 3.0, 1e8 / 3.0, -1e-8 / 3.0);
 const Quat kRotation(0.5, -0.5, 0.5, -0.5);
@@ -31,15 +31,13 @@ void fill_text(std::array<char, N>& text) {
 void lengthen(Hello& m) { m.role = NodeRole::tool; }
 void lengthen(Welcome& m) { m = {true, kMaxServoRateHz}; }
 void lengthen(Bye&) {}
-void lengthen(DeviceState& m) { m = {kMost64, kLeastTime, kVector, kRotation, kMost32, true, kVector, kMaxWireTimeNs}; }
-void lengthen(ForceCommand& m) {
-  m = {kMost64, kLeastTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32, 5};
-}
+void lengthen(DeviceState& m) { m = {kMost64, kMinTime, kVector, kRotation, kMost32, true, kVector, kMaxWireTimeNs}; }
+void lengthen(ForceCommand& m) { m = {kMost64, kMinTime, kVector, kVector, true, kMost32, kMost32, kMost32, kMost32, kMost64, kMost32, 5}; }
 void lengthen(ViewTransform& m) { m = {kMost32, kPose}; }
 void lengthen(ProbeState& m) {
-  m = {kMost64, kLeastTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
+  m = {kMost64, kMinTime, kVector, kRotation, kVector, kVector, true, kMost32, kRate, kRate, kRate, kMost32, ProbeStatus::too_small};
 }
-void lengthen(FrameAck& m) { m = {kMost64, kLeastTime, kRate, kMost32, kMost32, true, true}; }
+void lengthen(FrameAck& m) { m = {kMost64, kMinTime, kRate, kMost32, kMost32, true, true}; }
 void lengthen(HandTarget& m) { m = {true, kVector, kMost32, kVector}; }
 void lengthen(Settings& m) {
   m.servo_rate_hz = kMaxServoRateHz;
@@ -56,7 +54,7 @@ void lengthen(HapticsSetup& m) {
   fill_text(m.rejection);
 }
 void lengthen(SceneFacts& m) {
-  m = {kMost64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMostPoints, {}, 1.0F};
+  m = {kMost64, {1, 1, 1}, {2, 2, 2}, SceneFacts::kMaxPoints, {}, 1.0F};
   m.points_m.fill({3, 3, 3});
 }
 void lengthen(ReportRequest& m) { m = {ReportDocument::csv, kMost32, kMost32 - 1}; }
@@ -66,55 +64,55 @@ void lengthen(LoopFacts& m) {
   fill_text(m.device);
 }
 void lengthen(PatchBegin& m) {
-  m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64, PatchBody::kMostBodies, kMost32, kMost32, PatchEffects::kMostAllBytes};
+  m = {kMost32, kMost32, kVector, 1.0 / 3.0, 1.0 / 3.0, kMost64, PatchBody::kMaxBodies, kMost32, kMost32, PatchEffects::kMaxAllBytes};
 }
 void lengthen(PatchBody& m) {
   constexpr std::uint32_t kLast = (1U << kPatchGridBits) - 1;
-  m = {.epoch = kMost32, .serial = kMost32, .body = PatchBody::kMostBodies - 1, .motion = PatchBody::Motion::keyframes};
+  m = {.epoch = kMost32, .serial = kMost32, .body = PatchBody::kMaxBodies - 1, .motion = PatchBody::Motion::keyframes};
   m.lowest = m.highest = {kLast, kLast, kLast};
   m.pivot_m = kVector;
   m.radius_m = 1.0 / 3.0;
   m.object = std::numeric_limits<std::int32_t>::max();
   m.move_serial = kMost32;
   m.loops = true;
-  m.all_keys = PatchBody::kMostAllKeys;
-  m.key_count = PatchBody::kMostKeys;
+  m.all_keys = PatchBody::kMaxAllKeys;
+  m.key_count = PatchBody::kMaxKeys;
   m.first_key = m.all_keys - m.key_count;
   for (std::size_t n = 0; n < m.keys.size(); ++n) m.keys[n] = {static_cast<double>(n) + 1.0 / 3.0, kVector, kRotation};
 }
 void lengthen(PatchMaterial& m) { m = {kMost32, kMost32, kMost32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0}; }
 void lengthen(PatchCell& m) {
   constexpr std::uint32_t kLast = (1U << kPatchDeepestLevel) - 1;
-  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMostTiles, {}, PatchBody::kMostBodies - 1};
+  m = {kMost32, kMost32, kPatchDeepestLevel, {kLast, kLast, kLast}, {}, PatchCell::kMaxTiles, {}, PatchBody::kMaxBodies - 1};
   m.empty_children.fill(0xFF);
   m.tiles.fill(kMost32);
 }
 void lengthen(PatchTile& m) {
   m = {kMost32, kMost32, kMost32, kMost32 >> 1, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, false};
-  m.vertex_count = PatchTile::kMostVertices;
-  m.triangle_count = PatchTile::kMostTriangles;
+  m.vertex_count = PatchTile::kMaxVertices;
+  m.triangle_count = PatchTile::kMaxTriangles;
   m.vertices.fill(0xFF);
 }
 void lengthen(PatchDeformation& m) {
-  m = {kMost32, kMost32, PatchBody::kMostBodies - 1, kMost32, kMost32, kMost32, 1, true, PatchDeformation::kMostAllKeys};
-  m.key_count = static_cast<std::uint32_t>(PatchDeformation::kMostNumbers / PatchDeformation::numbers_of_key(m.target_count));
+  m = {kMost32, kMost32, PatchBody::kMaxBodies - 1, kMost32, kMost32, kMost32, 1, true, PatchDeformation::kMaxAllKeys};
+  m.key_count = static_cast<std::uint32_t>(PatchDeformation::kMaxNumbers / PatchDeformation::numbers_of_key(m.target_count));
   m.first_key = m.all_keys - m.key_count;
   for (std::size_t i = 0; i < m.keys.size(); ++i) m.keys[i] = static_cast<double>(i) + 1.0 / 3.0;
 }
 void lengthen(PatchDisplacements& m) {
-  m = {kMost32, kMost32, kMost32, PatchDeformation::kMostTargets - 1, PatchTile::kMostVertices};
+  m = {kMost32, kMost32, kMost32, PatchDeformation::kMaxTargets - 1, PatchTile::kMaxVertices};
   m.by_m.fill(1.0F / 3.0F);
 }
 void lengthen(PatchStream& m) {
-  m = {kMost32, kMost32, PatchBody::kMostBodies - 1, kMost32 - 1, 1, kMost32 >> 1, ShapePart::kMostVertices, 1.0 / 3.0};
+  m = {kMost32, kMost32, PatchBody::kMaxBodies - 1, kMost32 - 1, 1, kMost32 >> 1, ShapePart::kMaxVertices, 1.0 / 3.0};
   m.to_scene.setConstant(1.0 / 3.0);
   m.shape_serial = kMost32;
   m.tile = m.first_tile;
-  m.vertex_count = PatchTile::kMostVertices;
+  m.vertex_count = PatchTile::kMaxVertices;
   m.vertices.fill(m.total - 1);
 }
 void lengthen(PatchEffects& m) {
-  m = {kMost32, kMost32, PatchEffects::kMostAllBytes / PatchEffects::kMostBytes, PatchEffects::kMostBytes};
+  m = {kMost32, kMost32, PatchEffects::kMaxAllBytes / PatchEffects::kMaxBytes, PatchEffects::kMaxBytes};
   m.bytes.fill(0xFF);
 }
 void lengthen(PatchStatus& m) { m = {true, kMost32, kMost32, {}, kRate, kMost32, kMost64, kMost32, true, kRate}; }
@@ -124,7 +122,7 @@ void lengthen(MaterialRequest& m) {
   fill_text(m.object);
 }
 void lengthen(MaterialState& m) {
-  m = {kMost32, kMost32, {}, MaterialState::kMostObjects, {}};
+  m = {kMost32, kMost32, {}, MaterialState::kMaxObjects, {}};
   fill_text(m.rejection);
   for (std::size_t i = 0; i < m.objects.size(); ++i) {
     m.objects[i] = {std::numeric_limits<std::int32_t>::max() - static_cast<std::int32_t>(m.objects.size() - i), kChange};
@@ -144,13 +142,13 @@ void lengthen(ObjectMove& m) {
 }
 // An undo is shorter than a carve, with the two fields that it needs.
 void lengthen(Carves& m) {
-  m = {kMost32, kMost32, kMost32 - Carves::kMost, Carves::kMost, {}};
+  m = {kMost32, kMost32, kMost32 - Carves::kMax, Carves::kMax, {}};
   m.carves.fill({std::numeric_limits<std::int32_t>::max(), {0.1F, 0.2F, 0.3F}, {0.2F, 0.3F, 0.4F}, 0.1F, true});
 }
 void lengthen(CarveUndo& m) { m = {kMost32, kMost32}; }
 ShapePart make_long_part() {
-  ShapePart part{.total = ShapePart::kMostVertices};
-  part.first = (part.total / ShapePart::kMostHere - 1) * ShapePart::kMostHere;
+  ShapePart part{.total = ShapePart::kMaxVertices};
+  part.first = (part.total / ShapePart::kMaxHere - 1) * ShapePart::kMaxHere;
   part.displacements_m.fill({0.1F, 0.2F, 0.3F});
   return part;
 }
@@ -164,7 +162,7 @@ void lengthen(ShapeReply& m) {
 }
 void lengthen(ObjectShape& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part()}; }
 void lengthen(ShapeStart& m) {
-  m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMostVertices, kMaxWireTimeNs, kMaxWireTimeNs};
+  m = {kMost32, kMost32, kMost32 - 1, std::numeric_limits<std::int32_t>::max(), ShapePart::kMaxVertices, kMaxWireTimeNs, kMaxWireTimeNs};
 }
 void lengthen(ShapeStatus& m) { m = {kMost32, kMost32, std::numeric_limits<std::int32_t>::max(), make_long_part().first, 9984}; }
 void lengthen(CarveStatus& m) { m = {kMost32, kMost32}; }
@@ -199,7 +197,7 @@ TEST(SealFormatTest, EveryMessageAtItsLongestFitsOneSealedDatagram) {
   Codec codec;
   for (const Message& message : longest_of_all(std::make_index_sequence<std::variant_size_v<Message>>())) {
     std::array<std::byte, kMaxDatagramBytes> bytes;
-    const Datagram datagram{{kMost64, kMost64, kMost64, kLeastTime}, message};
+    const Datagram datagram{{kMost64, kMost64, kMost64, kMinTime}, message};
     const std::size_t size = codec.encode(datagram, bytes);
     ASSERT_GT(size, 0U) << "kind " << message.index();
     EXPECT_LE(size, seal::kMaxPayloadBytes) << "kind " << message.index();

@@ -158,9 +158,9 @@ TEST_F(SealedHubTest, AFloodOfOneRolesHandshakesLeavesTheOtherRolesTheirRate) {
 // As many live sessions as a tool's key can have, kept busy: the haptics node still comes in, and changes its keys.
 // Half of a role's places: the next request takes that of the oldest, though places are free.
 TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
-  constexpr std::size_t kMost = SealedHub::kRolePlaces[0] / 2;  // of a haptics node's
+  constexpr std::size_t kMax = SealedHub::kRolePlaces[0] / 2;  // of a haptics node's
   std::vector<std::unique_ptr<Node>> nodes;
-  for (std::size_t i = 0; i <= kMost; ++i) {
+  for (std::size_t i = 0; i <= kMax; ++i) {
     nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), KeyRole::haptics));
     say(*nodes.back(), "hello");
     hub_receives();                // its request gets a cookie
@@ -169,8 +169,8 @@ TEST_F(SealedHubTest, UnusedSessionsHaveHalfOfThePlacesOfTheirRole) {
     clock_.advance_ns(5 * kMs);
   }
   for (const auto& node : nodes) node_receives(*node);  // has a session, and sends what waited
-  EXPECT_EQ(hub_receives().size(), kMost);
-  EXPECT_EQ(hub_->seal_counts().handshakes, kMost);
+  EXPECT_EQ(hub_receives().size(), kMax);
+  EXPECT_EQ(hub_->seal_counts().handshakes, kMax);
   EXPECT_EQ(hub_->seal_counts().unknown_session, 1U) << "of the first node";
 }
 

@@ -72,7 +72,7 @@ TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
     ASSERT_EQ(node->sealed.seal_counts().handshakes, 1U);
     hub_receives();
     const std::size_t arrived = hub_endpoint_.arrived().size();
-    const std::int64_t timeout_ns = SealedClient::kPeerTimeoutNs + std::min(trip_ms * kMs, SealedClient::kMostTripNs);
+    const std::int64_t timeout_ns = SealedClient::kPeerTimeoutNs + std::min(trip_ms * kMs, SealedClient::kMaxTripNs);
     clock_.advance_ns(timeout_ns - kMs);
     node_receives(*node);
     hub_receives();
@@ -110,7 +110,7 @@ TEST_F(SealedHubTest, AnAddressGetsAnotherReplyOnlyWhenItsReplyMayBeLost) {
     }
     EXPECT_GE(gap_ms, std::min<std::int64_t>(least_ms, 400));
     EXPECT_LE(gap_ms, least_ms + 60);
-    least_ms = std::min(2 * least_ms, SealedHub::kMostReplyEveryNs / kMs);
+    least_ms = std::min(2 * least_ms, SealedHub::kMaxReplyEveryNs / kMs);
   }
   EXPECT_GT(hub_->seal_counts().repeats, 30U);
 }

@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::uint32_t kHere = ShapePart::kMostHere;
+constexpr std::uint32_t kHere = ShapePart::kMaxHere;
 
 struct ShapeCodecTest : CodecTest {
   ShapeRequest good{.stream = 1, .shape = 2, .object = {"skin"}, .over_s = 0.03, .part = {.total = 150, .first = 128}};
@@ -28,7 +28,7 @@ TEST_F(ShapeCodecTest, APartComesAsItWasSent) {
   ASSERT_EQ(good.part.count(), 22U);
   ASSERT_EQ(round_trip(good), DecodeStatus::ok);
   expect_equal(std::get<ShapeRequest>(decoded_.message), good);
-  for (const std::uint32_t total : {1U, kHere - 1, kHere, kHere + 1, ShapePart::kMostVertices}) {
+  for (const std::uint32_t total : {1U, kHere - 1, kHere, kHere + 1, ShapePart::kMaxVertices}) {
     for (std::uint32_t first = 0; first < total; first += kHere) {
       EXPECT_EQ(with([&](ShapeRequest& m) { m.part = {.total = total, .first = first}; }), DecodeStatus::ok) << total << " " << first;
     }
@@ -50,7 +50,7 @@ TEST_F(ShapeCodecTest, WhatNoPartMayHaveIsABadValue) {
   EXPECT_EQ(with([](ShapeRequest& m) { m.shape = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](ShapeRequest& m) { m.number = -1; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](ShapeRequest& m) { m.part = {}; }), DecodeStatus::bad_value) << "of no vertices";
-  EXPECT_EQ(with([](ShapeRequest& m) { m.part = {.total = ShapePart::kMostVertices + 1}; }), DecodeStatus::bad_value);
+  EXPECT_EQ(with([](ShapeRequest& m) { m.part = {.total = ShapePart::kMaxVertices + 1}; }), DecodeStatus::bad_value);
   EXPECT_EQ(with([](ShapeRequest& m) { m.part = {.total = 64, .first = 64}; }), DecodeStatus::bad_value) << "beyond the end";
   EXPECT_EQ(with([](ShapeRequest& m) { m.part = {.total = 640, .first = 63}; }), DecodeStatus::bad_value) << "between two parts";
   for (const double seconds : {-1e-9, 86'401.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
@@ -77,7 +77,7 @@ TEST_F(ShapeCodecTest, AStartIsAfterTheShapeBefore) {
   EXPECT_EQ(changed([](ShapeStart& m) { m.serial = m.before = 0; }), DecodeStatus::ok);
   EXPECT_EQ(changed([](ShapeStart& m) { m.source = 0; }), DecodeStatus::bad_value);
   EXPECT_EQ(changed([](ShapeStart& m) { m.total = 0; }), DecodeStatus::bad_value);
-  EXPECT_EQ(changed([](ShapeStart& m) { m.total = ShapePart::kMostVertices + 1; }), DecodeStatus::bad_value);
+  EXPECT_EQ(changed([](ShapeStart& m) { m.total = ShapePart::kMaxVertices + 1; }), DecodeStatus::bad_value);
   EXPECT_EQ(changed([](ShapeStart& m) { m.start_ns = -1; }), DecodeStatus::bad_value);
   EXPECT_EQ(changed([](ShapeStart& m) { m.end_ns = 4; }), DecodeStatus::bad_value);
 }

@@ -141,7 +141,7 @@ TEST_F(ShapeOutboxTest, WhatNoShapeMayHaveIsOneLine) {
     expect_rejected(object, good, 0.0);
   }
   expect_rejected("skin", {}, 0.0);
-  expect_rejected("skin", Displacements(ShapePart::kMostVertices + 1), 0.0);
+  expect_rejected("skin", Displacements(ShapePart::kMaxVertices + 1), 0.0);
   for (const double over_s : {-1.0, 86'401.0, std::numeric_limits<double>::quiet_NaN()}) expect_rejected("skin", good, over_s);
   for (const float x : {std::numeric_limits<float>::quiet_NaN(), 2e9F}) {
     Displacements bad = good;

@@ -18,11 +18,11 @@ Displacements made_displacements(std::uint32_t total) {
 }
 
 TEST(ShapeParts, AreWholeOnceAllHaveComeInAnyOrder) {
-  for (const std::uint32_t total : {1U, 63U, 64U, 65U, 1000U, ShapePart::kMostVertices}) {
+  for (const std::uint32_t total : {1U, 63U, 64U, 65U, 1000U, ShapePart::kMaxVertices}) {
     SCOPED_TRACE(testing::Message() << total << " vertices, seed 3");
     const Displacements sent = made_displacements(total);
     std::vector<std::uint32_t> firsts;
-    for (std::uint32_t first = 0; first < total; first += ShapePart::kMostHere) firsts.push_back(first);
+    for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) firsts.push_back(first);
     std::shuffle(firsts.begin(), firsts.end(), std::mt19937_64(3));
     ShapeParts parts(total);
     EXPECT_TRUE(parts.is_empty());

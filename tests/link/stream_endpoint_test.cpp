@@ -141,7 +141,7 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
   Party server;
   std::vector<std::unique_ptr<Party>> clients;
   std::vector<Party*> all = {&server};
-  for (std::size_t n = 0; n < StreamEndpoint::kMostConnections + 3; ++n) {
+  for (std::size_t n = 0; n < StreamEndpoint::kMaxConnections + 3; ++n) {
     clients.push_back(std::make_unique<Party>());
     clients.back()->endpoint->connect(server.endpoint->local_address());
     all.push_back(clients.back().get());
@@ -151,7 +151,7 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
     for (const auto& client : clients) dropped += client->closed.size();
     return dropped == 3;
   }));
-  EXPECT_EQ(server.peers.size(), StreamEndpoint::kMostConnections);
+  EXPECT_EQ(server.peers.size(), StreamEndpoint::kMaxConnections);
 }
 
 // A caller that cannot be let in for want of a descriptor used to wake every wait at once, for ever.

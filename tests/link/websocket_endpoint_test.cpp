@@ -127,7 +127,7 @@ TEST(WebSocketEndpoint, WhatIsTooLongOrTooLateEndsTheConnection) {
       beast::websocket::stream<tcp::socket&> stream(socket);
       error_code error;
       stream.accept(error);
-      if (is_long) stream.write(asio::buffer(std::string(WebSocketEndpoint::kMostMessageBytes + 1, 'x')), error);
+      if (is_long) stream.write(asio::buffer(std::string(WebSocketEndpoint::kMaxMessageBytes + 1, 'x')), error);
       read_all(socket);
     });
     auto endpoint = WebSocketEndpoint::connect(service.address(), kPatienceNs);

@@ -58,7 +58,7 @@ TEST(AnnouncedMotion, AMoveThatComesLateGoesToTheSameEndWithoutAJump) {
       if (due_s <= t && due_s > t - kStepS) (void)motion.accept_in_contact(move, t);
     }
     const Vec3 now = motion.pose_at(t) * corner;
-    ASSERT_LE((now - last).norm(), kMostSurfaceSpeed * kStepS * (1.0 + 1e-9)) << t;
+    ASSERT_LE((now - last).norm(), kMaxSurfaceSpeed * kStepS * (1.0 + 1e-9)) << t;
     last = now;
   }
   EXPECT_GT(motion.late(), 20U);
@@ -70,7 +70,7 @@ TEST(AnnouncedMotion, AMoveThatIsTooFastIsSlowed) {
   ASSERT_TRUE(
       motion.accept_in_contact(announced(1, 1.0, 1.001, {0.0, kAnnouncedPivot, Quat::Identity()}, kAnnouncedPivot + Vec3(1, 0, 0)), 0.5));
   EXPECT_EQ(motion.late(), 1U);
-  EXPECT_NEAR(motion.pose_at(2.0).translation().x(), kMostSurfaceSpeed, 1e-9);
+  EXPECT_NEAR(motion.pose_at(2.0).translation().x(), kMaxSurfaceSpeed, 1e-9);
   EXPECT_NEAR(motion.pose_at(100.0).translation().x(), 1.0, 1e-12);
 }
 

@@ -37,9 +37,9 @@ TEST(DevicePath, KeepsTheNewestPlaces) {
 }
 
 TEST(DevicePath, KeepsItsLengthItsTimeAndItsNewestPlaceWhenFull) {
-  constexpr std::size_t kPlaces = 10 * DevicePath::kMost + 7;
+  constexpr std::size_t kPlaces = 10 * DevicePath::kMax + 7;
   DevicePath path = path_of(kPlaces);
-  EXPECT_LE(path.size(), DevicePath::kMost);
+  EXPECT_LE(path.size(), DevicePath::kMax);
   EXPECT_EQ(path[path.size() - 1].p_SD.x(), static_cast<double>(kPlaces - 1));
   double time_s = path[0].dt_s;
   double widest = 0.0;
@@ -51,7 +51,7 @@ TEST(DevicePath, KeepsItsLengthItsTimeAndItsNewestPlaceWhenFull) {
     time_s += path[i].dt_s;
   }
   EXPECT_NEAR(time_s, 1e-3 * kPlaces, 1e-9);
-  EXPECT_LE(widest, 4.0 * kPlaces / DevicePath::kMost) << "no coarser at its old end than at its new one";
+  EXPECT_LE(widest, 4.0 * kPlaces / DevicePath::kMax) << "no coarser at its old end than at its new one";
 }
 
 // A hand that rests takes no room, however long, and its noise little.
@@ -61,7 +61,7 @@ TEST(DevicePath, ARestTakesNoRoomFromWhatCameBefore) {
   EXPECT_LE(path.size(), 101U);
   EXPECT_EQ(path[path.size() - 1].p_SD.x(), 99.0);
   for (int i = 0; i < 5000; ++i) path.push({Vec3(99.0, i % 2 == 0 ? 1e-6 : -1e-6, 0.0), 1e-3});
-  ASSERT_LE(path.size(), DevicePath::kMost);
+  ASSERT_LE(path.size(), DevicePath::kMax);
   double widest = 0.0;
   for (std::size_t i = 1; i < path.size(); ++i) widest = std::max(widest, (path[i].p_SD - path[i - 1].p_SD).norm());
   EXPECT_LE(widest, 4.0);
@@ -69,14 +69,13 @@ TEST(DevicePath, ARestTakesNoRoomFromWhatCameBefore) {
 
 // The ring begins anywhere.
 TEST(DevicePath, IsThinnedOutWhereverItBegins) {
-  DevicePath path = path_of(DevicePath::kMost);
+  DevicePath path = path_of(DevicePath::kMax);
   for (int i = 0; i < 301; ++i) path.pop();
-  for (std::size_t i = 0; path.size() < DevicePath::kMost; ++i)
-    path.push({Vec3(static_cast<double>(DevicePath::kMost + i), 0.0, 0.0), 1e-3});
+  for (std::size_t i = 0; path.size() < DevicePath::kMax; ++i) path.push({Vec3(static_cast<double>(DevicePath::kMax + i), 0.0, 0.0), 1e-3});
   path.push({Vec3(5000.0, 0.0, 0.0), 1e-3});
-  ASSERT_EQ(path.size(), DevicePath::kMost / 2 + 1);
-  for (std::size_t i = 0; i < DevicePath::kMost / 2; ++i) EXPECT_EQ(path[i].p_SD.x(), 302.0 + 2.0 * static_cast<double>(i));
-  EXPECT_EQ(path[DevicePath::kMost / 2].p_SD.x(), 5000.0);
+  ASSERT_EQ(path.size(), DevicePath::kMax / 2 + 1);
+  for (std::size_t i = 0; i < DevicePath::kMax / 2; ++i) EXPECT_EQ(path[i].p_SD.x(), 302.0 + 2.0 * static_cast<double>(i));
+  EXPECT_EQ(path[DevicePath::kMax / 2].p_SD.x(), 5000.0);
 }
 
 TEST(DevicePath, IsEmptyAfterAClear) {

@@ -146,7 +146,7 @@ TEST(EffectCodec, TakesNothingThatNoSceneMayHave) {
       {"negative damping", [](Set& s) { s.space[4] = ViscousEffect{.damping_ns_per_m = -1.0}; }},
       {"no decay", [](Set& s) { s.space[6] = BurstEffect{.decay_s = 0.0}; }},
       {"a short filter", [](Set& s) { s.space[7] = MassEffect{.filter_s = 0.001}; }},
-      {"too many effects", [](Set& s) { s.space.resize(kMostSpaceEffects + 1, SpringEffect()); }},
+      {"too many effects", [](Set& s) { s.space.resize(kMaxSpaceEffects + 1, SpringEffect()); }},
       {"steep bumps", [](Set& s) { s.surfaces[0].bumps = {.height_m = 0.002, .length_m = 0.005}; }},
       {"a strong snap", [](Set& s) { s.surfaces[0].snap = {.stiffness_n_per_m = 1e5, .range_m = 2e-3}; }},
       {"a tap without decay", [](Set& s) { s.surfaces[0].tap = {.ns_per_m = 1.0, .decay_s = 0.0}; }},

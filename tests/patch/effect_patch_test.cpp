@@ -249,10 +249,10 @@ TEST(EffectPatches, WhatNoSceneMayHaveIsDropped) {
 }
 
 TEST(EffectPatches, ContainsTheWholeTextInParts) {
-  std::string bytes(3 * PatchEffects::kMostBytes + 5, 'x');
+  std::string bytes(3 * PatchEffects::kMaxBytes + 5, 'x');
   for (std::size_t n = 0; n < bytes.size(); ++n) bytes[n] = static_cast<char>(n * 7);
   ASSERT_EQ(count_effect_parts(bytes.size()), 4U);
-  EXPECT_EQ(count_effect_parts(3 * PatchEffects::kMostBytes), 3U);
+  EXPECT_EQ(count_effect_parts(3 * PatchEffects::kMaxBytes), 3U);
   EXPECT_EQ(count_effect_parts(0), 0U);
   EffectParts parts;
   for (const std::uint32_t part : {3U, 0U, 2U, 0U, 1U}) {

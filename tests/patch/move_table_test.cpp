@@ -54,7 +54,7 @@ TEST(MoveTable, AnotherProcessBeginsAnew) {
 TEST(MoveTable, HasBoundedRoomAndRejectsWhatDoesNotTurn) {
   MoveTable table;
   for (std::int32_t object = 0; object < 100; ++object) (void)table.take(numbered_move(static_cast<std::uint32_t>(object) + 1, object));
-  EXPECT_EQ(table.moves().size(), PatchBody::kMostBodies);
+  EXPECT_EQ(table.moves().size(), PatchBody::kMaxBodies);
   int recent = 0;
   table.visit_recent([&](const ObjectMove&) { ++recent; });
   EXPECT_EQ(recent, 16);

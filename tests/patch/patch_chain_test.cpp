@@ -190,7 +190,7 @@ TEST(PatchChain, AMoveThatComesLateMovesTheSurfaceWithoutAJump) {
   }
   EXPECT_GT(stage.chain().late_moves(), 10U);
   EXPECT_GT(largest_n, 1.0);
-  EXPECT_LE(worst_jump_n, kChainStiffness * kMostSurfaceSpeed * ChainStage::kStepS * (1.0 + 1e-6)) << "the largest speed of a surface";
+  EXPECT_LE(worst_jump_n, kChainStiffness * kMaxSurfaceSpeed * ChainStage::kStepS * (1.0 + 1e-6)) << "the largest speed of a surface";
 }
 
 // A wheel of the wrong speed, a body that is not unit, places far away: nothing but finite forces comes of it.
@@ -291,7 +291,7 @@ TEST(PatchChain, TakesOverWhereTheProbeWas) {
     }
     const auto felt = chain.step(input);
     // It follows the places since then, a few in each step.
-    if (n < 700 || n >= 700 + kAge / PatchTouch::kMostFollowed) {
+    if (n < 700 || n >= 700 + kAge / PatchTouch::kMaxFollowed) {
       ASSERT_EQ(felt.has_value(), n >= 700) << n;
     }
     if (!felt) continue;

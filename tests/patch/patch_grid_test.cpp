@@ -43,8 +43,8 @@ TEST(PatchGrid, OfAPointIsThatPoint) {
 TEST(PatchGrid, AVertexComesBackFromItsBytes) {
   PatchTile tile;
   const GridPoint g = {0x123456, 0, 0xFFFFFF};
-  write_vertex(tile, PatchTile::kMostVertices - 1, g);
-  EXPECT_EQ(read_vertex(tile, PatchTile::kMostVertices - 1), g);
+  write_vertex(tile, PatchTile::kMaxVertices - 1, g);
+  EXPECT_EQ(read_vertex(tile, PatchTile::kMaxVertices - 1), g);
 }
 
 TEST(CellKey, ChildrenFillTheirParent) {

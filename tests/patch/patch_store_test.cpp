@@ -129,19 +129,19 @@ TEST(PatchStore, IsBoundedWhateverComes) {
   tile.vertex_count = 3;
   tile.triangle_count = 1;
   tile.triangles = {0, 1, 2};
-  for (std::uint32_t n = 0; n < PatchStore::kMostTiles + 100; ++n) {
+  for (std::uint32_t n = 0; n < PatchStore::kMaxTiles + 100; ++n) {
     tile.tile = n;
     store.accept(numbered(tile, 1, 2 + n));
   }
   EXPECT_EQ(store.counts().rejected, 100U);
   PatchCell cell{1, 1, kPatchDeepestLevel};
   cell.empty_children.fill(0xFF);
-  for (std::uint32_t n = 0; n < PatchStore::kMostCells; ++n) {
+  for (std::uint32_t n = 0; n < PatchStore::kMaxCells; ++n) {
     for (std::uint32_t& i : cell.index) i = static_cast<std::uint32_t>(random() % (1U << kPatchDeepestLevel));
     cell.serial = 10'000 + n;
     store.accept(cell);
   }
-  EXPECT_GT(store.counts().rejected, PatchStore::kMostCells / 2);
+  EXPECT_GT(store.counts().rejected, PatchStore::kMaxCells / 2);
   (void)store.known_radius(Vec3::Zero());
   (void)store.make_piece(Vec3::Zero(), 1.0, 100);
   // Cells that are known, and say that others beside them are empty.

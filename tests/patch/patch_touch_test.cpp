@@ -257,7 +257,7 @@ TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
     most = std::max(most, patches.touch().counts().steps - before);
     before = patches.touch().counts().steps;
   }
-  EXPECT_EQ(most, static_cast<std::uint64_t>(PatchTouch::kMostFollowed));
+  EXPECT_EQ(most, static_cast<std::uint64_t>(PatchTouch::kMaxFollowed));
 }
 
 }  // namespace

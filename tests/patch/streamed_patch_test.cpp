@@ -201,7 +201,7 @@ TEST(StreamedPatch, WhatComesLateOrNeverLeadsToTheSameShape) {
     EXPECT_LT((felt.patch->force_n - felt.whole.force_n).norm(), 1e-9) << seed;
     EXPECT_GT(felt.whole.force_n.norm(), 0.5);
     // The hand holds still; the surface goes no faster than that, and its facets lean by less than 0.5.
-    EXPECT_LT(largest_change_n, 800.0 * kMostSurfaceSpeed * ChainStage::kStepS * 1.5) << seed;
+    EXPECT_LT(largest_change_n, 800.0 * kMaxSurfaceSpeed * ChainStage::kStepS * 1.5) << seed;
     EXPECT_GT(stage.chain().counts().late_shapes, 5U) << seed;
     EXPECT_GT(lost, 5U);
   }
@@ -237,7 +237,7 @@ TEST(StreamedPatch, IsKnownWhenAllOfItIsThereAndItsShape) {
 
   const auto announce = [&](std::uint32_t serial, bool has_shape) {
     const ChainStage::Shape shape = wave_of(scene, 1);
-    for (std::uint32_t first = 0; has_shape && first < shape.size(); first += ShapePart::kMostHere) {
+    for (std::uint32_t first = 0; has_shape && first < shape.size(); first += ShapePart::kMaxHere) {
       (void)store.accept_shape(ObjectShape{.source = 5, .serial = serial, .object = 1, .part = make_shape_part(shape, first)},
                                Arrival::newest);
     }
@@ -340,7 +340,7 @@ TEST(StreamedPatch, WhatContradictsItselfIsNeverConfirmed) {
   };
   expect_rejected([](PatchStream& stream) { stream.reach_m = 1.0; });
   expect_rejected([](PatchStream& stream) { stream.vertex_count = static_cast<std::uint8_t>(stream.vertex_count - 1); });
-  expect_rejected([](PatchStream& stream) { stream.tile_count = PatchStore::kMostTiles + 1; });
+  expect_rejected([](PatchStream& stream) { stream.tile_count = PatchStore::kMaxTiles + 1; });
   int n = 0;
   expect_rejected([&](PatchStream& stream) { stream.total += ++n == 4 ? 1 : 0; });
   n = 0;

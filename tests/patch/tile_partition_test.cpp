@@ -57,8 +57,8 @@ TEST(TilePartition, TilesFitAndKnowTheirObject) {
   for (std::size_t n = 0; n < tiled.tiles.size(); ++n) {
     const PatchTile& tile = tiled.tiles[n];
     EXPECT_EQ(tile.tile, n);
-    ASSERT_LE(tile.vertex_count, PatchTile::kMostVertices);
-    ASSERT_LE(tile.triangle_count, PatchTile::kMostTriangles);
+    ASSERT_LE(tile.vertex_count, PatchTile::kMaxVertices);
+    ASSERT_LE(tile.triangle_count, PatchTile::kMaxTriangles);
     ASSERT_GT(tile.triangle_count, 0);
     const Material& material = scene.objects.at(tile.object).material;
     EXPECT_EQ(tile.stiffness_n_per_m, material.stiffness_n_per_m);
@@ -66,7 +66,7 @@ TEST(TilePartition, TilesFitAndKnowTheirObject) {
     EXPECT_EQ(tile.friction_static, material.friction_static);
     EXPECT_EQ(tile.friction_dynamic, material.friction_dynamic);
     EXPECT_EQ(tile.two_sided, material.two_sided);
-    full += tile.object == 0 && tile.triangle_count == PatchTile::kMostTriangles ? 1 : 0;
+    full += tile.object == 0 && tile.triangle_count == PatchTile::kMaxTriangles ? 1 : 0;
   }
   EXPECT_GE(full, std::size_t{3200 / 64 - 2}) << "tiles of a mesh are full, but for a few";
 }
@@ -123,11 +123,11 @@ TEST(TilePartition, TilesThatLieAcrossEachOtherDoNotFillTheMemory) {
     mesh.triangles.push_back({3 * n, 3 * n + 1, 3 * n + 2});
   }
   const TiledScene tiled = make_tiles(scene_of(std::move(mesh)));
-  EXPECT_LE(tiled.nodes.size(), PatchStore::kMostCells);
+  EXPECT_LE(tiled.nodes.size(), PatchStore::kMaxCells);
   EXPECT_GT(tiled.cells.size(), 0U);
   std::size_t listed = 0;
   for (const TileCell& cell : tiled.cells) listed += cell.tiles.size();
-  EXPECT_LE(listed, PatchStore::kMostCells * PatchCell::kMostTiles / 4);
+  EXPECT_LE(listed, PatchStore::kMaxCells * PatchCell::kMaxTiles / 4);
 }
 
 }  // namespace

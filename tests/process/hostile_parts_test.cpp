@@ -85,14 +85,14 @@ class Parts {
     const double step_m = std::ldexp(wide_m, -kPatchGridBits);
     hostile.send(PatchBegin{.epoch = epoch_, .serial = ++serial_, .origin_m = p_WD - Vec3::Constant(0.5 * wide_m), .step_m = step_m});
     PatchCell cell{.epoch = epoch_, .serial = ++serial_};
-    cell.tile_count = PatchCell::kMostTiles;
+    cell.tile_count = PatchCell::kMaxTiles;
     for (std::uint32_t n = 0; n < cell.tile_count; ++n) cell.tiles[n] = n;
     hostile.send(cell);
     for (std::uint32_t n = 0; n < cell.tile_count; ++n) {
       PatchTile tile = std::get<PatchTile>(this->tile());
       tile.tile = n;
       tile.stiffness_n_per_m = 1e5;
-      tile.triangle_count = PatchTile::kMostTriangles;
+      tile.triangle_count = PatchTile::kMaxTriangles;
       hostile.send(tile);
       if (n % 16 == 0) hostile.listen(5 * kNanosecondsPerMillisecond);
     }
@@ -103,7 +103,7 @@ class Parts {
     for (auto& index : cell.index) index = static_cast<std::uint32_t>(random_() % (std::uint64_t{1} << cell.level));
     cell.body = static_cast<std::uint32_t>(one_in(2) ? 0 : random_() % 3);
     for (std::uint32_t n = 0; n < cell.level; ++n) cell.empty_children[n] = static_cast<std::uint8_t>(random_());
-    cell.tile_count = PatchCell::kMostTiles;
+    cell.tile_count = PatchCell::kMaxTiles;
     for (auto& tile : cell.tiles) tile = static_cast<std::uint32_t>(one_in(20) ? random_() : random_() % 600);
     return cell;
   }
@@ -116,15 +116,15 @@ class Parts {
     tile.friction_static = one_in(2) ? 0.0 : std::abs(any());
     tile.friction_dynamic = tile.friction_static * 0.5;
     tile.two_sided = one_in(2);
-    tile.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostVertices);
-    tile.triangle_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostTriangles);
+    tile.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
+    tile.triangle_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxTriangles);
     for (auto& byte : tile.vertices) byte = static_cast<std::uint8_t>(one_in(4) ? 0 : random_());
     for (auto& corner : tile.triangles) corner = static_cast<std::uint8_t>(random_() % tile.vertex_count);
     return tile;
   }
   // Of a scene that moves: nine times of ten as none may.
   Message body() {
-    PatchBody body{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % PatchBody::kMostBodies)};
+    PatchBody body{.epoch = epoch_, .serial = ++serial_, .body = static_cast<std::uint32_t>(random_() % PatchBody::kMaxBodies)};
     body.motion = static_cast<PatchBody::Motion>(random_() % 3);
     body.deforms = one_in(3);
     if (one_in(2)) {
@@ -137,7 +137,7 @@ class Parts {
     if (body.motion != PatchBody::Motion::still) body.pivot_m = place();
     if (body.motion != PatchBody::Motion::keyframes) return body;
     body.loops = one_in(3);
-    body.key_count = static_cast<std::uint32_t>(1 + random_() % PatchBody::kMostKeys);
+    body.key_count = static_cast<std::uint32_t>(1 + random_() % PatchBody::kMaxKeys);
     body.first_key = one_in(4) ? static_cast<std::uint32_t>(random_() % 100) : 0U;
     body.all_keys = std::max(2U, body.first_key + body.key_count);
     double time_s = 0.0;
@@ -150,10 +150,10 @@ class Parts {
     deformation.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() : random_() % 600);
     deformation.tile_count = static_cast<std::uint32_t>(one_in(10) ? random_() | 1U : 1 + random_() % 3);
     deformation.displaced_count = static_cast<std::uint32_t>(one_in(10) ? random_() : random_() % 3);
-    deformation.target_count = static_cast<std::uint32_t>(1 + random_() % PatchDeformation::kMostTargets);
+    deformation.target_count = static_cast<std::uint32_t>(1 + random_() % PatchDeformation::kMaxTargets);
     deformation.loops = one_in(3);
     const std::size_t each = PatchDeformation::numbers_of_key(deformation.target_count);
-    deformation.key_count = static_cast<std::uint32_t>(1 + random_() % (PatchDeformation::kMostNumbers / each));
+    deformation.key_count = static_cast<std::uint32_t>(1 + random_() % (PatchDeformation::kMaxNumbers / each));
     deformation.first_key = one_in(4) ? static_cast<std::uint32_t>(random_() % 100) : 0U;
     deformation.all_keys = deformation.first_key + deformation.key_count;
     double time_s = 0.0;
@@ -165,8 +165,8 @@ class Parts {
   Message displacements() {
     PatchDisplacements displacements{.epoch = epoch_, .serial = ++serial_};
     displacements.tile = static_cast<std::uint32_t>(one_in(50) ? random_() : random_() % 600);
-    displacements.target = static_cast<std::uint32_t>(random_() % PatchDeformation::kMostTargets);
-    displacements.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostVertices);
+    displacements.target = static_cast<std::uint32_t>(random_() % PatchDeformation::kMaxTargets);
+    displacements.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
     for (auto& by_m : displacements.by_m) by_m = static_cast<float>(std::clamp(any(), -1e6, 1e6));
     return displacements;
   }
@@ -176,12 +176,12 @@ class Parts {
     stream.first_tile = static_cast<std::uint32_t>(one_in(20) ? random_() >> 33 : random_() % 600);
     stream.tile_count = static_cast<std::uint32_t>(1 + random_() % 3);
     stream.object = static_cast<std::int32_t>(random_() % 3);
-    stream.total = static_cast<std::uint32_t>(one_in(4) ? ShapePart::kMostVertices : 64);
+    stream.total = static_cast<std::uint32_t>(one_in(4) ? ShapePart::kMaxVertices : 64);
     stream.reach_m = std::clamp(std::abs(any()), 1e-6, 1e6);
     for (int n = 0; n < 9; ++n) stream.to_scene(n / 3, n % 3) = std::clamp(any(), -1e6, 1e6);
     stream.shape_serial = one_in(2) ? 0U : shapes_;
     stream.tile = stream.first_tile + static_cast<std::uint32_t>(random_() % stream.tile_count);
-    stream.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMostVertices);
+    stream.vertex_count = static_cast<std::uint8_t>(1 + random_() % PatchTile::kMaxVertices);
     for (auto& vertex : stream.vertices) vertex = static_cast<std::uint32_t>(random_() % stream.total);
     return stream;
   }

@@ -8,7 +8,7 @@ namespace hapton {
 namespace {
 
 constexpr double kPeriodS = 1e-3;
-constexpr std::size_t kMostLate = 60;
+constexpr std::size_t kMaxLate = 60;
 constexpr double kStepCost = 0.02;
 
 Vec3 sway(double t_s) { return {1.0 + 0.5 * std::sin(9.0 * t_s), 0.3 * std::sin(23.0 * t_s), 0.0}; }
@@ -20,7 +20,7 @@ std::vector<Vec3> sample(double late_s, const Vec3& added) {
 }
 
 EffectiveOffset find(const std::vector<Vec3>& signal) {
-  return find_effective_offset(signal, sample(0.0, Vec3::Zero()), kPeriodS, kMostLate, kStepCost, 1e-3);
+  return find_effective_offset(signal, sample(0.0, Vec3::Zero()), kPeriodS, kMaxLate, kStepCost, 1e-3);
 }
 
 TEST(EffectiveOffset, OfTheSameSignalIsZero) {
@@ -58,8 +58,8 @@ TEST(EffectiveOffset, MeansAreOverWhatIsNotSilent) {
     reference[i] = sway(t_s);
     signal[i] = sway(t_s) + Vec3(0.0, 0.0, 0.1);
   }
-  EXPECT_NEAR(find_effective_offset(signal, reference, kPeriodS, kMostLate, kStepCost, 1e-3).value, 0.1, 1e-3);
-  EXPECT_EQ(find_effective_offset({}, {}, kPeriodS, kMostLate, kStepCost, 1e-3).time_s, 0.0);
+  EXPECT_NEAR(find_effective_offset(signal, reference, kPeriodS, kMaxLate, kStepCost, 1e-3).value, 0.1, 1e-3);
+  EXPECT_EQ(find_effective_offset({}, {}, kPeriodS, kMaxLate, kStepCost, 1e-3).time_s, 0.0);
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ TEST(ForceComparison, AForceThatIsTooStrongByAShareHasThatError) {
     squares += force_n * force_n;
     contact += force_n > 0.0 ? 1 : 0;
     row.force_n *= 1.1;
-    if (1.1 * force_n <= kLeastN) continue;
+    if (1.1 * force_n <= kMinN) continue;
     felt += 0.1 * force_n;
     ++counted;
   }
@@ -77,7 +77,7 @@ TEST(ForceComparison, AnglesAreInDegrees) {
   std::size_t counted = 0;
   std::size_t turned = 0;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (rows[i].zero_delay_n.norm() <= kLeastN) continue;
+    if (rows[i].zero_delay_n.norm() <= kMinN) continue;
     ++counted;
     if (i % 4 != 0) continue;
     ++turned;

@@ -19,10 +19,10 @@ TEST(PacketSize, IsThatOfASealedDatagramInAnIpPacket) {
 
 TEST(PacketSize, ATileFitsADatagram) {
   PatchTile tile;
-  tile.vertex_count = PatchTile::kMostVertices;
-  tile.triangle_count = PatchTile::kMostTriangles;
+  tile.vertex_count = PatchTile::kMaxVertices;
+  tile.triangle_count = PatchTile::kMaxTriangles;
   tile.vertices.fill(0xff);
-  EXPECT_GT(packet_bytes_of(tile), PatchTile::kMostVertices * PatchTile::kVertexBytes);
+  EXPECT_GT(packet_bytes_of(tile), PatchTile::kMaxVertices * PatchTile::kVertexBytes);
   EXPECT_LE(packet_bytes_of(tile), kMaxDatagramBytes + kIpAndUdp);
 }
 

@@ -109,7 +109,7 @@ TEST(RemoteDeadband, AHandWhoseVelocityIsKnownNeedsNoPackets) {
 
 // A creep below the speeds that count: sent when the place is off by a tenth of a millimetre.
 TEST(RemoteDeadband, ASlowHandIsSentWhereItIsOff) {
-  const double speed = 0.004;  // less than a tenth of kLeastSpeed
+  const double speed = 0.004;  // less than a tenth of kMinSpeed
   const auto sent = packets_up([&](double t_s) { return Vec3(speed * t_s, 0, 0.01); });
   EXPECT_GE(sent, 2U);
   EXPECT_LE(sent, 1 + static_cast<std::uint64_t>(speed / (0.1 * RemoteDeadband::kPositionM)));

@@ -84,8 +84,8 @@ TEST(ArrivalForecast, ForecastsNothingWhileSamplesAreMissing) {
 
 // Those at the ends of what a decoder accepts: a due time is then some number, and later samples put it right.
 TEST(ArrivalForecast, RecoversFromTimesOfABrokenSender) {
-  constexpr std::int64_t kMostNs = (std::int64_t{1} << 61) - 1;
-  for (const std::int64_t first_ns : {-kMostNs, kMostNs}) {
+  constexpr std::int64_t kMaxNs = (std::int64_t{1} << 61) - 1;
+  for (const std::int64_t first_ns : {-kMaxNs, kMaxNs}) {
     ArrivalForecast forecast;
     std::uint64_t next = 1;
     for (; next <= 3 * ArrivalForecast::kDelays; ++next) {

@@ -138,7 +138,7 @@ TEST(GovernedTouch, ASourceOfEnergyIsBounded) {
     // Positions are read in steps of 32 um, the bound is on the exact ones: a tenth more.
     const double bound_j =
         1.1 * model_a::kMaxForceN *
-        (EnergyBudget::kFreeM + EnergyBudget::kMostM + EnergyBudget::kForgivenMPerS * kSeconds + 0.01 * model_a::kMaxSpeedMPerS);
+        (EnergyBudget::kFreeM + EnergyBudget::kMaxM + EnergyBudget::kForgivenMPerS * kSeconds + 0.01 * model_a::kMaxSpeedMPerS);
     EXPECT_LT(tame.most_given_j, bound_j) << gain;
     EXPECT_GT(governor.counters().damped, 100U) << gain;
     EXPECT_GT(wild.most_given_j, 3.0 * tame.most_given_j) << gain;

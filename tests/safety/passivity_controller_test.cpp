@@ -233,7 +233,7 @@ TEST(PassivityController, CreditIsBounded) {
     controller.held(Vec3(10, 0, 0), 1e-3);
     controller.observe(kMaxForceN, Vec3(-1e-3, 0, 0));
   }
-  EXPECT_DOUBLE_EQ(controller.given_j(), -PassivityController::kMostCreditM * kMaxForceN);
+  EXPECT_DOUBLE_EQ(controller.given_j(), -PassivityController::kMaxCreditM * kMaxForceN);
 }
 
 // What a mass that moves away gets from the force until the next sample: force times (velocity times period, and what the force adds).

@@ -178,6 +178,19 @@ TEST(SafetyGovernor, MotorsThatSayTheyAreTooHotLatchUntilTheyAreCool) {
   EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
 }
 
+// How hot the motors are after a restart is not known.
+TEST(SafetyGovernor, AThermalFaultFromBeforeIsResetOnlyWhenTheMotorsMustHaveCooled) {
+  DeviceLimits limits = device_limits();
+  limits.continuous_force_n = 2.0;
+  limits.peak_s = 0.7;
+  Bench bench(limits);
+  bench.governor.restore_latched_fault(SafetyFault::thermal);
+  bench.wait(10);
+  EXPECT_FALSE(bench.governor.reset_faults());
+  bench.wait(9000);
+  EXPECT_TRUE(bench.governor.reset_faults());
+}
+
 TEST(SafetyGovernor, UnwatchedHeatLatches) {
   DeviceLimits limits = device_limits();
   limits.continuous_force_n = 2.0;

@@ -161,7 +161,7 @@ TEST(AnnotationsFile, ErrorsNameTheLineAndWhatToDo) {
 TEST(AnnotationsFile, MorePointsThanTheLimitAreRejected) {
   Annotations many;
   many.objects = kAnnotatedNames;
-  many.entries = {Stroke{0, std::vector<Vec3>(kMostAnnotationPoints, Vec3::Zero())}};
+  many.entries = {Stroke{0, std::vector<Vec3>(kMaxAnnotationPoints, Vec3::Zero())}};
   EXPECT_TRUE(parse_annotations(write_annotations(many, kAnnotatedHash), kAnnotatedNames, kAnnotatedHash));
   many.entries.emplace_back(Stroke{0, {Vec3::Zero()}});
   EXPECT_THAT(annotations_error(write_annotations(many, kAnnotatedHash)), HasSubstr("more than 100000 points"));

@@ -74,7 +74,7 @@ TEST(SceneCombination, WhatProgramsDeformIsToldLikewise) {
       "two");
   scene.objects[1].is_movable = false;
   EXPECT_TRUE(check_combination(kFile, scene, false));
-  for (std::size_t n = 0; n < ProgramShape::kMostObjects; ++n) scene.objects.push_back(scene.objects[0]);
+  for (std::size_t n = 0; n < ProgramShape::kMaxObjects; ++n) scene.objects.push_back(scene.objects[0]);
   EXPECT_EQ(check_combination(kFile, scene, false).error().what,
             "room.toml: line 2: object 'lid' is one too many that programs deform: at most 8");
 }
@@ -106,7 +106,7 @@ TEST(SceneCombination, AMovableObjectTouchesAsManyPartsThatMoveAsAToolDoes) {
     scene.objects.push_back(scene.objects[0]);
     scene.objects.back().commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), TriangleMesh());
   };
-  for (int n = 0; n < ToolStep::kMostParts; ++n) add_lid_by_program();
+  for (int n = 0; n < ToolStep::kMaxParts; ++n) add_lid_by_program();
   EXPECT_TRUE(check_combination(kFile, scene, false));
   add_lid_by_program();
   EXPECT_EQ(check_combination(kFile, scene, false).error().what,

@@ -21,7 +21,7 @@ namespace {
 using hapton::StallWatch;
 
 constexpr int kSkipped = 77;
-constexpr int kMostRuns = 5;
+constexpr int kMaxRuns = 5;
 constexpr std::int64_t kLongestNs = 60 * hapton::kNanosecondsPerSecond;  // of all runs: no other begins after it
 constexpr std::int64_t kNoticedNs = StallWatch::kForceLifeNs / 2;
 
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
     fmt::print("\nrun {} failed (exit code {}), and this machine stood still for up to {:.1f} ms meanwhile\n", n, code, ms(stall_ns));
     std::fflush(stdout);
     least_ns = std::min(least_ns, stall_ns);
-    if (n == kMostRuns || hapton::SteadyClock().now_ns() - begin_ns > kLongestNs) {
+    if (n == kMaxRuns || hapton::SteadyClock().now_ns() - begin_ns > kLongestNs) {
       if (least_ns < StallWatch::kForceLifeNs) return code;
       fmt::print("skipped: in each of {} runs this machine stood still for {:.1f} ms or more, longer than a force may live: not judged\n",
                  n, ms(least_ns));

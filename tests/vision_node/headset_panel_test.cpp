@@ -31,10 +31,10 @@ TEST(HeadsetPanel, TheBarOfTheForceStandsAtTheLeftOfTheWorkspace) {
   ASSERT_NE(bar->GetVisibility(), 0);
   const double* box = bar->GetBounds();
   EXPECT_NEAR(box[0], -0.1854, 1e-9);
-  EXPECT_GT(box[2], -0.095) << "as high as the workspace";
+  EXPECT_GT(box[2], -0.095) << "within the height of the workspace";
   EXPECT_LT(box[3], 0.095);
   EXPECT_NEAR(box[3] - box[2], 0.0624, 1e-9);
-  EXPECT_NEAR(box[4], -0.19, 1e-9) << "behind the workspace";
+  EXPECT_NEAR(box[4], -0.19, 1e-9) << "at the back of the workspace";
   // Ground, force, frame: one before the other.
   vtkPolyData* shape = parts.solid_shape(0);
   const auto height = [&](vtkIdType rectangle) { return point_of(shape, 4 * rectangle + 2).y() - point_of(shape, 4 * rectangle).y(); };

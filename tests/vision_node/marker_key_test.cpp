@@ -31,10 +31,10 @@ TEST(MarkerKey, SendsEachPressUntilThereIsAReply) {
 
 TEST(MarkerKey, GivesUpAndBoundsWhatWaits) {
   MarkerKey key;
-  for (std::size_t n = 0; n < 2 * MarkerKey::kMostWaiting; ++n) key.press(0);
+  for (std::size_t n = 0; n < 2 * MarkerKey::kMaxWaiting; ++n) key.press(0);
   std::size_t sent = 0;
   while (key.take_due(0)) ++sent;
-  EXPECT_EQ(sent, MarkerKey::kMostWaiting);
+  EXPECT_EQ(sent, MarkerKey::kMaxWaiting);
   EXPECT_FALSE(key.take_due(MarkerKey::kReplyTimeoutNs));
 }
 

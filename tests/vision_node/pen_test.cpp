@@ -206,14 +206,14 @@ TEST_F(PenTest, WhatAFileHadCanBeUndone) {
 
 TEST_F(PenTest, ThereIsRoomForSoManyPointsAndNoMore) {
   Annotations given;
-  given.entries = {Stroke{0, std::vector<Vec3>(kMostAnnotationPoints - 3, Vec3::Zero())}};
+  given.entries = {Stroke{0, std::vector<Vec3>(kMaxAnnotationPoints - 3, Vec3::Zero())}};
   pen = Pen(pen_settings(), given);
   lift();
   for (int i = 0; i < 20; ++i) pen.receive(AnnotationPoint{0, Vec3(0.01 * (i % 2), 0.001 * i, 0.0)}, kDraw);
   EXPECT_TRUE(pen.take_full());
   EXPECT_FALSE(pen.take_full()) << "said once";
   lift();
-  EXPECT_LE(count_points(pen.annotations()), kMostAnnotationPoints);
+  EXPECT_LE(count_points(pen.annotations()), kMaxAnnotationPoints);
   EXPECT_EQ(entries(), 2U);
   move(kMeasure, 1);
   lift();

@@ -93,10 +93,10 @@ TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) 
   // The mesh without levels: in pieces that are too small to have any.
   std::vector<ShownObject> pieces;
   const TriangleMesh& mesh = *objects.front().mesh;
-  for (std::size_t from = 0; from < mesh.triangles.size(); from += DetailBuilder::kLeastTriangles - 1) {
+  for (std::size_t from = 0; from < mesh.triangles.size(); from += DetailBuilder::kMinTriangles - 1) {
     auto piece = std::make_shared<TriangleMesh>();
     piece->vertices = mesh.vertices;
-    const std::size_t to = std::min(mesh.triangles.size(), from + DetailBuilder::kLeastTriangles - 1);
+    const std::size_t to = std::min(mesh.triangles.size(), from + DetailBuilder::kMinTriangles - 1);
     piece->triangles.assign(mesh.triangles.begin() + static_cast<std::ptrdiff_t>(from),
                             mesh.triangles.begin() + static_cast<std::ptrdiff_t>(to));
     pieces.push_back({piece, {0.6, 0.6, 0.6}});

@@ -173,7 +173,7 @@ TEST(TeachShapes, HullsOfALevelContainTheirTrianglesAndTogetherAll) {
     EXPECT_GE(hulls, before);
     before = hulls;
     const TeachShapes shapes = show_tree(smooth, teach_probe(), level);
-    EXPECT_GE(shapes.lines.size(), 12U * std::min(hulls, kMostTeachHulls) / 2) << shapes.caption;
+    EXPECT_GE(shapes.lines.size(), 12U * std::min(hulls, kMaxTeachHulls) / 2) << shapes.caption;
   }
   EXPECT_GT(before, 8U);
 }
@@ -182,9 +182,9 @@ TEST(TeachShapes, LinesOfALargeMeshAreBounded) {
   const TouchScene scene = teach_scene(300);  // 359,000 triangles
   const SmoothScene smooth = teach_smooth(scene);
   const TeachShapes shapes = show_tree(smooth, teach_probe(), TeachChoice::kDeepest);
-  EXPECT_LE(shapes.lines.size(), 36U * kMostTeachHulls);
+  EXPECT_LE(shapes.lines.size(), 36U * kMaxTeachHulls);
   EXPECT_NE(shapes.caption.find("the 1000 nearest are drawn"), std::string::npos) << shapes.caption;
-  EXPECT_EQ(show_curvature(scene, find_curvature(scene), teach_probe()).triangles.size(), kMostTeachTriangles);
+  EXPECT_EQ(show_curvature(scene, find_curvature(scene), teach_probe()).triangles.size(), kMaxTeachTriangles);
 }
 
 // Every edge belongs to an occupied cell, and each occupied cell has its twelve.

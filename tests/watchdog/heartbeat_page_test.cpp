@@ -59,8 +59,8 @@ TEST(HeartbeatPage, WhatDoesNotFitIsNoMeans) {
     std::size_t path, report;
     bool fits;
   };
-  constexpr std::size_t kPath = HeartbeatPage::kMostPath;
-  constexpr std::size_t kReport = HeartbeatPage::kMostReport;
+  constexpr std::size_t kPath = HeartbeatPage::kMaxPath;
+  constexpr std::size_t kReport = HeartbeatPage::kMaxReport;
   const Row rows[] = {{kPath - 1, 1, true}, {kPath, 1, false}, {1, kReport, true}, {1, kReport + 1, false}, {kPath - 1, kReport, true}};
   for (const Row& row : rows) {
     SCOPED_TRACE(testing::Message() << row.path << ", " << row.report);

@@ -196,7 +196,7 @@ TEST(ForceCutterTest, ClosesNoFileButItsOwn) {
 
 TEST(ForceCutterTest, AReportThatIsTooLongMakesItADeviceWithoutMeans) {
   const auto page = std::make_unique<HeartbeatPage>();
-  page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(HeartbeatPage::kMostReport + 1));
+  page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(HeartbeatPage::kMaxReport + 1));
   EXPECT_EQ(page->means.load(), CutMeans::none);
   ForceCutter cutter(*page, 0);
   EXPECT_FALSE(cutter.cut());

@@ -20,14 +20,14 @@ namespace {
 
 constexpr double kExtent_m = 0.1;  // every mesh is scaled to 100 mm, a size for the hand
 constexpr std::string_view kBumpy = "bumpy:";
-constexpr std::size_t kMostBumpy = 20'971'520;  // icosphere level 10
+constexpr std::size_t kMaxBumpy = 20'971'520;  // icosphere level 10
 
 Result<BenchMesh> make_bumpy(const std::string& which) {
   std::size_t triangles = 0;
   const char* const end = which.data() + which.size();
   const auto [at, error] = std::from_chars(which.data() + kBumpy.size(), end, triangles);
-  if (error != std::errc() || at != end || triangles < 20 || triangles > kMostBumpy) {
-    return fail("mesh '{}': give bumpy:N with N triangles, 20 to {}", which, kMostBumpy);
+  if (error != std::errc() || at != end || triangles < 20 || triangles > kMaxBumpy) {
+    return fail("mesh '{}': give bumpy:N with N triangles, 20 to {}", which, kMaxBumpy);
   }
   TriangleMesh mesh = scaled_to(make_bumpy_sphere(0.045, 0.25, triangles, 1), kExtent_m);
   const std::size_t made = mesh.triangles.size();

@@ -128,7 +128,7 @@ std::string front_of(const std::vector<ParetoMark>& marks, const std::string& bl
 
 // The line that marks without error are lifted to.
 std::string floor_of(const Range& error) {
-  const double floor = 100.0 * kLeastShownError;
+  const double floor = 100.0 * kMinShownError;
   if (error.low > floor) return {};
   return fmt::format(
       "set label 'drawn here: {0:g} %, or less' at graph 0.02, first {0:g} offset 0,-0.8 font ',8' textcolor rgb '#7f7f7f'\n"

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostTries = 64;    // patches for one sample; each is wider than the one before
+constexpr int kMaxTries = 64;     // patches for one sample; each is wider than the one before
 constexpr double kAgainS = 1e-9;  // duration of a step that is repeated on a larger patch: too short for any motion
 constexpr std::int64_t kTickNs = 100 * kNanosecondsPerMillisecond;  // longer than the maker waits for a patch to be taken
 constexpr double kSlowS = 1e3;  // reported to the maker as the time to make a patch, so that it keeps patches small
@@ -50,7 +50,7 @@ MethodOutput PatchMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite()) return {};
   make_patch(input.p_SD);
   auto touched = touch_.step({.p_WD = input.p_SD, .dt_s = input.dt_s});
-  for (int n = 0; n < kMostTries && (!touched || touched->is_beyond); ++n) {
+  for (int n = 0; n < kMaxTries && (!touched || touched->is_beyond); ++n) {
     make_patch(input.p_SD);
     touched = touch_.step({.p_WD = input.p_SD, .dt_s = kAgainS});
   }

@@ -60,7 +60,7 @@ Result<void> measure_walls(const RemoteGrid& grid, const std::function<void(cons
     for (const double loss : grid.losses) {
       for (const RemoteMethod* method : grid.methods) {
         const auto rest =
-            find_rest_stiffness_of(grid.device, make_remote_case(grid, {method, "", grid.seed, 0.0, round_trip_s, loss}), kMostWallNPerM);
+            find_rest_stiffness_of(grid.device, make_remote_case(grid, {method, "", grid.seed, 0.0, round_trip_s, loss}), kMaxWallNPerM);
         if (!rest) return tl::unexpected(rest.error());
         walls.push_back({method, round_trip_s, loss, *rest, stable});
       }

@@ -69,8 +69,8 @@ struct RemoteResults {
   std::vector<RemoteWall> walls;
 };
 
-constexpr double kMostWallNPerM = 20'000.0;  // the stiffest wall tried; a limit above it is reported as "> 20000"
-constexpr double kRemotePeriodS = 1e-3;      // of the device
+constexpr double kMaxWallNPerM = 20'000.0;  // the stiffest wall tried; a limit above it is reported as "> 20000"
+constexpr double kRemotePeriodS = 1e-3;     // of the device
 
 Result<RemoteResults> measure_remote(const RemoteGrid& grid, const std::function<void(const std::string&)>& progress);
 

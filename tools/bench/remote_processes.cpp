@@ -21,12 +21,12 @@ namespace hapton {
 namespace {
 
 // Choices, all generous for a busy machine.
-constexpr double kJoinS = 2.0;        // time for the nodes to join, besides kJoinTrips round trips
-constexpr double kJoinTrips = 8.0;    // round trips for joining, with lost datagrams
-constexpr double kSceneShare = 1.5;   // time for sending the scene, as a multiple of that in the simulation
-constexpr double kGraceS = 20.0;      // time for the hub to write its report
-constexpr double kLateShare = 1.5;    // largest time offset of the force that is searched, as a multiple of the round trip
-constexpr double kLeastLateS = 0.03;  // its least value: above the 20 ms for which a force is used
+constexpr double kJoinS = 2.0;       // time for the nodes to join, besides kJoinTrips round trips
+constexpr double kJoinTrips = 8.0;   // round trips for joining, with lost datagrams
+constexpr double kSceneShare = 1.5;  // time for sending the scene, as a multiple of that in the simulation
+constexpr double kGraceS = 20.0;     // time for the hub to write its report
+constexpr double kLateShare = 1.5;   // largest time offset of the force that is searched, as a multiple of the round trip
+constexpr double kMinLateS = 0.03;   // its least value: above the 20 ms for which a force is used
 
 // A mesh as a scene file for the programs, and the same scene for the comparison.
 struct ProcessScene {
@@ -141,7 +141,7 @@ Result<void> measure_run(const RemoteGrid& grid, const ProcessScene& scene, cons
                                  {.from_s = at(path.sliding),
                                   .to_s = at(path.leaving),
                                   .period_s = kRemotePeriodS,
-                                  .most_late_s = std::max(kLateShare * row.round_trip_s, kLeastLateS),
+                                  .most_late_s = std::max(kLateShare * row.round_trip_s, kMinLateS),
                                   .max_force_n = model_a::limits().max_force_n});
   if (!real) return tl::unexpected(real.error());
   row.real = *real;

@@ -127,7 +127,7 @@ std::string walls_text(const RemoteGrid& grid, const RemoteResults& results) {
       line(method->name, fmt::format("{:g}", 100.0 * loss), [&](double round_trip_s) {
         const double rest = find(method, round_trip_s, loss)->rest_stiffness_n_per_m;
         if (!(rest > 0.0)) return std::string("none");
-        return rest >= kMostWallNPerM ? fmt::format("> {:.0f}", kMostWallNPerM) : fmt::format("{:.0f}", rest);
+        return rest >= kMaxWallNPerM ? fmt::format("> {:.0f}", kMaxWallNPerM) : fmt::format("{:.0f}", rest);
       });
     }
   }
@@ -219,15 +219,15 @@ std::string to_json(const RemoteGrid& grid, const RemoteResults& results) {
 namespace {
 
 constexpr std::array kColors = {"#000000", "#7f7f7f", "#d55e00", "#e69f00", "#cc79a7", "#56b4e9", "#0072b2", "#009e73", "#8c564b"};
-constexpr double kLeastDrawnPercent = 1e-4;  // %
-constexpr double kLeastShownMs = 1.0;        // a round trip of 0 is drawn there: the axis is logarithmic
+constexpr double kMinDrawnPercent = 1e-4;  // %
+constexpr double kMinShownMs = 1.0;        // a round trip of 0 is drawn there: the axis is logarithmic
 
 // Lines of "round trip, value", one block.
 template <class Value>
 std::string block_of(const RemoteGrid& grid, const std::string& name, Value value_at) {
   std::string block = fmt::format("${} << EOD\n", name);
   for (const double round_trip_s : grid.round_trips_s)
-    fmt::format_to(std::back_inserter(block), "{} {}\n", std::max(1e3 * round_trip_s, kLeastShownMs), value_at(round_trip_s));
+    fmt::format_to(std::back_inserter(block), "{} {}\n", std::max(1e3 * round_trip_s, kMinShownMs), value_at(round_trip_s));
   return block + "EOD\n";
 }
 
@@ -251,11 +251,11 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
       "set terminal pngcairo size {},600 font 'sans,12'\nset output '{}'\nset multiplot layout 1,{}\nset logscale xy\n"
       "set xlabel 'round trip, ms (0 is drawn at {:g})'\nset xrange [{:g}:*]\n"
       "set grid xtics ytics linetype 1 linecolor rgb '#dddddd'\nset key below left Left reverse samplen 3 maxcols 3\n",
-      has_walls ? 1300 : 700, picture, has_walls ? 2 : 1, kLeastShownMs, 0.8 * kLeastShownMs);
+      has_walls ? 1300 : 700, picture, has_walls ? 2 : 1, kMinShownMs, 0.8 * kMinShownMs);
   for (std::size_t i = 0; i < grid.methods.size(); ++i) {
     script += block_of(grid, fmt::format("e{}", i), [&](double round_trip_s) {
       return std::max(100.0 * cell_of(results, grid.methods[i], speed, round_trip_s, loss).spread("force_error_rms").worst,
-                      kLeastDrawnPercent);
+                      kMinDrawnPercent);
     });
     if (!has_walls) continue;
     script += block_of(grid, fmt::format("w{}", i), [&](double round_trip_s) {
@@ -268,7 +268,7 @@ std::string make_remote_plot(const RemoteGrid& grid, const RemoteResults& result
   }
   script += panel_of(
       grid, fmt::format("Force error, {:g} N/m, {:g} mm/s, loss {:g} %, worst mesh", grid.stiffness_n_per_m, 1e3 * speed, 100.0 * loss),
-      fmt::format("RMS, % ({:g} and less drawn there)", kLeastDrawnPercent), "e");
+      fmt::format("RMS, % ({:g} and less drawn there)", kMinDrawnPercent), "e");
   if (has_walls) script += panel_of(grid, "Largest stiffness at which a press comes to rest", "N/m", "w");
   return script + "unset multiplot\n";
 }

@@ -16,9 +16,9 @@ namespace {
 constexpr std::array kColours = {"#0050c8", "#e69f00", "#d55e00", "#cc79a7", "#009e73", "#7f7f7f", "#56b4e9", "#000000"};
 constexpr std::array kMarks = {7, 9, 11, 5, 13, 15, 4, 6};
 // The force of a sample takes less than a microsecond.
-constexpr double kLeastUs = 0.1;
+constexpr double kMinUs = 0.1;
 // The smallest error that is drawn, as the axis is logarithmic.
-constexpr double kLeastPercent = 1e-4;
+constexpr double kMinPercent = 1e-4;
 
 std::vector<SixdofRow> drawable(const std::vector<SixdofRow>& rows) {
   std::vector<SixdofRow> kept;
@@ -49,7 +49,7 @@ std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::stri
       "set xlabel 'step in contact, p50, us' offset 0,0.6\nset ylabel 'force error, RMS, %'\nset logscale xy\n"
       "set xrange [{:g}:1e5]\nset yrange [{:g}:1e4]\nset format x '10^{{%T}}'\nset format y '10^{{%T}}'\n"
       "set grid linetype 1 linecolor rgb '#dddddd'\nset key below samplen 1 height 1\nset bmargin 8\n",
-      480 * columns, 440 * lines, picture, lines, columns, kLeastUs, 0.1 * kLeastPercent);
+      480 * columns, 440 * lines, picture, lines, columns, kMinUs, 0.1 * kMinPercent);
   for (const std::string& scenario : scenarios) {
     script += fmt::format("set title '{}'\nplot ", scenario);
     std::string data;
@@ -58,8 +58,8 @@ std::string make_sixdof_plot(const std::vector<SixdofRow>& rows, const std::stri
                             kMarks[m % kMarks.size()], kColours[m % kColours.size()], methods[m]);
       for (const SixdofRow& row : shown) {
         if (row.name != scenario || row.method != methods[m]) continue;
-        fmt::format_to(std::back_inserter(data), "{:.6g} {:.6g}\n", std::max(1e-3 * row.contact.p50_ns, kLeastUs),
-                       std::max(row.force_error_percent, kLeastPercent));
+        fmt::format_to(std::back_inserter(data), "{:.6g} {:.6g}\n", std::max(1e-3 * row.contact.p50_ns, kMinUs),
+                       std::max(row.force_error_percent, kMinPercent));
       }
       data += "e\n";
     }

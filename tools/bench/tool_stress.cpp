@@ -113,10 +113,10 @@ class ToolEpisodes {
     count.squeezed += out.proxy.is_squeezed ? 1 : 0;
     for (std::size_t p = 0; p < checks_.size(); ++p) {
       // The smallest gap that ToolProxy allows, less 2^-12 of it
-      constexpr double kLeast = (1.0 - 0x1p-12) * ToolProxy::kLeastGap * ToolProxy::kContactOffset;
+      constexpr double kMin = (1.0 - 0x1p-12) * ToolProxy::kMinGap * ToolProxy::kContactOffset;
       if (checks_[p]->penetrates(own(p))) {
         ++count.penetrations;
-      } else if (checks_[p]->find_gap(own(p), ToolProxy::kContactOffset) < kLeast) {
+      } else if (checks_[p]->find_gap(own(p), ToolProxy::kContactOffset) < kMin) {
         ++count.too_near;
       }
     }

@@ -40,7 +40,7 @@ HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, doub
   held.pressed_n = 0.0;
   for (const NamedLoop& loop : loops) {
     const double most_n = loop.limits.max_force_n;
-    held.pressed_n = std::max(held.pressed_n, most_n > 0.0 ? std::min(most_n, kMostPressedN) : kMostPressedN);
+    held.pressed_n = std::max(held.pressed_n, most_n > 0.0 ? std::min(most_n, kMaxPressedN) : kMaxPressedN);
     const Recommendation advice = recommend_stiffness(loop.device_model, loop.limits, loop.hand_model, rate_hz, delay_s);
     keep_least(loop, advice.stable_n_per_m / kGainMargin, held.by_loop, held.safe_n_per_m);
     keep_least(loop, advice.damping_ns_per_m, held.by_damping, held.damping_ns_per_m);

@@ -21,7 +21,7 @@ struct HeldGains {
   double viscosity_ns_per_m = 0.0;        // of an effect
   const NamedLoop* by_turning = nullptr;  // null: no motors of any turn the stylus
   double rotational_nm_per_rad = 0.0;     // of a rigid tool's coupling (turning_axis.h)
-  double pressed_n = kMostPressedN;       // how hard surfaces are pressed: the largest force of the strongest device
+  double pressed_n = kMaxPressedN;        // how hard surfaces are pressed: the largest force of the strongest device
 };
 // Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, some 0.1 s.
 HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);

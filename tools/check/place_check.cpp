@@ -49,7 +49,7 @@ class ClosedBody {
   bool holds(const Vec3& p) { return extent_.holds(p) && is_closed() && inside_->is_inside(p); }
   bool holds(const TriangleMesh& mesh) {
     if (mesh.vertices.empty() || !extent_.holds(Extent(mesh)) || !is_closed()) return false;
-    const std::size_t stride = 1 + mesh.vertices.size() / kMostPlaces;
+    const std::size_t stride = 1 + mesh.vertices.size() / kMaxPlaces;
     for (std::size_t i = 0; i < mesh.vertices.size(); i += stride) {
       if (!inside_->is_inside(mesh.vertices[i])) return false;
     }
@@ -131,13 +131,13 @@ CheckFindings check_places(const Scene& scene) {
 
 CheckFindings check_friction(const SceneObject& object) {
   const double most = object.material.friction_static;
-  if (!(most > kMostFriction)) return {};
+  if (!(most > kMaxFriction)) return {};
   const double degrees = std::atan(most) * 180.0 / std::numbers::pi;
   return {
       {SceneFault::rough, object.name, std::nullopt,
        fmt::format("friction_static = {:.3g}: the tip sticks until it is pulled {:.3g} degrees away from the normal, as on no dry surface",
                    most, degrees),
-       fmt::format("give friction_static up to {:g} (0.8 is rough, 1.2 rubber)", kMostFriction)}};
+       fmt::format("give friction_static up to {:g} (0.8 is rough, 1.2 rubber)", kMaxFriction)}};
 }
 
 }  // namespace hapton

@@ -13,7 +13,7 @@ namespace {
 // A scene fitted into the workspace lies on its faces up to rounding.
 constexpr double kRounding = 1e-9;  // of the box
 // Nobody misses a thousandth of a surface: scenes are often fitted to a rounded size of the workspace.
-constexpr double kLeastShare = 1e-3;
+constexpr double kMinShare = 1e-3;
 // As io_node has it (SceneReach): a smaller scene is too small to find.
 constexpr double kSpeck = 0.02;  // of the workspace's longest side
 
@@ -133,7 +133,7 @@ namespace {
 
 // "all of it lies", "12 % of its surface lie".
 std::string describe_share(double share) {
-  return share > 1.0 - kLeastShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lie", 100.0 * share);
+  return share > 1.0 - kMinShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lie", 100.0 * share);
 }
 
 TriangleMesh moved_mesh(const SceneObject& object, double time_s) {
@@ -160,7 +160,7 @@ CheckFindings check_reach_of_motion(const SceneObject& object, const DevicePrese
   }
   if (farthest_m == 0.0) return {};
   const Unreached moved = find_unreached(moved_mesh(object, time_s), workspace_of(device));
-  if (moved.share < kLeastShare) return {};
+  if (moved.share < kMinShare) return {};
   return {{SceneFault::out_of_reach, object.name, moved.farthest,
            fmt::format("at {:.4g} s {} outside the workspace of {}, up to {:.3g} mm", time_s, describe_share(moved.share), device.name,
                        1e3 * moved.distance_m),
@@ -171,7 +171,7 @@ CheckFindings check_reach_of_motion(const SceneObject& object, const DevicePrese
 
 CheckFindings check_reach(const SceneObject& object, const DevicePreset& device) {
   const Unreached unreached = find_unreached(*object.mesh, workspace_of(device));
-  if (unreached.share < kLeastShare) return check_reach_of_motion(object, device);
+  if (unreached.share < kMinShare) return check_reach_of_motion(object, device);
   return {{SceneFault::out_of_reach, object.name, unreached.farthest,
            fmt::format("{} outside the workspace of {}, up to {:.3g} mm", describe_share(unreached.share), device.name,
                        1e3 * unreached.distance_m),

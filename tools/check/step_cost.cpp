@@ -19,7 +19,7 @@ std::vector<std::size_t> choose_objects(const Scene& scene) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto triangles = [&](std::size_t i) { return scene.objects[i].mesh->triangles.size(); };
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return triangles(i) > triangles(j); });
-  order.resize(std::min(order.size(), kMostSlideObjects));
+  order.resize(std::min(order.size(), kMaxSlideObjects));
   return order;
 }
 
@@ -40,9 +40,9 @@ Result<StepCost> measure_step_cost(const Scene& scene, const StepCostSettings& s
   TouchStep touch(std::move(*method), scene.touch_scene());
   const SteadyClock clock;
   const std::vector<std::size_t> chosen = choose_objects(scene);
-  const double rate_hz = std::min(settings.rate_hz, kMostSlideHz);
+  const double rate_hz = std::min(settings.rate_hz, kMaxSlideHz);
   const std::size_t steps =
-      std::max(static_cast<std::size_t>(kLeastSlideS * rate_hz), settings.steps / std::max<std::size_t>(1, chosen.size()));
+      std::max(static_cast<std::size_t>(kMinSlideS * rate_hz), settings.steps / std::max<std::size_t>(1, chosen.size()));
   StepCost cost;
   std::vector<std::int64_t> times;
   for (const std::size_t i : chosen) {

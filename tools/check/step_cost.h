@@ -22,14 +22,14 @@ struct StepCostSettings {
   double probe_radius_m = 0.0;
   double rate_hz = 1000.0;
   std::uint64_t seed = 1;
-  std::size_t steps = 6000;  // of all objects together; each of the largest kMostSlideObjects has its share, at least kLeastSlideS
+  std::size_t steps = 6000;  // of all objects together; each of the largest kMaxSlideObjects has its share, at least kMinSlideS
   std::size_t repeat = 3;    // the least time of each step counts: what else the machine does is no cost of the scene
 };
-constexpr std::size_t kMostSlideObjects = 12;  // the largest objects stand for all, to bound the time of the check; a free choice
+constexpr std::size_t kMaxSlideObjects = 12;  // the largest objects stand for all, to bound the time of the check; a free choice
 // A slide begins with an approach of 0.2 s in free space.
-constexpr double kLeastSlideS = 1.0;
+constexpr double kMinSlideS = 1.0;
 // A faster loop is measured with the steps of this one, which are longer.
-constexpr double kMostSlideHz = 10'000.0;
+constexpr double kMaxSlideHz = 10'000.0;
 
 // Slides over the objects, one after the other, by the method of the live node (proxy) in the whole scene. Error: the method's, for a scene
 // that it rejects. RT: no.

@@ -75,18 +75,18 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
 // Where a thousand triangles meet, a step of a point takes 0.1 ms, and a sphere crosses so many edges of a cone in a step that a part of
 // its motion is carried into the next ones.
 void check_fans(const SceneObject& object, CheckFindings& findings) {
-  constexpr std::uint32_t kMost = 1000;  // triangles at a vertex, as docs/checking.md says
+  constexpr std::uint32_t kMax = 1000;  // triangles at a vertex, as docs/checking.md says
   std::vector<std::uint32_t> valence(object.mesh->vertices.size(), 0);
   for (const Triangle& triangle : object.mesh->triangles) {
     for (const std::uint32_t vertex : triangle) ++valence[vertex];
   }
   const auto most = std::max_element(valence.begin(), valence.end());
-  if (most == valence.end() || *most <= kMost) return;
-  const auto places = static_cast<std::size_t>(std::count_if(valence.begin(), valence.end(), [](std::uint32_t n) { return n > kMost; }));
+  if (most == valence.end() || *most <= kMax) return;
+  const auto places = static_cast<std::size_t>(std::count_if(valence.begin(), valence.end(), [](std::uint32_t n) { return n > kMax; }));
   findings.push_back(
       {SceneFault::large_fan, object.name, object.mesh->vertices[static_cast<std::size_t>(most - valence.begin())],
        fmt::format("{} triangles meet in one vertex ({} of more than {}): steps there take longer, and a fast probe lags behind", *most,
-                   plural(places, "vertex", "vertices"), kMost),
+                   plural(places, "vertex", "vertices"), kMax),
        "export it with a coarser chord tolerance, or let the middle of discs and cones be meshed evenly"});
 }
 

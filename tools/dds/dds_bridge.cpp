@@ -19,7 +19,7 @@ constexpr double kBridgePatienceS = 5.0;
 constexpr std::int64_t kBridgeTurnNs = 20 * kNanosecondsPerMillisecond;
 // The time after which the measured rate of the hub is reliable.
 constexpr std::int64_t kRateKnownNs = 3 * kNanosecondsPerSecond;
-constexpr double kMostSkipped = 0.1;
+constexpr double kMaxSkipped = 0.1;
 constexpr std::int64_t kWarnEveryNs = 5 * kNanosecondsPerSecond;
 
 // The time of day minus the clock's. Again, if this thread was held up between the two.
@@ -89,7 +89,7 @@ class RateAdvice {
     if (is_given_ || now_ns < known_ns_) return {};
     is_given_ = true;
     const double all = static_cast<double>(samples + skipped);
-    if (static_cast<double>(skipped) < kMostSkipped * all) return {};
+    if (static_cast<double>(skipped) < kMaxSkipped * all) return {};
     return fmt::format("{:.0f} of {:.0f} samples a second arrive; with io_node --vision-rate {:.0f}, as many as this host can handle",
                        static_cast<double>(samples) / all * servo_rate_hz, servo_rate_hz, std::min(2.0 * servo_rate_hz, kMaxServoRateHz));
   }

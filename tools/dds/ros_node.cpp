@@ -29,7 +29,7 @@ using Joy = sensor_msgs_msg_dds__Joy_;
 
 constexpr std::size_t kButtons = 32;               // bits of ProbeState::buttons
 constexpr std::int64_t kJoyEveryNs = 100'000'000;  // without a change, for who comes later
-constexpr std::size_t kMostForces = 16;            // taken at a time
+constexpr std::size_t kMaxForces = 16;             // taken at a time
 constexpr int kSensorDepth = 5;                    // of rmw_qos_profile_sensor_data
 constexpr int kReliableDepth = 10;                 // of ROS 2's default
 constexpr int kTransformDepth = 100;               // of tf2's broadcaster
@@ -43,7 +43,7 @@ class EngineLog {
   }
   void add(std::string_view line) {
     const std::scoped_lock lock(mutex_);
-    if (text_.size() < kMost) text_ += line;
+    if (text_.size() < kMax) text_ += line;
     std::replace(text_.begin(), text_.end(), '\n', ' ');
   }
   std::string text() {
@@ -52,7 +52,7 @@ class EngineLog {
   }
 
  private:
-  static constexpr std::size_t kMost = 400;  // characters; no line is added beyond; a free choice
+  static constexpr std::size_t kMax = 400;  // characters; no line is added beyond; a free choice
   std::mutex mutex_;
   std::string text_;
 };
@@ -231,7 +231,7 @@ Result<void> RosNode::State::make_topics() {
   if (!options.takes_forces) return {};
   const auto topic = make_topic(geometry_msgs_msg_dds__WrenchStamped__desc, options.prefix + "/servo_cf");
   if (!topic) return tl::unexpected(topic.error());
-  servo = dds_create_reader(participant, *topic, make_qos(false, kMostForces).get(), nullptr);
+  servo = dds_create_reader(participant, *topic, make_qos(false, kMaxForces).get(), nullptr);
   if (servo < 0) return engine_error("reading topic {}/servo_cf: {}", options.prefix, dds_strretcode(servo));
   return {};
 }
@@ -286,8 +286,8 @@ void RosNode::publish(const RosSample& sample) {
 }
 
 void RosNode::take_forces(const std::function<void(const ServoCommand&)>& visit) {
-  std::array<void*, kMostForces> messages = {};
-  std::array<dds_sample_info_t, kMostForces> infos;
+  std::array<void*, kMaxForces> messages = {};
+  std::array<dds_sample_info_t, kMaxForces> infos;
   const dds_return_t count = dds_take(state_->servo, messages.data(), infos.data(), messages.size(), messages.size());
   for (dds_return_t i = 0; i < count; ++i) {
     if (!infos[i].valid_data) continue;

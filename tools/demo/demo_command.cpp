@@ -135,7 +135,7 @@ void add_demo_command(CommandLine app, int& exit_code) {
   command
       .add_option("--seconds", options->seconds,
                   fmt::format("Duration of each step, s (--headless: {:g}; in a window: until a key)", kDemoSeconds))
-      .between(kLeastDemoSeconds, 1e6);
+      .between(kMinDemoSeconds, 1e6);
   command.add_option("--out", options->out, "With --headless: folder for pictures, reports and logs").folder_to_write().shows_default();
   command.on_run([options, &exit_code] { exit_code = run(*options); });
 }

@@ -25,7 +25,7 @@ struct DemoOutcome {
 
 // Default and minimum duration of a scripted step, s: the hand's approach takes one and a half.
 inline constexpr double kDemoSeconds = 6.0;
-inline constexpr double kLeastDemoSeconds = 4.0;
+inline constexpr double kMinDemoSeconds = 4.0;
 
 // Runs one scripted step: for its seconds, and longer if its picture has not been taken yet. Pre: there is a display (local_node.h). Error:
 // one line: a node that did not start or did not end well, a requested stop. RT: set-up only.

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kMostShare = 0.5;     // "most of the time" since the first contact
+constexpr double kMaxShare = 0.5;      // "most of the time" since the first contact
 constexpr double kBehindM = 0.0005;    // pressed, not brushed
 constexpr double kReleasedMs = 100.0;  // the bound is 20 ms and a cycle; a machine with other work to do may be late with the cycle
 constexpr double kPeriodUs = 1000.0;   // of 1 kHz: a step must take less
@@ -27,7 +27,7 @@ struct Contact {
   double deepest_m = 0.0;  // the device behind the probe
   double most_n = 0.0;
   double share() const { return steps == 0 ? 0.0 : static_cast<double>(contacts) / static_cast<double>(steps); }
-  bool is_mostly() const { return share() >= kMostShare; }
+  bool is_mostly() const { return share() >= kMaxShare; }
 };
 
 Contact count_contact(const DemoMotion& motion) {

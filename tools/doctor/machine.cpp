@@ -15,7 +15,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // of a file in /proc or /sys that is read; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // of a file in /proc or /sys that is read; a free choice
 constexpr std::string_view kBlanks = " \t\r\n";
 
 std::string_view trimmed(std::string_view text) {
@@ -88,7 +88,7 @@ std::string Machine::read_bytes(std::string_view path) const {
   std::ifstream file(below(path), std::ios::binary);
   std::string text;
   char block[4096];
-  while (file && text.size() < kMostBytes) {
+  while (file && text.size() < kMaxBytes) {
     file.read(block, sizeof block);
     text.append(block, static_cast<std::size_t>(file.gcount()));
   }

@@ -22,7 +22,7 @@ struct User {
   uid_t uid = 0;
   std::vector<gid_t> groups;  // the first is its own
   std::uint64_t capabilities = 0;
-  std::string name;  // "ada"; its number when no book has it
+  std::string name;  // "ada"; its number if /etc/passwd does not have it
 
   bool has_capability(int bit) const { return ((capabilities >> bit) & 1) != 0; }
   bool is_in(gid_t group) const;
@@ -60,9 +60,8 @@ struct HubReply {
   std::string report;  // report.json
 };
 
-// The machine as the doctor sees it: files below a root ("/" for the real one), and questions that no file
-// replies. A test provides its own root and replies; a question without a function is skipped. RT: no. Threads:
-// one.
+// The machine as the doctor sees it: files below a root ("/" for the real one), and queries that no file answers (a vendor's library, the
+// display, the hub). A test provides its own root and functions; a query without a function is skipped. RT: no. Threads: one.
 class Machine {
  public:
   struct Questions {
@@ -98,7 +97,8 @@ class Machine {
   std::string environment(std::string_view name) const;  // empty: not set
   // Of the first process of that name; none: it does not run.
   std::optional<pid_t> find_process(std::string_view name) const;
-  // The number of a group and whether this user is a member in the books, though perhaps not yet in this session; none: no such group.
+  // The id of a group, and whether this user belongs to it, by /etc/group (which takes effect at the next login) or in this session; none:
+  // no such group.
   struct Group {
     gid_t gid = 0;
     bool has_user = false;

@@ -15,11 +15,11 @@ namespace {
 constexpr std::int64_t kStepNs = static_cast<std::int64_t>(1e9 * DynamicsWorld::kStepS);
 // The longest time between two states that is simulated; for the rest of a longer one the bodies stand still. Otherwise a program that is
 // late would become later by simulating what it missed.
-constexpr std::int64_t kMostGapNs = 100 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kMaxGapNs = 100 * kNanosecondsPerMillisecond;
 // A request without a reply is repeated after this time, since one of the two may be lost.
 constexpr std::int64_t kRepeatNs = 50 * kNanosecondsPerMillisecond;
 // A body is requested again once one of its points has moved by more than this: a tenth of an encoder step of a stylus.
-constexpr double kLeastTravelM = 2e-6;
+constexpr double kMinTravelM = 2e-6;
 // The delay before the first measurement, and the largest one that is used for the damping.
 constexpr double kFirstDelayS = 0.02;
 constexpr double kLongestDelayS = 0.2;
@@ -91,7 +91,7 @@ void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
   }
   if (scene_time_ns_ < 0 || interval_ns_ < 0) world_time_ns_ = scene_time_ns;
   scene_time_ns_ = scene_time_ns;
-  const std::int64_t left_out_ns = std::max<std::int64_t>(scene_time_ns - world_time_ns_ - kMostGapNs, 0);
+  const std::int64_t left_out_ns = std::max<std::int64_t>(scene_time_ns - world_time_ns_ - kMaxGapNs, 0);
   counts_.left_out_ns += left_out_ns;
   world_time_ns_ += left_out_ns;
   for (; world_time_ns_ + kStepNs <= scene_time_ns; world_time_ns_ += kStepNs) {
@@ -153,7 +153,7 @@ void DynamicsDriver::take(const MoveReply& reply) {
 bool DynamicsDriver::is_unknown(const Body& body) const {
   if (!body.is_known) return true;
   const double radius = scene_->objects[static_cast<std::size_t>(body.object)].commanded->radius_m();
-  return most_travel_m(body.requested, world_->place(body.object), radius) > kLeastTravelM;
+  return most_travel_m(body.requested, world_->place(body.object), radius) > kMinTravelM;
 }
 
 bool DynamicsDriver::is_due(const Body& body, std::int64_t now_ns) const {

@@ -91,7 +91,7 @@ Pose from_bullet(const btTransform& X) {
 }
 
 // Largest number of convex pieces of a body: more cost time without a visible difference.
-constexpr std::size_t kMostPieces = 64;
+constexpr std::size_t kMaxPieces = 64;
 
 // The frame B of a body: its origin is the centre of mass, its axes are the principal axes. X_SB: in the scene file's pose.
 struct BodyFrame {
@@ -160,7 +160,7 @@ void make_body_shape(const TriangleMesh& felt, const Pose& X_BS, Member& member)
   TriangleMesh mesh = {felt.vertices, felt.triangles};
   const double most = DynamicsWorld::kShapeShare * compute_bounds(mesh).extent();
   (void)simplify_small(mesh, most / 2);  // an error leaves the mesh as it is
-  const std::vector<ConvexPiece> pieces = split_into_convex(mesh, most, kMostPieces);
+  const std::vector<ConvexPiece> pieces = split_into_convex(mesh, most, kMaxPieces);
   if (pieces.size() == 1) {
     member.shape = make_hull(pieces.front(), X_BS);
     return;
@@ -252,8 +252,8 @@ struct DynamicsWorld::Parts {
     const Vec3 p_SP = pose_of(member).linear() * (member.X_SB.inverse(Eigen::Isometry) * member.pivot_S);
     const btVector3 velocity = body.getVelocityInLocalPoint(to_units(p_SP));
     const double speed = velocity.length() / kUnitsPerM + body.getAngularVelocity().length() * member.radius_m;
-    if (speed <= kMostSurfaceSpeed) return;
-    const btScalar share = btScalar(kMostSurfaceSpeed / speed);
+    if (speed <= kMaxSurfaceSpeed) return;
+    const btScalar share = btScalar(kMaxSurfaceSpeed / speed);
     body.setLinearVelocity(body.getLinearVelocity() * share);
     body.setAngularVelocity(body.getAngularVelocity() * share);
   }

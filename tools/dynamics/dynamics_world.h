@@ -21,7 +21,7 @@ struct Push {
 };
 
 // Rigid-body dynamics with Bullet: the objects of a scene that have a mass are bodies, all others are obstacles. No point of a body becomes
-// faster than kMostSurfaceSpeed, at which the haptics node moves an object at most, except by one step of gravity. A body's shape is a set
+// faster than kMaxSurfaceSpeed, at which the haptics node moves an object at most, except by one step of gravity. A body's shape is a set
 // of convex pieces, which differ from its mesh by at most kShapeShare of its size if 64 pieces are enough. Frame S, SI units. Threads: one.
 // RT: no.
 class DynamicsWorld {

@@ -16,7 +16,7 @@ constexpr std::int64_t kAnchorNs = 20'000'000;
 constexpr double kJump = 0.005;
 constexpr double kMargin = 0.010;
 // Of the energy budget, in metres of max_force.
-constexpr double kFree = 0.010, kMost = 0.030, kSaturation = 0.036, kForgivenPerS = 0.002;
+constexpr double kFree = 0.010, kMax = 0.030, kSaturation = 0.036, kForgivenPerS = 0.002;
 
 // With rounding, as a share of the limit.
 double about(double limit) { return limit * (1.0 + 1e-9) + 1e-12; }
@@ -180,7 +180,7 @@ void GovernorEvaluator::check_timeout(const Wrench& out) noexcept {
 
 double GovernorEvaluator::energy_share() const noexcept {
   const double most_n = governor_.limits().max_force_n;
-  return most_n > 0.0 ? std::clamp((kMost - spent_j_ / most_n) / (kMost - kFree), 0.0, 1.0) : 0.0;
+  return most_n > 0.0 ? std::clamp((kMax - spent_j_ / most_n) / (kMax - kFree), 0.0, 1.0) : 0.0;
 }
 
 void GovernorEvaluator::check_budgets(const Wrench& out, double passed_s) noexcept {
@@ -202,7 +202,7 @@ void GovernorEvaluator::check_budgets(const Wrench& out, double passed_s) noexce
   if (is_physical_ && now.max_force_n > 0.0) {
     // The energy of the release after the last force comes on top: 10 ms at max_speed.
     const double most_j =
-        kMost * now.max_force_n + 0.010 * (now.max_speed_m_per_s * now.max_force_n + HostileProgram::kTurnRadPerS * now.max_torque_nm);
+        kMax * now.max_force_n + 0.010 * (now.max_speed_m_per_s * now.max_force_n + HostileProgram::kTurnRadPerS * now.max_torque_nm);
     worst_.energy = std::max(worst_.energy, given_j_ / most_j);
     breach_if(GovernorBreach::energy, given_j_ > most_j);
   }

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostReportBytes = std::size_t{64} << 20;  // a larger file is no report; a free choice
+constexpr std::size_t kMaxReportBytes = std::size_t{64} << 20;  // a larger file is no report; a free choice
 constexpr std::array kQuantiles = {std::pair{"p50_us", "p50"}, std::pair{"p99_us", "p99"}, std::pair{"p99_9_us", "p99.9"},
                                    std::pair{"max_us", "max"}};
 
@@ -45,7 +45,7 @@ std::string ratio_text(const nlohmann::ordered_json& pair) {
 
 Result<nlohmann::ordered_json> read_report_json(const std::filesystem::path& path) {
   const auto file_path = std::filesystem::is_directory(path) ? path / "report.json" : path;
-  const auto text = read_regular_file(file_path, "a run with --out writes it", kMostReportBytes);
+  const auto text = read_regular_file(file_path, "a run with --out writes it", kMaxReportBytes);
   if (!text) return tl::unexpected(text.error());
   auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
   upgrade_report(json);

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // a larger file is no latency.csv; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{64} << 20;  // a larger file is no latency.csv; a free choice
 constexpr std::string_view kHeader = "hop,lower_ns,upper_ns,count";
 
 bool is_hop_name(std::string_view name) {
@@ -118,7 +118,7 @@ Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::str
 }
 
 Result<std::vector<HopCounts>> read_latency_csv(const std::filesystem::path& path) {
-  const auto text = read_regular_file(path, "a run with --out writes it", kMostBytes);
+  const auto text = read_regular_file(path, "a run with --out writes it", kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_latency_csv(*text, path.string());
 }

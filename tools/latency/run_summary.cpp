@@ -12,8 +12,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLeastRate = 0.99;      // of the servo rate
-constexpr double kMostLateShare = 0.01;  // of the forces
+constexpr double kMinRate = 0.99;       // of the servo rate
+constexpr double kMaxLateShare = 0.01;  // of the forces
 
 std::string note(const Json& report, const char* key) {
   const auto notes = report.find("notes");
@@ -51,11 +51,11 @@ std::vector<std::string> find_troubles(const Json& report) {
   add("faults_latched", "fault", " latched");
   add("command_timeouts", "command timeout", "");
   add("lost", "force", " lost");
-  if (count("late") > kMostLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
+  if (count("late") > kMaxLateShare * count("forces")) troubles.push_back(fmt::format("{:.0f} forces late", count("late")));
   if (count("forces") == 0.0) troubles.push_back("no force came back from haptics_node");
   const double rate = json_number_of(report, "rates_hz", "samples");
   const double requested = json_number_of(report, "rates_hz", "servo_requested");
-  if (rate < kLeastRate * requested) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, requested));
+  if (rate < kMinRate * requested) troubles.push_back(fmt::format("{:.0f} samples a second of {:.0f}", rate, requested));
   return troubles;
 }
 

@@ -15,8 +15,8 @@ namespace {
 constexpr std::int64_t kPatienceNs = 5 * kNanosecondsPerSecond;
 constexpr std::int64_t kRepeatRequestNs = 200 * kNanosecondsPerMillisecond;  // a fresh report takes the hub a moment
 constexpr std::int64_t kTurnNs = 20 * kNanosecondsPerMillisecond;            // the longest wait for one datagram; a free choice
-constexpr int kMostTries = 20;                                               // of parts that were lost
-constexpr std::uint32_t kMostParts = 1U << 14;  // 15 MB: a report has about 30; a broken hub may announce any number
+constexpr int kMaxTries = 20;                                                // of parts that were lost
+constexpr std::uint32_t kMaxParts = 1U << 14;  // 15 MB: a report has about 30; a broken hub may announce any number
 
 }  // namespace
 
@@ -66,9 +66,9 @@ Result<std::string> HubReader::State::read(ReportDocument document, std::uint32_
   while (clock.now_ns() < end_ns) {
     client.send(wanted);
     if (!receive_part(wanted, part)) continue;
-    if (part.parts > kMostParts) {
+    if (part.parts > kMaxParts) {
       return fail("the hub at {} announces a report of {} parts, above {}; is it of another version?", to_string(hub), part.parts,
-                  kMostParts);
+                  kMaxParts);
     }
     if (part.part == 0) text.clear();
     text.append(part.text.data(), part.size);
@@ -101,7 +101,7 @@ Result<std::unique_ptr<HubReader>> HubReader::open(const std::string& hub, const
 // A report that took the hub long was requested twice, and the second one may have replaced the first between the two documents.
 Result<HubReport> HubReader::read() {
   std::uint32_t revision = 0;
-  for (int tries = 0; tries < kMostTries; ++tries) {
+  for (int tries = 0; tries < kMaxTries; ++tries) {
     auto json = state_->read(ReportDocument::json, revision);
     if (!json) return tl::unexpected(json.error());
     const std::uint32_t json_revision = revision;

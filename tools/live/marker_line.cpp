@@ -145,7 +145,7 @@ void LineMarker::see(bool is_on, std::int64_t now_ns) {
   if (!matters(is_on)) return;
   const std::string& text = is_on ? on_text_ : off_text_;
   const auto marker = make_marker(text);
-  if (!marker || waiting_.size() >= kMostWaiting) {
+  if (!marker || waiting_.size() >= kMaxWaiting) {
     ++counts_.given_up;
     return;
   }

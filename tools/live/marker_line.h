@@ -50,7 +50,7 @@ class LineMarker {
  public:
   static constexpr std::int64_t kRepeatNs = 100'000'000;      // between two sendings of a marker; a free choice
   static constexpr std::int64_t kPatienceNs = 2'000'000'000;  // then the marker counts as not recorded; a free choice
-  static constexpr std::size_t kMostWaiting = 16;             // as many as the hub remembers, so that none is recorded twice
+  static constexpr std::size_t kMaxWaiting = 16;              // as many as the hub remembers, so that none is recorded twice
 
   struct Counts {
     std::uint64_t changes = 0;   // seen

@@ -9,7 +9,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostButton = 31;                               // the highest of the 32 bits of a tracker link's buttons
+constexpr int kMaxButton = 31;                                // the highest of the 32 bits of a tracker link's buttons
 constexpr std::int64_t kReplyNs = 3 * kNanosecondsPerSecond;  // for the server to accept the connection; a free choice
 
 class VrpnLine : public DigitalLine {
@@ -43,10 +43,10 @@ Result<LineInput> parse_vrpn_line(std::string_view text) {
   const std::string_view digits = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
   int button = -1;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), button);
-  const bool is_number = error == std::errc() && end == digits.data() + digits.size() && button >= 0 && button <= kMostButton;
+  const bool is_number = error == std::errc() && end == digits.data() + digits.size() && button >= 0 && button <= kMaxButton;
   if (!is_number) {
     return fail("--line '{}' names no button: give vrpn:NAME@HOST:BUTTON, as in vrpn:Button0@localhost:0 (buttons count from 0 to {})",
-                text, kMostButton);
+                text, kMaxButton);
   }
   const std::string_view name = rest.substr(0, colon);
   if (const auto valid = vrpn::parse_tracker_name(name); !valid) return tl::unexpected(valid.error());

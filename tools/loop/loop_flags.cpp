@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostNumbers = 1'000'000;  // in one list; a free choice
+constexpr std::size_t kMaxNumbers = 1'000'000;  // in one list; a free choice
 
 template <class Presets>
 Result<std::vector<std::string>> names_of(const std::string& flag, const std::string& list, const Presets& presets) {
@@ -39,10 +39,10 @@ std::optional<double> number_of(std::string_view word) {
   return value;
 }
 
-constexpr double kLeastAmplifierHz = 0.1;    // a slower one follows no hand
-constexpr double kLeastJointKg = 1e-4;       // lighter and stiffer ones only take time
-constexpr double kMostJointStiffness = 1e7;  // N/m; far above any joint, as is the next, Ns/m
-constexpr double kMostJointDamping = 1e3;
+constexpr double kMinAmplifierHz = 0.1;     // a slower one follows no hand
+constexpr double kMinJointKg = 1e-4;        // lighter and stiffer ones only take time
+constexpr double kMaxJointStiffness = 1e7;  // N/m; far above any joint, as is the next, Ns/m
+constexpr double kMaxJointDamping = 1e3;
 
 // Replaces the device's joints: the masses beyond them are part of its mass.
 Result<void> change_joints(const std::vector<std::string>& joints, DeviceModel& device) {
@@ -54,14 +54,14 @@ Result<void> change_joints(const std::vector<std::string>& joints, DeviceModel& 
     if (!numbers) return tl::unexpected(numbers.error());
     if (numbers->size() != 3) return fail("--joint '{}': give MASS,STIFFNESS,DAMPING in kg, N/m and Ns/m", joints[i]);
     const StructuralMode mode = {(*numbers)[0], (*numbers)[1], (*numbers)[2]};
-    if (!(mode.mass_kg >= kLeastJointKg) || !(mode.stiffness_n_per_m > 0.0 && mode.stiffness_n_per_m <= kMostJointStiffness) ||
-        !(mode.damping_ns_per_m >= 0.0 && mode.damping_ns_per_m <= kMostJointDamping)) {
+    if (!(mode.mass_kg >= kMinJointKg) || !(mode.stiffness_n_per_m > 0.0 && mode.stiffness_n_per_m <= kMaxJointStiffness) ||
+        !(mode.damping_ns_per_m >= 0.0 && mode.damping_ns_per_m <= kMaxJointDamping)) {
       return fail("--joint '{}': the mass is at least {:g} kg, the stiffness above 0 and at most {:g} N/m, the damping 0 to {:g} Ns/m",
-                  joints[i], kLeastJointKg, kMostJointStiffness, kMostJointDamping);
+                  joints[i], kMinJointKg, kMaxJointStiffness, kMaxJointDamping);
     }
     device.modes[i] = mode;
   }
-  if (!(device.motor_mass_kg() >= kLeastJointKg)) {
+  if (!(device.motor_mass_kg() >= kMinJointKg)) {
     return fail("--joint: beyond the joints are {:g} kg of the {:g} kg of the device; some have to remain at the motors",
                 device.mass_kg - device.motor_mass_kg(), device.mass_kg);
   }
@@ -109,13 +109,13 @@ void add_loop_flags(CommandLine command, LoopFlags& flags, bool several) {
                      "Compliant joint, as MASS,STIFFNESS,DAMPING: of the mass beyond it (part of the device's), in kg, N/m and Ns/m; "
                      "twice for two, from the motors outwards");
   changes.add_option("--modes", flags.modes, "Number of structural modes, at most; 0: rigid")
-      .between(0, DeviceModel::kMostModes)
+      .between(0, DeviceModel::kMaxModes)
       .shows_default();
 }
 
 Result<std::vector<NamedLoop>> loops_of(const LoopFlags& flags) {
-  if (flags.amplifier_hz && *flags.amplifier_hz > 0.0 && *flags.amplifier_hz < kLeastAmplifierHz) {
-    return fail("--amplifier {:g}: give 0 for no lag, or at least {:g} Hz", *flags.amplifier_hz, kLeastAmplifierHz);
+  if (flags.amplifier_hz && *flags.amplifier_hz > 0.0 && *flags.amplifier_hz < kMinAmplifierHz) {
+    return fail("--amplifier {:g}: give 0 for no lag, or at least {:g} Hz", *flags.amplifier_hz, kMinAmplifierHz);
   }
   if (flags.mass_kg) return own_loop(flags);
   if (flags.damping_ns_per_m || flags.hand_stiffness_n_per_m)
@@ -156,7 +156,7 @@ Result<std::vector<double>> read_numbers(const std::string& flag, const std::str
   const auto low = number_of(std::string_view(text).substr(0, colon));
   const auto high = second == std::string::npos ? std::nullopt : number_of(std::string_view(text).substr(colon + 1, second - colon - 1));
   const auto count = number_of(count_text);
-  if (!low || !high || !count || *count < 2.0 || *count != std::floor(*count) || *count > static_cast<double>(kMostNumbers)) {
+  if (!low || !high || !count || *count < 2.0 || *count != std::floor(*count) || *count > static_cast<double>(kMaxNumbers)) {
     return fail("{} '{}' is not a range; give LOW:HIGH:COUNT, or LOW:HIGH:COUNTlog for equal ratios", flag, text);
   }
   if (is_log && !(*low > 0.0 && *high > 0.0)) return fail("{} '{}': equal ratios need numbers above zero", flag, text);

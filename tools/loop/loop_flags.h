@@ -21,7 +21,7 @@ struct LoopFlags {
   std::optional<double> encoder_step_m;
   std::optional<double> amplifier_hz;
   std::vector<std::string> joints;  // "MASS,STIFFNESS,DAMPING" each
-  int modes = DeviceModel::kMostModes;
+  int modes = DeviceModel::kMaxModes;
 };
 
 // What the flags name.

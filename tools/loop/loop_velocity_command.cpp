@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostNoiseN = 0.1;  // of the damping force; assumed: about what a finger begins to notice as a buzz
+constexpr double kMaxNoiseN = 0.1;  // of the damping force; assumed: about what a finger begins to notice as a buzz
 
 struct VelocityOptions {
   LoopFlags loop;
@@ -35,7 +35,7 @@ void print_json(const VelocityOptions& options, const NamedLoop& loop, const std
       {"rate_hz", options.rate_hz},
       {"encoder_step_m", loop.device_model.encoder_step_m},
       {"damping_ns_per_m", options.damping_ns_per_m},
-      {"most_noise_n", kMostNoiseN},
+      {"most_noise_n", kMaxNoiseN},
       {"chosen", chosen != nullptr ? nlohmann::ordered_json(chosen->filter.name()) : nlohmann::ordered_json()},
       {"rows", list}};
   fmt::print("{}\n", json.dump(2));
@@ -50,7 +50,7 @@ void print_table(const VelocityOptions& options, const NamedLoop& loop, const st
                options.damping_ns_per_m * row.quality.noise_m_per_s);
   }
   fmt::print("noise: RMS error at the worst of six steady speeds from 1 to 300 mm/s; lag: at a steady 1 m/s^2\n");
-  fmt::print("least lag with at most {:g} N of noise: {}\n", kMostNoiseN,
+  fmt::print("least lag with at most {:g} N of noise: {}\n", kMaxNoiseN,
              chosen != nullptr ? chosen->filter.name() : "none; lower the damping");
 }
 
@@ -59,7 +59,7 @@ Result<void> run(const VelocityOptions& options) {
   if (!loops) return tl::unexpected(loops.error());
   const NamedLoop& loop = loops->front();
   const std::vector<VelocityRow> rows = compare_velocity(1.0 / options.rate_hz, loop.device_model.encoder_step_m);
-  const VelocityRow* chosen = choose_velocity(rows, kMostNoiseN / options.damping_ns_per_m);
+  const VelocityRow* chosen = choose_velocity(rows, kMaxNoiseN / options.damping_ns_per_m);
   options.json ? print_json(options, loop, rows, chosen) : print_table(options, loop, rows, chosen);
   return {};
 }

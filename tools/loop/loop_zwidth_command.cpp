@@ -118,7 +118,7 @@ void add_loop_zwidth_command(CommandLine loop, int& exit_code) {
   command.add_option("--wall-damping", options->wall_dampings, "Damping of the wall by finite difference, Ns/m; a list or range")
       .shows_default();
   command.add_option("--mass-filter", options->mass_filter_s, "Filter of a virtual mass, s (docs/effects.md)")
-      .between(MassEffect::kLeastFilterS, 1.0)
+      .between(MassEffect::kMinFilterS, 1.0)
       .shows_default();
   command.add_option("--shard", options->shard, "Only part I of N of the grid, as I/N").shows_default();
   command.add_flag("--press", options->presses,

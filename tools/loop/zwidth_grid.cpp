@@ -97,7 +97,7 @@ void simulate(ZWidthRow& row) {
 }
 
 void press(ZWidthRow& row) {
-  constexpr double kMost = 1e6;  // N/m: the stiffest wall tried
+  constexpr double kMax = 1e6;  // N/m: the stiffest wall tried
   row.rest_stiffness_n_per_m = find_rest_stiffness({.device = row.inputs.device,
                                                     .hand = row.inputs.hand,
                                                     .period_ns = ms_to_ns(1e3 / row.inputs.rate_hz),
@@ -105,7 +105,7 @@ void press(ZWidthRow& row) {
                                                     .back = link_of(row, false),
                                                     .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
                                                     .seed = row.seed},
-                                                   kMost);
+                                                   kMax);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 20;  // a larger file is no script; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // a larger file is no script; a free choice
 // One table of the script; the first error is kept and the rest is skipped.
 class FaultTable {
  public:
@@ -157,7 +157,7 @@ Result<RelayScript> parse_relay_script(std::string_view text, const std::string&
 }
 
 Result<RelayScript> read_relay_script(const std::filesystem::path& path) {
-  const auto text = read_regular_file(path, "--script wants a TOML file", kMostBytes);
+  const auto text = read_regular_file(path, "--script wants a TOML file", kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_relay_script(*text, path.string());
 }

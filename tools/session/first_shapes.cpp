@@ -16,14 +16,14 @@ void FirstShapes::add(std::uint64_t sender, const ObjectShape& shape) {
   Sender& own = senders_[sender];
   if (own.first && shape.serial > *own.first) return;
   own.shapes.try_emplace(shape.serial, shape.part.total).first->second.add(shape.part);
-  if (own.shapes.size() > kMostEarly) own.shapes.erase(own.shapes.begin());
+  if (own.shapes.size() > kMaxEarly) own.shapes.erase(own.shapes.begin());
 }
 
 void FirstShapes::add(std::uint64_t sender, const ShapeStart& start) {
   Sender& own = senders_[sender];
   if (own.first && start.serial > *own.first) return;
   own.starts[{start.object, start.serial}] = start;
-  if (own.starts.size() > kMostEarly) own.starts.erase(own.starts.begin());
+  if (own.starts.size() > kMaxEarly) own.starts.erase(own.starts.begin());
 }
 
 const FirstShapes::Sender* FirstShapes::find(std::uint64_t sender) const {

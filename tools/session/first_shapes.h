@@ -30,7 +30,7 @@ class FirstShapes {
 
  private:
   // Limit on the shapes that are kept before the first force, which tells the serials that are in use; a file may have any number.
-  static constexpr std::size_t kMostEarly = 64;
+  static constexpr std::size_t kMaxEarly = 64;
 
   std::map<std::uint64_t, Sender> senders_;
 };

@@ -69,7 +69,7 @@ bool RecordedShapes::apply(std::uint64_t sender, std::uint32_t serial, HapticsSt
   if (begun == nullptr || !begun->shape) return false;
   const StreamedMethod* method = step.touch().find_streamed(begun->start.object);
   const auto program_shape = find_shape(begun->start.object);
-  if (method == nullptr || program_shape == nullptr || method->waiting() == StreamedMethod::kMostWaiting) return false;
+  if (method == nullptr || program_shape == nullptr || method->waiting() == StreamedMethod::kMaxWaiting) return false;
   const auto rest = method->stager().rest();
   if (rest.size() != begun->shape->total()) return false;
   return begin_stage(step, begun->start, method->newest_stage().to, program_shape->vertices_of(rest, begun->shape->displacements_m()));

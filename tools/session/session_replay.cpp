@@ -48,9 +48,9 @@ std::string text_of(const Vec3& v) { return fmt::format("({:.17g}, {:.17g}, {:.1
 }  // namespace
 
 void ReplayedCarves::add(const RecordedCarve& carve) {
-  constexpr std::uint32_t kMostSerial = Sculpture::kMostCarves;
+  constexpr std::uint32_t kMaxSerial = Sculpture::kMaxCarves;
   Sender& sender = senders_.try_emplace(carve.sender, Sender{.process = carve.process}).first->second;
-  if (carve.process != sender.process || carve.serial > kMostSerial) return;
+  if (carve.process != sender.process || carve.serial > kMaxSerial) return;
   if (carve.serial >= sender.by_serial.size()) sender.by_serial.resize(carve.serial + 1);
   sender.by_serial[carve.serial] = carve.carve;
 }

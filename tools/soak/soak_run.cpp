@@ -30,7 +30,7 @@ constexpr double kSamplesInARun = 120.0;     // observations in a run, whatever 
 constexpr double kShortestInterval_s = 2.0;  // between observations, s; a free choice
 constexpr double kPollPeriod_s = 0.1;        // the longest sleep before a stop is noticed, s; a free choice
 constexpr double kProgressEvery_s = 10.0;    // least interval of progress lines, s
-constexpr double kMostProgressLines = 60.0;  // in a run, whatever its length; a free choice
+constexpr double kMaxProgressLines = 60.0;   // in a run, whatever its length; a free choice
 constexpr double kFirstForce_s = 30.0;       // longest wait for the first force: large meshes; a free choice
 
 // The nodes of this run.
@@ -222,7 +222,7 @@ Result<void> sample_nodes(const SoakOptions& options, Nodes& nodes, NodeSampler&
     if (!(csv << soak_csv_row(run.samples.back()) << std::flush)) return fail("{}: cannot be written", table.string());
     if (due_s >= next_progress_s) {
       print_progress(run);
-      next_progress_s = due_s + std::max(kProgressEvery_s, options.seconds / kMostProgressLines);
+      next_progress_s = due_s + std::max(kProgressEvery_s, options.seconds / kMaxProgressLines);
     }
     due_s += every_s;
   }

@@ -12,18 +12,18 @@
 namespace hapton {
 namespace {
 
-// Of the run, or at least kWarmUpSeconds, but never more than kMostWarmUpShare of a short one.
+// Of the run, or at least kWarmUpSeconds, but never more than kMaxWarmUpShare of a short one.
 constexpr double kWarmUpShare = 0.1;
 constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
-constexpr double kMostWarmUpShare = 0.5;
-constexpr double kMemoryShare = 0.01;     // of the memory, plus kMemoryKib: growth that is no leak
-constexpr double kMemoryKib = 1024.0;     // KiB: 1 MiB
-constexpr double kHalf = 0.5;             // a whole descriptor or thread is more than that
-constexpr double kRateShare = 0.99;       // of the requested rate, which the median observation must have
-constexpr double kDriftMs = 100.0;        // a sample's own uncertainty: the report and the clock are not read at the same instant
-constexpr double kDriftShare = 1e-4;      // more than any quartz is off
-constexpr std::size_t kFewSamples = 5;    // a median of thirds says nothing of less
-constexpr std::size_t kMostPoints = 512;  // of which the trend is found, as its work grows with their square; a free choice
+constexpr double kMaxWarmUpShare = 0.5;
+constexpr double kMemoryShare = 0.01;    // of the memory, plus kMemoryKib: growth that is no leak
+constexpr double kMemoryKib = 1024.0;    // KiB: 1 MiB
+constexpr double kHalf = 0.5;            // a whole descriptor or thread is more than that
+constexpr double kRateShare = 0.99;      // of the requested rate, which the median observation must have
+constexpr double kDriftMs = 100.0;       // a sample's own uncertainty: the report and the clock are not read at the same instant
+constexpr double kDriftShare = 1e-4;     // more than any quartz is off
+constexpr std::size_t kFewSamples = 5;   // a median of thirds says nothing of less
+constexpr std::size_t kMaxPoints = 512;  // of which the trend is found, as its work grows with their square; a free choice
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -32,7 +32,7 @@ double median(std::vector<double> values) {
   return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
-double warm_up_s(double seconds) { return std::max(kWarmUpShare * seconds, std::min(kWarmUpSeconds, kMostWarmUpShare * seconds)); }
+double warm_up_s(double seconds) { return std::max(kWarmUpShare * seconds, std::min(kWarmUpSeconds, kMaxWarmUpShare * seconds)); }
 
 double median_of(std::span<const double> values) { return median({values.begin(), values.end()}); }
 
@@ -139,7 +139,7 @@ nlohmann::ordered_json process_json(const SoakRun& run, std::size_t index) {
 double find_rise(std::span<const double> times, std::span<const double> values) {
   const std::size_t third = values.size() / 3;
   if (third == 0) return 0.0;
-  const std::size_t block = (values.size() + kMostPoints - 1) / kMostPoints;
+  const std::size_t block = (values.size() + kMaxPoints - 1) / kMaxPoints;
   const double crept = median_slope(thin(times, block), thin(values, block)) * (times.back() - times.front());
   const double jumped = median_of(values.last(third)) - median_of(values.first(third));
   return std::abs(crept) > std::abs(jumped) ? crept : jumped;

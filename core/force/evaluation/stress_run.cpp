@@ -34,11 +34,11 @@ constexpr double kClearShare = 0.05;    // of the contact offset that a proxy ma
 constexpr double kCloseUpShares[] = {0x1p-10, 0x1p-18};
 constexpr double kCrackShare =
     1e-5;  // at the entrance of a crack narrower than one of the two contact offsets, only the other proxy gets in
-constexpr double kProofOffsets = 4.0;     // radius, in contact offsets, of the proof that a position is a minimum
-constexpr double kThroughStep = 0.01;     // a longer step may have led round a boundary
-constexpr double kRelative = 4e-9;        // a method may use this share of the extent as contact offset and leave it out of the force
-constexpr int kMostCarried = 1024;        // steps that a motion may take
-constexpr std::size_t kMostFindings = 1;  // of each fault in each motion
+constexpr double kProofOffsets = 4.0;    // radius, in contact offsets, of the proof that a position is a minimum
+constexpr double kThroughStep = 0.01;    // a longer step may have led round a boundary
+constexpr double kRelative = 4e-9;       // a method may use this share of the extent as contact offset and leave it out of the force
+constexpr int kMaxCarried = 1024;        // steps that a motion may take
+constexpr std::size_t kMaxFindings = 1;  // of each fault in each motion
 
 // Where the segment crosses a face, well away from its edges. Tests every triangle.
 std::optional<Vec3> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& from, const Vec3& to) {
@@ -313,7 +313,7 @@ struct StressRun::Impl {
   MethodOutput finish(const MethodOutput& first, const Vec3& device, StressCount& count) {
     MethodOutput output = first;
     count.carried_steps += method->carried_from().has_value();
-    for (int i = 0; method->carried_from() && i < kMostCarried; ++i) output = method->step({.p_SD = device});
+    for (int i = 0; method->carried_from() && i < kMaxCarried; ++i) output = method->step({.p_SD = device});
     return output;
   }
 
@@ -356,7 +356,7 @@ struct StressRun::Impl {
     ++count.faults[static_cast<std::size_t>(fault)];
     std::size_t same = 0;
     for (const StressFinding& finding : count.findings) same += finding.fault == fault && finding.motion == motion;
-    if (same < kMostFindings) count.findings.push_back({fault, motion, episode, step, size});
+    if (same < kMaxFindings) count.findings.push_back({fault, motion, episode, step, size});
   }
 
   StressSettings settings;

@@ -12,10 +12,10 @@ double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double
   constexpr double kHardlyNearer = 0.75 * 0.75;  // of squared distances
   const double widest = 64.0 * displacement + 4.0 * rest;
   double clear_squared = widest * widest;
-  constexpr int kMostTests = 256;  // about half of the work of a step (StepWork::kMost)
+  constexpr int kMaxTests = 256;  // about half of the work of a step (StepWork::kMax)
   work_ = 0;
   geometry.visit_nearest(device, clear_squared, [&](std::uint32_t triangle, double bound) {
-    if (++work_ > kMostTests) return clear_squared = 0.0;
+    if (++work_ > kMaxTests) return clear_squared = 0.0;
     const double d = geometry.separation(triangle, device).distance;
     clear_squared = std::min(bound, kHardlyNearer * d * d);
     return clear_squared;

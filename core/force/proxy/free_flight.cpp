@@ -9,7 +9,7 @@ namespace hapton {
 FreeFlight::Met FreeFlight::fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept {
   tests_ = 0;
   const Met met = find_first(from, to, slides, surface, time);
-  work_ = std::max(kLeastWork, tests_ / SurfaceFollower::kFacetsPerUnit);
+  work_ = std::max(kMinWork, tests_ / SurfaceFollower::kFacetsPerUnit);
   return met;
 }
 
@@ -120,10 +120,10 @@ Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
 }
 
 Vec3 FreeFlight::off_surface(const Vec3& p, double least) const noexcept {
-  constexpr int kMostFaces = 8;  // at an edge or vertex, each face in turn
+  constexpr int kMaxFaces = 8;  // at an edge or vertex, each face in turn
   const TouchGeometry& geometry = surfaces_.geometry();
   Vec3 off = p;
-  for (int i = 0; i < kMostFaces; ++i) {
+  for (int i = 0; i < kMaxFaces; ++i) {
     std::uint32_t nearest = 0;
     double bound = least * least;
     bool any = false;

@@ -14,7 +14,7 @@ class FreeFlight {
  public:
   // Units of work of a flight (step_work.h). SurfaceFollower::kFacetsPerUnit triangles on the way take one: where thousands meet, it ends a
   // step, and is not interrupted.
-  static constexpr int kLeastWork = 16;
+  static constexpr int kMinWork = 16;
   enum class Met : std::uint8_t { nothing, walkable, other };
 
   // clearance: what sweeps keep.
@@ -41,7 +41,7 @@ class FreeFlight {
   const ProxySurfaces& surfaces_;
   Clearance clearance_;
   SurfacePoint vertex_;  // scratch: the vertex that a flight reaches
-  std::array<ContactPlane, ProxyState::kMostContacts> planes_;
+  std::array<ContactPlane, ProxyState::kMaxContacts> planes_;
   int tests_ = 0;  // triangles that the last flight tested
   int work_ = 0;
 };

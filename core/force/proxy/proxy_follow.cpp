@@ -10,7 +10,7 @@ namespace {
 constexpr double kFarFromScene = 4.0;                 // local units: positions farther out are too coarse to be exact on the surface
 constexpr double kLift = 0.5 * SurfacePoint::kClear;  // distance from the surface at which a flight starts
 constexpr double kNarrow = 8.0;                       // contact offsets: a triangle whose middle is nearer to an edge has no room
-constexpr int kMostLegs = 64;                         // flights in one step
+constexpr int kMaxLegs = 64;                          // flights in one step
 
 bool is_far(const Vec3& p) { return !(p.cwiseAbs().maxCoeff() <= kFarFromScene); }
 
@@ -68,7 +68,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && failures_ < kMostFailures;
+  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && failures_ < kMaxFailures;
   if (may_follow && follow_offset(last, device, time)) return;
   ++counters_.swept;
   if (may_follow && sphere_.is_in_slit()) return sweep_from_slit(last, device);
@@ -96,14 +96,13 @@ void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexc
   if (proxy_.is_free || swept_.is_shrunk()) return;
   if (work_left_ <= 0 && is_point_ && last != device) return carry(device);
   double here = 0.0;
-  if (work_left_ > 0 && failures_ < kMostFailures && !follow_offset(device, device, here) && sphere_.is_in_slit())
-    copy_sphere_state(device);
+  if (work_left_ > 0 && failures_ < kMaxFailures && !follow_offset(device, device, here) && sphere_.is_in_slit()) copy_sphere_state(device);
 }
 
 // A sweep that begins nearer to a face than its clearance allows could pass it.
 bool ProxyMethod::sweep_to(const Vec3& device) noexcept {
   if (is_close_ && !proxy_.is_free) swept_.keep_only(sphere_.offset());
-  const bool has_settled = swept_.descend(proxy_, device, std::max(work_left_, kLeastSweptWork));
+  const bool has_settled = swept_.descend(proxy_, device, std::max(work_left_, kMinSweptWork));
   work_left_ -= swept_.work();
   return has_settled;
 }
@@ -117,7 +116,7 @@ bool ProxyMethod::follow_surface(const Vec3& last, const Vec3& device, double& t
   Outcome outcome = Outcome::settled;
   bool has_settled = !unconverged_;
   unconverged_ = false;
-  for (int leg = 0; leg < kMostLegs && work_left_ > 0; ++leg) {
+  for (int leg = 0; leg < kMaxLegs && work_left_ > 0; ++leg) {
     const Vec3 here = on_path(last, device, time);
     if (!surface_.is_on_surface()) {
       const Met met = fly_to_device(here, device, time);
@@ -216,7 +215,7 @@ bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
 void ProxyMethod::lift_off_surface() noexcept {
   // From 512 contact offsets (kBeside) in five tries to 2^21 of them, 2^-9 of the scene.
   constexpr double kFarther = 8.0;
-  constexpr int kMostTries = 5;
+  constexpr int kMaxTries = 5;
   const auto is_in_the_way = [&](const Vec3& p, const Vec3& to, std::uint32_t own) {
     bool any = false;
     geometry_.for_each_overlapping(Box::around(p, to), [&](std::uint32_t id) {
@@ -228,7 +227,7 @@ void ProxyMethod::lift_off_surface() noexcept {
   double beside = kBeside * kContactOffset;
   SurfacePoint::Inside from;
   Vec3 lifted;
-  for (int i = 0; i < kMostTries; ++i, beside *= kFarther) {
+  for (int i = 0; i < kMaxTries; ++i, beside *= kFarther) {
     from = surface_.at().inside(beside);
     double room = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));

@@ -9,7 +9,7 @@ namespace hapton {
 
 namespace {
 
-constexpr double kLeastRadius = 0x1p-20;  // local units: corners that a smaller probe closes are too small for its digits
+constexpr double kMinRadius = 0x1p-20;  // local units: corners that a smaller probe closes are too small for its digits
 // Local units: the centre of a larger sphere, which is as far from the scene, has too few digits for the contact offset. So has a device
 // that is farther out (SweptMotion).
 constexpr double kLargestRadius = 0x1p10;
@@ -66,7 +66,7 @@ ProxyMethod::ProxyMethod(const MethodSettings& settings, const TouchScene& scene
       is_point_(settings.probe_radius_m == 0.0),
       surface_(geometry_, materials_),
       // A point's radius is the reference's, so the proxy fits wherever the reference does.
-      sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.offset, clearance_.offset < kLeastRadius),
+      sphere_(geometry_, materials_, is_point_ ? 0.5 * kContactOffset : clearance_.offset, clearance_.offset < kMinRadius),
       flight_(surfaces_, clearance_),
       swept_(surfaces_, clearance_, is_point_) {}
 
@@ -163,7 +163,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
     const std::uint64_t events = surface_.events();
     follow(from, device);
     counters_.most_events = std::max(counters_.most_events, surface_.events() - events);
-    counters_.most_work = std::max(counters_.most_work, StepWork::kMost - work_left_);
+    counters_.most_work = std::max(counters_.most_work, StepWork::kMax - work_left_);
   }
   if (!proxy_.is_free) return render_contact(input, device);
   touched_object_ = -1;
@@ -178,7 +178,7 @@ Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexc
     failures_ = 0;
     is_lifted_ = false;
   }
-  work_left_ = StepWork::kMost;
+  work_left_ = StepWork::kMax;
   return std::exchange(carried_from_, std::nullopt).value_or(last);
 }
 

@@ -98,7 +98,7 @@ class ProxyMethod final : public ForceMethod {
   // what can be felt (1e-10 m on a 100 mm scene).
   static constexpr double kContactOffset = 0x1p-30;
   // Of the sphere follower in one motion; then sweeps finish it: where each undoes what the other has done, none would. A choice.
-  static constexpr int kMostFailures = 4;
+  static constexpr int kMaxFailures = 4;
   static constexpr double kBeside = 512.0;          // contact offsets: distance within which an edge or vertex affects the proxy
   static constexpr double kLookAheadSteps = 500.0;  // steps: 0.5 s at 1 kHz; an object is requested this long before the probe can reach it
 
@@ -109,7 +109,7 @@ class ProxyMethod final : public ForceMethod {
   std::string describe_steps() const;
 
   // Units of work (step_work.h).
-  static constexpr int kLeastSweptWork = 100;  // however little is left, so that a motion that the followers cannot finish goes on
+  static constexpr int kMinSweptWork = 100;  // however little is left, so that a motion that the followers cannot finish goes on
 
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   // Returns where the device's motion to this sample begins: at the last sample, or where the last step ran out of work.

@@ -16,7 +16,7 @@ std::string ProxyMethod::describe() const {
                     "proxy: work limit {} units (about 0.1 us each) a step, {} where thousands of triangles meet; longer motions continue "
                     "in the next "
                     "step\n",
-                    StepWork::kMost, StepWork::kMostWithLastEvent);
+                    StepWork::kMax, StepWork::kMaxWithLastEvent);
 }
 
 std::string ProxyMethod::describe_steps() const {

@@ -12,7 +12,7 @@ namespace {
 constexpr double kOffEdges = 0x1p-42;
 // By how much a flight to the nearest place goes beyond it: of the distance, and local units.
 constexpr double kBeyond = 0x1p-20;
-constexpr double kLeastBeyond = 0x1p-40;
+constexpr double kMinBeyond = 0x1p-40;
 
 Vec3 weights_on(const ContactTriangle& shape, const Vec3& p) {
   Vec3 weights;
@@ -63,7 +63,7 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
     const Vec3 towards = nearest.nearest - p;
     const double length = towards.norm();
     double time = 1.0;
-    const Vec3 beyond = length > 0.0 ? Vec3(nearest.nearest + (kBeyond + kLeastBeyond / length) * towards) : p;
+    const Vec3 beyond = length > 0.0 ? Vec3(nearest.nearest + (kBeyond + kMinBeyond / length) * towards) : p;
     // Exact at edges and vertices. It may pass beside the boundary of a sheet.
     if (length > 0.0 && flight_.fly(p, beyond, proxy_.slides, surface_, time) != FreeFlight::Met::walkable) surface_.leave();
     if (!surface_.is_on_surface()) {

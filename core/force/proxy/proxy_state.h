@@ -19,12 +19,12 @@ struct ProxyContact {
 
 // Position and contacts of the proxy. Frame and unit: TouchGeometry's local ones.
 struct ProxyState {
-  static constexpr int kMostContacts = 32;  // far more than constrain it: three
+  static constexpr int kMaxContacts = 32;  // far more than constrain it: three
 
   Vec3 position = Vec3::Zero();
   bool is_free = true;  // no contact: the proxy is the device point
   bool slides = false;  // slip: the dynamic coefficient of friction applies
-  std::array<ProxyContact, kMostContacts> contacts;
+  std::array<ProxyContact, kMaxContacts> contacts;
   int contact_count = 0;
   std::array<double, 3> multipliers = {0, 0, 0};  // of the active constraints
   int active_count = 0;                           // the first ones of contacts

@@ -7,15 +7,15 @@
 namespace hapton {
 namespace {
 
-constexpr double kFirstPiece = 0x1p-6;   // of a motion
-constexpr double kLeastPiece = 0x1p-14;  // of a motion
-constexpr double kPieceGrowth = 4.0;     // from one piece to the next
-constexpr int kMostInBox = 128;          // triangles in the box of a piece; if there are more, it is cut
-constexpr int kMostCuts = 4;             // of pieces that are searched in boxes
-constexpr int kFewTests = 16;            // after which the next piece is longer
-constexpr int kFewInBall = 48;           // the same in a ball
-constexpr double kShortPiece = 0.25;     // of the clearance, among many triangles
-constexpr int kLeastTests = 64;          // of a call, however little work is left
+constexpr double kFirstPiece = 0x1p-6;  // of a motion
+constexpr double kMinPiece = 0x1p-14;   // of a motion
+constexpr double kPieceGrowth = 4.0;    // from one piece to the next
+constexpr int kMaxInBox = 128;          // triangles in the box of a piece; if there are more, it is cut
+constexpr int kMaxCuts = 4;             // of pieces that are searched in boxes
+constexpr int kFewTests = 16;           // after which the next piece is longer
+constexpr int kFewInBall = 48;          // the same in a ball
+constexpr double kShortPiece = 0.25;    // of the clearance, among many triangles
+constexpr int kMinTests = 64;           // of a call, however little work is left
 
 }  // namespace
 
@@ -27,7 +27,7 @@ void StraightSweep::start(const Vec3& from, const Vec3& motion) noexcept {
   first_ = kNever;
   cuts_ = 0;
   is_crowded_ = crowded_length_ > 0.0;  // it goes on with pieces as long as the last ones
-  if (is_crowded_) piece_ = std::min(1.0, std::max(kLeastPiece, crowded_length_ / motion.norm()));
+  if (is_crowded_) piece_ = std::min(1.0, std::max(kMinPiece, crowded_length_ / motion.norm()));
   crowded_length_ = 0.0;
   least_tested_ = std::numeric_limits<int>::max();
   is_interrupted_ = false;
@@ -75,7 +75,7 @@ bool StraightSweep::search_box(ProxyState& proxy, const Clearance& keep, int fix
   const Box path = Box::around(from_ + done_ * motion_, from_ + end_ * motion_).inflated(keep.offset);
   bool fits = true;
   surfaces_.geometry().for_each_overlapping(path, [&](std::uint32_t triangle) {
-    if (tested_ == kMostInBox) return fits = false;
+    if (tested_ == kMaxInBox) return fits = false;
     ++work;
     test(triangle, proxy, keep, fixed);
     return true;
@@ -87,7 +87,7 @@ bool StraightSweep::search_box(ProxyState& proxy, const Clearance& keep, int fix
 bool StraightSweep::search_ball(ProxyState& proxy, const Clearance& keep, int fixed, int& work, int most_work) noexcept {
   const double radius = keep.offset + 4.0 * keep.tolerance + 0.5 * (end_ - done_) * motion_.norm();
   for (int count = 0;; ++count) {
-    if (count >= kLeastTests && work > most_work) return false;
+    if (count >= kMinTests && work > most_work) return false;
     const auto triangle = ball_.next(surfaces_.geometry(), radius * radius);
     if (!triangle) return true;
     ++work;
@@ -97,13 +97,13 @@ bool StraightSweep::search_ball(ProxyState& proxy, const Clearance& keep, int fi
 
 // Where the probe reaches as many triangles without moving, shorter boxes hold no fewer.
 void StraightSweep::shorten_piece(const Clearance& keep) noexcept {
-  if (cuts_ < kMostCuts && !is_among_many(keep)) {
+  if (cuts_ < kMaxCuts && !is_among_many(keep)) {
     ++cuts_;
     piece_ = (end_ - done_) / kPieceGrowth;
     return;
   }
   is_crowded_ = true;
-  piece_ = std::min(1.0, std::max(kShortPiece * keep.offset / motion_.norm(), kLeastPiece));
+  piece_ = std::min(1.0, std::max(kShortPiece * keep.offset / motion_.norm(), kMinPiece));
 }
 
 // Among many triangles the next piece is longer if this one did not hold more than shorter ones, as along an edge that all of them share.
@@ -123,8 +123,8 @@ void StraightSweep::choose_next_piece() noexcept {
 bool StraightSweep::is_among_many(const Clearance& keep) const noexcept {
   const Vec3 at = from_ + done_ * motion_;
   int count = 0;
-  surfaces_.geometry().for_each_overlapping(Box{at, at}.inflated(keep.offset), [&](std::uint32_t) { return ++count <= kMostInBox; });
-  return count > kMostInBox;
+  surfaces_.geometry().for_each_overlapping(Box{at, at}.inflated(keep.offset), [&](std::uint32_t) { return ++count <= kMaxInBox; });
+  return count > kMaxInBox;
 }
 
 void StraightSweep::test(std::uint32_t triangle, ProxyState& proxy, const Clearance& keep, int fixed) noexcept {
@@ -147,7 +147,7 @@ void StraightSweep::note_grazed(ProxyState& proxy, const Separation& at, std::ui
   const auto end = begin + proxy.contact_count;
   if (std::any_of(begin, end, [&](const ProxyContact& contact) { return contact.triangle == triangle; })) return;
   auto place = end;
-  if (proxy.contact_count < ProxyState::kMostContacts) {
+  if (proxy.contact_count < ProxyState::kMaxContacts) {
     ++proxy.contact_count;
   } else {
     place = std::max_element(begin + fixed, end,
@@ -158,7 +158,7 @@ void StraightSweep::note_grazed(ProxyState& proxy, const Separation& at, std::ui
 }
 
 void StraightSweep::note_blocker(const Blocker& blocker) noexcept {
-  if (blocker_count_ < ProxyState::kMostContacts) {
+  if (blocker_count_ < ProxyState::kMaxContacts) {
     blockers_[static_cast<std::size_t>(blocker_count_++)] = blocker;
     return;
   }

@@ -46,7 +46,7 @@ class StraightSweep {
   const Vec3& from() const { return from_; }
   const Vec3& motion() const { return motion_; }
   double time() const { return first_; }
-  // What stops the probe at time() or hardly later, at most ProxyState::kMostContacts: the first ones, and of several at the start those
+  // What stops the probe at time() or hardly later, at most ProxyState::kMaxContacts: the first ones, and of several at the start those
   // that the motion comes nearer to fastest. None: out of work.
   std::span<const Blocker> blockers() const { return std::span(blockers_).first(static_cast<std::size_t>(blocker_count_)); }
   std::uint64_t tests() const { return tests_; }  // since construction
@@ -76,7 +76,7 @@ class StraightSweep {
   int least_tested_ = 0;         // in a ball of this motion
   double crowded_length_ = 0.0;  // of the next piece, if work ran out between two balls; 0: it did not
   TouchGeometry::NearestSearch ball_;
-  std::array<Blocker, ProxyState::kMostContacts> blockers_;
+  std::array<Blocker, ProxyState::kMaxContacts> blockers_;
   int blocker_count_ = 0;
   std::uint64_t tests_ = 0;
 };

@@ -25,7 +25,7 @@ namespace hapton {
 //
 // Frame: TouchGeometry's local one. RT: yes.
 //
-// Bounded: a call has StepWork::kMost units of work (step_work.h), an event one or, with friction, two.
+// Bounded: a call has StepWork::kMax units of work (step_work.h), an event one or, with friction, two.
 class SurfaceFollower {
  public:
   static constexpr int kFacetsPerUnit = 16;  // at a vertex: this many facets cost a unit more (measured at fans of 1,000)
@@ -53,10 +53,10 @@ class SurfaceFollower {
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p, bool slides = false) noexcept;
 
   // The device is held still. Pre: is_on_surface().
-  Outcome descend(const Vec3& device, int most_work = StepWork::kMost) noexcept;
+  Outcome descend(const Vec3& device, int most_work = StepWork::kMax) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1). Follows it from `time` until the outcome and sets `time` to that
   // moment. Pre: is_on_surface(), settled at `time`.
-  Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMost) noexcept;
+  Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMax) noexcept;
   int work_left() const { return work_left_; }  // of the last call
 
   std::uint64_t events() const { return events_; }  // since construction

@@ -13,8 +13,8 @@ namespace {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 // A pull within this share of the cone's radius is on the cone: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
-constexpr double kLeast = SurfacePoint::kLeastPull;  // a shorter pull is mostly rounding
-constexpr int kMostHalvings = 96;                    // a bound; Newton's method needs a few
+constexpr double kMin = SurfacePoint::kMinPull;  // a shorter pull is mostly rounding
+constexpr int kMaxHalvings = 96;                 // a bound; Newton's method needs a few
 
 constexpr auto kOnEdge = SurfacePoint::kOnEdge;
 constexpr auto kClear = SurfacePoint::kClear;
@@ -50,7 +50,7 @@ struct MovingPull {
 template <class Value>
 double find_fall(double low, double high, Value&& value) {
   double t = low;
-  for (int i = 0; i < kMostHalvings && low < high; ++i) {
+  for (int i = 0; i < kMaxHalvings && low < high; ++i) {
     double slope = 0.0;
     const double f = value(t, slope);
     if (f == 0.0) return t;
@@ -80,12 +80,12 @@ void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
 bool SurfaceFriction::moves(double pull_length, double depth) const noexcept {
   if (slips_) return true;
   const double cone = (slides_ ? dynamic_ : static_) * (1.0 + kOnCone) * depth;
-  return pull_length * pull_length > cone * cone + kLeast * kLeast;
+  return pull_length * pull_length > cone * cone + kMin * kMin;
 }
 
 // The pull is within the cone and the point stays. If the pull is on the cone, a moving device drags the point.
 SurfaceNext SurfaceFriction::hold(double pull_length, double depth) noexcept {
-  drags_ = slides_ && pull_length >= dynamic_ * (1.0 - kOnCone) * depth - kLeast;
+  drags_ = slides_ && pull_length >= dynamic_ * (1.0 - kOnCone) * depth - kMin;
   slides_ = slides_ && pull_length >= FrictionMotion::kRestick * dynamic_ * depth;
   return SurfaceNext::settled;
 }
@@ -187,7 +187,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
   const MovingPull pull{on_path(from, to, time) - at.point(), (1.0 - time) * (to - from)};
   const double held = slides_ ? dynamic_ : static_;
   // At a vertex, twice the least descent, so that the descent accepts what is found here.
-  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kLeast;
+  const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kMin;
   const double bound = least * least;
   double soonest = kNever;
   const auto consider_face = [&](const Vec3& normal, auto&& is_over) {
@@ -258,7 +258,7 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   const Vec3 pull = in_plane(projection(0.0) - at.point());
   const double radius = -dynamic_ * start_height;
   const double growth = -dynamic_ * (end_height - start_height);
-  const bool has_pull = radius > 0.0 && pull.norm() > kLeast;  // a shorter pull has no direction
+  const bool has_pull = radius > 0.0 && pull.norm() > kMin;  // a shorter pull has no direction
   // A device at rest, or a cone that grows faster than the pull, stops the point.
   if (has_pull ? !(pull.dot(motion) > pull.norm() * growth) : motion.isZero(0.0)) {
     drags_ = false;
@@ -320,7 +320,7 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
   const Vec3 here = on_path(from, to, time) - face.corner(edge);
   const Vec3 motion = (1.0 - time) * (to - from);
   const double pull = direction.dot(here - (at.point() - face.corner(edge)));
-  const double sign = (std::fabs(pull) > kLeast ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
+  const double sign = (std::fabs(pull) > kMin ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
   const Vec3 sideways = here - direction.dot(here) * direction;
   const Vec3 sideways_motion = motion - direction.dot(motion) * direction;
   const double drawn = sign * direction.dot(motion);

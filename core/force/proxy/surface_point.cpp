@@ -132,7 +132,7 @@ bool SurfacePoint::collect_fan() noexcept {
   int corner = corner_;
   int next = corner_;
   do {
-    if (fan_count_ == kMostFan || !holds(id, back)) return false;
+    if (fan_count_ == kMaxFan || !holds(id, back)) return false;
     const ObjectGeometry::Corners corners = geometry_.corners(id);
     const std::array<const Vec3*, 3> at = {&corners.a, &corners.b, &corners.c};
     const Vec3& vertex = *at[corner];
@@ -178,7 +178,7 @@ Vec3 SurfacePoint::vertex_normal() const noexcept {
 // Pre: the vertex is the point of its faces closest to the device.
 bool SurfacePoint::is_free_at_vertex(const Vec3& to_device) const noexcept {
   constexpr double kTell = 16.0;  // times the least descent: a shorter path may lead over the faces as well, by less than counts
-  if (!(to_device.norm() > kTell * kLeastPull)) return false;
+  if (!(to_device.norm() > kTell * kMinPull)) return false;
   if (is_at_boundary()) return true;  // the fan has both sides of the sheet: nothing lies behind it
   if (std::none_of(fan().begin(), fan().end(), [&](const FanFacet& facet) { return facet.normal.dot(to_device) > 0.0; })) return false;
   return vertex_normal().dot(to_device) > 0.0;
@@ -303,7 +303,7 @@ SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
 }
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {
-  if (on_ == On::vertex && fan_count_ > kMostPlanes) return lifted_over_fan(height);
+  if (on_ == On::vertex && fan_count_ > kMaxPlanes) return lifted_over_fan(height);
   if (on_ == On::vertex || is_near_edges(kSteepest * height)) return lifted_over_all(height);
   return p_ + (on_ == On::edge ? between(a().normal(), b().normal(), height) : Vec3(height * a().normal()));
 }
@@ -326,7 +326,7 @@ bool SurfacePoint::is_near_edges(double within) const noexcept {
 
 // A function of its own, because lifted() runs in every step and setting up these planes costs more than the rest of it.
 Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
-  std::array<ContactPlane, kMostPlanes> planes;
+  std::array<ContactPlane, kMaxPlanes> planes;
   Vec3 sum = Vec3::Zero();
   int count = 0;
   const auto add = [&](const Vec3& normal, double over) {
@@ -379,7 +379,7 @@ double SurfacePoint::distance_from_facet(int i, const Vec3& p) const noexcept {
 Vec3 SurfacePoint::over_widest_face(double height) const noexcept {
   double widest = 1.0 / kSteepest;
   Vec3 up = 0.5 * widest * a().normal();
-  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMostTried) {
+  for (int i = 0; i < fan_count_; i += 1 + fan_count_ / kMaxTried) {
     const Vec3 middle = (edge_before(i) + fan_[i].direction).normalized();
     double clear = 1.0;
     for (int k = 0; k < fan_count_; ++k) {
@@ -419,7 +419,7 @@ bool SurfacePoint::is_near_edge(const Facet& facet, int k, double within) const 
 // there on likewise; near a vertex these may be several.
 template <class Add>
 void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
-  std::array<std::pair<std::uint32_t, bool>, kMostNear> faces;
+  std::array<std::pair<std::uint32_t, bool>, kMaxNear> faces;
   int count = 0;
   faces[count++] = {a().id, a().is_back()};
   if (on_ == On::edge) faces[count++] = {b().id, b().is_back()};
@@ -440,7 +440,7 @@ void SurfacePoint::add_near_planes(double height, Add&& add) const noexcept {
       const bool is_concave = beyond.height(at.shape.corner((k + 2) % 3)) > 0.0;
       if (!is_concave && beyond.normal().dot(at.normal()) < kAllButFlat) continue;
       if (is_concave) add(beyond.normal(), beyond.height(p_));
-      if (count == kMostNear) return;
+      if (count == kMaxNear) return;
       faces[count++] = next;
     }
   }
@@ -463,14 +463,14 @@ int SurfacePoint::find_contacts(const Vec3& device, std::array<Contact, 3>& cont
     contacts[1] = {b().id, b().normal(), of_b};
     return 2;
   }
-  if (fan_count_ > kMostPlanes) {
+  if (fan_count_ > kMaxPlanes) {
     const auto deepest = std::min_element(fan().begin(), fan().end(), [&](const FanFacet& one, const FanFacet& other) {
       return one.normal.dot(to_device) < other.normal.dot(to_device);
     });
     contacts[0] = {deepest->id, deepest->normal, std::max(0.0, -deepest->normal.dot(to_device))};
     return 1;
   }
-  std::array<ContactPlane, kMostPlanes> planes;
+  std::array<ContactPlane, kMaxPlanes> planes;
   for (int i = 0; i < fan_count_; ++i) planes[i] = {fan_[i].normal, 0.0};
   const ConstrainedMotion held =
       constrain_motion(to_device, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));

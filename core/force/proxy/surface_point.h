@@ -38,7 +38,7 @@ class SurfacePoint {
   // when the projection is this far inside.
   static constexpr double kOnEdge = 0x1p-44;
   // At a vertex the point stays until the device is this far away: below it, the direction to the device is mostly rounding.
-  static constexpr double kLeastPull = 0x1p-42;
+  static constexpr double kMinPull = 0x1p-42;
 
   enum class On : std::uint8_t { face, edge, vertex };
 
@@ -118,7 +118,7 @@ class SurfacePoint {
   // At a vertex: whether a point that sees the vertex is on the side of the surface that the fan shows. Exact.
   bool is_before_fan(const Vec3& p) const noexcept;
   // Descent shorter than this is not followed: its slope is only rounding.
-  double least_slope(const Vec3& device) const noexcept { return kLeastPull + 0x1p-40 * (device - p_).norm(); }
+  double least_slope(const Vec3& device) const noexcept { return kMinPull + 0x1p-40 * (device - p_).norm(); }
   // How far inside edge k the projection of the device on a facet lies, less `margin`, times the edge's length.
   static double inside_by(double margin, const Facet& facet, int k, const Vec3& device) noexcept {
     return facet.shape.inside(k, device) - margin * facet.shape.length(k);
@@ -158,11 +158,11 @@ class SurfacePoint {
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
 
  private:
-  static constexpr int kMostFan = 2 * SurfaceAdjacency::kMostValence;
-  static constexpr int kMostPlanes = 256;               // a larger fan is handled facet by facet
+  static constexpr int kMaxFan = 2 * SurfaceAdjacency::kMaxValence;
+  static constexpr int kMaxPlanes = 256;                // a larger fan is handled facet by facet
   static constexpr double kSteepest = 4096.0;           // largest length of a lift, in heights
-  static constexpr int kMostTried = 16;                 // facets of a fan that a lift may be based on
-  static constexpr int kMostNear = 64;                  // faces examined for a lift
+  static constexpr int kMaxTried = 16;                  // facets of a fan that a lift may be based on
+  static constexpr int kMaxNear = 64;                   // faces examined for a lift
   static constexpr double kAllButFlat = 1.0 - 0x1p-21;  // cosine of a milliradian
 
   Facet& face_a() { return facets_[first_]; }
@@ -197,7 +197,7 @@ class SurfacePoint {
   bool has_left_a_ = false;
   int entry_edge_ = -1;
   int corner_ = -1;
-  std::array<FanFacet, kMostFan> fan_;
+  std::array<FanFacet, kMaxFan> fan_;
   int fan_count_ = 0;
   struct VertexLift {
     double height = 0.0;  // 0: not computed

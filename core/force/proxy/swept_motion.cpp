@@ -52,7 +52,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
   if (is_shrunk() && !is_point_) grow_to_room(proxy.position);
   const double least_motion = keep_.tolerance;  // shorter motions are below the tolerance of the clearance
   bool has_forgotten = false;
-  for (int i = 0; i < kMostMotions && work_ <= most_work_; ++i) {
+  for (int i = 0; i < kMaxMotions && work_ <= most_work_; ++i) {
     work_ += kWorkOfMotion;
     if (proxy.contact_count == 0 && cross_empty_space(proxy, device)) return true;
     Vec3 goal = device - proxy.position;
@@ -60,7 +60,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     const bool arrives = distance <= kLongestMotion;
     if (distance > kFarthestGoal) goal *= kFarthestGoal / distance;
     note_progress(distance, kRounding);
-    if (idle_ > kMostIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
+    if (idle_ > kMaxIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
       if (is_too_near(proxy) && shrink_to_room(proxy.position)) {
         idle_ = 0;
         continue;
@@ -81,7 +81,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     }
     ++counters_.motions;
     ConstrainedMotion constrained = next_motion(proxy, goal);
-    if (proxy.contact_count == ProxyState::kMostContacts) fix_active(proxy, constrained, goal);
+    if (proxy.contact_count == ProxyState::kMaxContacts) fix_active(proxy, constrained, goal);
     const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, device);
     if (motion.norm() <= least_motion + kNormalError * distance) {
       if (is_blind(proxy)) {
@@ -109,7 +109,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
 
 // A sphere with as many contacts as are kept may overlap others. A sweep without a motion finds those that it overlaps most.
 bool SweptMotion::is_blind(const ProxyState& proxy) const noexcept {
-  return !is_point_ && !has_looked_ && proxy.contact_count == ProxyState::kMostContacts;
+  return !is_point_ && !has_looked_ && proxy.contact_count == ProxyState::kMaxContacts;
 }
 
 void SweptMotion::note_progress(double distance, double rounding) noexcept {
@@ -174,16 +174,16 @@ bool SweptMotion::is_too_near(const ProxyState& proxy) const noexcept {
 
 // The least distance from all surfaces, up to the probe's own size. Among too many triangles it may be less: `is_certain`.
 double SweptMotion::find_room(const Vec3& p, bool& is_certain) noexcept {
-  constexpr int kMostTests = 256;  // about half of the work of a step (StepWork::kMost)
+  constexpr int kMaxTests = 256;  // about half of the work of a step (StepWork::kMax)
   double room = clearance_.offset;
   int tests = 0;
   surfaces_.geometry().visit_nearest(p, room * room, [&](std::uint32_t triangle, double) {
-    if (++tests > kMostTests) return 0.0;
+    if (++tests > kMaxTests) return 0.0;
     if (surfaces_.can_touch(triangle, p)) room = std::min(room, surfaces_.geometry().separation(triangle, p).distance);
     return room * room;
   });
-  is_certain = tests <= kMostTests;
-  work_ += std::min(tests, kMostTests);
+  is_certain = tests <= kMaxTests;
+  work_ += std::min(tests, kMaxTests);
   return room;
 }
 
@@ -210,9 +210,9 @@ void SweptMotion::grow_to_room(const Vec3& p) noexcept {
 // each motion along it would leave the share depth / radius of the way. From the line through the edge and the device, the pull brings the
 // sphere straight back to the surface, to the minimum. The motion goes along the tangent to that line, or part of the way.
 Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held, const Vec3& device) const noexcept {
-  constexpr double kMostAngle = 0.25;      // rad
-  constexpr double kLeastAngle = 0x1p-20;  // a nearer minimum is reached without
-  constexpr double kRounding = 0x1p-48;    // of positions; the normal has it as a share of the distance
+  constexpr double kMaxAngle = 0.25;     // rad
+  constexpr double kMinAngle = 0x1p-20;  // a nearer minimum is reached without
+  constexpr double kRounding = 0x1p-48;  // of positions; the normal has it as a share of the distance
   const Vec3& motion = held.motion;
   if (is_point_ || held.active_count != 1) return motion;
   const auto& [triangle, shape, s] = proxy.contacts[static_cast<std::size_t>(held.active[0])];
@@ -227,8 +227,8 @@ Vec3 SweptMotion::rolled(const ProxyState& proxy, const ConstrainedMotion& held,
   const Vec3 out = device - s.nearest;
   const double angle = std::atan2(out.dot(turn) / length, out.dot(s.normal));
   const double error = kRounding / s.distance * (device - proxy.position).norm() / length;  // of the direction, so of the angle
-  if (!(angle > kLeastAngle + error)) return motion;
-  return motion + turn * (std::max(1.0, s.distance * std::tan(std::min(angle, kMostAngle)) / length) - 1.0);
+  if (!(angle > kMinAngle + error)) return motion;
+  return motion + turn * (std::max(1.0, s.distance * std::tan(std::min(angle, kMaxAngle)) / length) - 1.0);
 }
 
 // Coulomb friction: the frictionless goal is `depth` above the device; the proxy may stay up to mu * depth short of the goal.
@@ -322,7 +322,7 @@ void SweptMotion::update_contacts(ProxyState& proxy, const Vec3& blocked_motion)
     ProxyContact contact{.triangle = blocker.triangle, .shape = surfaces_.shape_of(blocker.triangle), .separation = {}};
     contact.separation = blocking_separation(contact.shape, proxy.position, blocked_motion, keep_);
     if (contact.separation.distance > bound) continue;
-    if (kept < ProxyState::kMostContacts) {
+    if (kept < ProxyState::kMaxContacts) {
       proxy.contacts[kept++] = contact;
     } else if (replaced > fixed) {
       proxy.contacts[--replaced] = contact;

@@ -24,12 +24,12 @@ namespace hapton {
 // at once takes the place of a contact that does not hold it, so that after a few motions the contacts are those that decide. Whether there
 // is a direction that ends all overlaps, they show as well.
 //
-// Frame: TouchGeometry's local one. RT: yes; at most kMostMotions motions in a call, and hardly more work than it is given: among many
+// Frame: TouchGeometry's local one. RT: yes; at most kMaxMotions motions in a call, and hardly more work than it is given: among many
 // triangles a motion is interrupted, and the next call goes on with it. Keeps references.
 class SweptMotion {
  public:
   // Most calls need a few; this bounds the time where rounding keeps it moving (decision 121).
-  static constexpr int kMostMotions = 256;
+  static constexpr int kMaxMotions = 256;
 
   // Since construction.
   struct Counters {
@@ -44,7 +44,7 @@ class SweptMotion {
 
   // False: out of motions, or of that many units of work (step_work.h).
   // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch, or was put where it is.
-  bool descend(ProxyState& proxy, const Vec3& device, int most_work = StepWork::kMost) noexcept;
+  bool descend(ProxyState& proxy, const Vec3& device, int most_work = StepWork::kMax) noexcept;
   int work() const { return work_; }  // units, of the last call
 
   // Whether the probe is smaller than it should be, or in the middle of a motion. Then nothing else may move it, except to a new place:
@@ -69,7 +69,7 @@ class SweptMotion {
   const Counters& counters() const { return counters_; }
 
  private:
-  static constexpr int kMostIdle = 6;      // motions that lead no nearer
+  static constexpr int kMaxIdle = 6;       // motions that lead no nearer
   static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
 
   bool settle(ProxyState& proxy, const Vec3& device) noexcept;
@@ -97,7 +97,7 @@ class SweptMotion {
   Clearance clearance_;
   Clearance keep_;  // of the probe as large as it is
   bool is_point_;
-  std::array<ContactPlane, ProxyState::kMostContacts> planes_;
+  std::array<ContactPlane, ProxyState::kMaxContacts> planes_;
   int fixed_ = 0;  // contacts that hold the motion: the first ones, if all are used
   StraightSweep sweep_;
   Vec3 device_ = Vec3::Zero();  // of the last call, like the next

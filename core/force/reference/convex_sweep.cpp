@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr int kMostRounds = 400;  // a bound on the time: SweepHit::exhausted
+constexpr int kMaxRounds = 400;  // a bound on the time: SweepHit::exhausted
 // At an edge or vertex a step is at most this many distances long, so that the direction's error, rounding / distance, moves the point by
 // at most this many roundings.
 constexpr double kLongestStep = 256.0;
@@ -23,7 +23,7 @@ double speed_perpendicular(const PreparedTriangle& triangle, TriangleFeature fea
 SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double until, double limit, double slop,
                      double rounding) noexcept {
   double t = 0.0;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const ClosestPoint near = closest_point(triangle, from + t * motion);
     if (near.distance == 0.0 && near.feature != TriangleFeature::face) {  // only if the motion starts exactly on the triangle's boundary
       return triangle.normal.dot(motion) < 0.0 ? SweepHit{t, true, false} : SweepHit{until, false, false};

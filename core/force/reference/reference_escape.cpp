@@ -10,7 +10,7 @@ namespace {
 constexpr double kEscapeGain = 4.0;      // contact offsets: height of a step that a point would not feel
 constexpr double kOpenFace = 16.0;       // rest offsets: farther than this from its boundary, a face alone holds a point
 constexpr double kAtVertex = 32.0;       // rest offsets: this near to a vertex, a point is at the vertex
-constexpr double kLeastSlope = 0x1p-30;  // of the distance to the device: a smaller slope does not lead away from a vertex
+constexpr double kMinSlope = 0x1p-30;    // of the distance to the device: a smaller slope does not lead away from a vertex
 constexpr double kFarthestHeld = 64.0;   // rest offsets: farthest that another method's proxy may be off the surface
 constexpr double kSameHeight = 0x1p-10;  // relative: closer heights are equal
 
@@ -70,7 +70,7 @@ void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
   list_local_faces();
   const bool local = is_local(p, local_half_side_ - within);
   const std::size_t count = local ? local_.size() : faces_.size();
-  for (std::size_t k = 0; k < count && near_.size() < kMostNear; ++k) {
+  for (std::size_t k = 0; k < count && near_.size() < kMaxNear; ++k) {
     const std::size_t i = local ? local_[k] : k;
     const Box& box = boxes_[i];
     if (((p - box.high).cwiseMax(box.low - p).array() > within).any() || !can_meet(faces_[i])) continue;
@@ -149,7 +149,7 @@ const std::vector<Vec3>& ReferenceProxy::directions_out(const Vec3& start, const
   }
   // Lines where faces meet that do not share an edge.
   for (std::size_t i = 0; i < near_.size(); ++i) {
-    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMostDirections; ++j) {
+    for (std::size_t j = i + 1; j < near_.size() && directions_.size() < kMaxDirections; ++j) {
       const Vec3 line = near_[i].face.shape.normal.cross(near_[j].face.shape.normal);
       if (line.squaredNorm() > 1e-12) add_line(line);
     }
@@ -175,7 +175,7 @@ bool ReferenceProxy::leave_vertex(const Vec3& device, const Pull& pull) noexcept
   const Vec3 descent = find_steepest(*vertex, device - *vertex);
   const double slope = descent.norm();
   const double length = pull.motion.point.norm();
-  if (length > kStill && descent.dot(pull.motion.point) >= (1.0 - kLeastRoll) * slope * length) return false;
+  if (length > kStill && descent.dot(pull.motion.point) >= (1.0 - kMinRoll) * slope * length) return false;
   return leave_along(Vec3(*vertex), descent, device);
 }
 
@@ -248,7 +248,7 @@ bool ReferenceProxy::leave_along(const Vec3& vertex, const Vec3& descent, const 
   const Vec3 start = state_.position;
   const double slope = descent.norm();
   const double distance = (device - vertex).norm();
-  if (!(slope > kLeastSlope * distance)) return false;
+  if (!(slope > kMinSlope * distance)) return false;
   vertex_contacts_ = state_.contacts;
   // In a groove that bends at the vertex a lift may be blocked, from ahead or from behind.
   for (const double height : {8.0 * rest_offset_, 24.0 * rest_offset_}) {

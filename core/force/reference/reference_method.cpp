@@ -11,13 +11,13 @@ namespace hapton {
 namespace {
 
 constexpr double kFarthest = 1e12;         // local units: a device farther out is clamped to this, so that its square stays finite
-constexpr int kMostSubsteps = 1 << 20;     // a choice
+constexpr int kMaxSubsteps = 1 << 20;      // a choice
 constexpr double kLargestRadius = 1024.0;  // of the box's diagonal; a larger sphere is so far away that digits are lost
-constexpr double kJump = 8.0;           // of the device's motion: a longer motion of the proxy is a jump, as no slide is that fast for long
-constexpr double kLeastPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
-constexpr std::size_t kLevels = 48;     // of halving: down to kLeastPart for motions up to 2^9
-constexpr int kMostHalvings = 1024;     // in one pass over a step
-constexpr std::size_t kMostPrepared = std::size_t{1} << 17;  // 40 MB; triangles of larger scenes are prepared when they are gathered
+constexpr double kJump = 8.0;         // of the device's motion: a longer motion of the proxy is a jump, as no slide is that fast for long
+constexpr double kMinPart = 0x1p-38;  // local units: shorter sub-steps are not halved; a thousand times the tolerance of a contact
+constexpr std::size_t kLevels = 48;   // of halving: down to kMinPart for motions up to 2^9
+constexpr int kMaxHalvings = 1024;    // in one pass over a step
+constexpr std::size_t kMaxPrepared = std::size_t{1} << 17;  // 40 MB; triangles of larger scenes are prepared when they are gathered
 
 // Of the vertices that triangles name.
 MeshBounds bounds_of(const TouchScene& scene) {
@@ -48,12 +48,12 @@ Result<std::unique_ptr<ForceMethod>> ReferenceMethod::make(const MethodSettings&
 
 Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const MethodSettings& settings, const TouchScene& scene,
                                                                          bool prefilter) {
-  if (settings.reference_substeps < 1 || settings.reference_substeps > kMostSubsteps) {
-    return fail("method reference: {} sub-steps a step; give 1 to {}", settings.reference_substeps, kMostSubsteps);
+  if (settings.reference_substeps < 1 || settings.reference_substeps > kMaxSubsteps) {
+    return fail("method reference: {} sub-steps a step; give 1 to {}", settings.reference_substeps, kMaxSubsteps);
   }
-  if (settings.reference_substep_limit < settings.reference_substeps || settings.reference_substep_limit > kMostSubsteps) {
+  if (settings.reference_substep_limit < settings.reference_substeps || settings.reference_substep_limit > kMaxSubsteps) {
     return fail("method reference: at most {} sub-steps a step; give the first count, {}, to {}", settings.reference_substep_limit,
-                settings.reference_substeps, kMostSubsteps);
+                settings.reference_substeps, kMaxSubsteps);
   }
   if (!(settings.probe_radius_m >= 0.0) || !std::isfinite(settings.probe_radius_m)) {
     return fail("method reference: probe radius {} m; give zero or more", settings.probe_radius_m);
@@ -96,7 +96,7 @@ ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScen
     }
   }
   boxes_.emplace(vertices_, triangles_);
-  if (triangles_.size() <= kMostPrepared) {
+  if (triangles_.size() <= kMaxPrepared) {
     prepared_.reserve(triangles_.size());
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) prepared_.push_back(prepare_triangle(i));
   }
@@ -161,7 +161,7 @@ MethodOutput ReferenceMethod::step(const MethodInput& input) noexcept {
 }
 
 void ReferenceMethod::follow(const Vec3& from, const Vec3& to, int substeps) noexcept {
-  halvings_left_ = kMostHalvings;
+  halvings_left_ = kMaxHalvings;
   Vec3 last = from;
   for (int i = 1; i <= substeps; ++i) {
     const Vec3 next = i == substeps ? to : Vec3(from + (double(i) / substeps) * (to - from));
@@ -178,7 +178,7 @@ void ReferenceMethod::follow_substep(const Vec3& from, const Vec3& to, std::size
   proxy_->save(before);
   proxy_->follow(from, to, {});
   const double part = (to - from).norm();
-  const bool jumps = part > kLeastPart && (proxy_->state().position - before.position).norm() > kJump * part;
+  const bool jumps = part > kMinPart && (proxy_->state().position - before.position).norm() > kJump * part;
   if (!jumps || level + 1 == levels_.size() || halvings_left_ == 0) return;
   --halvings_left_;
   proxy_->restore(before);

@@ -11,14 +11,14 @@ namespace hapton {
 namespace {
 
 // In the unit of the reference: the scene's diagonal lies in [1/2, 1).
-constexpr double kRounding = 0x1p-48;       // bound on the error of a distance between points within the scene
-constexpr double kErosion = 0x1p-47;        // largest loss of one motion from a distance that is already minimal: twice the rounding error
-constexpr double kIdleGain = 0x1p-50;       // a motion that comes nearer to the device by less counts as idle
-constexpr int kIdleMotions = 8;             // a descent ends after this many idle motions in succession
-constexpr int kMostMotions = 16000;         // of one descent; Counters::unconverged counts where these were too few
-constexpr int kMostEscapes = 64;            // of one sub-step
-constexpr double kLocal = 0x1p-7;           // half side of the cube whose faces are listed: a few hundred of a million
-constexpr std::size_t kMostContacts = 256;  // for one more the oldest is dropped
+constexpr double kRounding = 0x1p-48;      // bound on the error of a distance between points within the scene
+constexpr double kErosion = 0x1p-47;       // largest loss of one motion from a distance that is already minimal: twice the rounding error
+constexpr double kIdleGain = 0x1p-50;      // a motion that comes nearer to the device by less counts as idle
+constexpr int kIdleMotions = 8;            // a descent ends after this many idle motions in succession
+constexpr int kMaxMotions = 16000;         // of one descent; Counters::unconverged counts where these were too few
+constexpr int kMaxEscapes = 64;            // of one sub-step
+constexpr double kLocal = 0x1p-7;          // half side of the cube whose faces are listed: a few hundred of a million
+constexpr std::size_t kMaxContacts = 256;  // for one more the oldest is dropped
 constexpr double kSteepest = 4.0;  // rest offsets: farther off the surface, in a wedge below 29 degrees, the radius is not subtracted
 
 bool boxes_meet(const Vec3& low_a, const Vec3& high_a, const Vec3& low_b, const Vec3& high_b) {
@@ -57,17 +57,17 @@ ReferenceProxy::ReferenceProxy(double probe_radius, std::vector<Material> materi
   boxes_.reserve(most_faces);
   local_.reserve(most_faces);
   at_vertex_.reserve(most_faces);
-  contacts_before_.reserve(kMostContacts);
-  vertex_contacts_.reserve(kMostContacts);
+  contacts_before_.reserve(kMaxContacts);
+  vertex_contacts_.reserve(kMaxContacts);
   stays_.reserve(most_faces);
-  near_.reserve(kMostNear);
-  directions_.reserve(kMostDirections);
-  half_spaces_.reserve(kMostContacts);
+  near_.reserve(kMaxNear);
+  directions_.reserve(kMaxDirections);
+  half_spaces_.reserve(kMaxContacts);
 }
 
 ReferenceProxy::State ReferenceProxy::make_state() const {
   State state;
-  state.contacts.reserve(kMostContacts);
+  state.contacts.reserve(kMaxContacts);
   return state;
 }
 
@@ -104,7 +104,7 @@ void ReferenceProxy::follow(const Vec3& device_from, const Vec3& device_to, cons
   drag(device_from, device_to);
   descend(device_to);
   const auto is_near_enough = [&] { return (device_to - state_.position).norm() < rules_.near_enough; };
-  for (int i = 0; i < kMostEscapes && !is_near_enough() && escape(device_to); ++i) ++counters_.escapes;
+  for (int i = 0; i < kMaxEscapes && !is_near_enough() && escape(device_to); ++i) ++counters_.escapes;
   state_.free = state_.position == device_to && state_.contacts.empty();
   if (state_.free) state_.sliding = false;
 }
@@ -138,7 +138,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
   double nearest = std::numeric_limits<double>::infinity();
   int idle = 0;
   int motions = 0;
-  for (; motions < kMostMotions && idle < kIdleMotions; ++motions) {
+  for (; motions < kMaxMotions && idle < kIdleMotions; ++motions) {
     update_contacts();
     if (state_.contacts.empty() && cross_free_space(device)) break;
     const double distance = (device - state_.position).norm();
@@ -173,7 +173,7 @@ void ReferenceProxy::descend(const Vec3& device) noexcept {
   update_contacts();
   counters_.motions += static_cast<std::uint64_t>(motions);
   counters_.most_motions = std::max(counters_.most_motions, static_cast<std::uint64_t>(motions));
-  if (motions == kMostMotions) ++counters_.unconverged;
+  if (motions == kMaxMotions) ++counters_.unconverged;
 }
 
 // Outside the scene there are no contacts: the proxy goes straight to the device, or to where its path enters the scene's surroundings.
@@ -381,7 +381,7 @@ void ReferenceProxy::meet(const Face& face) noexcept {
   for (const Contact& known : state_.contacts) {
     if (known.face.triangle == face.triangle) return;
   }
-  if (state_.contacts.size() == kMostContacts) state_.contacts.erase(state_.contacts.begin());
+  if (state_.contacts.size() == kMaxContacts) state_.contacts.erase(state_.contacts.begin());
   state_.contacts.push_back({face, closest_point(face.shape, state_.position)});
 }
 

@@ -140,12 +140,12 @@ class ReferenceProxy {
   static constexpr double kFeasible = 0x1p-44;   // of the projection onto half-spaces: 16 times the rounding error
   static constexpr double kLongestMotion = 4.0;  // a few scenes, so that a distant device does not cost significant digits
   static constexpr double kSamePlane = 1e-14;    // coplanar normals differ by less in their cosine
-  static constexpr double kLeastRoll = 1e-10;    // rad; a shorter arc counts as zero
+  static constexpr double kMinRoll = 1e-10;      // rad; a shorter arc counts as zero
   // Rest offsets: a shorter piece of a slip is straight, and is not divided where what holds the sphere changes.
   static constexpr double kShortestSlip = 0x1p-14;
   // Capacities, so that a step needs no heap.
-  static constexpr std::size_t kMostNear = 48;          // faces nearby that offer directions at a vertex
-  static constexpr std::size_t kMostDirections = 1536;  // above 1 + 4 * 48 of pull, faces and edges and 1,128 of pairs of faces
+  static constexpr std::size_t kMaxNear = 48;          // faces nearby that offer directions at a vertex
+  static constexpr std::size_t kMaxDirections = 1536;  // above 1 + 4 * 48 of pull, faces and edges and 1,128 of pairs of faces
 
   // A face at an edge.
   struct Side {

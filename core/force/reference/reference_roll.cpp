@@ -24,7 +24,7 @@ bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
   const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
   const double side = sideways.norm();
   const double angle = std::min(std::atan2(side, aim.dot(contact.near.direction)), kLongestRoll);
-  return side > 0.0 && angle > kLeastRoll && go_round(contact, sideways / side, angle);
+  return side > 0.0 && angle > kMinRoll && go_round(contact, sideways / side, angle);
 }
 
 // The proxy has stopped but not at a minimum: on an edge or vertex with the device beyond it, it balances like a ball on a crest. It moves

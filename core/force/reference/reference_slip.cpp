@@ -8,10 +8,10 @@ namespace hapton {
 namespace {
 
 constexpr double kLongestSlip = 0x1p-5;  // rest offsets, in one piece: the error of a piece is of fifth order
-constexpr double kMostTurn = 0x1p-4;     // of the direction, in one piece
+constexpr double kMaxTurn = 0x1p-4;      // of the direction, in one piece
 constexpr double kStraight = 0x1p-20;    // rest offsets: over so short a motion a part of the surface is flat to 2^-41 rest offsets
-constexpr double kLeastSine2 = 1e-10;    // squared sine of the angle between two parts: flatter ones have no curve in common
-constexpr int kMostRounds = 8;           // of Newton's method
+constexpr double kMinSine2 = 1e-10;      // squared sine of the angle between two parts: flatter ones have no curve in common
+constexpr int kMaxRounds = 8;            // of Newton's method
 
 }  // namespace
 
@@ -30,7 +30,7 @@ Vec3 ReferenceProxy::SlipParts::direction_at(const Vec3& p, const Vec3& device) 
 
 // Moves p to the given distances from the parts, the shortest way.
 bool ReferenceProxy::SlipParts::restore(Vec3& p) const noexcept {
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     std::array<Vec3, 2> normal;
     std::array<double, 2> short_by{};
     for (std::size_t i = 0; i < count; ++i) {
@@ -43,7 +43,7 @@ bool ReferenceProxy::SlipParts::restore(Vec3& p) const noexcept {
     } else {
       const double cosine = normal[0].dot(normal[1]);
       const double sine2 = 1.0 - cosine * cosine;
-      if (!(sine2 > kLeastSine2)) return false;
+      if (!(sine2 > kMinSine2)) return false;
       p += ((short_by[0] - cosine * short_by[1]) / sine2) * normal[0] + ((short_by[1] - cosine * short_by[0]) / sine2) * normal[1];
     }
     if (std::max(std::abs(short_by[0]), std::abs(short_by[1])) <= kStill) return true;
@@ -83,7 +83,7 @@ bool ReferenceProxy::slip(const Vec3& device, const Pull& pull, const Vec3& moti
     const Vec3 third = parts.direction_at(start + 0.5 * h * second, device);
     is_one_piece &= is_as_here();
     const Vec3 fourth = parts.direction_at(start + h * third, device);
-    is_one_piece &= is_as_here() && (fourth - first).norm() <= kMostTurn;
+    is_one_piece &= is_as_here() && (fourth - first).norm() <= kMaxTurn;
     Vec3 end = start + (h / 6.0) * (first + 2.0 * (second + third) + fourth);
     if (!is_one_piece || !parts.restore(end)) continue;
     const Vec3 corner = start + 0.5 * h * first;

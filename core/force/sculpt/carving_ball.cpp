@@ -12,9 +12,9 @@ namespace {
 constexpr double kRoom = 0.5 + 0.2;
 constexpr double kCarveEvery = 0.5;  // motion of the centre from one carve to the next
 constexpr double kInside = 0.2;      // a ball that begins deeper in the material is inside
-constexpr double kMostStepS = 2e-3;  // a longer step, as after lost samples, cuts no farther than this one
+constexpr double kMaxStepS = 2e-3;   // a longer step, as after lost samples, cuts no farther than this one
 constexpr double kRestick = 0.5;     // as FrictionMotion::kRestick
-constexpr double kLeastEase = 1e-6;  // a shorter rest of the room or of the lag counts as zero
+constexpr double kMinEase = 1e-6;    // a shorter rest of the room or of the lag counts as zero
 
 // The clearance of a ball that just fits into its own carve. Inside a carve of radius R the field is less than the distance by up to
 // h^2 (1/R + 1/R + 1/R) / 8, since it is linear along each axis between nodes h apart, and by rounding.
@@ -81,7 +81,7 @@ CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material
   }
   now_.lag_m = (input.goal - now_.centre).norm();
   now_.ease *= std::exp(-input.dt_s / kCutS);
-  if (now_.ease.norm() < kLeastEase * voxel) now_.ease.setZero();
+  if (now_.ease.norm() < kMinEase * voxel) now_.ease.setZero();
   const Vec3 shown = now_.ease.isZero(0.0) ? now_.centre : ball_.advance(field, now_.centre, now_.centre + now_.ease, 0.0);
   return {.p_SP = shown, .contact = shown != input.goal};
 }
@@ -122,7 +122,7 @@ Vec3 CarvingBall::catch_up(const Input& input, const Vec3& free) const noexcept 
   const Vec3 left = input.goal - free;
   const Vec3 all = input.goal - now_.centre;
   const double length = all.norm();
-  if (!(left.norm() < kept_m) || kept_m < kLeastEase * settings_.voxel_m || !(length > 0.0)) return free;
+  if (!(left.norm() < kept_m) || kept_m < kMinEase * settings_.voxel_m || !(length > 0.0)) return free;
   return input.goal - all * std::min(1.0, kept_m / length);
 }
 
@@ -134,7 +134,7 @@ Vec3 CarvingBall::cut(const Input& input, Sculpture& sculpture, std::size_t body
   now_.normal.setZero();
   const Vec3 free = catch_up(input, ball_.advance(field, now_.centre, input.goal, free_clearance(settings_)));
   Vec3 ahead = (input.goal - free) * -std::expm1(-input.dt_s / kCutS);
-  const double most = kMostCutSpeed * std::min(input.dt_s, kMostStepS);
+  const double most = kMaxCutSpeed * std::min(input.dt_s, kMaxStepS);
   if (ahead.norm() > most) ahead *= most / ahead.norm();
   const Vec3 centre = free + ahead;
   const double clearance = ball_.clearance_m(field, centre);

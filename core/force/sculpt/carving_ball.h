@@ -23,7 +23,7 @@ class CarvingBall {
   // Time constant with which the lag, and so the force, decays once the ball comes out into free space.
   static constexpr double kCatchUpS = 0.01;
   // Largest speed through material, m/s: bounds the change of force in a step, and the size of a carve.
-  static constexpr double kMostCutSpeed = 0.5;
+  static constexpr double kMaxCutSpeed = 0.5;
 
   explicit CarvingBall(const SculptSettings& settings);
 

@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastPoints = 40.0;  // of the smallest ball: about 30 degrees apart
+constexpr double kMinPoints = 40.0;  // of the smallest ball: about 30 degrees apart
 // In spacings of the field:
 constexpr double kGap = 0.05;        // rest offset of the ball: more than rounding and the curvature of a step take from it
 constexpr double kNear = 0.5;        // points with a smaller clearance bound a step along the surface
@@ -20,16 +20,16 @@ constexpr double kPushStep = 0.25;   // longest step out of the material
 constexpr double kSettled = 1e-5;    // a shorter step ends the search
 constexpr double kRoom = 1.0;        // motion of the centre for which the chosen candidates stay valid
 // Bounds of the work, for real time (decision 160 has the times); a share:
-constexpr double kShorter = 0.35;     // what is kept of a step that would end in the material
-constexpr int kMostEvaluations = 28;  // evaluations of the field at the points, in one move
-constexpr int kMostAdvances = 32;     // steps of one advance
+constexpr double kShorter = 0.35;    // what is kept of a step that would end in the material
+constexpr int kMaxEvaluations = 28;  // evaluations of the field at the points, in one move
+constexpr int kMaxAdvances = 32;     // steps of one advance
 
 }  // namespace
 
 // Points at equal areas on a spiral (Vogel 1979, on the sphere).
 FieldBall::FieldBall(double radius_m, double spacing_m) : radius_m_(radius_m) {
   const double area = 4.0 * std::numbers::pi * (radius_m / spacing_m) * (radius_m / spacing_m);
-  const auto count = static_cast<std::size_t>(std::clamp(std::ceil(area), kLeastPoints, double{kMostPoints}));
+  const auto count = static_cast<std::size_t>(std::clamp(std::ceil(area), kMinPoints, double{kMaxPoints}));
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (std::size_t i = 0; i < count; ++i) {
     const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);
@@ -75,7 +75,7 @@ FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3&
 
 void FieldBall::insert(Nearest& nearest, const Near& one) noexcept {
   std::size_t place = nearest.count;
-  if (place == kMostPlanes) {
+  if (place == kMaxPlanes) {
     if (one.value >= nearest.points[place - 1].value) return;
     --place;
   } else {
@@ -89,7 +89,7 @@ void FieldBall::insert(Nearest& nearest, const Near& one) noexcept {
 Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& to_goal, const Nearest& nearest,
                       Moved& moved) const noexcept {
   const double spacing = field.spacing_m();
-  std::array<ContactPlane, kMostPlanes> planes;
+  std::array<ContactPlane, kMaxPlanes> planes;
   std::size_t count = 0;
   for (std::size_t i = 0; i < nearest.count; ++i) {
     const Vec3 gradient = field.gradient(centre + points_[nearest.points[i].point]);
@@ -117,7 +117,7 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
   Moved moved{.centre = from};
   Candidates candidates;
   Nearest nearest = find_nearest(field, from, candidates);
-  for (int evaluations = 1; evaluations < kMostEvaluations;) {
+  for (int evaluations = 1; evaluations < kMaxEvaluations;) {
     const Vec3 to_goal = goal - moved.centre;
     const double distance = to_goal.norm();
     if (!(distance > 0.0)) return {.centre = goal};
@@ -145,7 +145,7 @@ FieldBall::Moved FieldBall::move(const CarvedField& field, const Vec3& from, con
       return next.clearance_m >= least && (nearest.clearance_m < 0.0 || (to_goal - step).squaredNorm() < distance * distance);
     };
     for (; !is_good(); ++evaluations) {
-      if (evaluations >= kMostEvaluations || step.norm() < kSettled * spacing) return moved;
+      if (evaluations >= kMaxEvaluations || step.norm() < kSettled * spacing) return moved;
       step *= kShorter;
       next = find_nearest(field, moved.centre + step, candidates);
     }
@@ -163,7 +163,7 @@ Vec3 FieldBall::advance(const CarvedField& field, const Vec3& from, const Vec3& 
   const Vec3 direction = (goal - from) / distance;
   double done = 0.0;
   double clearance = clearance_m(field, from);
-  for (int i = 0; i < kMostAdvances; ++i) {
+  for (int i = 0; i < kMaxAdvances; ++i) {
     const double step = std::max((clearance - least_m) / kSteepest, shortest);
     const double next = std::min(done + step, distance);
     const double there = clearance_m(field, from + next * direction);

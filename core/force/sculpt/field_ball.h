@@ -16,7 +16,7 @@ namespace hapton {
 // construction. Threads: any.
 class FieldBall {
  public:
-  // spacing_m: that of the field. The points are about a spacing apart, but at most kMostPoints.
+  // spacing_m: that of the field. The points are about a spacing apart, but at most kMaxPoints.
   FieldBall(double radius_m, double spacing_m);
 
   double radius_m() const noexcept { return radius_m_; }
@@ -41,13 +41,13 @@ class FieldBall {
   // The farthest position on the straight path to the goal up to which the clearance is at least `least_m`, or grows.
   Vec3 advance(const CarvedField& field, const Vec3& from, const Vec3& goal, double least_m) const noexcept;
 
-  static constexpr std::size_t kMostPoints = 240;  // bounds the time of a step; with the centre, their numbers fit into 8 bits
+  static constexpr std::size_t kMaxPoints = 240;  // bounds the time of a step; with the centre, their numbers fit into 8 bits
 
  private:
-  static constexpr std::size_t kMostPlanes = 12;  // that constrain a step; three of them can be active
+  static constexpr std::size_t kMaxPlanes = 12;  // that constrain a step; three of them can be active
   // The points that can be near the surface while the centre is within room_m of `centre`; negative: none were chosen.
   struct Candidates {
-    std::array<std::uint8_t, kMostPoints + 1> points;
+    std::array<std::uint8_t, kMaxPoints + 1> points;
     std::size_t count = 0;
     Vec3 centre = Vec3::Zero();
     double room_m = -1.0;
@@ -56,9 +56,9 @@ class FieldBall {
     std::size_t point = 0;
     double value = 0.0;
   };
-  // The points with the least clearances, in ascending order: those below half a spacing, at most kMostPlanes.
+  // The points with the least clearances, in ascending order: those below half a spacing, at most kMaxPlanes.
   struct Nearest {
-    std::array<Near, kMostPlanes> points;
+    std::array<Near, kMaxPlanes> points;
     std::size_t count = 0;
     double clearance_m = 0.0;  // of the ball, or a lower bound
   };

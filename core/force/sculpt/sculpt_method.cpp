@@ -11,7 +11,7 @@ namespace {
 
 // Of a body in a sample: one that does not agree with the others by then goes on in the next sample. Bounds the time of a step (decision
 // 246 has the times).
-constexpr int kMostTurns = 2;
+constexpr int kMaxTurns = 2;
 
 // Hooke's law, less damping along the extension; damping never makes the force attractive.
 Vec3 force_of(const Material& material, const Vec3& extension_m, const Vec3& change_m, double dt_s) {
@@ -85,7 +85,7 @@ class SculptMethod::Parts final : public FeltParts {
     const CarvedField& field = method_.sculpture_->bodies()[body(part)].field;
     method_.bodies_[body(part)].ball.settle(field, p_S, input_.p_SD);
   }
-  int most_turns(std::size_t part) const noexcept override { return is_other(part) ? FeltParts::most_turns(part) : kMostTurns; }
+  int most_turns(std::size_t part) const noexcept override { return is_other(part) ? FeltParts::most_turns(part) : kMaxTurns; }
   StiffnessRange stiffness(std::size_t part) const noexcept override {
     if (is_other(part)) return others().stiffness(part);
     const double own = method_.bodies_[body(part)].material.stiffness_n_per_m;

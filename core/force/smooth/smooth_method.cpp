@@ -235,12 +235,12 @@ Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
     std::uint32_t triangle;
     Vec3 normal;
   };
-  constexpr std::size_t kMost = 64;  // enough for a vertex with more
-  std::array<Face, kMost> faces;
+  constexpr std::size_t kMax = 64;  // enough for a vertex with more
+  std::array<Face, kMax> faces;
   std::size_t count = 0;
   const double radius = 0.5 * scene_->tolerance();
   visit_near(p, radius, [&](const SetTriangle& t) {
-    if (!is_face(t) || count == kMost || !is_within(t, p, radius)) return;
+    if (!is_face(t) || count == kMax || !is_within(t, p, radius)) return;
     std::size_t at = count++;
     for (; at > 0 && (faces[at - 1].object != t.object ? faces[at - 1].object > t.object : faces[at - 1].triangle > t.triangle); --at) {
       faces[at] = faces[at - 1];

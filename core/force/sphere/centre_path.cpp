@@ -6,7 +6,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kLeastStep = 0x1p-50;   // of a path's time
+constexpr double kMinStep = 0x1p-50;     // of a path's time
 constexpr double kAtCorner = 0x1p-44;    // local units; beyond the end of an edge by less, a contact is still on it
 constexpr double kSlopeError = 0x1p-11;  // of its length
 
@@ -84,9 +84,9 @@ Vec3 CentrePath::at(double time) const noexcept {
 // Newton's method. One step is exact on one guide. On two guides the first step leaves an error of the square of the cubic's error over
 // their radius, which is above rounding.
 void CentrePath::project_onto_guides(Vec3& p) const noexcept {
-  constexpr int kMostRounds = 3;          // a bound; see above
+  constexpr int kMaxRounds = 3;           // a bound; see above
   constexpr double kConverged = 0x1p-30;  // an error this small leaves less than rounding
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     if (project_once(p) <= kConverged || guide_count_ == 1) return;
   }
 }
@@ -174,9 +174,9 @@ double CentrePath::find_crossing(const Plane& plane, Range range) const noexcept
   if (at_low >= 0.0) return at_high > at_low ? low : kNever;
   if (is_straight()) return std::min(low + (high - low) * (at_low / (at_low - at_high)), range.high);
   // False position with the Illinois modification, from the time at which the cubic crosses.
-  constexpr int kMostRounds = 40;
+  constexpr int kMaxRounds = 40;
   double time = guess_crossing(plane, range);
-  for (int i = 0; i < kMostRounds; ++i) {
+  for (int i = 0; i < kMaxRounds; ++i) {
     if (!(high - low > 0x1p-50)) return std::min(time, range.high);
     const Vec3 p = at(time);
     const double here = plane.height(p);
@@ -200,11 +200,11 @@ double CentrePath::find_crossing(const Plane& plane, Range range) const noexcept
 
 // The time at which the cubic crosses, which is near that of the path.
 double CentrePath::guess_crossing(const Plane& plane, Range range) const noexcept {
-  constexpr int kMostRounds = 12;          // a bound on the work: the time is a guess
+  constexpr int kMaxRounds = 12;           // a bound on the work: the time is a guess
   constexpr double kNearEnough = 0x1p-24;  // of the whole path
   auto [low, high, at_low, at_high] = range;
   double time = low + (high - low) * (at_low / (at_low - at_high));
-  for (int i = 0; i < kMostRounds; ++i) {
+  for (int i = 0; i < kMaxRounds; ++i) {
     const double here = plane.height(cubic_at(time));
     (here > 0.0 ? high : low) = time;
     const double next = time - here / plane.direction.dot(cubic_slope(time));
@@ -252,14 +252,14 @@ double CentrePath::time_to_leave_corner(const ContactTriangle& triangle, int cor
 // A step from a time at which the corner is the nearest point, in which the distance stays above `level` and its tolerance. Convex, it
 // stays above its tangent, less what the path bends. The rate is zero where the path rolls around the corner, but not where it passes it.
 double CentrePath::step_past_corner(const ContactTriangle& triangle, const Level& level, int corner, double time) const noexcept {
-  if (!(bend_ > 0.0)) return kLeastStep;
+  if (!(bend_ > 0.0)) return kMinStep;
   const double most = std::sqrt(level.tolerance / bend_);  // the bend takes half of the tolerance
   const Vec3 point = at(time);
   const Vec3 off = point - triangle.corner(corner);
   const double distance = off.norm();
   const double approach = -off.dot(slope(time, point)) / distance;
   const double room = distance - level.distance + 0.5 * level.tolerance;
-  return std::max(approach * most > room ? room / approach : most, kLeastStep);
+  return std::max(approach * most > room ? room / approach : most, kMinStep);
 }
 
 // How long the centre stays on the inner side of a plane, at least. `inwards`: unit.
@@ -354,11 +354,11 @@ double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Lev
 // When the distance falls to `level`, within a tolerance.
 CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const Level& level, unsigned guiding, double from, double until,
                                          int& tests) const noexcept {
-  constexpr int kMostRounds = 64;  // then the path is known to be free up to there, and no farther
-  constexpr int kFewRounds = 32;   // decide all ordinary cases
+  constexpr int kMaxRounds = 64;  // then the path is known to be free up to there, and no farther
+  constexpr int kFewRounds = 32;  // decide all ordinary cases
   const double slope_error = guide_count_ > 0 ? kSlopeError : 0.0;
   double time = from;
-  for (int i = 0; i < kMostRounds; ++i) {
+  for (int i = 0; i < kMaxRounds; ++i) {
     ++tests;
     const Vec3 point = at(time);
     const Separation now = triangle.separation(point);
@@ -385,7 +385,7 @@ CentrePath::Block CentrePath::find_below(const ContactTriangle& triangle, const 
       if (!(approach < 0.0)) return {};
       step = gap / -approach;
     }
-    time += std::max(step, kLeastStep);
+    time += std::max(step, kMinStep);
     if (!(time < until)) return {};
   }
   return {time, false};

@@ -19,7 +19,7 @@ bool ContactSet::add(const OffsetContact& contact) noexcept {
   for (int i = 0; i < count_; ++i) {
     if (contacts_[i].triangle == contact.triangle) at = i;
   }
-  if (at == kMost) return false;
+  if (at == kMax) return false;
   contacts_[at] = contact;
   if (at == count_) ++count_;
   return true;
@@ -51,7 +51,7 @@ bool ContactSet::find_active(const Vec3& c, const Vec3& pull, const Vec3& motion
     descent = goal - height * normal;
     return true;
   }
-  std::array<ContactPlane, kMost> planes;
+  std::array<ContactPlane, kMax> planes;
   for (int i = 0; i < count_; ++i) planes[i] = {contacts_[i].proximity(c).normal, 0.0};
   const ConstrainedMotion constrained =
       constrain_motion(goal, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count_)));
@@ -105,9 +105,9 @@ bool ContactSet::restore_to_frame(Vec3& c, ContactFrame& frame, int& work) const
 
 // `has_normals`: whether the frame's normals are those there.
 bool ContactSet::restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& work) const noexcept {
-  constexpr int kMostRounds = 8;  // of Newton's method; then the tolerance decides
+  constexpr int kMaxRounds = 8;  // of Newton's method; then the tolerance decides
   frame.count = active_count_;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     std::array<double, 3> short_by{};
     double most = 0.0;
     ++work;
@@ -130,7 +130,7 @@ bool ContactSet::restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& w
 }
 
 double ContactSet::find_most_opposite(const Vec3& c) const noexcept {
-  std::array<Vec3, kMost> normals;
+  std::array<Vec3, kMax> normals;
   double least = 4.0;
   for (int i = 0; i < active_count_; ++i) {
     normals[static_cast<std::size_t>(i)] = contacts_[i].proximity(c).normal;

@@ -19,7 +19,7 @@ namespace hapton {
 // Frame and units: TouchGeometry's local ones. RT: yes. `work`: is raised by the units of work (step_work.h).
 class ContactSet {
  public:
-  static constexpr int kMost = 8;  // three that hold the centre, and others at the same position; a free choice
+  static constexpr int kMax = 8;  // three that hold the centre, and others at the same position; a free choice
 
   explicit ContactSet(const Clearance& clearance) : clearance_(clearance) {}
 
@@ -77,7 +77,7 @@ class ContactSet {
  private:
   bool restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& work) const noexcept;
 
-  std::array<OffsetContact, kMost> contacts_;
+  std::array<OffsetContact, kMax> contacts_;
   int active_count_ = 0;
   int count_ = 0;
   Clearance clearance_;

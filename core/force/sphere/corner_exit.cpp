@@ -17,7 +17,7 @@ constexpr double kWedge = 4096.0;  // offsets; so far from its tip a wedge of 0.
 // The position nearest to the planes, lines and points of contacts on faces, edges and vertices: the sum of the squared distances from them
 // is least. False: it is not unique within rounding, or farther than `within` from one of them.
 bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, double within, Vec3& meeting) {
-  constexpr double kLeastVolume = 0x1p-44;  // of unit vectors: below it they count as lying in one plane
+  constexpr double kMinVolume = 0x1p-44;  // of unit vectors: below it they count as lying in one plane
   Mat3 sum = Mat3::Zero();
   Vec3 right = Vec3::Zero();
   for (const OffsetContact& contact : contacts) {
@@ -27,7 +27,7 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
     sum += across;
     right += across * (contact.origin() - near);
   }
-  if (!(sum.determinant() > kLeastVolume)) return false;
+  if (!(sum.determinant() > kMinVolume)) return false;
   const Vec3 off = sum.inverse() * right;
   meeting = near + off;
   return std::all_of(contacts.begin(), contacts.end(),
@@ -109,9 +109,9 @@ bool CornerExit::find_cone(double moved) noexcept {
 // in the ball around the centre that no triangle reaches. False: there is none.
 bool CornerExit::find_beside(const Vec3& apex, Vec3& beside) noexcept {
   constexpr double kClear = 0x1p-4;  // offsets from a plane
-  constexpr int kMostFaces = 48;     // with more of them there is no such position; a free choice
+  constexpr int kMaxFaces = 48;      // with more of them there is no such position; a free choice
   const double near = kThrough * contacts_.offset();
-  std::array<ContactPlane, kMostFaces> planes;
+  std::array<ContactPlane, kMaxFaces> planes;
   int count = 0;
   bool fits = true;
   bool is_between = false;
@@ -123,7 +123,7 @@ bool CornerExit::find_beside(const Vec3& apex, Vec3& beside) noexcept {
     if (at.feature != Feature::face) return;
     const double height = at.normal.dot(centre_ - apex);
     is_between |= height < 0.0;
-    fits = fits && count < kMostFaces;
+    fits = fits && count < kMaxFaces;
     if (fits) planes[static_cast<std::size_t>(count++)] = {at.normal, kClear * contacts_.offset() - height};
   });
   if (!fits || !is_between) return fits;
@@ -160,7 +160,7 @@ std::optional<Vec3> CornerExit::find_past(const TangentCone::Steepest& to, doubl
   const TangentCone::Piece& piece = memory_.cone.boundary()[static_cast<std::size_t>(to.piece)];
   const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
   const double off = distance_off_edge(to);
-  if (!(kMostOff * off < wide)) return std::nullopt;
+  if (!(kMaxOff * off < wide)) return std::nullopt;
   return memory_.cone.apex() + wide * to.direction + off * (std::cos(half) * piece.back + std::sin(half) * piece.normal);
 }
 

@@ -18,7 +18,7 @@ class CornerExit {
   static constexpr double kThrough = 4.0;  // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
   static constexpr double kMinGain = 2.0;  // offsets; a smaller gain is no escape
   static constexpr double kAbove = 1.25;   // offsets above the faces on the path
-  static constexpr double kMostOff = 4.0;  // a position off an edge is this many times as far from the corner
+  static constexpr double kMaxOff = 4.0;   // a position off an edge is this many times as far from the corner
 
   // Of the corner that the centre was last held in.
   struct Memory {

@@ -96,7 +96,7 @@ bool DescentPath::descend_along_curve(const Vec3& device, const Vec3& hint, bool
 
 bool DescentPath::make_curve_piece(const Vec3& direction, double length, const Vec3& device, bool is_unstable,
                                    CentrePath& path) const noexcept {
-  constexpr int kMostHalvings = 24;      // of the first length; a shorter piece is none
+  constexpr int kMaxHalvings = 24;       // of the first length; a shorter piece is none
   constexpr double kRounding = 0x1p-50;  // of a position, local units
   const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   ContactFrame here;
@@ -130,11 +130,11 @@ bool DescentPath::make_curve_piece(const Vec3& direction, double length, const V
     // As far as a piece may turn, or to the minimum if that is nearer.
     const double stability = minimum_.find_stability(here, centre_, device);
     const double most = minimum_.longest_on_curve(here, direction);
-    const double to_minimum = !is_unstable && stability > LocalMinimum::kLeastStability ? length / stability : most;
+    const double to_minimum = !is_unstable && stability > LocalMinimum::kMinStability ? length / stability : most;
     length = std::min(to_minimum, most);
     if (to_minimum < most && 8.0 * to_minimum > most && go(most, true)) return true;
   }
-  for (int i = 0; i < kMostHalvings; ++i, length *= 0.5) {
+  for (int i = 0; i < kMaxHalvings; ++i, length *= 0.5) {
     if (go(length, false)) return true;
   }
   return false;

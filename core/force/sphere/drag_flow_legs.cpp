@@ -35,9 +35,9 @@ class DragLegs::FlowSearch {
     const Vec3 device = on_path(from_, to_, time_);
     if (!drag_.find_pull(legs_.centre_, device, pull_)) return DragOutcome::jumps;
     excess_rate_ = drag_.find_excess_rate(pull_, motion_);
-    if (!(excess_rate_ > -kLeastExcessRate * speed_) || !(speed_ > 0.0)) return DragOutcome::stops;
+    if (!(excess_rate_ > -kMinExcessRate * speed_) || !(speed_ > 0.0)) return DragOutcome::stops;
     stability_ = drag_.find_stability(pull_);
-    if (!(stability_ > LocalMinimum::kLeastStability)) return DragOutcome::jumps;
+    if (!(stability_ > LocalMinimum::kMinStability)) return DragOutcome::jumps;
     const double release = has_one_contact() ? drag_.time_of_release(device, to_, pull_) : std::numeric_limits<double>::infinity();
     comes_out_ = release < 1.0;
     target_ = comes_out_ ? time_ + release * (1.0 - time_) : 1.0;
@@ -80,7 +80,7 @@ class DragLegs::FlowSearch {
     }
     travelled_ += end_.followed - advance;
     legs_.step_ = end_.step;
-    shrink_ = std::clamp(kOfFollowed * travelled_ / length_, kMostShrunk, 0.5);
+    shrink_ = std::clamp(kOfFollowed * travelled_ / length_, kMaxShrunk, 0.5);
     end_ = {legs_.centre_, time_};
     travelled_ = 0.0;
     return false;
@@ -90,27 +90,27 @@ class DragLegs::FlowSearch {
   template <class Value>
   bool seek(double at_start, double at_end, double rounding, Value&& value) noexcept {
     length_ = find_zero(
-        0.0, at_start, length_, at_end, std::max(kNearZero, rounding), [&](double l) { return go(l) ? value() : -1.0; }, kMostSearch);
+        0.0, at_start, length_, at_end, std::max(kNearZero, rounding), [&](double l) { return go(l) ? value() : -1.0; }, kMaxSearch);
     return go(length_);
   }
 
   // Shortens the leg until it is nearly a cubic, and ends it where the equilibrium vanishes or at the target.
   bool find_length(DragLeg& leg) noexcept {
-    constexpr int kMostHalvings = 40;                        // then the centre jumps
-    constexpr int kFewHalvings = 3;                          // then the shortest leg is tried first
-    constexpr int kStepsOfLeg = OffsetDrag::kMostSteps - 4;  // no longer than one integration leads, as far as the last one tells
+    constexpr int kMaxHalvings = 40;                        // then the centre jumps
+    constexpr int kFewHalvings = 3;                         // then the shortest leg is tried first
+    constexpr int kStepsOfLeg = OffsetDrag::kMaxSteps - 4;  // no longer than one integration leads, as far as the last one tells
     const double most = find_most();
     // Along the curve of two contacts nothing is integrated.
     const double within_reach = has_one_contact() && legs_.step_ > 0.0 ? std::min(most, kStepsOfLeg * legs_.step_) : most;
     length_ = std::min(within_reach, (target_ - time_) / stability_);
     for (int i = 0;; ++i, length_ *= shrink_) {
-      if (i == kMostHalvings) return false;
+      if (i == kMaxHalvings) return false;
       shrink_ = 0.5;
       is_at_target_ = false;
       leg.jumps = false;
       go_back();
       if (i == kFewHalvings) {
-        if (!go(std::ldexp(length_, kFewHalvings - kMostHalvings))) return false;  // however short
+        if (!go(std::ldexp(length_, kFewHalvings - kMaxHalvings))) return false;  // however short
         off_ = (end_.centre - legs_.centre_).norm();
       }
       if (!flow_evenly()) continue;
@@ -137,14 +137,14 @@ class DragLegs::FlowSearch {
     const double uneven = (middle_.centre - guess).norm();
     const double most_off = kUnresolved + off_ + legs_.most_uneven((end_.centre - centre).norm());
     if (!(uneven > most_off)) return true;
-    shrink_ = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMostShrunk, 0.5);  // of fourth order in the length
+    shrink_ = std::clamp(0.9 * std::sqrt(std::sqrt(most_off / uneven)), kMaxShrunk, 0.5);  // of fourth order in the length
     return false;
   }
 
   // A little farther, to the target.
   void lengthen(double most) noexcept {
-    constexpr int kMostRounds = 8;  // a bound on the work
-    for (int round = 0; round < kMostRounds && length_ < most && left() > 0.0; ++round) {
+    constexpr int kMaxRounds = 8;  // a bound on the work
+    for (int round = 0; round < kMaxRounds && length_ < most && left() > 0.0; ++round) {
       const double on = left() / std::max(stability_there(), 0x1p-10);
       is_at_target_ = on * speed_ <= 0x1p-50;
       if (is_at_target_ || !(length_ + on <= 1.125 * std::min(most, 2.0 * length_))) break;
@@ -187,8 +187,8 @@ class DragLegs::FlowSearch {
   // False: that is where the leg begins.
   bool end_where_it_stops(DragLeg& leg) noexcept {
     const double at_end = drag_.find_excess_rate(there_, motion_);
-    if (!(at_end < -kLeastExcessRate * speed_) || (is_at_target_ && comes_out_)) return true;
-    const double of_direction = speed_ * kPositionRounding / std::max(there_.length, OffsetDrag::kLeastPull);
+    if (!(at_end < -kMinExcessRate * speed_) || (is_at_target_ && comes_out_)) return true;
+    const double of_direction = speed_ * kPositionRounding / std::max(there_.length, OffsetDrag::kMinPull);
     if (!seek(std::max(0.0, excess_rate_), at_end, of_direction, [&] { return drag_.find_excess_rate(there_, motion_); })) return false;
     if (!(length_ > 0.0)) return false;
     is_at_target_ = false;
@@ -215,8 +215,8 @@ class DragLegs::FlowSearch {
     return DragOutcome::moves;
   }
 
-  static constexpr double kMostShrunk = 0x1p-10;  // of the length, at once
-  static constexpr double kReleased = 0x1p-24;    // a pull at which the device counts as out
+  static constexpr double kMaxShrunk = 0x1p-10;  // of the length, at once
+  static constexpr double kReleased = 0x1p-24;   // a pull at which the device counts as out
 
   DragLegs& legs_;
   const OffsetDrag& drag_;

@@ -19,9 +19,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 double DragLegs::most_uneven(double length) const noexcept {
   constexpr double kUneven = 0x1p-16;
   constexpr double kUnevenShare = 0x1p-20;
-  constexpr double kMostUneven = 0.125;
+  constexpr double kMaxUneven = 0.125;
   const double offset = contacts_.offset();
-  return kUneven * offset + std::min(kUnevenShare * length, kMostUneven * offset);
+  return kUneven * offset + std::min(kUnevenShare * length, kMaxUneven * offset);
 }
 
 double DragLegs::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
@@ -37,7 +37,7 @@ class DragLegs::SlipSearch {
   bool make(SlipPath& slip) noexcept {
     slip.waits = false;
     slip.released = -1;
-    slip.is_on_cone = !(pull_.length > OffsetDrag::kLeastPull) || reaches_cone_within(LocalMinimum::kAtMinimum);
+    slip.is_on_cone = !(pull_.length > OffsetDrag::kMinPull) || reaches_cone_within(LocalMinimum::kAtMinimum);
     if (slip.is_on_cone) return true;
     slip.direction = pull_.tangential / pull_.length;
     slip.stops = false;
@@ -48,7 +48,7 @@ class DragLegs::SlipSearch {
 
  private:
   bool reaches_cone_within(double length) const noexcept {
-    return !has_vanished_ && stability_ > LocalMinimum::kLeastStability && pull_.excess() <= length * stability_;
+    return !has_vanished_ && stability_ > LocalMinimum::kMinStability && pull_.excess() <= length * stability_;
   }
 
   double find_most(const Vec3& direction) noexcept {
@@ -68,7 +68,7 @@ class DragLegs::SlipSearch {
   template <class Value>
   bool cut_at(SlipPath& slip, double at_start, double at_end, Value&& value) noexcept {
     length_ = find_zero(
-        0.0, at_start, length_, at_end, rounding_, [&](double l) { return go(slip.direction, l) ? value() : -1.0; }, kMostSearch);
+        0.0, at_start, length_, at_end, rounding_, [&](double l) { return go(slip.direction, l) ? value() : -1.0; }, kMaxSearch);
     slip.stops = false;
     return go(slip.direction, length_);
   }
@@ -93,12 +93,12 @@ class DragLegs::SlipSearch {
   // By Newton's method. Where that does not lead to the cone, the length is as it was.
   bool approach_cone(SlipPath& slip, double most) noexcept {
     length_ = pull_.excess() / stability_;
-    for (int i = 0; i < kMostRounds; ++i) {
+    for (int i = 0; i < kMaxRounds; ++i) {
       if (!go(slip.direction, length_)) return false;
       const double left = there_.excess();
       slip.stops = std::fabs(left) <= 2.0 * rounding_ || drag_.is_flat();
       const double slope = drag_.find_stability(there_) * end_.slope.norm();
-      if (slip.stops || !(slope > LocalMinimum::kLeastStability)) break;
+      if (slip.stops || !(slope > LocalMinimum::kMinStability)) break;
       length_ += left / slope;
       if (!(length_ > 0.0) || !(length_ <= most)) break;
     }
@@ -122,7 +122,7 @@ class DragLegs::SlipSearch {
   bool make_path(SlipPath& slip) noexcept {
     const Vec3& centre = legs_.centre_;
     const Vec3& direction = slip.direction;
-    for (int i = 0; i <= kMostHalvings; ++i) {
+    for (int i = 0; i <= kMaxHalvings; ++i) {
       slip.length = length_;
       if (drag_.is_flat() || !(length_ > 0.0)) {
         slip.path = CentrePath::straight(centre, end_.centre);
@@ -145,8 +145,8 @@ class DragLegs::SlipSearch {
     return false;
   }
 
-  static constexpr int kMostRounds = 8;     // of Newton's method
-  static constexpr int kMostHalvings = 40;  // from the size of the scene to a thousandth of a contact offset
+  static constexpr int kMaxRounds = 8;     // of Newton's method
+  static constexpr int kMaxHalvings = 40;  // from the size of the scene to a thousandth of a contact offset
 
   DragLegs& legs_;
   const OffsetDrag& drag_;
@@ -179,7 +179,7 @@ class DragLegs::FollowSearch {
   DragOutcome make(DragLeg& leg) noexcept {
     if (!drag_.find_pull(legs_.centre_, device_, pull_)) return DragOutcome::jumps;
     if (!(drag_.find_excess_rate(pull_, motion_) > least_excess_rate()) || motion_.isZero(0.0)) return DragOutcome::stops;
-    if (!(drag_.find_stability(pull_) > LocalMinimum::kLeastStability)) return DragOutcome::jumps;
+    if (!(drag_.find_stability(pull_) > LocalMinimum::kMinStability)) return DragOutcome::jumps;
     rate_ = drag_.find_rate(pull_, motion_);
     leg.released = -1;
     leg.stops = false;
@@ -197,7 +197,7 @@ class DragLegs::FollowSearch {
 
  private:
   bool has_one_contact() const noexcept { return legs_.contacts_.active_count() == 1; }
-  double least_excess_rate() const noexcept { return -kLeastExcessRate * motion_.norm(); }
+  double least_excess_rate() const noexcept { return -kMinExcessRate * motion_.norm(); }
   Vec3 device_at(double time) const noexcept { return on_path(from_, to_, time); }
 
   // The longest time that the leg may take.
@@ -216,12 +216,12 @@ class DragLegs::FollowSearch {
 
   // Halves the time until the path is simple enough. The outcome, where it is another one.
   std::optional<DragOutcome> find_end(DragLeg& leg) noexcept {
-    constexpr int kMostHalvings = 40;       // then the centre jumps
-    constexpr int kTries = 3;               // on a curved part; then the leg is integrated
-    constexpr double kLeastTime = 0x1p-44;  // of the step
+    constexpr int kMaxHalvings = 40;      // then the centre jumps
+    constexpr int kTries = 3;             // on a curved part; then the leg is integrated
+    constexpr double kMinTime = 0x1p-44;  // of the step
     for (int i = 0;; ++i) {
       if (i == kTries && !is_flat_) return legs_.make_flow_leg(drag_, from_, to_, time_, leg);
-      if (i == kMostHalvings || (!(span_ > kLeastTime) && span_ < release_span_)) return DragOutcome::jumps;
+      if (i == kMaxHalvings || (!(span_ > kMinTime) && span_ < release_span_)) return DragOutcome::jumps;
       if (follow_span(leg) && is_even(leg)) return std::nullopt;
       span_ *= 0.5;
     }

@@ -73,10 +73,10 @@ class DragLegs {
   static constexpr double kNearZero = 0x1p-51;          // rounding of a value that crosses zero
   static constexpr double kPositionRounding = 0x1p-52;  // of a coordinate, local units
   // How far a centre that counts as on the cone may be off it: no shorter piece is nearer to its cubic.
-  static constexpr double kUnresolved = OffsetDrag::kLeastPull;
-  static constexpr double kExact = 0x1p-42;            // local units: within this the cubic counts as the exact path
-  static constexpr double kLeastExcessRate = 0x1p-46;  // of the motion: a drag whose excess falls faster stops
-  static constexpr int kMostSearch = 16;  // rounds that look for an end; where a path can hardly be resolved, more find nothing nearer
+  static constexpr double kUnresolved = OffsetDrag::kMinPull;
+  static constexpr double kExact = 0x1p-42;          // local units: within this the cubic counts as the exact path
+  static constexpr double kMinExcessRate = 0x1p-46;  // of the motion: a drag whose excess falls faster stops
+  static constexpr int kMaxSearch = 16;  // rounds that look for an end; where a path can hardly be resolved, more find nothing nearer
 
   DragOutcome make_followed_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
   DragOutcome make_flow_leg(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;

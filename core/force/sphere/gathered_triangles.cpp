@@ -18,12 +18,12 @@ bool GatheredTriangles::is_clear_here(const Vec3& c, double short_by, int& work)
 }
 
 bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) noexcept {
-  constexpr int kMostHalvings = 40;  // of the path; then it cannot be covered
+  constexpr int kMaxHalvings = 40;  // of the path; then it cannot be covered
   const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
   const Vec3 end = path.at(until);
   if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
   if (!gather(path.start(), end - path.start(), work)) return false;
-  for (int i = 0; i < kMostHalvings; ++i, until *= 0.5) {
+  for (int i = 0; i < kMaxHalvings; ++i, until *= 0.5) {
     if (near_.covers(path.start(), room) && near_.covers(path.at(until), room)) return true;
   }
   return false;
@@ -37,17 +37,17 @@ bool GatheredTriangles::are_slivers(double radius) const noexcept { return near_
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
   constexpr double kSamePlace = 0.25;  // offsets
   if ((c - crowd_).norm() <= kSamePlace * clearance_.offset) return false;
-  constexpr int kMostGuesses = 2;  // gatherings that end at kMostFew triangles; then one may fill the cache
+  constexpr int kMaxGuesses = 2;  // gatherings that end at kMaxFew triangles; then one may fill the cache
   // Triangles: with fewer the next radius is larger, with three times as many smaller; this and the next: free choices
   constexpr int kFew = 24;
-  constexpr int kMostFew = 256;
+  constexpr int kMaxFew = 256;
   constexpr double kWidest = 0.25;  // local units
   constexpr double kDenser = 0.35;  // this and the next three: factors of the radius, a choice
   constexpr double kMuchWider = 4.0;
   constexpr double kWider = 1.4;
   constexpr double kLess = 0.7;
   constexpr double kWidestOfSlivers = 4.0;  // offsets
-  constexpr int kMostHalvings = 2;          // of the radius, among slivers; then it may fall below the least one
+  constexpr int kMaxHalvings = 2;           // of the radius, among slivers; then it may fall below the least one
   const double least = least_radius_;
   if (!(radius_ > 0.0)) radius_ = std::max(least, 0.5 * clearance_.offset);
   const double given = radius_;
@@ -58,12 +58,12 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
   int overflows = 0;
   for (int i = 0; has_room; ++i) {
     // Where the triangles are much smaller than at the last place, the radius was too large.
-    is_guess = i < kMostGuesses && last_count_ <= kMostFew && radius_ > least;
+    is_guess = i < kMaxGuesses && last_count_ <= kMaxFew && radius_ > least;
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * radius_ / length)) : Vec3::Zero();
     int queried = 0;
     ++gathered_;
     const bool fits = near_.gather(geometry_, c + ahead, clearance_.offset + radius_ + 4.0 * clearance_.slop, queried,
-                                   is_guess ? kMostFew : NearTriangles::kCapacity);
+                                   is_guess ? kMaxFew : NearTriangles::kCapacity);
     const int in_fans = near_.queried_in_fans();
     work += queried + queried / 4 - in_fans + in_fans / 4;  // in a large mesh each of the others waits for memory
     if (!fits) {
@@ -72,15 +72,15 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
       if (is_guess && radius_ > enough && !are_narrow) {
         radius_ = std::max(kDenser * radius_, enough);
       } else if (is_guess) {
-        i = kMostGuesses - 1;
+        i = kMaxGuesses - 1;
       } else {
-        radius_ = are_narrow && overflows++ < kMostHalvings ? std::max(0.5 * radius_, least) : std::min(0.5 * radius_, least);
+        radius_ = are_narrow && overflows++ < kMaxHalvings ? std::max(0.5 * radius_, least) : std::min(0.5 * radius_, least);
       }
       continue;
     }
     last_count_ = near_.count();
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
-    const int few = std::max(kFew, std::min(queried / 8, kMostFew));
+    const int few = std::max(kFew, std::min(queried / 8, kMaxFew));
     if (near_.count() < few) radius_ = std::min((near_.count() < few / 4 ? kMuchWider : kWider) * radius_, kWidest);
     if (near_.count() > 3 * few) {
       const double wider = std::max(given, std::min(kWider * radius_, kWidestOfSlivers * clearance_.offset));

@@ -27,10 +27,10 @@ bool LargeFan::is_hollow_fan(const OffsetContact& face) const noexcept { return 
 // Whether the centre may go some way without coming near anything but the fan that it is on. Holds in a ball around a centre, so it need
 // not be found out in each step. Pre: the face is in a fan.
 bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, const Vec3& towards) noexcept {
-  constexpr double kLeastRoom = 0x1p-8;  // offsets
-  constexpr int kPlanesInUnit = 4;       // this and the next: how many cost one unit of work (step_work.h)
+  constexpr double kMinRoom = 0x1p-8;  // offsets
+  constexpr int kPlanesInUnit = 4;     // this and the next: how many cost one unit of work (step_work.h)
   constexpr int kSlotsInUnit = 16;
-  const double least = kLeastRoom * on.contacts.offset();
+  const double least = kMinRoom * on.contacts.offset();
   const int face_corner = fan_corner(face);
   const Vec3 tip = face.shape.corner(face_corner);
   const std::uint32_t mesh = geometry_.mesh_of(face.triangle);
@@ -141,8 +141,8 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
   on.centre = c;
   on.contacts.hold_by({&face, 1});
   on.is_descending = settles;
-  const bool has_moved = (on.centre - start).norm() > LocalMinimum::kLeastMotion;
-  return has_moved || (time - began) * (to - from).norm() > LocalMinimum::kLeastMotion;
+  const bool has_moved = (on.centre - start).norm() > LocalMinimum::kMinMotion;
+  return has_moved || (time - began) * (to - from).norm() > LocalMinimum::kMinMotion;
 }
 
 // Where a path over a face of a fan leaves it.
@@ -218,7 +218,7 @@ void LargeFan::move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, boo
 
 // The constrained minimum over all planes: the one that is violated most joins those that are active, until none is.
 bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPlace& place) noexcept {
-  constexpr int kMostRounds = 32;  // a bound on the work; then events go on
+  constexpr int kMaxRounds = 32;  // a bound on the work; then events go on
   std::array<ContactPlane, 4> planes;
   std::array<int, 4> of{};
   std::size_t count = 0;
@@ -229,7 +229,7 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
     return planes_[static_cast<std::size_t>(plane)].normal.dot(c - room_.tip) - on.contacts.offset();
   };
   bool is_found = false;
-  for (int round = 0; round < kMostRounds && !is_found; ++round) {
+  for (int round = 0; round < kMaxRounds && !is_found; ++round) {
     double height = 0.0;
     const int lowest = find_lowest_plane(on, on.centre + held.motion, height);
     is_found = height >= -0.25 * on.contacts.clearance().slop;

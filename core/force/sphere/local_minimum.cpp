@@ -55,7 +55,7 @@ double LocalMinimum::find_turn(const Vec3& displacement) const noexcept {
 }
 
 bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept {
-  constexpr double kLeastOff = 0x1p-40;  // local units: a device nearer to the edge or vertex has no direction from it
+  constexpr double kMinOff = 0x1p-40;  // local units: a device nearer to the edge or vertex has no direction from it
   if (contacts_.active_count() > 1) return contacts_.active_count() == 3 || solve_on_curve(device, c, work);
   const OffsetContact& contact = contacts_[0];
   if (contact.part == Part::face) {
@@ -63,17 +63,17 @@ bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept 
     return true;
   }
   const OffsetContact::Proximity at = contact.proximity(device);
-  if (!(at.distance > kLeastOff) || !(at.normal.dot(contact.proximity(c).normal) > 0.0)) return false;
+  if (!(at.distance > kMinOff) || !(at.normal.dot(contact.proximity(c).normal) > 0.0)) return false;
   c = device + (contacts_.offset() - at.distance) * at.normal;
   return true;
 }
 
 bool LocalMinimum::solve_on_curve(const Vec3& device, Vec3& c, int& work) const noexcept {
-  constexpr int kMostRounds = 16;      // of Newton's method; a bound on the work
-  constexpr double kMostSheer = 64.0;  // faces at a larger angle reach their common line in one step
+  constexpr int kMaxRounds = 16;      // of Newton's method; a bound on the work
+  constexpr double kMaxSheer = 64.0;  // faces at a larger angle reach their common line in one step
   const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
   Vec3 along = Vec3::Zero();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     ++work;
     ContactFrame frame;
     std::array<double, 2> short_by{};
@@ -91,11 +91,11 @@ bool LocalMinimum::solve_on_curve(const Vec3& device, Vec3& c, int& work) const 
     for (int i = 0; i < 2 && !is_line; ++i) {
       stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, contacts_.offset());
     }
-    if (!(stability > kLeastStability)) return false;
+    if (!(stability > kMinStability)) return false;
     const double ahead = frame.along.dot(device - c) / stability;
     if (!is_line && find_turn(ahead * frame.along) > 2.0 * kTurn) return false;
     c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
-    if (is_line && frame.dual[0].squaredNorm() <= kMostSheer) return true;
+    if (is_line && frame.dual[0].squaredNorm() <= kMaxSheer) return true;
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
     if (step <= std::max(0x1p-26 * contacts_.offset(), 0x1p-50))
       return step <= contacts_.clearance().tolerance || contacts_.restore(c, work);

@@ -12,11 +12,11 @@ namespace hapton {
 // contacts.
 class LocalMinimum {
  public:
-  static constexpr double kAtMinimum = 0x1p-40;       // shorter tangential pulls count as a local minimum: the slop
-  static constexpr double kTurn = 0.125;              // rad, in one piece of path: a cubic is then off by 6e-7 of the offset (CentrePath)
-  static constexpr double kLeastStability = 0x1p-26;  // below it the minimum along a curve counts as vanished
-  static constexpr double kAtAxis = 0x1p-39;  // distance from the axis of an edge or a vertex below which a direction is mostly rounding
-  static constexpr double kLeastMotion = 0x1p-42;  // a shorter displacement counts as none
+  static constexpr double kAtMinimum = 0x1p-40;     // shorter tangential pulls count as a local minimum: the slop
+  static constexpr double kTurn = 0.125;            // rad, in one piece of path: a cubic is then off by 6e-7 of the offset (CentrePath)
+  static constexpr double kMinStability = 0x1p-26;  // below it the minimum along a curve counts as vanished
+  static constexpr double kAtAxis = 0x1p-39;     // distance from the axis of an edge or a vertex below which a direction is mostly rounding
+  static constexpr double kMinMotion = 0x1p-42;  // a shorter displacement counts as none
 
   explicit LocalMinimum(const ContactSet& contacts) : contacts_(contacts) {}
 

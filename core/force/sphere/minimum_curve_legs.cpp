@@ -60,14 +60,14 @@ class MinimumLegs::CurveSearch {
  private:
   // False: the device moves across the curve, or there is no minimum.
   bool begin() noexcept {
-    constexpr double kLeastPace = 0x1p-10;  // of the device's speed, along the curve
+    constexpr double kMinPace = 0x1p-10;  // of the device's speed, along the curve
     const Vec3 motion = to_ - from_;
     if (!legs_.contacts_.find_frame(legs_.centre_, here_)) return false;
     const double pace = here_.along.dot(motion);
-    if (!(std::fabs(pace) > kLeastPace * motion.norm())) return false;
+    if (!(std::fabs(pace) > kMinPace * motion.norm())) return false;
     const double sense = pace < 0.0 ? -1.0 : 1.0;
     course_ = {from_, motion, sense * here_.along, sense};
-    return legs_.minimum_.find_stability(here_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kLeastStability;
+    return legs_.minimum_.find_stability(here_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kMinStability;
   }
 
   bool go(double ahead) noexcept { return legs_.find_on_curve(course_, ahead, end_); }
@@ -83,9 +83,9 @@ class MinimumLegs::CurveSearch {
 
   // As far as a piece may turn, less where the curve is not smooth enough. False: it is too sharp.
   bool find_length() noexcept {
-    constexpr int kMostHalvings = 8;
+    constexpr int kMaxHalvings = 8;
     length_ = legs_.minimum_.longest_on_curve(here_, course_.direction);
-    for (int i = 0; i < kMostHalvings; ++i, length_ *= 0.5) {
+    for (int i = 0; i < kMaxHalvings; ++i, length_ *= 0.5) {
       CurvePlace middle;
       if (!legs_.find_on_curve(course_, 0.5 * length_, middle) || !go(length_)) continue;
       if (!(room(middle) > 0.0)) continue;
@@ -110,7 +110,7 @@ class MinimumLegs::CurveSearch {
 
   // Where the multiplier of that contact reaches zero. False: the curve does not lead there.
   bool end_at_release(int contact, MinimumLeg& leg) noexcept {
-    constexpr int kMostGrowing = 8;        // quarterings of the piece, to find where a new multiplier has risen
+    constexpr int kMaxGrowing = 8;         // quarterings of the piece, to find where a new multiplier has risen
     constexpr double kNearNone = 0x1p-50;  // rounding of a multiplier
     const auto k = static_cast<std::size_t>(contact);
     const auto multiplier = [&](const CurvePlace& place) {
@@ -122,7 +122,7 @@ class MinimumLegs::CurveSearch {
     double begin = 0.0;
     double at_begin = std::max(0.0, here_.dual[k].dot(legs_.centre_ - on_path(from_, to_, time_)));
     // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
-    for (int i = 1; i <= kMostGrowing && at_begin <= LocalMinimum::kAtMinimum; ++i) {
+    for (int i = 1; i <= kMaxGrowing && at_begin <= LocalMinimum::kAtMinimum; ++i) {
       const double grown = multiplier_at(std::ldexp(length_, -2 * i));
       if (!(grown > LocalMinimum::kAtMinimum)) continue;
       begin = std::ldexp(length_, -2 * i);

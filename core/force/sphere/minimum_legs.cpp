@@ -16,8 +16,8 @@ constexpr double kAtMinimum = LocalMinimum::kAtMinimum;
 }  // namespace
 
 bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
-  constexpr int kMostHalvings = 40;         // then there is no leg
-  constexpr double kLeastTime = 0x1p-44;    // of the step
+  constexpr int kMaxHalvings = 40;          // then there is no leg
+  constexpr double kMinTime = 0x1p-44;      // of the step
   constexpr double kUneven = 0x1p-20;       // of the offset
   constexpr double kUnevenShare = 0x1p-24;  // of the length of the piece
   const Vec3 device = on_path(from, to, time);
@@ -55,7 +55,7 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
   if (!is_straight) span = std::min(span, LocalMinimum::kTurn / std::max(minimum_.find_turn(rate), 0x1p-100));
   Vec3 end;
   for (int i = 0;; ++i) {
-    if (i == kMostHalvings || !(span > kLeastTime || span >= 1.0 - time)) return false;
+    if (i == kMaxHalvings || !(span > kMinTime || span >= 1.0 - time)) return false;
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
     if (minimum_.solve(on_path(from, to, leg.time), end, work_) && (is_straight || is_even(end, leg.time))) break;
@@ -86,7 +86,7 @@ void MinimumLegs::make_on_axis(const Vec3& from, const Vec3& to, double time, Mi
 // The first multiplier that reaches zero ends the leg. `end`: the centre there.
 bool MinimumLegs::end_at_release(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg, Vec3& end) const noexcept {
   constexpr double kNearZero = 0x1p-50;  // rounding of a multiplier
-  constexpr int kMostGrowing = 8;        // quarterings of the leg, to find where a new multiplier has risen
+  constexpr int kMaxGrowing = 8;         // quarterings of the leg, to find where a new multiplier has risen
   const auto multiplier = [&](const Vec3& c, const Vec3& at, int i) {
     ContactFrame frame;
     return contacts_.find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;
@@ -103,7 +103,7 @@ bool MinimumLegs::end_at_release(const Vec3& from, const Vec3& to, double time, 
     double begin = time;
     double at_start = std::max(0.0, multiplier(centre_, on_path(from, to, time), i));
     // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
-    for (int k = 1; k <= kMostGrowing && at_start <= kAtMinimum; ++k) {
+    for (int k = 1; k <= kMaxGrowing && at_start <= kAtMinimum; ++k) {
       const double then = time + std::ldexp(leg.time - time, -2 * k);
       const double grown = multiplier_then(then);
       if (!(grown > kAtMinimum)) continue;

@@ -10,7 +10,7 @@
 namespace hapton {
 namespace {
 
-constexpr double kMostError = 0x1p-36;   // error of one step of the integration
+constexpr double kMaxError = 0x1p-36;    // error of one step of the integration
 constexpr double kConverged = 0x1p-50;   // local units: a step of Newton's method that is within rounding
 constexpr double kRestored = 0x1p-51;    // distance from the offset surface that rounding may leave
 constexpr int kFewRounds = 4;            // from then on Newton's method at least halves what is left, where there is a solution
@@ -68,7 +68,7 @@ bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const 
 }
 
 Vec3 OffsetDrag::direction_of(const Pull& pull, const Vec3& motion) const noexcept {
-  if (pull.length > kLeastPull) return pull.tangential / pull.length;
+  if (pull.length > kMinPull) return pull.tangential / pull.length;
   if (contacts_.size() == 2) return pull.along.dot(motion) < 0.0 ? Vec3(-pull.along) : pull.along;
   const Vec3 direction = motion - pull.normal.dot(motion) * pull.normal;
   const double length = direction.norm();
@@ -115,9 +115,9 @@ bool OffsetDrag::restore(Vec3& c) const noexcept {
 
 // Two parts that face each other across a slit may have no point in common; then it ends where it no longer comes nearer.
 bool OffsetDrag::restore(Vec3& c, int& tests) const noexcept {
-  constexpr int kMostRounds = 8;  // a bound on the work; see kFewRounds
+  constexpr int kMaxRounds = 8;  // a bound on the work; see kFewRounds
   double most_before = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     ++tests;
     ContactFrame frame;
     std::array<double, 2> short_by{};
@@ -150,7 +150,7 @@ double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, i
   if (step == 0.0) step = std::fabs(length);
   State k1;
   if (!rate(at, k1)) return 0.0;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     tests += kWork;
     const bool is_last = 1.0625 * step >= std::fabs(left);
     const double h = is_last ? left : std::copysign(step, length);
@@ -171,13 +171,13 @@ double OffsetDrag::integrate(Eigen::Vector4d& at, double length, double& step, i
                                    .norm();
       }
     }
-    if (!(error <= kMostError)) {
-      step = std::fabs(h) * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMostError / error, 0.2), 0.1, 0.9) : 0.25);
+    if (!(error <= kMaxError)) {
+      step = std::fabs(h) * (std::isfinite(error) ? std::clamp(0.9 * std::pow(kMaxError / error, 0.2), 0.1, 0.9) : 0.25);
       if (!(step > 0x1p-30 * std::fabs(length))) break;
       continue;
     }
     at = end;
-    const double next = std::fabs(h) * std::clamp(0.9 * std::pow(kMostError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
+    const double next = std::fabs(h) * std::clamp(0.9 * std::pow(kMaxError / std::max(error, 0x1p-70), 0.2), 0.5, 5.0);
     step = is_last ? std::max(step, next) : next;
     if (is_last) return length;
     left -= h;
@@ -192,7 +192,7 @@ void OffsetDrag::return_to_flow(const Vec3& from, const Vec3& motion, Flow& at) 
   constexpr double kSteep = 0.125;  // below it the cone hardly depends on the position
   restore(at.centre);
   Pull pull;
-  if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kLeastPull) || !(pull.depth > 0.0)) return;
+  if (!find_pull(at.centre, from + at.time * motion, pull) || !(pull.length > kMinPull) || !(pull.depth > 0.0)) return;
   const double excess = pull.excess();
   if (std::fabs(excess) <= kConverged || std::fabs(excess) > 0.125 * pull.length) return;
   const double stability = find_stability(pull);
@@ -218,7 +218,7 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
   const Vec3 slope = find_slope(start, motion);
   const double stability = find_stability(start);
   const double first = kFirstPiece * offset_ / std::max(slope.norm(), speed * 0x1p-20);
-  if (start.length <= std::max(4.0 * kLeastPull, kFirstPiece * kFirstPiece * offset_) && stability > 0.0 && first < length) {
+  if (start.length <= std::max(4.0 * kMinPull, kFirstPiece * kFirstPiece * offset_) && stability > 0.0 && first < length) {
     at.centre += first * slope;
     at.time += first * stability;
     return_to_flow(from, motion, at);
@@ -250,11 +250,11 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
 
 // Where the curve of two contacts meets the plane normal to `ahead` at that distance.
 bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int& tests) const noexcept {
-  constexpr int kMostRounds = 16;  // a bound on the work; see kFewRounds
+  constexpr int kMaxRounds = 16;  // a bound on the work; see kFewRounds
   const Vec3 start = c;
   c += length * ahead;
   double most_before = std::numeric_limits<double>::infinity();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     ++tests;
     ContactFrame frame;
     frame.count = 3;
@@ -280,7 +280,7 @@ bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int
 
 // The position on the curve, and the time at which |w| = mu d there.
 bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double length, Flow& at, int& tests) const noexcept {
-  constexpr int kMostRounds = 16;  // of Newton's method; a bound on the work
+  constexpr int kMaxRounds = 16;  // of Newton's method; a bound on the work
   Pull pull;
   if (!find_pull(at.centre, from + at.time * motion, pull)) return false;
   const Vec3 ahead = direction_of(pull, motion);
@@ -289,7 +289,7 @@ bool OffsetDrag::flow_on_curve(const Vec3& from, const Vec3& motion, double leng
   double time = at.time + length * find_stability(pull);
   if (!move_along_curve(ahead, length * excess_rate, c, tests)) return false;
   const double speed = motion.norm();
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     ++tests;
     if (!find_pull(c, from + time * motion, pull) || !(pull.tangential.dot(ahead) > 0.0)) return false;
     const double rate = find_excess_rate(pull, motion);
@@ -316,7 +316,7 @@ bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const
   const Vec3 motion = in_plane(to - from);
   const Vec3 pull = in_plane(from - c);
   const double mu = friction_[0].dynamic_mu;
-  const bool has_pull = mu * start > 0.0 && pull.norm() > kLeastPull;
+  const bool has_pull = mu * start > 0.0 && pull.norm() > kMinPull;
   const SlidingPull sliding(has_pull ? pull : motion, motion, has_pull ? mu * start : std::numeric_limits<double>::min(),
                             mu * (end - start));
   const Vec3 pull_after = mu * end > 0.0 ? sliding.at(1.0) : Vec3(Vec3::Zero());
@@ -326,13 +326,13 @@ bool OffsetDrag::follow_on_face(const Vec3& from, const Vec3& to, Vec3& c) const
 }
 
 bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept {
-  constexpr int kMostRounds = 24;     // of Newton's method; a bound on the work
-  constexpr double kMostTurn = 0.25;  // rad, in one step
+  constexpr int kMaxRounds = 24;     // of Newton's method; a bound on the work
+  constexpr double kMaxTurn = 0.25;  // rad, in one step
   Pull before;
   if (!find_pull(c, from, before)) return false;
   Vec3 direction = direction_of(before, to - from);
   if (direction.isZero(0.0)) return false;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     tests += 2;
     ContactFrame frame;
     std::array<double, 2> short_by{};
@@ -347,9 +347,9 @@ bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int&
     direction = frame.along.dot(direction) < 0.0 ? Vec3(-frame.along) : frame.along;
     const double mu = pull.friction.dynamic_mu;
     const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction);
-    if (!(stability > kLeastStability)) return false;
+    if (!(stability > kMinStability)) return false;
     const double ahead = (direction.dot(to - c) - mu * pull.depth) / stability;
-    if (!is_flat() && std::fabs(ahead) > 2.0 * kMostTurn * offset_) return false;
+    if (!is_flat() && std::fabs(ahead) > 2.0 * kMaxTurn * offset_) return false;
     c += ahead * direction + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
     const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
     if (step <= kConverged) return true;
@@ -369,7 +369,7 @@ bool OffsetDrag::follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) c
 //
 // The parameter is R (phi_0 - phi) or z_0 - z, whichever begins faster, in units of length at the start.
 void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) const noexcept {
-  constexpr double kLeast = std::numeric_limits<double>::min();
+  constexpr double kMin = std::numeric_limits<double>::min();
   const OffsetContact& contact = contacts_[0];
   const Vec3 normal = contact.proximity(at.centre).normal;
   const bool is_edge = contact.part == OffsetContact::Part::edge;
@@ -384,7 +384,7 @@ void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) 
   const double rho = std::hypot(side, ahead);
   const double pull = std::hypot(side, rise);
   const Vec3 direction = side > 0.0 ? Vec3(sideways / side) : Vec3(Vec3::Zero());
-  const double tangent = ahead > 0.0 ? side / (rho + ahead) : (rho - ahead) / std::max(side, kLeast);
+  const double tangent = ahead > 0.0 ? side / (rho + ahead) : (rho - ahead) / std::max(side, kMin);
   const bool is_by_angle = side >= std::fabs(rise);
   const double fast = std::max(side, std::fabs(rise));
   const double part = length * fast / pull;
@@ -407,7 +407,7 @@ void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) 
   // w there, in units of its faster component.
   const double side_there = side * (1.0 - less) - ahead * sine;
   const double rise_there = rise * left;
-  const double scale = fast / pull / std::max(is_by_angle ? side_there : std::fabs(rise_there), kLeast);
+  const double scale = fast / pull / std::max(is_by_angle ? side_there : std::fabs(rise_there), kMin);
   at.slope = scale * (side_there * ((1.0 - less) * direction - sine * normal) + rise_there * axis);
 }
 
@@ -450,7 +450,7 @@ double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull&
   const double root = std::sqrt(squared);
   const double time = b > 0.0 ? c / (b + root) : (root - b) / a;
   // Beyond the axis of an edge the device is outside as well, but not on the side of the centre.
-  if (!(time > 0.0)) return pull.depth <= kLeastPull ? 0.0 : kInfinity;
+  if (!(time > 0.0)) return pull.depth <= kMinPull ? 0.0 : kInfinity;
   return time <= 1.0 && pull.normal.dot(off + time * motion) > 0.0 ? time : kInfinity;
 }
 

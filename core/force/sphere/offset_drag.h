@@ -27,9 +27,9 @@ struct FrictionCoefficients {
 // Frame: that of the contacts. RT: yes. Pre: one or two contacts, which outlive it.
 class OffsetDrag {
  public:
-  static constexpr double kLeastPull = 0x1p-42;       // a shorter pull has no direction
-  static constexpr double kLeastStability = 0x1p-26;  // below it the centre moves too fast to follow
-  static constexpr int kMostSteps = 24;  // of one integration: a shallow drag needs short ones, and is followed in shorter pieces
+  static constexpr double kMinPull = 0x1p-42;       // a shorter pull has no direction
+  static constexpr double kMinStability = 0x1p-26;  // below it the centre moves too fast to follow
+  static constexpr int kMaxSteps = 24;  // of one integration: a shallow drag needs short ones, and is followed in shorter pieces
 
   struct Pull {
     Vec3 tangential = Vec3::Zero();  // w

@@ -97,8 +97,8 @@ void PathEvents::find_first_exit(const CentrePath& path, int contact, CentrePath
 // Over an edge where the next face lies in the same plane nothing changes but the triangle. Follows the path over such faces, from the exit
 // in `event`, until it leaves them (true; `event` has that exit and `contact` the face before it) or until that time.
 bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetContact& contact, Event& event) const noexcept {
-  constexpr int kMostFaces = 1024;  // a bound on the work; then the last exit is the event
-  for (int n = 0; n < kMostFaces; ++n) {
+  constexpr int kMaxFaces = 1024;  // a bound on the work; then the last exit is the event
+  for (int n = 0; n < kMaxFaces; ++n) {
     work_ += path.is_straight() ? n % 2 : 2;
     OffsetContact level;
     const double here = event.time;
@@ -126,12 +126,12 @@ bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetC
 // The face beyond an edge, if its plane is the same within rounding where the centre at c crosses over to it. The normals of two needles in
 // one plane differ by the rounding of their corners, as a share of their heights: 2^-51 over 2^-15 at the most. A force turns by less.
 bool PathEvents::find_level_face(const OffsetContact& contact, int edge, const Vec3& c, OffsetContact& level) const noexcept {
-  constexpr double kMostTilt = 0x1p-36;  // rad
+  constexpr double kMaxTilt = 0x1p-36;  // rad
   const TouchGeometry::Adjacent across = near_.geometry().adjacent(contact.triangle, edge);
   if (!across.exists || across.id == contact.triangle) return false;
   const ObjectGeometry::Corners corners = near_.geometry().corners(across.id);
   const ContactTriangle shape(corners.a, corners.b, corners.c);
-  if (!(shape.normal().cross(contact.normal).squaredNorm() <= kMostTilt * kMostTilt) || !is_over(shape, c)) return false;
+  if (!(shape.normal().cross(contact.normal).squaredNorm() <= kMaxTilt * kMaxTilt) || !is_over(shape, c)) return false;
   if (!near_.can_touch(across.id, shape, c)) return false;
   level = OffsetContact::on_face(across.id, shape, contact.normal);
   return is_level_at(level, c);
@@ -182,8 +182,8 @@ bool PathEvents::cannot_stop(int slot, const Vec3& from, bool is_on_plane) noexc
 // checked for the cubic, with room for what the curve differs.
 void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const noexcept {
   // Share of the mean pace. A cubic does not turn back if at both ends it has 0 to 3 of it (Fritsch & Carlson 1980)
-  constexpr double kLeastPace = 0.25;
-  constexpr double kMostPace = 2.5;
+  constexpr double kMinPace = 0.25;
+  constexpr double kMaxPace = 2.5;
   tangents.count = 0;
   if (!path.is_guided() && !path.is_straight()) return;
   for (int i = 0; i < contacts_.active_count(); ++i) {
@@ -198,7 +198,7 @@ void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const
       const double whole = turn.squaredNorm();
       const double first = turn.dot(path.slope(0.0));
       const double last = turn.dot(path.slope(1.0));
-      if (std::min(first, last) >= kLeastPace * whole && std::max(first, last) <= kMostPace * whole) ++tangents.count;
+      if (std::min(first, last) >= kMinPace * whole && std::max(first, last) <= kMaxPace * whole) ++tangents.count;
     }
   }
 }
@@ -281,8 +281,8 @@ bool PathEvents::is_past_needle(const ContactTriangle& shape, int edge, const Ve
 }
 
 double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, double most) noexcept {
-  constexpr double kBeyond = 1.25;            // of the distance, so that a leg of that length passes the boundary
-  constexpr double kLeastDistance = 0x1p-10;  // of the offset
+  constexpr double kBeyond = 1.25;          // of the distance, so that a leg of that length passes the boundary
+  constexpr double kMinDistance = 0x1p-10;  // of the offset
   if (contacts_[0].is_curved()) note_candidates(c, c, contacts_.offset() + contacts_.clearance().slop);  // for visit_exits
   const CentrePath path = CentrePath::straight(c, c + most * direction);
   CentrePath::Prefix prefix = path.prefix(1.0);
@@ -291,7 +291,7 @@ double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, do
   if (exit.contact < 0) return std::numeric_limits<double>::infinity();
   OffsetContact last = contacts_[0];
   if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return std::numeric_limits<double>::infinity();
-  return kBeyond * exit.time * most + kLeastDistance * contacts_.offset();
+  return kBeyond * exit.time * most + kMinDistance * contacts_.offset();
 }
 
 // Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from

@@ -108,13 +108,13 @@ class PathEvents {
 
 template <class Place>
 void PathEvents::place(const CentrePath& path, Event& event, const Vec3& centre, Place&& place) noexcept {
-  constexpr int kMostRounds = 6;  // of Newton's method; then the event stays where it is
+  constexpr int kMaxRounds = 6;  // of Newton's method; then the event stays where it is
   place(event.time);
   const bool is_hit = event.slot >= 0;
   if ((!is_hit && event.contact < 0) || (is_hit && path.is_straight()) || event.time <= 0.0) return;
   // Where the cubic approximation stops, the exact path may already have crossed the triangle: the distance is signed by the cubic's side.
   const Vec3 side = is_hit ? near_.shape(event.slot).separation(path.at(event.time)).normal : Vec3(Vec3::Zero());
-  for (int i = 0; i < kMostRounds; ++i) {
+  for (int i = 0; i < kMaxRounds; ++i) {
     ++work_;
     double gap = 0.0;
     double rate = 0.0;

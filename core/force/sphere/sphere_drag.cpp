@@ -18,7 +18,7 @@ using Part = OffsetContact::Part;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A pull within this share of the friction cone counts as on it: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;
-constexpr double kLeast = OffsetDrag::kLeastPull;
+constexpr double kMin = OffsetDrag::kMinPull;
 constexpr double kNearZero = 0x1p-51;  // rounding of a value that crosses zero
 
 }  // namespace
@@ -43,7 +43,7 @@ OffsetDrag SphereFollower::make_drag() noexcept {
 // The pull is inside the cone, and the centre sticks. On the cone the device drags it as soon as the device moves.
 SphereFollower::Next SphereFollower::hold(const OffsetDrag::Pull& pull) noexcept {
   const double cone = pull.friction.dynamic_mu * pull.depth;
-  friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kLeast;
+  friction_.drags = friction_.slides && contacts_.active_count() < 3 && pull.length >= (1.0 - kOnCone) * cone - kMin;
   friction_.slides = friction_.slides && pull.length >= FrictionMotion::kRestick * cone;
   friction_.slips = false;
   is_descending_ = false;
@@ -64,7 +64,7 @@ SphereFollower::Next SphereFollower::descend_with_friction(const Vec3& device, c
   OffsetDrag::Pull pull;
   if (!drag.find_pull(centre_, device, pull)) return Next::failed;
   const double cone = (friction_.slides ? pull.friction.dynamic_mu : pull.friction.static_mu) * (1.0 + kOnCone) * pull.depth;
-  const bool moves = contacts_.active_count() < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kLeast * kLeast);
+  const bool moves = contacts_.active_count() < 3 && (friction_.slips || pull.length * pull.length > cone * cone + kMin * kMin);
   if (!moves) return hold(pull);
   const bool has_vanished = friction_.slips && friction_.vanished && !drag.is_flat();  // on flat parts no equilibrium vanishes
   friction_ = {.slides = true, .coefficients = friction_.coefficients};
@@ -186,7 +186,7 @@ double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, co
 // The pull on a centre that stays, resolved against all its contacts.
 SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const noexcept {
   Reaction now;
-  std::array<ContactPlane, ContactSet::kMost> planes;
+  std::array<ContactPlane, ContactSet::kMax> planes;
   for (int i = 0; i < contacts_.count(); ++i) planes[static_cast<std::size_t>(i)] = {contacts_[i].proximity(centre_).normal, 0.0};
   const ConstrainedMotion constrained =
       constrain_motion(pull, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contacts_.count())));
@@ -212,7 +212,7 @@ class SphereFollower::StickSearch {
       : follower_(follower), start_(start), motion_(motion), end_(end), slides_(follower.friction_.slides) {}
 
   void run() noexcept {
-    if (excess_at(0.0) > 4.0 * kOnCone * start_.norm() + 2.0 * kLeast) slip_ = 0.0;
+    if (excess_at(0.0) > 4.0 * kOnCone * start_.norm() + 2.0 * kMin) slip_ = 0.0;
     const ContactSet& contacts = follower_.contacts_;
     for (int i = 0; i < contacts.count(); ++i) {
       ++follower_.work_;
@@ -248,7 +248,7 @@ class SphereFollower::StickSearch {
 
   void consider_slip(double t) noexcept {
     if (!(t < slip_) || !(t <= 1.0)) return;
-    if (excess_at(t) >= -(4.0 * kOnCone * pull_at(t).norm() + 2.0 * kLeast)) slip_ = t;
+    if (excess_at(t) >= -(4.0 * kOnCone * pull_at(t).norm() + 2.0 * kMin)) slip_ = t;
   }
 
   void consider_restick(double t) noexcept {
@@ -262,7 +262,7 @@ class SphereFollower::StickSearch {
     const double height = direction.dot(start_);
     const double now = of_square * start_squared_ + of_part * height * height - bound;
     // Clearly above zero at the start: not the cone of the contacts that are active now.
-    const bool is_above = now > 8.0 * kOnCone * start_squared_ + 4.0 * kLeast * start_.norm();
+    const bool is_above = now > 8.0 * kOnCone * start_squared_ + 4.0 * kMin * start_.norm();
     const double t = time_of_rise(of_square * motion_squared_ + of_part * rate * rate,
                                   of_square * start_dot_motion_ + of_part * rate * height, now, 2.0 * kOnCone * start_squared_);
     return is_above && t == 0.0 ? kInfinity : t;
@@ -271,7 +271,7 @@ class SphereFollower::StickSearch {
   // Its cone, and the end of its contact.
   void consider_contact(const Vec3& normal, const FrictionCoefficients& friction) noexcept {
     const double mu = mu_of(friction);
-    consider_slip(rise(1.0, normal, -(1.0 + mu * mu), kLeast * kLeast));
+    consider_slip(rise(1.0, normal, -(1.0 + mu * mu), kMin * kMin));
     if (slides_) {
       const double least = FrictionMotion::kRestick * friction.dynamic_mu;
       consider_restick(rise(-1.0, normal, 1.0 + least * least, 0.0));
@@ -288,7 +288,7 @@ class SphereFollower::StickSearch {
     const Vec3 along = line.normalized();
     for (const FrictionCoefficients& each : {friction, follower_.coefficients(other)}) {
       const double mu = mu_of(each);
-      consider_slip(rise(-mu * mu, along, 1.0 + mu * mu, kLeast * kLeast));
+      consider_slip(rise(-mu * mu, along, 1.0 + mu * mu, kMin * kMin));
       if (slides_) {
         const double least = FrictionMotion::kRestick * each.dynamic_mu;
         consider_restick(rise(least * least, along, -(1.0 + least * least), 0.0));
@@ -299,7 +299,7 @@ class SphereFollower::StickSearch {
   // With different materials the cone of a pair is none of these.
   void find_numerically() noexcept {
     const double end = excess_at(1.0);
-    const double tolerance = 4.0 * kOnCone * (start_.norm() + motion_.norm()) + 2.0 * kLeast;
+    const double tolerance = 4.0 * kOnCone * (start_.norm() + motion_.norm()) + 2.0 * kMin;
     if (!(end > tolerance)) return;
     slip_ = find_zero(0.0, std::max(0.0, -excess_at(0.0)), 1.0, -end, kNearZero, [&](double t) { return -excess_at(t); });
   }
@@ -327,7 +327,7 @@ class SphereFollower::StickSearch {
   const double restick = search.restick();
   const double first = std::min({slip, restick, 1.0});
   ++idle_;
-  if (first * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
+  if (first * motion.norm() > LocalMinimum::kMinMotion) idle_ = 0;
   least_distance_ = kInfinity;
   time = first >= 1.0 ? 1.0 : time + first * (1.0 - time);
   if (slip <= 1.0 && slip <= restick) {

@@ -23,12 +23,12 @@ constexpr double kAboveCopies =
 // from the apex to the device. If no direction on the boundary of the free space leads nearer to the device, the direction of the pull
 // itself may be free, at a reentrant corner: there the sphere is held beside the apex, and the point at the apex is not.
 bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexcept {
-  constexpr int kMostDirections = 8;  // tried in one call; a free choice
+  constexpr int kMaxDirections = 8;  // tried in one call; a free choice
   const Vec3 pull = device - corner_.cone.apex();
   TangentCone::Steepest steepest = corner_.cone.find_steepest(pull);
   // At the end of a groove, where no direction leads nearer by more than rounding, the point stays.
   if (steepest.slope < -corner().least_exit(pull)) return corner_.cone.is_reentrant() && leave_reentrant_corner(device, motion);
-  for (int i = 0; i < kMostDirections && steepest.slope > corner().least_exit(pull); ++i) {
+  for (int i = 0; i < kMaxDirections && steepest.slope > corner().least_exit(pull); ++i) {
     const auto pass = [&](double radius) {
       return try_escape(device, motion, [&] {
         const std::optional<Vec3> target = corner().find_past(steepest, radius);
@@ -41,7 +41,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
         if (!target) return false;
         const Vec3 below = corner_.cone.apex() + radius * steepest.direction;
         const Vec3 off = kAboveCopies * (*target - below);
-        return CornerExit::kMostOff * off.norm() < radius && move_past_corner(below + off, radius);
+        return CornerExit::kMaxOff * off.norm() < radius && move_past_corner(below + off, radius);
       });
     };
     for (const double offsets : kPathRadii) {
@@ -53,7 +53,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
       if (pass_higher(radius)) return true;
     }
     // In so narrow a slit the sphere fits only farther from the apex.
-    const double room = 1.25 * CornerExit::kMostOff * corner().distance_off_edge(steepest);
+    const double room = 1.25 * CornerExit::kMaxOff * corner().distance_off_edge(steepest);
     if (room > kPathRadii[2] * clearance().offset && pass(room)) return true;
     steepest = corner_.cone.find_steepest(pull, steepest.slope);
   }
@@ -202,7 +202,7 @@ bool SphereFollower::fly_over(const Vec3& displacement, double height) noexcept 
 // the first one of a call that continues (resumes_escapes_): the next call might have no more work for it.
 template <class Go>
 bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go) noexcept {
-  constexpr int kMostEvents = 256;  // of one escape; bounds its work; a free choice
+  constexpr int kMaxEvents = 256;  // of one escape; bounds its work; a free choice
   if (has_untried_escapes_ || escapes_++ < failed_escapes_) return false;
   const int work_before = work_;
   const bool is_last_try = resumes_escapes_;
@@ -229,7 +229,7 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
   hint_ = centre_ - centre;
   is_descending_ = true;
   least_distance_ = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kMostEvents && idle_ <= kMostIdle && work_ <= most_work_ && !((device - centre_).norm() < nearer); ++i) {
+  for (int i = 0; i < kMaxEvents && idle_ <= kMaxIdle && work_ <= most_work_ && !((device - centre_).norm() < nearer); ++i) {
     work_ += kWorkOfEvent;
     double until = 1.0;
     if (!contacts_.is_empty() && !is_descending_) break;
@@ -242,15 +242,15 @@ bool SphereFollower::try_escape(const Vec3& device, const Vec3& motion, Go&& go)
 
 // The shortest displacement after which the centre is `height` above everything near; zero if none is found.
 Vec3 SphereFollower::find_lift(double height) noexcept {
-  constexpr int kMostNear = 48;  // planes; more are ignored; a free choice
-  std::array<ContactPlane, kMostNear> planes;
+  constexpr int kMaxNear = 48;  // planes; more are ignored; a free choice
+  std::array<ContactPlane, kMaxNear> planes;
   int count = 0;
   const double near = 2.0 * height;
   if (!near_.covers(centre_, near) && (!near_.gather(centre_, Vec3::Zero(), work_) || !near_.covers(centre_, near))) return Vec3::Zero();
   near_.visit_near(centre_, centre_, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     const Separation at = shape.separation(centre_);
-    if (count == kMostNear || at.distance > near || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
+    if (count == kMaxNear || at.distance > near || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
     planes[static_cast<std::size_t>(count++)] = {at.normal, height - at.distance};
   });
   work_ += count;

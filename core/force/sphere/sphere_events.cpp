@@ -9,7 +9,7 @@ namespace hapton {
 namespace {
 
 using Part = OffsetContact::Part;
-constexpr double kLeastRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
+constexpr double kMinRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
 
 // Whether a triangle at an edge of the face lies beyond that edge. At the edge of a blade it is folded back under the face.
 bool lies_beyond(const ContactTriangle& face, int edge, const ContactTriangle& other) {
@@ -32,7 +32,7 @@ bool SphereFollower::overlaps(const ContactTriangle& shape) const noexcept {
 bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noexcept {
   if (event.contact >= 0) {
     is_descending_ = true;
-    const bool is_coplanar = idle_ > kMostIdle / 4;  // treating it as rising made no progress: within rounding the faces are coplanar
+    const bool is_coplanar = idle_ > kMaxIdle / 4;  // treating it as rising made no progress: within rounding the faces are coplanar
     const int rising = event.exit.part == Part::edge && !is_coplanar
                            ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time))
                            : -1;
@@ -69,7 +69,7 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
   if (contact.part != Part::face) return -1;
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
   int rising = -1;
-  double least = -kLeastRise * direction.norm();
+  double least = -kMinRise * direction.norm();
   near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) ||
@@ -96,7 +96,7 @@ int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit
     if (near_.triangle(slot) == contact.triangle || !shared_edge.is_shared_with(shape) ||
         !near_.can_touch(near_.triangle(slot), shape, centre_))
       return;
-    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kLeastRise * kLeastRise) || !PathEvents::is_over(shape, centre_)) return;
+    if (!(shape.normal().cross(contact.normal).squaredNorm() <= kMinRise * kMinRise) || !PathEvents::is_over(shape, centre_)) return;
     if (events_on().is_level_at(OffsetContact::on_face(near_.triangle(slot), shape, contact.normal), centre_)) level = slot;
   });
   return level;

@@ -33,7 +33,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   int in_fan = 0;
   near_.geometry().visit_along(from, to, clearance().offset + clearance().tolerance, [&](std::uint32_t id, double before) {
     const bool is_in_fan = near_.geometry().is_in_large_fan(id);
-    if (is_in_fan ? ++in_fan > NearTriangles::kMostVisitedInFans : ++tests > kMostInFlight) return -1.0;
+    if (is_in_fan ? ++in_fan > NearTriangles::kMaxVisitedInFans : ++tests > kMaxInFlight) return -1.0;
     work_ += is_in_fan ? in_fan % kFanInUnit == 0 : 1;
     const double t = time_to_block(TriangleView{near_.geometry(), id}, from, motion, std::min(before, time), clearance());
     if (!(t < time) || t > 1.0) return before;
@@ -43,7 +43,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
     time = t;
     return std::min(before, t);
   });
-  has_given_up_flight_ = tests > kMostInFlight || in_fan > NearTriangles::kMostVisitedInFans;
+  has_given_up_flight_ = tests > kMaxInFlight || in_fan > NearTriangles::kMaxVisitedInFans;
   if (has_given_up_flight_) return Next::failed;
   if (time > 1.0) {
     centre_ = to;
@@ -53,7 +53,7 @@ SphereFollower::Next SphereFollower::fly_to(const Vec3& to, double& until) noexc
   centre_ = from + time * motion;
   until = time;
   ++idle_;
-  if (time * motion.norm() > LocalMinimum::kLeastMotion) idle_ = 0;
+  if (time * motion.norm() > LocalMinimum::kMinMotion) idle_ = 0;
   least_distance_ = std::numeric_limits<double>::infinity();
   const ObjectGeometry::Corners corners = near_.geometry().corners(first);
   const ContactTriangle shape(corners.a, corners.b, corners.c);

@@ -32,16 +32,16 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   is_tracking_ = true;
   if (is_free) return true;
   // Lifts the centre to the offset from all that it touches.
-  constexpr int kMostLifts = 3;
-  for (int i = 0; i < kMostLifts; ++i) {
-    std::array<ContactPlane, ContactSet::kMost> planes;
+  constexpr int kMaxLifts = 3;
+  for (int i = 0; i < kMaxLifts; ++i) {
+    std::array<ContactPlane, ContactSet::kMax> planes;
     contacts_.clear();
     near_.visit_near(centre_, centre_, clearance().offset + clearance().tolerance, [&](int slot) {
       ++work_;
       const ContactTriangle& shape = near_.shape(slot);
       const Separation at = shape.separation(centre_);
       const double gap = at.distance - clearance().offset;
-      if (gap > clearance().tolerance || contacts_.count() == ContactSet::kMost || !near_.can_touch(near_.triangle(slot), shape, centre_))
+      if (gap > clearance().tolerance || contacts_.count() == ContactSet::kMax || !near_.can_touch(near_.triangle(slot), shape, centre_))
         return;
       const bool is_known = std::any_of(contacts_.all().begin(), contacts_.all().end(),
                                         [&](const OffsetContact& other) { return other.is_shared_with(shape); });
@@ -155,7 +155,7 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
   // the last one, so every third goes where the sum of all that follow would lead.
   std::array<double, 3> moved{};
   Vec3 ahead = Vec3::Zero();
-  for (int i = 0; i < kMostTurns; ++i) {
+  for (int i = 0; i < kMaxTurns; ++i) {
     const Vec3 before = centre_;
     const Vec3 target = centre_ + (to - centre_) * (kFar / (to - centre_).norm()) + ahead;
     is_descending_ = true;
@@ -189,7 +189,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   while (next == Next::again && work_ <= most_work_) {
     ++events_;
     work_ += kWorkOfEvent;
-    if (idle_ > kMostIdle && !(is_point_ && skip_ahead(from, to, time))) break;
+    if (idle_ > kMaxIdle && !(is_point_ && skip_ahead(from, to, time))) break;
     if (contacts_.is_empty()) {
       next = fly(from, to, time);
     } else if (has_friction_ && has_friction_here()) {
@@ -215,7 +215,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     time = began;
     return Outcome::failed;
   }
-  if (next == Next::failed || idle_ > kMostIdle) return Outcome::failed;
+  if (next == Next::failed || idle_ > kMaxIdle) return Outcome::failed;
   contacts_.note_multipliers(centre_, to);
   if (has_untried_escapes_) return Outcome::exhausted;
   if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to)) {
@@ -243,8 +243,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
 bool SphereFollower::has_lingered() noexcept {
   constexpr int kMany = 64;  // events; a free choice
-  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kLeastMotion) return ++lingering_ > 0;
-  if ((centre_ - lingered_at_).norm() > LocalMinimum::kLeastMotion) {
+  if (is_descending_ && (centre_ - lingered_at_).norm() <= LocalMinimum::kMinMotion) return ++lingering_ > 0;
+  if ((centre_ - lingered_at_).norm() > LocalMinimum::kMinMotion) {
     lingered_at_ = centre_;
     lingering_ = -kMany;
   }
@@ -255,7 +255,7 @@ bool SphereFollower::has_lingered() noexcept {
 // or the device has arrived.
 bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept {
   const double length = (to - from).norm();
-  if (time >= 1.0 || !(length > 0.0) || skips_ > kMostSkips) return false;
+  if (time >= 1.0 || !(length > 0.0) || skips_ > kMaxSkips) return false;
   time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, skips_) / length);
   ++skips_;
   idle_ = 0;
@@ -266,7 +266,7 @@ bool SphereFollower::skip_ahead(const Vec3& from, const Vec3& to, double& time) 
 // After a displacement, contacts that were not active are dropped; they are hit again if they are in the way.
 bool SphereFollower::note_move(const Vec3& from) noexcept {
   ++idle_;
-  const bool has_moved = (centre_ - from).norm() > LocalMinimum::kLeastMotion;
+  const bool has_moved = (centre_ - from).norm() > LocalMinimum::kMinMotion;
   if (has_moved) contacts_.keep_active();
   return has_moved;
 }
@@ -274,7 +274,7 @@ bool SphereFollower::note_move(const Vec3& from) noexcept {
 // Progress: the device moves, or the centre comes nearer to it than at any time since the device moved.
 void SphereFollower::note_gain(const Vec3& device, bool has_moved) noexcept {
   const double distance = (device - centre_).norm();
-  if (has_moved || distance < least_distance_ - kLeastGain) idle_ = 0;
+  if (has_moved || distance < least_distance_ - kMinGain) idle_ = 0;
   if (has_moved || distance < least_distance_) least_distance_ = distance;
 }
 
@@ -328,7 +328,7 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
 // the edge's normal it does not stop a centre that moves over the other contact alone.
 bool SphereFollower::opens_within_rounding(const CentrePath& path, const Vec3& pull) const noexcept {
   constexpr double kRounding = 0x1p-51;  // local units, of a position; over the offset, the error of a normal
-  if (!is_point_ || contacts_.active_count() != 2 || (path.end() - path.start()).norm() > LocalMinimum::kLeastMotion) return false;
+  if (!is_point_ || contacts_.active_count() != 2 || (path.end() - path.start()).norm() > LocalMinimum::kMinMotion) return false;
   const std::array<Vec3, 2> normal{contacts_[0].proximity(centre_).normal, contacts_[1].proximity(centre_).normal};
   const std::size_t weaker = normal[0].dot(pull) < normal[1].dot(pull) ? 1 : 0;
   const Vec3& other = normal[1 - weaker];
@@ -382,7 +382,7 @@ bool SphereFollower::cross_fan(const Vec3& from, const Vec3& to, double& time) n
   hint_ = centre_ - start;
   if (crossing == LargeFan::Crossing::hollow) {
     has_lost_minimum_ = false;
-    note_gain(on_path(from, to, time), time > began || hint_.norm() > LocalMinimum::kLeastMotion);
+    note_gain(on_path(from, to, time), time > began || hint_.norm() > LocalMinimum::kMinMotion);
   } else {
     note_gain(on_path(from, to, time), time > began);
     idle_ = 0;

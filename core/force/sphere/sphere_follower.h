@@ -43,7 +43,7 @@ namespace hapton {
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
-// Frame: TouchGeometry's local one. RT: yes, bounded: a call has StepWork::kMost units of work at the most (step_work.h), and ends the
+// Frame: TouchGeometry's local one. RT: yes, bounded: a call has StepWork::kMax units of work at the most (step_work.h), and ends the
 // event that it has begun.
 class SphereFollower {
  public:
@@ -58,7 +58,7 @@ class SphereFollower {
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
       : materials_(materials),
         contacts_({offset, kSlop, kTolerance}),
-        near_(geometry, materials, contacts_.clearance(), (is_point ? kLeastOfPoint : kLeastOfSphere) * offset),
+        near_(geometry, materials, contacts_.clearance(), (is_point ? kMinOfPoint : kMinOfSphere) * offset),
         is_point_(is_point),
         fan_(geometry) {
     note_friction();
@@ -90,7 +90,7 @@ class SphereFollower {
   // Begins with a centre that is free, or in contact and nearer than the offset by at most `short_by`. False: the centre is unusable.
   bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
-  Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMost) noexcept;
+  Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMax) noexcept;
   // After a call that failed: the centre is at a local minimum for the device at the end, in a slit as wide as the sphere, and a sweep may
   // get a point nearer.
   bool is_in_slit() const { return is_in_slit_; }
@@ -115,17 +115,17 @@ class SphereFollower {
   static constexpr double kSlop = 0x1p-40;
   static constexpr double kTolerance = 0x1p-46;
   // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
-  static constexpr double kLeastOfPoint = 64.0;
-  static constexpr double kLeastOfSphere = 0x1p-6;
-  static constexpr double kLeastGain = 0x1p-44;  // a centre that comes nearer by less has not: 256 times the rounding of a coordinate
-  static constexpr double kFar = 32.0;           // local units; farther out, positions are coarser than the tolerance
-  static constexpr int kMostTurns = 64;          // of the direction to a device farther out
-  static constexpr double kBalance = 0x1p-28;    // distance from the boundary of a face within which the sphere balances on it
-  static constexpr int kWorkOfEvent = 5;         // units, beside what it queries
-  static constexpr int kMostCornerTries = 2;     // in a step
-  static constexpr int kMostIdle = 24;           // events without progress; a choice
-  static constexpr int kMostSkips = 16;          // in a motion; a choice
-  static constexpr int kMostInFlight = 512;      // triangles that a flight tests
+  static constexpr double kMinOfPoint = 64.0;
+  static constexpr double kMinOfSphere = 0x1p-6;
+  static constexpr double kMinGain = 0x1p-44;  // a centre that comes nearer by less has not: 256 times the rounding of a coordinate
+  static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
+  static constexpr int kMaxTurns = 64;         // of the direction to a device farther out
+  static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
+  static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
+  static constexpr int kMaxCornerTries = 2;    // in a step
+  static constexpr int kMaxIdle = 24;          // events without progress; a choice
+  static constexpr int kMaxSkips = 16;         // in a motion; a choice
+  static constexpr int kMaxInFlight = 512;     // triangles that a flight tests
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
   using Exit = PathEvents::Exit;
@@ -172,7 +172,7 @@ class SphereFollower {
     double begin = 0.0, end = 1.0;
   };
   // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
-  double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : LocalMinimum::kLeastMotion; }
+  double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : LocalMinimum::kMinMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept;
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;

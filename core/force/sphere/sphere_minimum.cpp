@@ -56,7 +56,7 @@ SphereFollower::Next SphereFollower::stay(const Vec3& from, const Vec3& to, doub
     released = i;
     soonest = share;
   }
-  const double opens = is_point_ && corner_tries_ < kMostCornerTries ? corner().time_to_exit(from, to, time) : 2.0;
+  const double opens = is_point_ && corner_tries_ < kMaxCornerTries ? corner().time_to_exit(from, to, time) : 2.0;
   if (opens <= 1.0 && (released < 0 || opens < time + soonest * (1.0 - time))) {
     time = opens;
     // A failed attempt is not repeated in this step.
@@ -111,7 +111,7 @@ bool SphereFollower::find_escape_direction(const Vec3& motion) noexcept {
     }
     return true;
   };
-  const bool may_turn = idle_ <= kMostIdle / 4;  // to and fro between two contacts leads nowhere
+  const bool may_turn = idle_ <= kMaxIdle / 4;  // to and fro between two contacts leads nowhere
   for (const double sign : {1.0, -1.0}) {
     if (!is_open(sign * direction) || (sign < 0.0 && !may_turn)) continue;
     hint_ = sign * direction;

@@ -48,7 +48,7 @@ bool TangentCone::add_arc(const Vec3& a, const Vec3& b) {
   const Vec3 normal = a.cross(b);
   const double length = normal.norm();
   if (!(length > kSameDirection)) return true;  // a needle covers no directions
-  if (arc_count_ == kMostArcs) return false;
+  if (arc_count_ == kMaxArcs) return false;
   arcs_[static_cast<std::size_t>(arc_count_++)] = {a, b, normal / length};
   return true;
 }
@@ -194,7 +194,7 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
   Walk start;
   if (!find_start(inside, start)) return false;
   Walk here = start;
-  while (piece_count_ < kMostPieces) {
+  while (piece_count_ < kMaxPieces) {
     if (const int again = find_again(here); again > 0) {
       std::copy(pieces_.begin() + again, pieces_.begin() + piece_count_, pieces_.begin());
       piece_count_ -= again;

@@ -15,12 +15,12 @@ namespace hapton {
 // the first arc met by a rotation about that direction through the free side. Only directions count: the triangles may share edges,
 // intersect, or end in free space.
 //
-// Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMostArcs and kMostPieces. Threads: one.
+// Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMaxArcs and kMaxPieces. Threads: one.
 class TangentCone {
  public:
   // Arcs: one for a triangle with a corner at the apex, two for an edge, four for its inside. find_boundary() is quadratic in them.
-  static constexpr int kMostArcs = 96;
-  static constexpr int kMostPieces = 96;
+  static constexpr int kMaxArcs = 96;
+  static constexpr int kMaxPieces = 96;
 
   struct Piece {
     Vec3 from = Vec3::Zero();
@@ -88,11 +88,11 @@ class TangentCone {
   int find_again(const Walk& here) const;
 
   Vec3 apex_ = Vec3::Zero();
-  std::array<Arc, kMostArcs> arcs_;
+  std::array<Arc, kMaxArcs> arcs_;
   int arc_count_ = 0;
-  std::array<Arc, kMostArcs> spare_arcs_;  // as they were before their ends were joined
-  std::array<Piece, kMostPieces> pieces_;
-  std::array<Walk, kMostPieces> walks_;  // where each piece began
+  std::array<Arc, kMaxArcs> spare_arcs_;  // as they were before their ends were joined
+  std::array<Piece, kMaxPieces> pieces_;
+  std::array<Walk, kMaxPieces> walks_;  // where each piece began
   int piece_count_ = 0;
   bool is_around_start_ = false;
 };

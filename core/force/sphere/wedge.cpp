@@ -14,14 +14,14 @@ bool Wedge::holds() noexcept {
     if (!find_wall(contacts_[i], held_by[static_cast<std::size_t>(i)])) return false;
   }
   const std::span<const Wall> walls(held_by.data(), static_cast<std::size_t>(contacts_.count()));
-  constexpr int kMostNear = 64;  // triangles; with more it is no wedge
-  std::array<int, kMostNear> near;
+  constexpr int kMaxNear = 64;  // triangles; with more it is no wedge
+  std::array<int, kMaxNear> near;
   int count = 0;
   bool is_wedge = true;
   near_.visit_near(centre_, centre_, far, [&](int slot) {
     ++work_;
     const ContactTriangle& shape = near_.shape(slot);
-    is_wedge = is_wedge && count < kMostNear && (is_outside_wedge(shape, walls) || shape.separation(centre_).distance > far);
+    is_wedge = is_wedge && count < kMaxNear && (is_outside_wedge(shape, walls) || shape.separation(centre_).distance > far);
     if (is_wedge) near[static_cast<std::size_t>(count++)] = slot;
   });
   const std::span<const int> slots(near.data(), static_cast<std::size_t>(count));

@@ -19,7 +19,7 @@ TEST(SixdofRun, ForcesAndTorquesAreWithinOnePercentOfTheoryAndNothingPenetrates)
     EXPECT_LT(row->torque_error_percent, 1.0) << row->name;
     EXPECT_LT(row->torque_angle_deg, 1.0) << row->name;
     EXPECT_EQ(row->penetrations, 0U) << row->name;
-    EXPECT_GE(row->least_gap, ToolProxy::kLeastGap) << row->name;
+    EXPECT_GE(row->least_gap, ToolProxy::kMinGap) << row->name;
   }
 }
 
@@ -75,7 +75,7 @@ TEST(SixdofRun, APegIsNeverNearerThanHalfTheOffset) {
   ASSERT_TRUE(row);
   EXPECT_GT(row->contact_steps, 1000U);
   EXPECT_EQ(row->penetrations, 0U);
-  EXPECT_GE(row->least_gap, ToolProxy::kLeastGap);
+  EXPECT_GE(row->least_gap, ToolProxy::kMinGap);
 }
 
 TEST(SixdofRun, TheReportNamesEachScenario) {

@@ -128,7 +128,7 @@ TEST(StreamedGeometry, SeveralMayWaitEachForItsStart) {
     std::size_t returned = 0;
     double time_s = 0.0;
     for (int n = 0; n < 400; ++n) {
-      while (one.surface->waiting() < StreamedGeometry::kMostWaiting && random() % 4 != 0) {
+      while (one.surface->waiting() < StreamedGeometry::kMaxWaiting && random() % 4 != 0) {
         const double height = 1e-3 * static_cast<double>(random() % 20);
         shapes.push_back(one.mapped([&](const Vec3& p) { return Vec3(p + Vec3(0.1 * height, 0, height)); }));
         const double start_s = std::max(times.back().second, time_s) + 0.01 * static_cast<double>(random() % 3);
@@ -154,7 +154,7 @@ TEST(StreamedGeometry, SeveralMayWaitEachForItsStart) {
       EXPECT_LE((after - before).norm(), bound_m + 1e-12) << n;
     }
     // One is present, and the one before it may be asked for.
-    EXPECT_LE(shapes.size() - returned, StreamedGeometry::kMostWaiting + 1);
+    EXPECT_LE(shapes.size() - returned, StreamedGeometry::kMaxWaiting + 1);
     EXPECT_GT(shapes.size(), 300U);
   }
 }

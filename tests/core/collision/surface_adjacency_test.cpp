@@ -156,9 +156,9 @@ TEST(SurfaceAdjacency, ACrackNarrowerThanTheMarginIsNotWalkableAWiderOneIs) {
 }
 
 TEST(SurfaceAdjacency, AVertexOfTooManyTrianglesIsNotWalkable) {
-  EXPECT_EQ(adjacency_of(make_cylinder(0.5, 0.4, SurfaceAdjacency::kMostValence - 2, 2)).walkable_count(),
-            make_cylinder(0.5, 0.4, SurfaceAdjacency::kMostValence - 2, 2).triangles.size());
-  const TriangleMesh wheel = make_cylinder(0.5, 0.4, SurfaceAdjacency::kMostValence + 2, 2);
+  EXPECT_EQ(adjacency_of(make_cylinder(0.5, 0.4, SurfaceAdjacency::kMaxValence - 2, 2)).walkable_count(),
+            make_cylinder(0.5, 0.4, SurfaceAdjacency::kMaxValence - 2, 2).triangles.size());
+  const TriangleMesh wheel = make_cylinder(0.5, 0.4, SurfaceAdjacency::kMaxValence + 2, 2);
   EXPECT_LT(adjacency_of(wheel).walkable_count(), wheel.triangles.size());
 }
 
@@ -173,7 +173,7 @@ bool is_one_fan(const TriangleMesh& mesh, std::uint32_t vertex) {
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     if (has(mesh.triangles[t], vertex) && !repeats(mesh.triangles[t])) round.push_back(t);
   }
-  if (round.empty() || round.size() > static_cast<std::size_t>(SurfaceAdjacency::kMostValence)) return false;
+  if (round.empty() || round.size() > static_cast<std::size_t>(SurfaceAdjacency::kMaxValence)) return false;
   std::vector<std::uint32_t> reached = {round[0]};
   for (std::size_t i = 0; i < reached.size(); ++i) {
     for (const std::uint32_t v : mesh.triangles[reached[i]]) {
@@ -200,7 +200,7 @@ void expect_as_brute_force(const TriangleMesh& mesh, const char* name) {
     const auto [p, q, r] = corners(mesh, t);
     const double longest = std::max({(q - p).norm(), (r - q).norm(), (p - r).norm()});
     walkable[t] = !repeats(mesh.triangles[t]) && one_fan[a] && one_fan[b] && one_fan[c] &&
-                  (q - p).cross(r - p).norm() >= SurfaceAdjacency::kLeastHeight * longest;
+                  (q - p).cross(r - p).norm() >= SurfaceAdjacency::kMinHeight * longest;
   }
   for (std::size_t s = 0; s < mesh.triangles.size(); ++s) {
     for (std::size_t t = 0; t < s; ++t) {

@@ -348,7 +348,7 @@ TEST(EffectStep, IsFiniteAndBoundedForAnyInput) {
     if (random() % 4 == 0) contact.place = &place;
     const EffectResult result = step.step(p, pick(times), contact, static_cast<std::uint32_t>(random()));
     ASSERT_TRUE(result.force_n.allFinite()) << "step " << k << ", seed " << kSeed;
-    const double surface_n = (contact.force_n.norm() + kMostEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n +
+    const double surface_n = (contact.force_n.norm() + kMaxEffectForceN) * (1.0 + bumpy) + everything().tap.max_force_n +
                              everything().snap.bound_n() + everything().texture.bound_n();
     ASSERT_LE(result.force_n.norm(), (surface_n + space_n) * (1 + 1e-9)) << "step " << k << ", seed " << kSeed;
   }

@@ -23,11 +23,11 @@ void expect_near(const std::vector<double>& found, const std::vector<double>& ex
 
 // Multiplied out by the book, for every order.
 TEST(LineSpectrum, GivesTheCoefficients) {
-  for (std::size_t order = 0; order <= kMostLines; ++order) {
+  for (std::size_t order = 0; order <= kMaxLines; ++order) {
     for (const double tilt : {0.0, 0.3, -0.3}) {
       const auto frequencies = made::frequencies(order, 0.3, 0.6, tilt);
       // Beside each order, another one.
-      const auto others = made::frequencies((order * 7 + 3) % (kMostLines + 1), 0.6, 0.4);
+      const auto others = made::frequencies((order * 7 + 3) % (kMaxLines + 1), 0.6, 0.4);
       std::vector<double> found(order), other(others.size());
       multiply_out({cosines_of(frequencies), found}, {cosines_of(others), other});
       expect_near(found, made::coefficients(frequencies));

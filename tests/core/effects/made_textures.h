@@ -13,7 +13,7 @@ namespace hapton::made {
 
 using Complex = std::complex<double>;
 
-// A polynomial 1 + c_1 z^-1 + ... by its line spectral frequencies, multiplied out: the definition in line_spectral_filter.h by the book.
+// A polynomial 1 + c_1 z^-1 + ... by its line spectral frequencies, multiplied out: the definition in line_spectrum.h by the book.
 inline std::vector<double> coefficients(std::span<const double> frequencies) {
   const auto times = [](const std::vector<double>& a, const std::vector<double>& b) {
     std::vector<double> product(a.size() + b.size() - 1, 0.0);

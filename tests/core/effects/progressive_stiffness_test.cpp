@@ -11,7 +11,7 @@ TEST(ProgressiveStiffness, GrowsWithTheSquareOfTheDepth) {
   EXPECT_EQ(foam.force(0.0), 0.0);
   EXPECT_DOUBLE_EQ(foam.force(0.002), 0.8);
   EXPECT_DOUBLE_EQ(foam.force(0.004), 3.2);
-  EXPECT_EQ(foam.force(1e200), kMostEffectForceN);
+  EXPECT_EQ(foam.force(1e200), kMaxEffectForceN);
   EXPECT_FALSE(ProgressiveStiffness().is_on());
 }
 

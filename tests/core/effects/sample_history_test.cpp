@@ -10,7 +10,7 @@ namespace hapton {
 namespace {
 
 TEST(SampleHistory, SumsThePastByItsCoefficients) {
-  for (std::size_t count = 0; count <= kMostLines; ++count) {
+  for (std::size_t count = 0; count <= kMaxLines; ++count) {
     std::vector<double> coefficients;
     for (std::size_t i = 0; i < count; ++i) coefficients.push_back(white_noise(1, i));
     SampleHistory history;

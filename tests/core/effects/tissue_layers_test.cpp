@@ -27,7 +27,7 @@ TEST(TissueLayers, ResistLikeASpringUntilTheyArePunctured) {
   EXPECT_DOUBLE_EQ(layers.force(0.012, 0, state), 1.6);
   EXPECT_EQ(layers.force(0.0126, 0, state), 0.0) << "punctured";
   EXPECT_DOUBLE_EQ(layers.force(0.021, 0, state), 2.0);
-  EXPECT_EQ(layers.force(0.5, 0, state), kMostEffectForceN) << "bone is never punctured";
+  EXPECT_EQ(layers.force(0.5, 0, state), kMaxEffectForceN) << "bone is never punctured";
   EXPECT_EQ(state.punctured, 2U);
 }
 
@@ -39,7 +39,7 @@ TEST(TissueLayers, DragTheNeedleBothWaysOncePunctured) {
   layers.force(0.013, 0, state);
   EXPECT_DOUBLE_EQ(layers.force(0.015, 0.1, state), 0.5);
   EXPECT_DOUBLE_EQ(layers.force(0.015, -0.1, state), -0.5);
-  EXPECT_EQ(layers.force(0.015, -1e6, state), -kMostEffectForceN);
+  EXPECT_EQ(layers.force(0.015, -1e6, state), -kMaxEffectForceN);
 }
 
 TEST(TissueLayers, ANeedleDrawnBackMeetsNoSpring) {

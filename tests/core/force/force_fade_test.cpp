@@ -22,7 +22,7 @@ TEST(ForceFade, WithoutASwitchForcesPassToTheLastBit) {
 TEST(ForceFade, TheDifferenceOnlyDecreasesAndIsZeroAfterItsTime) {
   for (const double step_s : {1e-4, kStepS, 4e-3, 0.05}) {
     SCOPED_TRACE(step_s);
-    const double dt_s = std::min(step_s, ForceFade::kMostStepS);
+    const double dt_s = std::min(step_s, ForceFade::kMaxStepS);
     ForceFade fade;
     fade.step(kBefore, true, step_s);
     fade.begin();

@@ -71,9 +71,9 @@ TEST(StepWork, NoStepDoesMore) {
       most = std::max(most, proxy.sphere().queried() - queried + proxy.swept().counters().tests - tested);
       carried += proxy.carried_from() ? 1 : 0;
     }
-    EXPECT_LE(proxy.counters().most_events, static_cast<std::uint64_t>(StepWork::kMost));
+    EXPECT_LE(proxy.counters().most_events, static_cast<std::uint64_t>(StepWork::kMax));
   });
-  EXPECT_LE(most, static_cast<std::uint64_t>(StepWork::kMost) + kOneEvent);
+  EXPECT_LE(most, static_cast<std::uint64_t>(StepWork::kMax) + kOneEvent);
   EXPECT_GT(carried, 20) << "no motion was long enough to try it";
 }
 

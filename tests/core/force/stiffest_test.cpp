@@ -64,7 +64,7 @@ TEST(Stiffest, BumpsCountWithTheForceThatPressesThem) {
   const LargestGains gains = find_largest_gains(scene);
   EXPECT_EQ(gains.stiffness_n_per_m, 800.0);
   EXPECT_EQ(gains.cause, StiffCause::spring);
-  EXPECT_EQ(gains.by_place_n_per_m, stiffest_by_place_of(material, effects, kMostPressedN).n_per_m);
+  EXPECT_EQ(gains.by_place_n_per_m, stiffest_by_place_of(material, effects, kMaxPressedN).n_per_m);
   EXPECT_EQ(gains.place_cause, StiffCause::bumps);
   for (const double pressed_n : {0.0, 0.1, 0.5, 1.0, 3.3, 8.5, 10.0}) {
     const double exact = stiffest_by_place_of(material, effects, pressed_n).n_per_m;

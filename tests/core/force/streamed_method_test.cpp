@@ -18,7 +18,7 @@ namespace hapton {
 namespace {
 
 constexpr double kSpringNPerM = 1000.0;
-constexpr double kMostSpeed = 0.25;  // m/s
+constexpr double kMaxSpeed = 0.25;  // m/s
 
 using Shape = std::vector<Vec3>;
 
@@ -121,7 +121,7 @@ void expect_the_force_of_keyframes(std::uint64_t seed, std::size_t frames, doubl
 }
 
 TEST(StreamedMethod, GivesTheForceOfTheSameShapesAsKeyframes) {
-  for (const std::uint64_t seed : {1, 2, 3}) expect_the_force_of_keyframes(seed, MeshDeformation::kMostTargets, 0.08, {});
+  for (const std::uint64_t seed : {1, 2, 3}) expect_the_force_of_keyframes(seed, MeshDeformation::kMaxTargets, 0.08, {});
 }
 
 // With one shape: the bound of how far several targets may move the surface is wider, so the probe may be taken along in the step in which
@@ -137,7 +137,7 @@ TEST(StreamedMethod, GivesTheForceOfAKeyframeUnderFrictionAndDamping) {
 // the surface in that step differs, which friction and damping feel.
 TEST(StreamedMethod, GivesTheForceOfKeyframesUnderFrictionAndDampingWithTheirBound) {
   for (const std::uint64_t seed : {1, 2, 3}) {
-    expect_the_force_of_keyframes(seed, MeshDeformation::kMostTargets, 0.08,
+    expect_the_force_of_keyframes(seed, MeshDeformation::kMaxTargets, 0.08,
                                   {.damping_ns_per_m = 1.0, .friction_static = 0.4, .friction_dynamic = 0.3}, TravelBound::of_keyframes);
   }
 }
@@ -182,7 +182,7 @@ TEST(StreamedMethod, NoShapeMakesTheForceJump) {
       }
       const MethodOutput felt = method->step({.p_SD = hand, .dt_s = 1e-3, .time_s = 1e-3 * i});
       if (i > 0) {
-        ASSERT_LE(std::fabs(felt.force_n.norm() - last_n), kSpringNPerM * kMostSpeed * 1e-3 * (1.0 + 1e-6) + 1e-6) << "step " << i;
+        ASSERT_LE(std::fabs(felt.force_n.norm() - last_n), kSpringNPerM * kMaxSpeed * 1e-3 * (1.0 + 1e-6) + 1e-6) << "step " << i;
       }
       last_n = felt.force_n.norm();
       most_n = std::max(most_n, last_n);

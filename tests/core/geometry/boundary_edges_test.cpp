@@ -143,7 +143,7 @@ TEST(BoundaryEdges, OfTrianglesThatAreNoSurfaceAreLookedForSoFarOnly) {
   EXPECT_LT(some.work, 21 * 3 * soup.triangles.size());
   EXPECT_EQ(some.open + some.cracks, all.open + all.cracks) << "what was not looked at counts as open";
   EXPECT_LE(some.cracks, all.cracks);
-  EXPECT_FALSE(count_boundary_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMostBoundaryWork / 2).has_given_up)
+  EXPECT_FALSE(count_boundary_edges(torn(make_icosphere(0.5, 5), 1e-5), 1e-3, kMaxBoundaryWork / 2).has_given_up)
       << "of a surface, far from it";
 }
 

@@ -83,11 +83,11 @@ TEST(VertexTree, APointIsTestedAgainstSoManySegmentsOnly) {
   VertexTree tree(points, items);
   std::vector<VertexTree::Found> found;
   std::size_t all = 0;
-  for (std::uint32_t i = 0; i < 2 * VertexTree::kMostSegments; ++i) {
+  for (std::uint32_t i = 0; i < 2 * VertexTree::kMaxSegments; ++i) {
     tree.find_near_segment(Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), 0.1, found);
     all += found.size();
   }
-  EXPECT_EQ(all, points.size() * VertexTree::kMostSegments);
+  EXPECT_EQ(all, points.size() * VertexTree::kMaxSegments);
 }
 
 TEST(VertexTree, OfNothingFindsNothing) {

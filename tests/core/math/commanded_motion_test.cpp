@@ -111,11 +111,11 @@ TEST(CommandedMotion, OfTwoMovesAtOneTimeTheNewerCounts) {
 TEST(CommandedMove, TakesTheTimeRequestedOrTheLeastAllowed) {
   const CommandedMotion motion(kCommandPivot);
   constexpr double kFarthest = 0.05;
-  constexpr double kMost = 0.25;
+  constexpr double kMax = 0.25;
   const Keyframe to = command_key(kCommandPivot + Vec3(0.0, 0.03, 0.04), 1.2);
-  const double least = (0.05 + 1.2 * kFarthest) / kMost;
+  const double least = (0.05 + 1.2 * kFarthest) / kMax;
   const auto seconds = [&](double requested) {
-    const CommandedMove move = make_move(motion, 1, 3.0, to, requested, kFarthest, kMost);
+    const CommandedMove move = make_move(motion, 1, 3.0, to, requested, kFarthest, kMax);
     EXPECT_EQ(move.from.time_s, 3.0);
     return move.to.time_s - 3.0;
   };
@@ -127,7 +127,7 @@ TEST(CommandedMove, TakesTheTimeRequestedOrTheLeastAllowed) {
 // No point of the body is faster, whatever takes over when.
 TEST(CommandedMove, NoPointIsFasterThanAllowed) {
   constexpr double kFarthest = 0.05;
-  constexpr double kMost = 0.25;
+  constexpr double kMax = 0.25;
   CommandedMotion motion(kCommandPivot);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-1.0, 1.0);
@@ -137,12 +137,12 @@ TEST(CommandedMove, NoPointIsFasterThanAllowed) {
     const double time_s = 1e-3 * step;
     if (step % 37 == 0) {
       const Keyframe to = command_key(0.3 * Vec3(number(random), number(random), number(random)), 3.0 * number(random));
-      motion.begin(make_move(motion, step, time_s, to, 0.01, kFarthest, kMost));
+      motion.begin(make_move(motion, step, time_s, to, 0.01, kFarthest, kMax));
     }
     fastest = std::max(fastest, 1e3 * (motion.pose_at(time_s + 1e-3) * far_point - motion.pose_at(time_s) * far_point).norm());
   }
-  EXPECT_LE(fastest, kMost * (1.0 + 1e-9));
-  EXPECT_GT(fastest, 0.5 * kMost) << "the test moves it";
+  EXPECT_LE(fastest, kMax * (1.0 + 1e-9));
+  EXPECT_GT(fastest, 0.5 * kMax) << "the test moves it";
 }
 
 TEST(CommandedMotion, TakesNoHeap) {

@@ -39,7 +39,7 @@ TEST(CarveList, APressIsWhatWasCarvedUpToTheNextOne) {
 TEST(CarveList, WhatIsNoEntryIsLeftOut) {
   CarveList list;
   EXPECT_FALSE(list.add(listed(0)));
-  EXPECT_FALSE(list.add(listed(CarveList::kMost + 1)));
+  EXPECT_FALSE(list.add(listed(CarveList::kMax + 1)));
   EXPECT_FALSE(list.add(undo_of(3, 1, 3))) << "itself";
   EXPECT_FALSE(list.add(undo_of(3, 2, 1)));
   EXPECT_TRUE(list.add(listed(2)));

@@ -66,8 +66,8 @@ Placement placement_of(const Vec6& motion) { return RigidMotion{Placement(), mot
 
 // How far the motion of the local set is from that within all bounds, at most.
 double find_error(const std::vector<MotionBound>& bounds, const std::vector<Vec6>& goals, const LocalContacts& metric) {
-  std::array<std::uint32_t, LocalContacts::kMost> chosen;
-  EXPECT_EQ(choose_contacts(bounds, goals, metric, chosen), LocalContacts::kMost);
+  std::array<std::uint32_t, LocalContacts::kMax> chosen;
+  EXPECT_EQ(choose_contacts(bounds, goals, metric, chosen), LocalContacts::kMax);
   LocalContacts local = metric;
   for (const std::uint32_t number : chosen) local.add(bounds.at(number));
   double most = 0.0;
@@ -99,7 +99,7 @@ TEST_P(ContactChoice, TheMotionIsThatWithinAllBounds) {
       const std::vector<MotionBound> bounds = face_of(count, random_);
       const std::vector<Vec6> goals = draw_goals(13, 1.0);
       EXPECT_LT(find_error(bounds, goals, metric_of(stiffer)), 1e-7) << count << " bounds, curvature " << stiffer;
-      std::array<std::uint32_t, LocalContacts::kMost> chosen;
+      std::array<std::uint32_t, LocalContacts::kMax> chosen;
       choose_contacts(bounds, goals, metric_of(stiffer), chosen);
       std::sort(chosen.begin(), chosen.end());
       EXPECT_EQ(std::unique(chosen.begin(), chosen.end()), chosen.end());
@@ -148,10 +148,10 @@ TEST_P(ContactChoice, TheRestAreThoseWithTheLeastRoom) {
   std::vector<std::uint32_t> expected(bounds.size());
   for (std::uint32_t i = 0; i < expected.size(); ++i) expected[i] = i;
   std::sort(expected.begin(), expected.end(), [&](std::uint32_t a, std::uint32_t b) { return bounds[a].least > bounds[b].least; });
-  expected.resize(LocalContacts::kMost);
+  expected.resize(LocalContacts::kMax);
   std::sort(expected.begin(), expected.end());
-  std::array<std::uint32_t, LocalContacts::kMost> chosen;
-  ASSERT_EQ(choose_contacts(bounds, {}, metric_of(), chosen), LocalContacts::kMost);
+  std::array<std::uint32_t, LocalContacts::kMax> chosen;
+  ASSERT_EQ(choose_contacts(bounds, {}, metric_of(), chosen), LocalContacts::kMax);
   std::sort(chosen.begin(), chosen.end());
   EXPECT_TRUE(std::equal(chosen.begin(), chosen.end(), expected.begin()));
 }
@@ -162,7 +162,7 @@ TEST(ContactChoiceOfFew, TakesAllAndNoMoreThanFit) {
   std::mt19937_64 random(5);
   const std::vector<MotionBound> bounds = face_of(5, random);
   const std::array<Vec6, 1> goals = {Vec6(-Vec6::Unit(2))};
-  std::array<std::uint32_t, LocalContacts::kMost> chosen;
+  std::array<std::uint32_t, LocalContacts::kMax> chosen;
   EXPECT_EQ(choose_contacts(bounds, goals, metric_of(), chosen), 5U);
   EXPECT_EQ(choose_contacts({}, goals, metric_of(), chosen), 0U);
   EXPECT_EQ(choose_contacts(bounds, goals, metric_of(), std::span(chosen).first(2)), 2U);
@@ -190,7 +190,7 @@ TEST(LocalSetOfAMovingPart, HoldsTheToolWhereThePartWillBe) {
     const Placement device{at.position + reach * (draw() - 2.0 * Vec3::UnitZ()), turn_by(8.0 * reach * draw())};
     LocalContacts local;
     step.proxy().find_local_contacts(device, moved, reach, local);
-    ASSERT_EQ(local.count, LocalContacts::kMost);
+    ASSERT_EQ(local.count, LocalContacts::kMax);
     local.follow(moved);
     ASSERT_TRUE(near.collect(at, reach + ToolProxy::kContactOffset, 2.0 * reach / step.proxy().radius()));
     std::vector<MotionBound> all;
@@ -203,7 +203,7 @@ TEST(LocalSetOfAMovingPart, HoldsTheToolWhereThePartWillBe) {
       for (int k = 0; k < 6; ++k) bound.row[k] *= local.plain_inverse_root[k];
       all.push_back(bound);
     }
-    EXPECT_GT(all.size(), LocalContacts::kMost);
+    EXPECT_GT(all.size(), LocalContacts::kMax);
     Vec6 goal;
     goal << device.position - at.position, turn_between(at.orientation, device.orientation);
     const LeastMotion least =

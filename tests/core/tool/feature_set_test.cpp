@@ -14,11 +14,11 @@ TEST(FeatureSet, HoldsWhatASetOfTheNumbersHolds) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937 random(kSeed);
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
-  constexpr std::size_t kMost = 1000;
-  FeatureSet set(kMost);
+  constexpr std::size_t kMax = 1000;
+  FeatureSet set(kMax);
   for (int run = 0; run < 5; ++run) {
     std::set<std::tuple<std::uint32_t, std::uint32_t, FeaturePair::Kind, int, int>> reference;
-    while (reference.size() < kMost) {
+    while (reference.size() < kMax) {
       FeaturePair pair;
       pair.tool_triangle = below(40);
       pair.scene_triangle = below(20) | below(2) << 31;

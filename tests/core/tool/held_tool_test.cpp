@@ -90,7 +90,7 @@ TEST(HeldTool, OnAFineMeshItsForceIsThatOfTheWholeStep) {
       if (n < 60) continue;
       EXPECT_LT((felt.force_n - expected.force_n).norm(), 1e-4) << cells << " cells, sample " << n;
       EXPECT_LT((felt.torque_nm - expected.torque_nm).norm(), 1e-5) << cells << " cells, sample " << n;
-      EXPECT_GT(held.tool().proxy().last_local_reach(), 2.0 * ToolProxy::kLeastLocalReach) << "a shorter one would find as many";
+      EXPECT_GT(held.tool().proxy().last_local_reach(), 2.0 * ToolProxy::kMinLocalReach) << "a shorter one would find as many";
       contacts += felt.contact ? 1 : 0;
     }
     EXPECT_GT(contacts, 200);
@@ -103,7 +103,7 @@ TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
   const TriangleMesh scene = make_icosphere(0.01, 5);
   const auto whole = held_step(tool, scene);
   HeldTool held(held_step(tool, scene));
-  const double kLeast = ToolProxy::kLeastLocalReach;
+  const double kMin = ToolProxy::kMinLocalReach;
   int contacts = 0;
   for (int n = 0; n < 100; ++n) {
     const double t = 1e-3 * n;
@@ -115,8 +115,8 @@ TEST(HeldTool, WhereSurfacesNearlyFitItLooksLessFarAndFeelsTheSame) {
     held.follow();
     const ToolOutput felt = held.step(input, n * kTickNs);
     if (n < 20) continue;
-    EXPECT_GE(held.tool().proxy().last_local_reach(), kLeast);
-    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kLeast) << "sample " << n;  // at first 15 times as far was asked for
+    EXPECT_GE(held.tool().proxy().last_local_reach(), kMin);
+    EXPECT_LE(held.tool().proxy().last_local_reach(), 6.0 * kMin) << "sample " << n;  // at first 15 times as far was asked for
     EXPECT_LT((felt.force_n - expected.force_n).norm(), 0.01 * expected.force_n.norm()) << "sample " << n;
     contacts += felt.contact ? 1 : 0;
   }

@@ -93,11 +93,11 @@ TEST(LocalContacts, NoMotionNearbyIsBetter) {
 
 TEST(LocalContacts, KeepsThoseWithTheLeastRoom) {
   LocalContacts local = local_of();
-  for (std::size_t n = 0; n < 3 * LocalContacts::kMost; ++n) {
-    local.add(bound_of({0, 0, 1}, {0, 0, 0}, -1e-3 * static_cast<double>(1 + (n * 37) % (3 * LocalContacts::kMost))));
+  for (std::size_t n = 0; n < 3 * LocalContacts::kMax; ++n) {
+    local.add(bound_of({0, 0, 1}, {0, 0, 0}, -1e-3 * static_cast<double>(1 + (n * 37) % (3 * LocalContacts::kMax))));
   }
-  EXPECT_EQ(local.count, LocalContacts::kMost);
-  for (std::size_t i = 0; i < local.count; ++i) EXPECT_GE(local.bounds[i].least, -1e-3 * static_cast<double>(LocalContacts::kMost));
+  EXPECT_EQ(local.count, LocalContacts::kMax);
+  for (std::size_t i = 0; i < local.count; ++i) EXPECT_GE(local.bounds[i].least, -1e-3 * static_cast<double>(LocalContacts::kMax));
 }
 
 TEST(LocalContacts, BlockedFollowsTheDeviceAndHeldStays) {

@@ -55,7 +55,7 @@ TEST(ObbTree, BoxesContainTheirTriangles) {
       return std::array<Vec3, 3>{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)};
     });
     EXPECT_EQ(checked.triangles.size(), surface.triangle_count());
-    EXPECT_LE(checked.depth, ObbTree::kMostDepth);
+    EXPECT_LE(checked.depth, ObbTree::kMaxDepth);
   }
 }
 
@@ -87,7 +87,7 @@ TEST(ObbTree, TreesOfObjectsAreJoined) {
       return std::array<Vec3, 3>{scene.corner(id, 0), scene.corner(id, 1), scene.corner(id, 2)};
     });
     EXPECT_EQ(checked.triangles.size(), scene.triangle_count()) << count;
-    EXPECT_LE(checked.depth, ObbTree::kMostDepth);
+    EXPECT_LE(checked.depth, ObbTree::kMaxDepth);
     EXPECT_EQ(joined.nodes().size(), count == 0 ? 0 : 2 * scene.triangle_count() - 1) << count;
   }
 }

@@ -151,7 +151,7 @@ TEST(PreparedObjects, AHeldObjectFeelsWhatMovesAsAToolOfItsMeshDoes) {
 TEST(PreparedObjects, TooManyPartsThatMoveAreRejected) {
   Meshes meshes = make_objects();
   std::vector<int> parts = {0, 0};
-  for (int n = 1; n <= ToolStep::kMostParts + 1; ++n) {
+  for (int n = 1; n <= ToolStep::kMaxParts + 1; ++n) {
     meshes.push_back(displaced(*meshes[2], {0.001 * n, 0.1, 0.0}));
     parts.push_back(n);
   }

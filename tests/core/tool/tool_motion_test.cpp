@@ -264,7 +264,7 @@ TEST(ToolAndMotion, AHeldToolFeelsAPartThatMovesWithoutADiscontinuity) {
 }
 
 TEST(ToolAndMotion, MoreThanItsPartsAreOneLine) {
-  std::vector<std::shared_ptr<const TriangleMesh>> meshes(ToolStep::kMostParts + 1, std::make_shared<TriangleMesh>(kSlab));
+  std::vector<std::shared_ptr<const TriangleMesh>> meshes(ToolStep::kMaxParts + 1, std::make_shared<TriangleMesh>(kSlab));
   std::vector<int> parts;
   for (std::size_t n = 0; n < meshes.size(); ++n) parts.push_back(static_cast<int>(n) + 1);
   const auto made = ToolStep::make(kCube, std::move(meshes), {}, {}, nullptr, parts);

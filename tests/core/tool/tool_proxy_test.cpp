@@ -81,7 +81,7 @@ TEST_F(ToolProxyTest, KeepsItsGapAndIsNearestToTheDevice) {
   EXPECT_EQ(nearer, 0);
 }
 
-// Rounds went round two to five placements until there were kMostRounds.
+// Rounds went round two to five placements until there were kMaxRounds.
 TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   const TriangleMesh knob = make_bumpy_sphere(0.1, 0.2, 300, 7);
@@ -102,7 +102,7 @@ TEST_F(ToolProxyTest, RoundsThatGetNoNearerEndTheStep) {
     }
   }
   EXPECT_GT(touching, 500);
-  EXPECT_LT(most, ToolProxy::kMostRounds);
+  EXPECT_LT(most, ToolProxy::kMaxRounds);
 }
 
 // A tool that was nearly at rest is moved far along the surface: one search found up to 4,093 pairs along a motion that crossed the surface

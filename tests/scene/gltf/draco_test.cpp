@@ -97,7 +97,7 @@ TEST(Draco, HapticTexturesLieWhereItsCoordinatesSay) {
   }
 }
 
-// What kMostTrianglesOfAByte leaves room for: the most regular mesh, packed as well as can be.
+// What kMaxTrianglesOfAByte leaves room for: the most regular mesh, packed as well as can be.
 TEST(Draco, UnfoldsTheMostRegularMesh) {
   const TriangleMesh mesh = make_plane_grid(1.0, 500);
   const std::string packed = sample::draco(mesh, DracoKind::edgebreaker, {}, 11, 0);

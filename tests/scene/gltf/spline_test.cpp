@@ -41,7 +41,7 @@ TEST(Spline, OneKeyframeOrNoChangeIsLeftAlone) {
 
 TEST(Spline, HasAtMostItsPieces) {
   const NumberTrack track = straighten_spline({0.0, 1.0}, {{0}, {0}, {1e9}, {-1e9}, {1}, {0}});
-  EXPECT_EQ(track.times.size(), 1U + kMostPieces);
+  EXPECT_EQ(track.times.size(), 1U + kMaxPieces);
 }
 
 }  // namespace

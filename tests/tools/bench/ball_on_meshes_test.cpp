@@ -36,10 +36,10 @@ TEST_P(BallOnMesh, IsFollowedWithoutAStall) {
   const std::size_t first = slide.last / trajectory->reset_every * trajectory->reset_every;
   proxy.reset(trajectory->p_SD[first]);
   // A jump may take the work of a few steps. What stalled used up that of any number.
-  constexpr int kMostSteps = 4;
+  constexpr int kMaxSteps = 4;
   for (std::size_t i = first; i <= slide.last; ++i) {
     proxy.step({.p_SD = trajectory->p_SD[i]});
-    for (int k = 1; k < kMostSteps && proxy.carried_from(); ++k) proxy.step({.p_SD = trajectory->p_SD[i]});
+    for (int k = 1; k < kMaxSteps && proxy.carried_from(); ++k) proxy.step({.p_SD = trajectory->p_SD[i]});
     ASSERT_FALSE(proxy.carried_from()) << "row " << i;
   }
   EXPECT_EQ(proxy.counters().swept, 0U);

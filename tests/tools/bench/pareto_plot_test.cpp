@@ -46,7 +46,7 @@ TEST(ParetoPlot, LabelsOfMarksAtOnePositionAreInDifferentLines) {
 TEST(ParetoPlot, SaysWhereAnErrorOfNothingIsDrawn) {
   EXPECT_THAT(make_pareto_plot(kMarks, "p.png"), Not(HasSubstr("or less")));
   std::vector<ParetoMark> marks = kMarks;
-  marks.push_back({"car", "reference", "", true, 100.0, kLeastShownError});
+  marks.push_back({"car", "reference", "", true, 100.0, kMinShownError});
   EXPECT_THAT(make_pareto_plot(marks, "p.png"), HasSubstr("drawn here: 1e-10 %, or less"));
 }
 

@@ -64,7 +64,7 @@ TEST(PlaceCheck, CameraAndLightsInsideABodyAreNamed) {
 
 TEST(PlaceCheck, FrictionBeyondAnyDrySurfaceIsNamedWithTheValue) {
   SceneObject object = standing_object("pad", ball_around(0.03, Vec3::Zero()));
-  object.material.friction_static = kMostFriction;
+  object.material.friction_static = kMaxFriction;
   EXPECT_TRUE(check_friction(object).empty());
   object.material.friction_static = 8.0;
   const CheckFindings found = check_friction(object);

@@ -138,7 +138,7 @@ TEST(LineMarkers, WithoutAHubTheyAreGivenUp) {
   for (int i = 0; i < 100; ++i) line.see(i % 2 == 1, i * kLineMs);
   int sent = 0;
   while (line.next(100 * kLineMs)) ++sent;
-  EXPECT_EQ(sent, static_cast<int>(LineMarker::kMostWaiting));
+  EXPECT_EQ(sent, static_cast<int>(LineMarker::kMaxWaiting));
   EXPECT_FALSE(line.next(100 * kLineMs + LineMarker::kPatienceNs));
   EXPECT_FALSE(line.is_waiting());
   EXPECT_EQ(line.counts().given_up, 99U);
@@ -169,7 +169,7 @@ TEST(LineMarkers, NoChangeIsCountedTwice) {
     }
     const auto& counts = line.counts();
     EXPECT_LE(counts.marked + counts.rejected + counts.given_up, counts.changes) << seed;
-    EXPECT_GE(counts.marked + counts.rejected + counts.given_up + LineMarker::kMostWaiting, counts.changes) << seed;
+    EXPECT_GE(counts.marked + counts.rejected + counts.given_up + LineMarker::kMaxWaiting, counts.changes) << seed;
     EXPECT_LE(counts.marked, recorded.size()) << seed;
     EXPECT_GT(counts.marked, 300U) << seed;
   }

@@ -75,7 +75,7 @@ TEST(FreeFlight, ItsWorkGrowsWithTheTrianglesOnTheWay) {
   FlightStage stage(cone);
   double time = 1.0;
   EXPECT_EQ(stage.fly(Vec3(0.06, 0.0, 0.02), Vec3(0.06, 0.0, 0.03), time), FreeFlight::Met::nothing);
-  EXPECT_EQ(stage.flight.work(), FreeFlight::kLeastWork);
+  EXPECT_EQ(stage.flight.work(), FreeFlight::kMinWork);
   EXPECT_EQ(stage.fly(Vec3(-5e-5, 0.0, 0.0499), Vec3(5e-5, 0.0, 0.0499), time), FreeFlight::Met::nothing);
   EXPECT_GE(stage.flight.work(), static_cast<int>(kCount) / 2 / SurfaceFollower::kFacetsPerUnit);
 }

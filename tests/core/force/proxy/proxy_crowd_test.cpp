@@ -152,7 +152,7 @@ TEST_P(AmongThousands, NoStepDoesMoreThanItsWork) {
             }
           }
         }
-        EXPECT_LE(proxy.counters().most_work, StepWork::kMostWithLastEvent / 2)
+        EXPECT_LE(proxy.counters().most_work, StepWork::kMaxWithLastEvent / 2)
             << name << ", radius " << radius_m << ", friction " << friction;
         RecordProperty(std::string(name) + " " + std::to_string(radius_m) + " " + std::to_string(friction),
                        std::to_string(proxy.counters().most_work) + " units");

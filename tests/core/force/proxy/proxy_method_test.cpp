@@ -304,7 +304,7 @@ TEST(Proxy, AStepEndsWhateverItMeets) {
     const double turn = 0.7 * i;
     const MethodOutput felt = proxy->step({.p_SD = {0.02 * std::cos(turn), 0.02 * std::sin(turn), i % 5 == 0 ? 0.003 : -0.004}});
     EXPECT_TRUE(felt.force_n.allFinite());
-    EXPECT_LE(proxy->swept().counters().sweeps - before, 2U * (SweptMotion::kMostMotions + 1U));
+    EXPECT_LE(proxy->swept().counters().sweeps - before, 2U * (SweptMotion::kMaxMotions + 1U));
   }
 }
 

@@ -67,7 +67,7 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
   RecordProperty("seed", std::to_string(GetParam()));
   std::mt19937_64 random(GetParam());
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
-  constexpr int kMostOver = 5 * 128 + 64;  // a box that is cut four times, and what a ball begins
+  constexpr int kMaxOver = 5 * 128 + 64;  // a box that is cut four times, and what a ball begins
   int interrupted = 0;
   int stopped = 0;
   for (const double size : {0.002, 0.02, 0.1}) {
@@ -86,7 +86,7 @@ TEST_P(StraightSweepAmongMany, StopsWhereBruteForceDoesAndIsInterruptedInTime) {
           ASSERT_LT(call, 1000);
           int work = 0;
           const auto end = stage.sweep.go_on(stage.proxy, stage.keep, 0, work, most_work);
-          ASSERT_LE(work, most_work + kMostOver);
+          ASSERT_LE(work, most_work + kMaxOver);
           ASSERT_EQ(stage.sweep.is_interrupted(), end == StraightSweep::End::interrupted);
           interrupted += stage.sweep.is_interrupted() ? 1 : 0;
           if (end == StraightSweep::End::free) time = 1.0;
@@ -118,7 +118,7 @@ TEST(StraightSweep, TrianglesInTheBoxButFarFromTheProbeCostNothing) {
   const Vec3 motion = Vec3::Constant(1e-5);
   stage.proxy.settle_at(stage.geometry.to_local(Vec3::Zero()));
   stage.sweep.start(stage.proxy.position, motion);
-  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMost), StraightSweep::End::free);
+  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMax), StraightSweep::End::free);
   EXPECT_LE(work, 160);
 }
 
@@ -163,14 +163,14 @@ TEST_P(StraightSweepOnACap, OfManyThatItOverlapsItIsBlockedByThoseItComesNearerT
   stage.proxy.settle_at(from);
   stage.sweep.start(from, motion);
   int work = 0;
-  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMost), StraightSweep::End::stopped);
+  ASSERT_EQ(stage.sweep.go_on(stage.proxy, stage.keep, 0, work, StepWork::kMax), StraightSweep::End::stopped);
   EXPECT_EQ(stage.sweep.time(), 0.0);
   std::vector<std::pair<double, std::uint32_t>> rates;
   for (std::uint32_t t = 0; t < kCount; ++t) rates.emplace_back(stage.geometry.separation(t, from).normal.dot(motion), t);
   std::vector<std::uint32_t> found;
   for (const StraightSweep::Blocker& blocker : stage.sweep.blockers()) found.push_back(blocker.triangle);
   std::sort(found.begin(), found.end());
-  EXPECT_EQ(found, sorted(rates, ProxyState::kMostContacts));
+  EXPECT_EQ(found, sorted(rates, ProxyState::kMaxContacts));
 }
 
 TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreFixed) {
@@ -187,14 +187,14 @@ TEST_P(StraightSweepOnACap, OfManyThatItTouchesItKeepsTheNearestAndThoseThatAreF
       ProxyContact& contact = stage.proxy.contacts[static_cast<std::size_t>(stage.proxy.contact_count++)];
       contact = {.triangle = triangle, .shape = stage.surfaces.shape_of(triangle), .separation = stage.geometry.separation(triangle, from)};
     }
-    std::vector<std::uint32_t> expected = sorted(distances, static_cast<std::size_t>(ProxyState::kMostContacts - fixed));
+    std::vector<std::uint32_t> expected = sorted(distances, static_cast<std::size_t>(ProxyState::kMaxContacts - fixed));
     for (int i = 0; i < fixed; ++i) expected.push_back(stage.proxy.contacts[static_cast<std::size_t>(i)].triangle);
     std::sort(expected.begin(), expected.end());
     stage.sweep.drop();
     stage.sweep.start(from, Vec3::Zero());
     int work = 0;
-    (void)stage.sweep.go_on(stage.proxy, stage.keep, fixed, work, StepWork::kMost);
-    ASSERT_EQ(stage.proxy.contact_count, ProxyState::kMostContacts);
+    (void)stage.sweep.go_on(stage.proxy, stage.keep, fixed, work, StepWork::kMax);
+    ASSERT_EQ(stage.proxy.contact_count, ProxyState::kMaxContacts);
     std::vector<std::uint32_t> found;
     for (const ProxyContact& contact : stage.proxy.contacts) found.push_back(contact.triangle);
     std::sort(found.begin(), found.end());

@@ -28,11 +28,11 @@ struct Slider {
   }
   SurfaceNext descend(const Vec3& device) {
     SurfaceNext next = SurfaceNext::again;
-    for (int i = 0; i < kMostEvents && next == SurfaceNext::again; ++i) next = friction.descend(stage.point, device);
+    for (int i = 0; i < kMaxEvents && next == SurfaceNext::again; ++i) next = friction.descend(stage.point, device);
     return next;
   }
   SurfaceNext follow(const Vec3& from, const Vec3& to, double& time) {
-    for (int i = 0; i < kMostEvents; ++i) {
+    for (int i = 0; i < kMaxEvents; ++i) {
       SurfaceNext next = friction.follow(stage.point, from, to, time);
       if (next == SurfaceNext::descend) {
         next = descend(on_path(from, to, time));
@@ -48,7 +48,7 @@ struct Slider {
   }
   const Vec3& point() const { return stage.point.point(); }
 
-  static constexpr int kMostEvents = 1000;
+  static constexpr int kMaxEvents = 1000;
   SurfaceStage stage;
   SurfaceFriction friction;
 };

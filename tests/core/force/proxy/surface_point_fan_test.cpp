@@ -184,7 +184,7 @@ TEST(SurfacePointFan, AtACubesCornerItIsFreeTowardsTheOutside) {
     const Vec3 off = corner.normalized();
     EXPECT_TRUE(stage.point.is_free_at_vertex(0.1 * off));
     EXPECT_FALSE(stage.point.is_free_at_vertex(-0.1 * off));
-    EXPECT_FALSE(stage.point.is_free_at_vertex(0.5 * SurfacePoint::kLeastPull * off));  // too near to tell
+    EXPECT_FALSE(stage.point.is_free_at_vertex(0.5 * SurfacePoint::kMinPull * off));  // too near to tell
   }
 }
 

@@ -156,10 +156,10 @@ TEST(SweptMotion, ReachingManyTrianglesItArrivesInAFewCalls) {
   SweptStage stage(mesh, {.offset = kBallRadius / unit_m + kOffset, .slop = 0.5 * kOffset, .tolerance = 0x1p-10 * kOffset});
   stage.put(Vec3(-0.02, 0.0, 0.0301));
   int calls = 0;
-  constexpr int kMostCalls = 16;
+  constexpr int kMaxCalls = 16;
   stage.device = stage.geometry.to_local(Vec3(0.02, 0.0, 0.0));
-  while (calls < kMostCalls && !stage.swept.descend(stage.proxy, stage.device)) ++calls;
-  EXPECT_LT(calls, kMostCalls);
+  while (calls < kMaxCalls && !stage.swept.descend(stage.proxy, stage.device)) ++calls;
+  EXPECT_LT(calls, kMaxCalls);
   EXPECT_NEAR(stage.position().x(), 0.02, 1e-3);  // it touches the cluster from the side
   EXPECT_GE(stage.distance_by_brute_force(), stage.clearance.offset - stage.clearance.slop);
 }
@@ -191,7 +191,7 @@ TEST_P(SweptMotionInSoup, IsNeverNearerToATriangleThanItsSlackAllows) {
       stage.move(to);
       ASSERT_GE(stage.distance_by_brute_force(), keep.offset - keep.slop) << "step " << i;
       ASSERT_LE((stage.device - stage.proxy.position).norm(), before * (1.0 + 1e-12) + 64.0 * kOffset) << "step " << i;
-      ASSERT_LE(stage.swept.counters().sweeps - sweeps, SweptMotion::kMostMotions);
+      ASSERT_LE(stage.swept.counters().sweeps - sweeps, SweptMotion::kMaxMotions);
       contacts += stage.proxy.is_free ? 0 : 1;
     }
     EXPECT_GT(contacts, 100);

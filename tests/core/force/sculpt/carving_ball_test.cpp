@@ -71,7 +71,7 @@ TEST(CarvingBall, CutsAGrooveWithASteadyForce) {
   for (int i = 0; i <= 1200; ++i) {
     const Vec3 hand(-0.06 + 1e-3 * speed * i, 0, kTopM + 0.001);
     const Vec3 extension = block.step(hand, true).p_SP - hand;
-    ASSERT_LE((extension - last).norm(), 1e-3 * (speed + CarvingBall::kMostCutSpeed)) << i;
+    ASSERT_LE((extension - last).norm(), 1e-3 * (speed + CarvingBall::kMaxCutSpeed)) << i;
     if (hand.x() > -0.02 && hand.x() < 0.02) {
       EXPECT_NEAR(extension.norm(), speed * CarvingBall::kCutS, 0.2 * speed * CarvingBall::kCutS) << i;
     }
@@ -114,15 +114,15 @@ TEST(CarvingBall, ALongStepCutsNoFartherThanTwoMilliseconds) {
   block.ball.reset({0, 0, 0.03});
   const Vec3 top = block.step({0, 0, kTopM + 0.001}, false).p_SP;
   const Vec3 deep(0, 0, -0.01);
-  const double kMostM = CarvingBall::kMostCutSpeed * 2e-3;
+  const double kMaxM = CarvingBall::kMaxCutSpeed * 2e-3;
   const double room_m = 0.7 * kBlockSculpt.voxel_m;
   const Vec3 after = block.step(deep, true, 1.0).p_SP;
-  EXPECT_LT(top.z() - after.z(), kMostM + room_m);
-  EXPECT_GT(top.z() - after.z(), kMostM - 1e-9);
+  EXPECT_LT(top.z() - after.z(), kMaxM + room_m);
+  EXPECT_GT(top.z() - after.z(), kMaxM - 1e-9);
   // And half as far in half that time.
   const Vec3 next = block.step(deep, true, 1e-3).p_SP;
-  EXPECT_LT(after.z() - next.z(), 0.5 * kMostM + room_m);
-  EXPECT_GT(after.z() - next.z(), 0.5 * kMostM - 1e-9);
+  EXPECT_LT(after.z() - next.z(), 0.5 * kMaxM + room_m);
+  EXPECT_GT(after.z() - next.z(), 0.5 * kMaxM - 1e-9);
 }
 
 TEST(CarvingBall, ReleaseOfTheButtonIsContinuous) {
@@ -132,7 +132,7 @@ TEST(CarvingBall, ReleaseOfTheButtonIsContinuous) {
   Vec3 last = block.step(hand, true).p_SP;
   for (int i = 1; i < 200; ++i) {
     const Vec3 next = block.step(hand, i < 15).p_SP;
-    ASSERT_LE((next - last).norm(), 1e-3 * CarvingBall::kMostCutSpeed + 1e-9) << i;
+    ASSERT_LE((next - last).norm(), 1e-3 * CarvingBall::kMaxCutSpeed + 1e-9) << i;
     last = next;
   }
   EXPECT_GT(last.z() - hand.z(), 0.001) << "held by what is left";

@@ -72,11 +72,11 @@ TEST_F(ContactSetOf, HoldsOneContactOfATriangleAndNoMoreThanItHasRoomFor) {
   ContactSet contacts(MadeContacts::kClearance);
   const Vec3 c = Vec3::Zero();
   EXPECT_TRUE(contacts.is_empty());
-  for (std::uint32_t i = 0; i < ContactSet::kMost; ++i)
+  for (std::uint32_t i = 0; i < ContactSet::kMax; ++i)
     EXPECT_TRUE(contacts.add(made.contact(i, OffsetContact::Part::face, c, made.vector(), 0.0)));
   EXPECT_FALSE(contacts.add(made.contact(99, OffsetContact::Part::face, c, made.vector(), 0.0)));
   EXPECT_TRUE(contacts.add(made.contact(3, OffsetContact::Part::edge, c, made.vector(), 0.0)));
-  EXPECT_EQ(contacts.count(), ContactSet::kMost);
+  EXPECT_EQ(contacts.count(), ContactSet::kMax);
   EXPECT_EQ(contacts[3].part, OffsetContact::Part::edge);
   EXPECT_EQ(contacts.active_count(), 0);
   contacts.activate(3);

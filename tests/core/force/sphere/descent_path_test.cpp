@@ -19,7 +19,7 @@ class DescentPathOf : public testing::Test {
 
 TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
   constexpr int kSamples = 32;
-  constexpr int kMostPieces = 400;
+  constexpr int kMaxPieces = 400;
   int arrived = 0;
   for (int i = 0; i < 300; ++i) {
     const HeldCentre at = made.held(1 + i % 2);
@@ -28,7 +28,7 @@ TEST_F(DescentPathOf, EachPieceStaysOnTheContactsAndComesNearerUntilAMinimum) {
     Vec3 c = at.c;
     int work = 0;
     bool goes_on = true;
-    for (int piece = 0; goes_on && piece < kMostPieces; ++piece) {
+    for (int piece = 0; goes_on && piece < kMaxPieces; ++piece) {
       CentrePath path;
       if (!DescentPath(at.contacts, c, work).make(device, Vec3::UnitX(), false, path)) break;
       EXPECT_EQ(path.start(), c);

@@ -103,7 +103,7 @@ TEST_P(OverACone, TheForceIsThatOfTheCone) {
 
 // Where the tip points down, the ball is behind in some steps. As soon as the device rests, it arrives, and stays.
 TEST_P(OverACone, TheBallArrivesWhereTheDeviceRests) {
-  constexpr int kMostSteps = 100;
+  constexpr int kMaxSteps = 100;
   for (const double height : {0.02, -0.02, -0.002}) {
     const auto method = method_over(height);
     int n = 0;
@@ -112,14 +112,14 @@ TEST_P(OverACone, TheBallArrivesWhereTheDeviceRests) {
       method->step({.p_SD = device, .dt_s = 1e-3});
       if (++n % 7 != 0) return;
       int waited = 0;
-      for (; method->carried_from() && waited < kMostSteps; ++waited) method->step({.p_SD = device, .dt_s = 1e-3});
+      for (; method->carried_from() && waited < kMaxSteps; ++waited) method->step({.p_SD = device, .dt_s = 1e-3});
       longest = std::max(longest, waited);
       const Vec3 force = method->step({.p_SD = device, .dt_s = 1e-3}).force_n;
       const MethodOutput again = method->step({.p_SD = device, .dt_s = 1e-3});
       EXPECT_LE((again.force_n - force).norm(), 1e-6);
       EXPECT_LE((again.p_SP - device).norm(), kConeDeep + 1e-4) << "stuck";
     });
-    EXPECT_LT(longest, kMostSteps) << "height " << height;
+    EXPECT_LT(longest, kMaxSteps) << "height " << height;
   }
 }
 

@@ -297,7 +297,7 @@ TEST(SphereFollower, AHostileMotionIsBoundedAndGoneOnWithUntilItHasSettled) {
     const Outcome outcome = stage.move_local(to);
     EXPECT_TRUE(!AllocationGuard::is_available() || guard.count() == 0U);
     // The event that is begun is ended.
-    EXPECT_LE(stage.follower->queried() - before, static_cast<std::uint64_t>(StepWork::kMost) + kOneEvent);
+    EXPECT_LE(stage.follower->queried() - before, static_cast<std::uint64_t>(StepWork::kMax) + kOneEvent);
     EXPECT_GE(stage.distance_to_nearest(), stage.offset - kSlop);
     exhausted += outcome == Outcome::exhausted ? 1 : 0;
     return outcome;

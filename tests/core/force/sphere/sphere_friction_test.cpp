@@ -179,7 +179,7 @@ struct PointStage {
 // At the boundary the point slips around the edge until the pull no longer presses it against it. Rounding of the position turns the normal
 // there by a millionth, so the multiplier is never seen to be zero.
 TEST(SphereFollowerWithFriction, APointSlipsOffABoundaryInAFewPieces) {
-  constexpr std::uint64_t kMostWork = 1024;  // where the contact was not released at the end of the slip: more than 4,096, and still held
+  constexpr std::uint64_t kMaxWork = 1024;  // where the contact was not released at the end of the slip: more than 4,096, and still held
   const TriangleMesh flat = made::sheet(0.5, 0.0, 5);
   for (int i = 0; i < 32; ++i) {
     const Eigen::Matrix3d turn =
@@ -193,7 +193,7 @@ TEST(SphereFollowerWithFriction, APointSlipsOffABoundaryInAFewPieces) {
     ASSERT_FALSE(stage.follower.is_free()) << i;
     for (double x = 0.44; x < 0.56 + depth; x += 0.01) {
       ASSERT_EQ(stage.move(turn * Vec3(x, 0.013 + 0.1 * (x - 0.437), -depth)), Outcome::settled) << i << ", x " << x;
-      ASSERT_LE(stage.work, kMostWork) << i << ", x " << x;
+      ASSERT_LE(stage.work, kMaxWork) << i << ", x " << x;
     }
     EXPECT_TRUE(stage.follower.is_free()) << i;
   }
@@ -202,7 +202,7 @@ TEST(SphereFollowerWithFriction, APointSlipsOffABoundaryInAFewPieces) {
 // The lag is far shorter than the motion, and across it: a sharp turn.
 TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
   constexpr double kDepth = 1e-4;
-  constexpr std::uint64_t kMostEvents = 8;  // cut into pieces near a cubic: 97
+  constexpr std::uint64_t kMaxEvents = 8;  // cut into pieces near a cubic: 97
   const TriangleMesh sheet = made::sheet(0.5, 0.0, 2);
   PointStage stage(sheet);
   stage.put({-0.3, 0.1, 0.1});
@@ -212,7 +212,7 @@ TEST(SphereFollowerWithFriction, APointTurnsOnAFreeFaceInOnePiece) {
   const Vec3 start(-0.2, 0.1, 0.0);
   const Vec3 to(-0.18, 0.25, 0.0);
   ASSERT_EQ(stage.move(to - Vec3(0.0, 0.0, kDepth)), Outcome::settled);
-  EXPECT_LE(stage.events, kMostEvents);
+  EXPECT_LE(stage.events, kMaxEvents);
   lag = drag_by_friction({.pull = lag.pull,
                           .motion = to - start,
                           .pressure_start = kDepth,

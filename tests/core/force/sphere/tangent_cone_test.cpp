@@ -268,8 +268,8 @@ TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
   EXPECT_FALSE(cone.find_boundary(Vec3::UnitZ()));
   int added = 0;
   const ContactTriangle corner(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
-  while (added <= TangentCone::kMostArcs && cone.add(corner, 1e-9)) ++added;
-  EXPECT_EQ(added, TangentCone::kMostArcs);
+  while (added <= TangentCone::kMaxArcs && cone.add(corner, 1e-9)) ++added;
+  EXPECT_EQ(added, TangentCone::kMaxArcs);
 }
 
 // Around a ragged fan of triangles, one side is the region that a point is in; the fan is seen as a polygon from its middle.
