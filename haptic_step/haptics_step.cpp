@@ -151,7 +151,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
     replied_before_ = kUnknownBefore;
   }
   reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
-  reply.contact = output_.contact || fade_.is_felt();
+  reply.contact = output_.contact || fade_.is_active();
   reply.visual_offset_m = output_.visual_offset_m;
   reply.object = output_.object;
 }
@@ -194,7 +194,7 @@ void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
   running_ = true;
   const Vec3 effects_n = touch_->step_in_space(input_);
   reply.force_n = fade_.step(effects_n, !effects_n.isZero(0.0), input_.dt_s);
-  reply.contact = !effects_n.isZero(0.0) || fade_.is_felt();
+  reply.contact = !effects_n.isZero(0.0) || fade_.is_active();
 }
 
 void HapticsStep::place_parts() noexcept {
@@ -244,7 +244,7 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   reply.force_n = fade_.step(felt.force_n + effects_n, is_felt, input_.dt_s);
   reply.torque_nm = felt.torque_nm;
   if (felt.contact) reply.haptons = static_cast<std::uint32_t>(felt.proxy.haptons);
-  reply.contact = is_felt || fade_.is_felt();
+  reply.contact = is_felt || fade_.is_active();
   if (grasp_ != nullptr) {
     grasp_->note_pose(felt.X_WP, X_WS_);
     reply.object = grasp_->object();
@@ -364,7 +364,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     touch_->continue_hand_motion(*touch);
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
-    if (was_held || output_.contact || fade_.is_felt() || settled.contact) fade_.begin();
+    if (was_held || output_.contact || fade_.is_active() || settled.contact) fade_.begin();
     // A session that begins before the next sample goes on from there, and another object that leaves takes nothing away.
     if (put_down && tool_ == nullptr) output_ = settled;
   }
@@ -373,7 +373,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
 
 bool HapticsStep::restore_carves(Sculpture& other, std::uint32_t newest) noexcept {
   if (!touch_->restore_carves(other, newest)) return false;
-  if (running_ && (output_.contact || fade_.is_felt())) fade_.begin();
+  if (running_ && (output_.contact || fade_.is_active())) fade_.begin();
   return true;
 }
 
@@ -388,7 +388,7 @@ void HapticsStep::set_materials(std::span<const Material> materials, const ToolM
 void HapticsStep::set_materials(std::span<const Material> materials) noexcept {
   ++counts_.materials_taken;
   touch_->set_materials(materials);
-  if (running_ && (output_.contact || fade_.is_felt())) fade_.begin();
+  if (running_ && (output_.contact || fade_.is_active())) fade_.begin();
 }
 
 }  // namespace hapton

@@ -22,9 +22,9 @@ struct ThinWalls {
   std::optional<ThinPlace> thinnest;  // nothing: no wall is thin
 };
 
-// The faces of two triangles are the two sides of a wall if their normals are opposite within this angle: its cosine.
-constexpr double kWallCosine =
-    0.8660254037844386;  // 30 degrees: faces inclined more than that are a wedge, which has an edge rather than a thickness
+// The faces of two triangles are the two sides of a wall if their normals are opposite within this angle: its cosine. Faces inclined more
+// are a wedge, which has an edge and no thickness.
+constexpr double kWallCosine = 0.8660254037844386;  // 30 degrees
 
 // Where the thickness is below `width`: from points spread over each triangle, straight through the wall behind it to the first triangle
 // that shares no vertex with it. That triangle is the other face if it faces the other way. Triangles with a side longer than four times

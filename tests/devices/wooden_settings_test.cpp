@@ -94,7 +94,8 @@ TEST_F(WoodenSettingsFile, AnImpossibleValueIsRejectedWithItsLine) {
   EXPECT_THAT(rejection("[body_a]\ncapstan_diameter_m = 0"), HasSubstr("wooden.toml:2"));
   EXPECT_THAT(rejection("[body_b]\ndirection = 0.5"), HasSubstr("'direction' is 1, or -1"));
   EXPECT_THAT(rejection("[body_a]\ncounts_per_turn = 1e5"), HasSubstr("must hold half a turn"));
-  EXPECT_THAT(rejection("[[wrist]]\naxis = [0, 0, 1]\ncounts_per_turn = 70000"), HasSubstr("counts_per_turn"));
+  EXPECT_THAT(rejection("[[wrist]]\naxis = [0, 0, 1]\ncounts_per_turn = 70000\n[[wrist]]\naxis = [0, 1, 0]\n[[wrist]]\naxis = [1, 0, 0]"),
+              HasSubstr("counts_per_turn"));
   EXPECT_THAT(rejection("report_bytes = 9"), HasSubstr("'report_bytes' is 8 or 14"));
   EXPECT_THAT(rejection("[[wrist]]\naxis = [1, 0, 0]"), HasSubstr("three times"));
   EXPECT_THAT(rejection("[[wrist]]\naxis = [0, 0, 0]\n[[wrist]]\naxis = [0, 0, 1]\n[[wrist]]\naxis = [0, 1, 0]"), HasSubstr("zero length"));

@@ -43,6 +43,11 @@ struct PatchLinks : Servos {
     builder.push(PatchTile{});
     return wait_until([&] { return builder.counts().store.rejected > before; });
   }
+  void offer_floor(std::uint32_t generation) {
+    ASSERT_TRUE(builder_has_caught_up());
+    local.set_generation(generation);
+    local.offer(floor_patch(generation));
+  }
 };
 
 TEST_F(PatchLinks, RemoteForceWantsNoParts) {
@@ -234,9 +239,7 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   start_above_floor(TouchChoice::automatic);
   run(1000);
   ASSERT_TRUE(link->is_wanted());
-  ASSERT_TRUE(builder_has_caught_up());
-  local.set_generation(77);
-  local.offer(floor_patch(77));
+  offer_floor(77);
   run(500);
   EXPECT_GT(stats().local_forces, 300U);
   reply_delay_ns = 100 * kUs;
@@ -258,9 +261,7 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
 // Else the device side would compute a force at each cycle until the very end, which then drops in one step.
 TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
   start_above_floor(TouchChoice::patch);
-  ASSERT_TRUE(builder_has_caught_up());
-  local.set_generation(7);
-  local.offer(floor_patch(7));
+  offer_floor(7);
   run(300);
   device.place.z() = -0.002;
   run(300);
@@ -275,9 +276,7 @@ TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
 // one as if the hand were free: contact would be lost for good.
 TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   start_above_floor(TouchChoice::patch);
-  ASSERT_TRUE(builder_has_caught_up());
-  local.set_generation(7);
-  local.offer(floor_patch(7));
+  offer_floor(7);
   run(300);
   device.place.z() = -0.002;
   run(300);
@@ -314,9 +313,7 @@ TEST_F(PatchLinks, APatchOfAHapticsNodeThatHasNotRepliedIsNotFelt) {
   reply_delay_ns = -1;
   start(TouchChoice::patch);
   servo->device_loop().set_local_touch(&local);
-  ASSERT_TRUE(builder_has_caught_up());
-  local.set_generation(7);
-  local.offer(floor_patch(7));
+  offer_floor(7);
   run(300);
   EXPECT_EQ(stats().local_forces, 0U);
   reply_delay_ns = 100 * kUs;
@@ -436,9 +433,7 @@ TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   device.down = 0;
   start(TouchChoice::patch);
   servo->device_loop().set_local_touch(&local);
-  ASSERT_TRUE(builder_has_caught_up());
-  local.set_generation(7);
-  local.offer(floor_patch(7));
+  offer_floor(7);
   run(300);
   ASSERT_GT(stats().local_forces, 200U);
   for (const std::uint32_t down : {1U, 0U, 2U}) {

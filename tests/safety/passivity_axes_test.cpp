@@ -15,12 +15,12 @@ namespace {
 
 constexpr double kPeriodS = 1e-3;
 constexpr double kDeviceKg = 0.075;
-constexpr double kMaxForceN = 20.0;
+constexpr double kLimitN = 20.0;
 
 // The controller as it is, with an account for all axes.
 struct OneAccount {
   explicit OneAccount(const PassivityController::Mechanics& device) : controller(device) {}
-  void observe(const Vec3& moved_m) { controller.observe(kMaxForceN, moved_m); }
+  void observe(const Vec3& moved_m) { controller.observe(kLimitN, moved_m); }
   Vec3 shape(const Vec3& wanted_n) { return controller.shape(wanted_n, 20.0); }
   void held(const Vec3& force_n) { controller.held(force_n, kPeriodS); }
 
@@ -31,7 +31,7 @@ struct OneAccount {
 struct AccountForEachAxis {
   explicit AccountForEachAxis(const PassivityController::Mechanics& device) : axes(2, PassivityController(device)) {}
   void observe(const Vec3& moved_m) {
-    for (int i = 0; i < 2; ++i) axes[static_cast<std::size_t>(i)].observe(kMaxForceN, moved_m[i] * Vec3::Unit(i));
+    for (int i = 0; i < 2; ++i) axes[static_cast<std::size_t>(i)].observe(kLimitN, moved_m[i] * Vec3::Unit(i));
   }
   Vec3 shape(const Vec3& wanted_n) {
     Vec3 sum = Vec3::Zero();
@@ -87,7 +87,7 @@ Felt touch(const TurnedWall& wall, Hand&& goal_of) {
   Felt felt;
   for (int n = 0; n < kSteps; ++n) {
     account.observe(moved);
-    const double pressed_n = std::clamp(-wall.stiffness_n_per_m * x.dot(normal), 0.0, kMaxForceN);
+    const double pressed_n = std::clamp(-wall.stiffness_n_per_m * x.dot(normal), 0.0, kLimitN);
     on_the_way.push_back(pressed_n * (normal - wall.friction * std::tanh(v.dot(along) / 0.005) * along));
     const Vec3 wanted_n = on_the_way.front();
     on_the_way.pop_front();

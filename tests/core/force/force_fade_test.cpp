@@ -16,7 +16,7 @@ TEST(ForceFade, WithoutASwitchForcesPassToTheLastBit) {
   ForceFade fade;
   EXPECT_EQ(fade.step(kBefore, true, kStepS), kBefore);
   EXPECT_EQ(fade.step(kAfter, true, kStepS), kAfter);
-  EXPECT_FALSE(fade.is_felt());
+  EXPECT_FALSE(fade.is_active());
 }
 
 TEST(ForceFade, TheDifferenceOnlyDecreasesAndIsZeroAfterItsTime) {
@@ -37,7 +37,7 @@ TEST(ForceFade, TheDifferenceOnlyDecreasesAndIsZeroAfterItsTime) {
       last = force;
     }
     EXPECT_EQ(last, kAfter);
-    EXPECT_FALSE(fade.is_felt());
+    EXPECT_FALSE(fade.is_active());
   }
 }
 
@@ -47,12 +47,12 @@ TEST(ForceFade, InTheAirItFadesTenTimesFasterAndContactDoesNotBringItBack) {
   fade.begin();
   for (int i = 0; i < 5; ++i) {
     EXPECT_NEAR((fade.step(Vec3::Zero(), false, kStepS) - (0.9 - 0.1 * i) * kBefore).norm(), 0.0, 1e-12);
-    EXPECT_TRUE(fade.is_felt());
+    EXPECT_TRUE(fade.is_active());
   }
   EXPECT_NEAR((fade.step(kAfter, true, kStepS) - kAfter - 0.49 * kBefore).norm(), 0.0, 1e-12);
   for (int i = 0; i < 6; ++i) fade.step(Vec3::Zero(), false, kStepS);
   EXPECT_EQ(fade.step(Vec3::Zero(), false, kStepS), Vec3::Zero());
-  EXPECT_FALSE(fade.is_felt());
+  EXPECT_FALSE(fade.is_active());
 }
 
 TEST(ForceFade, AnotherSwitchWhileItFadesStartsAtThePresentForce) {
