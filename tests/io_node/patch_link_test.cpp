@@ -14,6 +14,15 @@
 namespace hapton {
 namespace {
 
+std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
+  auto patch = std::make_unique<Patch>();
+  patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 20))));
+  patch->radius_m = 1.0;
+  patch->lift_m = 1e-7;
+  patch->generation = generation;
+  return patch;
+}
+
 // A servo that may work with patches, and what it tells the haptics node of them.
 struct PatchLinks : Servos {
   LocalPatch local;
@@ -185,15 +194,6 @@ TEST_F(PatchLinks, WithoutPatchesTheHapticsNodeLearnsOfTheRoundTrip) {
   EXPECT_TRUE(link->is_wanted());
   ASSERT_GE(loop_facts.size(), 3U);
   EXPECT_NEAR(loop_facts.back().round_trip_s, 2.0 * TouchChooser::kSlowS, 0.2 * TouchChooser::kSlowS);
-}
-
-std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
-  auto patch = std::make_unique<Patch>();
-  patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 20))));
-  patch->radius_m = 1.0;
-  patch->lift_m = 1e-7;
-  patch->generation = generation;
-  return patch;
 }
 
 // The hand presses 2 mm into the haptics node's floor while patches are wanted: its force goes on until one is there, and again when they
