@@ -7,7 +7,7 @@ namespace hapton {
 
 // A node silent for that long loses its slot to the next haptics node.
 bool ForceExchange::is_haptics_alive(std::int64_t now_ns) const noexcept {
-  return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_received_ns < HubPeers::kHapticsTimeoutNs;
+  return peers_.has_haptics() && now_ns - peers_.peer(HubPeers::kHapticsSlot).last_received_ns < peers_.haptics_timeout_ns();
 }
 
 // Not while the haptics node is to go on where the device side is: it needs to catch up.
@@ -34,6 +34,7 @@ void ForceExchange::add_cycle(const DeviceCycle& cycle, bool is_newest) noexcept
 // Before the sample counts: the request goes with it.
 void ForceExchange::note_source(bool is_local) noexcept {
   const bool was_local = std::exchange(is_local_, is_local);
+  peers_.set_haptics_timeout_ns(is_local ? kThinnedTimeoutNs : HubPeers::kHapticsTimeoutNs);
   if (was_local && !is_local && !is_resume_requested_) request_resume();
   if (!was_local && is_local) is_resume_requested_ = false;
 }

@@ -79,6 +79,8 @@ class ForceExchange {
 
   // The haptics node needs to know only where the hand goes (decision 116).
   static constexpr double kThinnedHz = 20.0;
+  // Then a haptics node has little to reply to: five states, so that a waiting one does not take its slot between two of them.
+  static constexpr std::int64_t kThinnedTimeoutNs = 5 * static_cast<std::int64_t>(1e9 / kThinnedHz);
 
   bool is_thinned(const DeviceCycle& cycle) const noexcept;
   void note_source(bool is_local) noexcept;

@@ -204,7 +204,7 @@ std::size_t HubPeers::find_place(NodeRole role, const Address& from, std::int64_
   if (role == NodeRole::haptics) {
     const Peer& holder = peers_[kHapticsSlot];
     // Two living processes cannot share an address: one that comes from the holder's is its successor.
-    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_received_ns > kHapticsTimeoutNs;
+    const bool is_free = !holder.present || holder.address == from || now_ns - holder.last_received_ns > haptics_timeout_ns_;
     return is_free ? kHapticsSlot : kNowhere;
   }
   std::size_t free_place = kNowhere;

@@ -61,7 +61,8 @@ struct HubCounts {
 };
 
 // The hub's side of the star: who has joined, and exchanging messages with them. Any number of vision and tool nodes up to the capacity,
-// and one haptics node: a second is rejected while the first is alive; the slot is free 50 ms after its last datagram, or after a Bye.
+// and one haptics node: a second is rejected while the first is alive; the slot is free 50 ms after its last datagram (or as
+// set_haptics_timeout_ns says), or after a Bye.
 // A peer is limited to what the key of its session allows: join as the role of that key (an operator's as a tool), and send what that role
 // sends. One slot is reserved for the haptics node, and an address (host and port) holds one slot at most, so that unknown peers cannot
 // exceed the capacity. RT: yes, but for construction. Threads: one.
@@ -100,6 +101,10 @@ class HubPeers {
   // Gets a copy of every datagram from now on; null: none does. Pre: outlives this.
   void set_tap(DatagramTap* tap) noexcept { tap_ = tap; }
 
+  // For a time in which the haptics node has less to send: how long it may be silent until another may take its slot.
+  void set_haptics_timeout_ns(std::int64_t timeout_ns) noexcept { haptics_timeout_ns_ = timeout_ns; }
+  std::int64_t haptics_timeout_ns() const noexcept { return haptics_timeout_ns_; }
+
   // The rate that Welcome reports from now on.
   void set_servo_rate_hz(double servo_rate_hz) noexcept { servo_rate_hz_ = servo_rate_hz; }
 
@@ -128,6 +133,7 @@ class HubPeers {
   const Clock& clock_;
   std::uint64_t session_;
   std::uint64_t sender_;
+  std::int64_t haptics_timeout_ns_ = kHapticsTimeoutNs;
   double servo_rate_hz_;
   Codec codec_;
   DatagramTap* tap_ = nullptr;

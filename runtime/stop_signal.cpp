@@ -36,7 +36,7 @@ StopSignal::StopSignal() {
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    sigaction(kSignals[i], &action, &previous_actions[i]);  // fails only for numbers that are no signals
+    sigaction(kSignals[i], &action, &previous_actions[i]);  // fails only for invalid signal numbers
   }
 }
 

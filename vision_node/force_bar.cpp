@@ -26,7 +26,7 @@ constexpr double kBarLow = 0.37;
 constexpr double kBarHeight = 0.26;
 constexpr double kWidthInLetters = 0.8;
 
-// The corners of rectangles, three for each: the ground, the force and the frame.
+// Three rectangles of four corners each: background, force, frame.
 class BarShape {
  public:
   BarShape() {

@@ -43,7 +43,7 @@ void stand(vtkActor* actor, vtkPolyData* shape, const Vec3& p_W, double pixel_m)
   actor->VisibilityOff();
 }
 
-// A text of a picture's edge, there.
+// Shows the label `of`, which has a position in pixels of a flat picture, at that place of the panel: its lower left corner is p_W.
 void show_label(vtkTextActor3D* actor, vtkTextActor* of, const Vec3& p_W, double pixel_m) {
   const double* at = of->GetPosition();
   const double scale = pixel_m * of->GetTextProperty()->GetFontSize() / kFontPx;

@@ -80,9 +80,10 @@ Result<const Json*> choose_texture(const Json& list, const std::string& where) {
 // A sampler's wrap mode in one direction [5.26].
 Result<bool> repeats(const Json& sampler, const char* key, const std::string& where) {
   const Json& value = member(sampler, key);
-  if (value.is_null() || value == 10497) return true;
-  if (value == 33648 || value == 33071) return false;
-  return fail("{}.{} is none of 10497, 33071 and 33648: {}", where, key, kExportAgain);
+  constexpr int kRepeat = 10497, kMirroredRepeat = 33648, kClampToEdge = 33071;  // OpenGL's
+  if (value.is_null() || value == kRepeat) return true;
+  if (value == kMirroredRepeat || value == kClampToEdge) return false;
+  return fail("{}.{} is none of {}, {} and {}: {}", where, key, kRepeat, kClampToEdge, kMirroredRepeat, kExportAgain);
 }
 
 class HapticReader {

@@ -265,7 +265,7 @@ TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
   run(300);
   device.place.z() = -0.002;
   run(300);
-  EXPECT_NEAR(device.written.back().force_n.z(), 2.0, 1e-6);
+  EXPECT_GT(peers.haptics_timeout_ns(), HubPeers::kHapticsTimeoutNs) << "it gets few states meanwhile";
   const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
   EXPECT_TRUE(local.step(sample));
   servo->finish();

@@ -159,6 +159,20 @@ TEST_F(HubPeersTest, TheHapticsSlotIsFreeFiftyMillisecondsAfterTheLastDatagram) 
   EXPECT_EQ(hub_->peer(HubPeers::kHapticsSlot).sender, 30U);
 }
 
+TEST_F(HubPeersTest, AHapticsNodeThatHasLittleToSendKeepsItsPlaceLonger) {
+  RawNode first = raw_node(2, 20);
+  RawNode second = raw_node(3, 30);
+  send(first, Hello{NodeRole::haptics}, 0);
+  event();
+  hub_->set_haptics_timeout_ns(4 * HubPeers::kHapticsTimeoutNs);
+  clock_.advance_ns(4 * HubPeers::kHapticsTimeoutNs);
+  send(second, Hello{NodeRole::haptics}, 0);
+  EXPECT_EQ(event().kind, Kind::rejected);
+  clock_.advance_ns(1);
+  send(second, Hello{NodeRole::haptics}, 0);
+  EXPECT_EQ(event().kind, Kind::joined);
+}
+
 TEST_F(HubPeersTest, AByeFreesTheHapticsPlaceAtOnce) {
   RawNode first = raw_node(2, 20);
   RawNode second = raw_node(3, 30);

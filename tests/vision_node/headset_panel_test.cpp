@@ -30,12 +30,13 @@ TEST(HeadsetPanel, TheBarOfTheForceStandsAtTheLeftOfTheWorkspace) {
   panel.set_force(2.0, 8.0);
   ASSERT_NE(bar->GetVisibility(), 0);
   const double* box = bar->GetBounds();
+  // Its left edge is 6 px right of the panel's, and it is 104 px high, at 0.6 mm a pixel.
   EXPECT_NEAR(box[0], -0.1854, 1e-9);
   EXPECT_GT(box[2], -0.095) << "within the height of the workspace";
   EXPECT_LT(box[3], 0.095);
   EXPECT_NEAR(box[3] - box[2], 0.0624, 1e-9);
   EXPECT_NEAR(box[4], -0.19, 1e-9) << "at the back of the workspace";
-  // Ground, force, frame: one before the other.
+  // Background, force, frame: one before the other.
   vtkPolyData* shape = parts.solid_shape(0);
   const auto height = [&](vtkIdType rectangle) { return point_of(shape, 4 * rectangle + 2).y() - point_of(shape, 4 * rectangle).y(); };
   EXPECT_NEAR(height(1), 0.25 * height(0), 1e-6);

@@ -12,7 +12,7 @@ enum class Verdict : std::uint8_t {
   ok,
   note,     // worth knowing, nothing has to be fixed
   warning,  // it works, but not as well as it could
-  problem,  // something that a person wants will not work, or not at 1 kHz
+  problem,  // something will not work, or not at 1 kHz
 };
 
 // The result of one check. Each text is one line.

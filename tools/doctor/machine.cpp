@@ -15,7 +15,7 @@
 namespace hapton::doctor {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // of a file in /proc or /sys that is read; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // of a file that is read; a free choice
 constexpr std::string_view kBlanks = " \t\r\n";
 
 std::string_view trimmed(std::string_view text) {
