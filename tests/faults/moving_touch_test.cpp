@@ -237,7 +237,7 @@ TEST(MovingTouch, LostShapesDoNotMakeTheSurfaceJump) {
     const SimulatedSystem::Touched& last = system.touched.back();
     return std::abs(last.force.force_n.z() - spring_n(kBoxTopM + by_m, last)) < kGridN;
   };
-  for (int n = 0; n < 500 && (n < 100 || !is_there()); ++n) {
+  for (int n = 0; n < 5000 && (n < 100 || !is_there()); ++n) {
     system.run_for_ns(20 * kMs);
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
