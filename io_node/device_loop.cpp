@@ -73,7 +73,7 @@ void DeviceLoop::overrun(std::int64_t late_ns) noexcept {
 
 // The cause of a late cycle, from the clock readings of the last cycle alone, without a system call.
 MissCause DeviceLoop::cause_of(std::int64_t late_ns) const noexcept {
-  if (device_ns_ > period_ns() / 2) return MissCause::device_slow;
+  if (device_ns_.load(std::memory_order_relaxed) > period_ns() / 2) return MissCause::device_slow;
   if (late_ns >= kStallNs) return MissCause::machine_stalled;
   return is_behind_ && overslept_ns_ <= period_ns() / 2 ? MissCause::work_long : MissCause::late_wake_up;
 }
@@ -89,7 +89,7 @@ bool DeviceLoop::run_cycle() noexcept {
     (void)cut_if_older(kCommandTimeoutNs);
     return false;
   }
-  device_ns_ = 0;
+  device_ns_.store(0, std::memory_order_relaxed);
   stats_.end_ns = tick_ns_ + period_ns();
   // Before the device is read, which may take long: release a force that the governor would no longer output.
   const std::int64_t now_ns = clock_.now_ns();
@@ -167,7 +167,7 @@ void DeviceLoop::sample_device() noexcept {
   // The time of a sample is the time at which the device returned it; how long the read took is measured separately.
   cycle_.sample.time_ns = clock_.now_ns();
   stats_.device_read.record(cycle_.sample.time_ns - begin_ns);
-  device_ns_ += cycle_.sample.time_ns - begin_ns;
+  device_ns_.fetch_add(cycle_.sample.time_ns - begin_ns, std::memory_order_relaxed);
   const DeviceStatus status = device_.status();
   status_.store(status, std::memory_order_release);
   // The governor protects the hardware, so it gets the true position. All others get the position shifted by the clutch.
@@ -191,7 +191,7 @@ void DeviceLoop::write(const Wrench& wrench) noexcept {
   if (!is_off) set_force_sample(accepted_ns_);
   device_.write(wrench, begin_ns);
   if (is_off) set_force_sample(0);
-  device_ns_ += clock_.now_ns() - begin_ns;
+  device_ns_.fetch_add(clock_.now_ns() - begin_ns, std::memory_order_relaxed);
   const bool is_released = !is_finished_ && is_zero && written_.force_n != Vec3::Zero() && governor_.has_timed_out();
   if (is_released) stats_.longest_release_ns = std::max(stats_.longest_release_ns, begin_ns - accepted_ns_);
   written_ = wrench;

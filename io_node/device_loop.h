@@ -254,7 +254,8 @@ class DeviceLoop {
   std::uint32_t stats_serial_ = 0;
 
   // Owned by the holder of the claim.
-  std::int64_t device_ns_ = 0;  // time spent in calls of the device since the last tick
+  // Time spent in calls of the device since the last tick. Added to by the holder of the claim; read without it, for the cause of a miss.
+  std::atomic<std::int64_t> device_ns_{0};
   Wrench written_;
   bool is_local_ = false;         // the force comes from local_
   ForceFade fade_;                // from remote force to local force and back, and from patch to patch
