@@ -90,6 +90,20 @@ TEST_F(Haply, WorksWithoutAGrip) {
   EXPECT_EQ(hand.sample().q_WT.coeffs(), Quat::Identity().coeffs());
 }
 
+TEST_F(Haply, AFewStatesWithoutTheArmAreNotAnAbsence) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  bool was_away = false;
+  service->absent_states = 10;
+  ASSERT_TRUE(serve_until([&] {
+    was_away = was_away || device->status() != DeviceStatus::ready;
+    return service->absent_states == 0;
+  }));
+  EXPECT_FALSE(was_away);
+  service->absent_states = 1000;
+  EXPECT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }));
+}
+
 // A dead man's switch on it must not stay held.
 TEST_F(Haply, AGripThatIsGoneHoldsNoButton) {
   service->buttons = 1;

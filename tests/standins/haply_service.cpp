@@ -107,7 +107,8 @@ void HaplyService::serve(void* accepted) {
 
 std::string HaplyService::state(bool with_config) const {
   std::string arms;
-  if (is_plugged) {
+  const bool is_absent = absent_states > 0 && absent_states-- > 0;
+  if (is_plugged && !is_absent) {
     const std::string config =
         with_config ? fmt::format(R"("config":{{"type":"inverse3","extended_firmware_version":"7.4.0","handedness":"right"{}}},)",
                                   mount.empty() ? "" : ",\"mount\":" + mount)

@@ -25,6 +25,7 @@ class HaplyService {
   std::atomic<bool> is_plugged{true};
   std::atomic<bool> is_calibrated{true};
   std::atomic<bool> has_grip{true};
+  mutable std::atomic<int> absent_states{0};    // so many next states are without the arm
   std::atomic<bool> is_silent{false};   // accepts messages and never replies
   std::atomic<bool> sends_junk{false};  // replies with something else
   std::atomic<bool> is_scaled{false};   // its session's transform has a scale
