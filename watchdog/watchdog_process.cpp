@@ -12,7 +12,6 @@
 #include "runtime/clock.h"
 
 namespace hapton {
-namespace {}  // namespace
 
 std::filesystem::path WatchdogProcess::find_program() {
   std::error_code error;
