@@ -222,6 +222,13 @@ TEST_F(ForceDimension, AForceThatThePersonSwitchedOffStaysOff) {
   ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
 }
 
+TEST_F(ForceDimension, AnErrorInsteadOfACountIsNoDevice) {
+  board->is_plugged = -1;
+  const auto made = make("0");
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error().what, HasSubstr("finds 0 devices"));
+}
+
 TEST_F(ForceDimension, APositionThatIsNotFiniteReachesTheGovernor) {
   open();
   ASSERT_TRUE(serve_until_ready());

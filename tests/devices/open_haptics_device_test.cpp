@@ -162,6 +162,7 @@ TEST_F(OpenHaptics, AFailureIsReportedByNameWithTheLibrarysTextAndARemedy) {
 TEST_F(OpenHaptics, ADeviceWithImpossibleDataIsRejected) {
   board->max_force_n = 0.0;
   EXPECT_THAT(make().error().what, HasSubstr("impossible workspace"));
+  EXPECT_THAT(make().error().what, HasSubstr("0.16 x 0.12 x 0.07 m and 0 N"));
   EXPECT_EQ(board->opened, board->closed);
 }
 

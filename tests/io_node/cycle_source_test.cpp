@@ -45,6 +45,31 @@ TEST_F(Servos, EveryMissedCycleHasItsCause) {
   EXPECT_EQ(stats().missed_cycles, 33U);
 }
 
+TEST_F(Servos, OfAFloodNoMoreIsHandledThanTheBudgetOfACycle) {
+  class Flood final : public Endpoint {
+   public:
+    bool send(const Address&, std::span<const std::byte>) noexcept override { return true; }
+    Received receive(std::span<std::byte> into, std::int64_t) noexcept override {
+      ++taken;
+      into.front() = std::byte{0};
+      return {.bytes = 1, .from = {}};
+    }
+    Address local_address() const override { return {}; }
+    std::int64_t taken = 0;
+  };
+  for (const int rate_hz : {1000, 4000}) {
+    Flood flood;
+    BudgetedEndpoint budget(flood, clock);
+    HubPeers nobody(budget, clock, kSession, rate_hz);
+    Servo alone(device, nobody, clock, {.rate_hz = static_cast<double>(rate_hz)});
+    alone.set_budget(&budget);
+    constexpr int kCycles = 20;
+    for (int n = 0; n < kCycles; ++n) alone.step();
+    EXPECT_EQ(flood.taken, kCycles * CycleSource::kDatagramsPerMs * 1000 / rate_hz) << rate_hz;
+    EXPECT_GT(budget.spent(), 0U);
+  }
+}
+
 TEST_F(Servos, AWaitThatEndsLateIsALateWakeUp) {
   class Oversleeping final : public Endpoint {
    public:
