@@ -209,11 +209,11 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * along(map.stiffness_gradient);
   const bool has_friction_map = surface.maps.friction.is_on();
   if ((has_friction_map || surface.drag.has_friction()) && method_n > 0.0) {
-    const auto coefficients = has_friction_map ? MapFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
+    const auto coefficients = has_friction_map ? SpringFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
     // In the layer of method smooth there is a force without depth.
     const double spring_n_per_m = std::min(method_n / depth_m, surface.drag.stiffness_n_per_m);
-    force_n +=
-        MapFriction::force(begins ? Vec3(Vec3::Zero()) : seen.motion, normal, spring_n_per_m, std::abs(pressed_n), coefficients, friction_);
+    force_n += SpringFriction::force(begins ? Vec3(Vec3::Zero()) : seen.motion, normal, spring_n_per_m, std::abs(pressed_n), coefficients,
+                                     friction_);
   } else {
     friction_ = {};
   }

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "core/effects/map_friction.h"
 #include "core/effects/smooth_velocity.h"
 #include "core/effects/space_effect.h"
+#include "core/effects/spring_friction.h"
 #include "core/effects/surface_effects.h"
 #include "core/effects/surface_frame.h"
 #include "core/effects/surface_place.h"
@@ -112,7 +112,7 @@ class EffectStep {
   std::vector<SurfaceFrame> frames_;
   std::span<const Pose> X_SF_;           // of these, at the next sample
   int carried_in_ = kStill;              // the frame of the next two
-  MapFriction::State friction_;          // carried over from object to object, so that the force stays
+  SpringFriction::State friction_;       // carried over from object to object, so that the force stays
   std::optional<TextureVoice> texture_;  // carried over likewise; none: no surface has one
   std::uint64_t contacts_ = 0;           // begun from free space
   std::vector<ObjectState> states_;      // by object

@@ -4,20 +4,20 @@
 #include <limits>
 
 #include "core/effects/effect_sample.h"
-#include "core/effects/map_friction.h"
+#include "core/effects/spring_friction.h"
 
 namespace hapton {
 
 // Damping and friction of a material where the force method has neither (ForceMethod::unrendered_drag). Damping: the contact force is less
-// by b v, v the speed along the normal away from the surface, and never attractive: max(0, f - b v). Friction: MapFriction. Units: SI. RT:
-// yes. Bound: of damping, b times the speed of the approach; of friction, the static coefficient times the contact force. Passivity:
+// by b v, v the speed along the normal away from the surface, and never attractive: max(0, f - b v). Friction: SpringFriction. Units: SI.
+// RT: yes. Bound: of damping, b times the speed of the approach; of friction, the static coefficient times the contact force. Passivity:
 // dissipative.
 struct SurfaceDrag {
   static constexpr Passivity kPassivity = Passivity::dissipative;
 
   double damping_ns_per_m = 0.0;
   double stiffness_n_per_m = std::numeric_limits<double>::infinity();  // of the material: no spring of friction is stiffer
-  MapFriction::Coefficients friction = {};
+  SpringFriction::Coefficients friction = {};
 
   bool has_friction() const noexcept { return friction.at_rest > 0.0; }
   bool is_on() const noexcept { return damping_ns_per_m > 0.0 || has_friction(); }

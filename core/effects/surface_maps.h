@@ -52,7 +52,7 @@ struct MapSample {
 // Height, stiffness, friction and viscosity by images on the surface's texture coordinates. With U(d) the energy of the material's spring
 // at the depth d, f = dU/dd its force, h the height (at most 0, as of SurfaceBumps) and s the share of the stiffness, the force becomes
 //   s f(d + h) (n - grad h) - U(d + h) grad s,
-// the gradient of one potential, s U(d + h): going from soft to stiff costs what stiff to soft gives back. Friction is MapFriction,
+// the gradient of one potential, s U(d + h): going from soft to stiff costs what stiff to soft gives back. Friction is SpringFriction,
 // viscosity SurfaceViscosity. Frame: S. RT: sample yes.
 //
 // Bound: that of f, times sqrt(1 + slope^2), plus U times the gradient of s. Passivity: conservative on flat surfaces, friction

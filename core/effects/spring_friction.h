@@ -13,7 +13,7 @@ namespace hapton {
 // Bound: the static coefficient times the normal force. Passivity: dissipative. Whatever the disc, P shortens the pull to s of its length,
 // 0 <= s <= 1, so in every step pulled . motion >= |pulled|^2 / 2 - |pulled before|^2 / 2: the hand gives at least what the spring stores.
 // Source: return mapping of elastic-plastic friction (Wriggers, Computational Contact Mechanics, 2006, 5.2).
-struct MapFriction {
+struct SpringFriction {
   static constexpr Passivity kPassivity = Passivity::dissipative;
   static constexpr double kRestick = 0.5;  // as the friction of methods (FrictionMotion)
   struct State {

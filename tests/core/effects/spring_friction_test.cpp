@@ -1,4 +1,4 @@
-#include "core/effects/map_friction.h"
+#include "core/effects/spring_friction.h"
 
 #include <gtest/gtest.h>
 
@@ -9,30 +9,30 @@ namespace {
 
 constexpr double kSlipSpring = 800.0;
 
-TEST(MapFriction, SticksLikeASpringAndSlidesOnTheCone) {
-  MapFriction::State state;
+TEST(SpringFriction, SticksLikeASpringAndSlidesOnTheCone) {
+  SpringFriction::State state;
   const Vec3 normal = Vec3::UnitZ();
   // 2 N times 0.5: it slips at 1 N, which is 1.25 mm.
   for (int n = 1; n <= 12; ++n) {
-    const Vec3 force_n = MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
+    const Vec3 force_n = SpringFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
     EXPECT_LT((force_n - Vec3(-0.08 * n, 0, 0)).norm(), 1e-12) << n;
   }
   for (int n = 0; n < 50; ++n) {
-    const Vec3 force_n = MapFriction::force({1e-4, 0, 3e-5}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
+    const Vec3 force_n = SpringFriction::force({1e-4, 0, 3e-5}, normal, kSlipSpring, 2.0, {0.5, 0.5}, state);
     EXPECT_LT((force_n - Vec3(-1.0, 0, 0)).norm(), 1e-12);
   }
   // Where friction is lower it slips at once; where there is none, no force is left.
-  EXPECT_NEAR(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.1, 0.1}, state).x(), -0.2, 1e-12);
-  EXPECT_EQ(MapFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.0, 0.0}, state), Vec3(0, 0, 0));
+  EXPECT_NEAR(SpringFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.1, 0.1}, state).x(), -0.2, 1e-12);
+  EXPECT_EQ(SpringFriction::force({1e-4, 0, 0}, normal, kSlipSpring, 2.0, {0.0, 0.0}, state), Vec3(0, 0, 0));
   EXPECT_EQ(state.pulled, Vec3(0, 0, 0));
 }
 
 // Normal, normal force and coefficient change at random: the hand never gets more than it gave.
-TEST(MapFriction, TakesEnergyOverAnyMotion) {
+TEST(SpringFriction, TakesEnergyOverAnyMotion) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);
-    MapFriction::State state;
+    SpringFriction::State state;
     double given_j = 0.0;
     double most_n = 0.0;
     for (int n = 0; n < 20000; ++n) {
@@ -41,7 +41,7 @@ TEST(MapFriction, TakesEnergyOverAnyMotion) {
       const double normal_n = 1.0 + unit(random);
       const double coefficient = 0.5 + 0.5 * unit(random);
       const double slipping = coefficient * (0.5 + 0.5 * unit(random));
-      const Vec3 force_n = MapFriction::force(motion, normal, kSlipSpring, normal_n, {coefficient, slipping}, state);
+      const Vec3 force_n = SpringFriction::force(motion, normal, kSlipSpring, normal_n, {coefficient, slipping}, state);
       EXPECT_LE(force_n.norm(), coefficient * normal_n * (1.0 + 1e-12));
       EXPECT_LT(std::abs(force_n.dot(normal)), 1e-12);
       given_j += force_n.dot(motion);
@@ -53,9 +53,9 @@ TEST(MapFriction, TakesEnergyOverAnyMotion) {
 }
 
 // 2 N: it sticks up to 1.6 N, slips at 0.8 N, also on after a turn, and sticks again below 0.4 N.
-TEST(MapFriction, SticksWithTheCoefficientAtRestAndSlipsWithTheOther) {
-  MapFriction::State state;
-  const auto move = [&](double x_m) { return MapFriction::force({x_m, 0, 0}, Vec3::UnitZ(), kSlipSpring, 2.0, {0.8, 0.4}, state).x(); };
+TEST(SpringFriction, SticksWithTheCoefficientAtRestAndSlipsWithTheOther) {
+  SpringFriction::State state;
+  const auto move = [&](double x_m) { return SpringFriction::force({x_m, 0, 0}, Vec3::UnitZ(), kSlipSpring, 2.0, {0.8, 0.4}, state).x(); };
   for (int n = 1; n <= 19; ++n) EXPECT_NEAR(move(1e-4), -0.08 * n, 1e-12) << n;
   EXPECT_FALSE(state.slips);
   EXPECT_NEAR(move(2e-4), -0.8, 1e-12);
