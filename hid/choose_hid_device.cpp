@@ -71,10 +71,15 @@ Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices
   return fail("no {} has the serial number, path or place '{}'; plugged in are: {}", to_string(kind), id, list(of_kind));
 }
 
-Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind) {
+bool has_twin(std::span<const HidDescription> devices, const HidDescription& chosen) {
+  return std::ranges::any_of(devices, [&](const HidDescription& d) { return d.path != chosen.path && is_same_device(d, chosen); });
+}
+
+Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind,
+                                             bool had_twin) {
   std::vector<HidDescription> same(devices.begin(), devices.end());
   std::erase_if(same, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
-  return choose_hid_device(same, kind, same.size() > 1 ? chosen.path : "");
+  return choose_hid_device(same, kind, same.size() > 1 || had_twin ? chosen.path : "");
 }
 
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept {

@@ -17,9 +17,14 @@ const HidCatalogEntry* find_in_hid_catalog(const HidDescription& device) noexcep
 // RT: no.
 Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices, HidKind kind, std::string_view id);
 
+// Whether another one of these looks the same as this one. RT: no.
+bool has_twin(std::span<const HidDescription> devices, const HidDescription& chosen);
+
 // The device that was chosen before, now that it may have been unplugged: its node may have another name now, but must not where several
-// look the same. Error: it is not there, or several look the same and none is at its node. RT: no.
-Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind);
+// look the same, or did: the one that is left is not the one that was chosen. Error: it is not there, or it had a twin and none is at its
+// node. RT: no.
+Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind,
+                                             bool had_twin);
 
 // Whether both describe the same piece of hardware, as far as the descriptions show; its node may have changed after it was unplugged.
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept;

@@ -135,12 +135,16 @@ Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& devi
 }
 
 HidOpener make_hid_opener(HidKind kind, std::string id) {
-  return [kind, id = std::move(id), chosen = std::optional<HidDescription>()]() mutable -> Result<std::unique_ptr<HidTransport>> {
+  return [kind, id = std::move(id), chosen = std::optional<HidDescription>(),
+          had_twin = false]() mutable -> Result<std::unique_ptr<HidTransport>> {
     const std::vector<HidDescription> devices = list_hid_devices();
-    const auto device = chosen ? find_hid_device_again(devices, *chosen, kind) : choose_hid_device(devices, kind, id);
+    const auto device = chosen ? find_hid_device_again(devices, *chosen, kind, had_twin) : choose_hid_device(devices, kind, id);
     if (!device) return tl::unexpected(device.error());
     auto opened = open_hid_device(*device, kind == HidKind::space_mouse ? HidSharing::shared : HidSharing::exclusive);
-    if (opened) chosen = *device;
+    if (opened) {
+      chosen = *device;
+      had_twin = had_twin || has_twin(devices, *device);
+    }
     return opened;
   };
 }

@@ -15,7 +15,7 @@ constexpr std::int64_t kRampNs = 100'000'000;
 // Time within which a force must be released: one that is not replaced stays whole for half of the time until it has to be zero.
 constexpr std::int64_t kLongestReleaseNs = kCommandTimeoutNs / 2;
 
-// N, N/s, Nm and so on: a limit up to this is none to divide by. As a wish it forbids; of a device it is invalid.
+// N, N/s, Nm and so on: a limit up to this is too small to divide by. Requested, it forbids the force; of a device, it is invalid.
 constexpr double kMinUsableLimit = 1e-9;
 
 // For a device without max_speed: faster than any hand moves a stylus.

@@ -96,8 +96,8 @@ TEST(ChooseHidDevice, TheSameDeviceMayComeBackAtAnotherNode) {
 
 // After it was unplugged. Two devices without serial numbers look the same: the wrong one must not exert the force of the other.
 TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
-  const auto again = [](const std::vector<HidDescription>& devices, const HidDescription& chosen) {
-    const auto found = find_hid_device_again(devices, chosen, HidKind::wooden_haptics);
+  const auto again = [](const std::vector<HidDescription>& devices, const HidDescription& chosen, bool had_twin = false) {
+    const auto found = find_hid_device_again(devices, chosen, HidKind::wooden_haptics, had_twin);
     return found ? found->path : found.error().what;
   };
   const HidDescription mouse = device("/dev/hidraw0", 0x046d, 0xc077);
@@ -108,6 +108,10 @@ TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
   EXPECT_EQ(again(twins, wooden("/dev/hidraw4")), "/dev/hidraw4");
   EXPECT_EQ(again(twins, wooden("/dev/hidraw1")), "/dev/hidraw1");
   EXPECT_THAT(again(twins, wooden("/dev/hidraw5")), HasSubstr("/dev/hidraw5")) << "neither is certainly the one";
+  EXPECT_TRUE(has_twin(twins, twins[0]));
+  EXPECT_FALSE(has_twin(std::vector{mouse, twins[0]}, twins[0]));
+  EXPECT_THAT(again({mouse, twins[0]}, twins[1], true), HasSubstr("/dev/hidraw4")) << "the other hand's is left";
+  EXPECT_EQ(again({mouse, twins[1]}, twins[1], true), "/dev/hidraw4");
 }
 
 }  // namespace
