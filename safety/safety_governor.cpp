@@ -143,7 +143,7 @@ GovernorState SafetyGovernor::gate() const noexcept {
 
 GovernorState SafetyGovernor::state() const noexcept {
   const GovernorState state = gate();
-  return state == GovernorState::live && ramp_.share(now_ns_) < 1.0 ? GovernorState::ramping : state;
+  return state == GovernorState::live && ramp_up_.share(now_ns_) < 1.0 ? GovernorState::ramping : state;
 }
 
 // Of max_force and of max_torque: what the budgets leave.
@@ -182,9 +182,9 @@ const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, s
   is_accepted_ = false;
   if (wanted) take(*wanted);
   const bool was_open = std::exchange(is_open_, gate() == GovernorState::live);
-  if (is_open_ && !was_open) ramp_.begin(now_ns_);
+  if (is_open_ && !was_open) ramp_up_.begin(now_ns_);
   if (is_open_) {
-    follow(ramp_.share(now_ns_), allowed_share(), filter_.left_s(now_ns_), passed_s);
+    follow(ramp_up_.share(now_ns_), allowed_share(), filter_.left_s(now_ns_), passed_s);
   } else {
     follow(0.0, 0.0, 0.0, passed_s);
   }

@@ -10,7 +10,7 @@
 #include "safety/fault_debouncer.h"
 #include "safety/motion_monitor.h"
 #include "safety/passivity_controller.h"
-#include "safety/ramp.h"
+#include "safety/ramp_up.h"
 #include "safety/safety_fault.h"
 #include "safety/safety_limits.h"
 #include "safety/slew_limit.h"
@@ -145,7 +145,7 @@ class SafetyGovernor {
   SafetyLimits limits_;
   DeadMansSwitch dead_mans_switch_;
   CommandFilter filter_;
-  Ramp ramp_;
+  RampUp ramp_up_;
   MotionMonitor motion_;
   ThermalBudget thermal_;
   EnergyBudget energy_;

@@ -7,7 +7,7 @@
 #include "safety/command_filter.h"
 #include "safety/dead_mans_switch.h"
 #include "safety/fault_debouncer.h"
-#include "safety/ramp.h"
+#include "safety/ramp_up.h"
 #include "safety/safety_fault.h"
 #include "safety/vector_limit.h"
 #include "safety/workspace_stop.h"
@@ -116,8 +116,8 @@ TEST(FaultDebouncer, TripsAtTheFifthAndForgetsOneInTenthsOfASecond) {
   EXPECT_TRUE(faults.note(9 * kTenth - 1));
 }
 
-TEST(Ramp, GoesEvenlyToAllThereIs) {
-  Ramp ramp;
+TEST(RampUp, GoesEvenlyToAllThereIs) {
+  RampUp ramp;
   ramp.begin(1000);
   EXPECT_EQ(ramp.share(1000), 0.0);
   EXPECT_NEAR(ramp.share(1000 + kRampNs / 4), 0.25, 1e-9);

@@ -8,7 +8,7 @@
 namespace hapton {
 
 // A factor that rises linearly from 0 to 1 within kRampNs. RT: yes.
-class Ramp {
+class RampUp {
  public:
   void begin(std::int64_t now_ns) noexcept { begin_ns_ = now_ns; }
   // 0 .. 1. Pre: now_ns not before begin.
