@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/math/contact_resumption.h"
+
 namespace hapton {
 namespace {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "core/base/ns_between.h"
-#include "core/math/left_contact.h"
+#include "core/math/contact_resumption.h"
 #include "core/math/rigid_pose.h"
 
 namespace hapton {
@@ -51,12 +51,13 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     ++skipped_;
     ++counts_.skipped;
   }
-  // The hub computed the force itself for a while and wants this node to go on from there.
-  if (state.is_resumed && !state_.is_resumed && running_) {
-    // What the hub knows may be from before an object was put down. After longer the hand may have gone round what it touched.
-    const bool is_recent = ns_between(last_time_ns_, state.sample_time_ns) <= kOwnPlaceNs;
-    const bool is_felt = tool_ == nullptr && output_.contact && is_recent;
-    restart_here(is_felt);
+  const std::int64_t gap_ns = ns_between(last_time_ns_, state.sample_time_ns);
+  if (running_ && state.is_resumed && !state_.is_resumed) {
+    // The hub computed the force itself for a while and wants this node to go on from there. Where objects are picked up, what it knows may
+    // be from before one was put down. After longer the hand may have gone round what it touched.
+    restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kOwnPlaceNs);
+  } else if (running_ && tool_ == nullptr && !is_path_known(input_.p_WD, state.p_WD, gap_ns)) {
+    restart_here(output_.contact);
   }
   state_ = state;
   has_state_ = true;
@@ -190,7 +191,11 @@ void HapticsStep::return_probe() noexcept {
 // An object was put down, and the slow task is building the scene with it: what is there now has it where it was before. Only the effects
 // in free space go on.
 void HapticsStep::feel_nothing(ForceCommand& reply) noexcept {
-  if (running_) remember_reply();
+  if (running_) {
+    remember_reply();
+  } else {
+    touch_->reset_effects(input_);
+  }
   running_ = true;
   const Vec3 effects_n = touch_->step_in_space(input_);
   reply.force_n = fade_.step(effects_n, !effects_n.isZero(0.0), input_.dt_s);
@@ -298,11 +303,11 @@ void HapticsStep::resume() noexcept { restart_here(running_ && output_.contact);
 
 Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().value_or(output_.visual_offset_m); }
 
-// The probe goes on from where it is, if it is felt there.
+// The probe goes on from where it is, if it is felt there and the scene has not been turned since.
 void HapticsStep::restart_here(bool is_felt) noexcept {
   const Vec3 held_m = held_offset();
   restart();
-  if (is_felt) p_WP_ = input_.p_WD + held_m;
+  if (is_felt && input_.X_WS.matrix() == X_WS_.matrix()) p_WP_ = input_.p_WD + held_m;
   outward_W_ = held_m;
 }
 
@@ -329,7 +334,8 @@ bool HapticsStep::turn_scene(const ViewTransform& view) noexcept {
     return false;
   }
   ++counts_.views_applied;
-  p_WP_.reset();
+  // A vision node that joins sends the pose that is there.
+  if (pose->matrix() != X_WS_.matrix()) p_WP_.reset();
   X_WS_ = *pose;
   view_ = view;
   return true;
@@ -364,7 +370,8 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     touch_->continue_hand_motion(*touch);
     // What is held has no output of the method, but may have effects in free space, which begin anew.
     const bool was_held = put_down.has_value() || tool_ != nullptr;
-    if (was_held || output_.contact || fade_.is_active() || settled.contact) fade_.begin();
+    // Whether effects act is known only in the first step, as here the hand does not move.
+    if (was_held || output_.contact || fade_.is_active() || settled.contact || touch_->has_effects()) fade_.begin();
     // A session that begins before the next sample goes on from there, and another object that leaves takes nothing away.
     if (put_down && tool_ == nullptr) output_ = settled;
   }

@@ -58,7 +58,8 @@ class HapticsStep {
   // Of the last reply: the tool overlaps the scene since it was put there, and gives no force.
   bool is_tool_blocked() const noexcept { return is_tool_blocked_; }
 
-  // A newer state for the next reply; one still waiting is skipped.
+  // A newer state for the next reply; one still waiting is skipped. Where the hand may have gone around something since the last reply
+  // (more than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume().
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
@@ -120,12 +121,13 @@ class HapticsStep {
   // The same with a rigid tool that was held from the start (hold): what it takes from them. Pre: holds_tool(), as StylusTool has it.
   void set_materials(std::span<const Material> materials, const ToolMaterials& of_tool) noexcept;
 
-  // Forgets contact and time: for a new hub session, or after a long gap in the samples.
+  // Forgets contact and time.
   void restart() noexcept {
     running_ = false;
     replied_before_ = 0;
     p_WP_.reset();
     fade_.forget();
+    torque_fade_.forget();
   }
 
   // A new hub session begins: as restart, but contact continues at the probe's position, if the device is still near (kResumeReachM).

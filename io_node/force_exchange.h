@@ -44,7 +44,7 @@ class ForceExchange {
   // while the force is local, it is not requested once more when that ends; otherwise it is, with the first sample that has no local force.
   // Replies to samples before the request are not felt: their probe was elsewhere.
   void request_resume() noexcept {
-    history_.note_new_haptics();
+    history_.note_resume_request();
     is_resume_requested_ = true;
   }
   // It has replied since.

@@ -120,7 +120,8 @@ class LocalPatch final : public LocalTouch {
   // The device's thread.
   PatchChain touch_;
   bool are_bodies_awaited_ = false;  // they are there, and cannot be taken yet
-  std::int64_t last_ns_ = 0;
+  std::int64_t last_ns_ = 0;         // of the last sample
+  Vec3 last_p_WD_ = Vec3::Zero();    // likewise
   std::int64_t scene_ns_ = 0;
   std::uint32_t started_ = 0;
 };

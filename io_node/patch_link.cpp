@@ -134,7 +134,7 @@ void PatchLink::choose(ForceExchange& forces, std::int64_t now_ns) noexcept {
 bool PatchLink::start_at_rest(const ForceExchange& forces) noexcept {
   const ProbeHistory::Pose& newest = forces.history().newest();
   const std::optional<Vec3> p_WP = forces.history().find_resume_point(newest.p_WD);
-  if (!p_WP) return false;
+  if (!p_WP || !forces.history().last_reply().contact) return false;
   ++orders_.start;  // as the haptics node before had it: this one's count of methods is another
   orders_.start_ns = newest.time_ns;
   orders_.start_scene_ns = scene_time_at(forces.history().last_reply(), newest.time_ns);

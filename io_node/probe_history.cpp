@@ -1,6 +1,6 @@
 #include "io_node/probe_history.h"
 
-#include "core/math/left_contact.h"
+#include "core/math/contact_resumption.h"
 
 namespace hapton {
 
@@ -22,8 +22,11 @@ void ProbeHistory::note_local(const ForceCommand& command) noexcept {
 }
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
-  if (!is_haptics_new_ || !p_WP_ || (*p_WP_ - p_WD).norm() > kResumeReachM) return std::nullopt;
-  return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
+  if (!is_haptics_new_) return std::nullopt;
+  const bool is_known_free = was_local_ && !last_.contact;
+  const std::optional<Vec3> p_WP = is_known_free ? find_probe() : p_WP_;
+  if (!p_WP || (*p_WP - p_WD).norm() > kResumeReachM) return std::nullopt;
+  return !is_known_free && has_left_contact(*p_WP, outward_W_, p_WD) ? std::nullopt : p_WP;
 }
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {

@@ -42,15 +42,25 @@ class ProbeHistory {
   // already knows nothing of it.
   void note_new_haptics() noexcept {
     is_haptics_new_ = true;
+    was_local_ = false;
     asked_ = newest_;
+  }
+  // The same where the device side has worked out the force until now: it knows also where a probe without contact is.
+  void note_resume_request() noexcept {
+    note_new_haptics();
+    was_local_ = true;
   }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
   // A reply to that sample knows nothing of the place to go on from, and one that does has not come yet.
   bool is_before_resume(std::uint64_t echo_sample) const noexcept { return is_haptics_new_ && echo_sample <= asked_; }
   // The scene was turned: the last position is no longer valid.
-  void forget_rest() noexcept { p_WP_.reset(); }
+  void forget_rest() noexcept {
+    p_WP_.reset();
+    was_local_ = false;
+  }
 
-  // Where a new haptics node resumes contact, if the device is still near (kResumeReachM) and has not left the surface.
+  // Where a haptics node goes on, if the device is still near (kResumeReachM): where a new one resumes contact, if the device has not left
+  // the surface, and also where a hand without contact was at last if the device side knew it.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_reply() const noexcept { return last_; }
   const Pose& newest() const noexcept { return poses_[newest_ % kSamples]; }
@@ -71,6 +81,7 @@ class ProbeHistory {
   std::optional<Vec3> p_WP_;       // in contact, as far as known
   Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
   bool is_haptics_new_ = false;
+  bool was_local_ = false;  // ... and the device side has worked out the force until then
 };
 
 }  // namespace hapton

@@ -205,7 +205,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
 // Of these kinds the newest wins (KindOrder).
 void Servo::on_newest(const PeerEvent& event, const Datagram& datagram) noexcept {
   const Message& message = datagram.message;
-  if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view);
+  if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view, event.peer);
   if (const auto* drawn = std::get_if<FrameAck>(&message)) {
     return vision_.on_frame_ack(datagram.header, *drawn, event.peer, cycle_.number, clock_.now_ns());
   }
@@ -248,26 +248,31 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   requests_.on_peer_gone(event.peer);
   markers_.on_peer_gone(event.peer);
   vision_.on_joined(event.peer);
+  if (event.role != NodeRole::tool) view_.on_joined(event.peer, clock_.now_ns());
   if (event.role != NodeRole::haptics) return;
   forces_.on_haptics_joined();
   if (patches_ != nullptr) patches_->on_haptics_joined();
-  view_.on_haptics_joined(event.peer, clock_.now_ns());
 }
 
 void Servo::on_left(const PeerEvent& event) noexcept {
   requests_.on_peer_gone(event.peer);
   markers_.on_peer_gone(event.peer);
+  view_.on_left(event.peer);
   if (event.role == NodeRole::haptics) forces_.on_haptics_left();
 }
 
-void Servo::on_view(const ViewTransform& view) noexcept {
-  if (!view_.accept(view, clock_.now_ns())) return;
+void Servo::on_view(const ViewTransform& view, std::size_t peer) noexcept {
+  if (!view_.accept(view, peer, clock_.now_ns())) return;
   forces_.forget_rest();
   scene_.place(view_.view());
 }
 
 void Servo::on_setup(const HapticsSetup& setup) noexcept {
   stats_.setup = setup;
+  if (!view_.view()) {
+    view_.accept(setup);
+    scene_.place(view_.view());
+  }
   peers_.send_to_role(NodeRole::tool, setup);
   peers_.send_to_role(NodeRole::vision, setup);  // it draws the probe at its true size
 }

@@ -120,7 +120,7 @@ class Servo final : private PeerEventHandler {
   void on_newest(const PeerEvent& event, const Datagram& datagram) noexcept;
   void on_joined(const PeerEvent& event) noexcept;
   void on_left(const PeerEvent& event) noexcept;
-  void on_view(const ViewTransform& view) noexcept;
+  void on_view(const ViewTransform& view, std::size_t peer) noexcept;
   void on_setup(const HapticsSetup& setup) noexcept;
 
   const ServoStats& fill_stats(const DeviceLoopStats& device) noexcept;

@@ -11,8 +11,12 @@
 
 namespace hapton {
 
-// Keeps the newest view transform and relays it to the haptics node: at once, when a haptics node joins, and again every kRepeatNs, in case
-// a datagram was lost.
+// Keeps the newest view transform and relays it to the haptics node and to the other vision nodes, so that all show the scene as it is
+// felt: at once, when one of them joins, and again every kRepeatNs, in case a datagram was lost.
+//
+// Several vision nodes may turn the scene. The node whose view is in use sets any; a view of another one counts only if its revision is
+// ahead, so it must know the view in use: a node that has just joined does not turn the scene under the hand. Otherwise it is sent the view
+// in use. Once the node whose view is in use has left, the next one sets any.
 // Units: ns of the hub's clock. RT: yes. Threads: the servo's.
 class ViewRelay {
  public:
@@ -22,9 +26,13 @@ class ViewRelay {
   ViewRelay(HubPeers& peers, ServoStats& stats) noexcept : peers_(peers), stats_(stats) {}
 
   void start(std::int64_t now_ns) noexcept { next_repeat_ns_ = now_ns; }
-  // Takes a pose from a vision node. True: the scene has moved; false: only the revision is new, as when a vision node joins.
-  bool accept(const ViewTransform& view, std::int64_t now_ns) noexcept;
-  void on_haptics_joined(std::size_t peer, std::int64_t now_ns) noexcept;
+  // Takes a pose from a vision node. True: the scene has moved; false: only the revision is new, or the view does not count.
+  bool accept(const ViewTransform& view, std::size_t peer, std::int64_t now_ns) noexcept;
+  // The view that the haptics node has, where the hub knows none: it was restarted, and no vision node is there.
+  void accept(const HapticsSetup& setup) noexcept;
+  // A haptics or a vision node has joined, maybe in the place of another one.
+  void on_joined(std::size_t peer, std::int64_t now_ns) noexcept;
+  void on_left(std::size_t peer) noexcept;
   void repeat_if_due(std::int64_t now_ns) noexcept;
 
   const std::optional<ViewTransform>& view() const noexcept { return view_; }
@@ -32,9 +40,14 @@ class ViewRelay {
   std::uint32_t revision_in_use(const ProbeHistory& history) const noexcept;
 
  private:
+  void show_others() noexcept;
+
   HubPeers& peers_;
   ServoStats& stats_;
+  static constexpr std::size_t kNobody = HubPeers::kCapacity;
+
   std::optional<ViewTransform> view_;
+  std::size_t owner_ = kNobody;  // the peer whose view it is
   std::int64_t next_repeat_ns_ = 0;
 };
 

@@ -162,10 +162,12 @@ PeerEvent HubPeers::reject(const Address& to, NodeRole role, std::int64_t now_ns
 }
 
 PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role, const Address& from, std::int64_t now_ns) noexcept {
-  // For a peer that was dropped and returns, our sequence numbers continue: lower ones would count as old.
+  // For a peer that was dropped and returns, our sequence numbers continue: lower ones would count as old. Another one may have taken its
+  // place meanwhile, so no peer begins below what any that was here has got.
   const auto known = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.sender == header.sender; });
-  const std::uint64_t sent = known != peers_.end() ? known->sent : 0;
   Peer& peer = peers_[place];
+  const std::uint64_t sent = known != peers_.end() ? known->sent : std::max(sent_to_replaced_, peer.sent);
+  sent_to_replaced_ = std::max(sent_to_replaced_, peer.sent);
   const bool replaced = peer.present;
   peer = Peer();
   peer.sent = sent;

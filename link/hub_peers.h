@@ -141,6 +141,7 @@ class HubPeers {
   std::array<std::byte, kMaxDatagramBytes> buffer_ = {};
   std::array<Peer, kCapacity> peers_ = {};
   std::uint64_t rejection_sequence_ = 0;
+  std::uint64_t sent_to_replaced_ = 0;  // the largest Peer::sent of those that are no longer known
   HubCounts counts_;
 };
 

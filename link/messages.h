@@ -32,10 +32,6 @@ struct Welcome {
 // node -> hub or hub -> node: leaving on purpose.
 struct Bye {};
 
-// Contact survives a restart: a new haptics node or hub resumes where the probe last rested, unless the device is farther from there than
-// this. Then the hand has moved on, and the surfaces in between must not be touched.
-constexpr double kResumeReachM = 0.02;
-
 // hub -> haptics, once a servo cycle.
 struct DeviceState {
   std::uint64_t sample = 0;         // counts servo cycles
@@ -43,8 +39,8 @@ struct DeviceState {
   Vec3 p_WD = Vec3::Zero();
   Quat q_WT = Quat::Identity();
   std::uint32_t buttons = 0;
-  bool is_resumed = false;   // p_WP is set: until a new haptics node has replied
-  Vec3 p_WP = Vec3::Zero();  // where the probe rested in the last contact of the previous node
+  bool is_resumed = false;   // p_WP is set: until a new haptics node has replied, or one that is to go on from the hub's own force
+  Vec3 p_WP = Vec3::Zero();  // where the probe was: in contact, or after the hub's own force also without
   // While the hub computes the force from parts of a scene that moves: the scene time of this sample. Below 0: haptics determines it.
   std::int64_t scene_time_ns = -1;
 };
@@ -90,7 +86,7 @@ struct ForceCommand {
 
 constexpr std::uint64_t kUnknownBefore = ~std::uint64_t{0};  // replied_before of a first reply that goes on from an earlier session
 
-// vision -> hub -> haptics, when the knob box turned the static scene: the memo's 12 floats.
+// vision -> hub -> haptics and the other vision nodes, when the knob box turned the static scene: the memo's 12 floats.
 struct ViewTransform {
   std::uint32_t revision = 0;
   std::array<float, 12> X_WS = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};  // row-major 3x4, [R|t]

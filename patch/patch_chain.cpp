@@ -11,7 +11,7 @@ namespace hapton {
 PatchChain::PatchChain() : touches_(kLinks) { p_OD_.fill(Vec3::Zero()); }
 
 std::unique_ptr<PatchBodies> PatchChain::take(std::unique_ptr<PatchBodies> bodies) noexcept {
-  if (has_arrived_ && body_count() == 1) start_ = {touches_[0].proxy(), touches_[0].outward(), time_s_};
+  note_single_proxy();
   std::swap(bodies_, bodies);
   if (bodies != nullptr && bodies->effects != nullptr && bodies_->effects != nullptr)
     bodies_->effects->continue_hand_motion(*bodies->effects);
@@ -65,6 +65,7 @@ void PatchChain::forget() noexcept {
 
 void PatchChain::set_generation(std::uint32_t generation) noexcept {
   if (std::exchange(generation_, generation) == generation) return;
+  note_single_proxy();
   for (PatchTouch& touch : touches_) touch.set_generation(generation);
   has_arrived_ = false;
 }
@@ -94,6 +95,11 @@ void PatchChain::start_new_bodies() noexcept {
   if (!start_) return;
   for (std::size_t b = 1; b < body_count(); ++b) start_body(b, *start_, 0.0);
   proxy_.go_on_from(start_->p_SP);
+}
+
+// Of a single body nothing else notes it; the bodies that replace it begin there.
+void PatchChain::note_single_proxy() noexcept {
+  if (has_arrived_ && body_count() == 1) start_ = {touches_[0].proxy(), touches_[0].outward(), time_s_};
 }
 
 void PatchChain::note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept {

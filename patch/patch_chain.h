@@ -92,6 +92,7 @@ class PatchChain {
   bool deforms(std::size_t body) const noexcept { return bodies_->bodies[body].deforms; }
   void start_new_bodies() noexcept;
   void start_body(std::size_t body, const Start& start, double age_s) noexcept;
+  void note_single_proxy() noexcept;
   void note_proxy(const Vec3& p_SD, const MethodOutput& felt) noexcept;
   std::optional<PatchOutput> step_bodies(const TouchInput& input) noexcept;
   std::optional<PatchOutput> step_chain(const TouchInput& input) noexcept;

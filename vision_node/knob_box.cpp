@@ -1,6 +1,7 @@
 #include "vision_node/knob_box.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "runtime/log.h"
@@ -25,6 +26,26 @@ Pose Dials::compute_pose(const Vec3& p_WC, const Pose& home_WS) const {
   const Quat turn = Eigen::AngleAxisd(radians(degrees.z()), Vec3::UnitZ()) * Eigen::AngleAxisd(radians(degrees.y()), Vec3::UnitY()) *
                     Eigen::AngleAxisd(radians(degrees.x()), Vec3::UnitX());
   return Eigen::Translation3d(p_WC) * turn * Eigen::Translation3d(-p_WC) * home_WS;
+}
+
+std::optional<Dials> find_dials(const Pose& X_WS, const Vec3& p_WC) {
+  constexpr double kPrecision = 8.0 * std::numeric_limits<float>::epsilon();
+  const Mat3 R = X_WS.linear();
+  const double sin_y = -R(2, 0);
+  const double cos_y = std::hypot(R(0, 0), R(1, 0));
+  // At a quarter turn about y, the dials x and z turn about one axis.
+  const bool is_quarter = cos_y < kPrecision;
+  const double x = is_quarter ? std::atan2(sin_y * R(0, 1), R(1, 1)) : std::atan2(R(2, 1), R(2, 2));
+  const double z = is_quarter ? 0.0 : std::atan2(R(1, 0), R(0, 0));
+  const Vec3 degrees = Vec3(x, std::atan2(sin_y, cos_y), z) * (180.0 / std::numbers::pi);
+  // Dials that were turned by keys stand at round numbers.
+  const Vec3 round = (degrees * 1e3).array().round() / 1e3;
+  for (const Vec3& tried : {round, degrees}) {
+    const Dials dials{tried};
+    const double off = (dials.compute_pose(p_WC).matrix() - X_WS.matrix()).cwiseAbs().maxCoeff();
+    if (off <= kPrecision * (1.0 + p_WC.norm())) return dials;
+  }
+  return std::nullopt;
 }
 
 std::array<float, 12> to_twelve_floats(const Pose& X_WS) {
@@ -66,6 +87,17 @@ void ViewTransformSender::confirm(std::uint32_t hub_revision) {
     note_newest();
     due_ = true;
   }
+}
+
+bool ViewTransformSender::adopt(const ViewTransform& view) {
+  if (view.revision < newest_.revision) return false;
+  const bool is_other = view.revision != newest_.revision || view.X_WS != newest_.X_WS;
+  newest_ = view;
+  note_newest();
+  due_ = false;
+  confirmed_ = view.revision;
+  has_received_ = true;  // so its revision is not taken for that of an earlier vision node
+  return is_other;
 }
 
 void ViewTransformSender::reject(std::uint32_t revision) {

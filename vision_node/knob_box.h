@@ -23,6 +23,9 @@ struct Dials {
   friend bool operator==(const Dials&, const Dials&) = default;
 };
 
+// The dials with which a scene whose home is the identity has that pose, to a float's precision; none: there are none, as it is moved.
+std::optional<Dials> find_dials(const Pose& X_WS, const Vec3& p_WC);
+
 // A pose as the memo's twelve floats: the rows of [R|t].
 std::array<float, 12> to_twelve_floats(const Pose& X_WS);
 Pose from_twelve_floats(const std::array<float, 12>& m);
@@ -37,6 +40,10 @@ class ViewTransformSender {
   // The revision that the hub last reported as in use (ProbeState::view_revision). If the hub's first report is ahead of us, it comes from
   // an earlier vision node: our numbers then continue from it.
   void confirm(std::uint32_t hub_revision);
+
+  // The view that the hub has from another vision node, or had before this one joined: it is the newest, and not sent. False: it is ours,
+  // or this node has a newer one.
+  bool adopt(const ViewTransform& view);
 
   // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
   void reject(std::uint32_t revision);

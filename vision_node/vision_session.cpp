@@ -17,8 +17,8 @@ namespace hapton {
 namespace {
 
 constexpr std::int64_t kSceneEveryNs = 1000 * kNanosecondsPerMillisecond;  // between two looks at the scene file
-constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;  // from a look of one node at the file to one of the other
-constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;  // without a reply, before the user is notified
+constexpr std::int64_t kSceneReadNs = 2000 * kNanosecondsPerMillisecond;   // from a look of one node at the file to one of the other
+constexpr std::int64_t kHubAbsentNs = 1000 * kNanosecondsPerMillisecond;   // without a reply, before the user is notified
 // How long the loop may sleep when nothing comes: a key pressed or a window uncovered waits no longer. A choice.
 constexpr std::int64_t kTurnNs = 4 * kNanosecondsPerMillisecond;
 
@@ -99,6 +99,9 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram received;
   for (bool more = hub_.receive(received, deadline_ns); more; more = hub_.receive(received, 0)) {
     if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) step_.receive(*rejected);
+    if (const auto* view = std::get_if<ViewTransform>(&received.message); view != nullptr && hub_.last_arrival() == Arrival::newest) {
+      step_.receive(*view);
+    }
     if (const auto* setup = std::get_if<HapticsSetup>(&received.message)) window_.use_setup(*setup);
     if (const auto* reply = std::get_if<MarkerReply>(&received.message)) {
       if (const auto line = marks_.accept(*reply)) log_info("{}", *line);

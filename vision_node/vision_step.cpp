@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/period_ns.h"
+#include "core/math/rigid_pose.h"
 #include "vision_node/hud_text.h"
 
 namespace hapton {
@@ -38,11 +39,23 @@ void VisionStep::receive(const ProbeState& state, std::int64_t received_ns) {
   plots_.receive(state, received_ns);
   connected_ = true;
   moved_ = true;
+  has_state_since_joining_ = true;
   sender_.confirm(state.view_revision);
+}
+
+void VisionStep::receive(const ViewTransform& view) {
+  const bool keeps_own = settings_.dials != Dials{} && !has_adopted_ && sender_.revision() == 1;
+  const auto X_WS = find_rigid_pose(view.X_WS);
+  if (keeps_own || !X_WS || !sender_.adopt(view)) return;
+  has_adopted_ = true;
+  const std::optional<Dials> dials = find_dials(*X_WS, settings_.p_WC);
+  home_WS_ = dials ? Pose(Pose::Identity()) : *X_WS;
+  interaction_.dials() = dials.value_or(Dials{});
 }
 
 void VisionStep::joined() {
   connected_ = true;
+  has_state_since_joining_ = false;
   sender_.rejoin();
 }
 
@@ -54,8 +67,14 @@ bool VisionStep::wants_surface(const WindowEvent& event) const {
 void VisionStep::handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ) {
   Interaction::View view{where.screen, where.picture, settings_.p_WC, p_WQ};
   if (state_ && state_->p_WD.allFinite()) view.p_WD = state_->p_WD;
+  const Dials before = interaction_.dials();
   interaction_.handle(event, view);
-  sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
+  send_dials(before);
+}
+
+// Dials that stay where they are send nothing: an adopted pose is theirs only to a float's precision.
+void VisionStep::send_dials(const Dials& before) {
+  if (interaction_.dials() != before) sender_.set(dialled_pose());
 }
 
 void VisionStep::lead_hand(const SurfaceSeen* seen) {
@@ -66,8 +85,9 @@ void VisionStep::lead_hand(const SurfaceSeen* seen) {
 
 void VisionStep::turn_dials(const Vec3& degrees) {
   if (degrees.isZero()) return;
+  const Dials before = interaction_.dials();
   for (int axis = 0; axis < 3; ++axis) interaction_.dials().turn(axis, degrees[axis]);
-  sender_.set(interaction_.dials().compute_pose(settings_.p_WC));
+  send_dials(before);
 }
 
 UserRequests VisionStep::take_requests() {
@@ -107,7 +127,10 @@ bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
 }
 
 std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
-  if (const auto view = sender_.take_due(now_ns)) return *view;
+  // The view that the hub has comes before its first state, so this node does not turn the scene by joining.
+  if (has_state_since_joining_) {
+    if (const auto view = sender_.take_due(now_ns)) return *view;
+  }
   if (const auto hand = interaction_.take_hand(now_ns)) return *hand;
   return std::nullopt;
 }

@@ -74,6 +74,9 @@ class VisionStep {
   void receive(const ProbeState& state, std::int64_t received_ns = 0);
   // The hub rejected a view transform of ours: one line in the log for each.
   void receive(const ViewRejected& rejected) { sender_.reject(rejected.revision); }
+  // The hub has a view of another vision node, or from before this one joined: the scene is shown as it is felt, and the dials go on from
+  // there. After joining, where dials were given at the start, these go to the hub.
+  void receive(const ViewTransform& view);
   // The hub was joined, for the first time or again.
   void joined();
   // The hub no longer replies.
@@ -150,7 +153,7 @@ class VisionStep {
     annotations_ = std::move(line);
     is_annotated_ = true;
   }
-  Pose scene_pose() const { return recorded_X_WS_ ? *recorded_X_WS_ : interaction_.dials().compute_pose(settings_.p_WC); }
+  Pose scene_pose() const { return recorded_X_WS_ ? *recorded_X_WS_ : dialled_pose(); }
   // What is shown is recorded, and the static scene had this pose: the dials mean nothing. line, happened: see HudFacts.
   void set_recording(const Pose& X_WS, std::string line, std::string happened) {
     recorded_X_WS_ = X_WS;
@@ -186,6 +189,8 @@ class VisionStep {
   std::int32_t touched_object() const { return contact() ? state_->object : -1; }
 
  private:
+  Pose dialled_pose() const { return interaction_.dials().compute_pose(settings_.p_WC, home_WS_); }
+  void send_dials(const Dials& before);
   HudFacts hud_facts() const;
   std::string_view help() const;
   bool has_head_moved(const Screen& where) const;
@@ -209,7 +214,10 @@ class VisionStep {
   bool cull_;
   bool help_;
   bool depth_cues_;
-  std::optional<Pose> recorded_X_WS_;  // none: live
+  std::optional<Pose> recorded_X_WS_;
+  Pose home_WS_ = Pose::Identity();       // of the scene at dials zero: not the identity where a program has moved it
+  bool has_adopted_ = false;              // a view of the hub
+  bool has_state_since_joining_ = false;  // none: live
   std::string recording_;
   std::string happened_;
   std::string teaching_;

@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "core/math/contact_resumption.h"
 #include "tests/faults/movable_touch_stage.h"
 
 namespace hapton {

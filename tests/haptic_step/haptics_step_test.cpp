@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/math/contact_resumption.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "core/math/contact_resumption.h"
 #include "haptic_step/haptics_step.h"
 #include "tests/support/made_meshes.h"
 

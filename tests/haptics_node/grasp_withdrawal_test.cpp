@@ -4,6 +4,7 @@
 #include <chrono>
 #include <thread>
 
+#include "core/math/contact_resumption.h"
 #include "tests/haptics_node/grasp_stage.h"
 
 namespace hapton {

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/math/contact_resumption.h"
 #include "link/hub_peers.h"
 #include "link/memory_endpoint.h"
 #include "plugin/plugin_method.h"

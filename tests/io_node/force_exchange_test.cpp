@@ -107,6 +107,26 @@ TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   EXPECT_NEAR(device.written.back().force_n.z(), 1.02, 1e-9) << "a hundredth of the difference, although four cycles passed";
 }
 
+// The haptics node saw 20 samples a second: its probe may be where the hand was before it went around an edge.
+TEST_F(Servos, WhereALocalForceEndsTheHapticsNodeLearnsThatTheHandIsFree) {
+  struct Free final : LocalTouch {
+    std::optional<LocalForce> step(const DeviceSample&) noexcept override {
+      return is_local ? std::optional<LocalForce>(LocalForce()) : std::nullopt;
+    }
+    bool is_local = true;
+  };
+  Free local;
+  make();
+  servo->device_loop().set_local_touch(&local);
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  reply_delay_ns = -1;
+  local.is_local = false;
+  servo->step();
+  EXPECT_TRUE(states.back().is_resumed);
+  EXPECT_LT((states.back().p_WP - states.back().p_WD).norm(), 1e-3);
+}
+
 TEST_F(Servos, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   make();
   join(kHaptics, NodeRole::haptics);

@@ -298,5 +298,18 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
   EXPECT_NEAR(last.z(), 3.0, 1e-6);
 }
 
+// A device that was away comes back in one step, from behind the sheet; a fast hand goes through it.
+TEST(LocalPatch, AHandThatMayHaveGoneAroundIsNotPulledBack) {
+  for (const std::int64_t gap_ns : {1 * kMs, 4 * kMs}) {
+    LocalPatch local;
+    local.offer(sheet_patch(0.0));
+    local.publish(orders_until(1000 * kMs));
+    for (int n = 1; n <= 10; ++n) ASSERT_TRUE(local.step(sample_at(Vec3(0, 0, 0.015), n * kMs)));
+    const auto felt = local.step(sample_at(Vec3(0, 0, -0.015), 10 * kMs + gap_ns));
+    ASSERT_TRUE(felt);
+    EXPECT_EQ(felt->contact, gap_ns == 4 * kMs);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

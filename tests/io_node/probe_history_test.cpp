@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/math/contact_resumption.h"
+
 namespace hapton {
 namespace {
 
@@ -129,6 +131,29 @@ TEST_F(Memory, ContactGoesOnFromTheProxyWhereverTheProbeIsDrawn) {
   EXPECT_EQ(*memory.find_probe(), Vec3(0.1, 0, 0.007));
   memory.note_new_haptics();
   EXPECT_EQ(*memory.find_resume_point(Vec3(0.1, 0, 0)), Vec3(0.1, 0, 0.007));
+}
+
+// Where the device side worked out the force until now, it knows of a free hand too.
+TEST_F(Memory, AFreeHandIsGivenToANodeThatIsToGoOn) {
+  for (const bool was_local : {false, true}) {
+    memory.note_sample(1, sample_at(1, 0.1));
+    ForceCommand free = reply_to(1, false);
+    free.visual_offset_m.setZero();
+    memory.note_local(free);
+    was_local ? memory.note_resume_request() : memory.note_new_haptics();
+    memory.note_sample(2, sample_at(2, 0.101));
+    const std::optional<Vec3> place = memory.find_resume_point(Vec3(0.101, 0, 0));
+    ASSERT_EQ(place.has_value(), was_local) << "a node that has just joined begins at the device by itself";
+    if (place) {
+      EXPECT_EQ(*place, Vec3(0.1, 0, 0));
+    }
+    EXPECT_FALSE(memory.find_resume_point(Vec3(0.1 + 2 * kResumeReachM, 0, 0)));
+    memory.note_reply(reply_to(2, false));
+    EXPECT_FALSE(memory.find_resume_point(Vec3(0.101, 0, 0)));
+  }
+  memory.note_resume_request();
+  memory.forget_rest();
+  EXPECT_FALSE(memory.find_resume_point(Vec3(0.101, 0, 0))) << "the scene was turned";
 }
 
 }  // namespace

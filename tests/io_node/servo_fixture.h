@@ -199,7 +199,7 @@ struct Servos : testing::Test {
       servo->step();
     }
   }
-  const std::map<std::uint16_t, NodeRole> roles = {{kHaptics, NodeRole::haptics}, {kVision, NodeRole::vision}, {kTool, NodeRole::tool}};
+  std::map<std::uint16_t, NodeRole> roles = {{kHaptics, NodeRole::haptics}, {kVision, NodeRole::vision}, {kTool, NodeRole::tool}};
   const ServoStats& stats() { return servo->collect_stats(); }
 };
 

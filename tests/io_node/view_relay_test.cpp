@@ -94,5 +94,107 @@ TEST_F(ContactAcrossAView, IsForgottenWhereTheSceneMoves) {
   EXPECT_FALSE(resumes_after(view));
 }
 
+// A second vision node, which joins with the pose of its own start.
+struct TwoViewers : Servos {
+  static constexpr std::uint16_t kSecond = 4;
+  ViewTransform turned{.revision = 41};
+  std::vector<ViewTransform> of_haptics, of_first, of_second;
+
+  void SetUp() override {
+    Servos::SetUp();
+    turned.X_WS[3] = 0.05F;
+    endpoint.on_send = [this](const Address& to, const Datagram& datagram) {
+      receive(to, datagram);
+      const auto* view = std::get_if<ViewTransform>(&datagram.message);
+      if (view != nullptr) (to == at(kHaptics) ? of_haptics : to == at(kVision) ? of_first : of_second).push_back(*view);
+    };
+    make();
+    roles[kSecond] = NodeRole::vision;
+    join(kHaptics, NodeRole::haptics);
+    join(kVision, NodeRole::vision);
+    run(10);
+    say(kVision, turned);
+    run(10);
+    forget();
+  }
+  void forget() {
+    of_haptics.clear();
+    of_first.clear();
+    of_second.clear();
+  }
+};
+
+TEST_F(TwoViewers, ANodeThatJoinsGetsTheViewInUseAndDoesNotTurnTheScene) {
+  join(kSecond, NodeRole::vision);
+  run(2);
+  ASSERT_FALSE(of_second.empty());
+  EXPECT_EQ(of_second.back().revision, 41U);
+  EXPECT_EQ(of_second.back().X_WS, turned.X_WS);
+  for (const std::uint32_t revision : {1U, 41U}) {
+    forget();
+    say(kSecond, ViewTransform{.revision = revision});
+    run(300);
+    ASSERT_FALSE(of_haptics.empty()) << "it is repeated";
+    for (const ViewTransform& view : of_haptics) EXPECT_EQ(view.X_WS, turned.X_WS) << revision;
+    ASSERT_FALSE(of_second.empty());
+    EXPECT_EQ(of_second.front().revision, 41U) << "instead of its own";
+    EXPECT_TRUE(of_first.empty());
+  }
+}
+
+TEST_F(TwoViewers, EitherTurnsTheSceneOnceItKnowsTheView) {
+  join(kSecond, NodeRole::vision);
+  run(2);
+  forget();
+  say(kSecond, ViewTransform{.revision = 42});
+  run(2);
+  ASSERT_EQ(of_haptics.size(), 1U);
+  EXPECT_EQ(of_haptics[0].revision, 42U);
+  ASSERT_EQ(of_first.size(), 1U) << "which shows it";
+  EXPECT_EQ(of_first[0].revision, 42U);
+  forget();
+  say(kVision, ViewTransform{.revision = 42, .X_WS = turned.X_WS});  // both at once: the first one counts
+  run(2);
+  EXPECT_TRUE(of_haptics.empty());
+  ASSERT_EQ(of_first.size(), 1U);
+  EXPECT_EQ(of_first[0].X_WS, ViewTransform().X_WS);
+}
+
+TEST_F(TwoViewers, AfterTheFirstHasLeftTheNextSetsAny) {
+  say(kVision, Bye{});
+  sequences.erase(kVision);
+  join(kSecond, NodeRole::vision);
+  run(2);
+  forget();
+  say(kSecond, ViewTransform{.revision = 3});
+  run(2);
+  ASSERT_EQ(of_haptics.size(), 1U);
+  EXPECT_EQ(of_haptics[0].revision, 3U);
+}
+
+// The hub was restarted, and no vision node is there.
+TEST_F(Servos, AHubWithoutAViewTakesThatOfTheHapticsNode) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  HapticsSetup setup;
+  setup.view_revision = 7;
+  setup.X_WS[3] = 0.05F;
+  say(kHaptics, setup);
+  run(10);
+  views.clear();
+  join(kVision, NodeRole::vision);
+  run(5);
+  ASSERT_FALSE(views.empty());
+  EXPECT_EQ(views.back().revision, 7U);
+  EXPECT_EQ(views.back().X_WS, setup.X_WS);
+  setup.view_revision = 8;
+  setup.X_WS[3] = 0.0F;
+  views.clear();
+  say(kHaptics, setup);
+  run(300);
+  ASSERT_FALSE(views.empty());
+  EXPECT_EQ(views.back().revision, 7U) << "it has one now";
+}
+
 }  // namespace
 }  // namespace hapton

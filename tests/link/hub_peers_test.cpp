@@ -230,6 +230,24 @@ TEST_F(HubPeersTest, ItsNumbersGoOnForAPeerThatReturns) {
   EXPECT_EQ(received_by(node).front().header.sequence, last + 1);
 }
 
+// Another one had its place meanwhile, and has left.
+TEST_F(HubPeersTest, ItsNumbersGoOnForAPeerWhosePlaceWasTaken) {
+  RawNode first = raw_node(2, 20);
+  RawNode second = raw_node(3, 30);
+  send(first, Hello{NodeRole::haptics}, 0);
+  events();
+  for (int n = 0; n < 500; ++n) hub_->send_to_role(NodeRole::haptics, DeviceState{});
+  const std::uint64_t last = received_by(first).back().header.sequence;
+  clock_.advance_ns(60 * kMs);
+  send(second, Hello{NodeRole::haptics}, 0);
+  ASSERT_EQ(event().kind, Kind::joined);
+  send(second, Bye{});
+  ASSERT_EQ(event().kind, Kind::left);
+  send(first, Hello{NodeRole::haptics}, 0);
+  ASSERT_EQ(event().kind, Kind::joined);
+  EXPECT_GT(received_by(first).front().header.sequence, last) << "lower numbers would count as old";
+}
+
 TEST_F(HubPeersTest, SendsToOneRoleOnly) {
   RawNode haptics = raw_node(2, 20);
   RawNode vision = raw_node(3, 30);

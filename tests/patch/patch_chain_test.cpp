@@ -408,5 +408,51 @@ TEST(PatchChain, HasRoomForAsManyBodiesAsAreAnnounced) {
   EXPECT_EQ(chain->take(std::make_unique<PatchBodies>(PatchBodies{.bodies = {{}}}))->bodies.size(), PatchChain::kLinks);
 }
 
+// A scene that stands still is replaced by one in which something moves: that begins where the hand is, not where it was when the patches
+// began.
+TEST(PatchChain, BodiesOfANewSceneBeginWhereTheHandIs) {
+  TouchScene still;
+  still.objects.push_back(chain_object(made::sheet(0.05, 0.0, 30)));
+  ChainStage first(on_patch_grid(still));
+  PatchChain& chain = first.chain();
+  TouchInput input{.p_WD = Vec3(0, 0, 0.02), .dt_s = 1e-3};
+  chain.start_at(input.p_WD, Vec3::Zero(), 0.0, 0.0);
+  const auto step = [&] {
+    input.time_s += 1e-3;
+    return chain.step(input);
+  };
+  PatchMaker maker;
+  maker.note_hand(chain.hand_of(0, 1));
+  (void)chain.offer(0, maker.make_if_due(first.store(), 0));
+  for (int n = 0; n < 100; ++n) {
+    input.p_WD = Vec3(0.0004 * n, 0, 0.02);
+    ASSERT_TRUE(step()) << n;
+  }
+  // Between the two places, from below the hand to above it.
+  TouchScene moving = still;
+  TouchObject wall = chain_object(made::box(Vec3(0.018, -0.02, 0.001), Vec3(0.022, 0.02, 0.04)));
+  wall.command_pivot = Vec3(0.02, 0, 0);
+  moving.objects.push_back(wall);
+  ChainStage second(on_patch_grid(moving));
+  chain.set_generation(1);
+  (void)step();
+  auto bodies = second.store().make_bodies(1);
+  (void)chain.take(std::move(bodies));
+  for (std::uint32_t body = 0; body < 2; ++body) {
+    PatchMaker next(PatchMaker::kFewTriangles, body);
+    next.note_hand(chain.hand_of(body, 1));
+    (void)chain.take_retired(body);
+    (void)chain.offer(body, next.make_if_due(second.store(), 1));
+  }
+  int felt_steps = 0;
+  for (int n = 0; n < 20; ++n) {
+    const auto felt = step();
+    if (!felt) continue;
+    ++felt_steps;
+    EXPECT_FALSE(felt->contact) << n;
+  }
+  EXPECT_GT(felt_steps, 0);
+}
+
 }  // namespace
 }  // namespace hapton

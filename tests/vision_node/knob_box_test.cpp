@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 
@@ -36,6 +37,26 @@ TEST(Dials, KeepWithinHalfATurnAndIgnoreRubbish) {
   dials.turn(3, 5.0);
   dials.turn(-1, 5.0);
   EXPECT_EQ(dials, before);
+}
+
+TEST(Dials, AreFoundFromAPose) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> degrees(-180.0, 180.0);
+  const Vec3 centre(0.05, 0.0, -0.02);
+  for (int n = 0; n < 1000; ++n) {
+    Dials dials{Vec3(degrees(random), degrees(random), degrees(random))};
+    if (n % 10 == 0) dials.degrees.y() = n % 20 == 0 ? 90.0 : -90.0;
+    const Pose X_WS = dials.compute_pose(centre);
+    const std::optional<Dials> found = find_dials(from_twelve_floats(to_twelve_floats(X_WS)), centre);
+    ASSERT_TRUE(found) << n;
+    EXPECT_LT((found->compute_pose(centre).matrix() - X_WS.matrix()).cwiseAbs().maxCoeff(), 2e-6) << n;
+  }
+  const std::optional<Dials> keys = find_dials(from_twelve_floats(to_twelve_floats(Dials{Vec3(5, -35, 170)}.compute_pose(centre))), centre);
+  ASSERT_TRUE(keys);
+  EXPECT_EQ(keys->degrees, Vec3(5, -35, 170));
+  Pose moved = Pose::Identity();
+  moved.translation().x() = 1e-4;
+  EXPECT_FALSE(find_dials(moved, centre));
 }
 
 TEST(TwelveFloats, ComeBackAsTheSamePoseToFloatPrecision) {

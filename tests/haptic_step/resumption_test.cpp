@@ -1,0 +1,131 @@
+// Where a probe goes on after a break, and where it begins anew.
+#include <gtest/gtest.h>
+
+#include "core/math/contact_resumption.h"
+#include "haptic_step/haptics_step.h"
+#include "tests/support/made_meshes.h"
+
+namespace hapton {
+namespace {
+
+constexpr double kSheetStiffness = 1000.0;
+constexpr std::int64_t kMillisecond = 1'000'000;
+
+TouchScene sheet_scene() { return {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {.stiffness_n_per_m = kSheetStiffness}}}}; }
+
+// A haptics node at a sheet at z = 0, which is felt from both sides.
+struct Resumption : testing::Test {
+  HapticsStep step{std::make_unique<TouchStep>(*make_method({}, sheet_scene())), 1e-5};
+  DeviceState state{.sample = 100, .sample_time_ns = 5'000'000'000};
+
+  const DeviceState& next(double z_m, std::int64_t gap_ns = kMillisecond) {
+    ++state.sample;
+    state.sample_time_ns += gap_ns;
+    state.p_WD = Vec3(0.01, 0.01, z_m);
+    return state;
+  }
+  ForceCommand reply(double z_m, std::int64_t gap_ns = kMillisecond) {
+    step.offer(next(z_m, gap_ns));
+    return step.reply();
+  }
+  void press() {
+    reply(0.001);
+    ASSERT_TRUE(reply(-0.002).contact);
+  }
+};
+
+TEST_F(Resumption, AHandFarAwayAfterAGapIsNotPulledBack) {
+  for (const std::int64_t gap_ns : {kMillisecond, 20 * kMillisecond, 2000 * kMillisecond}) {
+    EXPECT_FALSE(reply(0.03).contact);
+    const ForceCommand behind = reply(-0.03, gap_ns);
+    EXPECT_FALSE(behind.contact) << gap_ns;
+    EXPECT_EQ(behind.force_n, Vec3(Vec3::Zero()));
+    step.restart();
+  }
+}
+
+// The reply of a slow network is to a hand that went fast all the way.
+TEST_F(Resumption, AFastHandDoesNotPassThroughASheet) {
+  reply(0.015);
+  const ForceCommand through = reply(-0.015, 4 * kMillisecond);
+  EXPECT_TRUE(through.contact);
+  EXPECT_NEAR(through.force_n.z(), kSheetStiffness * 0.015, 1e-3);
+}
+
+TEST_F(Resumption, AHandThatIsStillNearKeepsItsContactAcrossAGap) {
+  press();
+  const ForceCommand after = reply(-0.003, 2000 * kMillisecond);
+  EXPECT_TRUE(after.contact);
+  EXPECT_NEAR(after.force_n.z(), kSheetStiffness * 0.003, 1e-3);
+}
+
+// It was pressed and is farther away than the reach: from its old place the surface in between would hold it.
+TEST_F(Resumption, APressedHandThatWentFarBeginsAnew) {
+  press();
+  EXPECT_FALSE(reply(-0.002 - 1.1 * kResumeReachM, 500 * kMillisecond).contact);
+}
+
+// The hub worked out the force meanwhile, and knows that the hand is free where this node has not seen it leave.
+TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
+  press();
+  DeviceState free = next(-0.002, 50 * kMillisecond);
+  free.is_resumed = true;
+  free.p_WP = free.p_WD;
+  step.offer(free);
+  EXPECT_FALSE(step.reply().contact);
+}
+
+TEST_F(Resumption, AViewThatMovesNothingLeavesTheContact) {
+  press();
+  step.resume();
+  ASSERT_TRUE(step.turn_scene({.revision = 2}));
+  EXPECT_TRUE(reply(-0.003).contact);
+}
+
+TEST_F(Resumption, WhereTheSceneWasTurnedTheOldPlaceIsNotUsed) {
+  ViewTransform lower{.revision = 2};
+  lower.X_WS[11] = -0.001F;
+  for (const bool turns_first : {false, true}) {
+    press();
+    if (turns_first) {
+      ASSERT_TRUE(step.turn_scene(lower));
+    }
+    step.resume();
+    if (!turns_first) {
+      ASSERT_TRUE(step.turn_scene(lower));
+    }
+    EXPECT_FALSE(reply(-0.0015).contact) << turns_first;
+    ASSERT_TRUE(step.turn_scene({.revision = 3}));
+    step.restart();
+  }
+}
+
+// How fast the hand is, and so the force of a viscous volume, is known only in the first step with the new scene.
+TEST(EffectsOfANewScene, ComeWithoutAJump) {
+  TouchScene scene = sheet_scene();
+  scene.effects.push_back(ViscousEffect{.damping_ns_per_m = 1e-9});
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({}, scene), scene), 1e-5);
+  DeviceState state{.sample = 1, .sample_time_ns = 5'000'000'000, .p_WD = Vec3(0, 0, 0.05)};
+  const auto reply = [&] {
+    ++state.sample;
+    state.sample_time_ns += kMillisecond;
+    state.p_WD.x() += 0.3e-3;
+    step.offer(state);
+    return step.reply().force_n.norm();
+  };
+  for (int n = 0; n < 50; ++n) reply();
+  scene.effects.push_back(ViscousEffect{.damping_ns_per_m = 50.0, .max_force_n = 8.0});
+  step.replace(std::make_unique<TouchStep>(*make_method({}, scene), scene));
+  double before_n = reply();
+  EXPECT_LE(before_n, 0.02 * 8.0);
+  double after_n = before_n;
+  for (int n = 0; n < 120; ++n) {
+    after_n = reply();
+    EXPECT_LE(after_n - before_n, 0.02 * 8.0) << n;
+    before_n = after_n;
+  }
+  EXPECT_GT(after_n, 7.0);
+}
+
+}  // namespace
+}  // namespace hapton
