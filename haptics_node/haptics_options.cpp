@@ -22,7 +22,7 @@ std::string check_method(const std::string& word) {
   return choice ? std::string() : choice.error().what;
 }
 
-// What is parsed once all is given.
+// Option values as text; set_options parses them after the command line was read.
 struct HapticsWords {
   std::string grid = "32";
   std::string realtime = "try";

@@ -25,19 +25,19 @@ struct HapticsOptions {
   bool watch_scene = false;  // read the scene file again when it changes
   std::string probe;         // of the scene file's [[probe]] tables; empty: the first one
   MethodSettings method;
-  bool is_method_given = false;  // on the command line; otherwise the probe's counts, where there is one
-  bool is_radius_given = false;
-  bool is_shading_given = false;
-  std::optional<PluginChoice> method_file;                                       // of the method 'plugin'
-  std::vector<PluginChoice> effects;                                             // from shared libraries
-  bool allow_plugins = false;                                                    // load the libraries that the scene file names
+  bool is_method_given = false;             // given on the command line; otherwise the method of the [[probe]] applies, if there is one
+  bool is_radius_given = false;             // likewise
+  bool is_shading_given = false;            // likewise
+  std::optional<PluginChoice> method_file;  // of the method 'plugin'
+  std::vector<PluginChoice> effects;        // from shared libraries
+  bool allow_plugins = false;               // load the libraries that the scene file names
   double plugin_budget_us = 1e-3 * static_cast<double>(CallBudget::kDefaultNs);  // of each call into a shared library
   // A rigid tool in place of a probe.
   ToolChoice tool;
-  int tool_threads = 1;               // that share the search for contacts
+  int tool_threads = 1;               // that share the search for contacts, besides the force's thread
   double tool_nm_per_rad = 0.0;       // rotational stiffness; 0: derived from its size
   double tool_voxel_m = 0.0;          // voxels of that side compute its force; 0: the proxy does
-  std::filesystem::path annotations;  // of vision_node: where movable objects lie at the start; empty: none
+  std::filesystem::path annotations;  // file of vision_node: poses of movable objects and carves at the start; empty: none
   int grasp_button = 1;               // of the stylus, from 1: picks up movable objects
   RealtimeSettings realtime;
   std::int64_t plugin_budget_ns() const { return static_cast<std::int64_t>(1e3 * plugin_budget_us); }

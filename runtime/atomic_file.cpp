@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -15,10 +16,11 @@ namespace hapton {
 namespace {
 
 tl::unexpected<Error> fail_to_write(const std::filesystem::path& path, int error) {
-  return fail("cannot write {}: {}; choose another folder or free this one", path.string(), std::strerror(error));
+  return fail("cannot write {}: {}; check the permissions and the free space of its folder, or choose another one", path.string(),
+              std::strerror(error));
 }
 
-// 0, or the errno of what failed. Whatever is reported only on closing counts too.
+// 0, or the errno of what failed. An error that shows only on closing is returned, too.
 int write_text(const std::filesystem::path& path, std::string_view text, FileReaders readers) {
   std::FILE* file = open_file_for(path, readers);
   if (file == nullptr) {
@@ -40,7 +42,13 @@ std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers)
   if (file < 0) return nullptr;
   (void)::fcntl(file, F_SETFL, O_WRONLY);
   if (is_private) (void)::fchmod(file, 0600);  // fails on a device or a pipe, which keeps its own mode
-  return ::fdopen(file, "wb");
+  std::FILE* const stream = ::fdopen(file, "wb");
+  if (stream == nullptr) {
+    const int error = errno;
+    ::close(file);
+    errno = error;
+  }
+  return stream;
 }
 
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text, FileReaders readers) {

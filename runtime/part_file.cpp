@@ -24,8 +24,10 @@ PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   // Standard output, though it may lead to a file.
   if (is_in_dev(path_)) return;
   // A link keeps leading to what is written.
-  if (auto target = std::filesystem::canonical(path_, error); !error && std::filesystem::is_symlink(path_, error))
-    target_ = std::move(target);
+  if (std::filesystem::is_symlink(path_, error)) {
+    if (auto target = std::filesystem::weakly_canonical(path_.parent_path() / std::filesystem::read_symlink(path_, error), error); !error)
+      target_ = std::move(target);
+  }
   part_ = target_;
   const auto status = std::filesystem::status(target_, error);
   const bool is_other =
@@ -64,7 +66,8 @@ Result<void> PartPath::keep() {
     return {};
   }
   discard();
-  return fail("cannot write {}: {}; choose another folder or free this one", path_.string(), error.message());
+  return fail("cannot write {}: {}; check the permissions and the free space of its folder, or choose another one", path_.string(),
+              error.message());
 }
 
 Result<PartFile> PartFile::open(const std::filesystem::path& path) {

@@ -143,6 +143,11 @@ void AnnotationFigure::set_current(std::int32_t object, const std::vector<Vec3>*
   shape.show_in(current_);
 }
 
+void AnnotationFigure::set_first_end(const std::optional<AnnotationPoint>& first) {
+  first_end_ = first;
+  build_measures();
+}
+
 void AnnotationFigure::set_probe(const ProbeShown& probe) {
   p_WP_ = probe.p_WP;
   X_WT_.translation() = probe.p_WP;

@@ -25,31 +25,30 @@ struct InkLabel {
 // A length for a person, with its unit: "42.31 mm".
 std::string describe_length(double length_m);
 
-// Strokes and measures as VTK actors. A stroke is hidden by what is in front of it, a measure shows through, dotted. Lines are drawn a
-// little nearer to the eye than they are, along the same ray: by the bound that strokes were thinned with, within which they may dip below
-// a curved surface, and by one pixel's width at their depth, so that neither the depth buffer nor the levels of detail hide them. Frames:
-// scene/annotations.h; W. Metres. RT: no.
+// Strokes and measures as VTK actors. Hidden parts of strokes are not drawn; hidden parts of measures are drawn dotted. Lines are moved
+// towards the eye along the line of sight, by twice the bound of StrokeThinner and one pixel's width at their depth, but at most by half of
+// their depth, so that neither the depth buffer nor the levels of detail hide them. Frames: scene/annotations.h; W. Metres. RT: no.
 class AnnotationFigure {
  public:
   AnnotationFigure();
   void add_to(vtkRenderer* renderer);
 
-  // How far strokes may be from the surface.
+  // bound_m: of StrokeThinner, how far strokes may be from the surface.
   void set_bound(double bound_m) { bound_m_ = bound_m; }
   void set_scene_pose(const Pose& X_WS);
-  // X_SO of all objects. held: the object that the stylus holds, at X_TO instead; -1: none.
+  // X_SO of all objects. held: the object that the stylus holds, at X_TO instead (T as drawn: p_WP, q_WP); -1: none.
   void set_objects(ObjectPoses X_SO, std::int32_t held, const Pose& X_TO);
   // Pre: annotations outlive this, or the next call. Those of objects that the scene does not have are left out.
   void set_entries(const Annotations& annotations, std::size_t scene_objects);
   // A stroke that is being drawn; null: none.
   void set_current(std::int32_t object, const std::vector<Vec3>* points_m);
   // The first end of a measure; from there a line goes to the tip.
-  void set_first_end(const std::optional<AnnotationPoint>& first) { first_end_ = first; }
+  void set_first_end(const std::optional<AnnotationPoint>& first);
   void set_probe(const ProbeShown& probe);
 
-  // At the beginning of each eye's picture.
+  // Before each eye's frame is drawn.
   void aim(const StereoScreen& screen, Eye eye, PictureSize size);
-  // Of the newest measures, in the picture.
+  // Of the measure in progress and of the newest ones, at most kMaxLabels; positions in W.
   std::vector<InkLabel> labels() const;
 
  private:

@@ -129,11 +129,11 @@ TEST_F(Faults, NoVisionNodeChangesAForceWhateverBecomesOfIt) {
   press();
   system->run_for_ns(2500 * kMs);
   const auto alone = force_of(system->device);
-  for (const int words_a_turn : {1, 20}) {
+  for (const int acks_per_state : {1, 20}) {
     for (const char* fate : {"lives", "is killed", "is frozen"}) {
       system.emplace(1);
       system->start_haptics();
-      const auto vision = system->make_vision(words_a_turn);
+      const auto vision = system->make_vision(acks_per_state);
       system->run_for_ns(1000 * kMs);
       EXPECT_GT(vision->seen(), 100) << fate;
       if (fate == std::string_view("is killed")) system->network.kill(vision->address());
@@ -141,7 +141,7 @@ TEST_F(Faults, NoVisionNodeChangesAForceWhateverBecomesOfIt) {
       system->run_for_ns(1000 * kMs);
       if (fate == std::string_view("is frozen")) system->network.freeze(vision->address(), false);
       system->run_for_ns(1000 * kMs);
-      EXPECT_EQ(force_of(system->device), alone) << words_a_turn << " words a turn, " << fate;
+      EXPECT_EQ(force_of(system->device), alone) << acks_per_state << " words a turn, " << fate;
       EXPECT_GT(system->stats().drawn, 100U);
     }
   }

@@ -46,13 +46,13 @@ struct MovableBesideMotion : MovableTouch {
   // The hand goes there from the block, stays on it for a while, and comes back. The hub computes the force of each sample from the post
   // where it is at that sample's scene time.
   void feel_post() {
-    system->device.led = kPressed + moved + Vec3(0, 0, 0.02);
+    system->device.target = kPressed + moved + Vec3(0, 0, 0.02);
     system->run_for_ns(1'500 * kMs);
-    system->device.led = kOverPost;
+    system->device.target = kOverPost;
     system->run_slowly_for_ns(2'500 * kMs);
     ASSERT_TRUE(system->wait_for_patches());
     const std::size_t first = system->touched.size();
-    system->device.led = kOnPost;
+    system->device.target = kOnPost;
     system->run_slowly_for_ns(2'000 * kMs);
     ASSERT_TRUE(system->wait_for_patches());
     std::size_t in_contact = 0;
@@ -71,9 +71,9 @@ struct MovableBesideMotion : MovableTouch {
     EXPECT_GT(in_contact, 500U);
     EXPECT_EQ(system->touched.back().force.object, kPost);
     EXPECT_TRUE(system->scene.objects[kPost].motion == nullptr || most_m - least_m > 0.0025) << "it did not rock";
-    system->device.led = kOverPost;
+    system->device.target = kOverPost;
     system->run_for_ns(1'000 * kMs);
-    system->device.led = kPressed + moved + Vec3(0, 0, 0.02);
+    system->device.target = kPressed + moved + Vec3(0, 0, 0.02);
     system->run_for_ns(2'500 * kMs);
     checked = system->touched.size();
   }

@@ -21,11 +21,11 @@ TEST_F(MovableTouch, AHandOnWhatStaysKeepsItsContact) {
     moved = Vec3::Zero();
     checked = 0;
     ASSERT_NO_FATAL_FAILURE(press(170, {.delay_ns = std::abs(delay_ms) * kMs}));
-    system->device.led = kPressed + Vec3(0, 0, 0.03);
+    system->device.target = kPressed + Vec3(0, 0, 0.03);
     system->run_for_ns(800 * kMs);
-    system->device.led = on_plate + Vec3(0, 0, 0.03);
+    system->device.target = on_plate + Vec3(0, 0, 0.03);
     system->run_for_ns(2000 * kMs);
-    system->device.led = on_plate;
+    system->device.target = on_plate;
     system->run_for_ns(1500 * kMs);
     ASSERT_TRUE(system->wait_for_patches());
     ASSERT_NEAR(system->touched.back().force.force_n.z(), 2.0, kOnGridN);
@@ -59,14 +59,14 @@ TEST_F(MovableTouch, AHandThatIsFastAsItReleasesIsHeldAsWithRemoteForce) {
       int turns = 0;
       (void)system->wait_until([&] { return ++turns > 50; });
       // At 1 m/s down, then to that depth in the object; the button is released on the way.
-      system->device.led_m = 1e-3;
-      system->device.led = kPressed + Vec3(0, 0, -0.02);
+      system->device.target_step_m = 1e-3;
+      system->device.target = kPressed + Vec3(0, 0, -0.02);
       system->run_for_ns(5 * kMs);
       system->device.buttons = 0;
       while (grasp().tool() != nullptr) system->run_for_ns(kMs);
       moved = grasp().poses()[kBlock].p_m;
       const double below_m = deep_m - 0.002;
-      system->device.led = kPressed + moved - Vec3(0, 0, below_m);
+      system->device.target = kPressed + moved - Vec3(0, 0, below_m);
       system->run_for_ns(200 * kMs);
       const bool is_held = deep_m < kResumeReachM;
       // The scene may be there before the hand is, on a machine that stands still meanwhile: then that is not known.
@@ -126,7 +126,7 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
           // A haptics node that is started again has the scene as its file says.
           watch(1500 * draw(2));
           system->device.buttons = 0;
-          system->device.led = kPressed + Vec3(0, 0, 0.03);
+          system->device.target = kPressed + Vec3(0, 0, 0.03);
           watch(1500);
           system->kill_haptics();
           system->run_for_ns(draw(300) * kMs);
@@ -136,11 +136,11 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
           // The parts of the node before serve until it joins.
           ASSERT_TRUE(system->wait_until([&] { return system->haptics->client().state() == JoinState::joined; }));
           ASSERT_TRUE(system->wait_for_patches()) << "it meets the hand above";
-          system->device.led = kPressed;
+          system->device.target = kPressed;
           watch(1500);
           break;
         case 3:
-          system->device.led = kPressed + moved + Vec3(0.001 * (draw(9) - 4), 0.001 * (draw(9) - 4), 0.0);
+          system->device.target = kPressed + moved + Vec3(0.001 * (draw(9) - 4), 0.001 * (draw(9) - 4), 0.0);
           break;
         default:
           system->device.buttons ^= 1U;
@@ -152,7 +152,7 @@ TEST_F(MovableTouch, NothingOfAnotherPlaceIsFeltAndNothingWaitsForEver) {
     system->run_for_ns(500 * kMs);
     ASSERT_TRUE(system->wait_until([&] { return !grasp().is_busy(); }));
     moved = grasp().poses()[kBlock].p_m;
-    system->device.led = kPressed + moved + Vec3(0, 0, 0.03);
+    system->device.target = kPressed + moved + Vec3(0, 0, 0.03);
     ASSERT_TRUE(system->wait_for_patches());
     for (int n = 0; n < 15; ++n) watch(100);
     lead(kPressed + moved);

@@ -67,7 +67,7 @@ struct MovableTouch : testing::Test {
     }
     system->set_faults(faults, faults);
     system->run_for_ns(500 * kMs);
-    system->device.led = kPressed;
+    system->device.target = kPressed;
     system->run_for_ns(500 * kMs);
     if (choice != TouchChoice::remote) {
       ASSERT_TRUE(system->wait_for_patches());
@@ -100,7 +100,7 @@ struct MovableTouch : testing::Test {
   }
   // No force comes from patches as long as it is held.
   void carry(const Vec3& to) {
-    const Vec3 from = std::exchange(system->device.led, to).value_or(to);
+    const Vec3 from = std::exchange(system->device.target, to).value_or(to);
     system->run_for_ns(static_cast<std::int64_t>(2e10 * (to - from).norm()) + 500 * kMs);
     EXPECT_EQ(system->touched.size(), checked);
   }
@@ -113,7 +113,7 @@ struct MovableTouch : testing::Test {
     ASSERT_TRUE(expect_block());
   }
   void lead(const Vec3& to) {
-    system->device.led = to;
+    system->device.target = to;
     for (int n = 0; n < 30; ++n) {
       system->run_for_ns(100 * kMs);
       ASSERT_TRUE(expect_block());
@@ -126,7 +126,7 @@ struct MovableTouch : testing::Test {
     ASSERT_TRUE(system->wait_for_patches());
     lead(kPressed + Vec3(-0.005, 0, -0.01));
     EXPECT_FALSE(system->touched.back().force.contact);
-    EXPECT_NEAR((system->touched.back().sample.p_WD - *system->device.led).norm(), 0.0, 1e-9);
+    EXPECT_NEAR((system->touched.back().sample.p_WD - *system->device.target).norm(), 0.0, 1e-9);
     lead(kPressed + Vec3(-0.005, 0, 0.03));
     lead(kPressed + moved + Vec3(0, 0, 0.02));
     lead(kPressed + moved);

@@ -137,7 +137,7 @@ TEST_F(MovableTouch, AHapticsNodeThatIsStartedAgainIsFeltAsItHasTheScene) {
     system->kill_haptics();
     ASSERT_TRUE(expect_block());
     system->device.buttons = 0;
-    system->device.led = kPressed + Vec3(0, 0, 0.02);
+    system->device.target = kPressed + Vec3(0, 0, 0.02);
     system->run_for_ns(500 * kMs);
     system->start_haptics();
     ASSERT_TRUE(system->wait_for_patches());

@@ -45,9 +45,8 @@ class ShiftedClock final : public Clock {
   std::int64_t shift_ns_ = 0;
 };
 
-// A device that comes down onto the top of a box, 0.1 m wide around the origin, in its first 100 ms,
-// and then stays 2 mm inside it, moving to and fro by a millimetre. It records the forces on its
-// motors.
+// A device that moves along -z onto the face z = 0.05 m of a box, 0.1 m wide around the origin, in its first 100 ms, and then stays 2 mm
+// inside it, oscillating along x by a millimetre. Frame W. It records the forces on its motors.
 class PressingDevice final : public Device {
  public:
   struct Written {
@@ -59,9 +58,9 @@ class PressingDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override {
     if (begin_ns_ == 0) begin_ns_ = now_ns;
-    if (led) {
-      const Vec3 left = *led - place_;
-      place_ += left.norm() <= led_m ? left : Vec3(left.normalized() * led_m);
+    if (target) {
+      const Vec3 left = *target - place_;
+      place_ += left.norm() <= target_step_m ? left : Vec3(left.normalized() * target_step_m);
       return {now_ns, place_, Quat::Identity(), buttons};
     }
     const double share = std::min(1.0, 1e-8 * static_cast<double>(now_ns - begin_ns_));
@@ -74,8 +73,8 @@ class PressingDevice final : public Device {
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
   std::vector<Written> written;
-  std::optional<Vec3> led;  // it goes there instead ...
-  double led_m = 5e-5;      // ... so far in each sample
+  std::optional<Vec3> target;   // it goes there instead ...
+  double target_step_m = 5e-5;  // ... so far in each sample
   std::uint32_t buttons = 0;
 
  private:
@@ -87,8 +86,8 @@ class PressingDevice final : public Device {
 // One haptics node: its clock, its sealed connection to the hub and its loop.
 class SimulatedHaptics {
  public:
-  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin. builds_on_approach: each first reply waits for the
-  // builder, in the time of that.
+  // scene: felt by method `proxy`; no objects: a box, 0.1 m wide, around the origin. builds_on_approach: as in ReplyLoop, the first reply
+  // waits until the builder's thread, in real time, has built the objects nearby.
   SimulatedHaptics(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
                    const SealedClient::Options& sealing = {}, const Scene& scene = {}, bool builds_on_approach = false)
       : clock(time),
@@ -128,7 +127,7 @@ class SimulatedHaptics {
   const TouchStep& touch() const { return step_.touch(); }
   // Pre: the scene has movable objects.
   const Grasp& grasp() const { return *grasp_; }
-  // As a program requests a shape of the first object. Pre: programs deform it.
+  // Requests a shape of the first object, as a program does. Pre: programs may deform it.
   void deform(std::uint32_t shape, const std::vector<ShapePart::Displacement>& displacements_m, double over_s) {
     for (std::uint32_t first = 0; first < displacements_m.size(); first += ShapePart::kMaxHere) {
       shaper_->accept({.stream = 1, .shape = shape, .over_s = over_s, .part = make_shape_part(displacements_m, first)}, clock.now_ns());
@@ -157,7 +156,7 @@ class SimulatedHaptics {
   static TouchScene box() { return {.objects = {{made::shared(made::box(Vec3::Constant(-0.05), Vec3::Constant(0.05))), {}}}}; }
 
   void turn() {
-    // Before construction has ended the network has nothing for it.
+    // During construction the network delivers nothing to this node.
     loop_.turn(clock.now_ns());
   }
 
@@ -180,15 +179,15 @@ class SimulatedHaptics {
   std::optional<GraspTask> grasp_task_;
 };
 
-// A vision node that acknowledges every state at once, and repeats it a number of times.
+// A vision node that sends acks_per_state acknowledgements of each state, and a HandTarget with each but the first.
 class SimulatedVision {
  public:
   SimulatedVision(SimulatedNetwork& network, const SimulatedClock& time, const LinkKey& key, const Address& hub, const Address& at,
-                  int words_a_turn)
+                  int acks_per_state)
       : network_(network),
         clock_(time),
         at_(at),
-        words_a_turn_(words_a_turn),
+        acks_per_state_(acks_per_state),
         endpoint_(network.open_node(at, [this] { turn(); })),
         sealed_(*endpoint_, time, RoleKey(key, KeyRole::vision), hub),
         client_(sealed_, time, NodeRole::vision, hub) {}
@@ -207,7 +206,7 @@ class SimulatedVision {
       const auto* state = std::get_if<ProbeState>(&datagram.message);
       if (state == nullptr) continue;
       ++seen_;
-      for (int n = 0; n < words_a_turn_; ++n) {
+      for (int n = 0; n < acks_per_state_; ++n) {
         client_.send(FrameAck{state->sample, state->sample_time_ns, 60.0F, 1000});
         if (n > 0) client_.send(HandTarget{});
       }
@@ -217,7 +216,7 @@ class SimulatedVision {
   SimulatedNetwork& network_;
   const SimulatedClock& clock_;
   Address at_;
-  int words_a_turn_;
+  int acks_per_state_;
   std::unique_ptr<Endpoint> endpoint_;
   SealedClient sealed_;
   HubClient client_;
@@ -236,14 +235,14 @@ class SimulatedSystem {
     start_hub();
   }
 
-  // In addition to the time on a good wire.
+  // The faults of each direction, in addition to the delay kWireNs.
   void set_faults(LinkFaults to_hub, LinkFaults to_nodes) {
     to_hub.delay_ns += kWireNs;
     to_nodes.delay_ns += kWireNs;
     network.set_faults(to_hub, to_nodes);
   }
 
-  // Another life of the hub at the same address.
+  // Starts the hub, or restarts it as a new session at the same address.
   void start_hub() {
     servo.reset();
     peers_.reset();
@@ -266,10 +265,10 @@ class SimulatedSystem {
     at.ip = hub_address_.ip;
     haptics = std::make_unique<SimulatedHaptics>(network, clock, key_, hub_address_, at, sealing, scene, builds_on_approach);
   }
-  std::unique_ptr<SimulatedVision> make_vision(int words_a_turn) {
+  std::unique_ptr<SimulatedVision> make_vision(int acks_per_state) {
     Address at{{}, next_port_++};
     at.ip = hub_address_.ip;
-    return std::make_unique<SimulatedVision>(network, clock, key_, hub_address_, at, words_a_turn);
+    return std::make_unique<SimulatedVision>(network, clock, key_, hub_address_, at, acks_per_state);
   }
   // Like kill -9: without a goodbye.
   void kill_haptics() {
@@ -284,7 +283,7 @@ class SimulatedSystem {
     vision->send(view);
     run_for_ns(100 * kMs);
   }
-  // Until something holds that depends on threads which take their own time, more of it on a busy machine. False: it does not.
+  // Runs until the condition holds, which may depend on threads in real time. False: not within 30 s of real time.
   template <class Condition>
   bool wait_until(Condition&& holds) {
     const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -306,8 +305,7 @@ class SimulatedSystem {
     while (clock.now_ns() < end_ns) servo->step();
   }
 
-  // The same, with time for the threads that build patches, which take their own: simulated time runs ahead of them on a busy machine, and
-  // the hand would outrun its patches.
+  // As run_for_ns, but pauses for 1 ms of real time every 5 ms, so that the threads that build patches keep up on a busy machine.
   void run_slowly_for_ns(std::int64_t duration_ns) {
     const std::int64_t end_ns = clock.now_ns() + duration_ns;
     while (clock.now_ns() < end_ns) {
@@ -321,7 +319,7 @@ class SimulatedSystem {
   const ServoStats& stats() { return servo->collect_stats(); }
   Vec3 force_n() const { return device.written.empty() ? Vec3(Vec3::Zero()) : device.written.back().force_n; }
 
-  // When the force became zero after that time, and stayed so until the newest record; none: it has not.
+  // Since when the force has been zero, until the newest write; none: it is not zero, or none was written.
   std::optional<std::int64_t> zero_since_ns() const {
     std::optional<std::int64_t> since;
     for (const auto& written : device.written) {
@@ -332,7 +330,7 @@ class SimulatedSystem {
     }
     return since;
   }
-  // The first force at or after that time.
+  // The time of the first force at or after that time; none: there is none.
   std::optional<std::int64_t> force_after_ns(std::int64_t time_ns) const {
     for (const auto& written : device.written) {
       if (written.time_ns >= time_ns && written.force_n != Vec3::Zero()) return written.time_ns;
@@ -346,7 +344,8 @@ class SimulatedSystem {
     LocalForce force;
   };
 
-  SimulatedClock clock{1'000'000'000'000'000};  // ahead of the time of this machine, which the patches' threads go by
+  SimulatedClock clock{
+      100'000'000'000'000'000};  // 3.2 years: later than this machine's CLOCK_MONOTONIC, which threads that build patches read
   SimulatedNetwork network;
   PressingDevice device;
   std::unique_ptr<Servo> servo;

@@ -19,6 +19,7 @@ namespace hapton::fuzz {
 namespace {
 
 constexpr std::int64_t kStartNs = 1000 * kNanosecondsPerSecond;
+// Flags of ListedDatagram: bits 1 and 2 the node, bit 0 from the hub to the node, bits 3 and 4 the pause (here 1.1 s).
 constexpr std::uint8_t kHaptics = 0 << 1;
 constexpr std::uint8_t kVision = 1 << 1;
 constexpr std::uint8_t kTool = 2 << 1;
@@ -36,16 +37,16 @@ bool write(const char* target, const char* name, const std::vector<ListedDatagra
   return file.good();
 }
 
-struct Said {
+struct SentMessage {
   std::uint8_t flags = 0;
   Message message;
 };
 
-std::vector<ListedDatagram> sealed(std::initializer_list<Said> all) {
+std::vector<ListedDatagram> sealed(std::initializer_list<SentMessage> all) {
   Codec codec;
   std::vector<ListedDatagram> datagrams;
   std::uint64_t number = 0;
-  for (const Said& said : all) {
+  for (const SentMessage& said : all) {
     ++number;
     const ListedDatagram as{.flags = said.flags, .bytes = {}};
     Datagram datagram;
@@ -191,7 +192,7 @@ Bytes encode(const Message& message, std::uint64_t number) {
   return {bytes, bytes + codec.encode(datagram, into)};
 }
 
-// All parts of a scene, and then these.
+// All parts of a scene, then the messages of `later`. Flag 1: the hand moves after this one (patch_fuzz.cpp).
 std::vector<ListedDatagram> parts_of(const TouchScene& scene, std::initializer_list<Message> later = {}) {
   std::vector<ListedDatagram> parts;
   PatchSource source(make_tiles(scene), 0.0, 7, 1, {.bits_per_s = 1e15, .least_reach_m = 1e3});
@@ -215,7 +216,7 @@ TouchObject heaving_square() {
   return square;
 }
 
-// A square that a program raises by 2 mm.
+// A square that programs deform, by at most 4 mm.
 TouchObject swelling_square() {
   TouchObject square{.mesh = made::shared(made::sheet(0.01, 0.0, 1)), .material = {}};
   square.stream_reach_m = 0.004;
@@ -234,15 +235,15 @@ TouchObject needle_block() {
 
 bool write_patch() {
   const TouchObject floor{.mesh = made::shared(made::sheet(0.02, 0.0, 1)), .material = {}};
-  TouchObject sliding = floor;
-  sliding.motion = std::make_shared<const KeyframeMotion>(
+  TouchObject rising = floor;
+  rising.motion = std::make_shared<const KeyframeMotion>(
       Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.01, Vec3(0, 0, 0.001), Quat::Identity()}}, false);
   TouchObject lid = floor;
   lid.command_pivot = Vec3::Zero();
   const ObjectMove lifted{.source = 1, .serial = 1, .object = 1, .end_ns = 8'000'000, .to_p_m = Vec3(0, 0, 0.002)};
   const PatchMaterial softer{.epoch = 1, .serial = 99, .stiffness_n_per_m = 300.0};
   return write("patch", "still", parts_of({.objects = {floor}}, {softer})) &&
-         write("patch", "keyframes", parts_of({.objects = {floor, sliding}})) &&
+         write("patch", "keyframes", parts_of({.objects = {floor, rising}})) &&
          write("patch", "commanded", parts_of({.objects = {floor, lid}}, {lifted})) &&
          write("patch", "deforms", parts_of({.objects = {floor, heaving_square()}})) &&
          write("patch", "streams",
@@ -261,7 +262,8 @@ bool write_codec_parts() {
     const Bytes bytes = encode(message, 1);
     std::ofstream file(std::filesystem::path(HAPTON_SOURCE_DIR) / "tests/fuzz/corpus/codec" / name, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    return !!file.flush();
+    if (!file.flush()) std::fprintf(stderr, "cannot write tests/fuzz/corpus/codec/%s\n", name);
+    return file.good();
   };
   PatchBody body{.epoch = 1, .serial = 2, .body = 1, .motion = PatchBody::Motion::keyframes, .deforms = true, .lowest = {1, 2, 3}};
   body.highest = {4, 5, 6};
@@ -281,13 +283,17 @@ bool write_codec_parts() {
          put("patch_material", PatchMaterial{.epoch = 1, .serial = 5, .stiffness_n_per_m = 300.0, .friction_static = 0.4});
 }
 
-// The messages of target codec are kept; only their version changes.
+// The messages of target codec are kept; only their protocol version, the byte at offset 1, is set.
 bool renew_codec() {
   for (const auto& entry : std::filesystem::directory_iterator(std::string(HAPTON_SOURCE_DIR) + "/tests/fuzz/corpus/codec")) {
     std::fstream file(entry.path(), std::ios::binary | std::ios::in | std::ios::out);
+    static_assert(kProtocolVersion < 128, "the version is one byte");
     file.seekp(1);
     file.put(static_cast<char>(kProtocolVersion));
-    if (!file.flush()) return false;
+    if (!file.flush()) {
+      std::fprintf(stderr, "cannot write %s\n", entry.path().c_str());
+      return false;
+    }
   }
   return true;
 }

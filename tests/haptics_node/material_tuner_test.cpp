@@ -41,12 +41,12 @@ std::unique_ptr<TunedMaterials> wait_for_result(MaterialTuner& tuner) {
   return nullptr;
 }
 
-TEST(MaterialTuner, GivesTheMaterialsOfAllObjectsAndTellsWhoeverNeedsThem) {
+TEST(MaterialTuner, GivesTheMaterialsOfAllObjectsAndNotifiesItsListener) {
   std::mutex mutex;
-  std::vector<double> told;
+  std::vector<double> notified;
   MaterialTuner tuner(hull_and_deck(), 0.0, [&](const std::vector<Material>& materials) {
     const std::scoped_lock lock(mutex);
-    for (const Material& material : materials) told.push_back(material.stiffness_n_per_m);
+    for (const Material& material : materials) notified.push_back(material.stiffness_n_per_m);
   });
   EXPECT_EQ(tuner.take(), nullptr);
   tuner.request(stiffness_request(5, "deck", 700.0));
@@ -57,16 +57,16 @@ TEST(MaterialTuner, GivesTheMaterialsOfAllObjectsAndTellsWhoeverNeedsThem) {
   EXPECT_EQ(result->materials[1].stiffness_n_per_m, 700.0);
   EXPECT_EQ(result->state.request, 5U);
   EXPECT_EQ(result->state.object_count, 1U);
-  // After the result is there: the hand does not wait for whoever needs them.
-  const auto told_now = [&] {
+  // The listener is notified after take() has the result, so the loop does not wait for it.
+  const auto notified_now = [&] {
     const std::scoped_lock lock(mutex);
-    return told;
+    return notified;
   };
-  ASSERT_TRUE(wait_until([&] { return !told_now().empty(); }));
-  EXPECT_EQ(told_now(), (std::vector{1000.0, 700.0}));
+  ASSERT_TRUE(wait_until([&] { return !notified_now().empty(); }));
+  EXPECT_EQ(notified_now(), (std::vector{1000.0, 700.0}));
 }
 
-TEST(MaterialTuner, GivesWhatARigidToolTakesFromThem) {
+TEST(MaterialTuner, GivesTheToolMaterialsOfARigidTool) {
   Scene scene = hull_and_deck();
   scene.objects[0].effects.viscosity.damping_ns_per_m = 3.0;
   const auto describe = [](double n_per_m) {

@@ -178,7 +178,7 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
 // The hub computes forces, with parts from a thread that lives in real time: that of the test is ahead of it.
 class WithdrawnPartsTest : public GraspLoopTest {
  protected:
-  WithdrawnPartsTest() : GraspLoopTest(1'000'000'000'000'000) { loop_.set_patch_sender(&patches_); }
+  WithdrawnPartsTest() : GraspLoopTest(100'000'000'000'000'000) { loop_.set_patch_sender(&patches_); }
   ~WithdrawnPartsTest() override { loop_.set_patch_sender(nullptr); }
 
   void turn(std::uint32_t buttons) {

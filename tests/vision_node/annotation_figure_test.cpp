@@ -257,8 +257,10 @@ TEST_F(AnnotationFigureTest, TheLabelOfABegunMeasureIsInItsMiddle) {
   view->annotation_figure().set_probe(probe);
   ASSERT_EQ(view->annotation_figure().labels().size(), 1U);
   EXPECT_LT((view->annotation_figure().labels()[0].p_W - Vec3(0.01, 0.02, 0.0)).norm(), 1e-12);
+  EXPECT_GT(find_ink(*view, is_rule, 0, 640).count, 0);
   view->annotation_figure().set_first_end(std::nullopt);
   EXPECT_TRUE(view->annotation_figure().labels().empty());
+  EXPECT_EQ(find_ink(*view, is_rule, 0, 640).count, 0) << "the line is gone, too";
 }
 
 TEST(DescribeLength, HasAUnitThatSuits) {

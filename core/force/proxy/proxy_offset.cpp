@@ -13,6 +13,7 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   } else if (!sphere_.is_tracking()) {
     const bool has_started = sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides);
     work_left_ -= sphere_.work();
+    failures_ += has_started ? 0 : 1;
     if (!has_started) return false;
   }
   const SphereFollower::Outcome outcome = sphere_.follow(last, device, time, work_left_);

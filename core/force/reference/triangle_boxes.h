@@ -17,8 +17,8 @@ class TriangleBoxes {
   // Pre: each triangle names vertices of the span.
   TriangleBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-  // The triangles whose box is within `bound` of p, and some of those farther by less than a millionth of the coordinates, in ascending
-  // order. Valid until the next call. In the unit of the vertices. RT: yes.
+  // The triangles whose box is within `bound` of p, and possibly some that are farther by a few millionths of the largest coordinate, |p|
+  // and `bound`, in ascending order. Valid until the next call. In the unit of the vertices. RT: yes.
   std::span<const std::uint32_t> find_near(const Vec3& p, double bound) noexcept;
 
  private:
@@ -28,7 +28,7 @@ class TriangleBoxes {
   std::vector<Boxes8> boxes_;
   std::uint32_t count_ = 0;
   std::vector<std::uint32_t> near_;
-  double most_ = 0.0;  // largest coordinate
+  double most_ = 0.0;  // largest absolute coordinate
 };
 
 }  // namespace hapton

@@ -12,7 +12,7 @@ TEST(GravityWellEffect, IsStrongestAtItsRadius) {
   EXPECT_EQ(well.force({.p_SD = {0, 0.01, 0}}), Vec3::Zero());
   EXPECT_LT((well.force({.p_SD = {0.02, 0.01, 0}}) - Vec3(-1.2, 0, 0)).norm(), 1e-12);
   for (const double r : {0.015, 0.019, 0.021, 0.03}) EXPECT_LT(well.force({.p_SD = {0, 0.01, r}}).norm(), 1.2);
-  // Far away: G / r^2 with G = max_force c 2 radius^2.
+  // Far away the force is G / r^2, G = c max_force 2 radius^2, c = 1.5 sqrt(3).
   const double far = 100.0;
   EXPECT_NEAR(well.force({.p_SD = {far, 0.01, 0}}).x() * far * far, -1.2 * 1.5 * std::sqrt(3.0) * 2.0 * 0.02 * 0.02, 1e-9);
 }

@@ -14,7 +14,8 @@
 namespace hapton {
 namespace {
 
-// The largest distance of a boundary vertex from all triangles but its own patch's, which are those that contain its neighbours.
+// The largest distance of a boundary vertex to the nearest boundary edge whose triangle does not contain the vertex. closest_point with two
+// equal corners is that of a segment.
 double widest_gap(const TriangleMesh& mesh) {
   TriangleMesh copy = mesh;
   const SeamMesh seam(copy, find_boundary_vertices(mesh), 1.0);

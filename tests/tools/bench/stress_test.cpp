@@ -163,8 +163,8 @@ TEST(Stress, EpisodesThatOnceHadFaultsHaveNone) {
 // Parts that touch: slits as wide as the sphere that stands for the point, vertices where sheets cross at very small angles, a blade of
 // three degrees, faces of one plane in a corner, corners where it takes most of a step's work to find that no wedge holds the point, and
 // wedges out of which a sweep took it, a blade between whose faces follower and sweeps moved it to and fro for good. And a crowd of
-// triangles, beside which it was put back onto a face in each step; and a scan, on which it waited for good where the device jumps far
-// away.
+// triangles, beside which it was put back onto a face in each step; a scan, on which it waited for good where the device jumps far away;
+// and a wedge where a sweep ended out of work, at a place that holds only the larger sphere of sweeps.
 TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
   struct Once {
     std::uint64_t seed, episode;
@@ -191,6 +191,9 @@ TEST(Stress, EpisodesThatOnceHadFaultsOnMeshesOfTouchingPartsHaveNone) {
                 {1, 468, 1e-6},
                 {1, 486, 1e-3},
                 {1, 274, 1.0, 1e6},
+                {1, 342, 1e-3},
+                {3, 251, 1e-3},
+                {3, 251, 1.0, 1e6},
                 {2, 76, 1e-6},
                 {2, 76, 1e6},
                 {2, 76, 1.0, 1e6},

@@ -1,0 +1,99 @@
+// The pose of the scene that a vision node sends, and that of another one which it shows.
+#include <gtest/gtest.h>
+
+#include "tests/vision_node/vision_step_fixture.h"
+#include "vision_node/knob_box.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(VisionStepTest, SendsTheTransformThatItDraws) {
+  VisionStepSettings turned = settings();
+  turned.dials.turn(1, 30.0);
+  VisionStep step(turned);
+  step.joined();
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "the hub may have a view, which comes before its first state";
+  step.receive(state_at(0.0, 1, 0));
+  auto sent = take_all<ViewTransform>(step, 0);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].X_WS, to_twelve_floats(step.compose(0).X_WS));
+  step.receive(state_at(0.0, 1, sent[0].revision));
+  take_all<ViewTransform>(step, kMs);
+  WindowEvent event;
+  event.key = 'x';
+  step.handle(event, where_);
+  sent = take_all<ViewTransform>(step, 2 * kMs);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].X_WS, to_twelve_floats(step.compose(2 * kMs).X_WS));
+}
+
+TEST_F(VisionStepTest, ATransformThatGotLostIsSentAgain) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(state_at(0.0, 1, 0));
+  ASSERT_EQ(take_all<ViewTransform>(step, 0).size(), 1u);
+  std::size_t again = 0;
+  for (int ms = 1; ms < 500; ++ms) {
+    step.receive(state_at(0.0, static_cast<std::uint64_t>(ms), 0));
+    again += take_all<ViewTransform>(step, ms * kMs).size();
+  }
+  EXPECT_GE(again, 3u);
+  step.receive(state_at(0.0, 600, step.view_transform().revision()));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 1000 * kMs).empty());
+}
+
+ViewTransform view_of(std::uint32_t revision, const Vec3& degrees) {
+  return {.revision = revision, .X_WS = to_twelve_floats(Dials{degrees}.compute_pose(Vec3::Zero()))};
+}
+
+TEST_F(VisionStepTest, ShowsTheViewThatTheHubHasAndGoesOnFromThere) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(view_of(41, Vec3(0, 80, -15)));
+  step.receive(state_at(0.0, 1, 41));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "it does not turn the scene by joining";
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 80, -15));
+  EXPECT_EQ(to_twelve_floats(step.compose(0).X_WS), view_of(41, Vec3(0, 80, -15)).X_WS);
+  step.turn_dials(Vec3(0, 0, 5));
+  const auto sent = take_all<ViewTransform>(step, kMs);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].revision, 42u);
+  EXPECT_EQ(sent[0].X_WS, view_of(42, Vec3(0, 80, -10)).X_WS);
+  // Another one turns it; what is older does not count.
+  step.receive(view_of(43, Vec3(10, 0, 0)));
+  step.receive(view_of(41, Vec3(0, 80, -15)));
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(10, 0, 0));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 1000 * kMs).empty());
+}
+
+// A program may move the scene as well, which no dials do.
+TEST_F(VisionStepTest, ShowsASceneThatAProgramHasMoved) {
+  VisionStep step(settings());
+  step.joined();
+  ViewTransform moved = view_of(7, Vec3(0, 0, 30));
+  moved.X_WS[3] += 0.02F;
+  step.receive(moved);
+  step.receive(state_at(0.0, 1, 7));
+  EXPECT_EQ(to_twelve_floats(step.compose(0).X_WS), moved.X_WS);
+  step.turn_dials(Vec3(0, 0, 5));
+  const auto sent = take_all<ViewTransform>(step, kMs);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].revision, 8u);
+  EXPECT_LT((from_twelve_floats(sent[0].X_WS).translation() - from_twelve_floats(moved.X_WS).translation()).norm(), 0.01) << "from there";
+}
+
+TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
+  VisionStepSettings turned = settings();
+  turned.dials.turn(1, 30.0);
+  VisionStep step(turned);
+  step.joined();
+  step.receive(view_of(41, Vec3(0, 90, 0)));
+  step.receive(state_at(0.0, 1, 41));
+  const auto sent = take_all<ViewTransform>(step, 0);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].revision, 42u);
+  EXPECT_EQ(sent[0].X_WS, view_of(42, Vec3(0, 30, 0)).X_WS);
+}
+
+}  // namespace
+}  // namespace hapton
