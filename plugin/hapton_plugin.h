@@ -73,7 +73,7 @@ typedef struct hapton_effect_api {
   double max_force_n;                             /* the largest force it ever gives, above 0, at most 100: a larger one cuts it off */
   double max_torque_nm;                           /* likewise, 0 to 10 */
   void* (*create)(const hapton_request* request); /* NULL: rejected, and why says why */
-  void (*reset)(void* effect);                    /* a new session begins, or a long gap is over; may be NULL */
+  void (*reset)(void* effect);                    /* a session begins, or the hand comes back from elsewhere after a gap; may be NULL */
   void (*step)(void* effect, const hapton_effect_input* input, hapton_effect_output* output);
   void (*destroy)(void* effect); /* may be NULL */
 } hapton_effect_api;

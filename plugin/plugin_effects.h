@@ -36,7 +36,7 @@ class PluginEffects {
 
   // The sum of all.
   PluginForce step(const EffectMoment& moment) noexcept;
-  // The next sample is the first of a session, or comes after a long gap.
+  // The next sample is the first of a session, or the hand comes back from elsewhere after a gap.
   void reset() noexcept;
 
   // For HapticsSetup::method: " effects=NAME@HASH,NAME@HASH!cut"; empty without effects.
