@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/mailbox.h"
 #include "devices/device.h"
 #include "runtime/clock.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 
@@ -23,7 +23,7 @@ class DeviceExchange {
   static constexpr std::int64_t kDriverTimeoutNs = 100 * kNanosecondsPerMillisecond;
   // Duration of the ramp up for a device that has become ready, from its first command on: a driver that is late after its first sample
   // must not begin in the middle of it.
-  static constexpr std::int64_t kRampNs = 200 * kNanosecondsPerMillisecond;
+  static constexpr std::int64_t kDriverRampNs = 200 * kNanosecondsPerMillisecond;
 
   // What the driver reports about the device. The sample's time is the driver's.
   struct Reading {
@@ -83,7 +83,7 @@ class DeviceExchange {
       return {};
     }
     if (ramp_begin_ns_ == kNotBegun) ramp_begin_ns_ = now_ns;
-    const double share = std::clamp(static_cast<double>(now_ns - ramp_begin_ns_) / static_cast<double>(kRampNs), 0.0, 1.0);
+    const double share = std::clamp(static_cast<double>(now_ns - ramp_begin_ns_) / static_cast<double>(kDriverRampNs), 0.0, 1.0);
     return {share * command.wrench.force_n, share * command.wrench.torque_nm};
   }
 

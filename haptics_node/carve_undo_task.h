@@ -8,11 +8,11 @@
 #include <span>
 #include <thread>
 
+#include "core/base/mailbox.h"
 #include "core/sculpt/carve_list.h"
 #include "core/sculpt/sculpture.h"
 #include "haptic_step/haptics_step.h"
 #include "runtime/handoff_ring.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -37,15 +37,15 @@ std::vector<bool> list_movable(const Scene& scene) {
   return movable;
 }
 
-GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, const MaterialTuner& tuner,
-                     MethodBuilder& builder, const Clock& clock)
+GraspTask::GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link,
+                     const MaterialTask& material_task, MethodBuilder& builder, const Clock& clock)
     : options_(std::move(options)),
       scene_(place_objects(scene, put_down)),
       as_loaded_(scene),
       objects_(meshes_of(scene_), options_.shading_crease_rad),
       mapped_(scene_.objects.size()),
       link_(link),
-      tuner_(tuner),
+      material_task_(material_task),
       builder_(builder),
       clock_(clock),
       describer_(link.placed) {}
@@ -105,7 +105,7 @@ void GraspTask::carry_out(const GraspRequest& request) {
 
 TouchScene GraspTask::scene_as_tuned() const {
   TouchScene scene = scene_.touch_scene();
-  const auto state = tuner_.accepted();
+  const auto state = material_task_.accepted();
   if (!state) return scene;
   const std::vector<Material> materials = tuned_materials(scene, *state, 0.0);
   for (std::size_t o = 0; o < scene.objects.size(); ++o) scene.objects[o].material = materials[o];

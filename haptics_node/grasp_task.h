@@ -11,7 +11,7 @@
 #include "core/force/mapped_surface.h"
 #include "core/tool/prepared_objects.h"
 #include "haptic_step/grasp.h"
-#include "haptics_node/material_tuner.h"
+#include "haptics_node/material_task.h"
 #include "haptics_node/method_builder.h"
 #include "haptics_node/scene_describer.h"
 #include "runtime/clock.h"
@@ -39,7 +39,7 @@ class GraspTask {
   };
 
   // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.
-  GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, const MaterialTuner& tuner,
+  GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, const MaterialTask& material_task,
             MethodBuilder& builder, const Clock& clock);
   ~GraspTask();
   GraspTask(const GraspTask&) = delete;
@@ -69,7 +69,7 @@ class GraspTask {
   PreparedObjects objects_;
   std::vector<std::shared_ptr<const MappedSurface>> mapped_;  // by object; null: it has no images, or it is not prepared yet
   GraspLink& link_;
-  const MaterialTuner& tuner_;
+  const MaterialTask& material_task_;
   MethodBuilder& builder_;
   const Clock& clock_;
   std::unique_ptr<HeldTool> tool_;  // the step holds it until it requests something else

@@ -6,8 +6,8 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/mailbox.h"
 #include "core/force/touch_scene.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -32,8 +32,8 @@
 #include "link/sealed_client.h"
 #include "link/udp_endpoint.h"
 #include "plugin/plugin_method.h"
-#include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
+#include "runtime/instruction_set_check.h"
 #include "runtime/log.h"
 #include "runtime/standard_streams.h"
 #include "scene/find_scene.h"
@@ -300,22 +300,22 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
   InsideWatch inside(felt_first);
   loop.set_inside_watch(&inside);
   HapticScene felt(felt_first, gains_of, adviser, inside, patches);
-  MaterialTuner::DescribeTool describe_tool;
+  MaterialTask::DescribeTool describe_tool;
   if (tool) describe_tool = [&](double stiffness_n_per_m) { return tool.describe(stiffness_n_per_m); };
-  MaterialTuner tuner(
+  MaterialTask material_task(
       scene, options.method.coupling_n_per_m, [&](const std::vector<Material>& materials) { felt.tune(materials); }, describe_tool);
-  loop.set_material_tuner(&tuner);
+  loop.set_material_task(&material_task);
   const auto source = static_cast<std::uint32_t>(make_random_id()) | 1U;
   ObjectChanges changes(scene, step, source);
   restore_carves(options, node.start.carved, source, step, changes);
   use_changes(changes, loop);
   SceneWatcher watcher(make_watcher_options(options, node.start, tool.felt != nullptr, felt),
-                       options.watch_scene ? node.start.loaded : Scene(), tuner, builder);
+                       options.watch_scene ? node.start.loaded : Scene(), material_task, builder);
   if (options.watch_scene) watcher.start();
   std::optional<GraspTask> grasp_task;
   if (grasp) {
-    grasp_task.emplace(make_grasp_options(options, felt, adviser), node.start.loaded, node.start.put_down, grasp_link, tuner, builder,
-                       node.clock);
+    grasp_task.emplace(make_grasp_options(options, felt, adviser), node.start.loaded, node.start.put_down, grasp_link, material_task,
+                       builder, node.clock);
     grasp_task->start();
   }
   if (const auto entered = enter_realtime_and_log(options.realtime); !entered) return entered;

@@ -8,12 +8,12 @@
 #include <mutex>
 #include <thread>
 
+#include "core/base/mailbox.h"
 #include "core/force/force_method.h"
 #include "core/force/touch_scene.h"
 #include "core/force/touch_step.h"
 #include "haptics_node/new_scene.h"
 #include "link/messages.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -12,12 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/mailbox.h"
 #include "core/force/touch_scene.h"
 #include "core/math/commanded_motion.h"
 #include "link/messages.h"
 #include "patch/move_table.h"
 #include "patch/patch_source.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

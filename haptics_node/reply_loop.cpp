@@ -268,17 +268,17 @@ void ReplyLoop::describe_scene(std::uint64_t hash, const SceneFacts& facts) noex
 
 // A requester repeats its request until the reply comes.
 void ReplyLoop::request_materials(const MaterialRequest& request) noexcept {
-  if (tuner_ == nullptr || request.request == last_material_request_) return;
+  if (material_task_ == nullptr || request.request == last_material_request_) return;
   last_material_request_ = request.request;
-  if (step_.grasp() == nullptr || !step_.grasp()->is_busy()) return tuner_->request(request);
+  if (step_.grasp() == nullptr || !step_.grasp()->is_busy()) return material_task_->request(request);
   materials_.request = request.request;
   put_text("the stylus holds an object, and stiffness, damping and friction cannot be changed while it is held", materials_.rejection);
   send_setup_soon();
 }
 
 void ReplyLoop::change_materials() noexcept {
-  if (tuner_ == nullptr) return;
-  auto result = tuner_->take();
+  if (material_task_ == nullptr) return;
+  auto result = material_task_->take();
   if (result == nullptr) return;
   if (result->scene == material_revision_) {
     materials_ = result->state;
@@ -296,7 +296,7 @@ void ReplyLoop::change_materials() noexcept {
     std::swap(result, tuned_);
   }
   materials_.serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
-  tuner_->retire(std::move(result));
+  material_task_->retire(std::move(result));
   send_setup_soon();
 }
 

@@ -9,7 +9,7 @@
 #include "haptics_node/carve_sender.h"
 #include "haptics_node/carve_undo_task.h"
 #include "haptics_node/inside_watch.h"
-#include "haptics_node/material_tuner.h"
+#include "haptics_node/material_task.h"
 #include "haptics_node/method_builder.h"
 #include "haptics_node/object_shaper.h"
 #include "haptics_node/patch_sender.h"
@@ -35,7 +35,7 @@ class ReplyLoop {
   // Before run: what offers the hub the scene in parts. Pre: outlives this.
   void set_patch_sender(PatchSender* patches) noexcept { patches_ = patches; }
   // Before run: who works out changes of materials. Pre: outlives this.
-  void set_material_tuner(MaterialTuner* tuner) noexcept { tuner_ = tuner; }
+  void set_material_task(MaterialTask* material_task) noexcept { material_task_ = material_task; }
   // Before run: who carries out what programs request of the objects. Without one, such requests are left out. Pre: outlives this.
   void set_object_mover(ObjectMover* mover) noexcept { mover_ = mover; }
   // Before run: who deforms objects as programs request. Without one, such requests are left out. With one, the method stays. Pre: outlives
@@ -135,7 +135,7 @@ class ReplyLoop {
   StiffnessAdviser* adviser_ = nullptr;
   InsideWatch* inside_ = nullptr;
   std::uint32_t free_starts_ = 0;  // of the step, as noted there
-  MaterialTuner* tuner_ = nullptr;
+  MaterialTask* material_task_ = nullptr;
   std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of these materials; null, or of others: those of the scene's file
   std::uint32_t scene_revision_ = 0;       // NewScene::revision of the scene in use
   std::uint32_t material_revision_ = 0;    // of the scene that its materials came with: objects that are put down keep theirs

@@ -62,8 +62,13 @@ std::string_view describe(SceneChange change) {
 
 }  // namespace
 
-SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder)
-    : options_(std::move(options)), base_(scene), used_(std::move(scene)), tuner_(tuner), builder_(builder), file_(options_.path) {}
+SceneWatcher::SceneWatcher(Options options, Scene scene, MaterialTask& material_task, MethodBuilder& builder)
+    : options_(std::move(options)),
+      base_(scene),
+      used_(std::move(scene)),
+      material_task_(material_task),
+      builder_(builder),
+      file_(options_.path) {}
 
 SceneWatcher::~SceneWatcher() {
   calls_.stop();
@@ -155,7 +160,7 @@ SceneWatcher::Outcome SceneWatcher::take(Scene scene) {
   }
   if (change == SceneChange::materials) {
     if (const auto state = describe_materials(base_, scene)) {
-      tuner_.follow(*state);
+      material_task_.follow(*state);
       used_ = std::move(scene);
       log_info("{} was read again: its materials fade in", options_.path.string());
       return Outcome::materials;
@@ -167,12 +172,12 @@ SceneWatcher::Outcome SceneWatcher::take(Scene scene) {
 SceneWatcher::Outcome SceneWatcher::take_scene(Scene scene, SceneChange change) {
   for (const auto& note : scene.notes) log_info("{}", note);
   const auto made = make_new_scene(scene, options_.coupling_n_per_m, ++revision_, change != SceneChange::shape);
-  // A tool that changes materials meanwhile names objects of the scene before: MaterialTuner rejects that by the revision.
+  // A tool that changes materials meanwhile names objects of the scene before: MaterialTask rejects that by the revision.
   if (const auto built = builder_.rebuild_for(made); !built) {
     log_warning("{}: {}; the present scene stays in use", options_.path.string(), built.error().what);
     return Outcome::rejected;
   }
-  tuner_.follow(scene, made->revision);
+  material_task_.follow(scene, made->revision);
   if (options_.on_scene) options_.on_scene(couple_scene(made->touch, options_.coupling_n_per_m));
   log_info("{} was read again: {}", options_.path.string(), describe(change));
   base_ = scene;

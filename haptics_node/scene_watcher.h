@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "haptic_step/scene_change.h"
-#include "haptics_node/material_tuner.h"
+#include "haptics_node/material_task.h"
 #include "haptics_node/method_builder.h"
 #include "runtime/file_watch.h"
 #include "runtime/stoppable_calls.h"
@@ -15,7 +15,7 @@
 
 namespace hapton {
 
-// Polls a scene file and applies its changes while the scene is touched, without a force discontinuity: materials as MaterialTuner changes
+// Polls a scene file and applies its changes while the scene is touched, without a force discontinuity: materials as MaterialTask changes
 // them, everything else by a method that MethodBuilder swaps. A file with an error is one line in the log, and the scene in use goes on.
 // Threads: poll() from one: its own after start(), otherwise the caller's. The destructor does not wait for a file that is being read.
 // RT: no.
@@ -32,8 +32,8 @@ class SceneWatcher {
     std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)> read = load_scene;
   };
 
-  // scene: in use. Pre: tuner and builder outlive this.
-  SceneWatcher(Options options, Scene scene, MaterialTuner& tuner, MethodBuilder& builder);
+  // scene: in use. Pre: material_task and builder outlive this.
+  SceneWatcher(Options options, Scene scene, MaterialTask& material_task, MethodBuilder& builder);
   ~SceneWatcher();
   SceneWatcher(const SceneWatcher&) = delete;
   SceneWatcher& operator=(const SceneWatcher&) = delete;
@@ -60,9 +60,9 @@ class SceneWatcher {
   Outcome take_scene(Scene scene, SceneChange change);
 
   Options options_;
-  Scene base_;  // that the tuner's states differ from: what the method in use was made for
+  Scene base_;  // that the material_task's states differ from: what the method in use was made for
   Scene used_;  // what was read last
-  MaterialTuner& tuner_;
+  MaterialTask& material_task_;
   MethodBuilder& builder_;
   FileWatch file_;
   std::uint32_t revision_ = 0;

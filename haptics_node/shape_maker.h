@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "core/base/mailbox.h"
 #include "core/force/streamed_method.h"
 #include "link/messages.h"
-#include "runtime/mailbox.h"
 #include "scene/program_shape.h"
 
 namespace hapton {

@@ -6,9 +6,9 @@
 #include <string>
 #include <thread>
 
+#include "core/base/mailbox.h"
 #include "core/force/stiffest.h"
 #include "link/messages.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/base/mailbox.h"
 #include "hid/hid_port.h"
 #include "hid/hid_transport.h"
 #include "hid/space_mouse.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

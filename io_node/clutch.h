@@ -18,7 +18,7 @@ namespace hapton {
 // Frame: W. Units: m, s. RT: all. Threads: one, but see DeviceLoop.
 class Clutch {
  public:
-  static constexpr double kOutS = 0.01;  // as the governor: kLongestReleaseNs, kRampNs (safety_limits.h)
+  static constexpr double kOutS = 0.01;  // as the governor: kLongestReleaseNs, kRampNs (ramp_up.h)
   static constexpr double kBackS = 0.1;
   static constexpr double kLongestS =
       0.01;  // a longer time between two samples counts as this one: the force comes back slowly after a stall

@@ -19,7 +19,7 @@
 #include "link/sealed_hub.h"
 #include "link/udp_endpoint.h"
 #include "runtime/log.h"
-#include "watchdog/watchdog_process.h"
+#include "watchdog/watchdog_supervisor.h"
 
 namespace hapton {
 namespace {
@@ -194,7 +194,7 @@ struct DeviceHub::Parts {
   HopMeter hops;
   ReportServer report_server;
   HeartbeatMemory heartbeat;
-  WatchdogProcess watchdog;
+  WatchdogSupervisor watchdog;
   LatchFile latch_file;
   IoSession session;
 };
@@ -240,7 +240,8 @@ Result<void> DeviceHub::start_watchdog() {
     parts_->device->use_heartbeat_page(parts_->heartbeat.page());
     parts_->servo->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
-    started = parts_->watchdog.start(parts_->heartbeat, WatchdogProcess::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
+    started =
+        parts_->watchdog.start(parts_->heartbeat, WatchdogSupervisor::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
   }
   if (started) parts_->session.set_watchdog(&parts_->watchdog);
   if (started || options.watchdog == RealtimeMode::require) return started;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/mailbox.h"
 #include "core/force/force_fade.h"
 #include "devices/device.h"
 #include "io_node/clutch.h"
@@ -16,7 +17,6 @@
 #include "runtime/adaptive_spin.h"
 #include "runtime/clock.h"
 #include "runtime/latency_histogram.h"
-#include "runtime/mailbox.h"
 #include "safety/safety_governor.h"
 
 namespace hapton {

@@ -151,7 +151,7 @@ IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
       options_(options),
       prefix_(name_prefix(options)),
       device_(servo.device_loop(), clock),
-      release_watch_(servo.device_loop(), clock),
+      stale_force_watchdog_(servo.device_loop(), clock),
       watch_(options.spin_share + find_reply_share(options), read_realtime_share()) {}
 
 void IoSession::servo_thread() {
@@ -180,7 +180,7 @@ bool IoSession::is_over(const StopSignal& stop) const {
 Result<void> IoSession::run(const StopSignal& stop) {
   servo_.use_device_thread();
   if (auto begun = device_.start(options_.realtime); !begun) return begun;
-  release_watch_.start(options_.realtime.mode != RealtimeMode::off);
+  stale_force_watchdog_.start(options_.realtime.mode != RealtimeMode::off);
   std::thread servo = start_thread([this] { servo_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
@@ -190,7 +190,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   servo.join();
   device_.stop();
   servo_.record_rest();
-  release_watch_.stop();
+  stale_force_watchdog_.stop();
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();

@@ -8,14 +8,14 @@
 #include "io_node/device_thread.h"
 #include "io_node/io_options.h"
 #include "io_node/latch_file.h"
-#include "io_node/release_watch.h"
 #include "io_node/report_server.h"
 #include "io_node/scheduling_monitor.h"
 #include "io_node/servo.h"
+#include "io_node/stale_force_watchdog.h"
 #include "link/metrics_endpoint.h"
 #include "runtime/service_notify.h"
 #include "runtime/stop_signal.h"
-#include "watchdog/watchdog_process.h"
+#include "watchdog/watchdog_supervisor.h"
 
 namespace hapton {
 
@@ -30,7 +30,7 @@ class IoSession {
   void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
   // ... and restarts the watchdog process if it ends or hangs.
-  void set_watchdog(WatchdogProcess* watchdog) noexcept { watchdog_ = watchdog; }
+  void set_watchdog(WatchdogSupervisor* watchdog) noexcept { watchdog_ = watchdog; }
   // ... and where a latched fault is kept for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
@@ -60,7 +60,7 @@ class IoSession {
   const std::string prefix_;  // of every line for people
   ReportServer* report_server_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
-  WatchdogProcess* watchdog_ = nullptr;
+  WatchdogSupervisor* watchdog_ = nullptr;
   const LatchFile* latch_file_ = nullptr;
   ServiceNotify service_;
   std::int64_t next_sign_ns_ = 0;
@@ -81,7 +81,7 @@ class IoSession {
   std::int64_t end_ns_ = 0;
   pid_t servo_thread_ = 0;
   DeviceThread device_;
-  ReleaseWatch release_watch_;
+  StaleForceWatchdog stale_force_watchdog_;
   SchedulingMonitor watch_;
   std::int64_t next_watch_ns_ = 0;
 };

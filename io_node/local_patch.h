@@ -7,9 +7,9 @@
 #include <memory>
 #include <optional>
 
+#include "core/base/mailbox.h"
 #include "io_node/local_touch.h"
 #include "patch/patch_chain.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -7,13 +7,13 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/mailbox.h"
 #include "io_node/local_patch.h"
 #include "io_node/work_share.h"
 #include "link/messages.h"
 #include "patch/patch_maker.h"
 #include "patch/patch_store.h"
 #include "runtime/handoff_ring.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "core/base/mailbox.h"
 #include "link/hub_peers.h"
 #include "link/messages.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

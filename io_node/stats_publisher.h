@@ -2,9 +2,9 @@
 
 #include <atomic>
 
+#include "core/base/mailbox.h"
 #include "io_node/device_loop.h"
 #include "io_node/servo_stats.h"
-#include "runtime/mailbox.h"
 
 namespace hapton {
 

@@ -14,9 +14,9 @@
 
 #include "hapton.pb.h"
 #include "link/endpoint.h"
-#include "link/fixed_codec.h"
-#include "link/message_codec.h"
 #include "link/message_kinds.h"
+#include "link/protobuf_codec.h"
+#include "link/round_trip_codec.h"
 #include "link/wire_fields.h"
 
 namespace hapton {
@@ -268,7 +268,7 @@ Codec::Codec(Codec&&) noexcept = default;
 Codec& Codec::operator=(Codec&&) noexcept = default;
 
 std::size_t Codec::encode(const Datagram& datagram, std::span<std::byte> into) noexcept {
-  if (const std::size_t bytes = encode_fixed(datagram, into); bytes != 0) return bytes;
+  if (const std::size_t bytes = encode_round_trip(datagram, into); bytes != 0) return bytes;
   wire::Envelope& e = wire_->outgoing;
   e.Clear();
   e.set_version(kProtocolVersion);
@@ -293,7 +293,7 @@ DecodeStatus Codec::decode(std::span<const std::byte> bytes, Datagram& datagram)
   if (bytes.size() > kMaxDatagramBytes) {
     return DecodeStatus::bad_value;
   }
-  if (decode_fixed(bytes, datagram)) return DecodeStatus::ok;
+  if (decode_round_trip(bytes, datagram)) return DecodeStatus::ok;
   const std::optional<std::uint64_t> version = peek_version(bytes);
   if (!version) {
     return DecodeStatus::truncated;

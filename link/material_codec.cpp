@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "hapton.pb.h"
-#include "link/message_codec.h"
+#include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
 // The messages that change materials to and from their form in proto/hapton.proto.

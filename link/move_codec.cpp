@@ -1,5 +1,5 @@
 #include "hapton.pb.h"
-#include "link/message_codec.h"
+#include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
 // The messages that move objects to and from their form in proto/hapton.proto.

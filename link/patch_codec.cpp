@@ -7,7 +7,7 @@
 
 #include "hapton.pb.h"
 #include "link/codec.h"
-#include "link/message_codec.h"
+#include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
 // The messages of touch across a slow network to and from their form in proto/hapton.proto.

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "hapton.pb.h"
-#include "link/message_codec.h"
+#include "link/protobuf_codec.h"
 #include "link/wire_fields.h"
 
 // The messages about objects that programs deform to and from their form in proto/hapton.proto.

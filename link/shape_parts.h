@@ -17,7 +17,7 @@ class ShapeParts {
 
   // Forgets what has come.
   void clear() noexcept { received_.reset(); }
-  // False: it is not of a shape of so many vertices. Pre: as message_codec reads it.
+  // False: it is not of a shape of so many vertices. Pre: as protobuf_codec reads it.
   bool add(const ShapePart& part) noexcept;
 
   std::uint32_t total() const noexcept { return static_cast<std::uint32_t>(displacements_m_.size()); }

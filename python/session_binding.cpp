@@ -8,7 +8,7 @@
 #include "link/session_reader.h"
 #include "python/bindings.h"
 #include "scene/scene_loading.h"
-#include "session/joined_table.h"
+#include "session/cycle_table.h"
 #include "session/object_changes.h"
 #include "session/session_entries.h"
 #include "session/session_shape_collector.h"
@@ -18,15 +18,15 @@ namespace {
 
 // The columns of a recording, filled row by row.
 struct Columns {
-  std::vector<std::vector<double>> numbers = std::vector<std::vector<double>>(joined_columns().size());
+  std::vector<std::vector<double>> numbers = std::vector<std::vector<double>>(cycle_columns().size());
   std::vector<double> event_t_s;
   std::vector<std::string> event_names;
   std::vector<std::string> event_kinds;
   std::vector<std::uint64_t> event_samples;
 
-  void add(const JoinedRow& row) {
-    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k].push_back(joined_columns()[k].of(row));
-    for_each_event(row, [&](const JoinedEvent& event) {
+  void add(const CycleRow& row) {
+    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k].push_back(cycle_columns()[k].of(row));
+    for_each_event(row, [&](const CycleEvent& event) {
       event_t_s.push_back(row.sample_t_s);
       event_names.push_back(event.name);
       event_kinds.emplace_back(event.kind);
@@ -146,7 +146,7 @@ py::dict read_session(const std::string& path, bool vertices) {
   Shapes shapes(reader.header().start_ns, vertices);
   {
     const py::gil_scoped_release gil_released;
-    JoinedTable table(reader.header().start_ns, [&](const JoinedRow& row) { columns.add(row); });
+    CycleTable table(reader.header().start_ns, [&](const CycleRow& row) { columns.add(row); });
     (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
       table.add(entry, datagram);
       changes.add(entry, datagram);
@@ -159,10 +159,10 @@ py::dict read_session(const std::string& path, bool vertices) {
   }
   py::dict session;
   py::dict units;
-  for (std::size_t k = 0; k < joined_columns().size(); ++k) {
-    const py::str name(joined_columns()[k].name.data(), joined_columns()[k].name.size());
+  for (std::size_t k = 0; k < cycle_columns().size(); ++k) {
+    const py::str name(cycle_columns()[k].name.data(), cycle_columns()[k].name.size());
     session[name] = give_away(std::move(columns.numbers[k]));
-    units[name] = py::str(joined_columns()[k].unit.data(), joined_columns()[k].unit.size());
+    units[name] = py::str(cycle_columns()[k].unit.data(), cycle_columns()[k].unit.size());
   }
   session["event_t_s"] = give_away(std::move(columns.event_t_s));
   session["event"] = py::cast(columns.event_names);

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/geometry/surface_walk.h"
-#include "core/geometry/triangle_draw.h"
+#include "core/geometry/triangle_sampler.h"
 
 namespace hapton {
 namespace {
@@ -105,7 +105,7 @@ HandPath SlidePath::make_hand_path(double hand_n_per_m, double surface_n_per_m, 
 }
 
 Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method, const SlidePlan& plan) {
-  const TriangleDraw draw_triangle(mesh);
+  const TriangleSampler draw_triangle(mesh);
   if (draw_triangle.empty()) return fail("slide: no triangle of the mesh has an area");
   SurfaceWalk walk(mesh);
   std::mt19937_64 random(plan.seed);

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "safety/safety_limits.h"
-
 namespace hapton {
+
+// Duration of the ramp up: at 1 kHz 1 % of the force in each step, with a spectrum that ends where a hand begins to feel vibration
+// (decision 22).
+constexpr std::int64_t kRampNs = 100'000'000;
 
 // A factor that rises linearly from 0 to 1 within kRampNs. RT: yes.
 class RampUp {

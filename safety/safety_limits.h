@@ -9,9 +9,6 @@ namespace hapton {
 // Age of its sample at which a force times out: five cycles at the lowest rate, 250 Hz. Longer holds the force of a dead node longer;
 // shorter removes forces that are merely late.
 constexpr std::int64_t kCommandTimeoutNs = 20'000'000;
-// Duration of the ramp up: at 1 kHz 1 % of the force in each step, with a spectrum that ends where a hand begins to feel vibration
-// (decision 22).
-constexpr std::int64_t kRampNs = 100'000'000;
 // Time within which a force must be released: one that is not replaced stays whole for half of the time until it has to be zero.
 constexpr std::int64_t kLongestReleaseNs = kCommandTimeoutNs / 2;
 

@@ -11,7 +11,7 @@ bool ToolObstacles::has_friction() const {
 }
 
 bool ToolObstacles::has_damping() const {
-  return std::any_of(damping.begin(), damping.end(), [](const ContactDamping& one) { return one.is_on(); });
+  return std::any_of(damping.begin(), damping.end(), [](const DampingCoefficients& one) { return one.is_on(); });
 }
 
 namespace {

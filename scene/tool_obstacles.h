@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/force/touch_scene.h"
-#include "core/tool/contact_drag.h"
+#include "core/tool/contact_damping.h"
 #include "core/tool/tool_friction.h"
 
 namespace hapton {
@@ -25,7 +25,7 @@ struct ToolPart {
 struct ToolObstacles {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;  // frame S, metres, one for each object
   std::vector<CoulombFriction> friction;                    // of each mesh
-  std::vector<ContactDamping> damping;                      // of each mesh: damping_ns_per_m and viscosity_ns_per_m
+  std::vector<DampingCoefficients> damping;                 // of each mesh: damping_ns_per_m and viscosity_ns_per_m
   std::vector<int> part_of;                                 // of each mesh: 0 where it stands still, else the part's number, from 1
   std::vector<ToolPart> parts;                              // that move
   std::vector<SwitchedEffect> effects;                      // in free space, felt at the grip point

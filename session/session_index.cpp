@@ -63,7 +63,7 @@ bool is_known(const std::vector<Timed<Message>>& known, const Message& message) 
 
 bool SessionIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
 
-void SessionIndex::add_row(const JoinedRow& row) {
+void SessionIndex::add_row(const CycleRow& row) {
   const double t_s = std::clamp(row.sample_t_s, spans_.empty() ? -kMaxSeconds : end_s_, kMaxSeconds);
   if (spans_.empty()) begin_s_ = t_s;
   end_s_ = t_s;
@@ -75,7 +75,7 @@ void SessionIndex::add_row(const JoinedRow& row) {
   if (std::isfinite(written_n)) span.written_n = std::max(span.written_n, static_cast<float>(written_n));
   if (row.round_trip_s >= 0.0) span.round_trip_s = std::max(span.round_trip_s, static_cast<float>(row.round_trip_s));
   span.is_contact = span.is_contact || row.is_contact;
-  for_each_event(row, [&](const JoinedEvent& event) { marks_.push_back({t_s, event.name, event.kind == "fault"}); });
+  for_each_event(row, [&](const CycleEvent& event) { marks_.push_back({t_s, event.name, event.kind == "fault"}); });
 }
 
 void SessionIndex::add_view(const View& view, double t_s) {
@@ -131,7 +131,7 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s, std::uint6
 Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
   SessionIndex index;
   const std::int64_t start_ns = reader.header().start_ns;
-  JoinedTable table(start_ns, [&](const JoinedRow& row) { index.add_row(row); });
+  CycleTable table(start_ns, [&](const CycleRow& row) { index.add_row(row); });
   std::uint64_t position = reader.position();
   (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
     const double t_s = seconds_from(start_ns, entry.time_ns);

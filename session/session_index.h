@@ -11,7 +11,7 @@
 #include "link/known_carves.h"
 #include "link/messages.h"
 #include "link/session_reader.h"
-#include "session/joined_table.h"
+#include "session/cycle_table.h"
 #include "session/shape_index.h"
 #include "session/timed.h"
 
@@ -134,7 +134,7 @@ class SessionIndex {
     std::uint64_t position = 0;  // SessionReader::position()
   };
 
-  void add_row(const JoinedRow& row);
+  void add_row(const CycleRow& row);
   void add_received(const Datagram& datagram, double t_s, std::uint64_t position);
   void add_view(const View& view, double t_s);
   void add_carves(const Carves& carves, double t_s);

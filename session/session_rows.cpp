@@ -11,12 +11,12 @@ constexpr double kReadOnS = 2.0;
 // How long after it was taken a sample may have been recorded, so that it is found after a seek.
 constexpr double kSlackS = 0.3;
 
-bool has_reply(const JoinedRow& row) { return row.p_WP.allFinite(); }
+bool has_reply(const CycleRow& row) { return row.p_WP.allFinite(); }
 
 }  // namespace
 
 SessionRows::SessionRows(SessionReader reader, const SessionIndex& index)
-    : index_(&index), reader_(std::make_unique<SessionReader>(std::move(reader))), rows_(std::make_unique<std::deque<JoinedRow>>()) {}
+    : index_(&index), reader_(std::make_unique<SessionReader>(std::move(reader))), rows_(std::make_unique<std::deque<CycleRow>>()) {}
 
 Result<SessionRows> SessionRows::open(const std::filesystem::path& file, const SessionIndex& index) {
   auto reader = SessionReader::open(file);
@@ -29,9 +29,9 @@ void SessionRows::jump(double t_s) {
   from_s_ = t_s - 2.0 * kBeforeS;
   is_at_end_ = false;
   reader_->seek(index_->find_position(from_s_ - kSlackS));
-  table_ = std::make_unique<JoinedTable>(
+  table_ = std::make_unique<CycleTable>(
       reader_->header().start_ns,
-      [rows = rows_.get()](const JoinedRow& row) {
+      [rows = rows_.get()](const CycleRow& row) {
         rows->push_back(row);
         if (rows->size() > 1) rows->back().sample_t_s = std::max(row.sample_t_s, (*rows)[rows->size() - 2].sample_t_s);
       },
@@ -63,11 +63,11 @@ void SessionRows::go_to(double t_s) {
   }
 }
 
-std::deque<JoinedRow>::const_iterator SessionRows::find_after(double t_s) const {
-  return std::upper_bound(rows_->begin(), rows_->end(), t_s, [](double t, const JoinedRow& row) { return t < row.sample_t_s; });
+std::deque<CycleRow>::const_iterator SessionRows::find_after(double t_s) const {
+  return std::upper_bound(rows_->begin(), rows_->end(), t_s, [](double t, const CycleRow& row) { return t < row.sample_t_s; });
 }
 
-const JoinedRow* SessionRows::at(double t_s) {
+const CycleRow* SessionRows::at(double t_s) {
   go_to(t_s);
   if (rows_->empty()) return nullptr;
   const auto after = find_after(t_s);
@@ -86,7 +86,7 @@ const JoinedRow* SessionRows::at(double t_s) {
   return found == rows_->begin() ? &*found : &*std::prev(found);
 }
 
-const JoinedRow* SessionRows::replied_at(double t_s, double most_age_s) {
+const CycleRow* SessionRows::replied_at(double t_s, double most_age_s) {
   go_to(t_s);
   for (auto one = find_after(t_s); one != rows_->begin();) {
     --one;
@@ -106,7 +106,7 @@ std::optional<double> SessionRows::previous_s(double t_s) {
   // The newest row at the next smaller double is the one before.
   const double before_s = std::nextafter(t_s, -std::numeric_limits<double>::infinity());
   if (before_s < index_->begin_s()) return std::nullopt;
-  const JoinedRow* row = at(before_s);
+  const CycleRow* row = at(before_s);
   return row != nullptr && row->sample_t_s < t_s ? std::optional(row->sample_t_s) : std::nullopt;
 }
 

@@ -11,7 +11,7 @@
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_reader.h"
-#include "session/joined_table.h"
+#include "session/cycle_table.h"
 #include "session/session_index.h"
 
 namespace hapton {
@@ -22,16 +22,16 @@ class SessionRows {
  public:
   // How long rows are kept after their time has passed, for statistics and for single steps backwards.
   static constexpr double kBeforeS = 1.0;
-  // JoinedTable's latest_s: a row does not wait longer for its force.
+  // CycleTable's latest_s: a row does not wait longer for its force.
   static constexpr double kLatestS = 0.5;
 
   // Pre: the index, of the same file, outlives it. Error: see SessionReader::open.
   static Result<SessionRows> open(const std::filesystem::path& file, const SessionIndex& index);
 
   // The newest sample until that time, or else the first of all. Null only if the file has changed. Valid until the next call.
-  const JoinedRow* at(double t_s);
+  const CycleRow* at(double t_s);
   // The newest sample until that time whose force came, if it is not older than most_age_s; null: there is none.
-  const JoinedRow* replied_at(double t_s, double most_age_s);
+  const CycleRow* replied_at(double t_s, double most_age_s);
   // Times of the first sample after t_s, and of the last one before it; none: there is none.
   std::optional<double> next_s(double t_s);
   std::optional<double> previous_s(double t_s);
@@ -44,13 +44,13 @@ class SessionRows {
   void jump(double t_s);
   bool read_entry();
   // The first row later than t_s. Pre: go_to(t_s).
-  std::deque<JoinedRow>::const_iterator find_after(double t_s) const;
+  std::deque<CycleRow>::const_iterator find_after(double t_s) const;
 
   const SessionIndex* index_;
   std::unique_ptr<SessionReader> reader_;
   Codec codec_;
-  std::unique_ptr<JoinedTable> table_;
-  std::unique_ptr<std::deque<JoinedRow>> rows_;              // table_ keeps its address, also when this object is moved
+  std::unique_ptr<CycleTable> table_;
+  std::unique_ptr<std::deque<CycleRow>> rows_;               // table_ keeps its address, also when this object is moved
   double from_s_ = std::numeric_limits<double>::infinity();  // samples before this time are not in rows_
   bool is_at_end_ = false;
 };

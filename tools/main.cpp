@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include "runtime/cpu_check.h"
 #include "runtime/descriptor_check.h"
+#include "runtime/instruction_set_check.h"
 #include "runtime/standard_streams.h"
 #include "tools/hapton_command.h"
 

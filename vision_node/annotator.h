@@ -13,11 +13,11 @@
 #include "scene/scene_file.h"
 #include "vision_node/annotated_surfaces.h"
 #include "vision_node/annotator_options.h"
-#include "vision_node/done_moment.h"
 #include "vision_node/interaction.h"
 #include "vision_node/pen.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/touch_menu.h"
+#include "vision_node/undo_moment.h"
 #include "vision_node/window_export.h"
 
 namespace hapton {
@@ -98,8 +98,8 @@ class Annotator {
   void undo_more();
   bool undo_move(std::uint32_t newest_carve);
   bool undo_carves(std::uint32_t newest_carve);
-  DoneMoment now() const;
-  std::uint32_t find_carve(const DoneMoment& moment) const;
+  UndoMoment now() const;
+  std::uint32_t find_carve(const UndoMoment& moment) const;
   void note_entries();
   bool has_given_carves() const;
   void check_given_carves();
@@ -128,7 +128,7 @@ class Annotator {
   struct Move {
     ObjectPose before;
     std::size_t entries = 0;  // strokes and measures that there were then
-    DoneMoment moment;
+    UndoMoment moment;
   };
   std::vector<ObjectPose> at_rest_;  // by object: where it was last put down
   std::vector<Move> moves_;
@@ -137,7 +137,7 @@ class Annotator {
   std::int64_t request_end_ns_ = 0;    // 0: not sent yet
   std::int64_t request_next_ns_ = 0;
   const CarvedObjects* carved_ = nullptr;
-  std::vector<DoneMoment> done_;         // by entry: when it was finished
+  std::vector<UndoMoment> done_;         // by entry: when it was finished
   std::optional<CarveUndo> carve_undo_;  // requested
   std::size_t more_undos_ = 0;           // requested while another one was under way
   std::int64_t undo_end_ns_ = 0;         // 0: not sent yet

@@ -41,12 +41,12 @@ void Annotator::undo_more() {
   ++own_revision_;
 }
 
-DoneMoment Annotator::now() const {
+UndoMoment Annotator::now() const {
   if (carved_ == nullptr || carved_->source() == 0) return {.saved = saved_carved_.size()};
   return {.saved = saved_carved_.size(), .source = carved_->source(), .serial = carved_->list().newest()};
 }
 
-std::uint32_t Annotator::find_carve(const DoneMoment& moment) const {
+std::uint32_t Annotator::find_carve(const UndoMoment& moment) const {
   return carved_ == nullptr ? 0 : CarveMoments(carved_->list(), carved_->source(), saved_carved_).find_serial(moment);
 }
 
@@ -146,7 +146,7 @@ Annotations Annotator::collect() const {
   all.carved_before.clear();
   if (carved_ == nullptr || carved_->source() == 0) {
     all.carved = saved_carved_;  // none came yet, or none since the scene was read again
-    for (const DoneMoment& moment : done_) all.carved_before.push_back(moment.saved);
+    for (const UndoMoment& moment : done_) all.carved_before.push_back(moment.saved);
     return all;
   }
   if (has_given_carves()) {
@@ -157,7 +157,7 @@ Annotations Annotator::collect() const {
   std::vector<CarvedPress> carved = group_carves(carved_->list(), &serials);
   all.carved.insert(all.carved.end(), std::make_move_iterator(carved.begin()), std::make_move_iterator(carved.end()));
   const CarveMoments moments(carved_->list(), carved_->source(), saved_carved_);
-  for (const DoneMoment& moment : done_) {
+  for (const UndoMoment& moment : done_) {
     const auto before = std::upper_bound(serials.begin(), serials.end(), moments.find_serial(moment)) - serials.begin();
     all.carved_before.push_back((moment.saved > 0 ? kept : 0) + static_cast<std::size_t>(before));
   }

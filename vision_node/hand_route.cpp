@@ -31,7 +31,7 @@ struct Sight {
 
 // From a pixel at one depth to another pixel at another. Along a straight line the inverse of the depth is linear in the picture. slack:
 // how far behind the visible surface it may be at its beginning and at its end.
-Sight look_along(const SurfaceSeen& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
+Sight look_along(const VisibleDepth& seen, const Vec2& from, double from_m, const Vec2& to, double to_m, double slack_from_m,
                  double slack_to_m) {
   const double side_px = std::min(seen.size().width_px, seen.size().height_px);
   const int steps = std::clamp(static_cast<int>((to - from).norm() / (kStep * side_px)), 1, 1000);
@@ -47,7 +47,7 @@ Sight look_along(const SurfaceSeen& seen, const Vec2& from, double from_m, const
 }
 
 // Nothing nearer than that depth at the pixel and around it.
-bool is_open(const SurfaceSeen& seen, const Vec2& pixel, double depth_m, double radius_px) {
+bool is_open(const VisibleDepth& seen, const Vec2& pixel, double depth_m, double radius_px) {
   if (seen.depth_m(pixel) < depth_m) return false;
   for (int i = 0; i < kAround; ++i) {
     const double angle = 2.0 * std::numbers::pi * i / kAround;
@@ -57,7 +57,7 @@ bool is_open(const SurfaceSeen& seen, const Vec2& pixel, double depth_m, double 
 }
 
 // The nearest pixel that is open at that depth.
-std::optional<Vec2> find_way_out(const SurfaceSeen& seen, const Vec2& from, double depth_m, double radius_px) {
+std::optional<Vec2> find_way_out(const VisibleDepth& seen, const Vec2& from, double depth_m, double radius_px) {
   const double side_px = std::min(seen.size().width_px, seen.size().height_px);
   const double most_px = std::hypot(seen.size().width_px, seen.size().height_px);
   for (double radius = kCircle * side_px; radius < most_px; radius += kCircle * side_px) {
@@ -71,7 +71,7 @@ std::optional<Vec2> find_way_out(const SurfaceSeen& seen, const Vec2& from, doub
 }
 
 // The farthest depth of a pixel and those around it: on a steep surface a pixel's depth says little about points beside its middle.
-double find_farthest_m(const SurfaceSeen& seen, const Vec2& pixel) {
+double find_farthest_m(const VisibleDepth& seen, const Vec2& pixel) {
   double farthest_m = 0.0;
   for (const double x : {-1.0, 0.0, 1.0}) {
     for (const double y : {-1.0, 0.0, 1.0}) farthest_m = std::max(farthest_m, seen.depth_m(pixel + Vec2(x, y)));
@@ -81,7 +81,7 @@ double find_farthest_m(const SurfaceSeen& seen, const Vec2& pixel) {
 
 // Whether the tip is behind the visible surface there. For a tip in contact, the direction of its offset tells which side it touches: the
 // back of a thin sheet is as far away as its front.
-bool is_behind(const SurfaceSeen& seen, const LedTip& tip, const Vec2& pixel, double tip_m, double clearance_m) {
+bool is_behind(const VisibleDepth& seen, const LedTip& tip, const Vec2& pixel, double tip_m, double clearance_m) {
   if (tip.offset_m.isZero()) return tip_m > find_farthest_m(seen, pixel) + kNoise * clearance_m;
   const double surface_m = seen.depth_m(pixel);
   const Vec3 to_viewer = seen.place(pixel, 0.0) - tip.p_WP;
@@ -90,7 +90,7 @@ bool is_behind(const SurfaceSeen& seen, const LedTip& tip, const Vec2& pixel, do
 
 }  // namespace
 
-Vec3 route_hand(const SurfaceSeen& seen, const LedTip& led, const Vec3& p_WG) {
+Vec3 route_hand(const VisibleDepth& seen, const LedTip& led, const Vec3& p_WG) {
   const double tip_m = seen.depth_of(led.p_WP);
   const double goal_m = seen.depth_of(p_WG);
   if (!(tip_m > seen.near_m() && goal_m > seen.near_m())) return p_WG;

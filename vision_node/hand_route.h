@@ -1,6 +1,6 @@
 #pragma once
 
-#include "vision_node/surface_seen.h"
+#include "vision_node/visible_depth.h"
 
 namespace hapton {
 
@@ -13,6 +13,6 @@ struct LedTip {
 // Where to pull a led hand next so that it reaches its goal on the visible side of the scene: straight there if nothing is in between;
 // otherwise first towards the viewer and over the obstacle; from behind an object first out beside it. Call again as the hand moves. p_WG:
 // the goal, on the surface or slightly inside. RT: no.
-Vec3 route_hand(const SurfaceSeen& seen, const LedTip& tip, const Vec3& p_WG);
+Vec3 route_hand(const VisibleDepth& seen, const LedTip& tip, const Vec3& p_WG);
 
 }  // namespace hapton

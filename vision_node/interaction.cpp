@@ -229,7 +229,7 @@ void Interaction::set_goal(const Vec3& p_WG) {
   hand_changed_ = true;
 }
 
-void Interaction::follow(const SurfaceSeen& seen, const LedTip& tip) {
+void Interaction::follow(const VisibleDepth& seen, const LedTip& tip) {
   if (!hand_.active) return;
   const Vec3 next = route_hand(seen, tip, p_WG_);
   if (next == hand_.p_WH) return;

@@ -72,7 +72,7 @@ class Interaction {
   void handle(const WindowEvent& event, const View& view);
   // Moves the hand on towards the pointer's position, on the visible side of the scene. Call while it is
   // held.
-  void follow(const SurfaceSeen& seen, const LedTip& tip);
+  void follow(const VisibleDepth& seen, const LedTip& tip);
 
   Dials& dials() { return dials_; }
   const Dials& dials() const { return dials_; }

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "runtime/log.h"
+#include "vision_node/back_face_visibility.h"
 #include "vision_node/scene_framing.h"
-#include "vision_node/surface_backs.h"
 
 namespace hapton {
 

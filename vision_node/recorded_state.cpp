@@ -22,7 +22,7 @@ float microseconds_at(const std::vector<double>& sorted_s, double share) {
   return static_cast<float>(1e6 * sorted_s[at]);
 }
 
-ProbeState make_state(const JoinedRow& row) {
+ProbeState make_state(const CycleRow& row) {
   ProbeState state;
   state.sample = row.sample;
   state.sample_time_ns = static_cast<std::int64_t>(std::llround(1e9 * row.sample_t_s));
@@ -49,14 +49,14 @@ std::vector<CurvePoint> make_curve(std::span<const SessionSpan> spans, double t_
 }  // namespace
 
 std::optional<RecordedState> find_recorded_state(const SessionIndex& index, SessionRows& rows, double t_s) {
-  const JoinedRow* newest = rows.at(t_s);
+  const CycleRow* newest = rows.at(t_s);
   if (newest == nullptr) return std::nullopt;
   const Vec3 written_n = newest->written_n;
   const Vec3 written_nm = newest->written_nm;
   RecordedState recorded;
   recorded.state = make_state(*newest);
   std::optional<std::uint32_t> view = newest->view_revision;
-  if (const JoinedRow* replied = rows.replied_at(t_s, kMaxReplyAgeS)) {
+  if (const CycleRow* replied = rows.replied_at(t_s, kMaxReplyAgeS)) {
     recorded.has_reply = true;
     view = replied->view_revision;
     recorded.state = make_state(*replied);

@@ -132,12 +132,12 @@ void SceneLayers::copy_to_bound(Eye eye, int x, int y) const {
   layers_[static_cast<std::size_t>(eye)].shown.copy_to_bound(x, y);
 }
 
-std::shared_ptr<const SurfaceSeen> SceneLayers::read_surface(Eye eye) {
+std::shared_ptr<const VisibleDepth> SceneLayers::read_surface(Eye eye) {
   Layer& here = layer(eye);
   if (!here.is_valid || here.shown.format().samples > 0) return nullptr;
   if (here.surface == nullptr) {
     const GlStateGuard guard;
-    here.surface = std::make_shared<const SurfaceSeen>(here.pass.screen, eye, here.pass.size, here.shown.read_depths());
+    here.surface = std::make_shared<const VisibleDepth>(here.pass.screen, eye, here.pass.size, here.shown.read_depths());
   }
   return here.surface;
 }

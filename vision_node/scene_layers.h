@@ -8,7 +8,7 @@
 
 #include "vision_node/gl_target.h"
 #include "vision_node/scene_painter.h"
-#include "vision_node/surface_seen.h"
+#include "vision_node/visible_depth.h"
 
 namespace hapton {
 
@@ -43,7 +43,7 @@ class SceneLayers {
   std::optional<Vec3> find_surface(Eye eye, int x, int y) const;
 
   // The whole surface, read from the driver only when the eye's picture has changed. Null also while its edges are smoothed.
-  std::shared_ptr<const SurfaceSeen> read_surface(Eye eye);
+  std::shared_ptr<const VisibleDepth> read_surface(Eye eye);
 
   // How much of all levels of detail has been made, 0 to 1.
   double progress() const { return painter_->progress(); }
@@ -66,7 +66,7 @@ class SceneLayers {
     bool is_active = false;  // among the newest passes
     bool is_full = false;
     bool is_finer_whole = false;
-    std::shared_ptr<const SurfaceSeen> surface;  // null: to be read
+    std::shared_ptr<const VisibleDepth> surface;  // null: to be read
   };
 
   explicit SceneLayers(std::unique_ptr<ScenePainter> painter) : painter_(std::move(painter)) {}

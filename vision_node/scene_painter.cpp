@@ -7,15 +7,15 @@
 #include <GL/glew.h>
 
 #include "runtime/log.h"
+#include "vision_node/back_face_visibility.h"
 #include "vision_node/background_colours.h"
 #include "vision_node/depth_cues.h"
 #include "vision_node/depth_order.h"
 #include "vision_node/detail_choice.h"
-#include "vision_node/drawn_side.h"
+#include "vision_node/face_culling.h"
 #include "vision_node/flat_buffers.h"
 #include "vision_node/scene_lights.h"
 #include "vision_node/scene_shaders.h"
-#include "vision_node/surface_backs.h"
 #include "vision_node/surface_paint.h"
 #include "vision_node/texture_layers.h"
 #include "vision_node/view_culling.h"

@@ -25,7 +25,7 @@ bool SessionControl::press_key(char key) {
       return true;
     case ',': {
       // From the sample that is shown, which may be older than the moment.
-      const JoinedRow* shown = rows_.at(moment_s);
+      const CycleRow* shown = rows_.at(moment_s);
       step(shown != nullptr ? rows_.previous_s(shown->sample_t_s) : std::nullopt);
       return true;
     }

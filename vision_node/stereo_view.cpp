@@ -342,7 +342,7 @@ std::optional<Vec3> StereoView::pick(int x_px, int y_px) {
   return window_->layers->find_surface(view->composed ? Eye::left : view->eye, x, y);
 }
 
-std::shared_ptr<const SurfaceSeen> StereoView::surface_seen() {
+std::shared_ptr<const VisibleDepth> StereoView::visible_depth() {
   if (window_->eyes.empty()) return nullptr;
   window_->window->MakeCurrent();
   const EyeView& first = *window_->eyes.front();

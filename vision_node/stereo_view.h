@@ -19,8 +19,8 @@
 #include "vision_node/scene_painter.h"
 #include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
-#include "vision_node/surface_seen.h"
 #include "vision_node/time_line.h"
+#include "vision_node/visible_depth.h"
 #include "vision_node/xr/headset.h"
 
 namespace hapton {
@@ -125,7 +125,7 @@ class StereoView {
   std::optional<std::array<int, 2>> find_picture_pixel(int x_px, int y_px);
 
   // The surface of the scene as the first eye sees it in the newest frame. Null before the first frame, and with msaa.
-  std::shared_ptr<const SurfaceSeen> surface_seen();
+  std::shared_ptr<const VisibleDepth> visible_depth();
 
   // Draws the scene and a probe with all its marks, but not into the window, so that the driver compiles all shaders: some 0.1 s, which the
   // first contact would otherwise take.

@@ -267,7 +267,7 @@ std::optional<Vec3> VisionSession::find_surface(const WindowEvent& event) {
 
 // Moves the hand towards the pointer's position.
 void VisionSession::lead_hand() {
-  if (step_.interaction().hand_active()) step_.lead_hand(view_.surface_seen().get());
+  if (step_.interaction().hand_active()) step_.lead_hand(view_.visible_depth().get());
 }
 
 void VisionSession::send_pending() {

@@ -77,7 +77,7 @@ void VisionStep::send_dials(const Dials& before) {
   if (interaction_.dials() != before) sender_.set(dialled_pose());
 }
 
-void VisionStep::lead_hand(const SurfaceSeen* seen) {
+void VisionStep::lead_hand(const VisibleDepth* seen) {
   if (seen == nullptr || !state_) return;
   const LedTip tip{state_->p_WD + state_->visual_offset_m, state_->contact ? state_->visual_offset_m : Vec3(Vec3::Zero())};
   if (tip.p_WP.allFinite()) interaction_.follow(*seen, tip);

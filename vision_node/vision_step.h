@@ -88,7 +88,7 @@ class VisionStep {
   // p_WQ: the surface of the scene seen under the pointer, where the event wants it.
   void handle(const WindowEvent& event, const Screen& where, const std::optional<Vec3>& p_WQ = {});
   // Moves the held hand on towards the pointer. seen: the picture of the scene; null: it goes straight there.
-  void lead_hand(const SurfaceSeen* seen);
+  void lead_hand(const VisibleDepth* seen);
   // Whether handle() would use the surface under the pointer.
   bool wants_surface(const WindowEvent& event) const;
   // Turns the dials of the knob box by these angles, degrees.

@@ -21,7 +21,7 @@ class OuterWatchdog {
   // io_node releases the force itself after 20 ms; this is for when it does not.
   // With kCheckPeriodNs and kGraceNs the force is off 27 ms after io_node was frozen, of the 50 ms that docs/safety-case.md promises.
   static constexpr std::int64_t kHeartbeatLimitNs = 21'000'000;
-  // Later than the release watch (20.5 ms), which goes first while io_node lives.
+  // Later than the stale-force watchdog (20.5 ms), which goes first while io_node lives.
   static constexpr std::int64_t kForceLimitNs = 30'000'000;
   static constexpr std::int64_t kCheckPeriodNs = 2'000'000;
   static constexpr std::int64_t kGraceNs = 4'000'000;  // two checks

@@ -65,7 +65,7 @@ struct LargestGains {
 };
 LargestGains find_largest_gains(const TouchScene& scene);
 // With a rigid tool: its contacts have damping of materials and viscosity, but no images and no bumps, and use the velocity of
-// SmoothVelocity for both (contact_drag.h). So both are viscosity_ns_per_m.
+// SmoothVelocity for both (contact_damping.h). So both are viscosity_ns_per_m.
 LargestGains find_tool_gains(const TouchScene& scene);
 // Of a surface along it, by a number or the largest of an image.
 double viscosity_of(const SurfaceEffects& effects);

@@ -8,7 +8,7 @@
 
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/surface_walk.h"
-#include "core/geometry/triangle_draw.h"
+#include "core/geometry/triangle_sampler.h"
 
 namespace hapton {
 namespace {
@@ -67,7 +67,7 @@ Vec3 normal_of(const TriangleMesh& mesh, std::uint32_t triangle) {
 
 Result<double> millimetre_of(const TriangleMesh& mesh) {
   const double extent = mesh.triangles.empty() ? 0.0 : compute_bounds(mesh).extent();
-  if (!(extent > 0.0) || TriangleDraw(mesh).empty())
+  if (!(extent > 0.0) || TriangleSampler(mesh).empty())
     return fail("trajectory: no triangle of the mesh has an area; there is nothing to follow");
   return extent / 100.0;
 }
@@ -132,7 +132,7 @@ Result<TouchTrajectory> make_slide_trajectory(const TriangleMesh& mesh, const Tr
   if (!mm) return tl::unexpected(mm.error());
   std::mt19937_64 random(settings.seed);
   std::normal_distribution<double> normal;
-  const TriangleDraw draw(mesh);
+  const TriangleSampler draw(mesh);
   SurfaceWalk walk(mesh);
   const std::size_t segment = rows_of(kSlideSegment_s, settings);
   const std::size_t approach = rows_of(kApproach_s, settings);
@@ -199,7 +199,7 @@ Result<TouchTrajectory> make_tap_trajectory(const TriangleMesh& mesh, const Traj
   if (!mm) return tl::unexpected(mm.error());
   std::mt19937_64 random(settings.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const TriangleDraw draw(mesh);
+  const TriangleSampler draw(mesh);
   const std::size_t tap = rows_of(kTap_s, settings);
   TouchTrajectory made;
   made.reset_every = tap;

@@ -203,13 +203,13 @@ void HeldTool::move_drag(const ToolInput& input, const Placement& device, double
 
 void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Solution& solution, double share, const Mat3& R_WS,
                         ToolOutput& output) noexcept {
-  std::array<ContactDrag::Contact, ContactDrag::kMaxContacts> touched;
+  std::array<ContactDamping::Contact, ContactDamping::kMaxContacts> touched;
   const std::size_t count = list_drag_contacts(contacts, solution, share * tool_->unit_force_n(), touched);
-  const ContactDrag::Wrench drag = drag_.step({touched.data(), count}, output.contact);
+  const ContactDamping::Wrench drag = drag_.step({touched.data(), count}, output.contact);
   output.force_n += R_WS * drag.force_n;
   output.torque_nm += R_WS * drag.torque_nm;
   for (std::size_t p = 0; p < pushes_.size(); ++p) {
-    const ContactDrag::Wrench part = drag_.on_tool_by(static_cast<int>(p) + 1);
+    const ContactDamping::Wrench part = drag_.on_tool_by(static_cast<int>(p) + 1);
     pushes_[p] = {pushes_[p].force_n - R_WS * part.force_n, pushes_[p].torque_nm - R_WS * part.torque_nm};
   }
 }

@@ -115,10 +115,10 @@ class HeldTool final : public StylusTool {
   Sample last_;  // the last one that follow() used
   std::optional<Placement> start_;
   ToolFriction friction_;
-  ContactDrag drag_;
+  ContactDamping drag_;
   // From set_materials(), by part and object. Before its first call, contacts and drag_ have those with which the tool was made.
   std::vector<std::vector<CoulombFriction>> friction_of_;
-  std::vector<std::vector<ContactDamping>> damping_of_;
+  std::vector<std::vector<DampingCoefficients>> damping_of_;
   std::vector<std::size_t> counts_;  // of objects, by part
   bool has_friction_;
   bool has_changed_ = false;

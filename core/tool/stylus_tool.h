@@ -18,7 +18,7 @@ struct ToolPush {
 struct ToolMaterials {
   double stiffness_n_per_m = 0.0;
   std::vector<CoulombFriction> friction = {};
-  std::vector<ContactDamping> damping = {};
+  std::vector<DampingCoefficients> damping = {};
 };
 
 // A rigid tool as the haptic step has it, whatever computes it: the proxy (HeldTool), or voxels for comparison (HeldVoxels). RT: yes.

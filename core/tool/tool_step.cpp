@@ -234,13 +234,13 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   return output;
 }
 
-void ToolStep::note_view(const ToolInput& input, ToolView& last, ContactDrag& drag) const noexcept {
+void ToolStep::note_view(const ToolInput& input, ToolView& last, ContactDamping& drag) const noexcept {
   if (last.X_WS.matrix() != input.X_WS.matrix()) drag.move_last(to_local({.X_WD = last.X_WD, .X_WS = input.X_WS}));
   last = {input.X_WD, input.X_WS};
 }
 
-Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
-  for (const ContactDamping& one : damping) {
+Result<void> ToolStep::damp(const std::vector<DampingCoefficients>& damping) {
+  for (const DampingCoefficients& one : damping) {
     if (!(one.normal_ns_per_m >= 0.0) || !(one.along_ns_per_m >= 0.0) || !std::isfinite(one.normal_ns_per_m + one.along_ns_per_m)) {
       return fail("the damping of a surface is {} Ns/m along its normal and {} Ns/m along it; give 0 or more", one.normal_ns_per_m,
                   one.along_ns_per_m);
@@ -250,18 +250,18 @@ Result<void> ToolStep::damp(const std::vector<ContactDamping>& damping) {
   return {};
 }
 
-void ToolStep::set_drag(const std::vector<ContactDamping>& damping) {
+void ToolStep::set_drag(const std::vector<DampingCoefficients>& damping) {
   std::size_t objects = scene_.object_count();
   for (const auto& part : moving_) objects += part->object_count();
-  std::vector<std::vector<ContactDamping>> by_part(moving_.size() + 1);
+  std::vector<std::vector<DampingCoefficients>> by_part(moving_.size() + 1);
   for (std::size_t o = 0; o < objects; ++o) {
-    by_part[part_of(o)].push_back(o < damping.size() ? damping[o] : ContactDamping());
+    by_part[part_of(o)].push_back(o < damping.size() ? damping[o] : DampingCoefficients());
   }
-  drag_ = ContactDrag(std::move(by_part), scene_.unit_m(), proxy_.radius());
+  drag_ = ContactDamping(std::move(by_part), scene_.unit_m(), proxy_.radius());
 }
 
 std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
-                               std::array<ContactDrag::Contact, ContactDrag::kMaxContacts>& contacts) noexcept {
+                               std::array<ContactDamping::Contact, ContactDamping::kMaxContacts>& contacts) noexcept {
   const auto count = static_cast<std::size_t>(solution.active_count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto i = static_cast<std::size_t>(solution.active[k]);
@@ -273,7 +273,7 @@ std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::
 }
 
 void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
-  std::array<ContactDrag::Contact, ContactDrag::kMaxContacts> contacts;
+  std::array<ContactDamping::Contact, ContactDamping::kMaxContacts> contacts;
   std::size_t count = 0;
   if (output.contact && has_friction_) {
     count = list_drag_contacts(local_, solution_, unit_force_n(), contacts);
@@ -284,7 +284,7 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
                            scene.mesh_of(contact.scene_triangle)};
     }
   }
-  const ContactDrag::Wrench drag = drag_.step({contacts.data(), count}, output.contact);
+  const ContactDamping::Wrench drag = drag_.step({contacts.data(), count}, output.contact);
   output.force_n += input.X_WS.linear() * drag.force_n;
   output.torque_nm += input.X_WS.linear() * drag.torque_nm;
 }

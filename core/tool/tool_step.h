@@ -9,7 +9,7 @@
 
 #include "core/base/result.h"
 #include "core/base/worker_team.h"
-#include "core/tool/contact_drag.h"
+#include "core/tool/contact_damping.h"
 #include "core/tool/tool_friction.h"
 #include "core/tool/tool_proxy.h"
 
@@ -61,7 +61,7 @@ double find_mean_squared_lever(const TriangleMesh& tool, const Vec3& grip = Vec3
 
 // The contacts that hold a tool, for damping. unit_force_n: of a multiplier of 1. Returns how many. RT: yes.
 std::size_t list_drag_contacts(const LocalContacts& local, const LocalContacts::Solution& solution, double unit_force_n,
-                               std::array<ContactDrag::Contact, ContactDrag::kMaxContacts>& contacts) noexcept;
+                               std::array<ContactDamping::Contact, ContactDamping::kMaxContacts>& contacts) noexcept;
 
 // One haptic step of a rigid tool, shared by the live node, replay, tests and benches: the 6-DOF counterpart of TouchStep.
 //   force  = stiffness * (p_WP - p_WD)
@@ -84,8 +84,8 @@ class ToolStep {
                                                 std::vector<CoulombFriction> friction = {}, std::unique_ptr<WorkerTeam> team = nullptr);
 
   // Damping of each object of the scene, in the order of make, at the contacts of the tool: adds to force and torque, and leaves the proxy
-  // as it is (contact_drag.h). Before the first step. Error: a number that is negative or not finite. RT: set-up only.
-  Result<void> damp(const std::vector<ContactDamping>& damping);
+  // as it is (contact_damping.h). Before the first step. Error: a number that is negative or not finite. RT: set-up only.
+  Result<void> damp(const std::vector<DampingCoefficients>& damping);
 
   // A part without a pose in the input, or with one that is not finite, stays where it was.
   ToolOutput step(const ToolInput& input) noexcept;
@@ -96,7 +96,7 @@ class ToolStep {
   // Of the parts that move: where the origin of the local frame goes.
   void to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept;
   // For the drag of contacts, at each sample: where the scene was moved since the last one, that is no motion of the hand.
-  void note_view(const ToolInput& input, ToolView& last, ContactDrag& drag) const noexcept;
+  void note_view(const ToolInput& input, ToolView& last, ContactDamping& drag) const noexcept;
   std::size_t moving_count() const { return moving_.size(); }
   // Of an object that it was made of: 0 where it stands still, else the number of the part that it moves with.
   std::size_t part_of(std::size_t object) const noexcept;
@@ -113,7 +113,7 @@ class ToolStep {
   // A vertex of the tool, metres from the grip point, along the stylus' axes. Pre: made of a mesh.
   Vec3 vertex_m() const { return scene_.unit_m() * tool_.vertices().front(); }
   bool has_friction() const { return has_friction_; }
-  const ContactDrag& drag() const { return drag_; }
+  const ContactDamping& drag() const { return drag_; }
   double unit_force_n() const { return coupling_.stiffness_n_per_m * scene_.unit_m(); }  // of a multiplier
   const ToolCoupling& coupling() const { return coupling_; }                             // with the rotational stiffness that is used
   // A few lines for users.
@@ -137,7 +137,7 @@ class ToolStep {
   ToolStep(const PreparedTool& prepared, std::vector<PreparedPart> parts, const ToolCoupling& coupling, std::unique_ptr<WorkerTeam> team);
   static Result<std::unique_ptr<ToolStep>> checked(std::unique_ptr<ToolStep> step);
   ToolProxyStep follow(const Placement& device) noexcept;
-  void set_drag(const std::vector<ContactDamping>& damping);  // of each object; what is missing is not damped
+  void set_drag(const std::vector<DampingCoefficients>& damping);  // of each object; what is missing is not damped
   void add_drag(const ToolInput& input, ToolOutput& output) noexcept;
 
   std::unique_ptr<WorkerTeam> team_;
@@ -157,7 +157,7 @@ class ToolStep {
   LocalContacts::Solution solution_;  // by these
   Placement last_;                    // device
   // With damping only:
-  ContactDrag drag_;
+  ContactDamping drag_;
   ToolView last_view_;
 };
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <utility>
 
+#include "core/base/mailbox.h"
 #include "devices/device.h"
 #include "runtime/byte_ring.h"
-#include "runtime/mailbox.h"
 
 namespace hapton::vrpn {
 

@@ -367,9 +367,9 @@ std::vector<Row> List::run() {
   row("haptics_node frozen (SIGSTOP)", [&](const auto& name) { haptics_dies(name, SIGSTOP); });
   row("io_node's network thread hangs", [&](const auto& name) { thread_hangs(name, {"hapton-network"}, Kind::inside); });
   row("io_node's device loop hangs", [&](const auto& name) { thread_hangs(name, {"hapton-device"}, Kind::inside); });
-  row("io_node's release watch hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, "hapton-release"); });
+  row("io_node's stale-force watchdog hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, "hapton-release"); });
   row("io_node's main thread hangs", [&](const auto& name) { thread_is_missed_by_nobody(name, ""); });
-  row("device loop and release watch both hang (double fault)", [&](const auto& name) {
+  row("device loop and stale-force watchdog both hang (double fault)", [&](const auto& name) {
     thread_hangs(name, {"hapton-device", "hapton-release"}, Kind::outside);
   });
   row("the watchdog process killed", [&](const auto& name) { watchdog_dies(name, SIGKILL); });

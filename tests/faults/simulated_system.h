@@ -111,9 +111,10 @@ class SimulatedHaptics {
     const auto movable = list_movable(scene);
     if (std::find(movable.begin(), movable.end(), true) == movable.end()) return;
     step_.set_grasp(&grasp_.emplace(grasp_link_, movable, 1U), make_tool_obstacles(touched_).parts);
-    tuner_.emplace(scene, 0.0);
+    material_task_.emplace(scene, 0.0);
     const auto on_scene = [this](const TouchScene& now, std::uint32_t revision) { patches_.set_scene(now, 0, revision); };
-    grasp_task_.emplace(GraspTask::Options{.on_scene = on_scene}, scene, std::vector<PutDown>(), grasp_link_, *tuner_, builder_, own_time_);
+    grasp_task_.emplace(GraspTask::Options{.on_scene = on_scene}, scene, std::vector<PutDown>(), grasp_link_, *material_task_, builder_,
+                        own_time_);
     grasp_task_->start();
   }
   ~SimulatedHaptics() { network_.kill(at_); }
@@ -142,7 +143,7 @@ class SimulatedHaptics {
     EXPECT_TRUE(built) << built.error().what;
     patches_.set_scene(touched_, made->hash);
   }
-  // As its tuner does when a request is accepted.
+  // As its material_task does when a request is accepted.
   void set_materials(const std::vector<Material>& materials) {
     step_.set_materials(materials);
     patches_.set_materials(materials);
@@ -175,7 +176,7 @@ class SimulatedHaptics {
   SteadyClock own_time_;
   GraspLink grasp_link_;
   std::optional<Grasp> grasp_;
-  std::optional<MaterialTuner> tuner_;
+  std::optional<MaterialTask> material_task_;
   std::optional<GraspTask> grasp_task_;
 };
 

@@ -44,7 +44,7 @@ struct GraspTaskTest : testing::Test {
     grasp.emplace(link, list_movable(scene), 1U);
     for (const PutDown& each : put_down) grasp->place(each.object, each.pose());
     step->set_grasp(&*grasp, make_tool_obstacles(placed.touch_scene()).parts);
-    tuner.emplace(placed, 0.0);
+    material_task.emplace(placed, 0.0);
     builder.emplace(MethodSettings(), placed.touch_scene(), step->touch().share_method(),
                     [this](MethodSettings& settings, const TouchScene& touched) -> Result<std::unique_ptr<ForceMethod>> {
                       if (fails) return fail("no such surface");
@@ -52,7 +52,7 @@ struct GraspTaskTest : testing::Test {
                       return make_built_in(settings, touched);
                     });
     task.emplace(GraspTask::Options{.on_scene = [this](const TouchScene& now, std::uint32_t) { felt_scenes.push_back(now); }}, scene,
-                 put_down, link, *tuner, *builder, clock);
+                 put_down, link, *material_task, *builder, clock);
   }
 
   static SceneObject box_at(const char* name, const Vec3& size, const Vec3& centre, bool is_movable = false) {
@@ -134,7 +134,7 @@ struct GraspTaskTest : testing::Test {
   GraspLink link;
   std::optional<HapticsStep> step;
   std::optional<Grasp> grasp;
-  std::optional<MaterialTuner> tuner;
+  std::optional<MaterialTask> material_task;
   std::optional<MethodBuilder> builder;
   std::optional<GraspTask> task;
   std::uint64_t sample = 0;

@@ -79,9 +79,9 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
 TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
   MaterialRequest request{.request = 1, .change = {.given = MaterialChange::kDamping, .damping_ns_per_m = 3.0}};
   put_text("wall", request.object);
-  tuner->request(request);
-  for (int i = 0; i < 3000 && tuner->take() == nullptr; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  ASSERT_TRUE(tuner->accepted());
+  material_task->request(request);
+  for (int i = 0; i < 3000 && material_task->take() == nullptr; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  ASSERT_TRUE(material_task->accepted());
   reply(at, 0);
   ASSERT_EQ(go({0.0, 0.0, 0.021 - kPress}, 0).object, kCube);
   go(at, 1);
@@ -94,7 +94,7 @@ TEST_F(GraspTaskTest, WhatIsHeldFeelsDampingAsItWasTunedBefore) {
   go({0.03, 0.0, 0.04}, 1);
   rest(0, 1);
   wait_for_method(1);
-  EXPECT_TRUE(tuner->accepted());
+  EXPECT_TRUE(material_task->accepted());
   ASSERT_FALSE(felt_scenes.empty());
   EXPECT_EQ(felt_scenes.back().objects[kWall].material.damping_ns_per_m, 3.0) << "as it is felt";
 }

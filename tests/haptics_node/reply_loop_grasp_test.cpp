@@ -144,8 +144,8 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   Scene named;
   for (const TouchObject& object : two_boxes_of_loop().objects)
     named.objects.push_back({.name = "box", .mesh = object.mesh, .material = {}});
-  MaterialTuner tuner(named, 0.0);
-  loop_.set_material_tuner(&tuner);
+  MaterialTask material_task(named, 0.0);
+  loop_.set_material_task(&material_task);
   const auto press = [&](int count) {
     for (int n = 0; n < count; ++n) exchange({0.0, 0.0, 0.01 - kDepth}, 0);
   };
@@ -153,7 +153,7 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
     for (int i = 0; i < 6000 && materials_.request != number; ++i) {
       send(MaterialRequest{.request = number, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = n_per_m}});
       press(1);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the tuner lives in real time
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the material_task lives in real time
     }
     press(120);  // it fades
     EXPECT_STREQ(materials_.rejection.data(), "");
@@ -172,7 +172,7 @@ TEST_F(GraspLoopTest, WhereAnObjectIsPutDownMaterialsStayAsTheyWereChanged) {
   EXPECT_GT(materials_.serial, before);
   ASSERT_EQ(materials_.object_count, 1U) << "for recordings and tools";
   EXPECT_EQ(materials_.objects[0].change.stiffness_n_per_m, 1500.0);
-  stiffen(2, 800.0);  // the tuner knows of no other scene, and needs not
+  stiffen(2, 800.0);  // the material_task knows of no other scene, and needs not
 }
 
 // The hub computes forces, with parts from a thread that lives in real time: that of the test is ahead of it.

@@ -331,7 +331,7 @@ class TunedLoopTest : public ReplyLoopTest {
     std::copy(object.begin(), object.end(), made.object.begin());
     return made;
   }
-  TunedLoopTest() { loop_.set_material_tuner(&tuner_); }
+  TunedLoopTest() { loop_.set_material_task(&material_task_); }
 
   // Presses 2 mm deep until the reply to the request comes. The request is repeated, because datagrams may be lost.
   MaterialState ask(const MaterialRequest& asked) {
@@ -339,12 +339,12 @@ class TunedLoopTest : public ReplyLoopTest {
       send(asked);
       const auto command = exchange({0.01, 0.01, -0.002});
       if (command) forces_n_.push_back(command->force_n[2]);
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the tuner lives in real time
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the material_task lives in real time
     }
     return materials_.empty() ? MaterialState() : materials_.back();
   }
 
-  MaterialTuner tuner_{named_sheet(), 0.0};
+  MaterialTask material_task_{named_sheet(), 0.0};
   std::vector<double> forces_n_;
 };
 
@@ -433,7 +433,7 @@ TEST_F(TunedLoopTest, AnotherSceneFadesInAndIsTold) {
   EXPECT_EQ(scenes_.back().given_hash, 78U) << "vision nodes compare it with theirs";
   EXPECT_EQ(materials_.back().serial, 2U);
   EXPECT_EQ(materials_.back().object_count, 0U);
-  // The tuner still has the scene before: it must not bring that one's materials.
+  // The material_task still has the scene before: it must not bring that one's materials.
   const MaterialState late = ask(request(9, "hull", 300.0));
   EXPECT_NE(std::string_view(late.rejection.data()).find("read again"), std::string_view::npos) << late.rejection.data();
   EXPECT_NEAR(exchange({0.01, 0.01, -0.002})->force_n[2], 0.8, 1e-4);

@@ -25,10 +25,10 @@ struct SceneWatcherTest : testing::Test {
     const auto loaded = load_scene(file);
     EXPECT_TRUE(loaded) << loaded.error().what;
     method = *make_method({}, loaded->touch_scene());
-    tuner.emplace(*loaded, 0.0);
+    material_task.emplace(*loaded, 0.0);
     builder.emplace(MethodSettings(), loaded->touch_scene(), method);
     watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .on_scene = [this](const TouchScene& now) { felt = now; }}, *loaded,
-                    *tuner, *builder);
+                    *material_task, *builder);
   }
 
   std::filesystem::path write(const std::string& material, const std::string& object = "") {
@@ -48,7 +48,7 @@ struct SceneWatcherTest : testing::Test {
   }
   std::unique_ptr<TunedMaterials> wait_for_materials() {
     std::unique_ptr<TunedMaterials> result;
-    wait_until([&] { return (result = tuner->take()) != nullptr; });
+    wait_until([&] { return (result = material_task->take()) != nullptr; });
     return result;
   }
 
@@ -58,7 +58,7 @@ struct SceneWatcherTest : testing::Test {
   std::string log;  // of the last two polls
   TouchScene felt;
   std::shared_ptr<ForceMethod> method;
-  std::optional<MaterialTuner> tuner;
+  std::optional<MaterialTask> material_task;
   std::optional<MethodBuilder> builder;
   std::optional<SceneWatcher> watcher;
 };
@@ -88,7 +88,7 @@ TEST_F(SceneWatcherTest, ItsEndDoesNotWaitForAFileThatIsBeingRead) {
   };
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded);
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .read = read}, *loaded, *tuner, *builder);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .read = read}, *loaded, *material_task, *builder);
   watcher->start();
   write("stiffness_n_per_m = 700");
   ASSERT_EQ(begun.get_future().wait_for(std::chrono::seconds(30)), std::future_status::ready);
@@ -106,7 +106,7 @@ TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
   EXPECT_THAT(log, HasSubstr(kRejected));
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded);
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, *builder);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, *builder);
   write("stiffness_n_per_m = 700", "movable = true");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   const auto tuned = wait_for_materials();
@@ -134,7 +134,7 @@ TEST_F(SceneWatcherTest, AToolStaysTheSame) {
   EXPECT_EQ(builder->take(), nullptr);
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded);
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .has_tool = true}, *loaded, *tuner, *builder);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}, .has_tool = true}, *loaded, *material_task, *builder);
   write("stiffness_n_per_m = 700" + tool);
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
   const auto tuned = wait_for_materials();
@@ -162,7 +162,7 @@ TEST_F(SceneWatcherTest, MaterialsAreTunedAndTheMethodStays) {
   EXPECT_EQ(result->materials[0].friction_static, 0.3);
   EXPECT_EQ(result->state.object_count, 1U);
   EXPECT_EQ(result->scene, 0U);
-  tuner->retire(std::move(result));
+  material_task->retire(std::move(result));
   EXPECT_EQ(builder->take(), nullptr);
   // Back to what it was: the state says so.
   write("stiffness_n_per_m = 500");
@@ -209,7 +209,7 @@ TEST_F(SceneWatcherTest, EffectsComeWithTheSameMethodAndAnotherShapeWithANewOne)
 
   // From here on tools name objects of the new scene.
   MaterialRequest request{.request = 4, .object = {"a"}, .change = {.given = MaterialChange::kStiffness, .stiffness_n_per_m = 800}};
-  tuner->request(request);
+  material_task->request(request);
   const auto result = wait_for_materials();
   ASSERT_NE(result, nullptr);
   EXPECT_EQ(result->materials.size(), 2U);
@@ -220,7 +220,7 @@ TEST_F(SceneWatcherTest, APlugInThatAppearsIsNotLoaded) {
   write("stiffness_n_per_m = 700\n[[effect]]\ntype = 'plugin'\nlibrary = 'x.so'");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected);
   EXPECT_THAT(log, HasSubstr("its plug-ins have changed: start haptics_node again to use it; the present scene stays in use"));
-  EXPECT_EQ(tuner->take(), nullptr);
+  EXPECT_EQ(material_task->take(), nullptr);
   EXPECT_EQ(builder->take(), nullptr);
 }
 
@@ -238,7 +238,7 @@ TEST_F(SceneWatcherTest, WhatCanBeCarvedStaysTheSameObject) {
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
   MethodBuilder of_clay(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, of_clay);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_clay);
   for (const std::string& changed : {with_clay("voxel_mm = 5"), with_clay("voxel_mm = 4\ntool_radius_mm = 21"),
                                      with_clay("voxel_mm = 4\nposition_m = [0, 0, 0.02]"), std::string()}) {
     write("stiffness_n_per_m = 500", changed);
@@ -256,7 +256,7 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
   const auto loaded = load_scene(file);
   ASSERT_TRUE(loaded) << loaded.error().what;
   MethodBuilder of_lid(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
-  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *tuner, of_lid);
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_lid);
 
   write("stiffness_n_per_m = 500", lid + block + "position_m = [0, 0, 0.03]\n");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene) << "another object has another place";
@@ -281,7 +281,7 @@ TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {
   EXPECT_THAT(log, HasSubstr("; the present scene stays in use"));
   EXPECT_THAT(log, HasSubstr("stifness_n_per_m"));
   EXPECT_EQ(watcher->poll(), SceneWatcher::Outcome::unchanged) << "one line, not one a second";
-  EXPECT_EQ(tuner->take(), nullptr);
+  EXPECT_EQ(material_task->take(), nullptr);
   EXPECT_EQ(builder->take(), nullptr);
   write("stiffness_n_per_m = 700");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);

@@ -10,9 +10,9 @@
 namespace hapton {
 
 // Entries of a made recording: samples at 1 kHz, all in contact.
-constexpr std::int64_t kJoinedStartNs = 7'000'000'000;
+constexpr std::int64_t kCyclesStartNs = 7'000'000'000;
 
-inline std::int64_t sample_ns(std::uint64_t sample) { return kJoinedStartNs + static_cast<std::int64_t>(sample) * 1'000'000; }
+inline std::int64_t sample_ns(std::uint64_t sample) { return kCyclesStartNs + static_cast<std::int64_t>(sample) * 1'000'000; }
 
 inline SessionEntry cycle_of(std::uint64_t sample) {
   SessionEntry entry;

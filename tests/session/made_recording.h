@@ -37,7 +37,7 @@ struct MadeRecording {
 
   std::filesystem::path write(const ScratchFolder& scratch) {
     bytes = std::string(kSessionMagic);
-    codec.append(SessionHeader{.build = "b1", .start_ns = kJoinedStartNs, .session = 0xAB}, bytes);
+    codec.append(SessionHeader{.build = "b1", .start_ns = kCyclesStartNs, .session = 0xAB}, bytes);
     add_setup(0);
     for (std::uint64_t sample = 1; sample <= samples; ++sample) {
       if (sample >= lost_from && sample < lost_to) continue;

@@ -14,7 +14,7 @@ namespace {
 void receive(ObjectChanges& changes, const Message& message, double t_s, SessionEntry::Kind kind = SessionEntry::Kind::received) {
   SessionEntry entry;
   entry.kind = kind;
-  entry.time_ns = kJoinedStartNs + static_cast<std::int64_t>(1e9 * t_s);
+  entry.time_ns = kCyclesStartNs + static_cast<std::int64_t>(1e9 * t_s);
   const Datagram datagram{{.sender = 4}, message};
   changes.add(entry, &datagram);
 }
@@ -47,7 +47,7 @@ double value_of(std::span<const ChangeColumn<Row>> columns, std::string_view nam
 }
 
 TEST(ObjectChanges, EachSceneAndMethodIsThereOnceInItsOrder) {
-  ObjectChanges changes(kJoinedStartNs);
+  ObjectChanges changes(kCyclesStartNs);
   HapticsSetup setup{.scene_hash = 7};
   for (const double t_s : {0.5, 1.5, 2.5}) receive(changes, setup, t_s);  // the haptics node repeats it
   setup.scene_hash = 8;
@@ -62,7 +62,7 @@ TEST(ObjectChanges, EachSceneAndMethodIsThereOnceInItsOrder) {
 }
 
 TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
-  ObjectChanges changes(kJoinedStartNs);
+  ObjectChanges changes(kCyclesStartNs);
   receive(changes, moved(5, 0, 2), 0.5);
   receive(changes, moved(5, 1, 2), 1.0);
   receive(changes, moved(5, 1, 2), 1.1);
@@ -85,7 +85,7 @@ TEST(ObjectChanges, EachMoveIsThereOnceWithItsName) {
 }
 
 TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
-  ObjectChanges changes(kJoinedStartNs);
+  ObjectChanges changes(kCyclesStartNs);
   receive(changes, Carves{.source = 7, .newest = 3}, 0.1);
   receive(changes, carved(7, 5, 4, 2), 0.2);  // made meanwhile
   receive(changes, carved(7, 5, 1, 4), 0.3);  // requested
@@ -108,7 +108,7 @@ TEST(ObjectChanges, CarvesAreInTheOrderOfTheirSerials) {
 
 // Memory is bounded by what a haptics node can make.
 TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
-  ObjectChanges changes(kJoinedStartNs);
+  ObjectChanges changes(kCyclesStartNs);
   receive(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
   changes.finish();
   EXPECT_TRUE(changes.carves().empty());

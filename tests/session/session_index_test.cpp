@@ -113,7 +113,7 @@ TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
     reader->seek(index.find_position(t_s));
     SessionEntry entry;
     ASSERT_TRUE(reader->next(entry)) << t_s;
-    const double first_s = 1e-9 * static_cast<double>(entry.time_ns - kJoinedStartNs);
+    const double first_s = 1e-9 * static_cast<double>(entry.time_ns - kCyclesStartNs);
     EXPECT_LE(first_s, std::max(t_s, 0.01)) << t_s;
     EXPECT_GE(first_s, std::min(t_s, 4.0) - 0.3) << t_s;
   }
@@ -288,7 +288,7 @@ TEST(SessionIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
     reader->seek(index.find_position(t_s));
     SessionEntry entry;
     ASSERT_TRUE(reader->next(entry)) << t_s;
-    const double first_s = 1e-9 * static_cast<double>(entry.time_ns - kJoinedStartNs);
+    const double first_s = 1e-9 * static_cast<double>(entry.time_ns - kCyclesStartNs);
     EXPECT_LE(first_s, t_s);
     EXPECT_GT(first_s, t_s - 0.05) << "a megabyte before";
   }
@@ -315,7 +315,7 @@ TEST(SessionIndex, TimesOfAHostileFileDoNoHarm) {
   const ScratchFolder scratch;
   SessionCodec codec;
   std::string bytes(kSessionMagic);
-  codec.append(SessionHeader{.start_ns = kJoinedStartNs}, bytes);
+  codec.append(SessionHeader{.start_ns = kCyclesStartNs}, bytes);
   for (const std::int64_t time_ns :
        {std::numeric_limits<std::int64_t>::max(), std::int64_t{-1}, std::numeric_limits<std::int64_t>::min() + 1, std::int64_t{7}}) {
     SessionEntry entry = cycle_of(1);

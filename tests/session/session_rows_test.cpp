@@ -14,29 +14,29 @@ namespace hapton {
 namespace {
 
 // The sample of that time, found among all.
-std::uint64_t brute_force_sample(const std::vector<JoinedRow>& all, double t_s) {
+std::uint64_t brute_force_sample(const std::vector<CycleRow>& all, double t_s) {
   std::uint64_t newest = all.front().sample;
-  for (const JoinedRow& row : all) {
+  for (const CycleRow& row : all) {
     if (row.sample_t_s <= t_s) newest = row.sample;
   }
   return newest;
 }
 
-std::vector<JoinedRow> read_all(const std::filesystem::path& file) {
-  std::vector<JoinedRow> all;
+std::vector<CycleRow> read_all(const std::filesystem::path& file) {
+  std::vector<CycleRow> all;
   auto reader = SessionReader::open(file);
-  JoinedTable(kJoinedStartNs, [&](const JoinedRow& row) { all.push_back(row); }).add_all(*reader);
+  CycleTable(kCyclesStartNs, [&](const CycleRow& row) { all.push_back(row); }).add_all(*reader);
   return all;
 }
 
 TEST(SessionRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
   OpenedRecording opened;
-  const std::vector<JoinedRow> all = read_all(opened.file);
+  const std::vector<CycleRow> all = read_all(opened.file);
   std::mt19937 random(7);
   std::uniform_real_distribution<double> times(-0.5, 4.5);
   for (int i = 0; i < 60; ++i) {
     const double t_s = times(random);
-    const JoinedRow* row = opened.rows->at(t_s);
+    const CycleRow* row = opened.rows->at(t_s);
     ASSERT_NE(row, nullptr);
     EXPECT_EQ(row->sample, brute_force_sample(all, t_s)) << t_s;
     EXPECT_EQ(std::isfinite(row->p_WP.x()), row->sample % 2 == 0) << t_s;
@@ -46,7 +46,7 @@ TEST(SessionRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
 TEST(SessionRows, PlayingOnFindsThemAll) {
   OpenedRecording opened;
   for (std::uint64_t sample = 1; sample <= 4000; sample += 16) {
-    const JoinedRow* row = opened.rows->at(1e-3 * (static_cast<double>(sample) + 0.5));
+    const CycleRow* row = opened.rows->at(1e-3 * (static_cast<double>(sample) + 0.5));
     ASSERT_NE(row, nullptr);
     ASSERT_EQ(row->sample, sample);
   }
@@ -73,7 +73,7 @@ TEST(SessionRows, StepsGoFromSampleToSampleBothWays) {
 
 TEST(SessionRows, TheNewestSampleWithAReplyIsFound) {
   OpenedRecording opened;
-  const JoinedRow* replied = opened.rows->replied_at(2.0015, 0.02);
+  const CycleRow* replied = opened.rows->replied_at(2.0015, 0.02);
   ASSERT_NE(replied, nullptr);
   EXPECT_EQ(replied->sample, 2000U);
   EXPECT_EQ(replied->view_revision, 4U);

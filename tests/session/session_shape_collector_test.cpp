@@ -19,7 +19,7 @@ struct ShapeCollectorTest : testing::Test {
   void receive(const Message& message) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::received;
-    entry.time_ns = kJoinedStartNs + ++milliseconds * 1'000'000;
+    entry.time_ns = kCyclesStartNs + ++milliseconds * 1'000'000;
     const Datagram datagram{{.session = 1, .sender = 2}, message};
     collector.add(entry, &datagram, take);
   }
@@ -47,7 +47,7 @@ struct ShapeCollectorTest : testing::Test {
       EXPECT_EQ(shape.displacements_m[v], expected) << v;
     }
   };
-  SessionShapeCollector collector{kJoinedStartNs};
+  SessionShapeCollector collector{kCyclesStartNs};
 };
 
 TEST_F(ShapeCollectorTest, EachShapeIsHandedOnOnceItIsThere) {

@@ -31,7 +31,7 @@ class HandRoute : public testing::Test {
     int steps = 0;
     double distance_m = 0.0;
   };
-  Walk walk(const SurfaceSeen& seen, const Vec3& from, const Vec3& p_WG) const {
+  Walk walk(const VisibleDepth& seen, const Vec3& from, const Vec3& p_WG) const {
     constexpr double kPace = 0.001;
     Walk walk{from};
     bool is_in_front = false;
@@ -55,14 +55,14 @@ class HandRoute : public testing::Test {
 };
 
 TEST_F(HandRoute, GoesStraightWhereNothingIsInBetween) {
-  const SurfaceSeen seen = make_surface(screen_, kShown, [&](double, double) { return screen_.distance_m; });
+  const VisibleDepth seen = make_surface(screen_, kShown, [&](double, double) { return screen_.distance_m; });
   const Vec3 goal = seen.place({300.0, 200.0}, screen_.distance_m + 0.003);
   EXPECT_EQ(route_hand(seen, {seen.place({100.0, 200.0}, screen_.distance_m)}, goal), goal);
   EXPECT_EQ(route_hand(seen, {seen.place({100.0, 200.0}, screen_.distance_m - 0.1)}, goal), goal);
 }
 
 TEST_F(HandRoute, OverAWallAndDownOnItsOtherSide) {
-  const SurfaceSeen seen = make_surface(
+  const VisibleDepth seen = make_surface(
       screen_, kShown, [&](double x, double) { return std::abs(x - 200.0) < 20.0 ? screen_.distance_m - 0.06 : screen_.distance_m; });
   const Vec3 from = seen.place({100.0, 200.0}, screen_.distance_m);
   const Vec3 goal = seen.place({300.0, 180.0}, screen_.distance_m + 0.003);
@@ -73,14 +73,14 @@ TEST_F(HandRoute, OverAWallAndDownOnItsOtherSide) {
 }
 
 TEST_F(HandRoute, SlidesOverATinyStep) {
-  const SurfaceSeen seen = make_surface(screen_, kShown, [&](double x, double) { return screen_.distance_m - 0.002 * std::sin(0.1 * x); });
+  const VisibleDepth seen = make_surface(screen_, kShown, [&](double x, double) { return screen_.distance_m - 0.002 * std::sin(0.1 * x); });
   const Vec3 goal = seen.place({300.0, 200.0}, screen_.distance_m + 0.002);
   EXPECT_EQ(route_hand(seen, {seen.place({100.0, 200.0}, screen_.distance_m)}, goal), goal);
 }
 
 TEST_F(HandRoute, FromBehindAnObjectOutBesideItAndToItsFront) {
   const auto plate = [&](double x, double y) { return std::hypot(x - 200.0, y - 200.0) < 80.0 ? screen_.distance_m : kNothing; };
-  const SurfaceSeen seen = make_surface(screen_, kShown, plate);
+  const VisibleDepth seen = make_surface(screen_, kShown, plate);
   const Vec3 from = seen.place({190.0, 205.0}, screen_.distance_m + 0.04);
   const Vec3 goal = seen.place({200.0, 200.0}, screen_.distance_m + 0.003);
   const Walk walked = walk(seen, from, goal);
@@ -92,7 +92,7 @@ TEST_F(HandRoute, FromBehindAnObjectOutBesideItAndToItsFront) {
 // As far away as its front: which side it touches is said by where it is kept out to.
 TEST_F(HandRoute, FromTheBackOfAThinSheetOutBesideItAndOnItsFrontStraight) {
   const auto plate = [&](double x, double y) { return std::hypot(x - 200.0, y - 200.0) < 80.0 ? screen_.distance_m : kNothing; };
-  const SurfaceSeen seen = make_surface(screen_, kShown, plate);
+  const VisibleDepth seen = make_surface(screen_, kShown, plate);
   const Vec3 p_WP = seen.place({190.0, 205.0}, screen_.distance_m);
   const Vec3 goal = seen.place({230.0, 200.0}, screen_.distance_m + 0.003);
   EXPECT_EQ(route_hand(seen, {p_WP, Vec3(0.0, 0.0, 0.003)}, goal), goal);
@@ -112,7 +112,7 @@ class LedThroughAMethod : public HandRoute {
     scene_.objects.push_back({std::make_shared<const TriangleMesh>(std::move(sheet)), {}});
   }
 
-  SurfaceSeen see_sheet() const {
+  VisibleDepth see_sheet() const {
     const Vec2 corner = project_to_pixel(screen_, Eye::centre, kShown, {kHalf, kHalf, 0.0});
     return make_surface(screen_, kShown, [&](double x, double y) {
       return std::abs(x - 200.0) < corner.x() - 200.0 && std::abs(y - 200.0) < corner.y() - 200.0 ? screen_.distance_m : kNothing;
@@ -123,7 +123,7 @@ class LedThroughAMethod : public HandRoute {
   MethodOutput lead(const Vec3& from, const Vec3& goal, bool by_route) const {
     const auto method = make_method({}, scene_);
     if (!method) throw std::runtime_error(method.error().what);
-    const SurfaceSeen seen = see_sheet();
+    const VisibleDepth seen = see_sheet();
     Vec3 p_WD = from;
     Vec3 target = goal;
     (*method)->reset(p_WD);
@@ -162,7 +162,7 @@ TEST_F(LedThroughAMethod, InTouchWithTheBackItComesToTheFront) {
 
 TEST_F(HandRoute, TakesTheNearestWayOut) {
   const auto plate = [&](double x, double y) { return x > 50.0 && x < 350.0 && y > 180.0 && y < 380.0 ? screen_.distance_m : kNothing; };
-  const SurfaceSeen seen = make_surface(screen_, kShown, plate);
+  const VisibleDepth seen = make_surface(screen_, kShown, plate);
   const Vec3 from = seen.place({200.0, 200.0}, screen_.distance_m + 0.04);
   const Vec2 out = seen.pixel_of(route_hand(seen, {from}, seen.place({200.0, 370.0}, screen_.distance_m)));
   EXPECT_LT(out.y(), 180.0);
@@ -170,7 +170,7 @@ TEST_F(HandRoute, TakesTheNearestWayOut) {
 }
 
 TEST_F(HandRoute, WhereNothingIsSeenOfAWayOutItGoesStraight) {
-  const SurfaceSeen seen = make_surface(screen_, kShown, [&](double, double) { return screen_.distance_m; });
+  const VisibleDepth seen = make_surface(screen_, kShown, [&](double, double) { return screen_.distance_m; });
   const Vec3 goal(1.0, 0.0, screen_.distance_m + 1.0);
   EXPECT_EQ(route_hand(seen, {}, goal), goal) << "behind the viewer";
 }

@@ -201,7 +201,7 @@ TEST(HeadStereo, ThePointUnderAPixelIsTheMarkers) {
       ASSERT_TRUE(p_W) << named.name;
       EXPECT_NEAR((*p_W - kNear).norm(), 0.01, 5e-4) << named.name;
     }
-    const auto seen = view->surface_seen();
+    const auto seen = view->visible_depth();
     ASSERT_TRUE(seen);
     const Vec2 at = closed_form(named.head, Eye::left, kNear, framing, Vec2(kWidth, kHeight));
     const auto p_W = seen->find(at);

@@ -193,7 +193,7 @@ TEST_F(InteractionTest, BesideTheSceneTheHandKeepsItsDepth) {
 }
 
 TEST_F(InteractionTest, AWallInBetweenIsPassedInFrontAndTheGoalIsKept) {
-  const SurfaceSeen seen = make_surface(view_.screen, view_.picture, [&](double x, double) {
+  const VisibleDepth seen = make_surface(view_.screen, view_.picture, [&](double x, double) {
     return std::abs(x - 320.0) < 40.0 ? view_.screen.distance_m - 0.08 : view_.screen.distance_m;
   });
   view_.p_WQ = seen.find({100.0, 360.0});

@@ -5,12 +5,12 @@
 #include <utility>
 #include <vector>
 
-#include "vision_node/surface_seen.h"
+#include "vision_node/visible_depth.h"
 
 namespace hapton {
 
 // A surface that is as far away at each pixel as the function says; infinity: nothing there.
-inline SurfaceSeen make_surface(const StereoScreen& screen, PictureSize size, const std::function<double(double x, double y)>& depth_m) {
+inline VisibleDepth make_surface(const StereoScreen& screen, PictureSize size, const std::function<double(double x, double y)>& depth_m) {
   std::vector<float> depths;
   for (int y = 0; y < size.height_px; ++y) {
     for (int x = 0; x < size.width_px; ++x) {

@@ -7,13 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/build_id.h"
+#include "tools/doctor/cpu_check.h"
 #include "tools/doctor/device_check.h"
 #include "tools/doctor/display_check.h"
 #include "tools/doctor/hub_check.h"
 #include "tools/doctor/library_check.h"
 #include "tools/doctor/network_check.h"
-#include "tools/doctor/rights_check.h"
-#include "tools/doctor/timing_check.h"
+#include "tools/doctor/realtime_rights_check.h"
 
 namespace hapton::doctor {
 namespace {

@@ -11,7 +11,7 @@
 #include "link/session_reader.h"
 #include "session/session_entries.h"
 #include "tools/commands.h"
-#include "tools/session/joined_files.h"
+#include "tools/session/cycle_files.h"
 #include "tools/session/recorded_scenes.h"
 #include "tools/session/session_export.h"
 #include "tools/session/session_mcap.h"
@@ -62,7 +62,7 @@ Result<std::vector<ObjectName>> find_names(const SessionOptions& options) {
 }
 
 // One table in one file: every cycle with its sample, its force and what happened.
-Result<void> write_joined(const SessionOptions& options, SessionReader& reader, const std::vector<ObjectName>& names) {
+Result<void> write_cycles(const SessionOptions& options, SessionReader& reader, const std::vector<ObjectName>& names) {
   std::error_code error;
   std::filesystem::create_directories(options.out, error);
   if (error) return fail("{}: the folder cannot be made: {}", options.out, error.message());
@@ -75,7 +75,7 @@ Result<void> write_joined(const SessionOptions& options, SessionReader& reader, 
   }
   const bool is_hdf5 = options.format == "hdf5";
   const auto path = std::filesystem::path(options.out) / (is_hdf5 ? "session.h5" : "session.csv");
-  const auto written = is_hdf5 ? write_joined_hdf5(reader, path, names) : write_joined_csv(reader, path, names);
+  const auto written = is_hdf5 ? write_joined_hdf5(reader, path, names) : write_cycle_csv(reader, path, names);
   if (!written) return tl::unexpected(written.error());
   fmt::print("{}: {} rows\n", path.string(), written->rows);
   if (written->lost > 0) fmt::print("{} samples in {} gaps are missing in the recording: column `lost`\n", written->lost, written->gaps);
@@ -90,7 +90,7 @@ Result<void> write_tables(const SessionOptions& options) {
   if (!names) return tl::unexpected(names.error());
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
-  if (options.format != "tables") return write_joined(options, *reader, *names);
+  if (options.format != "tables") return write_cycles(options, *reader, *names);
   auto tables = SessionExport::open(options.out, reader->header().start_ns, std::move(*names));
   if (!tables) return tl::unexpected(tables.error());
   const auto done = for_each_entry(*reader, [&](const SessionEntry& entry, const Datagram* datagram) {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/force/reference/reference_method.h"
-#include "core/geometry/close_up.h"
+#include "core/geometry/crop_to_cube.h"
 
 namespace hapton {
 namespace {
@@ -18,7 +18,7 @@ bool is_minimum_in_close_up(const TriangleMesh& mesh, TriangleBoxes& boxes, cons
                             const Vec3& start, const Vec3& device) {
   const auto near = boxes.find_near(centre, std::numbers::sqrt3 * half_side);
   TouchScene scene;
-  scene.objects.push_back({std::make_shared<TriangleMesh>(make_close_up(mesh, near, centre, half_side)), material});
+  scene.objects.push_back({std::make_shared<TriangleMesh>(crop_to_cube(mesh, near, centre, half_side)), material});
   MethodSettings settings;
   settings.name = "reference";
   const auto reference = ReferenceMethod::make_reference(settings, scene);

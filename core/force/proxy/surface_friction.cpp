@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/force/friction_drag.h"
+#include "core/force/sliding_friction.h"
 #include "core/math/quadratic.h"
 
 namespace hapton {

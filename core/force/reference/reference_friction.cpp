@@ -3,8 +3,8 @@
 #include <array>
 
 #include "core/force/contact_material.h"
-#include "core/force/friction_drag.h"
 #include "core/force/reference/reference_proxy.h"
+#include "core/force/sliding_friction.h"
 
 namespace hapton {
 

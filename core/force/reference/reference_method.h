@@ -38,7 +38,7 @@ struct ReferenceStep {
 // follows that motion against every triangle; what it hits becomes a contact; this repeats until P does not move beyond rounding. Where a
 // minimum ends, P follows the gradient flow of |P - D|: its path stays on the surface and leaves a vertex in the steepest direction.
 // Coulomb friction holds P while the tangential part of the pull is within the cone, and otherwise drags it along its own pull
-// (core/force/friction_drag.h). Force = stiffness (P - D), less damping along it, never attractive.
+// (core/force/sliding_friction.h). Force = stiffness (P - D), less damping along it, never attractive.
 //
 // Limit. Each step is computed with N = reference_substeps, 2 N, 4 N ... sub-steps, always from the state at its start. A sub-step in which
 // P jumps under friction is halved until the moment of the jump is known to a billionth of the sub-step. The doubling ends when two

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/force/left_out.h"
 #include "core/force/smooth/smooth_method.h"
+#include "core/force/unrendered_notes.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/triangle_distance.h"
 

@@ -5,7 +5,7 @@
 
 #include "core/force/contact_material.h"
 #include "core/force/contact_qp.h"
-#include "core/force/friction_drag.h"
+#include "core/force/sliding_friction.h"
 #include "core/force/sphere/sphere_follower.h"
 #include "core/math/find_zero.h"
 #include "core/math/quadratic.h"

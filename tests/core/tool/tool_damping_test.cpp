@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kTickS = 1e-3;
 constexpr double kDampingK = 1000.0;
-constexpr ContactDamping kSyrup = {.normal_ns_per_m = 3.0, .along_ns_per_m = 5.0};
+constexpr DampingCoefficients kSyrup = {.normal_ns_per_m = 3.0, .along_ns_per_m = 5.0};
 
-std::unique_ptr<ToolStep> damping_step(const std::vector<TriangleMesh>& scene, const std::vector<ContactDamping>& damping,
+std::unique_ptr<ToolStep> damping_step(const std::vector<TriangleMesh>& scene, const std::vector<DampingCoefficients>& damping,
                                        const std::vector<CoulombFriction>& friction = {}, const std::vector<int>& parts = {}) {
   std::vector<std::shared_ptr<const TriangleMesh>> meshes;
   for (const TriangleMesh& mesh : scene) meshes.push_back(std::make_shared<TriangleMesh>(mesh));
@@ -94,7 +94,7 @@ class HeldPair : public Pair {
   std::int64_t time_ns_ = 0;
 };
 
-std::vector<std::unique_ptr<Pair>> pairs_on(const std::vector<TriangleMesh>& scene, const std::vector<ContactDamping>& damping,
+std::vector<std::unique_ptr<Pair>> pairs_on(const std::vector<TriangleMesh>& scene, const std::vector<DampingCoefficients>& damping,
                                             const std::vector<CoulombFriction>& friction = {}, const std::vector<int>& parts = {}) {
   std::vector<std::unique_ptr<Pair>> pairs;
   const auto damped = [&] { return damping_step(scene, damping, friction, parts); };
@@ -194,7 +194,7 @@ TEST(ToolDamping, TheDragDecaysWhereContactsAreNotKnown) {
     const double now_n = drag_n(damping_input({-0.011 + 2e-4 * n, 0.004, 0.008}));
     if (step->proxy().contacts().empty()) {
       ++unknown;
-      ASSERT_NEAR(now_n, last_n / (1.0 + kTickS / ContactDrag::kSmoothS), 1e-9) << n;
+      ASSERT_NEAR(now_n, last_n / (1.0 + kTickS / ContactDamping::kSmoothS), 1e-9) << n;
     }
     last_n = now_n;
   }
@@ -254,7 +254,7 @@ TEST(ToolDamping, ActsBesideFriction) {
 
 TEST(ToolDamping, ImpossibleDampingIsRejected) {
   const auto step = damping_step({make_plane_grid(0.2, 2)}, {});
-  for (const ContactDamping bad : {ContactDamping{-1.0, 0.0}, {0.0, -1.0}, {std::nan(""), 0.0}, {0.0, HUGE_VAL}}) {
+  for (const DampingCoefficients bad : {DampingCoefficients{-1.0, 0.0}, {0.0, -1.0}, {std::nan(""), 0.0}, {0.0, HUGE_VAL}}) {
     EXPECT_FALSE(step->damp({bad}));
   }
 }

@@ -31,7 +31,7 @@ struct ExportTest : testing::Test {
   SessionExport exported = open();
 
   SessionExport open() {
-    auto opened = SessionExport::open(folder, kJoinedStartNs, {{"lid", ""}, {"a, \"b\"", "clay"}});
+    auto opened = SessionExport::open(folder, kCyclesStartNs, {{"lid", ""}, {"a, \"b\"", "clay"}});
     EXPECT_TRUE(opened) << opened.error().what;
     return std::move(*opened);
   }

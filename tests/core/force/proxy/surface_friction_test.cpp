@@ -7,7 +7,7 @@
 #include <random>
 #include <utility>
 
-#include "core/force/friction_drag.h"
+#include "core/force/sliding_friction.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/surface_stage.h"
 

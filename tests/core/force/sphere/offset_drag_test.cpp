@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "core/force/friction_drag.h"
+#include "core/force/sliding_friction.h"
 
 namespace hapton {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <tuple>
 
-#include "core/force/friction_drag.h"
+#include "core/force/sliding_friction.h"
 #include "tests/core/force/sphere/sphere_stage.h"
 #include "tests/support/allocation_guard.h"
 

@@ -1,0 +1,140 @@
+#include "core/force/sliding_friction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hapton {
+namespace {
+
+constexpr double kOnCone = 1e-9;  // share of the cone's radius: a sliding proxy's pull equals the radius up to rounding
+constexpr int kMaxPhases = 16;    // each is one stick and one slip; a straight motion needs two, the rest allows for rounding
+
+// The time at which the pull on a sticking proxy leaves the cone; infinite: never. Root of |pull + t motion|^2 - (radius + t growth)^2 = a
+// t^2 + 2 b t + c.
+double find_slip(const Vec3& pull, const Vec3& motion, double radius, double growth) {
+  const double a = motion.squaredNorm() - growth * growth;
+  const double b = pull.dot(motion) - radius * growth;
+  const double c = std::min(0.0, pull.squaredNorm() - radius * radius);
+  const double discriminant = b * b - a * c;
+  if (!(discriminant >= 0.0)) return std::numeric_limits<double>::infinity();
+  const double root = std::sqrt(discriminant);
+  if (b > 0.0) return -c / (b + root);
+  return a > 0.0 ? (root - b) / a : std::numeric_limits<double>::infinity();
+}
+
+// The time at which the pull on a stopped proxy has become shorter than the cone's radius; infinite: never.
+double find_restick(const Vec3& pull, const Vec3& motion, double radius, double growth) {
+  const double a = growth * growth - motion.squaredNorm();
+  const double b = radius * growth - pull.dot(motion);
+  const double c = radius * radius - pull.squaredNorm();
+  if (c >= 0.0) return 0.0;
+  const double discriminant = b * b - a * c;
+  if (!(discriminant >= 0.0)) return std::numeric_limits<double>::infinity();
+  const double root = std::sqrt(discriminant);
+  if (b > 0.0) return -c / (b + root);
+  return a > 0.0 ? (root - b) / a : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+SlidingPull::SlidingPull(const Vec3& pull, const Vec3& motion, double radius, double growth) noexcept
+    : distance_(motion.norm()), radius_(radius), growth_(growth) {
+  if (!(distance_ > 0.0)) {
+    ahead_ = pull.normalized();
+    return;
+  }
+  ahead_ = motion / distance_;
+  const double along = pull.dot(ahead_);
+  const Vec3 beside = pull - along * ahead_;
+  const double width = beside.norm();
+  if (!(width > 0.0)) {
+    if (along < 0.0) {  // pull against the motion: both directions are reversed, so the angle is zero
+      ahead_ = -ahead_;
+      distance_ = -distance_;
+    }
+    return;
+  }
+  sideways_ = beside / width;
+  // Two forms of the same value; the one without cancellation is used.
+  const double size = std::hypot(along, width);
+  tangent_ = along >= 0.0 ? width / (size + along) : (size - along) / width;
+}
+
+// With the angle psi between pull and motion and the cone's radius R, R psi' = -|motion| sin psi.
+double SlidingPull::tangent_at(double time) const noexcept {
+  const double relative = time * growth_ / radius_;
+  if (!(relative > -1.0)) return 0.0;
+  const double turns = time * distance_ / radius_ * (std::fabs(relative) > 1e-12 ? std::log1p(relative) / relative : 1.0);
+  return tangent_ * std::exp(-turns);
+}
+
+Vec3 SlidingPull::at(double time) const noexcept {
+  const double end = std::max(0.0, radius_ + time * growth_);
+  if (!(tangent_ > 0.0)) return end * ahead_;
+  const double tangent = tangent_at(time);
+  const double squared = tangent * tangent;
+  return (end / (1.0 + squared)) * ((1.0 - squared) * ahead_ + 2.0 * tangent * sideways_);
+}
+
+double SlidingPull::speed_at(double time) const noexcept {
+  const double tangent = tangent_ > 0.0 ? tangent_at(time) : 0.0;
+  const double squared = tangent * tangent;
+  return distance_ * (1.0 - squared) / (1.0 + squared) - growth_;
+}
+
+double SlidingPull::time_across(const Vec3& normal) const noexcept {
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  const double along = normal.dot(ahead_);
+  const double beside = normal.dot(sideways_);
+  if (!(distance_ > 0.0) || along == 0.0) return kNever;
+  // Solves cos(psi) along + sin(psi) beside = 0 for psi in (0, pi), as the tangent of psi / 2.
+  const double size = std::hypot(along, beside);
+  const double sine = std::fabs(along);
+  const double cosine = along > 0.0 ? -beside : beside;
+  const double wanted = cosine >= 0.0 ? sine / (size + cosine) : (size - cosine) / sine;
+  if (!(wanted < tangent_) || !(wanted > 0.0)) return kNever;
+  const double turns = std::log(tangent_ / wanted);
+  const double relative = growth_ * turns / distance_;
+  const double time = std::fabs(relative) > 1e-12 ? radius_ / growth_ * std::expm1(relative) : radius_ * turns / distance_;
+  return time >= 0.0 ? time : kNever;
+}
+
+FrictionDrag drag_by_friction(const FrictionMotion& input) noexcept {
+  const double growth = input.pressure_end - input.pressure_start;
+  FrictionDrag now{input.pull, input.sliding};
+  double t = 0.0;
+  for (int phase = 0; phase < kMaxPhases; ++phase) {
+    const double pressure = input.pressure_start + t * growth;
+    const double radius = input.friction_dynamic * pressure;
+    const double widening = input.friction_dynamic * growth;
+    if (now.sliding) {
+      const double length = now.pull.norm();
+      if (!(radius > 0.0) || !(length > 0.0)) return {Vec3::Zero(), true};
+      if (length > radius) now.pull *= radius / length;
+      // It slides on only if the device moves faster than the cone grows. The angle to the motion only decreases, so it then does not stop
+      // again.
+      const bool outruns = now.pull.dot(input.motion) >= now.pull.norm() * widening;
+      if (outruns && !(now.pull.norm() < radius * (1.0 - kOnCone))) {
+        now.pull = SlidingPull(now.pull, (1.0 - t) * input.motion, radius, (1.0 - t) * widening).at(1.0);
+        return now;
+      }
+    }
+    const double coefficient = now.sliding ? input.friction_dynamic : input.friction_static;
+    const double slip = find_slip(now.pull, input.motion, coefficient * pressure, coefficient * growth);
+    const double restick =
+        now.sliding ? find_restick(now.pull, input.motion, FrictionMotion::kRestick * radius, FrictionMotion::kRestick * widening) : slip;
+    const double next = std::min(slip, restick);
+    if (!(next < 1.0 - t)) {
+      now.pull += (1.0 - t) * input.motion;
+      return now;
+    }
+    t += next;
+    now.pull += next * input.motion;
+    now.sliding = slip <= restick;
+  }
+  now.pull += (1.0 - t) * input.motion;
+  return now;
+}
+
+}  // namespace hapton

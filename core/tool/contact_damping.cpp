@@ -1,0 +1,224 @@
+#include "core/tool/contact_damping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Eigenvalues>
+
+#include "core/effects/bounded_force.h"
+
+namespace hapton {
+namespace {
+
+bool has_damping_on_any(const std::vector<DampingCoefficients>& objects) {
+  return std::any_of(objects.begin(), objects.end(), [](const DampingCoefficients& one) { return one.is_on(); });
+}
+
+// Share of the damping of a part that is no longer touched at which it is dropped: too little to be felt.
+constexpr double kMinRemaining = 0x1p-16;
+
+// The factor that limits a damping force to its bound.
+double share_within(double force_n, double most_n) { return force_n > most_n ? most_n / force_n : 1.0; }
+
+}  // namespace
+
+ContactDamping::ContactDamping(std::vector<std::vector<DampingCoefficients>> damping, double unit_m, double radius)
+    : damping_(std::move(damping)), unit_m_(unit_m), radius_(radius), motions_(damping_.size()) {
+  update_damping();
+}
+
+// A part without damping has no velocity. If one gets damping, the velocities of all parts restart.
+void ContactDamping::update_damping() noexcept {
+  is_on_ = false;
+  for (std::size_t p = 0; p < damping_.size(); ++p) {
+    const bool had_damping = std::exchange(motions_[p].has_damping, has_damping_on_any(damping_[p]));
+    is_on_ = is_on_ || motions_[p].has_damping;
+    if (motions_[p].has_damping && !had_damping) reset();
+  }
+}
+
+void ContactDamping::set_damping(const std::vector<std::vector<DampingCoefficients>>& damping) noexcept {
+  damping_ = damping;
+  update_damping();
+}
+
+void ContactDamping::reset() noexcept {
+  for (Motion& motion : motions_) {
+    motion.shift.reset();
+    motion.turn.reset();
+  }
+  is_placed_ = false;
+  dt_s_ = 0.0;
+  touched_.count = 0;
+}
+
+void ContactDamping::move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept {
+  const bool is_first = !std::exchange(is_placed_, true);
+  const Placement last = std::exchange(device_, device);
+  if (dt_s > 0.0) dt_s_ += dt_s;
+  for (std::size_t p = 0; p < motions_.size(); ++p) {
+    Motion& motion = motions_[p];
+    if (!motion.has_damping) continue;
+    const Placement part = p > 0 && p <= parts.size() ? parts[p - 1] : Placement();
+    const bool jumps = is_first || unit_m_ * motion_past(last, radius_, motion.part, part) > kJumpMPerS * dt_s;
+    const Placement from = (jumps ? part : motion.part).inverse() * (is_first ? device : last);
+    const Placement to = part.inverse() * device;
+    motion.part = part;
+    motion.shift.move_last(unit_m_ * from.position);
+    motion.shift.add(unit_m_ * to.position, dt_s);
+    motion.turn.move_last(Vec3::Zero());
+    motion.turn.add(turn_between(from.orientation, to.orientation), dt_s);
+  }
+}
+
+Vec6 ContactDamping::velocity_past(int part) const noexcept {
+  const Motion& motion = motions_[static_cast<std::size_t>(part)];
+  Vec6 velocity;
+  velocity << motion.part.orientation * motion.shift.mean(), motion.part.orientation * motion.turn.mean();
+  return velocity;
+}
+
+DampingCoefficients ContactDamping::damping_of(const Contact& contact) const noexcept {
+  const auto part = static_cast<std::size_t>(contact.part);
+  if (part >= damping_.size() || contact.object >= damping_[part].size()) return {};
+  return damping_[part][contact.object];
+}
+
+void ContactDamping::add(const Contact& contact, double along_n, Touched& touched) const noexcept {
+  const DampingCoefficients damping = damping_of(contact);
+  touched.contact_n += contact.force_n;
+  if (!damping.is_on()) return;
+  const double weight = contact.force_n / along_n;
+  const double larger = std::max(damping.normal_ns_per_m, damping.along_ns_per_m);
+  touched.largest = std::max(touched.largest, larger);
+  touched.upper_bound += weight * larger;
+  const Vec3 arm = unit_m_ * contact.arm;
+  Mat3 cross;  // cross * w = w x arm
+  cross << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  Eigen::Matrix<double, 3, 6> jacobian;
+  jacobian << Mat3::Identity(), cross;
+  const Vec3 velocity = jacobian * velocity_past(contact.part);
+  const double normal_speed = contact.normal.dot(velocity);
+  const Vec6 row = jacobian.transpose() * contact.normal;
+  const auto add_to = [&](DampingMatrix& metric, double ns_per_m, double speed, const auto& shape) {
+    if (!(ns_per_m > 0.0)) return;
+    const double coefficient = weight * ns_per_m * share_within(ns_per_m * std::abs(speed), along_n);
+    metric.matrix += coefficient * shape;
+    metric.coefficient += coefficient;
+  };
+  add_to(touched.normal, damping.normal_ns_per_m, normal_speed, Mat6(row * row.transpose()));
+  add_to(touched.along, damping.along_ns_per_m, (velocity - normal_speed * contact.normal).norm(),
+         Mat6(jacobian.transpose() * jacobian - row * row.transpose()));
+}
+
+void ContactDamping::DampingMatrix::scale(double share) noexcept {
+  matrix *= share;
+  coefficient *= share;
+}
+
+void ContactDamping::DampingMatrix::blend(const DampingMatrix& before, double share) noexcept {
+  if (!matrix.allFinite()) *this = {};  // otherwise the filter would keep it
+  matrix = before.matrix + share * (matrix - before.matrix);
+  coefficient = before.coefficient + share * (coefficient - before.coefficient);
+}
+
+// By Cauchy's inequality the sum of the contacts' forces is at most the root of coefficient times power.
+Vec6 ContactDamping::DampingMatrix::force(const Vec6& velocity, double most_n) const noexcept {
+  if (!(coefficient > 0.0)) return Vec6::Zero();
+  const Vec6 drag = matrix * velocity;
+  const double sum_n = std::sqrt(coefficient * std::max(0.0, drag.dot(velocity)));
+  const Vec6 force = -share_within(sum_n, std::min(most_n, kMaxEffectForceN)) * drag;
+  return force.allFinite() ? force : Vec6(Vec6::Zero());
+}
+
+const ContactDamping::Touched* ContactDamping::TouchedParts::find(int part) const noexcept {
+  const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+  const auto found = std::find_if(all.begin(), end, [part](const Touched& one) { return one.part == part; });
+  return found == end ? nullptr : &*found;
+}
+
+ContactDamping::Touched& ContactDamping::TouchedParts::at(int part) noexcept {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (all[i].part == part) return all[i];
+  }
+  Touched& touched = all[count++];
+  touched.part = part;
+  return touched;
+}
+
+// Limits the sum over all contacts to the largest coefficient: a material that is stable alone stays so. upper_bound saves the eigenvalues
+// in the common case that one face is touched.
+void ContactDamping::limit(TouchedParts& now) const noexcept {
+  Mat3 sum = Mat3::Zero();
+  double most = 0.0;
+  double upper_bound = 0.0;
+  for (std::size_t i = 0; i < now.count; ++i) {
+    const Touched& one = now.all[i];
+    most = std::max(most, one.largest);
+    upper_bound += one.upper_bound;
+    sum += one.normal.matrix.topLeftCorner<3, 3>() + one.along.matrix.topLeftCorner<3, 3>();
+  }
+  if (upper_bound <= most * (1.0 + 0x1p-40)) return;
+  const double largest = Eigen::SelfAdjointEigenSolver<Mat3>(sum, Eigen::EigenvaluesOnly).eigenvalues()[2];
+  if (!(largest > most)) return;
+  for (std::size_t i = 0; i < now.count; ++i) {
+    now.all[i].normal.scale(most / largest);
+    now.all[i].along.scale(most / largest);
+  }
+}
+
+// Low-pass filter: the damping of each touched part approaches its present value, and that of the other parts approaches zero, so the sum
+// over all parts is filtered, too.
+void ContactDamping::blend(TouchedParts& now, double share) const noexcept {
+  const std::size_t touched = now.count;
+  for (std::size_t i = 0; i < touched; ++i) {
+    Touched& one = now.all[i];
+    const Touched* before = touched_.find(one.part);
+    one.normal.blend(before != nullptr ? before->normal : DampingMatrix(), share);
+    one.along.blend(before != nullptr ? before->along : DampingMatrix(), share);
+  }
+  for (std::size_t i = 0; i < touched_.count && now.count < now.all.size(); ++i) {
+    const Touched& before = touched_.all[i];
+    const double remaining = before.remaining * (1.0 - share);
+    if (remaining < kMinRemaining || now.find(before.part) != nullptr) continue;
+    Touched& one = now.all[now.count++];
+    one = before;
+    one.remaining = remaining;
+    one.contact_n *= 1.0 - share;
+    one.normal.scale(1.0 - share);
+    one.along.scale(1.0 - share);
+  }
+}
+
+ContactDamping::Wrench ContactDamping::step(std::span<const Contact> contacts, bool is_held) noexcept {
+  contacts = contacts.first(std::min(contacts.size(), kMaxContacts));
+  TouchedParts now;
+  for (const Contact& contact : contacts) {
+    if (!(contact.force_n > 0.0) || !has_damping(contact.part)) continue;
+    double along_n = 0.0;
+    for (const Contact& other : contacts) along_n += std::max(0.0, other.force_n) * std::max(0.0, contact.normal.dot(other.normal));
+    add(contact, std::max(along_n, contact.force_n), now.at(contact.part));
+  }
+  const double share = dt_s_ / (kSmoothS + dt_s_);
+  dt_s_ = 0.0;
+  limit(now);
+  if (!is_held) now.count = 0;
+  if (is_held) blend(now, share);
+  Vec6 sum = Vec6::Zero();
+  for (std::size_t i = 0; i < now.count; ++i) {
+    Touched& touched = now.all[i];
+    const Vec6 velocity = velocity_past(touched.part);
+    touched.force = touched.normal.force(velocity, touched.contact_n) + touched.along.force(velocity, touched.contact_n);
+    sum += touched.force;
+  }
+  touched_ = now;
+  return {sum.head<3>(), sum.tail<3>()};
+}
+
+ContactDamping::Wrench ContactDamping::on_tool_by(int part) const noexcept {
+  const Touched* touched = touched_.find(part);
+  return touched == nullptr ? Wrench() : Wrench{touched->force.head<3>(), touched->force.tail<3>()};
+}
+
+}  // namespace hapton

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/effects/effect_sample.h"
+#include "core/effects/smooth_velocity.h"
+#include "core/tool/least_motion.h"
+#include "core/tool/placement.h"
+
+namespace hapton {
+
+// Damping coefficients of a surface that a rigid tool touches: along the normal, and tangential (viscosity).
+struct DampingCoefficients {
+  double normal_ns_per_m = 0.0;
+  double along_ns_per_m = 0.0;
+
+  bool is_on() const noexcept { return normal_ns_per_m > 0.0 || along_ns_per_m > 0.0; }
+};
+
+// Damping and viscosity at the contacts of a rigid tool. Contact i, with force f_i and unit normal n_i, adds the force
+//   D_i = -w_i C_i u_i,   w_i = f_i / sum_j f_j max(0, n_i . n_j),
+// where u_i is the velocity of the tool relative to the surface at the contact point, and C_i is the damping along the normal and along the
+// surface. The weights w_i distribute the damping of one face over its contacts in proportion to their forces, whatever their number and
+// objects; contacts with different normals share less. If the sum over all contacts exceeds, in some direction of translation, the largest
+// coefficient of the touched materials, all of it is scaled down to that coefficient: the tool is damped no more than by one surface. The
+// normal and the tangential part of D_i are each limited to f_i, so damping ends with its contact and never attracts.
+//
+// Force and torque are F = -G v, where v is the twist of the tool about the grip point and G = sum_i J_i^T w_i C_i J_i is a 6 x 6 matrix,
+// symmetric and positive semidefinite. The distribution of a force over more than three contacts of a face is not unique and may change
+// from step to step, as may the set of contacts, while the spring force stays the same. Therefore G is low-pass filtered with the time
+// constant kSmoothS: it starts at zero when contact begins, decays in steps in which no contact is known although the tool is held, and is
+// dropped when contact ends.
+//
+// Velocities: of the device relative to each part of the scene, filtered (SmoothVelocity). A jump of a part, i.e. a motion of it
+// relative to the tool faster than kJumpMPerS, does not count as velocity.
+// Frame: S, lengths in local units where said. RT: step yes, construction set-up only. Threads: one.
+// Bound: for damping and for viscosity, for each part, the smaller of the sum of its contact forces and kMaxEffectForceN; the torque is at
+// most this force times the longest arm. The rest of contacts that ended while others continue is bounded by their last force, and decays.
+// Passivity: dissipative, relative to the surfaces.
+class ContactDamping {
+ public:
+  static constexpr Passivity kPassivity = Passivity::dissipative;
+  static constexpr double kSmoothS = 0.005;       // time constant of the filter of G; a choice
+  static constexpr double kJumpMPerS = 1.0;       // four times the fastest surface (kMaxSurfaceSpeed); a choice
+  static constexpr std::size_t kMaxContacts = 6;  // active at once
+
+  struct Contact {
+    Vec3 arm = Vec3::Zero();  // from the grip point, local units
+    Vec3 normal = Vec3::Zero();
+    double force_n = 0.0;
+    int part = 0;              // of the scene; 0 is static
+    std::uint32_t object = 0;  // of the part
+  };
+  struct Wrench {
+    Vec3 force_n = Vec3::Zero();
+    Vec3 torque_nm = Vec3::Zero();  // about the grip point
+  };
+
+  // No damping.
+  ContactDamping() = default;
+  // damping: by part, then by object. unit_m: local unit. radius: largest distance of a point of the tool from the grip point, local units.
+  ContactDamping(std::vector<std::vector<DampingCoefficients>> damping, double unit_m, double radius);
+
+  bool is_on() const noexcept { return is_on_; }
+  // Takes effect in the next step. Pre: same numbers of parts and objects as in the constructor. RT: yes.
+  void set_damping(const std::vector<std::vector<DampingCoefficients>>& damping) noexcept;
+  void reset() noexcept;
+  // The placement of the device at this sample, and of each moving part (part 1 first). dt_s: time since the previous sample; if it is not
+  // above 0, the velocities do not change.
+  void move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept;
+  // The frame S has moved: this was the placement of the device in it at the last sample. It is not a motion of the hand.
+  void move_last(const Placement& device) noexcept { device_ = device; }
+  // Contacts of this sample; only the first kMaxContacts count. is_held: the tool is in contact, whether or not its contacts are known.
+  // Returns the force and torque on the tool.
+  Wrench step(std::span<const Contact> contacts, bool is_held) noexcept;
+  // Contact has ended.
+  void release() noexcept { touched_.count = 0; }
+  // The share of the last step's wrench that the contacts with this part exert on the tool.
+  Wrench on_tool_by(int part) const noexcept;
+
+ private:
+  // G of one kind of damping and one part.
+  struct DampingMatrix {
+    Mat6 matrix = Mat6::Zero();
+    double coefficient = 0.0;  // sum of weight times damping coefficient over its contacts
+
+    void scale(double share) noexcept;
+    void blend(const DampingMatrix& before, double share) noexcept;
+    Vec6 force(const Vec6& velocity, double most_n) const noexcept;
+  };
+  struct Touched {
+    int part = 0;
+    DampingMatrix normal = {};
+    DampingMatrix along = {};
+    double contact_n = 0.0;    // sum of its contact forces
+    double largest = 0.0;      // largest damping coefficient of the materials touched in this step
+    double upper_bound = 0.0;  // of the damping in any direction: sum of weight times coefficient
+    double remaining = 1.0;    // share of its damping since it was touched last
+    Vec6 force = Vec6::Zero();
+  };
+  // The parts touched in this step, then those touched shortly before.
+  struct TouchedParts {
+    std::array<Touched, kMaxContacts + 2> all;
+    std::size_t count = 0;
+
+    const Touched* find(int part) const noexcept;
+    Touched& at(int part) noexcept;
+  };
+  // Velocity of the tool relative to a part, in the frame of the part.
+  struct Motion {
+    bool has_damping = false;
+    SmoothVelocity shift;
+    SmoothVelocity turn;
+    Placement part;
+  };
+
+  bool has_damping(int part) const noexcept {
+    return part >= 0 && static_cast<std::size_t>(part) < motions_.size() && motions_[static_cast<std::size_t>(part)].has_damping;
+  }
+  void update_damping() noexcept;
+  DampingCoefficients damping_of(const Contact& contact) const noexcept;
+  Vec6 velocity_past(int part) const noexcept;
+  void add(const Contact& contact, double along_n, Touched& touched) const noexcept;
+  void limit(TouchedParts& now) const noexcept;
+  void blend(TouchedParts& now, double share) const noexcept;
+
+  std::vector<std::vector<DampingCoefficients>> damping_;
+  double unit_m_ = 1.0;
+  double radius_ = 0.0;
+  bool is_on_ = false;
+  bool is_placed_ = false;
+  Placement device_;
+  std::vector<Motion> motions_;  // by part
+  double dt_s_ = 0.0;            // since the last step
+  TouchedParts touched_;
+};
+
+}  // namespace hapton

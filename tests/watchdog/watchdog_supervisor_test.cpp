@@ -1,0 +1,138 @@
+#include "watchdog/watchdog_supervisor.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "runtime/clock.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+// The program that was built beside the nodes.
+std::filesystem::path program() { return std::filesystem::path(HAPTON_BIN_DIR) / "hapton_watchdog"; }
+
+struct WatchdogProcessTest : testing::Test {
+  void SetUp() override { ASSERT_TRUE(memory.make()); }
+  bool wait_until(const std::function<bool()>& holds) {
+    const std::int64_t end_ns = clock.now_ns() + 30'000 * kMs;
+    for (; clock.now_ns() < end_ns; clock.sleep_until_ns(clock.now_ns() + 5 * kMs)) {
+      if (holds()) return true;
+    }
+    return false;
+  }
+  SteadyClock clock;
+  HeartbeatMemory memory;
+  WatchdogSupervisor watchdog;
+};
+
+TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
+  EXPECT_FALSE(watchdog.restart_if_dead(clock.now_ns()));
+  const pid_t first = watchdog.id();
+  ::kill(first, SIGKILL);
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
+  EXPECT_NE(watchdog.id(), first);
+  EXPECT_EQ(watchdog.restarts(), 1U);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
+  const pid_t stalled = watchdog.id();
+  ::kill(stalled, SIGSTOP);
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
+  EXPECT_NE(watchdog.id(), stalled);
+  EXPECT_EQ(::kill(stalled, 0), -1) << "it is gone, and no zombie";
+  const std::int64_t replaced_ns = clock.now_ns();
+  EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > replaced_ns; }));
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+// Whatever stood on the stack before.
+[[gnu::noinline]] void soil_the_stack() {
+  std::array<volatile unsigned char, 16384> dirt;
+  for (auto& byte : dirt) byte = 0xa5;
+}
+
+// Ctrl-C at the terminal is for the node; and what the node has open, such as its port, must be free once the node is gone.
+TEST_F(WatchdogProcessTest, IsAGroupOfItsOwnAndHoldsNothingOfTheNode) {
+  std::array<int, 2> pipe = {};
+  ASSERT_EQ(::pipe(pipe.data()), 0);  // inherited by whoever does not look out
+  soil_the_stack();
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
+  EXPECT_EQ(::getpgid(watchdog.id()), watchdog.id());
+  const auto held = [&](int file) {
+    std::error_code error;
+    return std::filesystem::read_symlink(fmt::format("/proc/{}/fd/{}", watchdog.id(), file), error).string();
+  };
+  for (const int file : pipe) EXPECT_EQ(held(file).find("pipe:"), std::string::npos) << file;
+  for (const int file : pipe) ::close(file);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+// It beats: that it ends is not noticed before it could have been missed.
+TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  const std::int64_t started_ns = clock.now_ns();
+  ::kill(watchdog.id(), SIGKILL);
+  EXPECT_FALSE(watchdog.restart_if_dead(started_ns));
+  EXPECT_FALSE(WatchdogSupervisor().restart_if_dead(started_ns + 3'600'000 * kMs)) << "none was started";
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
+  EXPECT_EQ(watchdog.restarts(), 1U);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+// Its program was removed: the node goes on, and tries again once in a while.
+TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
+  const std::filesystem::path copy = std::filesystem::path(testing::TempDir()) / fmt::format("watchdog_copy_{}", ::getpid());
+  std::filesystem::copy_file(program(), copy, std::filesystem::copy_options::overwrite_existing);
+  ASSERT_TRUE(watchdog.start(memory, copy, 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
+  std::filesystem::remove(copy);
+  ::kill(watchdog.id(), SIGKILL);
+  std::int64_t tried_ns = 0;
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(tried_ns = clock.now_ns()); }));
+  EXPECT_FALSE(watchdog.restart_if_dead(tried_ns + 1));
+}
+
+TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::kill(watchdog.id(), signal);
+  const std::int64_t requested_ns = clock.now_ns();
+  EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > requested_ns + 20 * kMs; }));
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+TEST_F(WatchdogProcessTest, CutsWhatTheDeviceSideLeavesOut) {
+  memory.page().set_means(CutMeans::simulated);
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  memory.page().heartbeat_ns = clock.now_ns();
+  memory.page().force_sample_ns = clock.now_ns();
+  ASSERT_TRUE(wait_until([&] { return memory.page().is_cut.load() != 0; }));
+  EXPECT_EQ(watchdog.cuts(), 1U);
+  EXPECT_GT(memory.page().longest_force_ns.load(), 20 * kMs);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+TEST_F(WatchdogProcessTest, AProgramThatIsNotThereIsOneClearLine) {
+  const auto started = watchdog.start(memory, "/nowhere/hapton_watchdog", 0);
+  ASSERT_FALSE(started);
+  EXPECT_NE(started.error().what.find("/nowhere/hapton_watchdog"), std::string::npos);
+  EXPECT_NE(started.error().what.find("--watchdog off"), std::string::npos);
+  EXPECT_FALSE(watchdog.is_started());
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,20 @@
+#include "tools/session/cycle_files.h"
+
+#include "session/session_entries.h"
+
+namespace hapton {
+
+ObjectChanges add_all(SessionReader& reader, CycleTable& table, const AlsoAdd& also) {
+  ObjectChanges changes(reader.header().start_ns);
+  (void)for_each_entry(reader, [&](const SessionEntry& entry, const Datagram* datagram) -> Result<void> {
+    table.add(entry, datagram);
+    changes.add(entry, datagram);
+    if (also) also(entry, datagram);
+    return {};
+  });
+  table.finish();
+  changes.finish();
+  return changes;
+}
+
+}  // namespace hapton

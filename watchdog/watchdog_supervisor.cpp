@@ -1,0 +1,70 @@
+#include "watchdog/watchdog_supervisor.h"
+
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstring>
+#include <string>
+
+#include "runtime/clock.h"
+
+namespace hapton {
+
+std::filesystem::path WatchdogSupervisor::find_program() {
+  std::error_code error;
+  const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", error);
+  return error ? std::filesystem::path() : self.parent_path() / "hapton_watchdog";
+}
+
+Result<void> WatchdogSupervisor::start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority) {
+  memory_ = &memory;
+  program_ = program;
+  priority_ = priority;
+  return spawn();
+}
+
+Result<void> WatchdogSupervisor::spawn() {
+  posix_spawn_file_actions_t actions;
+  posix_spawnattr_t attributes;
+  ::posix_spawn_file_actions_init(&actions);
+  ::posix_spawnattr_init(&attributes);
+  // Nothing else of ours: a socket that it kept would hold our port after our death.
+  ::posix_spawn_file_actions_adddup2(&actions, memory_->file(), kHeartbeatFile);
+  ::posix_spawn_file_actions_addclosefrom_np(&actions, kHeartbeatFile + 1);
+  // A group of its own: Ctrl-Z and Ctrl-C at the terminal are for us.
+  ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  std::string program = program_.string();
+  std::string process = std::to_string(::getpid());
+  std::string priority = std::to_string(priority_);
+  const std::array<char*, 4> words = {program.data(), process.data(), priority.data(), nullptr};
+  pid_t child = 0;
+  const int error = ::posix_spawn(&child, program.c_str(), &actions, &attributes, words.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  ::posix_spawnattr_destroy(&attributes);
+  if (error != 0) {
+    return fail("the watchdog {} cannot be started: {}; install it beside io_node, or start with --watchdog off", program,
+                std::strerror(error));
+  }
+  process_ = child;
+  started_ns_ = SteadyClock().now_ns();
+  return {};
+}
+
+bool WatchdogSupervisor::restart_if_dead(std::int64_t now_ns) {
+  if (process_ <= 0 || now_ns - started_ns_ < kPeerTimeoutNs) return false;
+  const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) == process_;
+  const bool has_timed_out = now_ns - memory_->page().watchdog_beat_ns.load() > kPeerTimeoutNs;
+  if (!has_ended && !has_timed_out) return false;
+  if (!has_ended) {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+  ++restarts_;
+  if (!spawn()) started_ns_ = now_ns;  // again in a while
+  return true;
+}
+
+}  // namespace hapton
