@@ -1,6 +1,7 @@
 // Shows: a program that moves the whole scene. It turns it once about the vertical axis, and waits until forces are computed with the last
 // pose.
 // Run:   io_node; haptics_node --scene FILE; move_scene [SECONDS [HUB [KEYFILE]]]
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
@@ -25,20 +26,30 @@ int main(int argc, char** argv) {
 
   HubClient& client = (*hub)->client();
   const Clock& clock = (*hub)->clock();
-  const auto moves = static_cast<std::uint32_t>(50.0 * seconds);  // 50 a second: small steps, as a hand may be in contact
-  std::uint32_t felt = 0;
+  // Revisions go on from the one in use: the hub's first state says which.
+  std::uint32_t before = 0;
   Datagram datagram;
+  for (const std::int64_t end_ns = clock.now_ns() + kNanosecondsPerSecond; clock.now_ns() < end_ns;) {
+    if (!client.receive(datagram, end_ns)) continue;
+    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) before = view->revision;
+    const auto* probe = std::get_if<ProbeState>(&datagram.message);
+    if (probe == nullptr) continue;
+    before = std::max(before, probe->view_revision);
+    break;
+  }
+  const auto moves = static_cast<std::uint32_t>(50.0 * seconds);  // 50 a second: small steps, as a hand may be in contact
+  std::uint32_t felt = before;
   std::int64_t next_ns = clock.now_ns();
-  for (std::uint32_t k = 1; k <= moves || (felt < moves && k < moves + 100); ++k) {
+  for (std::uint32_t k = 1; k <= moves || (felt < before + moves && k < moves + 100); ++k) {
     // Only the newest pose counts. The last one is sent again until forces use it, in case a datagram was lost.
     const std::uint32_t revision = std::min(k, moves);
-    client.send(turn_about_y(revision, 2.0 * std::numbers::pi * revision / moves));
+    client.send(turn_about_y(before + revision, 2.0 * std::numbers::pi * revision / moves));
     next_ns += 20 * kNanosecondsPerMillisecond;
     while (client.receive(datagram, next_ns)) {
       if (std::holds_alternative<ViewRejected>(datagram.message)) return std::fprintf(stderr, "the pose is not rigid\n"), 1;
       if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) felt = probe->view_revision;
     }
   }
-  std::printf("%u poses sent; the forces are those of pose %u\n", moves, felt);
-  return felt == moves ? 0 : 1;
+  std::printf("%u poses sent; the forces are those of pose %u\n", moves, felt - before);
+  return felt == before + moves ? 0 : 1;
 }

@@ -56,8 +56,10 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     // The hub computed the force itself for a while and wants this node to go on from there. Where objects are picked up, what it knows may
     // be from before one was put down. After longer the hand may have gone round what it touched.
     restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kOwnPlaceNs);
-  } else if (running_ && tool_ == nullptr && !is_path_known(input_.p_WD, state.p_WD, gap_ns)) {
+    begins_within_ = true;
+  } else if (running_ && tool_ == nullptr && !is_thinned_ && !is_path_known(input_.p_WD, state.p_WD, gap_ns)) {
     restart_here(output_.contact);
+    begins_within_ = true;
   }
   state_ = state;
   has_state_ = true;
@@ -91,6 +93,7 @@ ForceCommand HapticsStep::reply() noexcept {
   // Always in such a scene: its presence does not tell of contact.
   if (touch_->has_layers()) reply.held_offset_m = touch_->held_offset().value_or(reply.visual_offset_m);
   last_sample_ = state_.sample;
+  begins_within_ = false;
   ++counts_.replied;
   counts_.contact_steps += reply.contact ? 1 : 0;
   counts_.max_force_n = std::max(counts_.max_force_n, reply.force_n.norm());
@@ -122,7 +125,7 @@ std::unique_ptr<ShapeStage> HapticsStep::deform(int object, std::unique_ptr<Shap
 }
 
 void HapticsStep::advance_scene(std::int64_t step_ns) noexcept {
-  if (running_ && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMaxSceneStepNs);
+  if ((running_ || begins_within_) && touch_->has_motion()) scene_time_ns_ += std::clamp<std::int64_t>(step_ns, 0, kMaxSceneStepNs);
   // The hub computes the force, and so determines where everything is.
   if (state_.scene_time_ns >= 0 && touch_->has_motion()) scene_time_ns_ = state_.scene_time_ns;
   scene_time_ns_ = std::exchange(next_scene_time_ns_, std::nullopt).value_or(scene_time_ns_);
@@ -149,7 +152,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
     touch_->reset(start);
     output_ = touch_->step(input_);
     // As in make_start().
-    replied_before_ = kUnknownBefore;
+    if (!begins_within_) replied_before_ = kUnknownBefore;
   }
   reply.force_n = fade_.step(output_.force_n, output_.contact, input_.dt_s);
   reply.contact = output_.contact || fade_.is_active();
@@ -285,7 +288,7 @@ TouchInput HapticsStep::make_start() noexcept {
   if (!at) return start;
   start.p_WD = *at;
   // What this node remembers of an earlier session is in no recording of this one.
-  if (!state_.is_resumed) replied_before_ = kUnknownBefore;
+  if (!state_.is_resumed && !begins_within_) replied_before_ = kUnknownBefore;
   return start;
 }
 

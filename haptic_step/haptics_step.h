@@ -58,6 +58,9 @@ class HapticsStep {
   // Of the last reply: the tool overlaps the scene since it was put there, and gives no force.
   bool is_tool_blocked() const noexcept { return is_tool_blocked_; }
 
+  // The hub may compute the force itself, and then sends few states: a hand goes far between two of them. Its place of the probe comes when
+  // it wants forces again (DeviceState::is_resumed).
+  void set_thinned(bool is_thinned) noexcept { is_thinned_ = is_thinned; }
   // A newer state for the next reply; one still waiting is skipped. Where the hand may have gone around something since the last reply
   // (more than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume().
   void offer(const DeviceState& state) noexcept;
@@ -123,7 +126,7 @@ class HapticsStep {
 
   // Forgets contact and time.
   void restart() noexcept {
-    running_ = false;
+    running_ = begins_within_ = false;
     replied_before_ = 0;
     p_WP_.reset();
     fade_.forget();
@@ -181,7 +184,9 @@ class HapticsStep {
   std::uint32_t skipped_ = 0;
   std::uint32_t free_starts_ = 0;
   bool has_state_ = false;
-  bool running_ = false;  // there was a last reply
+  bool running_ = false;        // there was a last reply
+  bool is_thinned_ = false;     // see set_thinned
+  bool begins_within_ = false;  // not running, since the probe begins anew within a session
   HapticsCounts counts_;
 };
 

@@ -119,11 +119,13 @@ void ReplyLoop::handle(const Message& message) noexcept {
     }
     if (hub_.session() != session_) {
       session_ = hub_.session();
+      is_first_reply_ = true;
       step_.resume();
     }
     note_join();
     arrival_ns_ = hub_.receive_time_ns();
     wait_.note(*state, arrival_ns_);
+    step_.set_thinned(sends_parts(arrival_ns_) && !has_withdrawn());
     step_.offer(*state);
     if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) {
       patches_->note_hand(*state, step_.view().X_WS, state->scene_time_ns >= 0 ? state->scene_time_ns : step_.scene_time_ns());
@@ -171,9 +173,10 @@ void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   send_setup_soon();
 }
 
-// True at once except for the first reply.
+// True at once except for the first reply of a session. Where the probe begins anew later on, what is near the hand is built already, and a
+// pause would cost more: the hand would go on without a force.
 bool ReplyLoop::is_ready() noexcept {
-  if (!builds_on_approach_ || step_.is_running() || step_.holds_tool()) return true;
+  if (!builds_on_approach_ || !is_first_reply_ || step_.is_running() || step_.holds_tool()) return true;
   if (!idle_polls_before_) {
     idle_polls_before_ = builder_.idle_polls();
     step_.announce_start();
@@ -200,6 +203,7 @@ void ReplyLoop::reply() noexcept {
   withdraw_parts();
   const std::int64_t begin_ns = clock_.now_ns();
   ForceCommand command = step_.reply();
+  is_first_reply_ = false;
   const std::int64_t end_ns = clock_.now_ns();
   const std::int64_t spent_ns = std::clamp<std::int64_t>(end_ns - arrival_ns_, 0, std::numeric_limits<std::uint32_t>::max());
   command.compute_ns = static_cast<std::uint32_t>(spent_ns);

@@ -129,6 +129,7 @@ class ReplyLoop {
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
   std::string_view patch_obstacle_reported_;  // to a hub that asks; empty: none
+  bool is_first_reply_ = true;                // of this session, is still to come
   bool wants_patches_ = false;                // the hub
   PluginEffects* effects_ = nullptr;
   bool is_method_cut_off_ = false;  // as reported

@@ -23,10 +23,21 @@ void ProbeHistory::note_local(const ForceCommand& command) noexcept {
 
 std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noexcept {
   if (!is_haptics_new_) return std::nullopt;
-  const bool is_known_free = was_local_ && !last_.contact;
-  const std::optional<Vec3> p_WP = is_known_free ? find_probe() : p_WP_;
-  if (!p_WP || (*p_WP - p_WD).norm() > kResumeReachM) return std::nullopt;
-  return !is_known_free && has_left_contact(*p_WP, outward_W_, p_WD) ? std::nullopt : p_WP;
+  if (was_local_ && !last_.contact) return find_free_place(p_WD);
+  if (!p_WP_ || (*p_WP_ - p_WD).norm() > kResumeReachM) return std::nullopt;
+  return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
+}
+
+// The haptics node begins somewhat farther from the device (its offset off the surface, less than kOffset), which must not be behind what
+// the hand has just left.
+std::optional<Vec3> ProbeHistory::find_free_place(const Vec3& p_WD) const noexcept {
+  constexpr double kOffset = 5e-5;
+  const std::optional<Vec3> place = find_probe();
+  if (!place) return std::nullopt;
+  const Vec3 since = p_WD - *place;
+  const double moved_m = since.norm();
+  if (moved_m > kResumeReachM) return std::nullopt;
+  return moved_m <= 2.0 * kOffset ? p_WD : Vec3(*place + kOffset / moved_m * since);
 }
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {

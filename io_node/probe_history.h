@@ -72,6 +72,7 @@ class ProbeHistory {
   void show(bool has_timed_out, ProbeState& probe) const noexcept;
 
  private:
+  std::optional<Vec3> find_free_place(const Vec3& p_WD) const noexcept;
   bool is_known(std::uint64_t sample) const noexcept { return sample != 0 && newest_ - sample < kSamples; }
 
   std::vector<Pose> poses_ = std::vector<Pose>(kSamples);  // by number

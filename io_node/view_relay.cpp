@@ -19,7 +19,9 @@ bool ViewRelay::accept(const ViewTransform& view, std::size_t peer, std::int64_t
 }
 
 void ViewRelay::accept(const HapticsSetup& setup) noexcept {
-  if (!view_ && setup.view_revision != 0) view_ = ViewTransform{setup.view_revision, setup.X_WS};
+  if (view_ || setup.view_revision == 0) return;
+  view_ = ViewTransform{setup.view_revision, setup.X_WS};
+  show_others();
 }
 
 void ViewRelay::on_joined(std::size_t peer, std::int64_t now_ns) noexcept {

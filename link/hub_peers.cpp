@@ -166,7 +166,7 @@ PeerEvent HubPeers::join(std::size_t place, const Header& header, NodeRole role,
   // place meanwhile, so no peer begins below what any that was here has got.
   const auto known = std::find_if(peers_.begin(), peers_.end(), [&](const Peer& p) { return p.sender == header.sender; });
   Peer& peer = peers_[place];
-  const std::uint64_t sent = known != peers_.end() ? known->sent : std::max(sent_to_replaced_, peer.sent);
+  const std::uint64_t sent = std::max({known != peers_.end() ? known->sent : 0, sent_to_replaced_, peer.sent});
   sent_to_replaced_ = std::max(sent_to_replaced_, peer.sent);
   const bool replaced = peer.present;
   peer = Peer();

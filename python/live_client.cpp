@@ -48,7 +48,7 @@ std::optional<ProbeState> LiveClient::newest() {
 std::uint32_t LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
   const std::scoped_lock lock(mutex_);
   view_.X_WS = X_WS;
-  if (newest_) view_.revision = std::max(view_.revision, newest_->view_revision);
+  view_.revision = std::max({view_.revision, others_revision_, newest_ ? newest_->view_revision : 0U});
   return ++view_.revision;
 }
 
@@ -174,6 +174,10 @@ void LiveClient::run() {
     take_shape_reply(datagram.message);
     take_move(datagram.message, client.last_arrival());
     take_carves(datagram.message, client.last_arrival());
+    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
+      const std::scoped_lock lock(mutex_);
+      others_revision_ = view->revision;
+    }
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     {
@@ -186,7 +190,9 @@ void LiveClient::run() {
 
 void LiveClient::send_view(std::int64_t now_ns) noexcept {
   const std::scoped_lock lock(mutex_);
-  if (view_.revision == 0 || now_ns < next_view_ns_ || (newest_ && newest_->view_revision == view_.revision)) return;
+  // Of another node that has turned the scene since: ours is over.
+  const std::uint32_t newest_in_use = std::max(others_revision_, newest_ ? newest_->view_revision : 0U);
+  if (view_.revision == 0 || now_ns < next_view_ns_ || newest_in_use >= view_.revision) return;
   next_view_ns_ = now_ns + kViewEveryNs;
   connection_->client().send(view_);
 }

@@ -75,10 +75,11 @@ class LiveClient {
 
   HubConnection::Settings settings_;
   std::unique_ptr<HubConnection> connection_;
-  std::mutex mutex_;  // of the next six
+  std::mutex mutex_;  // of the next seven
   std::string shape_rejection_;
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};
+  std::uint32_t others_revision_ = 0;  // of the newest view of another node
   KnownMoves known_moves_;
   KnownCarves known_carves_;
   std::vector<Carves::One> carves_;  // by serial - 1; valid up to known_carves_.complete()

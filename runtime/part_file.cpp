@@ -15,6 +15,18 @@ bool is_in_dev(const std::filesystem::path& path) {
   return folder == "/dev" || folder == "/dev/fd";
 }
 
+// What a symbolic link leads to, though it may not exist yet.
+std::filesystem::path follow_links(const std::filesystem::path& link) {
+  constexpr int kMaxLinks = 40;  // as the kernel
+  std::error_code error;
+  if (auto target = std::filesystem::canonical(link, error); !error) return target;
+  std::filesystem::path path = link;
+  for (int n = 0; n < kMaxLinks && std::filesystem::is_symlink(path, error); ++n) {
+    path = path.parent_path() / std::filesystem::read_symlink(path, error);
+  }
+  return std::filesystem::is_symlink(path, error) ? link : path;
+}
+
 }  // namespace
 
 PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
@@ -24,10 +36,7 @@ PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   // Standard output, though it may lead to a file.
   if (is_in_dev(path_)) return;
   // A link keeps leading to what is written.
-  if (std::filesystem::is_symlink(path_, error)) {
-    if (auto target = std::filesystem::weakly_canonical(path_.parent_path() / std::filesystem::read_symlink(path_, error), error); !error)
-      target_ = std::move(target);
-  }
+  if (std::filesystem::is_symlink(path_, error)) target_ = follow_links(path_);
   part_ = target_;
   const auto status = std::filesystem::status(target_, error);
   const bool is_other =

@@ -112,6 +112,7 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s, std::uint6
     add_view({setup->view_revision, setup->X_WS}, t_s);
     if (setups_.empty() || !is_same(setups_.back().message, *setup)) add_later(setups_, t_s, *setup);
   }
+  // One that the hub rejects is followed at once by the one in use, which it sends back.
   if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&message)) {
     if (const IndexedMove indexed = IndexedMove::of(*move); !is_known(moves_, indexed)) add_later(moves_, t_s, indexed);
@@ -143,6 +144,8 @@ Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
     table.add(entry, datagram);
     if (datagram == nullptr) return {};
     if (entry.kind == SessionEntry::Kind::received) index.add_received(*datagram, t_s, entry_position);
+    const auto* view = std::get_if<ViewTransform>(&datagram->message);
+    if (view != nullptr && entry.kind == SessionEntry::Kind::sent) index.add_view({view->revision, view->X_WS}, t_s);
     const auto* probe = std::get_if<ProbeState>(&datagram->message);
     if (probe != nullptr && entry.kind == SessionEntry::Kind::sent) {
       const DeviceNotice notice{probe->status, probe->energy_percent, probe->force_limit_n};

@@ -89,8 +89,15 @@ void ViewTransformSender::confirm(std::uint32_t hub_revision) {
   }
 }
 
-bool ViewTransformSender::adopt(const ViewTransform& view) {
-  if (view.revision < newest_.revision) return false;
+void ViewTransformSender::count_from(std::uint32_t revision) {
+  if (revision <= newest_.revision) return;
+  newest_.revision = confirmed_ = revision;
+  note_newest();
+  due_ = false;
+}
+
+bool ViewTransformSender::adopt(const ViewTransform& view, bool any_revision) {
+  if (view.revision < newest_.revision && !any_revision) return false;
   const bool is_other = view.revision != newest_.revision || view.X_WS != newest_.X_WS;
   newest_ = view;
   note_newest();

@@ -42,8 +42,10 @@ class ViewTransformSender {
   void confirm(std::uint32_t hub_revision);
 
   // The view that the hub has from another vision node, or had before this one joined: it is the newest, and not sent. False: it is ours,
-  // or this node has a newer one.
-  bool adopt(const ViewTransform& view);
+  // or this node has a newer one, which counts unless the hub's does at any_revision.
+  bool adopt(const ViewTransform& view, bool any_revision = false);
+  // The hub has a view of that revision which is not taken over: the next pose has a larger one.
+  void count_from(std::uint32_t revision);
 
   // The hub rejected the transform of that revision: it is not sent again, and the log says so once.
   void reject(std::uint32_t revision);

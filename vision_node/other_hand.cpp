@@ -40,6 +40,7 @@ void OtherHand::receive_states() {
   Datagram received;
   while (hub_.receive(received, 0)) {
     if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) sender_.reject(rejected->revision);
+    if (const auto* view = std::get_if<ViewTransform>(&received.message)) sender_.count_from(view->revision);
     const auto* state = std::get_if<ProbeState>(&received.message);
     if (state == nullptr || hub_.last_arrival() != Arrival::newest) continue;
     state_ = *state;

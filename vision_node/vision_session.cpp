@@ -98,6 +98,7 @@ bool VisionSession::begin_headset_turn() {
 void VisionSession::take_states(std::int64_t deadline_ns) {
   Datagram received;
   for (bool more = hub_.receive(received, deadline_ns); more; more = hub_.receive(received, 0)) {
+    note_join();
     if (const auto* rejected = std::get_if<ViewRejected>(&received.message)) step_.receive(*rejected);
     if (const auto* view = std::get_if<ViewTransform>(&received.message); view != nullptr && hub_.last_arrival() == Arrival::newest) {
       step_.receive(*view);
@@ -150,14 +151,21 @@ void VisionSession::annotate(const UserRequests& requests) {
   step_.set_annotations(annotator_->describe());
 }
 
+// Before the messages of the hub that was joined.
+void VisionSession::note_join() {
+  if (hub_.state() != JoinState::joined || (was_joined_ && hub_.counts().joins == joins_)) return;
+  log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
+  step_.joined();
+  next_scene_ns_ = 0;
+  joins_ = hub_.counts().joins;
+  was_joined_ = true;
+}
+
 void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
   take_states(deadline_ns);
+  note_join();
   const bool joined = hub_.state() == JoinState::joined;
-  if (joined && (!was_joined_ || hub_.counts().joins != joins_)) {
-    log_info("joined the hub, servo rate {:.0f} Hz", hub_.servo_rate_hz());
-    step_.joined();
-    next_scene_ns_ = 0;
-  } else if (!joined && was_joined_) {
+  if (!joined && was_joined_) {
     if (hub_.has_hub_left()) {
       log_info("the hub has ended its session; waiting for the next one");
     } else {
@@ -168,7 +176,6 @@ void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
     log_warning("no hub replies; start io_node, or check --hub and --key; retrying");
     absence_reported_ = true;
   }
-  joins_ = hub_.counts().joins;
   was_joined_ = joined;
 }
 

@@ -77,6 +77,7 @@ class VisionSession {
   const VisionStep& step() const { return step_; }
 
  private:
+  void note_join();
   void receive_from_hub(std::int64_t deadline_ns);
   void take_states(std::int64_t deadline_ns);
   void take_state(const ProbeState& state);

@@ -16,6 +16,9 @@ constexpr std::int64_t kHudPeriodNs = 400'000'000;
 // A frame that is drawn anyway shows newer numbers, at a rate that can still be read.
 constexpr std::int64_t kHudRefreshNs = 100'000'000;
 
+// The hub repeats its view four times a second.
+constexpr std::int64_t kViewWaitNs = 600'000'000;
+
 // A scene that has not been turned for this long is at rest.
 constexpr std::int64_t kRestNs = 150'000'000;
 
@@ -39,15 +42,16 @@ void VisionStep::receive(const ProbeState& state, std::int64_t received_ns) {
   plots_.receive(state, received_ns);
   connected_ = true;
   moved_ = true;
+  knows_view_ |= !has_state_since_joining_ && state.view_revision == 0;  // there is none
   has_state_since_joining_ = true;
   sender_.confirm(state.view_revision);
 }
 
 void VisionStep::receive(const ViewTransform& view) {
-  const bool keeps_own = settings_.dials != Dials{} && !has_adopted_ && sender_.revision() == 1;
   const auto X_WS = find_rigid_pose(view.X_WS);
-  if (keeps_own || !X_WS || !sender_.adopt(view)) return;
-  has_adopted_ = true;
+  if (keeps_own_dials() || !X_WS) return;
+  knows_view_ = true;
+  if (!sender_.adopt(view, !has_sent_view_)) return;
   const std::optional<Dials> dials = find_dials(*X_WS, settings_.p_WC);
   home_WS_ = dials ? Pose(Pose::Identity()) : *X_WS;
   interaction_.dials() = dials.value_or(Dials{});
@@ -55,7 +59,8 @@ void VisionStep::receive(const ViewTransform& view) {
 
 void VisionStep::joined() {
   connected_ = true;
-  has_state_since_joining_ = false;
+  has_state_since_joining_ = knows_view_ = has_sent_view_ = false;
+  waits_until_ns_.reset();
   sender_.rejoin();
 }
 
@@ -126,10 +131,21 @@ bool VisionStep::is_scene_at_rest(std::int64_t now_ns) const {
          is_head_at_rest_ && now_ns - scene_moved_ns_ >= kRestNs;
 }
 
+// This node does not turn the scene by joining: the view that the hub has comes first. Where the hub's first state says that there is one,
+// it may have been lost, or the hub may get it from the haptics node.
+bool VisionStep::may_send_view(std::int64_t now_ns) {
+  if (!has_state_since_joining_) return false;
+  if (knows_view_ || has_sent_view_ || keeps_own_dials()) return true;
+  if (!waits_until_ns_) waits_until_ns_ = now_ns + kViewWaitNs;
+  return now_ns >= *waits_until_ns_;
+}
+
 std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
-  // The view that the hub has comes before its first state, so this node does not turn the scene by joining.
-  if (has_state_since_joining_) {
-    if (const auto view = sender_.take_due(now_ns)) return *view;
+  if (may_send_view(now_ns)) {
+    if (const auto view = sender_.take_due(now_ns)) {
+      has_sent_view_ = true;
+      return *view;
+    }
   }
   if (const auto hand = interaction_.take_hand(now_ns)) return *hand;
   return std::nullopt;

@@ -191,6 +191,9 @@ class VisionStep {
  private:
   Pose dialled_pose() const { return interaction_.dials().compute_pose(settings_.p_WC, home_WS_); }
   void send_dials(const Dials& before);
+  bool may_send_view(std::int64_t now_ns);
+  // Those that were given at the start go to the hub once.
+  bool keeps_own_dials() const { return settings_.dials != Dials{} && sender_.sent() == 0; }
   HudFacts hud_facts() const;
   std::string_view help() const;
   bool has_head_moved(const Screen& where) const;
@@ -214,10 +217,13 @@ class VisionStep {
   bool cull_;
   bool help_;
   bool depth_cues_;
-  std::optional<Pose> recorded_X_WS_;
-  Pose home_WS_ = Pose::Identity();       // of the scene at dials zero: not the identity where a program has moved it
-  bool has_adopted_ = false;              // a view of the hub
-  bool has_state_since_joining_ = false;  // none: live
+  std::optional<Pose> recorded_X_WS_;  // none: live
+  Pose home_WS_ = Pose::Identity();    // of the scene at dials zero: not the identity where a program has moved it
+  // Since the hub was joined:
+  bool has_state_since_joining_ = false;
+  bool knows_view_ = false;                     // the view that the hub has, or that it has none
+  bool has_sent_view_ = false;                  // this node
+  std::optional<std::int64_t> waits_until_ns_;  // for the view that the hub has
   std::string recording_;
   std::string happened_;
   std::string teaching_;

@@ -101,7 +101,8 @@ struct MovableTouch : testing::Test {
   // No force comes from patches as long as it is held.
   void carry(const Vec3& to) {
     const Vec3 from = std::exchange(system->device.target, to).value_or(to);
-    system->run_for_ns(static_cast<std::int64_t>(2e10 * (to - from).norm()) + 500 * kMs);
+    // In time for the task that moves the object, which is in real time.
+    system->run_slowly_for_ns(static_cast<std::int64_t>(2e10 * (to - from).norm()) + 500 * kMs);
     EXPECT_EQ(system->touched.size(), checked);
   }
   void put_down() {
@@ -125,7 +126,9 @@ struct MovableTouch : testing::Test {
     lead(kPressed + Vec3(-0.005, 0, 0.03));
     ASSERT_TRUE(system->wait_for_patches());
     lead(kPressed + Vec3(-0.005, 0, -0.01));
-    EXPECT_FALSE(system->touched.back().force.contact);
+    EXPECT_FALSE(system->touched.back().force.contact)
+        << "object " << system->touched.back().force.object << " with " << system->touched.back().force.force_n.transpose()
+        << " N; moved by " << moved.transpose();
     EXPECT_NEAR((system->touched.back().sample.p_WD - *system->device.target).norm(), 0.0, 1e-9);
     lead(kPressed + Vec3(-0.005, 0, 0.03));
     lead(kPressed + moved + Vec3(0, 0, 0.02));

@@ -75,6 +75,29 @@ TEST_F(Resumption, TheHubKnowsThatTheHandIsFree) {
   EXPECT_FALSE(step.reply().contact);
 }
 
+// It has moved on from there since, through the sheet.
+TEST_F(Resumption, FromTheFreePlaceThatTheHubKnowsTheHandIsFollowed) {
+  reply(0.005);
+  DeviceState through = next(-0.002, 50 * kMillisecond);
+  through.is_resumed = true;
+  through.p_WP = Vec3(0.01, 0.01, 0.003);
+  step.offer(through);
+  const ForceCommand felt = step.reply();
+  EXPECT_TRUE(felt.contact);
+  EXPECT_NEAR(felt.force_n.z(), kSheetStiffness * 0.002, 1e-3);
+}
+
+// While the hub computes the force it sends 20 states a second.
+TEST_F(Resumption, BetweenTwoOfFewStatesAHandGoesFar) {
+  step.set_thinned(true);
+  reply(0.015);
+  EXPECT_TRUE(reply(-0.015, 50 * kMillisecond).contact);
+  step.set_thinned(false);
+  step.restart();
+  reply(0.015);
+  EXPECT_FALSE(reply(-0.015, 50 * kMillisecond).contact);
+}
+
 TEST_F(Resumption, AViewThatMovesNothingLeavesTheContact) {
   press();
   step.resume();
@@ -103,7 +126,7 @@ TEST_F(Resumption, WhereTheSceneWasTurnedTheOldPlaceIsNotUsed) {
 // How fast the hand is, and so the force of a viscous volume, is known only in the first step with the new scene.
 TEST(EffectsOfANewScene, ComeWithoutAJump) {
   TouchScene scene = sheet_scene();
-  scene.effects.push_back(ViscousEffect{.damping_ns_per_m = 1e-9});
+  scene.effects.push_back(ViscousEffect{.damping_ns_per_m = 1.0, .volume = EffectVolume::ball(Vec3(10, 0, 0), 0.01)});
   HapticsStep step(std::make_unique<TouchStep>(*make_method({}, scene), scene), 1e-5);
   DeviceState state{.sample = 1, .sample_time_ns = 5'000'000'000, .p_WD = Vec3(0, 0, 0.05)};
   const auto reply = [&] {

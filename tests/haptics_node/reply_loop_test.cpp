@@ -223,10 +223,18 @@ TEST_F(ReplyLoopTest, TheFirstReplyWaitsUntilWhatIsNearIsBuilt) {
   ASSERT_TRUE(first);
   EXPECT_NE(step.touch().method().describe().find("1 of 1 objects built"), std::string::npos) << step.touch().method().describe();
   EXPECT_EQ(step.counts().replied, 1U);
-  // From now on every one.
+  // From now on every one, also where the probe begins anew.
   send_state({0.01, 0.01, -0.002});
   loop.turn(clock_.now_ns() + kMs);
   EXPECT_TRUE(receive_reply()->contact);
+  send_state({0.01, 0.01, 0.05});
+  loop.turn(clock_.now_ns() + kMs);
+  ASSERT_TRUE(receive_reply());
+  send_state({0.01, 0.01, -0.05});  // not in one cycle
+  loop.turn(clock_.now_ns() + kMs);
+  const auto anew = receive_reply();
+  ASSERT_TRUE(anew) << "at once";
+  EXPECT_FALSE(anew->contact);
 }
 
 // A method with a slow task as long as the test wants.

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <memory>
 
 #include "core/force/force_method.h"
@@ -296,6 +297,18 @@ TEST_F(LoopWithPatch, TheForceHasNoJumpWhereTheSourceChanges) {
   // network's comes: the next cycle makes up for it.
   EXPECT_LT(worst, 2.0 * 0.5 / 0.1 * 1e-3 + 1e-9);
   EXPECT_NEAR(last.z(), 3.0, 1e-6);
+}
+
+TEST(LocalPatch, ASampleThatIsNotFiniteChangesNothing) {
+  LocalPatch local;
+  local.offer(sheet_patch(0.0));
+  local.publish(orders_until(1000 * kMs));
+  ASSERT_TRUE(local.step(sample_at(Vec3(0, 0, 0.001), 1 * kMs)));
+  ASSERT_TRUE(local.step(sample_at(Vec3(0, 0, -0.002), 2 * kMs))->contact);
+  (void)local.step(sample_at(Vec3::Constant(std::numeric_limits<double>::quiet_NaN()), 3 * kMs));
+  const auto felt = local.step(sample_at(Vec3(0, 0, -0.002), 4 * kMs));
+  ASSERT_TRUE(felt);
+  EXPECT_TRUE(felt->contact);
 }
 
 // A device that was away comes back in one step, from behind the sheet; a fast hand goes through it.

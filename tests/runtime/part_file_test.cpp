@@ -54,6 +54,23 @@ TEST(PartFile, ALinkStaysAndLeadsToWhatWasWritten) {
   EXPECT_EQ(count_files(scratch), 2);
 }
 
+TEST(PartFile, ALinkToWhatDoesNotExistYetStays) {
+  const ScratchFolder scratch;
+  const auto target = scratch.path() / "a.csv";
+  const auto second = scratch.path() / "second.csv";
+  const auto link = scratch.path() / "link.csv";
+  std::filesystem::create_symlink(target.filename(), second);
+  std::filesystem::create_symlink(second, link);
+  auto file = PartFile::open(link);
+  ASSERT_TRUE(file) << file.error().what;
+  file->check(std::fputs("new", file->get()) >= 0);
+  ASSERT_TRUE(file->close());
+  ASSERT_TRUE(file->keep());
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_TRUE(std::filesystem::is_symlink(second));
+  EXPECT_EQ(text_of(target), "new");
+}
+
 TEST(PartFile, LeavesNothingIfItIsNotKept) {
   const ScratchFolder scratch;
   const auto path = scratch.write("a.csv", "old");

@@ -46,6 +46,40 @@ ViewTransform view_of(std::uint32_t revision, const Vec3& degrees) {
   return {.revision = revision, .X_WS = to_twelve_floats(Dials{degrees}.compute_pose(Vec3::Zero()))};
 }
 
+// The hub sends its view at once, and repeats it: a joining node waits for it, whatever was lost.
+TEST_F(VisionStepTest, WaitsForTheViewThatTheHubHas) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(state_at(0.0, 1, 41));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty()) << "there is one, and it was lost";
+  EXPECT_TRUE(take_all<ViewTransform>(step, 250 * kMs).empty());
+  step.receive(view_of(41, Vec3(0, 80, -15)));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 300 * kMs).empty());
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 80, -15));
+  // A hub of an older version sends none.
+  VisionStep old(settings());
+  old.joined();
+  old.receive(state_at(0.0, 1, 41));
+  EXPECT_TRUE(take_all<ViewTransform>(old, 0).empty());
+  EXPECT_EQ(take_all<ViewTransform>(old, 1000 * kMs).size(), 1u);
+}
+
+// Hub and haptics node were restarted, and a program has set the pose since.
+TEST_F(VisionStepTest, AfterARestartTheHubsViewCountsWhateverItsNumber) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(view_of(57, Vec3(0, 80, -15)));
+  step.joined();
+  step.receive(view_of(1, Vec3(10, 0, 0)));
+  step.receive(state_at(0.0, 1, 1));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty());
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(10, 0, 0));
+  step.turn_dials(Vec3(5, 0, 0));
+  const auto sent = take_all<ViewTransform>(step, kMs);
+  ASSERT_EQ(sent.size(), 1u);
+  EXPECT_EQ(sent[0].revision, 2u);
+}
+
 TEST_F(VisionStepTest, ShowsTheViewThatTheHubHasAndGoesOnFromThere) {
   VisionStep step(settings());
   step.joined();
@@ -93,6 +127,8 @@ TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
   ASSERT_EQ(sent.size(), 1u);
   EXPECT_EQ(sent[0].revision, 42u);
   EXPECT_EQ(sent[0].X_WS, view_of(42, Vec3(0, 30, 0)).X_WS);
+  step.receive(view_of(43, Vec3(10, 0, 0)));
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(10, 0, 0)) << "it was sent: now others count, too";
 }
 
 }  // namespace

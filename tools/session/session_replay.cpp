@@ -398,6 +398,8 @@ Result<void> SessionReplay::step_method(const ForceCommand& command) {
   turn(command.view_revision);
   const bool had_gap = command.replied_before == 0 && last_sample_ != 0;
   if (step_->has_effects() && had_gap) is_certain_ = false;
+  // Then it did not begin anew within the session, though it may have got few states.
+  step_->set_thinned(command.replied_before != 0);
   const auto state = states_.find(command.echo_sample);
   const bool is_free = !command.contact && state != states_.end() && state->second.buttons == 0;
   if (!is_free || is_after_unknown || counts_.lost_replies > lost_before) busy_ns_ = command.echo_sample_time_ns;

@@ -90,12 +90,12 @@ void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept
   follow_after_sweep(last, device);
 }
 
-// Without work left it could only be interrupted, and would lose the contacts. A point is then carried, as long as the sphere follower may
-// go on, and at least once for each sample: where sweeps settle, it is farther from surfaces than the sphere that stands for it, and in a
-// wedge whose tip is far away it may be held where that sphere is not.
+// Without work left it could only be interrupted, and would lose the contacts. A point is then carried, a few times in a motion and at
+// least once for each sample: where sweeps settle, it is farther from surfaces than the sphere that stands for it, and in a wedge whose tip
+// is far away it may be held where that sphere is not.
 void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexcept {
   if (proxy_.is_free || swept_.is_shrunk()) return;
-  if (work_left_ <= 0 && is_point_ && (last != device || failures_ < kMaxFailures)) return carry(device);
+  if (work_left_ <= 0 && is_point_ && (last != device || ++sweep_carries_ <= kMaxFailures)) return carry(device);
   double here = 0.0;
   if (work_left_ > 0 && failures_ < kMaxFailures && !follow_offset(device, device, here) && sphere_.is_in_slit()) copy_sphere_state(device);
 }

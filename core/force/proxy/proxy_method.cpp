@@ -111,7 +111,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   unconverged_ = false;
   sweeps_finish_ = false;
   is_close_ = false;
-  failures_ = 0;
+  failures_ = sweep_carries_ = 0;
   is_lifted_ = false;
   touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
@@ -175,7 +175,7 @@ Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexc
   sample_skipped_ = counters_.skipped;
   if (!carried_from_) {
     sweeps_finish_ = false;
-    failures_ = 0;
+    failures_ = sweep_carries_ = 0;
     is_lifted_ = false;
   }
   work_left_ = StepWork::kMax;

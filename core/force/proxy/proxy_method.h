@@ -167,6 +167,7 @@ class ProxyMethod final : public ForceMethod {
   Lifted lifted_;                     // the last time
   bool is_lifted_ = false;            // in the motion that is carried
   int failures_ = 0;                  // of the sphere follower in this motion, over all steps that it takes
+  int sweep_carries_ = 0;             // after a sweep without work left, with the device at its end; likewise
   bool is_close_ = false;             // in a slit, a sweep has left a point only as far from surfaces as the sphere follower keeps it
   bool sweeps_finish_ = false;        // a flight among too many triangles has given up: none starts again while the sphere touches nothing
   int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
