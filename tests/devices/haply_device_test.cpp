@@ -220,9 +220,9 @@ TEST_F(Haply, StaysAtTheDeviceWhereASessionPlacesIt) {
   open();
   ASSERT_TRUE(serve_until_ready());
   EXPECT_TRUE(hand.sample().p_WD.isApprox(Vec3(0, 0.01, 0), 1e-5)) << hand.sample().p_WD.transpose();
-  EXPECT_TRUE(serve_until([&] { return std::abs(service->force_n[1] - 0.5) < 1e-5; }, {.force_n = Vec3(0.5, 1.0, 0.25)}));
+  EXPECT_TRUE(serve_until([&] { return std::abs(service->force_n[2] - 1.0) < 1e-5; }, {.force_n = Vec3(0.5, 1.0, 0.25)}));
   EXPECT_NEAR(service->force_n[0], 0.25, 1e-5);
-  EXPECT_NEAR(service->force_n[2], 1.0, 1e-5);
+  EXPECT_NEAR(service->force_n[1], 0.5, 1e-5);
 }
 
 TEST_F(Haply, ASessionWithAScaleHasNoForce) {
