@@ -128,9 +128,12 @@ class ReplyLoop {
   HapticsSetup::Text effects_text_ = {};  // of these
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;
-  std::string_view patch_obstacle_reported_;  // to a hub that asks; empty: none
-  bool is_first_reply_ = true;                // of this session, is still to come
-  bool wants_patches_ = false;                // the hub
+  std::string_view patch_obstacle_reported_;                 // to a hub that asks; empty: none
+  static constexpr std::int64_t kThinnedGapNs = 40'000'000;  // the hub sends 20 states a second while it computes the force
+  std::int64_t state_ns_ = 0;                                // time of the newest state's sample
+  std::int64_t state_gap_ns_ = 0;                            // ... since the one before
+  bool is_first_reply_ = true;                               // of this session, is still to come
+  bool wants_patches_ = false;                               // the hub
   PluginEffects* effects_ = nullptr;
   bool is_method_cut_off_ = false;  // as reported
   StiffnessAdviser* adviser_ = nullptr;

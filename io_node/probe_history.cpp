@@ -28,16 +28,16 @@ std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noex
   return has_left_contact(*p_WP_, outward_W_, p_WD) ? std::nullopt : p_WP_;
 }
 
-// The haptics node begins somewhat farther from the device (its offset off the surface, less than kOffset), which must not be behind what
-// the hand has just left.
+// The haptics node begins farther from the device by its offset off the surface, which must not be behind what the hand has just left. By
+// default it is kOffset: then it begins at the place itself.
 std::optional<Vec3> ProbeHistory::find_free_place(const Vec3& p_WD) const noexcept {
-  constexpr double kOffset = 5e-5;
+  constexpr double kOffset = 0.0005 * 0.0254;  // MethodSettings::offset_m
   const std::optional<Vec3> place = find_probe();
   if (!place) return std::nullopt;
   const Vec3 since = p_WD - *place;
   const double moved_m = since.norm();
   if (moved_m > kResumeReachM) return std::nullopt;
-  return moved_m <= 2.0 * kOffset ? p_WD : Vec3(*place + kOffset / moved_m * since);
+  return moved_m <= kOffset ? p_WD : Vec3(*place + kOffset / moved_m * since);
 }
 
 std::optional<Vec3> ProbeHistory::find_probe() const noexcept {

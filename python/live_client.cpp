@@ -46,6 +46,8 @@ std::optional<ProbeState> LiveClient::newest() {
 }
 
 std::uint32_t LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
+  // Revisions go on from the one in use, which comes with the first state.
+  for (int ms = 0; ms < 1000 && !newest(); ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const std::scoped_lock lock(mutex_);
   view_.X_WS = X_WS;
   view_.revision = std::max({view_.revision, others_revision_, newest_ ? newest_->view_revision : 0U});
@@ -160,8 +162,13 @@ void LiveClient::run() {
   HubClient& client = connection_->client();
   const Clock& clock = connection_->clock();
   Datagram datagram;
+  std::uint64_t joins = 0;
   while (!is_stopping_.load(std::memory_order_relaxed)) {
     const bool has_datagram = client.receive(datagram, clock.now_ns() + kClientTurnNs);
+    if (std::exchange(joins, client.counts().joins) != client.counts().joins) {
+      const std::scoped_lock lock(mutex_);
+      others_revision_ = 0;
+    }
     is_joined_.store(client.state() == JoinState::joined, std::memory_order_relaxed);
     send_view(clock.now_ns());
     markers_.send(client, clock.now_ns());
@@ -176,7 +183,7 @@ void LiveClient::run() {
     take_carves(datagram.message, client.last_arrival());
     if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
       const std::scoped_lock lock(mutex_);
-      others_revision_ = view->revision;
+      if (view->X_WS != view_.X_WS) others_revision_ = view->revision;
     }
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;

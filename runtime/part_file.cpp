@@ -36,6 +36,8 @@ PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   // Standard output, though it may lead to a file.
   if (is_in_dev(path_)) return;
   // A link keeps leading to what is written.
+  const auto given = std::filesystem::status(path_, error);
+  if (std::filesystem::exists(given) && !std::filesystem::is_regular_file(given) && !std::filesystem::is_directory(given)) return;
   if (std::filesystem::is_symlink(path_, error)) target_ = follow_links(path_);
   part_ = target_;
   const auto status = std::filesystem::status(target_, error);

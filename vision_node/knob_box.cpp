@@ -68,6 +68,7 @@ void ViewTransformSender::set(const Pose& X_WS) {
   const auto floats = to_twelve_floats(X_WS);
   if (newest_.revision != 0 && floats == newest_.X_WS) return;
   newest_.X_WS = floats;
+  is_adopted_ = false;
   ++newest_.revision;
   note_newest();
   due_ = true;
@@ -92,7 +93,6 @@ void ViewTransformSender::confirm(std::uint32_t hub_revision) {
 void ViewTransformSender::count_from(std::uint32_t revision) {
   if (revision <= newest_.revision) return;
   newest_.revision = confirmed_ = revision;
-  note_newest();
   due_ = false;
 }
 
@@ -100,6 +100,7 @@ bool ViewTransformSender::adopt(const ViewTransform& view, bool any_revision) {
   if (view.revision < newest_.revision && !any_revision) return false;
   const bool is_other = view.revision != newest_.revision || view.X_WS != newest_.X_WS;
   newest_ = view;
+  is_adopted_ = true;
   note_newest();
   due_ = false;
   confirmed_ = view.revision;
@@ -120,7 +121,8 @@ void ViewTransformSender::rejoin() {
 }
 
 std::optional<ViewTransform> ViewTransformSender::take_due(std::int64_t now_ns) {
-  const bool lost = has_received_ && confirmed_ < newest_.revision && rejected_ != newest_.revision && now_ns - sent_ns_ >= kResendNs;
+  const bool lost =
+      !is_adopted_ && has_received_ && confirmed_ < newest_.revision && rejected_ != newest_.revision && now_ns - sent_ns_ >= kResendNs;
   if (!due_ && !lost) return std::nullopt;
   due_ = false;
   sent_ns_ = now_ns;

@@ -71,6 +71,7 @@ class ViewTransformSender {
   std::uint32_t confirmed_ = 0;
   std::uint32_t rejected_ = 0;  // 0: none
   bool has_received_ = false;
+  bool is_adopted_ = false;  // the newest is the hub's
   bool due_ = false;
   std::int64_t sent_ns_ = 0;
   std::uint64_t sent_ = 0;

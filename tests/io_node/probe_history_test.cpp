@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/force/force_method.h"
 #include "core/math/contact_resumption.h"
 
 namespace hapton {
@@ -145,8 +146,9 @@ TEST_F(Memory, AFreeHandIsGivenToANodeThatIsToGoOn) {
     const std::optional<Vec3> place = memory.find_resume_point(Vec3(0.101, 0, 0));
     ASSERT_EQ(place.has_value(), was_local) << "a node that has just joined begins at the device by itself";
     if (place) {
-      EXPECT_EQ(*place, Vec3(0.10005, 0, 0)) << "a little nearer than it was, as the node begins farther off";
-      EXPECT_EQ(memory.find_resume_point(Vec3(0.10009, 0, 0)), Vec3(0.10009, 0, 0));
+      EXPECT_NEAR(place->x(), 0.1 + MethodSettings().offset_m, 1e-15) << "the node begins farther off by its offset";
+      EXPECT_NEAR(memory.find_resume_point(Vec3(0.10009, 0, 0))->x(), 0.1 + MethodSettings().offset_m, 1e-15);
+      EXPECT_EQ(memory.find_resume_point(Vec3(0.100005, 0, 0)), Vec3(0.100005, 0, 0));
     }
     EXPECT_FALSE(memory.find_resume_point(Vec3(0.1 + 2 * kResumeReachM, 0, 0)));
     memory.note_reply(reply_to(2, false));

@@ -71,6 +71,25 @@ TEST(PartFile, ALinkToWhatDoesNotExistYetStays) {
   EXPECT_EQ(text_of(target), "new");
 }
 
+TEST(PartFile, ALinkToAPipeIsThePipe) {
+  const ScratchFolder scratch;
+  int ends[2];
+  ASSERT_EQ(pipe(ends), 0);
+  const auto link = scratch.path() / "out.csv";
+  std::filesystem::create_symlink(fmt::format("/proc/self/fd/{}", ends[1]), link);
+  auto file = PartFile::open(link);
+  ASSERT_TRUE(file) << file.error().what;
+  file->check(std::fputs("new", file->get()) >= 0);
+  ASSERT_TRUE(file->close());
+  ASSERT_TRUE(file->keep());
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  char text[4] = {};
+  EXPECT_EQ(read(ends[0], text, 3), 3);
+  EXPECT_STREQ(text, "new");
+  close(ends[0]);
+  close(ends[1]);
+}
+
 TEST(PartFile, LeavesNothingIfItIsNotKept) {
   const ScratchFolder scratch;
   const auto path = scratch.write("a.csv", "old");

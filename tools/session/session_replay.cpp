@@ -379,6 +379,7 @@ void SessionReplay::step_lost(const ForceCommand& before) {
     if (const auto state = states_.find(before.echo_sample - back); last_sample_ == 0 && state != states_.end()) {
       step_->set_scene_time(ns_between(ns_between(state->second.sample_time_ns, before.echo_sample_time_ns), before.scene_time_ns));
     }
+    step_->set_thinned(back == kReach || (before.replied_before >> back) != 0);  // as in step_method
     if (step(before.echo_sample - back)) ++counts_.lost_replies;
   }
 }
