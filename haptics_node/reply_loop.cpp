@@ -176,8 +176,8 @@ void ReplyLoop::reject_method(std::uint32_t request) noexcept {
   send_setup_soon();
 }
 
-// True at once except for the first reply of a session. Where the probe begins anew later on, what is near the hand is built already, and a
-// pause would cost more: the hand would go on without a force.
+// True at once except for the first reply of a session. Where a contact goes on later, what it touches is built already; a probe that
+// begins at the hand would begin there after a pause, too, and farther on.
 bool ReplyLoop::is_ready() noexcept {
   if (!builds_on_approach_ || !is_first_reply_ || step_.is_running() || step_.holds_tool()) return true;
   if (!idle_polls_before_) {

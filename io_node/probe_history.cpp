@@ -1,5 +1,6 @@
 #include "io_node/probe_history.h"
 
+#include "core/force/force_method.h"
 #include "core/math/contact_resumption.h"
 
 namespace hapton {
@@ -29,9 +30,9 @@ std::optional<Vec3> ProbeHistory::find_resume_point(const Vec3& p_WD) const noex
 }
 
 // The haptics node begins farther from the device by its offset off the surface, which must not be behind what the hand has just left. By
-// default it is kOffset: then it begins at the place itself.
+// default it then begins at the place itself.
 std::optional<Vec3> ProbeHistory::find_free_place(const Vec3& p_WD) const noexcept {
-  constexpr double kOffset = 0.0005 * 0.0254;  // MethodSettings::offset_m
+  constexpr double kOffset = MethodSettings::kDefaultOffsetM;
   const std::optional<Vec3> place = find_probe();
   if (!place) return std::nullopt;
   const Vec3 since = p_WD - *place;

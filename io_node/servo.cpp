@@ -269,10 +269,7 @@ void Servo::on_view(const ViewTransform& view, std::size_t peer) noexcept {
 
 void Servo::on_setup(const HapticsSetup& setup) noexcept {
   stats_.setup = setup;
-  if (!view_.view()) {
-    view_.accept(setup);
-    scene_.place(view_.view());
-  }
+  if (view_.accept(setup)) scene_.place(view_.view());
   peers_.send_to_role(NodeRole::tool, setup);
   peers_.send_to_role(NodeRole::vision, setup);  // it draws the probe at its true size
 }

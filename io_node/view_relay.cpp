@@ -18,10 +18,11 @@ bool ViewRelay::accept(const ViewTransform& view, std::size_t peer, std::int64_t
   return has_moved;
 }
 
-void ViewRelay::accept(const HapticsSetup& setup) noexcept {
-  if (view_ || setup.view_revision == 0) return;
+bool ViewRelay::accept(const HapticsSetup& setup) noexcept {
+  if (view_ || setup.view_revision == 0) return false;
   view_ = ViewTransform{setup.view_revision, setup.X_WS};
   show_others();
+  return true;
 }
 
 void ViewRelay::on_joined(std::size_t peer, std::int64_t now_ns) noexcept {

@@ -28,8 +28,8 @@ class ViewRelay {
   void start(std::int64_t now_ns) noexcept { next_repeat_ns_ = now_ns; }
   // Takes a pose from a vision node. True: the scene has moved; false: only the revision is new, or the view does not count.
   bool accept(const ViewTransform& view, std::size_t peer, std::int64_t now_ns) noexcept;
-  // The view that the haptics node has, where the hub knows none: it was restarted, and no vision node is there.
-  void accept(const HapticsSetup& setup) noexcept;
+  // The view that the haptics node has, where the hub knows none: it was restarted, and no vision node is there. True: it was taken.
+  bool accept(const HapticsSetup& setup) noexcept;
   // A haptics or a vision node has joined, maybe in the place of another one.
   void on_joined(std::size_t peer, std::int64_t now_ns) noexcept;
   void on_left(std::size_t peer) noexcept;

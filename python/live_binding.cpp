@@ -68,6 +68,7 @@ std::uint32_t turn_scene(LiveClient& client, const Doubles& scene_pose) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 4; ++k) rows[static_cast<std::size_t>(4 * i + k)] = static_cast<float>(pose.matrix()(i, k));
   }
+  const py::gil_scoped_release release;  // it may wait for the hub's first state
   return client.turn_scene(rows);
 }
 

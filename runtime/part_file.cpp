@@ -15,11 +15,10 @@ bool is_in_dev(const std::filesystem::path& path) {
   return folder == "/dev" || folder == "/dev/fd";
 }
 
-// What a symbolic link leads to, though it may not exist yet.
+// What a symbolic link leads to, though it may not exist yet: it keeps leading to what is written. Any other path as it is.
 std::filesystem::path follow_links(const std::filesystem::path& link) {
   constexpr int kMaxLinks = 40;  // as the kernel
   std::error_code error;
-  if (auto target = std::filesystem::canonical(link, error); !error) return target;
   std::filesystem::path path = link;
   for (int n = 0; n < kMaxLinks && std::filesystem::is_symlink(path, error); ++n) {
     path = path.parent_path() / std::filesystem::read_symlink(path, error);
@@ -35,15 +34,12 @@ PartPath::PartPath(std::filesystem::path path) : path_(std::move(path)) {
   part_ = path_;
   // Standard output, though it may lead to a file.
   if (is_in_dev(path_)) return;
-  // A link keeps leading to what is written.
-  const auto given = std::filesystem::status(path_, error);
-  if (std::filesystem::exists(given) && !std::filesystem::is_regular_file(given) && !std::filesystem::is_directory(given)) return;
-  if (std::filesystem::is_symlink(path_, error)) target_ = follow_links(path_);
-  part_ = target_;
-  const auto status = std::filesystem::status(target_, error);
+  const auto status = std::filesystem::status(path_, error);
   const bool is_other =
       std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) && !std::filesystem::is_directory(status);
-  if (is_other || is_in_dev(target_)) return;
+  if (is_other) return;
+  target_ = part_ = follow_links(path_);
+  if (is_in_dev(target_)) return;
   part_ += fmt::format(".{}.part", getpid());
   is_pending_ = true;
 }

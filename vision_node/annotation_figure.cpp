@@ -144,8 +144,8 @@ void AnnotationFigure::set_current(std::int32_t object, const std::vector<Vec3>*
 }
 
 void AnnotationFigure::set_first_end(const std::optional<AnnotationPoint>& first) {
-  first_end_ = first;
-  build_measures();
+  const bool had_one = std::exchange(first_end_, first).has_value();
+  if (had_one || first_end_) build_measures();
 }
 
 void AnnotationFigure::set_probe(const ProbeShown& probe) {

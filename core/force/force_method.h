@@ -131,9 +131,10 @@ class ForceMethod {
 
 // The settings of all methods. Each comment starts with the methods that read the field.
 struct MethodSettings {
+  static constexpr double kDefaultOffsetM = 0.0005 * 0.0254;
   std::string name = "proxy";                       // all: proxy | smooth | sweep | reference
   std::array<int, 3> grid_division = {32, 32, 32};  // sweep: cells along x, y, z (memo 4.2.2)
-  double offset_m = 0.0005 * 0.0254;                // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
+  double offset_m = kDefaultOffsetM;                // sweep: offset vector's length, 0.0005 in (memo 4.2.2)
   int set_size = 64;                                // smooth: triangles in the local set, 16..256
   double smooth_radius_m = 0.0;                     // smooth: RADIUS of Algorithm 1; 0: from the data
   double smooth_layer = 0.0;                        // smooth: share of RADIUS over which the force builds up outside the surface, 0..1

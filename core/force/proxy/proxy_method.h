@@ -97,7 +97,8 @@ class ProxyMethod final : public ForceMethod {
   // The contact offset, local units. 2^21 times the rounding of local coordinates, so distances of this size keep six digits; far below
   // what can be felt (1e-10 m on a 100 mm scene).
   static constexpr double kContactOffset = 0x1p-30;
-  // Of the sphere follower in one motion; then sweeps finish it: where each undoes what the other has done, none would. A choice.
+  // Of the sphere follower in one motion; then sweeps finish it: where each undoes what the other has done, none would. And of carries
+  // after sweeps. A choice.
   static constexpr int kMaxFailures = 4;
   static constexpr double kBeside = 512.0;          // contact offsets: distance within which an edge or vertex affects the proxy
   static constexpr double kLookAheadSteps = 500.0;  // steps: 0.5 s at 1 kHz; an object is requested this long before the probe can reach it
