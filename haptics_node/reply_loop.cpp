@@ -127,8 +127,8 @@ void ReplyLoop::handle(const Message& message) noexcept {
     wait_.note(*state, arrival_ns_);
     // Wanted parts may still be on their way, and the forces of this node be felt: then a gap is a gap.
     const std::int64_t gap_ns = state->sample_time_ns - std::exchange(state_ns_, state->sample_time_ns);
-    const bool comes_rarely = std::exchange(state_gap_ns_, gap_ns) >= kThinnedGapNs;
-    step_.set_thinned(comes_rarely && sends_parts(arrival_ns_) && !has_withdrawn());
+    const bool come_rarely = std::min(gap_ns, std::exchange(state_gap_ns_, gap_ns)) >= kThinnedGapNs;
+    step_.set_thinned(come_rarely && sends_parts(arrival_ns_) && !has_withdrawn());
     step_.offer(*state);
     if (patches_ != nullptr && patches_->is_wanted(arrival_ns_)) {
       patches_->note_hand(*state, step_.view().X_WS, state->scene_time_ns >= 0 ? state->scene_time_ns : step_.scene_time_ns());

@@ -215,6 +215,24 @@ class WithdrawnPartsTest : public GraspLoopTest {
   std::uint32_t request_ = 5;
 };
 
+// A hand goes far between two of few states. A gap among many is none of these, though the hub wants parts.
+TEST_F(WithdrawnPartsTest, BetweenFewStatesTheHandIsFollowedAndAcrossAGapItIsNot) {
+  const auto go_to = [&](double z_m, std::int64_t after_ns) {
+    send_status();
+    clock_.advance_ns(after_ns);
+    exchange({0.0, 0.0, z_m}, 0);
+  };
+  go_to(0.03, 0);
+  go_to(0.03, 0);
+  go_to(-0.005, 50 * kMs);
+  EXPECT_EQ(object_, -1) << "it may have gone around the box";
+  go_to(0.03, 0);
+  go_to(0.03, 50 * kMs);
+  go_to(-0.005, 50 * kMs);
+  EXPECT_EQ(object_, 1);
+  EXPECT_NEAR(force_n_, 15.0, 0.1);
+}
+
 TEST_F(WithdrawnPartsTest, AnObjectIsPickedUpOnceTheHubHasConfirmedThatItHasNoParts) {
   touch();
   ASSERT_TRUE(turn_until(0, [&] { return is_whole(); }));
