@@ -113,7 +113,9 @@ bool Grasp::has_reply() noexcept {
 
 // The object would come after it, through whatever is in between.
 bool Grasp::has_hand_left(const DeviceState& state, const Pose& X_WS) const noexcept {
-  return (X_WS.inverse(Eigen::Isometry) * state.p_WD - request_.X_SD.translation()).norm() > kResumeReachM;
+  const Pose X_SD = relative(X_WS, pose_of(state));
+  return (X_SD.translation() - request_.X_SD.translation()).norm() > kResumeReachM ||
+         turn_between(Quat(request_.X_SD.linear()), Quat(X_SD.linear())).norm() > kResumeTurnRad;
 }
 
 bool Grasp::may_move(const ObjectPose& pose) const noexcept {

@@ -46,8 +46,9 @@ struct GraspLink {
 
 // The step's side of picking up movable objects. If a button of the stylus is pressed while a movable object is touched, that object
 // becomes the tool that the stylus holds, and collides with all others. When the button is released, the object stays where it is, and can
-// be touched there as soon as the slow task has built the scene again. If the hand moves more than kResumeReachM from where it pressed the
-// button before the object can be picked up, the object stays where it is. RT: yes. Threads: the step's.
+// be touched there as soon as the slow task has built the scene again. If the hand moves more than kResumeReachM, or turns more than
+// kResumeTurnRad, from where it pressed the button before the object can be picked up, the object stays where it is. RT: yes. Threads: the
+// step's.
 class Grasp {
  public:
   // movable: by object. buttons: a mask; each of these buttons picks up.

@@ -14,6 +14,11 @@ constexpr double kFirstStepS = 1e-3;  // there is no sample before: a cycle at 1
 // Several samples while the hub computes the force, of which it sends 20 a second and some are lost.
 constexpr std::int64_t kOwnPlaceNs = 200'000'000;
 
+// Whether the hand has moved from one sample to the next on a path that the probe, or the tool, may follow.
+bool is_motion_known(const TouchInput& from, const DeviceState& to, std::int64_t gap_ns, bool is_tool) noexcept {
+  return is_path_known(from.p_WD, to.p_WD, gap_ns) && (!is_tool || is_turn_known(from.q_WT, to.q_WT, gap_ns));
+}
+
 // Where a probe at p_WP goes on, if the hand is still near.
 std::optional<Vec3> find_start(const Vec3& p_WP, const Vec3& p_WD, double offset_m) noexcept {
   const Vec3 outward = p_WP - p_WD;
@@ -57,7 +62,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     // be from before one was put down. After longer the hand may have gone round what it touched.
     restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kOwnPlaceNs);
     begins_within_ = true;
-  } else if (running_ && tool_ == nullptr && !is_thinned_ && !is_path_known(input_.p_WD, state.p_WD, gap_ns)) {
+  } else if (running_ && !is_thinned_ && state.p_WD.allFinite() && !is_motion_known(input_, state, gap_ns, tool_ != nullptr)) {
     restart_here(output_.contact);
     begins_within_ = true;
   }
@@ -68,6 +73,8 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
 ForceCommand HapticsStep::reply() noexcept {
   has_state_ = false;
   const std::int64_t step_ns = ns_between(last_time_ns_, state_.sample_time_ns);
+  // A tool goes on in a new session from where it is.
+  const bool is_tool_near = input_.X_WS.matrix() == X_WS_.matrix() && is_motion_known(input_, state_, kLongGapNs, true);
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
   input_.p_WD = state_.p_WD;
   input_.q_WT = state_.q_WT;
@@ -81,7 +88,7 @@ ForceCommand HapticsStep::reply() noexcept {
   if (tool_ != nullptr || grasp_ != nullptr) reply.haptons = 0;
   if (grasp_ != nullptr) update_grasp();
   if (tool_ != nullptr) {
-    feel_tool(reply);
+    feel_tool(reply, is_tool_near);
   } else if (grasp_ != nullptr && grasp_->is_waiting()) {
     feel_nothing(reply);
   } else {
@@ -137,7 +144,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   if (!running_) {
     const TouchInput start = make_start();
     is_free_start = start.p_WD == input_.p_WD;
-    touch_->reset(start);
+    begin_at(start);
   } else {
     remember_reply();
   }
@@ -149,7 +156,7 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   if (begins && own) {
     TouchInput start = input_;
     start.p_WD = *own;
-    touch_->reset(start);
+    begin_at(start);
     output_ = touch_->step(input_);
     // As in make_start().
     if (!begins_within_) replied_before_ = kUnknownBefore;
@@ -158,6 +165,16 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   reply.contact = output_.contact || fade_.is_active();
   reply.visual_offset_m = output_.visual_offset_m;
   reply.object = output_.object;
+}
+
+// The hand did not take the path from there to the device: damping must not feel it, and nothing is carved on it.
+void HapticsStep::begin_at(const TouchInput& start) noexcept {
+  touch_->reset(start);
+  if (start.p_WD == input_.p_WD) return;
+  TouchInput settling = input_;
+  settling.dt_s = 0.0;
+  if (touch_->has_sculpture()) settling.buttons = 0;
+  touch_->step(settling);
 }
 
 // Picks up, or puts down, what is touched.
@@ -225,16 +242,22 @@ void HapticsStep::note_push(ForceCommand& reply) const noexcept {
   }
 }
 
-// After a gap the tool comes from where it was, on a path that is free: no contact is lost, and nothing is passed. The effects of the scene
-// in free space act at the grip point.
-void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
+// After a gap the tool comes from where it was, on a path that is free: no contact is lost, and nothing is passed. A hand that has gone far
+// meanwhile may have gone around something, and would be pulled back to it: then the tool begins anew. The effects of the scene in free
+// space act at the grip point.
+void HapticsStep::feel_tool(ForceCommand& reply, bool is_near) noexcept {
   if (running_) {
     remember_reply();
   } else {
     touch_->reset_effects(input_);
-    tool_->forget_motion();
-    free_starts_ += grasp_ == nullptr && !tool_->is_known() ? 1 : 0;
+    if (is_near) {
+      tool_->forget_motion();
+    } else {
+      tool_->begin_anew();
+    }
+    free_starts_ += grasp_ == nullptr && !(is_near && tool_->is_known()) ? 1 : 0;
   }
+  const bool was_known = tool_->is_known();
   running_ = true;
   ToolInput input;
   input.X_WD.translation() = state_.p_WD;
@@ -243,6 +266,11 @@ void HapticsStep::feel_tool(ForceCommand& reply) noexcept {
   place_parts();
   input.X_SO = X_SO_;
   const ToolOutput felt = tool_->step(input, state_.sample_time_ns);
+  // What was picked up gives its first force now, and may have met something on the way to the hand.
+  if (grasp_ != nullptr && !was_known && tool_->is_known()) {
+    fade_.begin();
+    torque_fade_.begin();
+  }
   is_tool_blocked_ = felt.proxy.is_blocked;
   is_tool_held_ = felt.contact;
   if (felt.contact) counts_.haptons += static_cast<std::uint64_t>(felt.proxy.haptons);
@@ -302,7 +330,13 @@ void HapticsStep::announce_start() noexcept {
   replied_before_ = replied_before;
 }
 
-void HapticsStep::resume() noexcept { restart_here(running_ && output_.contact); }
+void HapticsStep::resume() noexcept {
+  if (running_) return restart_here(output_.contact);
+  // The session before ended without a reply: the probe rests where it did.
+  const std::optional<Vec3> p_WP = p_WP_;
+  restart();
+  p_WP_ = p_WP;
+}
 
 Vec3 HapticsStep::held_offset() const noexcept { return touch_->held_offset().value_or(output_.visual_offset_m); }
 
@@ -360,8 +394,8 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     if (put_down && (put_down->p_W - input_.p_WD).norm() <= kResumeReachM) {
       start.p_WD = put_down->p_W + offset_m_ * put_down->outward;
     } else if (output_.contact) {
-      // With effects the force need not point off the surface.
-      const Vec3 outward = touch_->has_effects() ? held_m : output_.force_n;
+      // With effects, of the old method or the new one, the force need not point off the surface.
+      const Vec3 outward = touch->has_effects() || touch_->has_effects() ? held_m : output_.force_n;
       start.p_WD += held_m + offset_m_ * outward.normalized();
     }
     touch_->reset(start);

@@ -62,7 +62,8 @@ class HapticsStep {
   // it wants forces again (DeviceState::is_resumed).
   void set_thinned(bool is_thinned) noexcept { is_thinned_ = is_thinned; }
   // A newer state for the next reply; one still waiting is skipped. Where the hand may have gone around something since the last reply
-  // (more than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume().
+  // (more than kResumeReachM away, after a gap in the samples or in a jump), the probe begins anew, as in a new session: see resume(). So
+  // does a rigid tool, also where it was turned by more than kResumeTurnRad meanwhile.
   void offer(const DeviceState& state) noexcept;
   bool has_state() const noexcept { return has_state_; }
   // There was a reply since the start or the last restart().
@@ -147,7 +148,8 @@ class HapticsStep {
   void restart_here(bool is_felt) noexcept;
   void remember_reply() noexcept;
   void feel_probe(ForceCommand& reply) noexcept;
-  void feel_tool(ForceCommand& reply) noexcept;
+  void begin_at(const TouchInput& start) noexcept;
+  void feel_tool(ForceCommand& reply, bool is_near) noexcept;
   void set_parts(std::vector<ToolPart> parts);
   void place_parts() noexcept;
   void note_push(ForceCommand& reply) const noexcept;

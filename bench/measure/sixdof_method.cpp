@@ -24,7 +24,7 @@ class ForceTask final : public SixdofMethod {
  public:
   ForceTask(std::unique_ptr<ToolStep> tool, int every) : held_(std::move(tool)), every_(every) {}
   void reset(const Pose& X_SD) override {
-    held_.restart();
+    held_.begin_anew();
     held_.forget_motion();
     (void)step(X_SD);
     held_.follow();

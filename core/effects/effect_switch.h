@@ -13,6 +13,9 @@ namespace hapton {
 struct EffectSwitch {
   // People do not perceive 20 ms as a delay, and a step of 3 N becomes 0.15 N a millisecond (decision 141).
   static constexpr double kRampS = 0.02;
+  // What a sample counts at most, so that after a late one the force does not jump by what it would have changed meanwhile. At less than
+  // 500 Hz the ramp takes longer.
+  static constexpr double kMaxStepS = 2e-3;
 
   // Between two samples. A button that is down at the first sample was not pressed.
   struct State {
@@ -31,7 +34,7 @@ struct EffectSwitch {
       state.gain = 1.0;
       return false;
     }
-    const double passed = (time_s - state.last_s) / kRampS;
+    const double passed = std::min(time_s - state.last_s, kMaxStepS) / kRampS;
     state.gain = std::clamp(state.gain + (state.is_on ? passed : -passed), 0.0, 1.0);
     state.last_s = time_s;
     const bool is_down = (buttons & button) != 0;

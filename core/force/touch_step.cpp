@@ -72,8 +72,8 @@ void TouchStep::set_materials(std::span<const Material> materials) noexcept {
   method_->set_materials(materials);
   if (effects_ == nullptr) return;
   update_drag();
-  held_offset_m_.reset();
   const bool used_effects = std::exchange(uses_effects_, effects_->any());
+  if (!uses_effects_) held_offset_m_.reset();
   has_new_effects_ = uses_effects_ && (has_new_effects_ || !used_effects);
 }
 

@@ -2,24 +2,36 @@
 
 #include <cstdint>
 
+#include "core/math/rotation_vector.h"
 #include "core/math/types.h"
 
 namespace hapton {
 
-// Whether a probe goes on after a break in the samples or in the force, or begins anew.
+// Whether a probe or a tool goes on after a break in the samples or in the force, or begins anew.
 
 // A contact goes on after a break only while the device is this near to where the probe was. A hand that meets no resistance moves a few
 // millimetres in the time of a restart; farther away it may have gone around what it touched. m.
 constexpr double kResumeReachM = 0.02;
+// The same of a tool that turns: the end of one that is 40 mm long is then moved by kResumeReachM. rad.
+constexpr double kResumeTurnRad = 0.5;
+
+// As long as samples come in time. The governor has released the force by then.
+constexpr std::int64_t kLongGapNs = 20'000'000;
 
 // Whether the straight line between two samples is the path of the hand, as far as a probe may follow it: it is no longer than
 // kResumeReachM, or the second sample came in time and the hand was no faster than hands are (a device that was away comes back in one
 // step). Otherwise the hand may have gone around something. Frame: W. RT: yes.
 inline bool is_path_known(const Vec3& from, const Vec3& to, std::int64_t gap_ns) noexcept {
-  constexpr std::int64_t kLongGapNs = 20'000'000;  // the governor has released the force by then
-  constexpr double kFastestPathMPerS = 10.0;       // twice the fastest hand (safety/safety_limits.h)
+  constexpr double kFastestPathMPerS = 10.0;  // twice the fastest hand (safety/safety_limits.h)
   const double moved_m = (to - from).norm();
   return moved_m <= kResumeReachM || (gap_ns < kLongGapNs && moved_m <= 1e-9 * static_cast<double>(gap_ns) * kFastestPathMPerS);
+}
+
+// The same of the turn of a tool. Pre: unit quaternions. Frame: W. RT: yes.
+inline bool is_turn_known(const Quat& from, const Quat& to, std::int64_t gap_ns) noexcept {
+  constexpr double kFastestTurnRadPerS = 50.0;  // above the fastest turn of a wrist
+  const double turn = turn_between(from, to).norm();
+  return turn <= kResumeTurnRad || (gap_ns < kLongGapNs && turn <= 1e-9 * static_cast<double>(gap_ns) * kFastestTurnRadPerS);
 }
 
 // Whether the device point has left the surface of its last contact on the outer side: it is beyond the plane through the proxy of that

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/math/types.h"
@@ -14,6 +15,15 @@ inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
   const double sine = turn.vec().norm();
   if (!(sine > 0.0)) return Vec3::Zero();
   return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
+}
+
+// The share of a torque that is felt where a rotational spring is twisted by this rotation vector (rad): 1 up to 150 degrees, and from
+// there to zero at half a turn, where the shortest way back reverses. So the torque reverses without a discontinuity, and stays that of a
+// potential. RT: yes.
+inline double torque_share(const Vec3& turn) noexcept {
+  constexpr double kPi = 3.14159265358979323846;
+  constexpr double kFadeFrom = kPi * 5.0 / 6.0;
+  return std::clamp((kPi - turn.norm()) / (kPi - kFadeFrom), 0.0, 1.0);
 }
 
 // The unit quaternion of a rotation vector (rad). RT: yes.

@@ -85,6 +85,19 @@ bool HeldTool::take_found_contacts(std::int64_t time_ns) noexcept {
   return are_late;
 }
 
+// Where more pairs are near than can be considered, the proxy stays where it is whatever the device does.
+void HeldTool::note_frozen(const FoundContacts& found, std::int64_t time_ns) noexcept {
+  if (is_known_ && found.contacts.is_held) {
+    frozen_s_ += std::clamp(seconds(time_ns - felt_ns_), 0.0, kLongestGapS);
+  } else {
+    frozen_s_ = 0.0;
+  }
+  if (frozen_s_ < kStaleS) return;
+  begin_anew();
+  frozen_s_ = 0.0;
+  is_known_ = false;
+}
+
 void HeldTool::count_lateness() noexcept {
   ++lateness_.samples;
   lateness_.faded += age_s_ > kFreshS ? 1 : 0;
@@ -113,6 +126,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   FoundContacts& found = found_.value();
   output.proxy = found.step;
   is_known_ = found.serial == serial_;
+  note_frozen(found, time_ns);
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
   if (drag_.is_on()) move_drag(input, device, seconds(time_ns - felt_ns_));
@@ -143,9 +157,9 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   find_pushes(found.contacts, solution, output, input.X_WS.linear());
   publish(device, goal, time_ns);
   output.proxy = step;
-  const double share = std::clamp((kStaleS - age_s_) / (kStaleS - kFreshS), 0.0, 1.0);
+  const double share = std::clamp((kStaleS - std::max(age_s_, frozen_s_)) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
-  output.torque_nm *= share;
+  output.torque_nm *= share * torque_share(turn_between(device.orientation, at.orientation));
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
   if (drag_.is_on()) add_drag(found.contacts, solution, share, input.X_WS.linear(), output);
@@ -225,7 +239,7 @@ double HeldTool::coupling_extension(const FeltWrench& felt) const noexcept {
 // With the same contacts the distance from device to proxy changes by no more than the device moves, as that from any point to a convex
 // set does. Twice that leaves room for the curvature of the contacts.
 void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
-  fading_share_ = std::max(0.0, fading_share_ - std::max(0.0, seconds(time_ns - felt_ns_)) / kContactFadeS);
+  fading_share_ = std::max(0.0, fading_share_ - std::clamp(seconds(time_ns - felt_ns_), 0.0, kMaxFadeStepS) / kContactFadeS);
   const FeltWrench plain{output.force_n, output.torque_nm};
   if (are_late) {
     const FeltWrench jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
@@ -267,6 +281,7 @@ bool HeldTool::follow() noexcept {
   // As far as the device and parts of the scene get before the next contacts come, if they go on like that.
   const double reach = proxy.local_reach(is_first ? 0.0 : travel_since_last(sample));
   proxy.find_local_contacts(sample.device, sample.parts, reach, found.contacts);
+  found.contacts.is_held = found.contacts.is_held || found.step.is_frozen;
   found.reach = proxy.last_local_reach();
   found.time_ns = sample.time_ns;
   found.serial = sample.serial;

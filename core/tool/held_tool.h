@@ -14,8 +14,9 @@ namespace hapton {
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
 // passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
 // Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If the slow task stalls, the
-// force fades. Threads: functions marked `Fast` in one, follow() (`Slow`) in one other. RT: the fast ones yes, at most LocalContacts::kMax
-// contacts; follow as ToolStep::step.
+// force fades. So it does where the proxy cannot move because more pairs are near than ToolProxy considers; after kStaleS the tool is then
+// put where the device is. Threads: functions marked `Fast` in one, follow() (`Slow`) in one other. RT: the fast ones yes, at most
+// LocalContacts::kMax contacts; follow as ToolStep::step.
 class HeldTool final : public StylusTool {
  public:
   // Age of the contacts at which the force begins to fade, and at which it is zero.
@@ -28,6 +29,8 @@ class HeldTool final : public StylusTool {
   // If new contacts come more than kMaxPromptSamples samples after the previous ones and change the force by more than the device's motion
   // explains, the force fades to the new one over this time.
   static constexpr double kContactFadeS = 0.02;
+  // What a sample counts at most for it: after a late one the force must not jump by what would have faded meanwhile.
+  static constexpr double kMaxFadeStepS = 2e-3;
   static constexpr int kMaxPromptSamples = 2;
   // If two samples are farther apart than this, or time goes back, damping takes no motion between them into account: io_node uses no force
   // that is older than this, so the hand felt none meanwhile.
@@ -39,8 +42,8 @@ class HeldTool final : public StylusTool {
 
   // Fast: force, torque and drawn pose for one sample, from the contacts that were found last. output.proxy: of the slow task's last step.
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
-  // Fast: the tool is put where the device is at the next sample, as ToolStep::reset does.
-  void restart() noexcept { ++serial_; }
+  // Fast: as ToolStep::reset does.
+  void begin_anew() noexcept override { ++serial_; }
   // Fast.
   void forget_motion() noexcept override { drag_.reset(); }
   // Fast: the slow task had found the tool's pose before the last step.
@@ -69,11 +72,13 @@ class HeldTool final : public StylusTool {
   const ToolStep& tool() const { return *tool_; }
 
  private:
+  struct FoundContacts;
   struct FeltWrench {
     Vec3 force_n = Vec3::Zero();
     Vec3 torque_nm = Vec3::Zero();
   };
   bool take_found_contacts(std::int64_t time_ns) noexcept;
+  void note_frozen(const FoundContacts& found, std::int64_t time_ns) noexcept;
   void count_lateness() noexcept;
   void release(const Placement& device, std::int64_t time_ns) noexcept;
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
@@ -109,6 +114,7 @@ class HeldTool final : public StylusTool {
   Mailbox<FoundContacts> found_;
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
+  double frozen_s_ = 0.0;  // for so long has the proxy been unable to move
   Lateness lateness_;
   bool is_after_sample_gap_ = true;  // no contacts have come since a gap in the samples
   bool is_known_ = false;

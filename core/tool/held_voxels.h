@@ -8,7 +8,8 @@
 namespace hapton {
 
 // VoxelTool in the haptic step, in one task: each sample computes the whole tool, however many points it has. It begins where the device is
-// at the first sample. A hand that is faster than half a voxel a sample leaves it behind; there is no force then until it meets something.
+// at the first sample. A hand that is faster than half a voxel a sample leaves it behind. Where nothing is in contact and the tool is
+// farther than kResumeReachM behind, it is put where the device is: the hand may have gone around what the tool would meet on its way.
 // Nothing of the scene moves. RT: yes. Threads: one.
 class HeldVoxels final : public StylusTool {
  public:
@@ -17,6 +18,7 @@ class HeldVoxels final : public StylusTool {
 
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
   void forget_motion() noexcept override {}
+  void begin_anew() noexcept override { has_begun_ = false; }
   bool is_known() const noexcept override { return is_known_; }
   // Of them voxels have the stiffness.
   void set_materials(const ToolMaterials& materials) noexcept override { tool_->set_stiffness(materials.stiffness_n_per_m); }

@@ -312,6 +312,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const double reach = std::min(left, reach_);
   const auto shorten = [&] {
     reach_ = 0.5 * reach;
+    report.is_frozen = true;
     report.converged = reach_ > kOffset;
     return report.converged;
   };
@@ -327,6 +328,7 @@ bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
   const double first = std::max(kMinFirst * kOffset, kFirstShare * motion.length(radius));
   const double tried = least_.active_count == 0 ? std::min(tried_, first) : tried_;
   if (!extend_until_clear(wanted, reach, tried, motion)) return shorten();
+  report.is_frozen = false;
   report.feature_count = std::max(report.feature_count, feature_count());
   note_contacts(report);
   if (is_at_rest()) return false;
@@ -466,6 +468,7 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
     report.converged = true;
     if (!round(device, report)) break;
   }
+  report.is_frozen = report.is_frozen && proxy_.position == last_.position && proxy_.orientation.coeffs() == last_.orientation.coeffs();
   return report;
 }
 

@@ -31,6 +31,7 @@ struct ToolProxyStep {
   bool is_blocked = false;   // the tool overlaps the scene since it was placed there; the proxy follows the device, and gives no force
   bool converged = true;     // the proxy is as near to the device as the contacts allow; otherwise the next steps continue the motion
   bool is_squeezed = false;  // the tool has no room where a part of the scene moves: it feels that part where it still has
+  bool is_frozen = false;    // the proxy has not moved, as more pairs are near than it considers; so it stays, whatever the device does
   int rounds = 0;
   int carries = 0;                // rounds in which parts of the scene have moved
   int haptons = 0;                // pairs of triangles in contact (a unit of the memo, section 5)

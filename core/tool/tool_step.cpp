@@ -225,6 +225,7 @@ ToolOutput ToolStep::step(const ToolInput& input) noexcept {
   to_local(input.X_SO, parts_);
   const ToolProxyStep followed = has_friction_ ? follow(device) : proxy_.step(device, parts_);
   if (!followed.is_blocked) output = felt_at(input, device, proxy_.placement());
+  output.torque_nm *= torque_share(turn_between(device.orientation, proxy_.placement().orientation));
   output.proxy = followed;
   if (drag_.is_on()) {
     note_view(input, last_view_, drag_);

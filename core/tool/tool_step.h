@@ -102,7 +102,7 @@ class ToolStep {
   std::size_t part_of(std::size_t object) const noexcept;
   // The rotational stiffness changes in proportion, so the proxy goes to the same poses. Threads: the one of felt_at. RT: yes.
   void set_stiffness(double n_per_m) noexcept;
-  // Force, torque and drawn pose for these poses of device and tool.
+  // Force, torque and drawn pose for these poses of device and tool. The torque is that of the spring, of which torque_share() is felt.
   ToolOutput felt_at(const ToolInput& input, const Placement& device, const Placement& proxy) const noexcept;
   ToolProxy& proxy() { return proxy_; }
 

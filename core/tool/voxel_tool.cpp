@@ -134,7 +134,7 @@ ToolOutput VoxelTool::step(const ToolInput& input) noexcept {
   const Vec3 shift_m = proxy_.position - device.position;
   const Vec3 turn = turn_between(device.orientation, proxy_.orientation);
   output.force_n = coupling_.stiffness_n_per_m * (R_WS * shift_m);
-  output.torque_nm = coupling_.rotational_stiffness_nm_per_rad * (R_WS * turn);
+  output.torque_nm = torque_share(turn) * coupling_.rotational_stiffness_nm_per_rad * (R_WS * turn);
   output.X_WP.translation() = input.X_WS * proxy_.position;
   output.X_WP.linear() = R_WS * proxy_.orientation.toRotationMatrix();
   return output;

@@ -150,5 +150,28 @@ TEST(EffectsOfANewScene, ComeWithoutAJump) {
   EXPECT_GT(after_n, 7.0);
 }
 
+// An effect that pressed harder than the surface pushes is gone: the force of the old method pointed into the surface.
+TEST(EffectsOfANewScene, LeaveTheHandOnTheSideOnWhichItWas) {
+  const TouchScene plain = sheet_scene();
+  TouchScene pressed = plain;
+  pressed.effects = {ConstantEffect{.force_n = {0, 0, -5}}};
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, pressed), pressed), 1e-5);
+  DeviceState state{.sample = 1, .sample_time_ns = 5'000'000'000};
+  const auto reply = [&](double z_m) {
+    ++state.sample;
+    state.sample_time_ns += kMillisecond;
+    state.p_WD = Vec3(0.01, 0.01, z_m);
+    step.offer(state);
+    return step.reply();
+  };
+  reply(0.001);
+  ASSERT_LT(reply(-0.002).force_n.z(), 0.0);
+  step.replace(std::make_unique<TouchStep>(*make_method({.name = "proxy"}, plain), plain));
+  ForceCommand command;
+  for (int i = 0; i < 120; ++i) command = reply(-0.002);
+  EXPECT_TRUE(command.contact);
+  EXPECT_GT(command.force_n.z(), 1.0) << "out of the surface";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -219,6 +219,46 @@ TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
   }
 }
 
+TEST_F(GraspWithdrawalTest, AHandThatHasTurnedPicksNothingUp) {
+  grasp->set_may_leave(false);
+  for (int n = 0; n <= 400; ++n) reply(at, 1, turn_by({0.0, 0.0, 1.1 * kResumeTurnRad * n / 400}));
+  EXPECT_FALSE(grasp->is_busy());
+  grasp->set_may_leave(true);
+  for (int n = 0; n < 50; ++n) reply(at, 1, turn_by({0.0, 0.0, 1.1 * kResumeTurnRad}));
+  EXPECT_FALSE(step->holds_tool());
+}
+
+// The hand goes 14 mm down before the slow task has found the tool, which then rests on the plate: after the object was picked up, or while
+// that still waits and the probe is felt.
+TEST_F(GraspWithdrawalTest, TheFirstForceOfWhatIsPickedUpLateMakesNoJump) {
+  const auto press_without_task = [&](const Vec3& p) {
+    step->offer({.sample = ++sample, .sample_time_ns = static_cast<std::int64_t>(sample) * 1'000'000, .p_WD = p, .buttons = 1});
+    last = step->reply();
+    at = p;
+  };
+  const Vec3 pressed = at;
+  for (const bool is_made_before : {true, false}) {
+    SCOPED_TRACE(is_made_before);
+    grasp->set_may_leave(is_made_before);
+    press_without_task(pressed);
+    for (int n = 0; n < 5; ++n) task->run_once();
+    for (int n = 1; n <= 400; ++n) press_without_task(pressed - Vec3(0.0, 0.0, 0.014 * n / 400));
+    ASSERT_EQ(step->holds_tool(), is_made_before);
+    ASSERT_EQ(last.force_n.isZero(0.0), is_made_before);
+    grasp->set_may_leave(true);
+    most_change_n = 0.0;
+    rest(1, 300);
+    ASSERT_TRUE(step->holds_tool());
+    EXPECT_GT(last.force_n.z(), 8.0);
+    EXPECT_LT(most_change_n, 0.12 * last.force_n.z()) << "a sample without a tool is one in free space";
+    const int before = methods;
+    go(pressed, 1);
+    rest(0, 5);
+    wait_for_method(before + 1);
+    go(pressed, 0);
+  }
+}
+
 // Nobody needs to wait for the next sample for that: while the hub computes the force there are few.
 TEST_F(GraspWithdrawalTest, AToolThatIsMadeIsKnownBetweenSamples) {
   grasp->set_may_leave(false);

@@ -36,12 +36,28 @@ TEST(EffectSwitch, AShortPressGoesOnlyPartOfTheWay) {
   EffectSwitch::State state;
   on.update(0, 0.0, state);
   on.update(1, 0.001, state);
+  on.update(1, 0.003, state);
+  on.update(1, 0.005, state);
   on.update(0, 0.006, state);
   EXPECT_NEAR(state.gain, 0.25, 1e-12);
   on.update(1, 0.008, state);
   EXPECT_NEAR(state.gain, 0.15, 1e-12) << "it fell until the next press";
   on.update(1, 0.010, state);
   EXPECT_NEAR(state.gain, 0.25, 1e-12);
+}
+
+TEST(EffectSwitch, ALateSampleChangesTheGainNoMoreThanOneInTime) {
+  const EffectSwitch on{.button = 1};
+  EffectSwitch::State state;
+  on.update(0, 0.0, state);
+  on.update(1, 0.001, state);
+  on.update(1, 0.5, state);
+  EXPECT_NEAR(state.gain, EffectSwitch::kMaxStepS / EffectSwitch::kRampS, 1e-12);
+  for (double time_s = 0.501; time_s < 0.53; time_s += 0.001) on.update(1, time_s, state);
+  ASSERT_EQ(state.gain, 1.0);
+  on.update(0, 0.53, state);
+  on.update(0, 1.0, state);
+  EXPECT_NEAR(state.gain, 1.0 - EffectSwitch::kMaxStepS / EffectSwitch::kRampS, 1e-9);
 }
 
 TEST(EffectSwitch, AButtonThatWasDownBeforeTheStartMustBePressedAgain) {

@@ -227,18 +227,71 @@ TEST(HeldTool, ThePictureShowsTheToolWhereItIsKnownToBeFree) {
   EXPECT_EQ(held.lateness().faded, before.faded);
 }
 
-TEST(HeldTool, ARestartPutsTheToolWhereTheDeviceIs) {
+TEST(HeldTool, BeginningAnewPutsTheToolWhereTheDeviceIs) {
   HeldTool held(held_step(make_box({0.02, 0.02, 0.02}), make_plane_grid(0.2, 8)));
   for (int n = 0; n <= 150; ++n) {
     held.step(input_at({0.0, 0.0, 0.02 - 1e-4 * n}), n * kTickNs);
     held.follow();
   }
-  held.restart();
+  held.begin_anew();
   EXPECT_EQ(held.step(input_at({0.0, 0.0, 0.03}), 200 * kTickNs).force_n, Vec3(Vec3::Zero())) << "what was known is of before";
   held.follow();
   const ToolOutput out = held.step(input_at({0.0, 0.0, 0.03}), 201 * kTickNs);
   EXPECT_FALSE(out.contact);
   EXPECT_FALSE(out.proxy.is_blocked);
+}
+
+// Two fine faces that are flush, with more pairs of features than are considered: the proxy cannot move. It must not hold the hand for
+// good.
+TEST(HeldTool, WhereTooManyPairsAreNearItLetsGo) {
+  const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 60);
+  HeldTool held(held_step(tool, make_plane_grid(0.02, 60)));
+  int n = 0;
+  const auto step_at = [&](double z) {
+    const ToolOutput out = held.step(input_at({0.0, 0.0, z}), ++n * kTickNs);
+    held.follow();
+    return out.force_n.norm();
+  };
+  for (double z = 0.011; z > 0.0099; z -= 2e-5) step_at(z);
+  double most_n = 0.0;
+  for (double z = 0.01; z < 0.03; z += 1e-4) most_n = std::max(most_n, step_at(z));
+  EXPECT_GT(most_n, 0.5) << "it was not held: the test needs more triangles";
+  double before_n = step_at(0.03);
+  for (int k = 0; k < 400; ++k) {
+    const double force_n = step_at(0.03);
+    EXPECT_LT(std::abs(force_n - before_n), 1.0) << k;
+    before_n = force_n;
+  }
+  EXPECT_EQ(before_n, 0.0);
+}
+
+// A long box on a sheet cannot tilt, whichever way. Where the stylus is half a turn away, the shortest way back reverses.
+TEST(HeldTool, TheTorqueReversesAtHalfATurnWithoutAJump) {
+  const TriangleMesh box = make_box({0.2, 0.01, 0.01});
+  const TriangleMesh sheet = make_plane_grid(0.5, 8);
+  const ToolCoupling soft{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.005};
+  const auto make_soft = [&] { return std::move(*ToolStep::make(box, {std::make_shared<TriangleMesh>(sheet)}, soft)); };
+  const auto whole = make_soft();
+  HeldTool held(make_soft());
+  double held_nm = 0.0;
+  double whole_nm = 0.0;
+  double most_nm = 0.0;
+  double least_nm = 0.0;
+  for (int n = 0; n < 2000; ++n) {
+    const ToolInput input = input_at({0.0, 0.0, 0.00501}, {0.0, 0.002 * n, 0.0});
+    if (n == 0) whole->reset(input);
+    const double of_held_nm = held.step(input, n * kTickNs).torque_nm.y();
+    held.follow();
+    const double of_whole_nm = whole->step(input).torque_nm.y();
+    EXPECT_LT(std::abs(of_held_nm - held_nm), 0.03 * 0.0157) << n;
+    EXPECT_LT(std::abs(of_whole_nm - whole_nm), 0.03 * 0.0157) << n;
+    held_nm = of_held_nm;
+    whole_nm = of_whole_nm;
+    most_nm = std::max(most_nm, held_nm);
+    least_nm = std::min(least_nm, held_nm);
+  }
+  EXPECT_GT(most_nm, 0.01);
+  EXPECT_LT(least_nm, -0.01);
 }
 
 TEST(HeldTool, IgnoresWhatIsNotFinite) {

@@ -56,6 +56,30 @@ TEST(HeldVoxels, GivesTheForceOfTheVoxels) {
   EXPECT_EQ(held.push_on(0).force_n, Vec3::Zero());
 }
 
+// Half a voxel a sample is 0.25 mm: a hand that is gone 60 mm has gone around the floor, maybe.
+TEST(HeldVoxels, AHandThatIsFarAheadIsNotPulledBackToWhatTheToolMeetsLater) {
+  HeldVoxels held(cube_over_floor(), Vec3::Zero());
+  held.step(hand_at(0.02), 0);
+  held.step(hand_at(-0.04), 1);
+  for (int n = 2; n < 400; ++n) EXPECT_EQ(held.step(hand_at(-0.04), n).force_n, Vec3(Vec3::Zero())) << n;
+  EXPECT_LT(held.tool().placement().position.z(), -0.03);
+  // One in contact stays where it is, however far the hand.
+  for (int n = 0; n < 400; ++n) held.step(hand_at(-0.04 + 1e-4 * n), n);
+  const double below_m = held.tool().placement().position.z();
+  EXPECT_LT(below_m, -0.018);
+  EXPECT_TRUE(held.step(hand_at(0.01), 0).contact);
+  EXPECT_NEAR(held.tool().placement().position.z(), below_m, 2e-3);
+}
+
+TEST(HeldVoxels, BeginsAnewWhereTheDeviceIs) {
+  HeldVoxels held(cube_over_floor(), Vec3::Zero());
+  held.step(hand_at(0.02), 0);
+  held.begin_anew();
+  held.step(hand_at(0.035), 1);
+  EXPECT_EQ(held.tool().placement().position, Vec3(0.0, 0.0, 0.035));
+  EXPECT_FALSE(held.is_known());
+}
+
 TEST(HeldVoxels, APoseThatIsNoneBeginsNothing) {
   HeldVoxels held(cube_over_floor(), Vec3::Zero());
   const ToolOutput felt = held.step(hand_at(std::numeric_limits<double>::quiet_NaN()), 0);
