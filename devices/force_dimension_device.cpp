@@ -213,6 +213,7 @@ void ForceDimensionDevice::calibrate() {
       return;
     }
     reading_.is_calibrated = is_initialized();
+    if (!reading_.is_calibrated) return log_error("{} is not calibrated, though it has moved to be; start again", model_);
     log_info("{} is calibrated", model_);
   }
   // Switches the robot's position control off and its forces on.
@@ -224,9 +225,12 @@ void ForceDimensionDevice::calibrate() {
 // A Falcon has no motors for it: the user must pull its grip out and push it in once, while the program exchanges data with it.
 void ForceDimensionDevice::wait_for_hand_calibration() {
   log_warning("{}: calibrate: pull the grip all the way out and push it all the way in", model_);
+  failures_ = 0;
   while (!ends_.load(std::memory_order_relaxed) && !is_initialized()) {
-    dhd_.set_force_and_torque_and_gripper_force(0, 0, 0, 0, 0, 0, 0, id_);
     const std::int64_t now_ns = clock_.now_ns();
+    const bool is_there = dhd_.set_force_and_torque_and_gripper_force(0, 0, 0, 0, 0, 0, 0, id_) >= 0;
+    failures_ = is_there ? 0 : failures_ + 1;
+    if (failures_ >= kMaxFailuresInARow) return log_away(now_ns, last_error());
     publish(DeviceStatus::calibrating, now_ns);
     clock_.sleep_until_ns(now_ns + kPeriodNs);
   }

@@ -47,7 +47,8 @@ void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
   std::array<Vec3, kMaxAims> taken;
   std::size_t count = 0;
   for (const Vec3& p : p_WA) {
-    const bool is_within = (p - options_.workspace_min_m).minCoeff() >= 0.0 && (options_.workspace_max_m - p).minCoeff() >= 0.0;
+    const bool is_within =
+        p.allFinite() && (p - options_.workspace_min_m).minCoeff() >= 0.0 && (options_.workspace_max_m - p).minCoeff() >= 0.0;
     if (is_within && count < taken.size()) taken[count++] = p;
   }
   if (count == aim_count_ && std::equal(taken.begin(), taken.begin() + count, aims_m_.begin())) return;

@@ -176,6 +176,7 @@ struct DeviceHub::Parts {
 
   const IoOptions options;
   VrpnOutput vrpn_output;
+  HeartbeatMemory heartbeat;  // the device's driver uses its page until its end
   std::unique_ptr<Device> device;
   std::unique_ptr<Endpoint> endpoint;
   Echo echo;
@@ -193,7 +194,6 @@ struct DeviceHub::Parts {
   std::unique_ptr<Servo> servo;
   HopMeter hops;
   ReportServer report_server;
-  HeartbeatMemory heartbeat;
   WatchdogSupervisor watchdog;
   LatchFile latch_file;
   IoSession session;
@@ -222,6 +222,8 @@ Result<std::unique_ptr<DeviceHub>> DeviceHub::open(const IoOptions& options, con
       options, clock, std::move(*output), std::move(*device), std::move(*endpoint), std::move(*echo), std::move(*metrics), *key)));
 }
 
+void DeviceHub::set_service(ServiceLiveness* service, std::size_t number) noexcept { parts_->session.set_service(service, number); }
+
 Address DeviceHub::address() const { return parts_->endpoint->local_address(); }
 const IoOptions& DeviceHub::options() const { return parts_->options; }
 
@@ -240,8 +242,8 @@ Result<void> DeviceHub::start_watchdog() {
     parts_->device->use_heartbeat_page(parts_->heartbeat.page());
     parts_->servo->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
-    started =
-        parts_->watchdog.start(parts_->heartbeat, WatchdogSupervisor::find_program(), is_realtime ? options.realtime.priority + 2 : 0);
+    const int priority = is_realtime ? std::min(options.realtime.priority + 2, kMaxRealtimePriority) : 0;
+    started = parts_->watchdog.start(parts_->heartbeat, WatchdogSupervisor::find_program(), priority);
   }
   if (started) parts_->session.set_watchdog(&parts_->watchdog);
   if (started || options.watchdog == RealtimeMode::require) return started;

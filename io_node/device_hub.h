@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -10,6 +11,8 @@
 #include "runtime/stop_signal.h"
 
 namespace hapton {
+
+class ServiceLiveness;
 
 // One device with its hub address, servo, watchdog, recorder and reports. Several hubs in one process are independent of each other.
 // RT: no, except the threads of servo and device. Threads: one caller for each hub.
@@ -23,6 +26,9 @@ class DeviceHub {
   // "hub on 127.0.0.1:4950, device simulated, 1000 Hz, ...", preceded by its name if it has one.
   std::string describe() const;
   const IoOptions& options() const;
+
+  // Before run(): as IoSession::set_service.
+  void set_service(ServiceLiveness* service, std::size_t number) noexcept;
 
   // Runs until IoSession::run ends, and prints a summary of the recording. Error: as there, or the recording could not be written.
   Result<void> run(const StopSignal& stop);

@@ -13,14 +13,13 @@ namespace {
 
 // The network side is in the middle of a microsecond of work with the device; where it shares this CPU it needs this thread to sleep.
 constexpr std::int64_t kMomentNs = 20'000;
-constexpr int kHighestPriority = 99;  // of SCHED_FIFO in Linux
 
 }  // namespace
 
 Result<void> DeviceThread::start(const RealtimeSettings& network) {
   if (auto opened = timer_.open(); !opened) return opened;
   RealtimeSettings settings = network;
-  if (settings.priority > 0) settings.priority = std::min(settings.priority + 1, kHighestPriority);
+  if (settings.priority > 0) settings.priority = std::min(settings.priority + 1, kMaxRealtimePriority);
   thread_ = start_thread([this, settings] { run(settings); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   return started_;

@@ -51,13 +51,15 @@ struct ServoEvent {
   double round_trip_s = -1.0;              // of parts_requested and force_from_haptics; below 0: not known
 };
 
-// From the servo loop to a thread without deadlines. A full ring drops new events and counts them. RT: push yes, wait-free. Threads: one
+// From the servo loop to a thread without deadlines. A full ring drops new events and counts them; the last places are kept for latched
+// faults and resets, which a flood of requests must not hide. RT: push yes, wait-free. Threads: one
 // pushes, one pops.
 class EventRing {
  public:
   void push(const ServoEvent& event) noexcept {
     const std::size_t end = end_.load(std::memory_order_relaxed);
-    if (end - begin_.load(std::memory_order_acquire) == kCapacity) {
+    const bool is_of_fault = event.kind == ServoEvent::Kind::latched || event.kind == ServoEvent::Kind::reset;
+    if (end - begin_.load(std::memory_order_acquire) >= kCapacity - (is_of_fault ? 0 : kForFaults)) {
       dropped_.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -78,6 +80,7 @@ class EventRing {
  private:
   // Read every 20 ms (io_session.cpp); a joining or failing node makes a few events.
   static constexpr std::size_t kCapacity = 64;
+  static constexpr std::size_t kForFaults = 8;  // a reset takes a person
   std::array<ServoEvent, kCapacity> events_ = {};
   alignas(64) std::atomic<std::size_t> begin_{0};
   alignas(64) std::atomic<std::size_t> end_{0};

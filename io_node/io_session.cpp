@@ -247,11 +247,9 @@ void IoSession::watch_scheduling(bool now) {
 
 void IoSession::check_watchdog() {
   if (watchdog_ == nullptr) return;
-  if (watchdog_->restart_if_dead(clock_.now_ns())) {
-    log_warning(
-        "{}the watchdog process had ended or hung, and was restarted; find out why: without it nothing releases the force of a frozen "
-        "io_node",
-        prefix_);
+  if (const auto restarted = watchdog_->restart_if_dead(clock_.now_ns())) {
+    log_warning("{}the watchdog process had ended or hung, and {}; find out why: without it nothing releases the force of a frozen io_node",
+                prefix_, *restarted ? "was restarted" : "could not be restarted: " + restarted->error().what);
   }
   const std::uint64_t cuts_before = std::exchange(cuts_reported_, watchdog_->cuts());
   if (cuts_reported_ != cuts_before) {
@@ -259,14 +257,12 @@ void IoSession::check_watchdog() {
   }
 }
 
-// The service manager gets WATCHDOG=1 only while the device loop runs, so that it restarts the program if that loop hangs.
 void IoSession::notify_service() {
-  if (!service_.has_manager() || clock_.now_ns() < next_sign_ns_) return;
-  if (next_sign_ns_ == 0) service_.send("READY=1");
-  const std::int64_t timeout_ns = service_.manager_timeout_ns();
+  if (service_ == nullptr || !service_->has_manager() || clock_.now_ns() < next_sign_ns_) return;
+  const std::int64_t timeout_ns = service_->manager_timeout_ns();
   next_sign_ns_ = clock_.now_ns() + (timeout_ns > 0 ? std::min(kWatchEveryNs, timeout_ns / 2) : kWatchEveryNs);
   const bool lives = clock_.now_ns() - servo_.device_loop().heartbeat_ns() < kWatchEveryNs;
-  if (timeout_ns > 0 && lives) service_.send("WATCHDOG=1");
+  service_->note(service_number_, lives, clock_.now_ns());
 }
 
 void IoSession::note_requests(const StopSignal& stop) {

@@ -10,10 +10,10 @@
 #include "io_node/latch_file.h"
 #include "io_node/report_server.h"
 #include "io_node/scheduling_monitor.h"
+#include "io_node/service_liveness.h"
 #include "io_node/servo.h"
 #include "io_node/stale_force_watchdog.h"
 #include "link/metrics_endpoint.h"
-#include "runtime/service_notify.h"
 #include "runtime/stop_signal.h"
 #include "watchdog/watchdog_supervisor.h"
 
@@ -33,6 +33,12 @@ class IoSession {
   void set_watchdog(WatchdogSupervisor* watchdog) noexcept { watchdog_ = watchdog; }
   // ... and where a latched fault is kept for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
+
+  // ... and tells the service manager that this session, of several in the program, lives.
+  void set_service(ServiceLiveness* service, std::size_t number) noexcept {
+    service_ = service;
+    service_number_ = number;
+  }
 
   // Runs until the seconds are over, a stop is requested, or the device has ended. Error: real time required and denied, the device failed,
   // or a report could not be written.
@@ -62,7 +68,8 @@ class IoSession {
   MetricsEndpoint* metrics_ = nullptr;
   WatchdogSupervisor* watchdog_ = nullptr;
   const LatchFile* latch_file_ = nullptr;
-  ServiceNotify service_;
+  ServiceLiveness* service_ = nullptr;
+  std::size_t service_number_ = 0;  // of this session there
   std::int64_t next_sign_ns_ = 0;
   std::uint64_t cuts_reported_ = 0;
   // The purpose of the next copy of the statistics.

@@ -10,6 +10,7 @@
 #include "io_node/device_hub.h"
 #include "io_node/devices_file.h"
 #include "io_node/io_options.h"
+#include "io_node/service_liveness.h"
 #include "runtime/descriptor_check.h"
 #include "runtime/instruction_set_check.h"
 #include "runtime/log.h"
@@ -38,19 +39,22 @@ Result<Hubs> open_hubs(const IoOptions& options, const Clock& clock) {
 }
 
 // True when all went well.
-bool run_hub(DeviceHub& hub, const StopSignal& stop) {
+bool run_hub(DeviceHub& hub, ServiceLiveness& service, std::size_t number, const StopSignal& stop) {
+  hub.set_service(&service, number);
   const auto ended = hub.run(stop);
+  service.leave(number);
   if (!ended) log_error("{}{}", name_prefix(hub.options()), ended.error().what);
   return ended.has_value();
 }
 
 // Each in its own thread, so that the fault of one device does not stop the others.
 bool run_hubs(const Hubs& hubs, const StopSignal& stop) {
-  if (hubs.size() == 1) return run_hub(*hubs.front(), stop);
+  ServiceLiveness service(hubs.size());
+  if (hubs.size() == 1) return run_hub(*hubs.front(), service, 0, stop);
   std::vector<char> went_well(hubs.size(), 0);
   std::vector<std::thread> threads;
   for (std::size_t n = 0; n < hubs.size(); ++n) {
-    threads.push_back(start_thread([&, n] { went_well[n] = run_hub(*hubs[n], stop) ? 1 : 0; }));
+    threads.push_back(start_thread([&, n] { went_well[n] = run_hub(*hubs[n], service, n, stop) ? 1 : 0; }));
   }
   for (std::thread& thread : threads) thread.join();
   return std::all_of(went_well.begin(), went_well.end(), [](char well) { return well != 0; });

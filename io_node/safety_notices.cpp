@@ -13,8 +13,12 @@ void SafetyNotices::notify_status(ServoEvent::Kind kind) noexcept { events_.push
 // People first: they may have to do something about it.
 void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
   const GovernorCounters& governor = side.governor.counters;
-  if (governor.latched > governor_noted_.latched) notify(ServoEvent::Kind::latched, side.governor.fault);
+  // Of a reset and a new fault since the last look, the fault is what holds: it must be the last to be known.
+  const bool has_latched = governor.latched > governor_noted_.latched;
+  const bool is_latched = side.governor.fault != SafetyFault::none;
+  if (has_latched && !is_latched) notify(ServoEvent::Kind::latched, side.governor.fault);
   if (governor.resets > governor_noted_.resets) notify(ServoEvent::Kind::reset, fault_noted_);
+  if (has_latched && is_latched) notify(ServoEvent::Kind::latched, side.governor.fault);
   if (governor.resets_rejected > governor_noted_.resets_rejected) notify(ServoEvent::Kind::reset_rejected, side.governor.fault);
   fault_noted_ = side.governor.fault;
   if (side.status == status_noted_) status_since_ns_ = now_ns;

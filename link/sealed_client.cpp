@@ -59,6 +59,8 @@ Received SealedClient::receive(std::span<std::byte> into, std::int64_t deadline_
     if (bytes != 0) return {.bytes = bytes, .from = received.from};
     ++rejected;
   }
+  // In a flood there is always something to receive.
+  request_if_silent(clock_.now_ns());
   return {};
 }
 

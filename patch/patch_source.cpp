@@ -115,7 +115,9 @@ void PatchSource::accept(const PatchStatus& status) noexcept {
     if (serial_ - serial >= kSerials) break;
     Item& item = items_[in_flight_[serial % kSerials]];
     const bool is_received = ((status.received[back / 8] >> (back % 8)) & 1U) != 0;
-    if (is_received && item.state != State::held) {
+    // What a part is never changes, but a material does: only its newest value counts.
+    const bool is_current = &item < &items_[0] + item_of_material(0) || item.serial == serial;
+    if (is_received && is_current && item.state != State::held) {
       item.state = State::held;
       item.serial = serial;
       ++counts_.held;

@@ -152,7 +152,7 @@ std::vector<std::string> RealtimeReport::to_lines() const {
 }
 
 Result<RealtimeReport> enter_realtime(const RealtimeSettings& settings) {
-  if (settings.priority < 0 || settings.priority > 99) {
+  if (settings.priority < 0 || settings.priority > kMaxRealtimePriority) {
     return fail("real-time priority {} is out of range; use 1 to 99, or 0 for none", settings.priority);
   }
   RealtimeReport report;

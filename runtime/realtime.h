@@ -19,6 +19,8 @@ enum class RealtimeMode : std::uint8_t {
 // "off", "try" or "require", as on the command line.
 Result<RealtimeMode> parse_realtime_mode(std::string_view text);
 
+constexpr int kMaxRealtimePriority = 99;  // of SCHED_FIFO in Linux
+
 struct RealtimeSettings {
   RealtimeMode mode = RealtimeMode::attempt;
   int priority = 80;            // SCHED_FIFO, 1 .. 99; 0: stay an ordinary thread

@@ -10,10 +10,10 @@ namespace hapton {
 
 struct ObjectSpec;
 
-// As position_m and rotation of a scene file.
+// As position_m and rotation of a scene file (frame F).
 struct ObjectPlace {
-  Vec3 p_SM = Vec3::Zero();
-  Quat q_SM = Quat::Identity();
+  Vec3 p_FM = Vec3::Zero();
+  Quat q_FM = Quat::Identity();
 };
 
 // An object of a scene that programs may move: where a pose in the terms of its scene file is in S. RT: all but construction. Threads:
@@ -30,7 +30,7 @@ class CommandedObject {
 
   // Where the object is with that position_m and rotation; what is not given stays as it is now: the pivot's position, and the rotation.
   // The time of the result is 0. Pre: finite; a rotation of unit length to 1e-3.
-  Keyframe place(const std::optional<Vec3>& p_SM, const std::optional<Quat>& q_SM, const Keyframe& now) const noexcept;
+  Keyframe place(const std::optional<Vec3>& p_FM, const std::optional<Quat>& q_FM, const Keyframe& now) const noexcept;
   // The inverse: what place() puts there.
   ObjectPlace find_place(const Keyframe& at) const noexcept;
 
@@ -39,7 +39,8 @@ class CommandedObject {
 
  private:
   Vec3 p_MP_;  // pivot, frame of the mesh, scaled
-  Quat q_SM_;  // of the scene file
+  Quat q_SM_;  // of the scene file, turned
+  Quat q_SF_;  // as ObjectSpec has it
   SceneFit fit_;
   Vec3 pivot_S_;
   double radius_m_;

@@ -43,6 +43,7 @@ struct ObjectSpec {
   double scale = 1.0;
   Quat q_SM = Quat::Identity();
   Vec3 p_SM = Vec3::Zero();
+  Quat q_SF = Quat::Identity();  // by which [workspace] has turned what the file says
   std::string material;
   std::string group = {};  // that the pose is in; empty: none
   bool seal_cracks = true;

@@ -107,7 +107,10 @@ Result<void> set_workspace(const toml::table& table, SceneSpec& spec) {
   if (!*workspace) return {};
   const Quat back = (*workspace)->q.conjugate();
   spec.workspace = SceneFit{back * (*workspace)->p, 1.0 / (*workspace)->scale};
-  for (ObjectSpec& object : spec.objects) move_by({.scale = 1.0, .q = back, .p = Vec3::Zero()}, object);
+  for (ObjectSpec& object : spec.objects) {
+    move_by({.scale = 1.0, .q = back, .p = Vec3::Zero()}, object);
+    object.q_SF = back;
+  }
   return {};
 }
 

@@ -35,7 +35,7 @@ void ForceCutter::close_device() noexcept {
 
 void ForceCutter::prepare() noexcept {
   const std::uint32_t generation = page_.generation.load(std::memory_order_acquire);
-  if (generation == generation_ || generation % 2 != 0) return;
+  if (generation % 2 != 0 || (generation == generation_ && device_ >= 0)) return;
   std::array<char, HeartbeatPage::kMaxPath> path = {};
   std::array<std::uint8_t, HeartbeatPage::kMaxReport> report = {};
   std::transform(page_.path.begin(), page_.path.end(), path.begin(), [](const auto& c) { return c.load(std::memory_order_relaxed); });

@@ -53,18 +53,23 @@ Result<void> WatchdogSupervisor::spawn() {
   return {};
 }
 
-bool WatchdogSupervisor::restart_if_dead(std::int64_t now_ns) {
-  if (process_ <= 0 || now_ns - started_ns_ < kPeerTimeoutNs) return false;
-  const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) == process_;
-  const bool has_timed_out = now_ns - memory_->page().watchdog_beat_ns.load() > kPeerTimeoutNs;
-  if (!has_ended && !has_timed_out) return false;
-  if (!has_ended) {
-    ::kill(process_, SIGKILL);
-    ::waitpid(process_, nullptr, 0);
+std::optional<Result<void>> WatchdogSupervisor::restart_if_dead(std::int64_t now_ns) {
+  if (started_ns_ == 0 || now_ns - started_ns_ < kPeerTimeoutNs) return std::nullopt;
+  if (process_ > 0) {
+    const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) != 0;
+    const bool has_timed_out = now_ns - memory_->page().watchdog_beat_ns.load() > kPeerTimeoutNs;
+    if (!has_ended && !has_timed_out) return std::nullopt;
+    if (!has_ended) {
+      ::kill(process_, SIGKILL);
+      ::waitpid(process_, nullptr, 0);
+    }
+    // Its id may soon be another process's.
+    process_ = 0;
   }
-  ++restarts_;
-  if (!spawn()) started_ns_ = now_ns;  // again in a while
-  return true;
+  const Result<void> restarted = spawn();
+  restarts_ += restarted ? 1 : 0;
+  if (!restarted) started_ns_ = now_ns;  // again in a while
+  return restarted;
 }
 
 }  // namespace hapton

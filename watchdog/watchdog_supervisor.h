@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 
 #include "core/base/result.h"
 #include "watchdog/heartbeat_memory.h"
@@ -22,10 +23,12 @@ class WatchdogSupervisor {
   // Pre: memory outlives this. priority: SCHED_FIFO; 0: an ordinary process. Error, one line: the program is missing or cannot be started.
   Result<void> start(const HeartbeatMemory& memory, const std::filesystem::path& program, int priority);
 
-  // Call it a few times a second. True: the watchdog had died or hung, and was restarted; the caller reports that.
-  bool restart_if_dead(std::int64_t now_ns);
+  // Call it a few times a second. A value: the watchdog had died or hung, and was restarted, or could not be, which the next call a second
+  // later tries again; the caller reports that.
+  std::optional<Result<void>> restart_if_dead(std::int64_t now_ns);
 
-  bool is_started() const noexcept { return process_ > 0; }
+  bool is_started() const noexcept { return memory_ != nullptr && process_ > 0; }
+  // 0: there is none.
   pid_t id() const noexcept { return process_; }
   // How often it was restarted, and how often it has released the force.
   std::uint64_t restarts() const noexcept { return restarts_; }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <utility>
 
 #include "core/geometry/disjoint_sets.h"
+#include "core/geometry/largest_disc.h"
 #include "core/geometry/shared_edges.h"
 
 namespace hapton {
@@ -34,7 +36,23 @@ std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& piece
   return areas;
 }
 
-BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges) {
+// As the ball gets through it that moves along the loop's normal.
+double width_of(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, const Vec3& area, double length, double enough) {
+  if (!(area.norm() > 0.0)) return 0.0;
+  if (edges.size() == 3) return 4.0 * area.norm() / length;
+  const Eigen::Matrix3d to_plane = Quat::FromTwoVectors(area, Vec3::UnitZ()).toRotationMatrix();
+  const Vec3 near = mesh.vertices[edges.front().low];
+  std::vector<Segment2> flat;
+  flat.reserve(edges.size());
+  for (const HalfEdge& edge : edges) {
+    const Vec3 from = to_plane * (mesh.vertices[edge.low] - near);
+    const Vec3 to = to_plane * (mesh.vertices[edge.high] - near);
+    flat.emplace_back(from.head<2>(), to.head<2>());
+  }
+  return largest_disc(std::move(flat), enough);
+}
+
+BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>& edges, double enough) {
   BoundaryLoop loop;
   loop.edges = edges.size();
   // Positions relative to a vertex of the loop: far from the origin, differences of products would lose their digits.
@@ -54,13 +72,14 @@ BoundaryLoop measure_loop(const TriangleMesh& mesh, const std::vector<HalfEdge>&
     loop.on_edge = near + 0.5 * (from + to);
   }
   loop.area = area.norm();
+  loop.width = width_of(mesh, edges, area, loop.length, enough);
   loop.centre = loop.length > 0.0 ? Vec3(near + sum / loop.length) : near;
   return loop;
 }
 
 }  // namespace
 
-std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh) {
+std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double enough) {
   const SharedEdges edges = edges_of(mesh);
   std::vector<HalfEdge> borders;
   for (std::size_t e = 0; e < edges.size(); ++e) {
@@ -75,10 +94,10 @@ std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh) {
   const std::vector<double> areas = measure_pieces(mesh, pieces);
   std::vector<BoundaryLoop> loops;
   for (const auto& [vertex, rim] : by_rim) {
-    loops.push_back(measure_loop(mesh, rim));
+    loops.push_back(measure_loop(mesh, rim, enough));
     loops.back().piece_area = areas[pieces.root(vertex)];
   }
-  std::stable_sort(loops.begin(), loops.end(), [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.width() > b.width(); });
+  std::stable_sort(loops.begin(), loops.end(), [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.width > b.width; });
   return loops;
 }
 

@@ -11,13 +11,12 @@ namespace hapton {
 struct BoundaryLoop {
   std::size_t edges = 0;
   double length = 0.0;          // sum over all edges
+  double width = 0.0;           // diameter of the largest disc within its projection on the plane of the vector area (largest_disc)
   double area = 0.0;            // norm of the loop's vector area: the area of a plane loop, less for others
   double piece_area = 0.0;      // area of the piece that it bounds: all triangles that are connected by vertices
   Vec3 centre = Vec3::Zero();   // mean of the edges, weighted by length
   Vec3 on_edge = Vec3::Zero();  // middle of its longest edge
 
-  // The hydraulic diameter: that of a round opening, twice the width of a narrow one. A ball with a larger diameter does not fit through.
-  double width() const { return length > 0.0 ? 4.0 * area / length : 0.0; }
   // Whether this is an opening in a surface and not the border of a sheet. The piece has the area of the loop for a flat sheet, twice that
   // for a hemisphere, five times for a cube without a lid.
   bool is_opening() const { return area < kOpeningShare * piece_area; }
@@ -25,8 +24,9 @@ struct BoundaryLoop {
 };
 
 // The loops of all boundary edges (edges with one triangle), the widest first. Loops that share a vertex count as one. Triangles that
-// repeat a vertex are ignored. Pre: vertices are welded. Units: those of the mesh. Time: n log n. RT: set-up only.
-std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh);
+// repeat a vertex are ignored. enough: of loops that are narrower, `width` may be any bound up to this. Pre: vertices are welded. Units:
+// those of the mesh. Time: n log n, and of largest_disc. RT: set-up only.
+std::vector<BoundaryLoop> find_boundary_loops(const TriangleMesh& mesh, double enough = 0.0);
 
 // The midpoints of all edges that two triangles traverse in the same direction: one of the two is flipped. In no particular order. RT:
 // set-up only.

@@ -265,6 +265,10 @@ void Server::State::report() {
     dt_s = 1e-9 * static_cast<double>(newest->device.time_ns - sent->device.time_ns);
     v_m_per_s = dt_s > 0.0 ? Vec3((newest->device.p_WD - sent->device.p_WD) / dt_s) : Vec3::Zero();
     turn = (newest->device.q_WT * sent->device.q_WT.conjugate()).normalized();
+  } else if (is_new) {
+    dt_s = 0.0;
+    v_m_per_s = Vec3::Zero();
+    turn = Quat::Identity();
   }
   const Time time = newest ? to_time_of_day(newest->device.time_ns) : Time{};
   for (auto& [id, peer] : peers) {

@@ -96,6 +96,27 @@ TEST(DeviceExchange, AServoThatTimedOutExertsNoForceAndRampsUpAgain) {
   EXPECT_LT(exchange.wrench((t + 40) * kMs).force_n.norm(), 0.5);
 }
 
+TEST(DeviceExchange, ACutReleasesTheForceAndItRampsUpOnceItIsRestored) {
+  DeviceExchange exchange;
+  exchange.publish(ready_at(0));
+  const auto force_n_at = [&](std::int64_t t) {
+    exchange.write({.force_n = Vec3(0, 0, 2)}, t * kMs);
+    return exchange.wrench(t * kMs).force_n.z();
+  };
+  EXPECT_FALSE(exchange.is_cut());
+  EXPECT_EQ(force_n_at(0), 0.0);
+  ASSERT_EQ(force_n_at(300), 2.0);
+  exchange.cut();
+  EXPECT_TRUE(exchange.is_cut());
+  EXPECT_EQ(force_n_at(301), 0.0);
+  EXPECT_EQ(force_n_at(399), 0.0);
+  exchange.restore();
+  EXPECT_FALSE(exchange.is_cut());
+  EXPECT_EQ(force_n_at(400), 0.0) << "without a jump";
+  EXPECT_DOUBLE_EQ(force_n_at(450), 0.5);
+  EXPECT_DOUBLE_EQ(force_n_at(600), 2.0);
+}
+
 TEST(DeviceExchange, AServoThatOnlyReadsHoldsItsForce) {
   DeviceExchange exchange;
   exchange.publish(ready_at(0));

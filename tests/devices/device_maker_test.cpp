@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <set>
 
@@ -36,6 +37,35 @@ TEST(DeviceMaker, GivesTheSimulatedHandItsPath) {
   const auto device = std::move(*make_device(settings));
   for (std::int64_t t = 0; t < 4000; ++t) device->read(t * 1'000'000);
   EXPECT_LT((device->read(4'000'000'000).p_WD - Vec3(0.05, -0.04, 0.03)).norm(), 0.002);
+}
+
+TEST(DeviceMaker, RepeatsThePathOfTheSimulatedHandOnlyIfAsked) {
+  const ScratchFolder scratch;
+  DeviceSettings settings;
+  settings.trajectory = (scratch.path() / "t.csv").string();
+  std::ofstream(settings.trajectory) << "t_s,x_m,y_m,z_m\n0,0.05,0,0.1\n1,-0.05,0,0.1\n";
+  for (const bool loop : {false, true}) {
+    settings.loop = loop;
+    const auto device = std::move(*make_device(settings));
+    double most_x_m = -1.0;
+    for (std::int64_t t = 0; t < 8000; ++t) {
+      const double x_m = device->read(t * 1'000'000).p_WD.x();
+      if (t > 4000) most_x_m = std::max(most_x_m, x_m);
+    }
+    EXPECT_EQ(most_x_m > 0.0, loop) << most_x_m;
+  }
+}
+
+TEST(DeviceMaker, GivesTheSimulatedHandItsSeed) {
+  const auto place_after_2_s = [](std::uint64_t seed) {
+    DeviceSettings settings;
+    settings.seed = seed;
+    const auto device = std::move(*make_device(settings));
+    for (std::int64_t t = 0; t < 2000; ++t) device->read(t * 1'000'000);
+    return device->read(2'000'000'000).p_WD;
+  };
+  EXPECT_EQ(place_after_2_s(3), place_after_2_s(3));
+  EXPECT_NE(place_after_2_s(3), place_after_2_s(4));
 }
 
 TEST(DeviceMaker, PutsTheDeviceAtItsPose) {

@@ -193,6 +193,19 @@ TEST_F(ForceDimension, AFalconThatNobodyCalibratesExertsNoForce) {
   EXPECT_EQ(board->enabled, 0);
 }
 
+TEST_F(ForceDimension, AFalconThatIsUnpluggedWhileItWaitsForTheHandIsFoundAgain) {
+  board->system_type = dhd::kFalcon;
+  board->calibration = 2;
+  board->updates_until_good = 0;
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->calibration_updates > 20; }, {}));
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }, {}));
+  board->updates_until_good = 50;
+  board->is_plugged = 1;
+  EXPECT_TRUE(serve_until_ready());
+}
+
 TEST_F(ForceDimension, AForceThatTheFirmwareReleasedIsReportedWithItsCauseAndReturns) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
@@ -284,6 +297,45 @@ TEST_F(ForceDimension, TheServosSideUsesNoHeap) {
   open();
   ASSERT_TRUE(serve_until_ready());
   EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
+}
+
+// The firmware keeps it off after that until it is enabled again.
+TEST_F(ForceDimension, AForceThatItsWatchdogReleasedReturns) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+  testing::internal::CaptureStderr();
+  board->force_off_cause = 3;
+  EXPECT_TRUE(serve_until([&] { return board->force_off_cause == 0; }, push));
+  EXPECT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, push));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("its watchdog"));
+}
+
+// The limits of the one that was there would be another's.
+TEST_F(ForceDimension, AnotherDeviceInItsPlaceIsNotDriven) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away && board->closed == 1U; }, push));
+  board->largest_force = 0.0;
+  board->system_type = dhd::kFalcon;
+  board->is_plugged = 1;
+  ASSERT_TRUE(serve_until([&] { return board->closed >= 3U; }, push)) << "it is looked at, and closed again";
+  EXPECT_EQ(device->status(), DeviceStatus::away);
+  EXPECT_EQ(board->largest_force, 0.0);
+  board->system_type = 33;
+  EXPECT_TRUE(serve_until_ready());
+}
+
+TEST_F(ForceDimension, EndsWithoutAForce) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
+  device.reset();
+  EXPECT_EQ(board->force[0], 0.0);
+  EXPECT_EQ(board->closed, 1U);
 }
 
 }  // namespace

@@ -147,5 +147,16 @@ TEST(HaplyMessages, AnIdCannotBreakOutOfItsQuotes) {
   EXPECT_THAT(force_message("a\"},{\"", Vec3::Zero()), testing::HasSubstr(R"("device_id":"a\"},{\"")"));
 }
 
+TEST(HaplyMessages, AGripWithACableCountsWhereThereIsNoneWithout) {
+  const auto buttons_of = [](const char* text) {
+    const auto state = read_state(text);
+    return state && state->grip ? static_cast<int>(state->grip->buttons) : -1;
+  };
+  EXPECT_EQ(buttons_of("{}"), -1);
+  EXPECT_EQ(buttons_of(R"({"verse_grip":[{"state":{"buttons":{"b":true}}}]})"), 2);
+  EXPECT_EQ(buttons_of(R"({"wireless_verse_grip":[],"verse_grip":[{"state":{"buttons":{"b":true}}}]})"), 2);
+  EXPECT_EQ(buttons_of(R"({"wireless_verse_grip":[{"state":{"buttons":{"a":true}}}],"verse_grip":[{"state":{"buttons":{"b":true}}}]})"), 1);
+}
+
 }  // namespace
 }  // namespace hapton::haply

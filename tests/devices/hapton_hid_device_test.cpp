@@ -199,5 +199,72 @@ TEST_F(HaptonHid, AnyBytesAreSafeBeforeAndAfterItWasOpened) {
   }
 }
 
+TEST_F(HaptonHid, AHandThatLetsGoIsReportedWhereTheDeviceSensesIt) {
+  hapton_hid_limits limits = maker_limits();
+  limits.knows_held = true;
+  give(limits);
+  ASSERT_TRUE(begin());
+  for (const bool is_held : {true, false, true}) {
+    measured_.is_held = is_held;
+    cycle(Vec3::Zero(), false);
+    EXPECT_EQ(reading_.sample.is_held, is_held);
+  }
+}
+
+TEST_F(HaptonHid, ItsOrientationCountsOnlyWhereItMeasuresOne) {
+  const Quat turned(Eigen::AngleAxisd(0.5, Vec3(1, 2, 2) / 3.0));
+  for (int n = 0; n < 4; ++n) measured_.orientation[n] = static_cast<float>(turned.coeffs()[n]);
+  for (const bool has_orientation : {true, false}) {
+    hapton_hid_limits limits = maker_limits();
+    limits.has_orientation = has_orientation;
+    give(limits);
+    backend_ = HaptonHidBackend();
+    ASSERT_TRUE(begin());
+    cycle(Vec3::Zero(), false);
+    EXPECT_LT(reading_.sample.q_WT.angularDistance(has_orientation ? turned : Quat::Identity()), 1e-4) << has_orientation;
+  }
+}
+
+TEST_F(HaptonHid, TorquesArriveWhereThereAreMotorsForThem) {
+  hapton_hid_limits limits = maker_limits();
+  limits.has_torque = true;
+  limits.max_torque_nm = 0.5f;
+  limits.max_torque_slew_nm_per_s = 50.0f;
+  give(limits);
+  ASSERT_TRUE(begin());
+  for (const bool is_live : {false, true}) {
+    Bytes force(64);
+    force.resize(backend_.encode({.torque_nm = Vec3(0.0, 0.25, 0.0)}, is_live, now_ns_, force));
+    EXPECT_TRUE(hapton_hid_take_force(&device_, force.data(), force.size(), now_us()));
+  }
+  float pushed[3], turned[3];
+  ASSERT_TRUE(hapton_hid_motors(&device_, now_us(), pushed, turned));
+  EXPECT_FLOAT_EQ(turned[1], 0.25f);
+}
+
+// Away, it would be waited for; a fault latches.
+TEST_F(HaptonHid, AFaultCountsMoreThanATrippedWatchdogAndThatMoreThanItsCalibration) {
+  ASSERT_TRUE(begin());
+  constexpr int kIsCalibrated = 1, kHasTripped = 8, kHasFault = 32;
+  struct Row {
+    int bits;
+    DeviceStatus status;
+  };
+  const Row rows[] = {{kIsCalibrated, DeviceStatus::ready},
+                      {0, DeviceStatus::calibrating},
+                      {kIsCalibrated | kHasTripped, DeviceStatus::away},
+                      {kHasTripped, DeviceStatus::away},
+                      {kIsCalibrated | kHasTripped | kHasFault, DeviceStatus::fault},
+                      {kHasFault, DeviceStatus::fault}};
+  for (const Row& row : rows) {
+    Bytes state(HAPTON_HID_STATE_BYTES);
+    hapton_hid_state(&device_, &measured_, now_us(), state.data());
+    state[1] = static_cast<std::uint8_t>(row.bits);
+    ASSERT_TRUE(backend_.decode(state, now_ns_, reading_));
+    EXPECT_EQ(reading_.status, row.status) << row.bits;
+    EXPECT_EQ(reading_.is_calibrated, (row.bits & kIsCalibrated) != 0) << row.bits;
+  }
+}
+
 }  // namespace
 }  // namespace hapton

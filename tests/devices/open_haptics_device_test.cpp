@@ -321,5 +321,67 @@ TEST_F(OpenHaptics, TheServosSideUsesNoHeap) {
   EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
 }
 
+TEST_F(OpenHaptics, TurnsOnTheForceAndTheLibrarysOwnLimits) {
+  board->output_dof = 6;
+  open();
+  EXPECT_EQ(board->enabled, 0b1111) << "force output, force clamping, force ramping, software limit";
+  EXPECT_EQ(device->limits().max_torque_nm, 0.1);
+  EXPECT_NEAR(device->limits().max_torque_slew_nm_per_s, 25.0, 1e-9) << "all of the torque in 4 ms";
+}
+
+TEST_F(OpenHaptics, AfterAForceErrorTheForceComesBackInSmallSteps) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+  EXPECT_TRUE(ramps_up(
+      [&](std::uint64_t) {
+        board->error_once = 0x200;
+        ASSERT_TRUE(serve_until([&] { return board->force[2] == 0.0; }, push));
+        // The release itself is one large step.
+        const std::uint64_t released = board->ticks;
+        ASSERT_TRUE(serve_until([&] { return board->ticks > released + 2; }, push));
+        board->largest_step = 0.0;
+        ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+      },
+      [&] { return board->largest_step < 0.5; }));
+}
+
+// As when another device is opened: its ticks come back before it is given up.
+TEST_F(OpenHaptics, AfterAPauseOfTheSchedulerTheForceBeginsAtZero) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+  bool saw_little = false;
+  EXPECT_TRUE(ramps_up(
+      [&](std::uint64_t) {
+        board->stands_still = 1;
+        ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }, push));
+        board->stands_still = 0;
+        ASSERT_TRUE(serve_until(
+            [&] {
+              saw_little = saw_little || board->force[2] < 1.0;
+              return device->status() == DeviceStatus::ready && board->force[2] == 2.0;
+            },
+            push));
+      },
+      [&] { return saw_little; }));
+}
+
+TEST_F(OpenHaptics, OneThatCalibratesWhileItMovesIsUpdatedWhenItRequestsIt) {
+  board->calibration = 2;
+  board->calibration_style = 2;
+  testing::internal::CaptureStderr();
+  open();
+  ASSERT_TRUE(serve_until([&] { return board->ticks > 250; }));
+  EXPECT_EQ(board->calibration_updates, 0U);
+  board->calibration = 1;
+  EXPECT_TRUE(serve_until_ready());
+  EXPECT_EQ(board->last_update_style, 2);
+  device.reset();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("move the stylus slowly through its whole workspace"));
+}
+
 }  // namespace
 }  // namespace hapton

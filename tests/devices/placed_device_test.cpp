@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <numbers>
+#include <vector>
 
 namespace hapton {
 namespace {
@@ -25,10 +26,34 @@ class StillDevice final : public Device {
     led_to = p_WH;
     return true;
   }
+  bool cut() noexcept override { return is_cut = true; }
+  void restore() noexcept override { is_cut = false; }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  DeviceCondition condition() const noexcept override {
+    DeviceCondition warm;
+    warm.motor_temperature = 0.5;
+    return warm;
+  }
+  bool press_hand_buttons(std::uint32_t buttons) noexcept override {
+    pressed = buttons;
+    return true;
+  }
+  bool turn_hand(const Vec3& turn_rad) noexcept override {
+    turned_rad = turn_rad;
+    return true;
+  }
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override {
+    aims.assign(p_WA.begin(), p_WA.end());
+    return true;
+  }
 
   DeviceSample sample;
   Wrench written;
   std::optional<Vec3> led_to;
+  bool is_cut = false;
+  std::uint32_t pressed = 0;
+  Vec3 turned_rad = Vec3::Zero();
+  std::vector<Vec3> aims;
 
  private:
   DeviceLimits limits_;
@@ -74,6 +99,29 @@ TEST_F(PlacedDevices, HaveTheirWorkspaceInTheWorld) {
 TEST_F(PlacedDevices, AreOtherwiseAsTheyWere) {
   EXPECT_EQ(device.name(), "still");
   EXPECT_EQ(device.status(), DeviceStatus::calibrating);
+}
+
+// What releases the force when the governor cannot must reach a device wherever it stands.
+TEST_F(PlacedDevices, AreCutRestoredAndWatchedAsTheyWere) {
+  EXPECT_TRUE(device.cut());
+  EXPECT_TRUE(inner->is_cut);
+  device.restore();
+  EXPECT_FALSE(inner->is_cut);
+  HeartbeatPage page;
+  device.use_heartbeat_page(page);
+  EXPECT_EQ(page.means.load(), CutMeans::kill);
+  EXPECT_EQ(device.condition().motor_temperature, 0.5);
+}
+
+TEST_F(PlacedDevices, AreAimedAtPlacesInTheWorldAndPressedAndTurnedAsTheyWere) {
+  const std::vector<Vec3> p_WA(Device::kMaxAims + 1, Vec3(1.03, 0.02, -0.01));
+  EXPECT_TRUE(device.aim_hand(p_WA));
+  ASSERT_EQ(inner->aims.size(), p_WA.size() - 1);
+  for (const Vec3& p_BA : inner->aims) EXPECT_LT((p_BA - Vec3(0.01, 0.02, 0.03)).norm(), 1e-12);
+  EXPECT_TRUE(device.press_hand_buttons(5));
+  EXPECT_EQ(inner->pressed, 5U);
+  EXPECT_TRUE(device.turn_hand(Vec3(1, 2, 3)));
+  EXPECT_EQ(inner->turned_rad, Vec3(1, 2, 3));
 }
 
 }  // namespace

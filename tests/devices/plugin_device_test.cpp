@@ -111,5 +111,44 @@ TEST(PluginDevice, OurSideUsesNoHeap) {
   EXPECT_EQ(heap.count(), 0U);
 }
 
+// Each number differs, so that none can stand for another.
+TEST(PluginDevice, EveryLimitThatItStatesIsKept) {
+  const DeviceLimits limits = (*make("does=full"))->limits();
+  EXPECT_EQ(limits.max_force_n, 3.0);
+  EXPECT_EQ(limits.max_slew_n_per_s, 3000.0);
+  EXPECT_EQ(limits.max_stiffness_n_per_m, 900.0);
+  EXPECT_EQ(limits.max_torque_nm, 0.25);
+  EXPECT_EQ(limits.max_torque_slew_nm_per_s, 40.0);
+  EXPECT_EQ(limits.continuous_force_n, 1.5);
+  EXPECT_EQ(limits.peak_s, 7.0);
+  EXPECT_EQ(limits.max_speed_m_per_s, 2.5);
+  EXPECT_EQ(limits.workspace_min_m, Vec3(-1, -1, -1));
+}
+
+TEST(PluginDevice, ForceAndTorqueArriveAsSuch) {
+  const auto device = std::move(*make("does=full"));
+  device->write({.force_n = {0, 0.5, 0.1}, .torque_nm = {0, 0.2, 0.125}}, 1000);
+  EXPECT_EQ(device->read(2000).p_WD.y(), 0.5);
+  EXPECT_EQ(device->read(3000).p_WD.z(), 0.125);
+}
+
+TEST(PluginDevice, AHandThatLetsGoAndACalibrationAreReported) {
+  const auto released = std::move(*make("does=released,after=1"));
+  EXPECT_TRUE(released->read(1000).is_held);
+  EXPECT_FALSE(released->read(2000).is_held);
+  EXPECT_EQ(released->status(), DeviceStatus::ready);
+  const auto calibrating = std::move(*make("does=calibrating,after=1"));
+  calibrating->read(1000);
+  EXPECT_EQ(calibrating->status(), DeviceStatus::ready);
+  calibrating->read(2000);
+  EXPECT_EQ(calibrating->status(), DeviceStatus::calibrating);
+}
+
+TEST(PluginDevice, TheEndOfTheProcessReleasesItsForce) {
+  HeartbeatPage page;
+  (*make())->use_heartbeat_page(page);
+  EXPECT_EQ(page.means.load(), CutMeans::kill);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -60,6 +60,25 @@ TEST(ReplayDevice, OneRowIsAFixedPosition) {
   EXPECT_EQ(device.status(), DeviceStatus::ready);
 }
 
+TEST(ReplayDevice, HoldsTheButtonsOfARowUntilTheNext) {
+  std::vector<TrajectoryRow> rows = two_rows();
+  rows[0].buttons = 2;
+  rows[1].buttons = 5;
+  ReplayDevice device(rows, {});
+  EXPECT_EQ(device.read(0).buttons, 2U);
+  EXPECT_EQ(device.read(9'999'000).buttons, 2U);
+  EXPECT_EQ(device.read(10'001'000).buttons, 5U);
+}
+
+// Nothing of a recording may lie where the governor fades or brakes.
+TEST(ReplayDevice, ItsLimitsLeaveRoomAroundTheWholeRecording) {
+  const ReplayDevice device(two_rows(), {});
+  EXPECT_LT((device.limits().workspace_min_m - Vec3(-0.02, -0.02, -0.05)).norm(), 1e-12);
+  EXPECT_LT((device.limits().workspace_max_m - Vec3(0.03, 0.04, 0.02)).norm(), 1e-12);
+  EXPECT_GT(device.limits().max_speed_m_per_s, 1e5);
+  EXPECT_LT(device.limits().max_speed_m_per_s, 1e9) << "beyond that it is no limit, and the governor takes another";
+}
+
 TEST(ReplayDevice, NoHandToLead) {
   ReplayDevice device(two_rows(), {});
   EXPECT_FALSE(device.set_hand_target(Vec3(1, 2, 3)));

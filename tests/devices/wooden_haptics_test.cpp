@@ -296,6 +296,25 @@ TEST_F(LaterWooden, AWristEncoderMayCountBeyondItsLastNumber) {
   EXPECT_NEAR(at_rest.angularDistance(receive({0, 0, 0, 33'000 - 65'536, 0, 0, 0}).sample.q_WT), 3.14159265358979, 1e-6);
 }
 
+TEST_F(LaterWooden, ItsWristTurnsJointAfterJointEachInItsOwnDirection) {
+  WoodenSettings settings = WoodenSettings::make_default();
+  settings.wrist = WoodenWrist{};
+  settings.wrist->joints[0].axis = Vec3::UnitX();
+  settings.wrist->joints[1] = {.axis = Vec3::UnitY(), .counts_per_turn = 4000.0, .direction = -1.0};
+  settings.wrist->joints[2].offset_rad = 0.3;
+  begin(settings);
+  const Quat q_WT = receive({0, 2667, 2333, 100, 200, 300, 0}).sample.q_WT;
+  const WoodenKinematics arm{WoodenArm{}};
+  Mat3 base_axes_in_world;
+  base_axes_in_world << 0, 1, 0, 0, 0, 1, 1, 0, 0;
+  const double turn_rad = 2.0 * 3.14159265358979;
+  const Quat expected = Quat(base_axes_in_world) * arm.lower_arm(arm.angles_rad({0, 2667, 2333})) *
+                        Quat(Eigen::AngleAxisd(turn_rad * 100 / 2000, Vec3::UnitX())) *
+                        Quat(Eigen::AngleAxisd(-turn_rad * 200 / 4000, Vec3::UnitY())) *
+                        Quat(Eigen::AngleAxisd(turn_rad * 300 / 2000 + 0.3, Vec3::UnitZ()));
+  EXPECT_LT(q_WT.angularDistance(expected), 1e-9);
+}
+
 TEST_F(LaterWooden, SendsNoCommandBesidesItsCurrents) {
   begin(weightless());
   receive({0, 2667, 2333, 1, 2, 3, 4});

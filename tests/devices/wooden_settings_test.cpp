@@ -87,6 +87,36 @@ offset_deg = 180
   EXPECT_NEAR(settings->wrist->joints[2].offset_rad, std::numbers::pi, 1e-12);
 }
 
+// Each number differs, so that none can stand for another: a wrong one is a force that is too large, or that points elsewhere.
+TEST_F(WoodenSettingsFile, EveryNumberOfABodyIsItsOwn) {
+  const auto settings = read(R"(
+origin_m = [0.1, 0.02, 0.2]
+[body_b]
+capstan_diameter_m = 0.011
+body_diameter_m = 0.13
+length_m = 0.19
+counts_per_turn = 4096
+torque_constant_nm_per_a = 0.03
+direction = -1
+rest_deg = 18
+mass_kg = 0.21
+mass_centre_m = 0.06
+)");
+  ASSERT_TRUE(settings) << settings.error().what;
+  EXPECT_EQ(settings->arm.origin_m, Vec3(0.1, 0.02, 0.2));
+  const WoodenArm::Body& body = settings->arm.bodies[1];
+  EXPECT_EQ(body.capstan_diameter_m, 0.011);
+  EXPECT_EQ(body.body_diameter_m, 0.13);
+  EXPECT_EQ(body.length_m, 0.19);
+  EXPECT_EQ(body.counts_per_turn, 4096.0);
+  EXPECT_EQ(body.torque_constant_nm_per_a, 0.03);
+  EXPECT_EQ(body.direction, -1.0);
+  EXPECT_NEAR(body.rest_rad, 0.1 * std::numbers::pi, 1e-12);
+  EXPECT_EQ(body.mass_kg, 0.21);
+  EXPECT_EQ(body.mass_centre_m, 0.06);
+  EXPECT_EQ(settings->arm.bodies[0].torque_constant_nm_per_a, 0.0259) << "the others are as they were";
+}
+
 TEST_F(WoodenSettingsFile, AnImpossibleValueIsRejectedWithItsLine) {
   EXPECT_THAT(rejection("\nmax_force = 5\n"), HasSubstr("wooden.toml:2"));
   EXPECT_THAT(rejection("max_force_n = 1e9"), HasSubstr("max_force_n"));

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include "tests/support/made_meshes.h"
+#include "tests/support/patience.h"
 
 namespace hapton {
 namespace {
@@ -69,6 +71,38 @@ TEST(MethodBuilder, AnImpossibleMethodIsReportedWithItsReasonAndBuildsNothing) {
   ASSERT_NE(built, nullptr);
   EXPECT_EQ(built->request_id, 42U);
   EXPECT_EQ(builder.take_rejection(), nullptr);
+}
+
+// Its thread takes a request, and has nothing to do afterwards.
+bool is_settled(MethodBuilder& builder) {
+  const std::uint64_t before = builder.idle_polls();
+  return wait_until([&] { return builder.idle_polls() >= before + 2; });
+}
+
+// Without the scene the node would not know of it, and without the request its sender would wait for the reply.
+TEST(MethodBuilder, WhatReplacesAMethodThatWasNotTakenKeepsItsSceneAndItsRequest) {
+  MethodBuilder builder({}, one_sphere());
+  auto moved = std::make_shared<NewScene>();
+  moved->touch = one_sphere();
+  moved->revision = 1;
+  ASSERT_TRUE(builder.rebuild_for(moved));
+  builder.request(name_of("sweep"), 7);
+  ASSERT_TRUE(is_settled(builder));
+  auto first = builder.take();
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(first->request_id, 7U);
+  EXPECT_EQ(first->scene.get(), moved.get());
+  builder.retire(std::move(first));
+
+  builder.request(name_of("proxy"), 8);
+  ASSERT_TRUE(is_settled(builder));
+  auto next = std::make_shared<NewScene>(*moved);
+  next->revision = 2;
+  ASSERT_TRUE(builder.rebuild_for(next));
+  const auto second = builder.take();
+  ASSERT_NE(second, nullptr);
+  EXPECT_EQ(second->request_id, 8U);
+  EXPECT_EQ(second->scene.get(), next.get());
 }
 
 TEST(MethodBuilder, AnUnusedMethodIsFreed) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <thread>
+#include <vector>
 
 namespace hapton {
 namespace {
@@ -29,10 +30,24 @@ TEST(EventRing, HandsOverInOrderBetweenThreadsAndCountsWhatItDrops) {
 TEST(EventRing, FullDropsTheNewest) {
   EventRing ring;
   for (int n = 0; n < 70; ++n) ring.push({ServoEvent::Kind::rate_changed, NodeRole::tool, {}, static_cast<double>(n), {}});
-  EXPECT_EQ(ring.dropped(), 6U);
+  EXPECT_EQ(ring.dropped(), 14U);
   ServoEvent event;
   ASSERT_TRUE(ring.pop(event));
   EXPECT_EQ(event.rate_hz, 0.0);
+}
+
+// Whoever may change the rate floods the ring: the latch file must still learn of a fault.
+TEST(EventRing, ALatchedFaultAndItsResetFitWhereNothingElseDoes) {
+  EventRing ring;
+  for (int n = 0; n < 70; ++n) ring.push({ServoEvent::Kind::rate_changed, NodeRole::tool, {}, static_cast<double>(n), {}});
+  ring.push({ServoEvent::Kind::latched, NodeRole::tool, {}, 0.0, {}, SafetyFault::jump});
+  ring.push({ServoEvent::Kind::rate_changed, NodeRole::tool, {}, 70.0, {}});
+  ring.push({ServoEvent::Kind::reset, NodeRole::tool, {}, 0.0, {}, SafetyFault::jump});
+  std::vector<ServoEvent::Kind> last;
+  for (ServoEvent event; ring.pop(event);) last.push_back(event.kind);
+  ASSERT_EQ(last.size(), 58U);
+  EXPECT_EQ(last[56], ServoEvent::Kind::latched);
+  EXPECT_EQ(last[57], ServoEvent::Kind::reset);
 }
 
 }  // namespace

@@ -61,10 +61,10 @@ struct Sessions : testing::Test {
     options.out = folder.string();
   }
 
-  Result<void> run(Device& device) {
+  Result<void> run(Device& device, const Servo::Options& servo_options = {}) {
     const auto endpoint = open_udp_endpoint("127.0.0.1:0");
     HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
-    const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{});
+    const auto servo = std::make_unique<Servo>(device, peers, clock, servo_options);
     Replier haptics((*endpoint)->local_address());
     IoSession session(*servo, clock, options);
     const auto ended = session.run(stop);
@@ -139,6 +139,32 @@ TEST_F(Sessions, GoesOnWhileTheDeviceIsAwayOrBeingCalibrated) {
   EXPECT_TRUE(run(device));
   EXPECT_EQ(device.forces_before, 0);
   EXPECT_GT(device.forces_after, 0);
+}
+
+// Replies late once.
+class Stumbling final : public Device {
+ public:
+  std::string_view name() const noexcept override { return "stumbling"; }
+  const DeviceLimits& limits() const noexcept override { return phantom_.limits(); }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    if (++reads_ == 50) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    return phantom_.read(now_ns);
+  }
+  void write(const Wrench& wrench, std::int64_t now_ns) noexcept override { phantom_.write(wrench, now_ns); }
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
+
+ private:
+  SimulatedPhantom phantom_{{}};
+  int reads_ = 0;
+};
+
+TEST_F(Sessions, ACycleThatIsMissedEndsItWithAnErrorWhereThatIsRequested) {
+  options.seconds = 0.0;
+  Stumbling device;
+  const auto ended = run(device, {.overrun = OverrunPolicy::stop});
+  ASSERT_FALSE(ended);
+  EXPECT_NE(ended.error().what.find("a cycle was missed"), std::string::npos) << ended.error().what;
 }
 
 TEST_F(Sessions, EndsOnRequestAndReportsOnRequest) {

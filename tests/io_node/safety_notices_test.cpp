@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
 #include <vector>
 
 #include "tests/support/time_units.h"
@@ -16,6 +17,7 @@ class Tap final : public ServoTap {
   void on_cycle(const CycleNote& note, std::int64_t) noexcept override {
     cycles.push_back(note.sample);
     written_n.push_back(note.written_n);
+    notes.push_back(note);
   }
   void on_fault(SessionFault fault, std::int64_t) noexcept override { faults.push_back(fault); }
   bool is_recording() const noexcept override { return true; }
@@ -23,6 +25,7 @@ class Tap final : public ServoTap {
   std::vector<std::uint64_t> cycles;
   std::vector<SessionFault> faults;
   std::vector<Vec3> written_n;
+  std::vector<CycleNote> notes;
 };
 
 struct SafetyNoticesTest : testing::Test {
@@ -64,6 +67,26 @@ TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   EXPECT_EQ(tap.cycles.size(), 6U);
 }
 
+// Whoever keeps the latched fault for the next start must hear of the one that is there last.
+TEST_F(SafetyNoticesTest, AFaultThatFollowsAResetAtOnceIsReportedAfterIt) {
+  check();
+  side.governor.fault = SafetyFault::jump;
+  ++side.governor.counters.latched;
+  check();
+  (void)reported();
+  ++side.governor.counters.resets;
+  ++side.governor.counters.latched;
+  side.governor.fault = SafetyFault::speed;
+  check();
+  EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::reset, ServoEvent::Kind::latched}));
+  ++side.governor.counters.resets;
+  ++side.governor.counters.latched;
+  ++side.governor.counters.resets;
+  side.governor.fault = SafetyFault::none;
+  check();
+  EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::latched, ServoEvent::Kind::reset})) << "it is over";
+}
+
 // A stalled network side records all at once what was on the motors cycle by cycle.
 TEST_F(SafetyNoticesTest, AnOvertakenCycleHasTheForceOfItsOwnEnd) {
   side.written.force_n = Vec3(0, 0, 3);
@@ -73,6 +96,33 @@ TEST_F(SafetyNoticesTest, AnOvertakenCycleHasTheForceOfItsOwnEnd) {
   EXPECT_EQ(tap.written_n, (std::vector<Vec3>{Vec3(0, 0, 1), Vec3(0, 0, 3)}));
   SafetyNotices untapped(events, nullptr);
   untapped.note_overtaken(cycle, now_ns);
+}
+
+TEST_F(SafetyNoticesTest, ACycleIsRecordedWithItsSampleAndTheForceOfItsOwnPatches) {
+  cycle.sample.time_ns = 7 * kMs;
+  cycle.sample.p_WD = Vec3(0.01, 0.02, 0.03);
+  cycle.sample.buttons = 2;
+  cycle.late_ns = 5000;
+  cycle.missed = 1;
+  cycle.cause = MissCause::work_long;
+  cycle.local = LocalForce{.force_n = Vec3(0, 0, 2), .visual_offset_m = Vec3(0, 0, 0.002), .object = 4};
+  cycle.written = {.force_n = Vec3(0, 0, 1), .torque_nm = Vec3(0, 0.1, 0)};
+  side.written = {.force_n = Vec3(0, 0, 3), .torque_nm = Vec3(0, 0.3, 0)};
+  check();
+  ASSERT_EQ(tap.notes.size(), 1U);
+  const CycleNote& note = tap.notes[0];
+  EXPECT_EQ(note.written_n, Vec3(0, 0, 1)) << "not that of a later cycle";
+  EXPECT_EQ(note.written_nm, Vec3(0, 0.1, 0));
+  EXPECT_EQ(note.late_ns, 5000);
+  EXPECT_EQ(note.missed, 1U);
+  EXPECT_EQ(note.cause, MissCause::work_long);
+  ASSERT_TRUE(note.device && note.local);
+  EXPECT_EQ(note.device->time_ns, 7 * kMs);
+  EXPECT_EQ(note.device->p_WD, Vec3(0.01, 0.02, 0.03));
+  EXPECT_EQ(note.device->buttons, 2U);
+  EXPECT_EQ(note.local->force_n, Vec3(0, 0, 2));
+  EXPECT_EQ(note.local->visual_offset_m, Vec3(0, 0, 0.002));
+  EXPECT_EQ(note.local->object, 4);
 }
 
 TEST_F(SafetyNoticesTest, ADeviceIsAwayWhenItStaysAway) {
@@ -103,6 +153,34 @@ TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
   cycle.late_ns = kCommandTimeoutNs;
   check();
   EXPECT_EQ(tap.faults.back(), SessionFault::stalled);
+}
+
+TEST_F(SafetyNoticesTest, EachKindOfFaultIsRecordedWhenItBegins) {
+  check();
+  // What a check adds to the recording.
+  const auto added = [&] {
+    tap.faults.clear();
+    check();
+    return std::exchange(tap.faults, {});
+  };
+  EXPECT_TRUE(added().empty());
+  ++side.governor.counters.not_finite;
+  EXPECT_EQ(added(), std::vector{SessionFault::not_finite});
+  ++side.governor.counters.rejected_future;
+  EXPECT_EQ(added(), std::vector{SessionFault::rejected_future});
+  ++side.governor.counters.clamped;
+  EXPECT_EQ(added(), std::vector{SessionFault::clamped});
+  EXPECT_TRUE(added().empty());
+  side.has_overrun = true;
+  EXPECT_EQ(added(), std::vector{SessionFault::overrun});
+  EXPECT_TRUE(added().empty()) << "it is still the same";
+  for (int n = 0; n < 2; ++n) {
+    side.is_energy_gone = true;
+    EXPECT_EQ(added(), std::vector{SessionFault::energy});
+    EXPECT_TRUE(added().empty()) << "it is still the same";
+    side.is_energy_gone = false;
+    EXPECT_TRUE(added().empty());
+  }
 }
 
 }  // namespace

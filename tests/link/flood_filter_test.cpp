@@ -146,6 +146,18 @@ TEST_F(FloodFilterTest, AFloodShutsAndItsEndOpensAfterAWhile) {
   EXPECT_EQ(filter.counts().floods, 2U);
 }
 
+// About 5,000 a second, whatever the flood: of 100,000 a twentieth.
+TEST_F(FloodFilterTest, LetsThroughNoMoreThanCanBeLookedAt) {
+  window(0);
+  ASSERT_EQ(window(500), FloodFilter::Action::install);
+  EXPECT_NEAR(filter.counts().flood_per_s, 100'000.0, 1.0);
+  ASSERT_GT(filter.program().size(), 3U);
+  const sock_filter chance = filter.program()[filter.program().size() - 3];
+  EXPECT_NEAR(static_cast<double>(chance.k) / 0xFFFFFFFF, 0.05, 1e-6);
+  EXPECT_EQ(chance.jt, 1) << "a larger random number goes to the end, where it is dropped";
+  EXPECT_EQ(filter.program().back().k, 0U);
+}
+
 TEST_F(FloodFilterTest, ANodeThatJoinsDuringAFloodGetsANewProgram) {
   window(0);
   ASSERT_EQ(window(500), FloodFilter::Action::install);

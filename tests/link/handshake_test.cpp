@@ -319,6 +319,21 @@ TEST_F(HandshakeTest, NodesOfOneRoleOnSeveralHostsHaveClocksOfTheirOwn) {
   EXPECT_EQ(check_request(request_of(other)), Verdict::wants_cookie);
 }
 
+// An eavesdropper does not learn which nodes of several roles are on one host.
+TEST_F(HandshakeTest, TheHostIsHiddenAndAlikeForOneRoleAlone) {
+  const auto host_in_request = [&](KeyRole role, std::uint64_t host) {
+    ClientHandshake client(key_of(1, role), host, Where::caller);
+    client.begin();
+    const Bytes bytes = request_of(client);
+    return seal::load<std::uint64_t>(seal::bytes_of(std::span(bytes)) + seal::kHostAt);
+  };
+  const std::uint64_t seen = host_in_request(KeyRole::haptics, kHost);
+  EXPECT_NE(seen, kHost);
+  EXPECT_EQ(seen, host_in_request(KeyRole::haptics, kHost));
+  EXPECT_NE(seen, host_in_request(KeyRole::vision, kHost));
+  EXPECT_NE(seen, host_in_request(KeyRole::haptics, kHost + 1));
+}
+
 TEST_F(HandshakeTest, UsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   std::array<std::byte, seal::kRequestBytes> request;

@@ -85,5 +85,22 @@ TEST(AnnouncedMotion, BeforeTheFirstKnownMoveItStandsWhereThatBegan) {
   EXPECT_FALSE(motion.accept(announced(17, 5.0, 6.0, from, kAnnouncedPivot)));
 }
 
+// The move before it never came: it is in time, but does not begin where the body is.
+TEST(AnnouncedMotion, AMoveInTimeThatBeginsElsewhereMovesWithoutAJump) {
+  AnnouncedMotion motion(kAnnouncedPivot, kRadius);
+  const Keyframe elsewhere{0.0, kAnnouncedPivot + Vec3(0.02, 0, 0), Quat::Identity()};
+  ASSERT_TRUE(motion.accept_in_contact(announced(2, 1.0, 2.0, elsewhere, kAnnouncedPivot + Vec3(0.04, 0, 0)), 0.9));
+  EXPECT_EQ(motion.late(), 1U);
+  constexpr double kStepS = 1e-3;
+  Vec3 last = motion.pose_at(0.9) * kAnnouncedPivot;
+  EXPECT_LT((last - kAnnouncedPivot).norm(), 1e-15);
+  for (double t = 0.9; t < 2.1; t += kStepS) {
+    const Vec3 now = motion.pose_at(t) * kAnnouncedPivot;
+    ASSERT_LE((now - last).norm(), kMaxSurfaceSpeed * kStepS * (1.0 + 1e-9)) << t;
+    last = now;
+  }
+  EXPECT_LT((last - kAnnouncedPivot - Vec3(0.04, 0, 0)).norm(), 1e-12) << "where the move ends";
+}
+
 }  // namespace
 }  // namespace hapton

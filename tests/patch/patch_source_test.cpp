@@ -287,5 +287,63 @@ TEST_F(PatchSourceTest, AMaterialIsSentWhenItIsAnotherThanTheHubHas) {
   EXPECT_EQ(sent_after({of_tiles}), std::vector{of_tiles.stiffness_n_per_m});
 }
 
+// The hub still reports the one before as received.
+TEST_F(PatchSourceTest, AMaterialThatWasLostIsSentAgainThoughTheOneBeforeArrived) {
+  start(kAll);
+  const auto count = static_cast<std::uint32_t>(take_confirmed().size());
+  Material softer;
+  softer.stiffness_n_per_m = 300.0;
+  source->set_materials({softer});
+  ASSERT_EQ(take(kStartNs + 2000 * kMs).size(), 1U);
+  source->accept(status_without(count + 1, {}));
+  Material softest;
+  softest.stiffness_n_per_m = 100.0;
+  source->set_materials({softest});
+  ASSERT_EQ(take(kStartNs + 2001 * kMs).size(), 1U) << "which is lost";
+  source->accept(status_without(count + 1, {}));
+  const auto again = take(kStartNs + 2002 * kMs, 500 * kMs);
+  ASSERT_FALSE(again.empty());
+  EXPECT_EQ(std::get<PatchMaterial>(again.front()).stiffness_n_per_m, 100.0);
+}
+
+// 70 ms after it was sent, and a round trip; eight times at most, as the hub confirms only the last moves of all objects.
+TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
+  start(kAll, 4);
+  (void)take_confirmed();
+  const auto count = static_cast<std::uint32_t>(source->counts().sent);
+  const auto confirm = [&](std::uint32_t newest_move, std::uint64_t moves) {
+    PatchStatus status = status_without(count, {}, 0.03);
+    status.newest_move = newest_move;
+    status.moves_received = moves;
+    source->accept(status);
+  };
+  // The objects of the moves that are sent then.
+  const auto moves_at = [&](std::int64_t ms) {
+    std::vector<std::int32_t> objects;
+    for (const Message& message : take(kStartNs + ms * kMs)) {
+      const auto* move = std::get_if<ObjectMove>(&message);
+      EXPECT_NE(move, nullptr) << "all else is there";
+      if (move != nullptr) objects.push_back(move->object);
+    }
+    return objects;
+  };
+  confirm(0, 0);
+  source->note_move({.source = 9, .serial = 4, .object = 2}, kStartNs + 2000 * kMs);
+  source->note_move({.source = 9, .serial = 5, .object = 3}, kStartNs + 2000 * kMs);
+  source->note_move({.source = 9, .serial = 3, .object = 2}, kStartNs + 1000 * kMs);  // overtaken by 4
+  EXPECT_TRUE(moves_at(2099).empty());
+  EXPECT_EQ(moves_at(2101), (std::vector<std::int32_t>{2, 3}));
+  EXPECT_EQ(source->counts().moves_repeated, 2U);
+  confirm(6, 0b101);  // 6 and 4, but not 5
+  EXPECT_EQ(moves_at(2300), std::vector<std::int32_t>{3});
+  confirm(6, 0b111);
+  EXPECT_TRUE(moves_at(2600).empty());
+  confirm(0, 0);
+  EXPECT_EQ(moves_at(2601), (std::vector<std::int32_t>{2, 3})) << "the hub has started again";
+  std::size_t sent = 2;
+  for (std::int64_t ms = 2800; ms < 6000; ms += 200) sent += moves_at(ms).size();
+  EXPECT_EQ(sent, 2U * 8U);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -290,5 +290,34 @@ TEST(PatchStore, ANewerEpochHasTheMaterialsOfItsOwnOnly) {
   EXPECT_EQ(store.materials().at(3).stiffness_n_per_m, 500.0) << "serials count within an epoch";
 }
 
+// Epochs count around the 32-bit circle.
+TEST(PatchStore, TheEpochAfterTheLastNumberIsANewerOne) {
+  PatchStore store;
+  store.accept(PatchBegin{.epoch = ~0U, .serial = 1, .step_m = 1e-8, .scene_hash = 7});
+  store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-8, .scene_hash = 8});
+  ASSERT_TRUE(store.has_begun());
+  EXPECT_EQ(store.begin().scene_hash, 8U);
+  store.accept(PatchBegin{.epoch = ~0U, .serial = 2, .step_m = 1e-8, .scene_hash = 7});
+  EXPECT_EQ(store.begin().scene_hash, 8U) << "late";
+  EXPECT_EQ(store.counts().rejected, 1U);
+}
+
+// It was announced again after it had been moved. Where it is, only that move says.
+TEST(PatchStore, ABodyNeedsTheNewestMoveThatItWasAnnouncedWith) {
+  PatchStore store;
+  store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2});
+  store.accept(PatchBody{.epoch = 1, .serial = 2});
+  PatchBody body{.epoch = 1, .serial = 3, .body = 1, .motion = PatchBody::Motion::commanded, .object = 4};
+  for (const std::uint32_t move_serial : {3U, 7U, 5U}) {
+    body.move_serial = move_serial;
+    store.accept(body);
+    ++body.serial;
+  }
+  ASSERT_TRUE(store.has_bodies());
+  EXPECT_EQ(store.make_bodies(0)->bodies[1].object, 4);
+  EXPECT_EQ(store.make_bodies(0)->bodies[1].move_serial, 7U);
+  EXPECT_EQ(store.counts().rejected, 0U);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 #include <vector>
@@ -345,6 +346,41 @@ TEST(StreamedPatch, WhatContradictsItselfIsNeverConfirmed) {
   expect_rejected([&](PatchStream& stream) { stream.total += ++n == 4 ? 1 : 0; });
   n = 0;
   expect_rejected([&](PatchStream& stream) { stream.object += ++n == 4 ? 1 : 0; });
+}
+
+// It waits for its patch, and for room there. That of a patch which another one has replaced is over: it would hold up all that follow.
+TEST(StreamedPatch, AMotionWaitsForItsPatchAndEndsWithIt) {
+  PatchTouch touch;
+  auto method = StreamedMethod::make({}, made::shared(made::sheet(0.02, 0.0, 8)), Material(), kStreamReachM);
+  ASSERT_TRUE(method) << method.error().what;
+  StreamedMethod& streamed = **method;
+  auto patch = std::make_unique<Patch>();
+  patch->step = std::make_unique<TouchStep>(std::move(*method));
+  patch->radius_m = std::numeric_limits<double>::infinity();
+  patch->deforms = true;
+  patch->streamed = &streamed;
+  patch->number = 2;
+  const auto motion = [&](std::uint32_t of_patch, std::int64_t start_s) {
+    return PatchShape{streamed.stager().make_rest(), of_patch, 1'000'000'000 * start_s, 1'000'000'000 * start_s + 100'000'000};
+  };
+  PatchShape early = motion(2, 1);
+  EXPECT_FALSE(touch.take(early)) << "there is no patch";
+  (void)touch.offer(std::move(patch));
+  PatchShape next = motion(3, 1);
+  EXPECT_FALSE(touch.take(next)) << "its patch is not here yet";
+  EXPECT_NE(next.stage, nullptr);
+  PatchShape old = motion(1, 1);
+  EXPECT_TRUE(touch.take(old)) << "its patch is gone";
+  EXPECT_EQ(touch.counts().shapes, 0U);
+  for (std::size_t n = 0; n < StreamedMethod::kMaxWaiting; ++n) {
+    PatchShape one = motion(2, static_cast<std::int64_t>(n) + 1);
+    EXPECT_TRUE(touch.take(one)) << n;
+  }
+  PatchShape more = motion(2, 100);
+  EXPECT_FALSE(touch.take(more)) << "there is no room";
+  EXPECT_NE(more.stage, nullptr);
+  EXPECT_EQ(touch.counts().shapes, StreamedMethod::kMaxWaiting);
+  EXPECT_EQ(touch.counts().late_shapes, 0U);
 }
 
 }  // namespace

@@ -98,6 +98,25 @@ TEST(MotionMonitor, WhatWasForgottenIsNoJump) {
   EXPECT_EQ(motion.update(at(Vec3(0.9, 0, 0)), 2 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
 }
 
+// What is left of an earlier velocity would be damped: a force on a hand that stands still.
+TEST(MotionMonitor, IsAtRestAfterAJumpAndAfterItForgot) {
+  const auto moving = [] {
+    MotionMonitor motion;
+    for (int n = 0; n < 100; ++n) motion.update(at(Vec3(1e-3 * n, 0, 0)), n * kMs, 3.0, false);
+    EXPECT_GT(motion.speed_m_per_s(), 0.9);
+    return motion;
+  };
+  MotionMonitor jumps = moving();
+  EXPECT_EQ(jumps.update(at(Vec3(-1, 0, 0)), 100 * kMs, 3.0, false), MotionMonitor::Verdict::jump);
+  EXPECT_EQ(jumps.speed_m_per_s(), 0.0);
+  EXPECT_EQ(jumps.velocity_m_per_s(), Vec3::Zero());
+  MotionMonitor forgets = moving();
+  forgets.forget();
+  EXPECT_EQ(forgets.update(at(Vec3(0.1, 0, 0)), 100 * kMs, 3.0, false), MotionMonitor::Verdict::fine);
+  EXPECT_EQ(forgets.speed_m_per_s(), 0.0);
+  EXPECT_EQ(forgets.velocity_m_per_s(), Vec3::Zero());
+}
+
 // A tenth of a second without a sample: the hand may have moved anywhere meanwhile.
 TEST(MotionMonitor, AGapBeginsAtATenthOfASecond) {
   for (const auto& [gap_ns, expected] :

@@ -217,5 +217,24 @@ TEST(SafetyGovernor, AMachineThatSleptForAnHourHasNotHeatedTheMotors) {
   EXPECT_EQ(bench.press(4.0, 200).z(), 4.0);
 }
 
+// A source that turns the stylus must not go on where one that pushes it has to end.
+TEST(SafetyGovernor, ASpentEnergyBudgetLowersTheTorqueAsItDoesTheForce) {
+  Bench bench;
+  bench.sample.p_WD.x() = -0.08;
+  bench.press(0.0, 200);
+  for (int n = 0; n < 200; ++n) {
+    bench.sample.p_WD.x() += 2e-4;
+    bench.cycle(Wrench{Vec3(8, 0, 0), Vec3::Zero()});
+  }
+  // Without samples for a while, the velocity is not known: zero.
+  bench.now_ns += 300 * kMs;
+  for (int n = 0; n < 200; ++n) bench.cycle(Wrench{Vec3::Zero(), Vec3(0.5, 0, 0)});
+  const double spent_j = bench.governor.energy_spent_j();
+  const double share = (EnergyBudget::most_j(8.0) - spent_j) / (EnergyBudget::most_j(8.0) - EnergyBudget::free_j(8.0));
+  ASSERT_GT(share, 0.2);
+  ASSERT_LT(share, 0.95);
+  EXPECT_NEAR(bench.out.torque_nm.x(), 0.5 * share, 1e-6);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -240,5 +240,16 @@ TEST(SafetyGovernor, ATorqueRampsInAsAForceDoes) {
   EXPECT_LT(bench.out.torque_nm.x(), 0.3);
 }
 
+TEST(SafetyGovernor, NoResetWhileTheDeviceIsSoFastThatItIsBraked) {
+  Bench bench;
+  bench.sample.p_WD.z() = -0.09;
+  bench.governor.restore_latched_fault(SafetyFault::jump);
+  sweep(bench, 1.5, 50);  // of 2 m/s, and above 1.2 it is braked
+  ASSERT_EQ(bench.governor.fault(), SafetyFault::jump);
+  EXPECT_FALSE(bench.governor.reset_faults());
+  sweep(bench, 0.5, 40);
+  EXPECT_TRUE(bench.governor.reset_faults());
+}
+
 }  // namespace
 }  // namespace hapton

@@ -292,5 +292,33 @@ TEST(SafetyGovernor, UsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
+TEST(SafetyGovernor, ATightenedSlewHoldsForTheTorqueAsForTheForce) {
+  Bench bench;
+  bench.governor.tighten({.max_slew_n_per_s = 1000.0, .max_torque_slew_nm_per_s = 60.0});
+  for (int n = 0; n < 300; ++n) bench.cycle(Wrench{Vec3(4, 0, 0), Vec3(0, 0.4, 0)});
+  ASSERT_NEAR(bench.out.torque_nm.y(), 0.4, 1e-9);
+  double most_n = 0.0;
+  double most_nm = 0.0;
+  for (int n = 0; n < 40; ++n) {
+    const Wrench before = bench.out;
+    const double sign = n % 10 < 5 ? -1.0 : 1.0;
+    bench.cycle(Wrench{Vec3(sign * 4, 0, 0), Vec3(0, sign * 0.4, 0)});
+    most_n = std::max(most_n, (bench.out.force_n - before.force_n).norm());
+    most_nm = std::max(most_nm, (bench.out.torque_nm - before.torque_nm).norm());
+  }
+  EXPECT_NEAR(most_n, 1.0, 1e-6);
+  EXPECT_NEAR(most_nm, 0.06, 1e-6);
+}
+
+// What brakes a fast device, or one that was given too much energy.
+TEST(SafetyGovernor, DampingFollowsTheStiffnessThatTheDeviceBearsOrElseItsForce) {
+  DeviceLimits limits = device_limits();
+  EXPECT_DOUBLE_EQ(SafetyGovernor(limits).most_damping_n_s_per_m(), 2.0) << "1000 N/m for 2 ms";
+  for (const double unknown : {0.0, -1.0, kNan, kInf}) {
+    limits.max_stiffness_n_per_m = unknown;
+    EXPECT_DOUBLE_EQ(SafetyGovernor(limits).most_damping_n_s_per_m(), 8.0) << "all of the force at 1 m/s";
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -79,13 +79,35 @@ TEST_F(CommandedObjectTest, FindPlaceIsTheInverseOfPlace) {
     ASSERT_TRUE(scene) << scene.error().what;
     const CommandedObject& flap = *scene->objects[0].commanded;
     const ObjectPlace at_rest = flap.find_place({.p_S = flap.pivot()});
-    EXPECT_LT((at_rest.p_SM - Vec3(0.1, 0.2, 0.3)).norm(), 1e-14) << "as the file has it";
+    EXPECT_LT((at_rest.p_FM - Vec3(0.1, 0.2, 0.3)).norm(), 1e-14) << "as the file has it";
     const Keyframe there{.p_S = {0.4, -0.1, 0.2}, .turn = Quat(Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()))};
     const ObjectPlace found = flap.find_place(there);
-    const Keyframe placed = flap.place(found.p_SM, found.q_SM, {});
+    const Keyframe placed = flap.place(found.p_FM, found.q_FM, {});
     EXPECT_LT((placed.p_S - there.p_S).norm(), 1e-14);
     EXPECT_LT(placed.turn.angularDistance(there.turn), 1e-7);
   }
+}
+
+// A pose is that of the scene file also where [workspace] turns the scene: the object's own pose there is where it is at rest.
+TEST_F(CommandedObjectTest, APoseIsThatOfTheSceneFileInATurnedWorkspaceToo) {
+  const std::string workspace = "[workspace]\ncenter_m = [0.1, 0.2, 0.0]\nrotation_deg = [0, 0, 90]\nscale = 2.0\n";
+  const std::string keys = "moved_by = \"program\"\nrotation_deg = [0, 0, 30]\npivot_m = [0.02, 0.01, 0]\n";
+  const auto scene = load(keys + "position_m = [0.1, 0.2, 0.3]\n", "", workspace);
+  ASSERT_TRUE(scene) << scene.error().what;
+  const auto moved = load(keys + "position_m = [0.3, 0.1, 0.0]\n", "", workspace);
+  ASSERT_TRUE(moved) << moved.error().what;
+  const CommandedObject& flap = *scene->objects[0].commanded;
+  const Keyframe now{0.0, flap.pivot(), Quat::Identity()};
+  const Quat in_file(Eigen::AngleAxisd(std::numbers::pi / 6, Vec3::UnitZ()));
+  const Keyframe same = flap.place(Vec3(0.1, 0.2, 0.3), in_file, now);
+  EXPECT_LT((same.p_S - flap.pivot()).norm(), 1e-14);
+  EXPECT_LT(same.turn.angularDistance(Quat::Identity()), 1e-7);
+  const Pose X_SO = pose_of(flap.place(Vec3(0.3, 0.1, 0.0), in_file, now), flap.pivot());
+  for (std::size_t v = 0; v < 3; ++v) {
+    EXPECT_LT((X_SO * scene->objects[0].mesh->vertices[v] - moved->objects[0].mesh->vertices[v]).norm(), 1e-12) << v;
+  }
+  EXPECT_LT((flap.find_place(now).p_FM - Vec3(0.1, 0.2, 0.3)).norm(), 1e-14);
+  EXPECT_LT(flap.find_place(now).q_FM.angularDistance(in_file), 1e-7);
 }
 
 TEST_F(CommandedObjectTest, AMassIsReadAndReported) {

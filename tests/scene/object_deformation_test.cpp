@@ -97,6 +97,16 @@ TEST_F(ObjectDeformation, AFastOneNamesTheTimeThatWouldDo) {
   EXPECT_TRUE(load("", morph(fast("[[0, 0], [2, 1]]")) + moving));
 }
 
+// What has risen is farther from the pivot than at rest, and turns faster.
+TEST_F(ObjectDeformation, ATurnCountsWithTheShapeThatReachesFarthest) {
+  const std::string rising = morph("push_m = [0, 0, 0.1]\nkeys = [[0, 0], [1, 1]]");
+  const auto turning = [](int degrees) {
+    return "[[object.keyframe]]\ntime_s = 0\n[[object.keyframe]]\ntime_s = 1\nrotation_deg = [0, 0, " + std::to_string(degrees) + "]\n";
+  };
+  EXPECT_THAT(error_of("", rising + turning(55)), HasSubstr("deforms at up to 0.1 m/s and moves at up to 0.166"));
+  EXPECT_TRUE(load("", rising + turning(45)));
+}
+
 TEST_F(ObjectDeformation, HasTheEffectsOfItsMaterial) {
   const auto scene = load("material = 'm'", morph("push_m = [0, 0, 0.01]\nkeys = [[0, 0], [1, 1]]") +
                                                 "[material.m]\nviscosity_ns_per_m = 1\nbump_height_m = 0.0005\n");

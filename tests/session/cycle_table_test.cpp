@@ -1,5 +1,6 @@
 #include "session/cycle_table.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -270,6 +271,48 @@ TEST(CycleTable, TimesOfAHostileFileDoNoHarm) {
   }
   joined.table.finish();
   EXPECT_EQ(joined.rows.size(), 3U);
+}
+
+// In every file that is exported.
+TEST(CycleTable, EachColumnHasTheNumberOfItsName) {
+  CycleRow row;
+  row.sample_t_s = 0.25;
+  row.sample = 2;
+  row.p_WD = Vec3(3, 4, 5);
+  row.q_WT = Quat(6, 7, 8, 9);
+  row.v_WD = Vec3(10, 11, 12);
+  row.buttons = 13;
+  row.p_WP = Vec3(14, 15, 16);
+  row.wanted_n = Vec3(17, 18, 19);
+  row.written_n = Vec3(20, 21, 22);
+  row.q_WP = Quat(23, 24, 25, 26);
+  row.wanted_nm = Vec3(27, 28, 29);
+  row.written_nm = Vec3(30, 31, 32);
+  row.is_contact = true;
+  row.object = 33;
+  row.round_trip_s = 34;
+  row.late_s = 35;
+  row.missed = 36;
+  row.lost = 37;
+  row.view_revision = 1;
+  row.scene_time_ns = 500'000'000;
+  row.carve_serial = 38;
+  const auto text_of_row = [&] {
+    std::string text;
+    for (const CycleColumn& column : cycle_columns()) text += fmt::format("{}={:g} ", column.name, column.of(row));
+    return text;
+  };
+  EXPECT_EQ(text_of_row(),
+            "t_s=0.25 sample=2 x_m=3 y_m=4 z_m=5 qw=6 qx=7 qy=8 qz=9 vx_m_per_s=10 vy_m_per_s=11 vz_m_per_s=12 buttons=13 proxy_x_m=14 "
+            "proxy_y_m=15 proxy_z_m=16 wanted_x_n=17 wanted_y_n=18 wanted_z_n=19 written_x_n=20 written_y_n=21 written_z_n=22 proxy_qw=23 "
+            "proxy_qx=24 proxy_qy=25 proxy_qz=26 wanted_tx_nm=27 wanted_ty_nm=28 wanted_tz_nm=29 written_tx_nm=30 written_ty_nm=31 "
+            "written_tz_nm=32 contact=1 object=33 local=0 round_trip_s=34 late_s=35 missed=36 lost=37 scene_time_s=0.5 carve_serial=38 ");
+  row.is_contact = false;
+  row.is_local = true;
+  row.object = -1;
+  row.view_revision.reset();
+  EXPECT_NE(text_of_row().find("contact=0 object=nan local=1 "), std::string::npos);
+  EXPECT_NE(text_of_row().find("scene_time_s=nan carve_serial=nan "), std::string::npos);
 }
 
 }  // namespace

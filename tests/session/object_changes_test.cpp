@@ -1,9 +1,11 @@
 #include "session/object_changes.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include "tests/session/made_entries.h"
 
@@ -112,6 +114,38 @@ TEST(ObjectChanges, SerialsOfAHostileFileDoNoHarm) {
   receive(changes, carved(7, ~0U, ~0U - 3, 4), 0.1);
   changes.finish();
   EXPECT_TRUE(changes.carves().empty());
+}
+
+template <class Row>
+std::string row_text(std::span<const ChangeColumn<Row>> columns, const Row& row) {
+  std::string text;
+  for (const auto& column : columns) text += fmt::format("{}={:g} ", column.name, column.of(row));
+  return text;
+}
+
+// In every file that is exported.
+TEST(ObjectChanges, EachColumnHasTheNumberOfItsName) {
+  RecordedMove move;
+  move.t_s = 0.25;
+  move.process = 2;
+  move.move = {.source = 9, .serial = 3, .object = 4, .start_ns = 500'000'000, .end_ns = 1'500'000'000};
+  move.move.from_p_m = Vec3(5, 6, 7);
+  move.move.from_q = Quat(8, 9, 10, 11);
+  move.move.to_p_m = Vec3(12, 13, 14);
+  move.move.to_q = Quat(15, 16, 17, 18);
+  EXPECT_EQ(row_text(move_columns(), move),
+            "t_s=0.25 process=2 serial=3 object=4 start_scene_time_s=0.5 end_scene_time_s=1.5 from_x_m=5 from_y_m=6 from_z_m=7 from_qw=8 "
+            "from_qx=9 from_qy=10 from_qz=11 to_x_m=12 to_y_m=13 to_z_m=14 to_qw=15 to_qx=16 to_qy=17 to_qz=18 ");
+  RecordedCarve carve;
+  carve.t_s = 0.25;
+  carve.process = 2;
+  carve.serial = 3;
+  carve.carve = {.object = 4, .from_m = {5, 6, 7}, .to_m = {8, 9, 10}, .radius_m = 11, .begins = true};
+  carve.carve.undone_first = 12;
+  carve.carve.undone_last = 13;
+  EXPECT_EQ(row_text(carve_columns(), carve),
+            "t_s=0.25 process=2 serial=3 object=4 from_x_m=5 from_y_m=6 from_z_m=7 to_x_m=8 to_y_m=9 to_z_m=10 radius_m=11 begins=1 "
+            "undone_first=12 undone_last=13 ");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "scene/annotations_file.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/vision_node/annotator_fixture.h"
 #include "vision_node/annotation_figure.h"
 #include "vision_node/menu_figure.h"
@@ -319,6 +320,54 @@ TEST_F(AnnotatorTest, TheMenuIsDrawnAndTheEntryAtTheTipIsLight) {
   EXPECT_GT(colour()[0], 200);
   press({.menu = true});
   EXPECT_EQ(colour(), (std::array<int, 3>{0, 0, 0}));
+}
+
+// The object of that number is another one now.
+TEST_F(AnnotatorTest, WhatWasPutDownInASceneOfOtherObjectsIsNotPutBack) {
+  ASSERT_TRUE(view);
+  open();
+  annotator->receive(ObjectPose{.serial = 1, .object = 1});
+  annotator->receive(ObjectPose{.serial = 2, .object = 1, .is_held = true});
+  annotator->receive(ObjectPose{.serial = 3, .object = 1, .p_m = Vec3(0, 0.05, 0)});
+  Scene other = scene;
+  other.objects[1].name = "other";
+  annotator->change_scene(other, nullptr);
+  press({.undo = true});
+  EXPECT_FALSE(annotator->take_due(1'000'000'000));
+}
+
+TEST_F(AnnotatorTest, WhatWasNotSavedBeforeTheSceneChangedIsSavedAtTheEnd) {
+  ASSERT_TRUE(view);
+  open();
+  draw_arc(1);
+  Scene other = scene;
+  other.objects.front().name = "new";
+  annotator->change_scene(other, nullptr);
+  ASSERT_TRUE(annotator->finish());
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(read->annotations.entries.size(), 1U);
+  press({.save = true});
+  std::filesystem::remove(options.file);
+  annotator->change_scene(scene, nullptr);
+  ASSERT_TRUE(annotator->finish());
+  EXPECT_FALSE(std::filesystem::exists(options.file)) << "it was saved: another scene is no change of it";
+}
+
+TEST_F(AnnotatorTest, WhatCannotBeSavedOnAKeyIsSavedAtTheEnd) {
+  ASSERT_TRUE(view);
+  open();
+  draw_arc();
+  {
+    const FileSizeLimit full(10);
+    press({.save = true});
+  }
+  EXPECT_THAT(annotator->take_notice(), testing::StartsWith("NOT SAVED: "));
+  EXPECT_FALSE(std::filesystem::exists(options.file));
+  ASSERT_TRUE(annotator->finish());
+  const auto read = read_annotations(options.file, std::vector<std::string>{"left", "right"}, 7);
+  ASSERT_TRUE(read) << read.error().what;
+  EXPECT_EQ(read->annotations.entries.size(), 1U);
 }
 
 }  // namespace

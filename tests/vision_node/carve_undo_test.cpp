@@ -361,5 +361,55 @@ TEST_F(CarveUndoTest, TheNamesOfExportedSurfacesAreThoseOfTheirObjects) {
               testing::EndsWith(": hapton_export_001_0_a_b_c.stl, hapton_export_001_1_a_b_c.stl, hapton_export_001_the-third.stl"));
 }
 
+// It is what was begun last.
+TEST_F(CarveUndoTest, UndoOfAMeasureThatWasBegunPutsNoMaterialBack) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  settle();
+  ProbeState state;
+  state.p_WD = Vec3(0, 0, kUndoClayRadius);
+  state.contact = true;
+  state.object = 0;
+  for (const std::uint32_t buttons : {0U, 4U, 0U}) {
+    state.buttons = buttons;
+    annotator->receive(state, Pose::Identity());
+  }
+  ASSERT_TRUE(annotator->pen().first_end());
+  undo();
+  EXPECT_FALSE(annotator->pen().first_end());
+  EXPECT_FALSE(annotator->take_carve_undo(kTenth));
+  undo();
+  EXPECT_TRUE(annotator->take_carve_undo(2 * kTenth)) << "now the carve";
+}
+
+// Another one has a carve of the same number.
+TEST_F(CarveUndoTest, ARequestEndsWithTheHapticsNodeThatItIsFor) {
+  ASSERT_TRUE(view);
+  open();
+  carve(3);
+  undo();
+  ASSERT_TRUE(annotator->take_carve_undo(kTenth));
+  serial = 0;
+  carve(8);
+  EXPECT_FALSE(annotator->take_carve_undo(3 * kTenth));
+}
+
+// Long after the key was pressed nobody expects material to come back.
+TEST_F(CarveUndoTest, WhatWaitsForARequestThatIsGivenUpIsNotDoneLater) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  carve();
+  undo();
+  undo();
+  ASSERT_TRUE(annotator->take_carve_undo(kTenth));
+  EXPECT_FALSE(annotator->take_carve_undo(kTenth + 20'000'000'000)) << "given up";
+  EXPECT_FALSE(annotator->take_due(kTenth + 21'000'000'000));
+  EXPECT_FALSE(annotator->take_carve_undo(kTenth + 21'000'000'000));
+  undo();
+  EXPECT_TRUE(annotator->take_carve_undo(kTenth + 22'000'000'000)) << "only at the next press";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "tests/support/time_units.h"
@@ -325,6 +326,44 @@ TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
   EXPECT_TRUE(back.reset_head && back.head_by_m.isZero(0.0));
   EXPECT_FALSE(hands_.take_requests().reset_head);
   EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
+}
+
+TEST_F(InteractionTest, AClickLeavesTheHandWhereHHoldsIt) {
+  give(mouse(Kind::move, 50, 50));
+  give(key('h'));
+  const Vec3 held = hands_.take_hand(0)->p_WH;
+  view_.p_WD = Vec3(0.05, 0.0, 0.0);  // the device lags behind
+  give(mouse(Kind::press, 50, 50, Button::left));
+  give(mouse(Kind::release, 50, 50, Button::left));
+  EXPECT_TRUE(hands_.hand_active());
+  EXPECT_EQ(hands_.take_hand(1000 * kMs)->p_WH, held);
+  give(key('h'));
+  EXPECT_FALSE(hands_.hand_active());
+}
+
+TEST_F(InteractionTest, TheWheelPressesNoDeeperAndLiftsNoFartherThanAPartOfThePicture) {
+  const Vec3 p_WE = compute_eye_position(view_.screen, Eye::centre);
+  const double side_m = std::min(view_.screen.width_m, view_.screen.height_m);
+  view_.p_WQ = Vec3(0.02, 0.01, 0.05);
+  give(mouse(Kind::press, 100, 100, Button::left));
+  WindowEvent notches = mouse(Kind::wheel, 100, 100);
+  const auto depth_after = [&](int wheel) {
+    notches.wheel = wheel;
+    give(notches);
+    return (hands_.take_hand(kMs)->p_WH - *view_.p_WQ).dot((*view_.p_WQ - p_WE).normalized());
+  };
+  EXPECT_NEAR(depth_after(1000), 0.1 * side_m, 1e-9);
+  EXPECT_NEAR(depth_after(-1), 0.095 * side_m, 1e-9) << "the way back is open at once";
+  EXPECT_NEAR(depth_after(-1000), -0.5 * side_m, 1e-9);
+}
+
+TEST_F(InteractionTest, WithControlADragUpwardsRaisesTheEndOfTheStylus) {
+  give(mouse(Kind::press, 320, 360, Button::left));
+  WindowEvent up = mouse(Kind::move, 320, 450, Button::left);
+  up.control = true;
+  give(up);
+  // Pitch is about x, which points to the right: it is negative.
+  EXPECT_NEAR(hands_.take_hand(0)->turn_rad.y(), -std::numbers::pi / 4, 1e-12);
 }
 
 }  // namespace

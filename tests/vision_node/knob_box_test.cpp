@@ -191,5 +191,66 @@ TEST(ViewTransformSender, KnowsThePoseUnderTheNumberThatGoesOnFromAnEarlierVisio
   EXPECT_FALSE(sender.find_pose(41));
 }
 
+ViewTransform hub_view(std::uint32_t revision, double degrees) {
+  return {.revision = revision, .X_WS = to_twelve_floats(Dials{Vec3(0.0, degrees, 0.0)}.compute_pose(Vec3::Zero()))};
+}
+
+// Two of them may begin with the same number.
+TEST(ViewTransformSender, AFirstReportOfItsOwnNumberIsOfAnEarlierVisionNode) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  ASSERT_TRUE(sender.take_due(0));
+  sender.confirm(1);
+  const auto sent = sender.take_due(1);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 2u);
+}
+
+TEST(ViewTransformSender, AdoptsTheViewOfAnotherNodeWithItsOwnNumber) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  ASSERT_TRUE(sender.take_due(0));
+  const ViewTransform theirs = hub_view(1, 80.0);
+  EXPECT_TRUE(sender.adopt(theirs));
+  EXPECT_FALSE(sender.adopt(theirs)) << "the hub repeats it";
+  const auto pose = sender.find_pose(1);
+  ASSERT_TRUE(pose);
+  EXPECT_EQ(to_twelve_floats(*pose), theirs.X_WS);
+  sender.confirm(0);
+  EXPECT_FALSE(sender.take_due(1000 * kMs)) << "it is not its own to repeat";
+}
+
+TEST(ViewTransformSender, ItsOwnPoseAfterAnAdoptedOneIsSentUntilTheHubHasIt) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  ASSERT_TRUE(sender.adopt(hub_view(41, 80.0)));
+  EXPECT_FALSE(sender.take_due(0));
+  sender.set(Dials{Vec3(0.0, 85.0, 0.0)}.compute_pose(Vec3::Zero()));
+  auto sent = sender.take_due(0);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 42u);
+  sender.confirm(41);  // it got lost
+  EXPECT_FALSE(sender.take_due(49 * kMs));
+  sent = sender.take_due(50 * kMs);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 42u);
+  sender.confirm(42);
+  EXPECT_FALSE(sender.take_due(5000 * kMs));
+}
+
+TEST(ViewTransformSender, CountsOnFromAViewThatItDoesNotTakeOver) {
+  ViewTransformSender sender;
+  sender.set(Pose::Identity());
+  sender.count_from(7);
+  EXPECT_EQ(sender.revision(), 7u);
+  EXPECT_FALSE(sender.take_due(0));
+  sender.count_from(3);  // an older one, late
+  EXPECT_EQ(sender.revision(), 7u);
+  sender.set(Dials{Vec3(0.0, 85.0, 0.0)}.compute_pose(Vec3::Zero()));
+  const auto sent = sender.take_due(kMs);
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->revision, 8u);
+}
+
 }  // namespace
 }  // namespace hapton

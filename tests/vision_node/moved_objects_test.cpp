@@ -267,5 +267,34 @@ TEST_F(MovedObjectsTest, AnObjectThatTheSceneDoesNotHaveIsLeftOut) {
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = -1, .p_m = Vec3::UnitX()}));
 }
 
+// As when the scene file was saved, and is shown again: what is felt has not moved.
+TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereTheyWerePut) {
+  ASSERT_TRUE(view);
+  scene.objects[0].name = "red";
+  scene.objects[1].name = "green";
+  MovedObjects before(*view, scene);
+  const Vec3 by(0.03, -0.06, 0.02);
+  const Vec3 beside_tip(0.01, 0.0, 0.0);
+  ASSERT_TRUE(before.take(ObjectPose{.serial = 2, .object = 0, .p_m = by}));
+  ASSERT_TRUE(before.take(ObjectPose{.serial = 3, .object = 1, .is_held = true, .p_m = beside_tip}));
+  const Scene again = scene;
+  ASSERT_TRUE(view->replace_scene(shown, {}));
+  MovedObjects after(*view, again);
+  after.adopt(before);
+  EXPECT_LT((*find(0) - expected(kRedAt + by)).norm(), 0.6);
+  EXPECT_FALSE(find(1)) << "it is at the stylus, which is not drawn";
+  EXPECT_EQ(after.held(), 1);
+  EXPECT_EQ(after.held_pose().translation(), beside_tip);
+  EXPECT_EQ(after.poses()[0].translation(), by);
+  Scene other = scene;
+  other.objects[0].name = "blue";
+  ASSERT_TRUE(view->replace_scene(shown, {}));
+  MovedObjects anew(*view, other);
+  anew.adopt(after);
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "the numbers are those of other objects";
+  EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6);
+  EXPECT_EQ(anew.held(), -1);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -179,5 +179,27 @@ TEST(RecordedState, IsDescribedInOneLineEach) {
   EXPECT_EQ(describe_mark(recording.index, 0.9), "");
 }
 
+TEST(RecordedState, HasTheEnergyAndTheLargestForceThatTheHubReported) {
+  ScratchFolder scratch;
+  MadeRecording made;
+  made.also = [&](std::uint64_t sample) {
+    if (sample == 1500) made.notice({.energy_percent = 40, .force_limit_n = 8.5F}, sample);
+  };
+  const auto file = made.write(scratch);
+  auto reader = SessionReader::open(file);
+  const auto index = SessionIndex::read(*reader);
+  ASSERT_TRUE(index);
+  auto rows = SessionRows::open(file, *index);
+  ASSERT_TRUE(rows);
+  const auto before = find_recorded_state(*index, *rows, 1.4);
+  ASSERT_TRUE(before);
+  EXPECT_EQ(before->state.energy_percent, 0U);
+  EXPECT_EQ(before->state.force_limit_n, 0.0F);
+  const auto after = find_recorded_state(*index, *rows, 2.0);
+  ASSERT_TRUE(after);
+  EXPECT_EQ(after->state.energy_percent, 40U);
+  EXPECT_EQ(after->state.force_limit_n, 8.5F);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -132,5 +132,35 @@ TEST_F(VisionStepTest, DialsThatWereGivenGoToTheHub) {
   EXPECT_EQ(step.interaction().dials().degrees, Vec3(10, 0, 0)) << "it was sent: now others count, too";
 }
 
+// Whoever joins a hub again does not turn the scene under a hand by that.
+TEST_F(VisionStepTest, AfterEachJoinItWaitsAnewForTheViewThatTheHubHas) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(state_at(0.0, 1, 41));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty());
+  ASSERT_EQ(take_all<ViewTransform>(step, 1000 * kMs).size(), 1u) << "a hub that sends none";
+  step.receive(state_at(0.0, 2, 42));
+  // The hub was restarted, and somebody has turned the scene since.
+  step.joined();
+  EXPECT_TRUE(take_all<ViewTransform>(step, 2000 * kMs).empty());
+  step.receive(state_at(0.0, 1, 3));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 2001 * kMs).empty()) << "there is a view, and it was lost";
+  EXPECT_TRUE(take_all<ViewTransform>(step, 2500 * kMs).empty());
+  step.receive(view_of(3, Vec3(0, 80, -15)));
+  EXPECT_EQ(step.interaction().dials().degrees, Vec3(0, 80, -15)) << "though its own number was larger";
+  EXPECT_TRUE(take_all<ViewTransform>(step, 2501 * kMs).empty());
+}
+
+TEST_F(VisionStepTest, TheViewOfAnEarlierSessionIsNotThatOfTheHub) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(view_of(57, Vec3(0, 80, -15)));
+  step.receive(state_at(0.0, 1, 57));
+  EXPECT_TRUE(take_all<ViewTransform>(step, 0).empty());
+  step.joined();
+  step.receive(state_at(0.0, 1, 1));
+  EXPECT_TRUE(take_all<ViewTransform>(step, kMs).empty());
+}
+
 }  // namespace
 }  // namespace hapton

@@ -229,5 +229,45 @@ TEST(VisionOptions, NumbersHaveTheRangesThatHelpNames) {
   for (const auto& range : ranges) expect_range(range, parse);
 }
 
+TEST(VisionOptions, ARecordingExcludesWhatIsOfALiveSession) {
+  const std::vector<std::vector<const char*>> live = {
+      {"--hub", "a"},         {"--bind", "127.0.0.1:0"}, {"--key", "a.key"}, {"--knobs", "spacemouse"},
+      {"--strokes", "a.obj"}, {"--bench-frames", "3"},   {"--watch-scene"}};
+  for (std::vector<const char*> words : live) {
+    words.insert(words.end(), {"--session", "a.hapton"});
+    EXPECT_TRUE(std::holds_alternative<int>(parse(words))) << words[0];
+  }
+  const auto parsed = parse({"--session", "a.hapton", "--at", "2.5", "--speed", "4", "--annotations", "a.toml"});
+  ASSERT_TRUE(std::holds_alternative<VisionOptions>(parsed));
+  const auto& options = std::get<VisionOptions>(parsed);
+  EXPECT_EQ(options.session, "a.hapton");
+  EXPECT_EQ(options.at_s, 2.5);
+  EXPECT_EQ(options.speed, 4.0);
+}
+
+// Those of the scene and the tool decide whether the picture is that of what is felt.
+TEST(VisionOptions, FlagsOfSceneToolAndOverlayArrive) {
+  const auto parsed = parse({"--no-fit", "--tool", "peg.obj", "--tool-unit", "mm", "--tool-grip", "centre", "--watch-scene",
+                             "--no-keys-help", "--no-depth-cues", "--teach", "tree:3"});
+  ASSERT_TRUE(std::holds_alternative<VisionOptions>(parsed));
+  const auto& options = std::get<VisionOptions>(parsed);
+  EXPECT_EQ(options.loading.fit, MeshFit::off);
+  EXPECT_TRUE(options.is_loading_given);
+  EXPECT_EQ(options.tool.file, "peg.obj");
+  EXPECT_EQ(options.tool.unit, Unit::mm);
+  EXPECT_EQ(options.tool.grip, ToolGrip::center);
+  EXPECT_TRUE(options.watch_scene);
+  EXPECT_FALSE(options.help);
+  EXPECT_FALSE(options.view.depth_cues);
+  EXPECT_EQ(options.teach, (TeachChoice{TeachView::tree, 3}));
+  const auto plain = std::get<VisionOptions>(parse({}));
+  EXPECT_EQ(plain.loading.fit, MeshFit::workspace);
+  EXPECT_FALSE(plain.is_loading_given);
+  EXPECT_FALSE(plain.watch_scene);
+  EXPECT_TRUE(plain.help);
+  EXPECT_TRUE(plain.view.depth_cues);
+  EXPECT_TRUE(std::get<VisionOptions>(parse({"--unit", "mm"})).is_loading_given);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -7,16 +7,20 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/scene_file.h"
 #include "scene/scene_loading.h"
 #include "tests/session/made_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {
 
+using hapton::load_scene;
 using hapton::MadeRecording;
 using hapton::MeshFit;
+using hapton::SceneLoading;
 using hapton::ScratchFolder;
 using hapton::to_code;
+using hapton::Unit;
 
 struct Ended {
   int code = -1;
@@ -228,6 +232,21 @@ TEST_F(RecordedProgram, BadInputIsOneLine) {
     EXPECT_NE(run.code, 0) << arguments;
     EXPECT_NE(run.output.find(what), std::string::npos) << run.output;
   }
+}
+
+// Otherwise the picture would be of another size, or in another place, than what was felt.
+TEST_F(RecordedProgram, ItsSceneHasTheUnitAndTheFitOfTheHapticsNode) {
+  const SceneLoading felt = {.unit = Unit::mm, .fit = MeshFit::off};
+  const auto scene = load_scene(recording.scene, felt);
+  ASSERT_TRUE(scene) << scene.error().what;
+  recording.scene_loading = to_code(felt);
+  recording.given_hash = scene->given_hash;
+  const Ended run = show("--at 2.5 --screenshot " + picture.string());
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_EQ(run.output.find("another scene"), std::string::npos) << run.output;
+  const Ended other = show("--at 2.5 --unit m --screenshot " + picture.string());
+  EXPECT_EQ(other.code, 0) << other.output;
+  EXPECT_NE(other.output.find("another scene"), std::string::npos) << "the command line counts more: " << other.output;
 }
 
 TEST_F(RecordedProgram, WhatIsBeforeADamageIsShownAndTheExitCodeSaysSo) {

@@ -152,6 +152,20 @@ TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   EXPECT_EQ(written.str(), std::string({2, 0, 0, 7}));
 }
 
+// No right to it for a moment, or no free descriptor.
+TEST(ForceCutterTest, OpensADeviceThatCouldNotBeOpenedAtFirst) {
+  ScratchFolder folder;
+  const std::string path = (folder.path() / "hidraw").string();
+  const auto page = std::make_unique<HeartbeatPage>();
+  ForceCutter cutter(*page, 0);
+  page->set_hid(path, std::vector<std::uint8_t>{1});
+  cutter.prepare();
+  EXPECT_FALSE(cutter.cut());
+  std::ofstream(path).flush();
+  cutter.prepare();
+  EXPECT_TRUE(cutter.cut());
+}
+
 TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
   ScratchFolder folder;
   const auto page = std::make_unique<HeartbeatPage>();
@@ -215,6 +229,41 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+}
+
+TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
+  ScratchFolder folder;
+  const std::string path = (folder.path() / "hidraw").string();
+  std::ofstream(path).flush();
+  const auto page = std::make_unique<HeartbeatPage>();
+  ForceCutter cutter(*page, 0);
+  page->set_hid(path, std::vector<std::uint8_t>{1});
+  page->generation.fetch_add(1);  // odd: another device is being named
+  EXPECT_FALSE(cutter.cut());
+  EXPECT_EQ(std::filesystem::file_size(path), 0U);
+  page->generation.fetch_add(1);
+  EXPECT_TRUE(cutter.cut());
+}
+
+TEST(ForceCutterTest, SaysWhatItDidByItsMeans) {
+  ScratchFolder folder;
+  const std::string path = (folder.path() / "hidraw").string();
+  std::ofstream(path).flush();
+  const auto page = std::make_unique<HeartbeatPage>();
+  ForceCutter cutter(*page, 0);
+  const auto says = [&](const char* words) { return cutter.describe().find(words) != std::string::npos; };
+  EXPECT_TRUE(says("no means")) << cutter.describe();
+  page->set_hid(path, std::vector<std::uint8_t>{1});
+  cutter.prepare();
+  EXPECT_TRUE(says("device off")) << cutter.describe();
+  page->set_hid(path + ".gone", std::vector<std::uint8_t>{1});
+  EXPECT_FALSE(cutter.cut());
+  EXPECT_TRUE(says("could not open the device")) << cutter.describe();
+  page->set_means(CutMeans::kill);
+  EXPECT_TRUE(says("killed io_node")) << cutter.describe();
+  page->set_means(CutMeans::simulated);
+  EXPECT_TRUE(cutter.cut());
+  EXPECT_TRUE(says("simulated motors")) << cutter.describe();
 }
 
 }  // namespace

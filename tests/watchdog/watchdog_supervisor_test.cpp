@@ -39,7 +39,7 @@ TEST_F(WatchdogProcessTest, LooksAndIsStartedAgainWhenItDied) {
   EXPECT_FALSE(watchdog.restart_if_dead(clock.now_ns()));
   const pid_t first = watchdog.id();
   ::kill(first, SIGKILL);
-  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()).has_value(); }));
   EXPECT_NE(watchdog.id(), first);
   EXPECT_EQ(watchdog.restarts(), 1U);
   ::kill(watchdog.id(), SIGKILL);
@@ -50,7 +50,7 @@ TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
   const pid_t stalled = watchdog.id();
   ::kill(stalled, SIGSTOP);
-  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()).has_value(); }));
   EXPECT_NE(watchdog.id(), stalled);
   EXPECT_EQ(::kill(stalled, 0), -1) << "it is gone, and no zombie";
   const std::int64_t replaced_ns = clock.now_ns();
@@ -88,7 +88,7 @@ TEST_F(WatchdogProcessTest, IsNotReplacedBeforeItHadTimeToBegin) {
   ::kill(watchdog.id(), SIGKILL);
   EXPECT_FALSE(watchdog.restart_if_dead(started_ns));
   EXPECT_FALSE(WatchdogSupervisor().restart_if_dead(started_ns + 3'600'000 * kMs)) << "none was started";
-  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()); }));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(clock.now_ns()).has_value(); }));
   EXPECT_EQ(watchdog.restarts(), 1U);
   ::kill(watchdog.id(), SIGKILL);
 }
@@ -102,14 +102,22 @@ TEST_F(WatchdogProcessTest, WhatCannotBeStartedAgainIsNotTriedAllTheTime) {
   std::filesystem::remove(copy);
   ::kill(watchdog.id(), SIGKILL);
   std::int64_t tried_ns = 0;
-  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(tried_ns = clock.now_ns()); }));
+  ASSERT_TRUE(wait_until([&] { return watchdog.restart_if_dead(tried_ns = clock.now_ns()).has_value(); }));
   EXPECT_FALSE(watchdog.restart_if_dead(tried_ns + 1));
+  // Its old id may be another process's by now: nothing may be sent to it.
+  EXPECT_EQ(watchdog.id(), 0);
+  EXPECT_EQ(watchdog.restarts(), 0U);
+  const auto again = watchdog.restart_if_dead(tried_ns + WatchdogSupervisor::kPeerTimeoutNs);
+  ASSERT_TRUE(again.has_value());
+  ASSERT_FALSE(*again) << "it is not there any more";
+  EXPECT_NE(again->error().what.find("cannot be started"), std::string::npos) << again->error().what;
 }
 
 TEST_F(WatchdogProcessTest, WhatEndsAUnitDoesNotEndIt) {
   ASSERT_TRUE(watchdog.start(memory, program(), 0));
   ASSERT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > 0; }));
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) ::kill(watchdog.id(), signal);
+  // SIGABRT is systemd's for a unit that hangs, SIGPIPE comes of a terminal that was closed.
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGABRT, SIGPIPE}) ::kill(watchdog.id(), signal);
   const std::int64_t requested_ns = clock.now_ns();
   EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > requested_ns + 20 * kMs; }));
   ::kill(watchdog.id(), SIGKILL);

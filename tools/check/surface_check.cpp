@@ -50,9 +50,10 @@ std::string why_open(std::size_t cracks, const SealReport& sealed) {
 
 // Cracks are gaps up to a thousandth of the longest side; what is wider is an opening. Both let through what is narrower than they are.
 void check_openings(const SceneObject& object, const MeshFlaws& flaws, double probe_radius_m, CheckFindings& findings) {
-  std::vector<BoundaryLoop> loops = find_boundary_loops(*object.mesh);
-  if (loops.empty()) return;
   const double crack_m = crack_width(flaws.topology);
+  const double narrow_m = std::max(crack_m, 2.0 * probe_radius_m);
+  std::vector<BoundaryLoop> loops = find_boundary_loops(*object.mesh, narrow_m);
+  if (loops.empty()) return;
   if (flaws.borders.cracks > 0 && 2.0 * probe_radius_m < crack_m) {
     findings.push_back({SceneFault::crack, object.name, loops.back().on_edge,
                         fmt::format("{} of cracks up to {:.3g} mm wide {} open{}: a point probe falls through",
@@ -62,13 +63,12 @@ void check_openings(const SceneObject& object, const MeshFlaws& flaws, double pr
                             ? "close the gaps in the mesh"
                             : "remove seal_cracks = false, or close the gaps in the mesh"});
   }
-  std::erase_if(loops,
-                [&](const BoundaryLoop& loop) { return !loop.is_opening() || loop.width() <= std::max(crack_m, 2.0 * probe_radius_m); });
+  std::erase_if(loops, [&](const BoundaryLoop& loop) { return !loop.is_opening() || loop.width <= narrow_m; });
   if (loops.empty()) return;
   findings.push_back(
       {SceneFault::opening, object.name, loops.front().centre,
        fmt::format("{} in its surface; the widest is {:.3g} mm wide ({}), and the probe gets inside",
-                   plural(loops.size(), "opening", "openings"), 1e3 * loops.front().width(), plural(loops.front().edges, "edge", "edges")),
+                   plural(loops.size(), "opening", "openings"), 1e3 * loops.front().width, plural(loops.front().edges, "edge", "edges")),
        "close it in the mesh, unless the inside is to be touched"});
 }
 

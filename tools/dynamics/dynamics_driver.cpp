@@ -169,7 +169,7 @@ MoveRequest DynamicsDriver::make_request(Body& body) {
   body.is_known = true;
   last_request_ = std::max(last_request_ + 1, 1U);
   return body.pending.emplace(
-      MoveRequest{.request = last_request_, .number = body.object, .p_m = place.p_SM, .q = place.q_SM, .over_s = period_s_});
+      MoveRequest{.request = last_request_, .number = body.object, .p_m = place.p_FM, .q = place.q_FM, .over_s = period_s_});
 }
 
 std::optional<MoveRequest> DynamicsDriver::next_request(std::int64_t now_ns) {

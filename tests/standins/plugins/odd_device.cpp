@@ -1,5 +1,5 @@
-// A device on a straight line at 0.1 m/s, whose position in y is the force last written. does=nan|exception|fault|away|ended|q|reject|
-// no_slew|no_box|strong, after=READS.
+// A device on a straight line at 0.1 m/s, whose position in y and z is the force and torque last written. does=nan|exception|fault|away|
+// ended|calibrating|released|q|reject|no_slew|no_box|strong|full, after=READS.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +15,7 @@ struct Line {
   long after = 0;
   long reads = 0;
   double force_n = 0.0;
+  double torque_nm = 0.0;
 };
 
 void* open_line(const hapton_request* request, hapton_device_limits* limits) {
@@ -34,6 +35,14 @@ void* open_line(const hapton_request* request, hapton_device_limits* limits) {
     limits->workspace_min_m[k] = -1.0;
     limits->workspace_max_m[k] = 1.0;
   }
+  if (made.does == "full") {
+    limits->max_stiffness_n_per_m = 900.0;
+    limits->max_torque_nm = 0.25;
+    limits->max_torque_slew_nm_per_s = 40.0;
+    limits->continuous_force_n = 1.5;
+    limits->peak_s = 7.0;
+    limits->max_speed_m_per_s = 2.5;
+  }
   return new Line(made);
 }
 
@@ -42,12 +51,15 @@ int32_t read_line(void* device, int64_t now_ns, hapton_device_sample* sample) {
   const bool is_odd = line.reads++ >= line.after;
   sample->position_m[0] = 1e-10 * static_cast<double>(now_ns % 5'000'000'000);
   sample->position_m[1] = line.force_n;
+  sample->position_m[2] = line.torque_nm;
   sample->buttons = 5;
   if (!is_odd) return HAPTON_DEVICE_READY;
   if (line.does == "exception") throw std::runtime_error("cable");
   if (line.does == "nan") sample->position_m[2] = std::nan("");
   if (line.does == "q") sample->orientation[0] = 0.3;
   if (line.does == "nearly") sample->orientation[0] = 1.0001;
+  if (line.does == "released") sample->is_held = 0;
+  if (line.does == "calibrating") return HAPTON_DEVICE_CALIBRATING;
   if (line.does == "fault") return HAPTON_DEVICE_FAULT;
   if (line.does == "away") return line.reads % 2 == 0 ? HAPTON_DEVICE_AWAY : HAPTON_DEVICE_READY;
   if (line.does == "ended") return HAPTON_DEVICE_ENDED;
@@ -55,15 +67,16 @@ int32_t read_line(void* device, int64_t now_ns, hapton_device_sample* sample) {
   return HAPTON_DEVICE_READY;
 }
 
-void write_line(void* device, int64_t, const double force_n[3], const double*) {
+void write_line(void* device, int64_t, const double force_n[3], const double torque_nm[3]) {
   Line& line = *static_cast<Line*>(device);
   if (line.does == "write_exception") throw std::runtime_error("cable");
   line.force_n = force_n[1];
+  line.torque_nm = torque_nm[2];
 }
 
 void close_line(void* device) {
   Line* line = static_cast<Line*>(device);
-  if (line->force_n != 0.0) std::abort();
+  if (line->force_n != 0.0 || line->torque_nm != 0.0) std::abort();
   delete line;
 }
 

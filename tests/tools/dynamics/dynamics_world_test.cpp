@@ -113,6 +113,18 @@ TEST_F(Worlds, AnyDampingIsStable) {
   }
 }
 
+// No point of it gets faster than the fastest surface, be it by its turning alone.
+TEST_F(Worlds, WhatIsTurnedGetsFasterUpToTheFastestSurface) {
+  make(table_scene({.height_m = 0.1}));
+  world->set_gravity(Vec3::Zero());
+  world->press(Push{.object = kBox, .p_S = position(), .torque_nm = {0.0, 1e-3, 0.0}});
+  run(1.0);
+  const Quat before = world->place(kBox).turn;
+  run(0.1);
+  const double corner_m = std::sqrt(3.0) * kBoxSideM / 2;
+  EXPECT_NEAR(turn_between(before, world->place(kBox).turn).norm() / 0.1, kMaxSurfaceSpeed / corner_m, 0.1);
+}
+
 // A frame stands around a post; its convex hull would not fit.
 TEST_F(Worlds, ABodyThatIsNotConvexKeepsItsHole) {
   make(frame_around_post_scene());
@@ -158,6 +170,32 @@ TEST_F(Worlds, AnObstacleThatIsPickedUpCarriesNothingUntilItIsPutDown) {
   world->put_down_obstacle(kTable, Pose(Eigen::Translation3d(0.02, -0.05, 0)));
   run(0.2);
   EXPECT_NEAR(position().y() - start.y(), -0.05, 3e-4);
+}
+
+// Bodies at rest for two seconds are not simulated any more, until something changes.
+TEST_F(Worlds, ABoxThatHasComeToRestFallsWhenItsTableGoes) {
+  Scene scene = table_scene();
+  scene.objects[kTable].is_movable = true;
+  for (const bool is_picked_up : {true, false}) {
+    make(scene);
+    run(3.0);
+    const Vec3 start = position();
+    if (is_picked_up) {
+      world->pick_up_obstacle(kTable);
+    } else {
+      world->put_down_obstacle(kTable, Pose(Eigen::Translation3d(0, -0.05, 0)));
+    }
+    run(0.1);
+    EXPECT_LT(position().y() - start.y(), -0.01) << is_picked_up;
+  }
+}
+
+TEST_F(Worlds, ABoxThatHasComeToRestFollowsTheNewGravity) {
+  run(3.0);
+  const Vec3 start = position();
+  world->set_gravity({kG, 0, 0});
+  run(0.1);
+  EXPECT_GT(position().x() - start.x(), 0.01);
 }
 
 // A box slides over the seams between triangles of a flat table without a stop.

@@ -152,5 +152,32 @@ TEST(ToolPushes, ACoupleTurnsTheBoxWhateverIsLeftOfItsForce) {
   }
 }
 
+// F = B v and torque = B w in the end, with B from the tool's springs and the delay before anything was measured.
+TEST(ToolPushes, ABodyIsDampedByTheDelayInItsMotionAndItsTurn) {
+  const Scene scene = table_scene({.height_m = 0.1});
+  DynamicsDriver driver = *DynamicsDriver::make(scene, {.gravity_W = Vec3::Zero()});
+  HapticsSetup setup;
+  put_text(to_text(ToolCoupling{.stiffness_n_per_m = kSpringNPerM, .rotational_stiffness_nm_per_rad = 0.05}, 12), setup.method);
+  driver.take(setup);
+  Keyframe before;
+  for (int ms = 0; ms <= 400; ++ms) {
+    if (ms == 300) before = driver.world().place(kBox);
+    driver.take(ProbeState{.sample = static_cast<std::uint64_t>(ms),
+                           .sample_time_ns = kTickNs * ms,
+                           .p_WD = driver.world().place(kBox).p_S,
+                           .contact = true,
+                           .object = kBox,
+                           .scene_time_ns = kTickNs * ms,
+                           .push = ObjectPush{.force_n = {0.1, 0.0, 0.0}, .torque_nm = {1e-3, 0.0, 0.0}}});
+  }
+  const Keyframe after = driver.world().place(kBox);
+  const double delay_s = 0.02;
+  const double steps_s = 0.1;
+  const double speed = 0.1 / (DynamicsDriver::kDampingShare * kSpringNPerM * delay_s);
+  const double turn_rate = 1e-3 / (DynamicsDriver::kDampingShare * 0.05 * delay_s);
+  EXPECT_NEAR((after.p_S - before.p_S).x() / steps_s, speed, 0.03 * speed);
+  EXPECT_NEAR(turn_between(before.turn, after.turn).x() / steps_s, turn_rate, 0.03 * turn_rate);
+}
+
 }  // namespace
 }  // namespace hapton::dynamics

@@ -93,6 +93,24 @@ TEST(TopView, BetweenTwoLooksShowsWhatIsNew) {
   EXPECT_THAT(make_top_view("h", now, nullptr), Not(HasSubstr("+4\n")));
 }
 
+TEST(TopView, RatesOfANodeAreThoseBetweenTwoLooks) {
+  const TopSnapshot before = snapshot_after(100, 0);
+  TopSnapshot now = snapshot_after(102, 0);
+  now.report["nodes"][0]["received"] = 106'000;
+  now.report["nodes"][0]["sent"] = 101'000;
+  EXPECT_THAT(make_top_view("h", now, &before), HasSubstr("10.0.0.2:4444                      3000.0        500.0 "));
+}
+
+// Its address is the same, but it counts anew.
+TEST(TopView, ANodeThatJoinedAgainIsShownFromThen) {
+  const TopSnapshot before = snapshot_after(100, 0);
+  TopSnapshot now = snapshot_after(105, 0);
+  now.report["nodes"][0]["seconds"] = 2.0;
+  now.report["nodes"][0]["received"] = 5'000;
+  now.report["nodes"][0]["sent"] = 4'000;
+  EXPECT_THAT(make_top_view("h", now, &before), HasSubstr("10.0.0.2:4444                      2500.0       2000.0 "));
+}
+
 TEST(TopView, AHubThatBeganAgainIsShownFromItsStart) {
   const TopSnapshot before = snapshot_after(100, 0);
   EXPECT_EQ(make_top_view("h", snapshot_after(2, 0), &before), make_top_view("h", snapshot_after(2, 0), nullptr));

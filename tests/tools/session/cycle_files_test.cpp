@@ -321,5 +321,58 @@ TEST(CycleFiles, TheCommandFailsOnAFullDisk) {
   }
 }
 
+// Five samples and two gaps, and three cycles without a sample as an older program recorded them.
+std::filesystem::path write_gappy_recording(const ScratchFolder& scratch, bool is_old) {
+  SessionCodec session;
+  std::string bytes(kSessionMagic);
+  session.append(SessionHeader{.build = "b1", .start_ns = kCyclesStartNs, .session = 0xAB, .fault = is_old ? "" : "clamped"}, bytes);
+  for (const std::uint64_t sample : {1U, 2U, 5U, 6U, 9U}) {
+    if (!is_old) session.append(cycle_of(sample), bytes);
+  }
+  for (const std::uint64_t sample : {10U, 11U, 12U}) {
+    SessionEntry old = cycle_of(sample);
+    old.cycle.device.reset();
+    session.append(old, bytes);
+  }
+  return scratch.write(is_old ? "old.hapton" : "gappy.hapton", bytes);
+}
+
+TEST(CycleFiles, WhatIsMissingInTheRecordingIsCountedAndSaid) {
+  const ScratchFolder scratch;
+  const auto recording = write_gappy_recording(scratch, false);
+  auto first = SessionReader::open(recording);
+  auto second = SessionReader::open(recording);
+  ASSERT_TRUE(first && second);
+  for (const auto& written : {write_cycle_csv(*first, scratch.path() / "a.csv"), write_joined_hdf5(*second, scratch.path() / "a.h5")}) {
+    ASSERT_TRUE(written) << written.error().what;
+    EXPECT_EQ(written->rows, 5U);
+    EXPECT_EQ(written->without_sample, 3U);
+    EXPECT_EQ(written->lost, 4U);
+    EXPECT_EQ(written->gaps, 2U);
+  }
+  const hid_t file = H5Fopen((scratch.path() / "a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  EXPECT_EQ(read_text_attribute(file, "/", "fault"), "clamped") << "of a flight record";
+  H5Fclose(file);
+  for (const char* format : {"csv", "hdf5"}) {
+    const ScratchFolder out;
+    const CommandRun run = run_hapton({"session", "export", recording.string(), "--out", out.path().string(), "--format", format});
+    EXPECT_EQ(run.code, 0) << run.err;
+    EXPECT_NE(run.out.find(": 5 rows\n4 samples in 2 gaps are missing"), std::string::npos) << run.out;
+  }
+}
+
+TEST(CycleFiles, OfARecordingWithoutSamplesTheCommandSaysSo) {
+  const ScratchFolder scratch;
+  const auto recording = write_gappy_recording(scratch, true);
+  for (const char* format : {"csv", "hdf5"}) {
+    const ScratchFolder out;
+    const CommandRun run = run_hapton({"session", "export", recording.string(), "--out", out.path().string(), "--format", format});
+    EXPECT_EQ(run.code, 1) << format;
+    EXPECT_NE(run.err.find("an older recording"), std::string::npos) << run.err;
+    EXPECT_EQ(run.out.find("missing"), std::string::npos) << run.out;
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -8,7 +8,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
@@ -71,6 +75,104 @@ TEST(Replay, TheClocksOwnCostIsTakenOff) {
   const Replay replay = run_replay(touch, press({0.001, -0.001}), {.repeat = 2}, ScriptedClock());
   EXPECT_EQ(replay.clock_cost_ns, 7);
   EXPECT_EQ(replay.rows[0].step_ns, 0);
+}
+
+// The second look of each pair comes later by the next of these, once they are set.
+class LateClock final : public Clock {
+ public:
+  std::int64_t now_ns() const noexcept override {
+    const bool ends_step = ++looks_ % 2 == 0;
+    if (ends_step && next_ < late_ns.size()) now_ += late_ns[next_++];
+    return now_;
+  }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override { now_ = deadline_ns; }
+  std::size_t looks() const { return looks_; }
+
+  std::vector<std::int64_t> late_ns;
+
+ private:
+  mutable std::int64_t now_ = 0;
+  mutable std::size_t looks_ = 0;
+  mutable std::size_t next_ = 0;
+};
+
+TEST(Replay, TheTimeOfAStepIsTheLeastOfItsRepetitions) {
+  TouchStep touch = make_touch();
+  LateClock clock;
+  run_replay(touch, {}, {}, clock);
+  // What comes before the steps looks as often again.
+  clock.late_ns.assign(clock.looks() / 2, 0);
+  for (const std::int64_t ns : {50, 20, 30, 40, 90, 10}) clock.late_ns.push_back(ns);
+  const Replay replay = run_replay(touch, press({0.001, -0.001}), {.repeat = 3}, clock);
+  EXPECT_EQ(replay.rows[0].step_ns, 30);
+  EXPECT_EQ(replay.rows[1].step_ns, 10);
+}
+
+// Clay stays carved: what each repetition finds is another body, and the forces are those of the first.
+TEST(Replay, RowsThatDifferBetweenRepetitionsAreCountedAndSaid) {
+  const TouchScene scene{.objects = {{.mesh = std::make_shared<const TriangleMesh>(make_icosphere(0.03, 3)),
+                                      .material = {.stiffness_n_per_m = 500.0},
+                                      .sculpt = SculptSettings{.voxel_m = 0.001, .tool_radius_m = 0.004, .button = 1}}}};
+  std::vector<TrajectoryRow> trajectory;
+  for (std::uint32_t n = 0; n < 100; ++n) {
+    trajectory.push_back({.t_s = 1e-3 * n, .p_WD = Vec3(0.0, 0.0, 0.035 - 1e-4 * n), .buttons = n < 70 ? 0U : 1U});
+  }
+  const auto replay_of = [&](std::size_t repeat) {
+    TouchStep touch(*make_method({.name = "proxy"}, scene), scene);
+    return run_replay(touch, trajectory, {.repeat = repeat}, SteadyClock());
+  };
+  const Replay once = replay_of(1);
+  const Replay twice = replay_of(2);
+  EXPECT_EQ(once.rows_that_differ, 0U);
+  EXPECT_GT(twice.rows_that_differ, 0U);
+  EXPECT_LE(twice.rows_that_differ, trajectory.size());
+  for (std::size_t n = 0; n < trajectory.size(); ++n) {
+    EXPECT_EQ(twice.rows[n].force_n, once.rows[n].force_n) << n;
+    EXPECT_EQ(twice.rows[n].contact, once.rows[n].contact) << n;
+  }
+  EXPECT_THAT(describe_replay(twice, {.repeat = 2}),
+              ::testing::HasSubstr("note: " + std::to_string(twice.rows_that_differ) + " steps differed between repetitions\n"));
+  EXPECT_THAT(describe_replay(once, {}), ::testing::Not(::testing::HasSubstr("note:")));
+}
+
+TEST(Replay, TheSummarySaysWhereAToolHadNoRoom) {
+  Replay replay{.rows = {{.is_blocked = true}, {.is_squeezed = true}, {.is_squeezed = true}, {}}, .has_tool = true};
+  replay.rows[3].torque_nm = Vec3(0.0, 0.03, 0.04);
+  const std::string text = describe_replay(replay, {});
+  EXPECT_THAT(text, ::testing::HasSubstr("torque max 0.05 Nm\n"));
+  EXPECT_THAT(text, ::testing::HasSubstr("note: 1 steps without force: the tool overlapped the scene where it started\n"));
+  EXPECT_THAT(text, ::testing::HasSubstr("note: in 2 steps the tool had no room"));
+}
+
+// Recorded times begin anywhere; waves and keyframes begin with the first row.
+TEST(Replay, ATrajectoryThatBeginsLaterGivesTheSameForces) {
+  const auto motion = std::make_shared<const KeyframeMotion>(
+      Vec3::Zero(), std::vector<Keyframe>{{0.0, Vec3::Zero(), Quat::Identity()}, {0.2, Vec3(0.0, 0.0, 0.005), Quat::Identity()}}, false);
+  TouchScene scene{.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
+  scene.objects[0].motion = motion;
+  // half: of what is held.
+  const auto trajectory_from = [](double begin_s, double half) {
+    std::vector<TrajectoryRow> trajectory;
+    for (int n = 0; n < 200; ++n) trajectory.push_back({.t_s = begin_s + 1e-3 * n, .p_WD = Vec3(0.01, 0.02, half + 0.00101)});
+    return trajectory;
+  };
+  const auto touched_from = [&](double begin_s) {
+    TouchStep touch(*make_method({.name = "proxy"}, scene), scene);
+    return run_replay(touch, trajectory_from(begin_s, 0.0), {}, SteadyClock());
+  };
+  const auto held_from = [&](double begin_s) {
+    auto tool = ToolStep::make(make_box({0.02, 0.02, 0.02}), {scene.objects[0].mesh}, {}, {}, nullptr, {1});
+    EXPECT_TRUE(tool);
+    const std::vector<ToolPart> parts = {{.motion = motion}};
+    return run_replay(**tool, trajectory_from(begin_s, 0.01), {}, SteadyClock(), parts);
+  };
+  for (const auto& [first, later] : {std::pair{touched_from(0.0), touched_from(5.0)}, std::pair{held_from(0.0), held_from(5.0)}}) {
+    EXPECT_GT(first.rows[199].force_n.z(), 1.0) << "the surface has risen above the hand";
+    EXPECT_LT(first.rows[10].force_n.z(), 0.1) << "it is still below";
+    for (std::size_t n = 0; n < first.rows.size(); ++n) {
+      EXPECT_NEAR((later.rows[n].force_n - first.rows[n].force_n).norm(), 0.0, 0.05) << n;
+    }
+  }
 }
 
 TEST(Replay, TheSummarySaysTheWorstStepAndTheTail) {

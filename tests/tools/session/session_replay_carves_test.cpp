@@ -231,5 +231,22 @@ TEST_F(CarvesReplayTest, WithinAStrokeNothingIsComparedUntilTheHandRests) {
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 
+TEST(ReplayedCarvesTest, OnlyCarvesOfASendersFirstProcessAreFound) {
+  ReplayedCarves carves;
+  carves.add({.sender = 5, .process = 7, .serial = 2, .carve = {.radius_m = 0.5F}});
+  carves.add({.sender = 5, .process = 8, .serial = 2, .carve = {.radius_m = 0.25F}});
+  carves.add({.sender = 5, .process = 8, .serial = 3, .carve = {.radius_m = 0.25F}});
+  carves.add({.sender = 6, .process = 8, .serial = 3, .carve = {.radius_m = 0.125F}});
+  carves.add({.sender = 6, .process = 8, .serial = Sculpture::kMaxCarves + 1, .carve = {.radius_m = 1.0F}});
+  ASSERT_NE(carves.find(5, 2), nullptr);
+  EXPECT_EQ(carves.find(5, 2)->radius_m, 0.5F);
+  ASSERT_NE(carves.find(6, 3), nullptr);
+  EXPECT_EQ(carves.find(6, 3)->radius_m, 0.125F);
+  EXPECT_EQ(carves.find(5, 1), nullptr);
+  EXPECT_EQ(carves.find(5, 3), nullptr);
+  EXPECT_EQ(carves.find(7, 2), nullptr);
+  EXPECT_EQ(carves.find(6, Sculpture::kMaxCarves + 1), nullptr) << "more than any body has";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -224,6 +224,81 @@ TEST_F(SessionReplayTest, ARecordingWithoutSetupsIsRejectedInOneLine) {
   EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
 }
 
+// A hub that began to record later has not seen the view itself, only the setup that names it.
+TEST_F(SessionReplayTest, AViewThatOnlyASetupNamesHoldsAsWell) {
+  slide(60);
+  ViewTransform view{.revision = 3};
+  view.X_WS[3] = 0.0005F;
+  ASSERT_TRUE(live.turn_scene(view));
+  send_setup("proxy");
+  slide(100);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 160U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+  EXPECT_EQ(replay.counts().missing_views, 0U);
+}
+
+TEST_F(SessionReplayTest, ForcesInAViewThatIsNotRecordedAreNotCompared) {
+  slide(60);
+  ViewTransform view{.revision = 3};
+  view.X_WS[3] = 0.0005F;
+  ASSERT_TRUE(live.turn_scene(view));
+  HapticsSetup other;
+  other.view_revision = 3;
+  setups[{kSender + 1, 0U}] = other;  // another node's
+  slide(100);
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 60U);
+  EXPECT_EQ(replay.counts().not_compared, 100U);
+  EXPECT_EQ(replay.counts().missing_views, 100U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// Torque and offset are drawn and felt as the force is.
+TEST_F(SessionReplayTest, OneChangedBitOfAnyResultIsADifference) {
+  slide(100);
+  const auto next_bit = [](double& number) { number = std::nextafter(number, 1e9); };
+  recorded[40].second->contact = !recorded[40].second->contact;
+  next_bit(recorded[50].second->torque_nm.y());
+  next_bit(recorded[60].second->visual_offset_m.z());
+  recorded[70].second->force_n.x() += 0.25;
+  recorded[80].second->force_n.x() += 0.125;
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().compared, 100U);
+  EXPECT_EQ(replay.counts().different, 5U);
+  EXPECT_NEAR(replay.counts().max_difference_n, 0.25, 1e-12);
+  EXPECT_NE(replay.counts().first_difference.find("sample 41,"), std::string::npos) << replay.counts().first_difference;
+}
+
+TEST_F(SessionReplayTest, TheSetupOfAnotherNodeDoesNotNameTheMethod) {
+  const HapticsSetup setup = setups.at({kSender, 0U});
+  setups.clear();
+  setups[{kSender + 1, 0U}] = setup;
+  slide(1);
+  SessionReplay replay = make_replay();
+  const auto done = replay.on_reply(kSender, *recorded[0].second);
+  ASSERT_FALSE(done);
+  EXPECT_NE(done.error().what.find("does not name"), std::string::npos);
+}
+
+TEST_F(SessionReplayTest, ARecordingThatBeginsWithAnUnnamedMethodIsComparedFromTheNamedOneOn) {
+  slide(60);
+  live.replace(make_sphere_touch("reference"));
+  send_setup("reference");
+  slide(40);
+  slide_in_again(100);
+  setups.erase({kSender, 0U});  // got lost
+  SessionReplay replay = make_replay();
+  feed(replay);
+  EXPECT_EQ(replay.counts().unknown_method, 60U);
+  EXPECT_GE(replay.counts().not_compared, 40U) << "in contact before the first step in free space";
+  EXPECT_GE(replay.counts().compared, 30U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
 // ---- objects that move by keyframes, whose time is in the replies ----
 
 std::unique_ptr<TouchStep> make_moving_touch() {

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "runtime/service_notify.h"
+
+namespace hapton {
+
+// Tells the service manager that the program is ready, and lives, once all of its sessions are ready, and as long as all of them live: so
+// it restarts the program if the device loop of any of them hangs. RT: no. Threads: any.
+class ServiceLiveness {
+ public:
+  explicit ServiceLiveness(std::size_t sessions) : sessions_(sessions) {}
+
+  bool has_manager() const noexcept { return notify_.has_manager(); }
+  std::int64_t manager_timeout_ns() const noexcept { return notify_.manager_timeout_ns(); }
+
+  // To be called by each session from when it is ready on, at half of the manager's timeout or more often. lives: its device loop runs.
+  // Pre: session < the number of sessions.
+  void note(std::size_t session, bool lives, std::int64_t now_ns);
+  // The session has ended: it counts no more.
+  void leave(std::size_t session);
+
+ private:
+  struct Session {
+    bool is_ready = false;
+    bool has_ended = false;
+    bool lives = false;
+    std::int64_t noted_ns = 0;
+  };
+  bool are_ready() const;
+  bool do_live(std::int64_t now_ns) const;
+
+  ServiceNotify notify_;
+  std::mutex mutex_;
+  std::vector<Session> sessions_;
+  bool has_said_ready_ = false;
+};
+
+}  // namespace hapton

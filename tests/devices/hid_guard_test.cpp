@@ -1,0 +1,119 @@
+// What a HID device says to the watchdog process, and of its motors.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "devices/hid_device.h"
+#include "tests/support/fake_hid.h"
+#include "tests/support/patience.h"
+
+namespace hapton {
+namespace {
+
+// In: {temperature in hundredths, whether it is calibrated}; out: {7, whether it may exert force, 9}.
+class WarmBackend final : public HidBackend {
+ public:
+  Result<void> on_open(HidTransport&) override { return {}; }
+  bool decode(std::span<const std::uint8_t> report, std::int64_t, DeviceExchange::Reading& reading) noexcept override {
+    if (report.size() != 2) return false;
+    reading.status = DeviceStatus::ready;
+    reading.motor_temperature = 0.01 * report[0];
+    reading.is_calibrated = report[1] != 0;
+    return true;
+  }
+  std::size_t encode(const Wrench&, bool is_live, std::int64_t, std::span<std::uint8_t> into) noexcept override {
+    into[0] = 7;
+    into[1] = is_live ? 1 : 0;
+    into[2] = 9;
+    return 3;
+  }
+  std::string_view name() const noexcept override { return "warm"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceCondition condition() const noexcept override { return {}; }
+
+ private:
+  DeviceLimits limits_;
+};
+
+HidDescription warm_description() {
+  HidDescription description;
+  description.path = "/dev/hidraw-warm";
+  return description;
+}
+
+struct GuardedHid : testing::Test {
+  void SetUp() override {
+    reporter = std::thread([this] {
+      SteadyClock clock;
+      while (!ends) {
+        hid.send({temperature_percent.load(), is_calibrated.load()});
+        clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+      }
+    });
+    auto opened = HidDevice::open(std::make_unique<WarmBackend>(), hid.opener());
+    ASSERT_TRUE(opened) << opened.error().what;
+    device = std::move(*opened);
+  }
+  void TearDown() override {
+    device.reset();
+    ends = true;
+    reporter.join();
+  }
+  // As of a new read.
+  DeviceCondition condition() {
+    (void)device->read(SteadyClock().now_ns());
+    return device->condition();
+  }
+  void expect_the_means_to_turn_it_off() const {
+    EXPECT_EQ(page->means.load(), CutMeans::hid);
+    EXPECT_EQ(page->generation.load() % 2, 0U);
+    std::string path;
+    for (const auto& letter : page->path) {
+      if (letter.load() == '\0') break;
+      path += letter.load();
+    }
+    EXPECT_EQ(path, "/dev/hidraw-warm");
+    ASSERT_EQ(page->report_size.load(), 3U);
+    EXPECT_EQ(page->report[0].load(), 7);
+    EXPECT_EQ(page->report[1].load(), 0) << "no force";
+    EXPECT_EQ(page->report[2].load(), 9);
+  }
+
+  FakeHid hid{warm_description()};
+  std::atomic<std::uint8_t> temperature_percent = 20, is_calibrated = 1;
+  std::atomic<bool> ends = false;
+  std::thread reporter;
+  const std::unique_ptr<HeartbeatPage> page = std::make_unique<HeartbeatPage>();
+  std::unique_ptr<HidDevice> device;
+};
+
+TEST_F(GuardedHid, ThePageGetsItsNodeAndTheReportThatTurnsItOff) {
+  device->use_heartbeat_page(*page);
+  expect_the_means_to_turn_it_off();
+}
+
+// It may have another node then.
+TEST_F(GuardedHid, ThePageGetsThemAnewWhenItIsPluggedInAgain) {
+  device->use_heartbeat_page(*page);
+  const std::uint32_t before = page->generation.load();
+  page->set_means(CutMeans::none);
+  hid.unplug();
+  hid.plug_in();
+  ASSERT_TRUE(wait_until([&] { return page->generation.load() > before && page->generation.load() % 2 == 0; }));
+  expect_the_means_to_turn_it_off();
+}
+
+// By that the governor judges whether the motors are too hot.
+TEST_F(GuardedHid, SaysHowWarmItsMotorsAreAndWhetherItIsCalibrated) {
+  EXPECT_TRUE(wait_until([&] { return std::abs(condition().motor_temperature - 0.2) < 1e-9 && condition().is_calibrated; }));
+  temperature_percent = 95;
+  is_calibrated = 0;
+  EXPECT_TRUE(wait_until([&] { return std::abs(condition().motor_temperature - 0.95) < 1e-9 && !condition().is_calibrated; }));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,111 @@
+// Messages that a newer one of their kind overtook on the network, and a hand that begins inside a body: on simulated time, with a hub.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include "haptics_node/reply_loop.h"
+#include "tests/haptics_node/reply_loop_stage.h"
+#include "tests/support/made_scene.h"
+
+namespace hapton {
+namespace {
+
+class ReplyLoopOvertaken : public ReplyLoopStage {
+ protected:
+  ReplyLoopOvertaken() {
+    loop_.set_patch_sender(&patches_);
+    for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) exchange();
+    exchange();
+  }
+
+  ForceCommand exchange() {
+    send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = Vec3(0.01, 0.01, 0.001)});
+    loop_.turn(clock_.now_ns() + kMs);
+    receive_at_hub();
+    return force_;
+  }
+  void take(const Message& message) override {
+    if (const auto* got = std::get_if<ForceCommand>(&message)) force_ = *got;
+  }
+  // What is sent next comes first.
+  void send_late(const Message& message) {
+    network_.set_impairments({.delay_ns = 3 * kMs});
+    send(message);
+    network_.set_impairments({});
+  }
+
+  const TouchScene scene_ = scene_of(made::sheet(0.1, 0.0, 6));
+  HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_), scene_), 1e-5};
+  MethodBuilder builder_{{}, scene_};
+  PatchSender patches_{scene_, 0.0, 42, true};
+  ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}};
+  ForceCommand force_;
+  std::uint64_t sample_ = 0;
+};
+
+TEST_F(ReplyLoopOvertaken, AViewDoesNotTurnTheSceneBack) {
+  ASSERT_EQ(client_.state(), JoinState::joined);
+  ViewTransform raised{.revision = 1};
+  raised.X_WS[11] = 0.003F;
+  send_late(raised);
+  send(ViewTransform{.revision = 2});
+  for (int n = 0; n < 10; ++n) EXPECT_EQ(exchange().force_n, Vec3::Zero()) << "nothing is where the hand is";
+  EXPECT_EQ(step_.view().revision, 2U);
+  EXPECT_EQ(step_.counts().views_applied, 1U);
+}
+
+// A hub that has the parts would be taken for one that has none, and an object lifted off them.
+TEST_F(ReplyLoopOvertaken, AStatusSaysNothingOfTheHub) {
+  ASSERT_EQ(client_.state(), JoinState::joined);
+  send_late(PatchStatus{.is_wanted = false, .request = 5});
+  send(PatchStatus{.is_wanted = true, .request = 5});
+  for (int n = 0; n < 10; ++n) {
+    exchange();
+    EXPECT_TRUE(patches_.is_requested(hub_.session()));
+  }
+}
+
+class ReplyLoopInside : public ReplyLoopStage {
+ protected:
+  ReplyLoopInside() {
+    loop_.set_inside_watch(&inside_);
+    for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) exchange(Vec3::Zero());
+  }
+
+  void exchange(const Vec3& hand) {
+    send(DeviceState{.sample = ++sample_, .sample_time_ns = clock_.now_ns(), .p_WD = hand});
+    loop_.turn(clock_.now_ns() + kMs);
+    receive_at_hub();
+  }
+  void take(const Message& message) override {
+    if (const auto* got = std::get_if<SceneFacts>(&message)) is_said_ = got->is_hand_inside;
+  }
+  // Stays there until the hub knows it. The watch lives in real time.
+  bool is_said_to_be(bool inside, const Vec3& hand) {
+    for (int n = 0; n < 6000 && is_said_ != inside; ++n) {
+      exchange(hand);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return is_said_ == inside;
+  }
+
+  const TouchScene scene_ = scene_of(made::box(Vec3::Constant(-0.02), Vec3::Constant(0.02)), {.two_sided = false});
+  HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_), scene_), 1e-5};
+  MethodBuilder builder_{{}, scene_};
+  InsideWatch inside_{scene_};
+  ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}, false, {.given_hash = 9}};
+  bool is_said_ = false;
+  std::uint64_t sample_ = 0;
+};
+
+TEST_F(ReplyLoopInside, AHandThatBeginsInABodyIsSaidUntilItIsOut) {
+  ASSERT_EQ(client_.state(), JoinState::joined);
+  EXPECT_TRUE(is_said_to_be(true, Vec3::Zero()));
+  for (double z = 0.0; z < 0.03; z += 0.001) exchange(Vec3(0, 0, z));
+  EXPECT_TRUE(is_said_to_be(false, Vec3(0, 0, 0.03)));
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,138 @@
+// Where a force comes from, when it is of, and who else holds the device, in the loop of the device.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/force/force_fade.h"
+#include "io_node/device_loop.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+// Does not move. It may take its time to be read, and within_write is called once, in the middle of the next write.
+class TimedDevice final : public Device {
+ public:
+  explicit TimedDevice(SimulatedClock& clock) : clock_(clock) {
+    limits_ = {8.0, 2000.0, 1000.0, Vec3::Constant(-0.1), Vec3::Constant(0.1)};
+    written_n.reserve(10'000);
+  }
+  std::string_view name() const noexcept override { return "timed"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t now_ns) noexcept override {
+    clock_.advance_ns(read_takes_ns);
+    return {now_ns, Vec3(0.01, 0.02, 0.03), Quat::Identity(), 0, true};
+  }
+  void write(const Wrench& wrench, std::int64_t) noexcept override {
+    if (const auto once = std::exchange(within_write, nullptr)) once();
+    written_n.push_back(wrench.force_n);
+  }
+  bool cut() noexcept override { return is_cut = true; }
+  void restore() noexcept override { is_cut = false; }
+  DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
+
+  std::int64_t read_takes_ns = 0;
+  std::function<void()> within_write;
+  std::vector<Vec3> written_n;
+  bool is_cut = false;
+
+ private:
+  SimulatedClock& clock_;
+  DeviceLimits limits_;
+};
+
+// The force of the device side, as the test gives it.
+struct GivenTouch final : LocalTouch {
+  std::optional<LocalForce> step(const DeviceSample&) noexcept override { return force; }
+  std::optional<LocalForce> force;
+};
+
+struct DeviceLoopSources : testing::Test {
+  void make() { loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{}); }
+  void run(int cycles, const std::optional<Vec3>& reply_n = std::nullopt) {
+    for (int n = 0; n < cycles; ++n) {
+      clock.sleep_until_ns(loop->tick_ns());
+      loop->begin_cycle();
+      ASSERT_TRUE(loop->run_cycle());
+      for (DeviceCycle reported; loop->take_cycle(reported);) newest = reported;
+      clock.advance_ns(100 * kUs);
+      if (reply_n) loop->post({{.force_n = *reply_n}, newest.sample.time_ns});
+    }
+  }
+  // By a patch that gives 2 N.
+  void press_by_patch() {
+    make();
+    loop->set_local_touch(&local);
+    local.force = LocalForce{.force_n = Vec3(0, 0, 2), .contact = true};
+    run(300);
+    ASSERT_NEAR(force_n(), 2.0, 1e-9);
+  }
+  double force_n() const { return device.written_n.back().norm(); }
+
+  SimulatedClock clock;
+  TimedDevice device{clock};
+  GivenTouch local;
+  std::unique_ptr<DeviceLoop> loop;
+  DeviceCycle newest;
+  static constexpr double kShareOfAStep = 1e-3 / ForceFade::kInContactS;
+};
+
+// The governor alone would let it rise by 2 N at once.
+TEST_F(DeviceLoopSources, WhereAnotherPatchTakesOverTheDifferenceFades) {
+  ASSERT_NO_FATAL_FAILURE(press_by_patch());
+  local.force->force_n.z() = 3.0;
+  local.force->is_handed_over = true;
+  run(1);
+  EXPECT_NEAR(force_n(), 2.0 + kShareOfAStep, 1e-6);
+  local.force->is_handed_over = false;
+  run(49);
+  EXPECT_NEAR(force_n(), 2.5, 1e-6);
+  run(60);
+  EXPECT_NEAR(force_n(), 3.0, 1e-9);
+}
+
+// The same where the two are known for one sample: just their difference fades.
+TEST_F(DeviceLoopSources, AKnownDifferenceOfTwoPatchesFades) {
+  ASSERT_NO_FATAL_FAILURE(press_by_patch());
+  local.force->force_n.z() = 3.0;
+  local.force->difference_n = Vec3(0, 0, -1);
+  run(1);
+  EXPECT_NEAR(force_n(), 2.0 + kShareOfAStep, 1e-6);
+  local.force->difference_n.setZero();
+  run(110);
+  EXPECT_NEAR(force_n(), 3.0, 1e-9);
+}
+
+// How long it was read is not how old its force is.
+TEST_F(DeviceLoopSources, ASampleIsOfTheTimeAtWhichTheDeviceReturnedIt) {
+  make();
+  device.read_takes_ns = 300 * kUs;
+  run(10);
+  EXPECT_EQ(newest.sample.time_ns, newest.tick_ns + 300 * kUs);
+  EXPECT_EQ(loop->collect_stats().device_read.max_ns(), 300 * kUs);
+}
+
+// The session ends while the network side is displaced in the middle of a write, and does not come back.
+TEST_F(DeviceLoopSources, AtTheEndANetworkSideThatIsStuckDoesNotKeepTheForceEither) {
+  for (const bool finishes : {false, true}) {
+    make();
+    device.is_cut = false;
+    run(200, Vec3(0, 0, 2));
+    ASSERT_NEAR(force_n(), 2.0, 1e-9);
+    device.within_write = [&] {
+      clock.advance_ns(kCommandTimeoutNs);
+      EXPECT_FALSE(finishes ? loop->finish() : loop->hold()) << "the claim is taken";
+    };
+    loop->post({{.force_n = Vec3(0, 0, 2.5)}, newest.sample.time_ns + 1});
+    EXPECT_TRUE(device.is_cut) << finishes;
+  }
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,62 @@
+// What a servo is given reaches the device side.
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/io_node/servo_fixture.h"
+
+namespace hapton {
+namespace {
+
+TEST_F(Servos, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAway) {
+  device.down = 0;
+  make({.clutch_button = 2});
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  ASSERT_EQ(device.written.back().force_n, force_reply.force_n);
+  device.down = 2;
+  run(1);
+  const Vec3 held = device.place;
+  device.drift = Vec3(-1e-4, 0, 0);
+  run(50);
+  EXPECT_EQ(states.back().p_WD, held);
+  EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
+}
+
+// The hand goes where the force pushes it, so it would get energy all the time.
+TEST_F(Servos, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
+  device.drift = Vec3(0, 0, 1e-4);
+  make({.passive = PassivityController::Mechanics{.mass_kg = 0.1}});
+  join(kHaptics, NodeRole::haptics);
+  run(200);
+  EXPECT_GT(stats().forces, 150U);
+  EXPECT_GT(stats().governor.counters.kept_passive, 100U);
+  EXPECT_LT(stats().max_force_n, 0.1);
+}
+
+TEST_F(Servos, ATorqueReachesTheMotorsWithinItsOwnLimitOrNotAtAll) {
+  device.give_torque(0.2);
+  force_reply.torque_nm = Vec3(0.1, 0, 0);
+  make({.tighter = {.max_torque_nm = 0.05}});
+  join(kHaptics, NodeRole::haptics);
+  run(300);
+  EXPECT_NEAR(stats().max_torque_nm, 0.05, 1e-9);
+  make({.forbids_torque = true});
+  run(300);
+  EXPECT_EQ(stats().max_torque_nm, 0.0);
+  EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
+}
+
+TEST_F(Servos, AMissedCycleThatStopsTheSessionIsRecordedAsItsFault) {
+  RecordingTap tap;
+  make({.overrun = OverrunPolicy::stop}, nullptr, &tap);
+  run(100);
+  EXPECT_TRUE(tap.faults.empty());
+  clock.advance_ns(3 * kMs);
+  run(2);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::overrun});
+  peers.set_tap(nullptr);
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,151 @@
+// Which session gives way when the places are taken, and what a node sends, to whom, and under a flood.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/link/sealed_hub_fixture.h"
+
+namespace hapton::sealed_hub {
+namespace {
+
+class SealedPlaces : public SealedHubTest {
+ protected:
+  // Haptics nodes that have joined; theirs are the fewest places.
+  void join_haptics(std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      nodes_.push_back(make_haptics(static_cast<std::uint8_t>(10 + i)));
+      ASSERT_NO_FATAL_FAILURE(join(*nodes_.back()));
+    }
+  }
+  std::unique_ptr<Node> make_haptics(std::uint8_t host) { return make_node(host, key_of(1), KeyRole::haptics); }
+  // All of them but these go on.
+  void live_without(std::initializer_list<std::size_t> silent, int ms) {
+    std::vector<Node*> others;
+    for (std::size_t n = 0; n < nodes_.size(); ++n) {
+      if (std::find(silent.begin(), silent.end(), n) == silent.end()) others.push_back(nodes_[n].get());
+    }
+    live(others, ms);
+  }
+
+  static constexpr std::size_t kPlacesOfHaptics = SealedHub::kRolePlaces[0];
+  std::vector<std::unique_ptr<Node>> nodes_;
+};
+
+// However long ago it joined: else whoever has the role's key ends the session of the node that holds the hand.
+TEST_F(SealedPlaces, ASessionInUseKeepsItsPlace) {
+  join_haptics(kPlacesOfHaptics);
+  live_without({}, 3000);
+  const auto late = make_haptics(200);
+  say(*late, "any room?");
+  EXPECT_TRUE(meet(*late).empty());
+  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  for (const auto& node : nodes_) EXPECT_TRUE(reply(*node, "you stay"));
+}
+
+TEST_F(SealedPlaces, TheOneThatIsSilentLongestMakesRoom) {
+  join_haptics(kPlacesOfHaptics);
+  live_without({5}, 300);
+  live_without({5, 3}, 300);
+  live_without({5, 3, 6}, 2200);
+  const auto late = make_haptics(200);
+  join(*late);
+  for (std::size_t n = 0; n < nodes_.size(); ++n) EXPECT_EQ(reply(*nodes_[n], "are you there?"), n != 5) << n;
+}
+
+// Its reply was lost, or it is gone: its place is none for ever.
+TEST_F(SealedPlaces, ASessionThatWasNeverUsedMakesRoomForTheNext) {
+  join_haptics(kPlacesOfHaptics - 1);
+  const auto ghost = make_haptics(100);
+  say(*ghost, "boo");
+  hub_receives();         // its request gets a cookie
+  node_receives(*ghost);  // requests with the cookie
+  hub_receives();         // gets a reply
+  clock_.advance_ns(5 * kMs);
+  const auto late = make_haptics(200);
+  join(*late);
+  for (const auto& node : nodes_) EXPECT_TRUE(reply(*node, "you stay"));
+  node_receives(*ghost);  // has a session, and sends what waited
+  EXPECT_TRUE(hub_receives().empty());
+  EXPECT_EQ(hub_->seal_counts().unknown_session, 1U);
+}
+
+// An address is given to another program once nothing comes from it; what the hub sends there is for that one alone.
+TEST_F(SealedPlaces, AnAddressThatIsSilentForLongMayBecomeAnotherRoles) {
+  auto haptics = make_haptics(2);
+  join(*haptics);
+  haptics.reset();
+  clock_.advance_ns(SealedHub::kIdleNs - 20 * kMs);  // join takes 20 ms after the last datagram
+  const auto vision = make_node(2);
+  say(*vision, "hello");
+  EXPECT_TRUE(meet(*vision).empty());
+  EXPECT_GT(hub_->seal_counts().no_place, 0U);
+  clock_.advance_ns(2 * SealedClient::kRequestPeriodNs);
+  EXPECT_EQ(meet(*vision).count("hello"), 1U);
+  EXPECT_TRUE(reply(*vision, "welcome"));
+  EXPECT_EQ(node_receives(*vision), std::vector<std::string>{"welcome"});
+}
+
+// --- nodes
+
+// Who repeats a cookie from the hub's address gets no flood of requests out of a node, with a key pair for each.
+TEST_F(SealedPlaces, ARepeatedCookieIsWorthOneRequest) {
+  const auto node = make_node(2);
+  say(*node, "first");
+  hub_receives();        // its request gets a cookie
+  node_receives(*node);  // requests with the cookie
+  const Bytes cookie = node->endpoint.arrived().back().bytes;
+  ASSERT_EQ(classify_sealed(cookie).kind, seal::Kind::retry);
+  ASSERT_EQ(node->endpoint.sent(), 2U);
+  for (int times = 0; times < 50; ++times) node->endpoint.put_in(hub_at_, cookie);
+  EXPECT_TRUE(node_receives(*node).empty());
+  EXPECT_EQ(node->endpoint.sent(), 2U);
+  EXPECT_EQ(node->sealed.seal_counts().wrong_key, 0U) << "it is the hub's";
+  EXPECT_EQ(meet(*node).count("first"), 1U);
+}
+
+TEST_F(SealedPlaces, AFloodHoldsNoPollOfANode) {
+  const auto node = make_node(2);
+  join(*node);
+  for (int i = 0; i < 1000; ++i) node->endpoint.put_in(hub_at_, Bytes(40, std::byte{1}));
+  std::array<std::byte, kMaxDatagramBytes> into;
+  EXPECT_EQ(node->sealed.receive(into, 0).bytes, 0U);
+  EXPECT_GT(node->sealed.seal_counts().rejected(), 0U);
+  EXPECT_LE(node->sealed.seal_counts().rejected(), 64U);
+  ASSERT_TRUE(reply(*node, "through it all"));
+  EXPECT_GT(node->sealed.receive(into, clock_.now_ns() + 5 * kMs).bytes, 0U);
+  EXPECT_EQ(node->sealed.seal_counts().rejected(), 1000U);
+}
+
+// The hub was started again, and somebody else floods in its name: there is always something to receive.
+TEST_F(SealedPlaces, AFloodDoesNotKeepANodeFromLookingForItsHub) {
+  const auto node = make_node(2);
+  join(*node);
+  clock_.advance_ns(10'000 * kMs);
+  const std::size_t before = node->endpoint.sent();
+  for (int i = 0; i < 200; ++i) node->endpoint.put_in(hub_at_, Bytes(40, std::byte{1}));
+  std::array<std::byte, kMaxDatagramBytes> into;
+  EXPECT_EQ(node->sealed.receive(into, 0).bytes, 0U);
+  EXPECT_EQ(node->endpoint.sent(), before + 1);
+}
+
+TEST_F(SealedPlaces, ANodeSendsToItsHubAloneAndOnlyWhatFits) {
+  const auto node = make_node(2);
+  const Bytes most(seal::kMaxPayloadBytes, std::byte{1});
+  const Bytes too_long(seal::kMaxPayloadBytes + 1, std::byte{1});
+  EXPECT_FALSE(node->sealed.send(hub_at_, too_long)) << "nor is it kept for the session";
+  EXPECT_FALSE(node->sealed.send(memory_address(3, 9), most));
+  EXPECT_EQ(node->endpoint.sent(), 0U);
+  EXPECT_TRUE(node->sealed.send(hub_at_, most));
+  EXPECT_EQ(meet(*node).count(words(most)), 1U);
+  EXPECT_FALSE(node->sealed.send(hub_at_, too_long));
+  EXPECT_TRUE(hub_receives().empty());
+}
+
+}  // namespace
+}  // namespace hapton::sealed_hub

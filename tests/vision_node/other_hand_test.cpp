@@ -1,0 +1,150 @@
+#include "vision_node/other_hand.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "link/hub_peers.h"
+#include "link/memory_endpoint.h"
+#include "tests/support/log_of.h"
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+// The other hand and its hub, turning by turns, a millisecond at a time.
+struct OtherHandTest : testing::Test {
+  OtherHandTest() { start_hub(1); }
+  void start_hub(std::uint64_t session) { hub.emplace(*hub_endpoint, clock, session, 1000.0); }
+
+  void run(int turns, const Pose& X_WS) {
+    for (int n = 0; n < turns; ++n) {
+      clock.advance_ns(kMs);
+      take_messages();
+      hand.update(X_WS, clock.now_ns());
+      take_messages();
+    }
+  }
+  void take_messages() {
+    if (!hub) return;
+    Datagram datagram;
+    std::uint64_t before = 0;
+    do {
+      before = hub->counts().received;
+      if (hub->receive(datagram, 0).kind != PeerEvent::Kind::message) continue;
+      if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) views.push_back(*view);
+      if (const auto* ack = std::get_if<FrameAck>(&datagram.message)) acks.push_back(*ack);
+    } while (hub->counts().received != before);
+  }
+  void say(const Message& message) { ASSERT_EQ(hub->send_to_role(NodeRole::vision, message), 1U); }
+  bool wants_picture() { return hand.wants_picture(sizes, screen, kPicture); }
+
+  static constexpr PictureSize kPicture{640, 720};
+  static constexpr double kMaxRateHz = 50.0;
+  SimulatedClock clock;
+  MemoryNetwork network{clock};
+  std::unique_ptr<Endpoint> hub_endpoint = *network.open(memory_address(1, 4950));
+  std::unique_ptr<Endpoint> endpoint = *network.open(memory_address(2, 0));
+  std::optional<HubPeers> hub;
+  HubClient client{*endpoint, clock, NodeRole::vision, hub_endpoint->local_address()};
+  OtherHand hand{client, Quat::Identity(), kMaxRateHz};
+  Framing framing = frame_sphere(Vec3::Zero(), 0.12, 0.063);
+  StereoScreen screen = compute_screen(framing, kPicture);
+  ProbeSizes sizes = scale_probe(framing);
+  const Pose turned = Dials{Vec3(0.0, 30.0, 0.0)}.compute_pose(Vec3::Zero());
+  std::vector<ViewTransform> views;
+  std::vector<FrameAck> acks;
+};
+
+TEST_F(OtherHandTest, ItsHubGetsThePoseOfTheSceneUntilItHasIt) {
+  run(5, turned);
+  ASSERT_EQ(client.state(), JoinState::joined);
+  ASSERT_EQ(views.size(), 1U);
+  EXPECT_EQ(views[0].X_WS, to_twelve_floats(turned));
+  say(ProbeState{.sample = 1});  // of no view: it got lost
+  run(60, turned);
+  EXPECT_EQ(views.size(), 2U);
+  say(ProbeState{.sample = 2, .view_revision = views.back().revision});
+  run(200, turned);
+  EXPECT_EQ(views.size(), 2U);
+  run(1, Pose::Identity());
+  ASSERT_EQ(views.size(), 3U);
+  EXPECT_EQ(views.back().X_WS, to_twelve_floats(Pose::Identity()));
+}
+
+TEST_F(OtherHandTest, ItsPosesCountOnFromAViewOfAnotherNode) {
+  run(5, turned);
+  ASSERT_EQ(views.size(), 1U);
+  say(ViewTransform{.revision = 9});
+  run(1, turned);
+  run(1, Pose::Identity());
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views.back().revision, 10U) << "the hub would ignore a smaller one";
+}
+
+TEST_F(OtherHandTest, APoseThatItsHubRejectsIsNotRepeated) {
+  run(5, turned);
+  ASSERT_EQ(views.size(), 1U);
+  const std::string log = log_of([&] {
+    say(ViewRejected{views[0].revision});
+    say(ProbeState{.sample = 1});
+    run(200, turned);
+  });
+  EXPECT_EQ(views.size(), 1U);
+  EXPECT_NE(log.find("rejected view transform"), std::string::npos) << log;
+}
+
+TEST_F(OtherHandTest, AHubThatIsBackGetsThePoseAgain) {
+  run(5, turned);
+  ASSERT_EQ(views.size(), 1U);
+  const std::string log = log_of([&] {
+    hub.reset();
+    run(5, turned);
+    start_hub(2);
+    run(150, turned);
+  });
+  EXPECT_NE(log.find("the other hand's hub has ended its session"), std::string::npos) << log;
+  EXPECT_NE(log.find("joined the other hand's hub"), std::string::npos) << log;
+  ASSERT_EQ(views.size(), 2U);
+  EXPECT_EQ(views.back().X_WS, to_twelve_floats(turned));
+}
+
+TEST_F(OtherHandTest, EachStateIsAcknowledgedOnce) {
+  run(5, turned);
+  EXPECT_FALSE(hand.shown());
+  EXPECT_FALSE(wants_picture()) << "nothing came";
+  say(ProbeState{.sample = 5, .sample_time_ns = 77, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});
+  run(1, turned);
+  ASSERT_TRUE(wants_picture());
+  ASSERT_TRUE(hand.shown());
+  EXPECT_NEAR(hand.shown()->p_WP.x(), 0.01, 1e-6);
+  clock.advance_ns(2 * kMs);
+  const std::int64_t start_ns = clock.now_ns();
+  clock.advance_ns(8 * kMs);
+  hand.end_frame(start_ns, clock.now_ns(), 40.0, sizes, screen, kPicture);
+  run(1, turned);
+  ASSERT_EQ(acks.size(), 1U);
+  EXPECT_EQ(acks[0].echo_sample, 5U);
+  EXPECT_EQ(acks[0].echo_sample_time_ns, 77);
+  EXPECT_EQ(acks[0].frame_rate_hz, 40.0F);
+  EXPECT_EQ(acks[0].held_ns, 10 * kMs) << "from its arrival to the end of the frame";
+  EXPECT_EQ(acks[0].rest_ns, 12 * kMs) << "from there until the next frame may begin";
+  EXPECT_FALSE(acks[0].unchanged);
+  // The same place again: no picture, and a picture for the other hub's hand says nothing more.
+  say(ProbeState{.sample = 6, .sample_time_ns = 78, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});
+  run(1, turned);
+  EXPECT_FALSE(wants_picture());
+  hand.end_frame(clock.now_ns(), clock.now_ns() + kMs, 40.0, sizes, screen, kPicture);
+  run(1, turned);
+  ASSERT_EQ(acks.size(), 2U);
+  EXPECT_EQ(acks[1].echo_sample, 6U);
+  EXPECT_TRUE(acks[1].unchanged);
+  EXPECT_FALSE(wants_picture());
+}
+
+}  // namespace
+}  // namespace hapton

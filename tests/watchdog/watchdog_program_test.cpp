@@ -1,0 +1,124 @@
+// hapton_watchdog beside a node that hangs or ends with a force on its motors: what happens to the device, and what is said.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "tests/support/patience.h"
+#include "tests/support/scratch_folder.h"
+#include "watchdog/watchdog_supervisor.h"
+
+namespace hapton {
+namespace {
+
+constexpr std::array<std::uint8_t, 4> kOffReport = {2, 0, 5, 7};
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+struct WatchedNode : testing::Test {
+  void SetUp() override {
+    ASSERT_TRUE(memory.make());
+    folder.write("hidraw", "");
+    folder.write("said", "");
+  }
+  void TearDown() override {
+    if (node <= 0) return;
+    ::kill(node, SIGKILL);
+    ::waitpid(node, nullptr, 0);
+  }
+  // A process of its own, which gets a watchdog as io_node does, and then a force; its end, or that it hangs, comes at once.
+  void run_node(bool ends) {
+    node = ::fork();
+    ASSERT_GE(node, 0);
+    if (node > 0) return;
+    ::alarm(120);  // should the test itself have been ended
+    ::dup2(::open(said.c_str(), O_WRONLY | O_TRUNC), STDERR_FILENO);
+    WatchdogSupervisor watchdog;
+    const bool is_started = watchdog.start(memory, std::filesystem::path(HAPTON_BIN_DIR) / "hapton_watchdog", 0).has_value();
+    if (!is_started || !wait_until([&] { return memory.page().watchdog_beat_ns.load() != 0; })) ::_exit(1);
+    const std::int64_t now_ns = SteadyClock().now_ns();
+    memory.page().heartbeat_ns = now_ns;
+    memory.page().force_sample_ns = now_ns;
+    if (ends) ::_exit(0);
+    for (;;) ::pause();
+  }
+  // Its two threads have a handle each, both from the beginning of the file on.
+  std::size_t reports() const { return std::filesystem::file_size(hidraw) / kOffReport.size(); }
+  std::size_t times_said(const std::string& words) const {
+    const std::string text = text_of(said);
+    std::size_t times = 0;
+    for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1)) ++times;
+    return times;
+  }
+
+  ScratchFolder folder;
+  const std::string hidraw = (folder.path() / "hidraw").string();
+  const std::string said = (folder.path() / "said").string();
+  HeartbeatMemory memory;
+  pid_t node = 0;
+};
+
+TEST_F(WatchedNode, WhileItHangsItsDeviceIsTurnedOffAgainAndAgain) {
+  memory.page().set_hid(hidraw, kOffReport);
+  run_node(false);
+  ASSERT_TRUE(wait_until([&] { return reports() >= 20 && times_said("io_node is frozen") > 0; })) << reports() << text_of(said);
+  EXPECT_EQ(text_of(hidraw).substr(0, 4), std::string({2, 0, 5, 7}));
+  EXPECT_EQ(memory.page().cuts.load(), 1U);
+  EXPECT_EQ(memory.page().is_cut.load(), 1U);
+  EXPECT_EQ(times_said("released the force (device off)"), 1U) << text_of(said);
+}
+
+// One more force may have been on its way.
+TEST_F(WatchedNode, WhenItHasEndedItsDeviceIsTurnedOffThreeTimes) {
+  memory.page().set_hid(hidraw, kOffReport);
+  run_node(true);
+  ASSERT_TRUE(wait_until([&] { return times_said("io_node has ended") > 0; })) << reports() << text_of(said);
+  EXPECT_GE(reports(), 3U);
+  EXPECT_EQ(memory.page().cuts.load(), 1U);
+}
+
+TEST_F(WatchedNode, ThatHoldsAVendorsLibraryIsKilledWhenItHangs) {
+  memory.page().set_means(CutMeans::kill);
+  run_node(false);
+  int status = 0;
+  ASSERT_TRUE(wait_until([&] { return ::waitpid(node, &status, WNOHANG) == node; }));
+  node = 0;
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL) << status;
+}
+
+// A script in its place, which says with what it was started.
+TEST(WatchdogWords, AreTheNodesProcessAndThePriorityAtEachStart) {
+  const ScratchFolder folder;
+  const std::filesystem::path words = folder.path() / "words";
+  const std::filesystem::path script = folder.write("watchdog", "#!/bin/sh\necho \"$@\" > " + words.string() + ".new\nmv " +
+                                                                    words.string() + ".new " + words.string() + "\nexec sleep 60\n");
+  std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+  HeartbeatMemory memory;
+  ASSERT_TRUE(memory.make());
+  WatchdogSupervisor watchdog;
+  ASSERT_TRUE(watchdog.start(memory, script, 7));
+  EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(words); }));
+  EXPECT_EQ(text_of(words), fmt::format("{} 7\n", ::getpid()));
+  std::filesystem::remove(words);
+  // It has no heartbeat, so it counts as one that hangs.
+  EXPECT_TRUE(wait_until([&] { return watchdog.restart_if_dead(SteadyClock().now_ns()).has_value(); }));
+  EXPECT_TRUE(wait_until([&] { return std::filesystem::exists(words); }));
+  EXPECT_EQ(text_of(words), fmt::format("{} 7\n", ::getpid()));
+  ::kill(watchdog.id(), SIGKILL);
+  ::waitpid(watchdog.id(), nullptr, 0);
+}
+
+}  // namespace
+}  // namespace hapton
