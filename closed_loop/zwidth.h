@@ -34,7 +34,8 @@ struct ZWidth {
 // What the passivity of the case depends on.
 PassivityCase make_passivity_case(const ZWidthCase& loop) noexcept;
 
-// Exact for the linear loop (stability.h, passivity.h). Pre: rate_hz > 0, the rest >= 0. RT: no.
+// Exact for the linear loop (stability.h), except as passivity.h says. Pre: rate_hz, mass_filter_s and the masses of the device > 0, the
+// rest >= 0. RT: no.
 ZWidth find_zwidth(const ZWidthCase& loop);
 
 }  // namespace hapton

@@ -95,7 +95,8 @@ function(hapton_source_level level)
 endfunction()
 
 # hapton_join_sources(NAME): compiles a target's sources several at a time, where that is asked for: what they include is read once for all.
-# Names in anonymous namespaces have to differ within a folder.
+# Names in anonymous namespaces have to differ within the target, also from names in headers that its other files include: a new file shifts
+# which files are joined.
 function(hapton_join_sources name)
   if(HAPTON_JOIN_SOURCES)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)

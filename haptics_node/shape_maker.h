@@ -32,9 +32,9 @@ struct RejectedShape {
   HapticsSetup::Text why = {};
 };
 
-// Makes shapes of one object ready, beside the loop that replies to the device: that loop gives the newest one, and takes the stage to it
-// when the surface may begin to move there. Until it is taken, a newer one takes its place. A stage begins where the one that was taken
-// before ends.
+// Makes shapes of one object ready, beside the loop that replies to the device: the loop passes in the newest shape, and takes the
+// finished stage when the surface may start to move towards it. Until it is taken, a newer one takes its place. A stage begins where the
+// one that was taken before ends.
 //
 // RT: draft, publish, take, give_back and take_rejection yes; the rest set-up only. Threads: these one, work() another.
 class ShapeMaker {
@@ -45,13 +45,13 @@ class ShapeMaker {
   ShapeMaker(const ShapeMaker&) = delete;
   ShapeMaker& operator=(const ShapeMaker&) = delete;
 
-  // To be filled, with as many displacements as it has, and published: the newest counts.
+  // To be filled, without changing the number of displacements, and published: the newest counts.
   WantedShape& draft() noexcept { return wanted_.draft(); }
   void publish() noexcept { wanted_.publish_draft(); }
 
   // The newest that is ready; null: none, or what was given back last still waits to be destroyed. The surface has to take it.
   std::unique_ptr<MadeShape> take() noexcept;
-  // What is used no more, to be destroyed. Pre: once for each that was taken, at most.
+  // Returns a shape that is no longer used; work() destroys it. Pre: at most once between two calls of take() that give something.
   void give_back(std::unique_ptr<MadeShape> made) noexcept { retired_.store(made.release(), std::memory_order_release); }
   // The newest that the surface cannot take, once; null: none.
   const RejectedShape* take_rejection() noexcept { return rejections_.take() ? &rejections_.value() : nullptr; }

@@ -114,7 +114,7 @@ bool PatchBuilder::is_in_use(std::size_t link) const noexcept {
   return link < store_.begin().body_count;
 }
 
-// True: the hand has moved.
+// True: a sample of the hand has come.
 bool PatchBuilder::build_where_due() {
   bool has_hand = false;
   for (std::size_t link = 0; link < makers_.size(); ++link) {

@@ -28,11 +28,12 @@ struct PatchBuilderCounts {
   double stages_s = 0.0;        // in which they were made, those that failed included
 };
 
-// Builds patches from the parts of the scene that have come, around the hand, in a thread of its own: that one keeps the parts, too.
+// Builds patches from the parts of the scene that have come, around the hand, in a thread of its own, which also stores the parts.
 //
 // The haptics node decides how many shapes come, and which patches fail. So stages to shapes take at most kStageShare of the time, and
-// patches of one body that fail at most kFailureShare, beyond a burst; both wait where there are more.
-// RT: push, clear, take_status and counts yes; making one and ending it is set-up only. Threads: one, the network side's.
+// patches of one body that fail at most kFailureShare, beyond a burst; work beyond that waits.
+// RT: push, push_shape, take_shape_request, clear, take_status, status and counts yes; making one and ending it is set-up only. Threads:
+// one, the network side's.
 class PatchBuilder {
  public:
   static constexpr double kStageShare = 0.5;
@@ -54,7 +55,7 @@ class PatchBuilder {
   std::optional<ShapeStatus> take_shape_request() noexcept;
   // Another haptics node: what came is of no use any more. False: no room, call again.
   bool clear() noexcept;
-  // What has come since the last clear(). True: more than at the last call.
+  // What has come since the last clear(). True: there is a new status.
   bool take_status() noexcept { return statuses_.take(); }
   PatchStatus status() const noexcept { return statuses_.value().cleared == clears_ ? statuses_.value().status : PatchStatus(); }
   const PatchBuilderCounts& counts() noexcept {
@@ -102,13 +103,13 @@ class PatchBuilder {
   std::uint32_t generation_ = 0;
   std::uint32_t cleared_ = 0;
   std::uint32_t epoch_ = 0;
-  std::vector<PatchMaker> makers_;      // by link of the chain
+  std::vector<PatchMaker> makers_;      // by body
   bool are_bodies_offered_ = false;     // of this epoch
   std::uint32_t material_version_ = 0;  // as offered
   std::vector<ShapeStatus> requests_;
   PatchBuilderCounts told_;
   WorkShare stage_work_{kStageShare, kStageBurstNs};
-  std::vector<WorkShare> failed_work_;  // by link
+  std::vector<WorkShare> failed_work_;  // by body
   float shape_s_per_vertex_ = 0.0F;     // PatchStatus
   bool has_made_stage_ = false;         // since the last status
 

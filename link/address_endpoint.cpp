@@ -145,7 +145,8 @@ Result<Address> parse_address(std::string_view text, std::uint16_t default_port)
   udp::resolver resolver(context);
   const auto found = resolver.resolve(parts->host, "", error);
   if (error || found.empty()) {
-    return fail("address '{}': host '{}' is not known ({}); check the spelling or give its IP address", text, parts->host, error.message());
+    const std::string why = error ? error.message() : "no address";
+    return fail("address '{}': host '{}' is not known ({}); check the spelling or give its IP address", text, parts->host, why);
   }
   const auto v4 = std::find_if(found.begin(), found.end(), [](const auto& e) { return e.endpoint().address().is_v4(); });
   const auto best = v4 != found.end() ? v4 : found.begin();

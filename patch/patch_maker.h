@@ -27,7 +27,7 @@ class PatchMaker {
 
   // Takes the position of the hand. Pre: times of one clock, in ascending order.
   void note_hand(const PatchHandState& hand) noexcept;
-  // Takes the duration from the request of the newest patch until the device loop got it.
+  // Takes the time from the start of making the newest patch until it was offered to the device loop.
   void note_made(double seconds) noexcept;
   // Forgets the newest patch, for a new scene.
   void forget() noexcept {

@@ -10,8 +10,9 @@
  *   hapton_device   (HAPTON_DEVICE)   io_node --device plugin:FILE.so[:KEY=VALUE,...]
  *
  * Units: m, s, N, Nm, rad. Frames: W is the world (x right, y up, z towards the person), S the scene as its file has it.
- * Quaternions: w, x, y, z. Real time: step, read and write are called once a sample by the thread that serves the device: they must not
- * wait, use the heap, lock or print. create, open, close and destroy may. No two calls of one object overlap.
+ * Quaternions: w, x, y, z. Real time: step and read are called once a sample; write when the force changes or a new one has come, by
+ * either of two threads, never at once. They must not wait, use the heap, lock or print. create, open, close and destroy may. No two calls
+ * of one object overlap.
  * An object is made by create or open, and given to each later call. It is opaque to Hapton.
  */
 

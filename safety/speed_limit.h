@@ -6,9 +6,9 @@
 
 namespace hapton {
 
-// Keeps forces from accelerating a fast device. Above kSoftShare of max_speed, the force along the motion decreases and damping increases
-// linearly; at max_speed there is no force along the motion. Beyond max_speed (is_exceeded) the governor latches a fault. Frame W, SI
-// units. RT: yes.
+// Keeps forces from accelerating a fast device. Above kSoftShare of max_speed, the part of the force that pushes along the motion decreases
+// and damping increases, both linearly; at max_speed that part is zero. From max_speed on (is_exceeded) the governor latches a fault. Frame
+// W, SI units. RT: yes.
 class SpeedLimit {
  public:
   // A choice: max_speed is about twice the speed of fast arm movements (model_a.h), so ordinary motion stays below the soft limit.

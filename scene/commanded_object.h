@@ -16,8 +16,8 @@ struct ObjectPlace {
   Quat q_FM = Quat::Identity();
 };
 
-// An object of a scene that programs may move: where a pose in the terms of its scene file is in S. RT: all but construction. Threads:
-// const calls from any number.
+// An object of a scene that programs may move: converts position_m and rotation of its scene file to a pose in S, and back. RT: all but
+// construction. Threads: const calls from any number.
 class CommandedObject {
  public:
   // mesh: as touched at rest, in S after `fit`. Pre: object.motion.by_program.
@@ -34,7 +34,7 @@ class CommandedObject {
   // The inverse: what place() puts there.
   ObjectPlace find_place(const Keyframe& at) const noexcept;
 
-  // The same mesh bounds, and the same requests lead to the same places.
+  // The same pivot, radius and fit, and the same requests lead to the same places.
   bool operator==(const CommandedObject& other) const noexcept;
 
  private:

@@ -24,15 +24,17 @@ class PairCollider {
   virtual std::string name() const = 0;
   virtual std::string what() const = 0;  // for people: what is timed
   virtual bool is_peer() const = 0;      // not ours
-  // Does the timed work from `first` of the given pairs on. Pre: first and count are multiples of 8.
+  // The timed work: collides pairs first to first + count - 1. Pre: first and count are multiples of 8.
   virtual void collide(std::size_t first, std::size_t count) = 0;
-  // How far, as a part of the smaller triangle, the contact found last for a pair is from the exact one; negative: it found none.
+  // The distance of the contact found last for a pair from the exact one, over the longest edge of the smaller triangle; negative: it found
+  // none.
   virtual double location_error(std::size_t pair) const = 0;
   // The number of pairs that a fast algorithm passed to a slower one.
   virtual std::size_t asked_again() const { return 0; }
 };
 
-// Scalar, eight at once from prepared blocks, eight at once from meshes, and what there is of FCL.
+// Eight at once from prepared blocks, the same from double corners, one by one, and FCL's two if it was built in. Pre: the pairs outlive
+// the colliders; their number is a multiple of 8; each pair intersects in exactly two points (intersect_extended).
 std::vector<std::unique_ptr<PairCollider>> make_pair_colliders(const std::vector<TrianglePair>& pairs);
 
 // FCL's two algorithms, empty if it was not built in. The first is its triangle test alone, the second fcl::collide on two meshes.
@@ -43,14 +45,14 @@ struct HaptonResult {
   std::string name;
   std::string what;
   bool is_peer = false;
-  double p50_haptons = 0.0;  // half of the batches were as fast
+  double p50_haptons = 0.0;  // half of the batches were at least as fast
   double p99_haptons = 0.0;  // 99 % of the batches were
   double best_haptons = 0.0;
   std::size_t batches = 0;
   std::size_t checked = 0;   // pairs compared with extended precision in this run: all of them
   std::size_t missed = 0;    // of those, found apart
   std::size_t off = 0;       // of those, located worse than 0.1 %
-  double worst_error = 0.0;  // of the located contacts, as a share of the smaller triangle
+  double worst_error = 0.0;  // of the located contacts, over the longest edge of the smaller triangle
   std::size_t asked_again = 0;
 
   bool holds() const { return missed == 0 && off == 0; }

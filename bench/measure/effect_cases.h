@@ -28,7 +28,7 @@ inline double brightness_at(double u, double v) {
   return 0.5 + 0.25 * (std::sin(kTurn * u) + std::sin(kTurn * v));
 }
 
-// The first one: none. RT: set-up only.
+// The first case has no effect. RT: set-up only.
 std::vector<EffectCase> make_effect_cases(const TriangleMesh& mesh);
 
 }  // namespace hapton

@@ -22,7 +22,7 @@ std::array<Vec3, 3> corners_of(const TriangleMesh& mesh, std::size_t i) {
   return {mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2)};
 }
 
-// Everything that is not brute force collects candidates and lets these two decide.
+// Everything that is not brute force (but Fdh::nearest) collects candidates and lets these two decide.
 struct FirstHit {
   const TriangleMesh& mesh;
   const Vec3& from;

@@ -32,6 +32,7 @@ TriangleMesh crop_to_cube(const TriangleMesh& mesh, std::span<const std::uint32_
     for (int axis = 0; axis < 3; ++axis) {
       for (const double sign : {-1.0, 1.0}) polygon = cut(polygon, axis, sign, half_side);
     }
+    if (polygon.size() < 3) continue;
     const auto first = static_cast<std::uint32_t>(close.vertices.size());
     close.vertices.insert(close.vertices.end(), polygon.begin(), polygon.end());
     for (std::uint32_t k = 2; k < polygon.size(); ++k) close.triangles.push_back({first, first + k - 1, first + k});

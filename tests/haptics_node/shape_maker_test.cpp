@@ -104,7 +104,7 @@ TEST_F(ShapeMakerTest, StagesFollowOnFromEachOtherWithAThread) {
     ++shape;
     give(shape, 1e-4F * static_cast<float>(shape % 100));
     std::unique_ptr<MadeShape> made;
-    // The last one given comes in the end.
+    // Every third shape is waited for.
     for (int look = 0; made == nullptr && look < 200'000; ++look) {
       made = maker_.take();
       if (made == nullptr && shape % 3 != 0) break;

@@ -88,16 +88,26 @@ TEST(PatchBuilder, MakesNoneOfAPart) {
   BuilderStage stage;
   stage.send(PatchBegin{0, 0, stage.tiled.grid.origin_m, stage.tiled.grid.step_m, 0.0, 7});
   stage.send(stage.tiled.tiles.front());
-  for (int n = 0; n < 50; ++n) {
-    EXPECT_FALSE(stage.step_until([](const std::optional<LocalForce>&) { return true; }) && stage.builder.counts().built > 0);
-  }
+  ASSERT_TRUE(stage.step_until([&](const auto&) {
+    (void)stage.builder.take_status();
+    return stage.builder.status().newest_serial == 2;
+  }));
+  // A few times as long as the builder sleeps when it is idle.
+  int cycles = 0;
+  bool has_force = false;
+  EXPECT_TRUE(stage.step_until([&](const std::optional<LocalForce>& force) {
+    has_force = has_force || force.has_value();
+    return ++cycles == 150;
+  }));
+  EXPECT_FALSE(has_force);
+  EXPECT_EQ(stage.builder.counts().built, 0U);
 }
 
 TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
-  // Asked for, but not done: at once.
+  // The request alone ends the force, before the builder has cleared.
   stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clears = 1});
   stage.time_ns += kMs;
   EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
@@ -154,7 +164,7 @@ struct ShapedStage {
     is_felt = local.step({time_ns, Vec3(0, 0, -0.0005), Quat::Identity(), 0, true}).has_value();
     std::this_thread::sleep_for(wait);
   }
-  // Shape after shape, each of which the surface has at once.
+  // Sends the next shape, with a motion of zero duration.
   void send_shape() {
     ++serial;
     const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, serial % 2 == 0 ? 0.0F : 1e-6F});
@@ -206,22 +216,28 @@ TEST(PatchBuilder, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
   ASSERT_GE(stage.builder.counts().stages, 1U);
   stage.began_ns = stage.clock.now_ns();
   const double before_s = stage.builder.counts().stages_s;
-  double worst = 0.0;
+  double sum_s = 0.0;
+  double longest_s = 0.0;
+  double worst_s = 0.0;
   std::uint64_t made = 0;
   for (int idle = 0; stage.seconds() < 5.0; ++idle) {
-    // The next one comes while one is being made; the ring has room for no more.
+    // One at a time: the ring holds little more than one shape.
     const std::uint64_t stages = stage.builder.counts().stages;
     if (std::exchange(made, stages) != stages || idle > 200) {
       stage.send_shape();
       idle = 0;
     }
     stage.cycle(std::chrono::milliseconds(1));
+    // Before the time, so that no stage ends between the two.
+    const double now_s = stage.builder.counts().stages_s - before_s;
+    longest_s = std::max(longest_s, now_s - std::exchange(sum_s, now_s));
     const double most_s = 1e-9 * static_cast<double>(PatchBuilder::kStageBurstNs) + PatchBuilder::kStageShare * stage.seconds();
-    worst = std::max(worst, stage.builder.counts().stages_s - before_s - most_s);
+    worst_s = std::max(worst_s, now_s - most_s);
   }
   const PatchBuilderCounts counts = stage.builder.counts();
   EXPECT_GT(counts.stages, 3U) << "it goes on";
-  EXPECT_LT(worst, 0.3) << "above its share by no more than the stage that was being made";
+  // Two: one that was being made at the beginning counts as well. The bound is in stages and not in seconds, so it holds on any machine.
+  EXPECT_LE(worst_s, 2.0 * longest_s) << "above its share by no more than the stages that were being made";
   RecordProperty("stages", static_cast<int>(counts.stages));
   RecordProperty("stages_ms", static_cast<int>(1e3 * (counts.stages_s - before_s)));
 }

@@ -8,8 +8,9 @@ namespace hapton {
 namespace {
 
 constexpr std::uint64_t kReportSession = 5;
+constexpr std::size_t kPartBytes = ReportPart{}.text.size();
 
-struct Desks : testing::Test {
+struct ReportServerTest : testing::Test {
   SimulatedClock clock{1'000'000'000};
   ScriptedEndpoint endpoint{clock};
   HubPeers peers{endpoint, clock, kReportSession, 1000.0};
@@ -32,7 +33,7 @@ struct Desks : testing::Test {
   std::string text(std::size_t n) const { return {reported.at(n).second.text.data(), reported.at(n).second.size}; }
 };
 
-TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
+TEST_F(ReportServerTest, AFreshReportIsWaitedForAndHandedOutInParts) {
   const std::size_t tool = join(1);
   report_server.accept(tool, {ReportDocument::json, 0, 0});
   report_server.serve(peers);
@@ -40,7 +41,7 @@ TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
   EXPECT_TRUE(report_server.take_request());
   EXPECT_FALSE(report_server.take_request());
 
-  const std::string json = std::string(896, 'a') + std::string(896, 'b') + "c";
+  const std::string json = std::string(kPartBytes, 'a') + std::string(kPartBytes, 'b') + "c";
   report_server.publish(json, "csv");
   report_server.serve(peers);
   report_server.serve(peers);
@@ -61,7 +62,7 @@ TEST_F(Desks, AFreshReportIsWaitedForAndHandedOutInParts) {
   EXPECT_FALSE(report_server.take_request());
 }
 
-TEST_F(Desks, AReaderOfAnOldReportGetsTheBeginningOfTheNewOne) {
+TEST_F(ReportServerTest, AReaderOfAnOldReportGetsTheBeginningOfTheNewOne) {
   const std::size_t tool = join(1);
   report_server.publish(std::string(2000, 'a'), "");
   report_server.serve(peers);
@@ -74,7 +75,7 @@ TEST_F(Desks, AReaderOfAnOldReportGetsTheBeginningOfTheNewOne) {
   EXPECT_EQ(text(0), "new");
 }
 
-TEST_F(Desks, OneDatagramACycleGoesToAllRequestersInTurn) {
+TEST_F(ReportServerTest, OneDatagramACycleGoesToAllRequestersInTurn) {
   const std::size_t first = join(1);
   const std::size_t second = join(2);
   report_server.publish("text", "");
@@ -86,7 +87,7 @@ TEST_F(Desks, OneDatagramACycleGoesToAllRequestersInTurn) {
   EXPECT_NE(reported[0].first, reported[1].first);
 }
 
-TEST_F(Desks, InvalidRequestsGetNoReply) {
+TEST_F(ReportServerTest, InvalidRequestsGetNoReply) {
   const std::size_t tool = join(1);
   report_server.publish("text", "");
   report_server.accept(tool, {ReportDocument::json, 1, 7});

@@ -123,8 +123,8 @@ class TouchTest(unittest.TestCase):
             hapton.TouchStep(make_wall(), probe_radius=0.002)
         with self.assertRaisesRegex(TypeError, "shading has another type"):
             hapton.TouchStep(make_wall(), shading="much")
-        with self.assertRaisesRegex(ValueError, "'penalty' is not known"):
-            hapton.TouchStep(make_wall(), method="penalty")
+        with self.assertRaisesRegex(ValueError, "'magic' is not known"):
+            hapton.TouchStep(make_wall(), method="magic")
 
     def test_rejects_what_cannot_be(self):
         touch = hapton.TouchStep(make_wall())

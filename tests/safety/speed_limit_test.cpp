@@ -29,7 +29,7 @@ TEST(SpeedLimit, BelowTheSoftLimitTheForceStays) {
   EXPECT_TRUE(SpeedLimit::is_soft(kFastest, 1.21));
 }
 
-// Half way between 0.6 of the limit and the limit: half of what pushes along the motion goes, half of the damping comes.
+// Half way between 0.6 of the limit and the limit: half of the pushing part is removed and half of the damping is added.
 TEST(SpeedLimit, TakesAwayWhatPushesAlongTheMotionAndNothingElse) {
   const MotionMonitor motion = moving_at(1.6);
   const Vec3 damped(-0.5 * kDamping * 1.6, 0.0, 0.0);
@@ -38,7 +38,7 @@ TEST(SpeedLimit, TakesAwayWhatPushesAlongTheMotionAndNothingElse) {
       << "what slows the device down stays";
 }
 
-TEST(SpeedLimit, AtTheLimitNothingPushesAndTheDeviceIsOutOfControl) {
+TEST(SpeedLimit, AtTheLimitNothingPushesAndItIsExceeded) {
   const Vec3 left = SpeedLimit::limit_force(kFastest, kDamping, Vec3(8.0, 0.0, 2.0), moving_at(2.0));
   EXPECT_LT((left - Vec3(-kDamping * 2.0, 0.0, 2.0)).norm(), 1e-9);
   EXPECT_TRUE(SpeedLimit::is_exceeded(kFastest, 2.0));

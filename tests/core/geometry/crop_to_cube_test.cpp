@@ -37,6 +37,15 @@ TEST(CloseUp, ShowsWhatLiesInTheCubeAndNothingElse) {
   EXPECT_NEAR(area_of(close_up_of(box, Vec3::Zero(), 0.75)), 6.0, 1e-12);
 }
 
+TEST(CloseUp, LeavesOutTrianglesThatOnlyTouchTheCube) {
+  TriangleMesh mesh;
+  mesh.vertices = {{0.25, 0.0, 0.0}, {0.25, 0.1, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.1, 0.1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};  // by an edge, by a corner
+  const TriangleMesh close = close_up_of(mesh, Vec3::Zero(), 0.25);
+  EXPECT_TRUE(close.triangles.empty());
+  EXPECT_TRUE(close.vertices.empty());
+}
+
 TEST(CloseUp, KeepsTheSideThatATriangleFaces) {
   const TriangleMesh whole = make_icosphere(0.5, 3);
   const TriangleMesh close = close_up_of(whole, Vec3(0.5, 0.0, 0.0), 0.2);
