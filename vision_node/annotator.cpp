@@ -22,6 +22,13 @@ namespace {
 
 PutDown put_down_of(const ObjectPose& pose) { return {pose.object, pose.p_m, pose.q}; }
 
+// Numbered by the objects of another scene: by name, as those of a file.
+Result<Annotations> renumber(const Annotations& given, const Scene& from, const Scene& to) {
+  auto read = parse_annotations(write_annotations(given, from.given_hash), list_names(to), to.given_hash);
+  if (!read) return tl::unexpected(read.error());
+  return std::move(read->annotations);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Annotator>> Annotator::open(StereoView& view, const Scene& scene, double scene_radius_m,
@@ -83,15 +90,15 @@ void Annotator::change_scene(const Scene& scene, const CarvedObjects* carved, co
   ++own_revision_;
 }
 
-// By name, as those of a file.
 void Annotator::change_objects(const Scene& scene) {
   Annotations before = pen_.annotations();
   before.carved_before.clear();  // as the file had it: done_ knows
-  auto read = parse_annotations(write_annotations(before, scene_->given_hash), list_names(scene), scene.given_hash);
+  auto read = renumber(before, *scene_, scene);
   if (!read) log_warning("what was drawn is left out: {}", read.error().what);
   Annotations kept;
   kept.objects = list_names(scene);
-  if (read) kept = std::move(read->annotations);
+  if (read) kept = std::move(*read);
+  renumber_saved(std::move(before.objects), scene);
   const bool is_saved = saved_entries_ == pen_.entries_revision();
   pen_.replace(std::move(kept));
   if (is_saved) saved_entries_ = pen_.entries_revision();
@@ -102,6 +109,16 @@ void Annotator::change_objects(const Scene& scene) {
   moves_.clear();
   request_.reset();
   held_ = -1;
+}
+
+// The carves of the file may be others than those that it began with, which are the pen's.
+void Annotator::renumber_saved(std::vector<std::string> objects, const Scene& scene) {
+  Annotations saved;
+  saved.objects = std::move(objects);
+  saved.carved = std::move(saved_carved_);
+  auto read = renumber(saved, *scene_, scene);
+  if (!read) log_warning("what was carved is left out: {}", read.error().what);
+  saved_carved_ = read ? std::move(read->carved) : std::vector<CarvedPress>();
 }
 
 // The point of the drawn surface that is closest to the probe: of a ball its surface, not its centre, and where the surface felt differs

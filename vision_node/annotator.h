@@ -90,6 +90,7 @@ class Annotator {
   std::optional<AnnotatedSurfaces::Touched> find_touched(const ProbeState& state, const Pose& X_WS);
   bool has_marks() const { return !pen_.annotations().entries.empty() || pen_.current() != nullptr || pen_.first_end(); }
   void change_objects(const Scene& scene);
+  void renumber_saved(std::vector<std::string> objects, const Scene& scene);
   void show_objects();
   void show_current();
   const Annotations& place_entries();

@@ -130,12 +130,12 @@ int run(VisionOptions& options) {
   const auto hub = parse_address(options.hub);
   if (!hub) return give_up(hub.error());
   if (const int code = check(options); code != 0) return code;
-  const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
-  if (!key) return give_up(key.error());
   const auto head = open_head_tracker(options);
   if (!head) return give_up(head.error());
   SteadyClock clock;
   if (!options.session.empty()) return show_recording(options, head->get(), clock, stop);
+  const auto key = find_role_key(options.key_file, *hub, KeyRole::vision);
+  if (!key) return give_up(key.error());
   auto headset = connect_headset(options);
   if (!headset) return give_up(headset.error());
   const auto scene_path = find_scene(options.scene);

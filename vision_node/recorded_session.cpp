@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -64,10 +65,10 @@ Result<void> RecordedSession::run(const StopSignal& stop) {
   window_.step().request_redraw();  // draw again: prepare_shaders() hides the probe
   while (!quit_ && !stop.stop_requested() && clock_.now_ns() < end_ns) {
     clock_.sleep_until_ns(std::min(clock_.now_ns() + kRecordedTurnNs, end_ns));
-    if (auto attended = attend_window(); !attended) return attended;
+    std::string notice = attend_window();
     const bool has_control_changed = control_.take_changed();
     if (has_control_changed) window_.step().request_redraw();
-    const bool has_new_notice = show_notice();
+    const bool has_new_notice = show_notice(std::move(notice));
     if (player_.advance(clock_.now_ns()) || has_control_changed || has_new_notice) {
       if (auto shown = show_moment(); !shown) return shown;
     }
@@ -153,14 +154,16 @@ void RecordedSession::begin_export() {
   if (marks_ != nullptr) export_.begin({*scene_, marks_->placed(), marks_->X_SO(), carved_});
 }
 
-// True: the picture has another line.
-bool RecordedSession::show_notice() {
-  const bool is_new = notice_.update(export_.take_notice(), clock_.now_ns());
+// newest: empty if there is none. True: the picture has another line.
+bool RecordedSession::show_notice(std::string newest) {
+  if (std::string exported = export_.take_notice(); !exported.empty()) newest = std::move(exported);
+  const bool is_new = notice_.update(std::move(newest), clock_.now_ns());
   if (is_new) window_.step().request_redraw();
   return is_new;
 }
 
-Result<void> RecordedSession::attend_window() {
+// Returns a line for the picture; empty: there is none.
+std::string RecordedSession::attend_window() {
   const auto take = [this](const WindowEvent& event) {
     return control_.handle(event, view_.find_picture_pixel(event.x_px, event.y_px), view_.picture_size());
   };

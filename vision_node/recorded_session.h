@@ -43,7 +43,7 @@ class RecordedSession {
   void set_marks(const Scene& scene, RecordedMarks* marks);
 
   // Runs until the window is closed, --seconds are over, the screenshot of --at or the pictures of --frames are written, or a signal
-  // requests a stop. Error: a picture could not be written, or the file has changed.
+  // requests a stop. Error: a picture of --screenshot or --frames could not be written, or the file has changed.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return window_.step(); }
@@ -54,8 +54,8 @@ class RecordedSession {
   void show_carved();
   void compare_scene();
   void begin_export();
-  bool show_notice();
-  Result<void> attend_window();
+  bool show_notice(std::string newest);
+  std::string attend_window();
   bool wants_picture(std::int64_t now_ns);
   Result<void> draw_if_wanted();
   void draw();

@@ -49,6 +49,7 @@ void SceneLayers::place_object(std::size_t object, const Pose& X_SO, bool is_sho
 }
 
 void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& format) {
+  const GlStateGuard guard;
   const bool better = std::exchange(has_new_levels_, false) || painter_->take_levels();
   for (Layer& each : layers_) each.is_active = false;
   for (const ScenePass& pass : passes) {
@@ -56,7 +57,6 @@ void SceneLayers::prepare(std::span<const ScenePass> passes, const GlFormat& for
     here.is_active = true;
     const bool is_same = here.is_valid && same_pass(here.pass, pass) && here.shown.format() == format;
     if (is_same && (here.is_full || !better)) continue;
-    const GlStateGuard guard;
     here.pass = pass;
     here.shown.shape(pass.size, format);
     begin(here, here.shown);

@@ -13,8 +13,8 @@
 namespace hapton {
 
 // The static scene as each eye sees it, kept as a picture with depth: it is drawn again only when it looks different, in levels of detail
-// while it moves, and then in full detail, part by part, while only the probe moves. Threads: the window's; its context is current, at the
-// end as well.
+// while it moves, and then in full detail, part by part, while only the probe moves. Threads: the window's; its context is current, also
+// in the destructor.
 class SceneLayers {
  public:
   // Error: shaders that the driver rejects.
@@ -28,7 +28,7 @@ class SceneLayers {
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
   void replace_object(std::size_t object, std::vector<FlatLevel> levels);
 
-  // Draws one more part in full detail. True when all eyes' pictures are complete; from then on copy() shows them.
+  // Draws one more part in full detail. True when all eyes' pictures are complete; from then on copy_to_bound() shows them.
   bool refine();
   // Whether the pictures show less than full detail, and more could be drawn.
   bool wants_refining() const;
@@ -39,10 +39,12 @@ class SceneLayers {
   // unchanged.
   void copy_to_bound(Eye eye, int x, int y) const;
 
-  // The visible point of the scene at a pixel of the eye's picture, frame W; empty for background, or outside the picture.
+  // The visible point of the scene at a pixel (x, y) of the eye's picture, from the lower left corner. Frame W. Empty for the background,
+  // outside the picture, and where read_surface() is null.
   std::optional<Vec3> find_surface(Eye eye, int x, int y) const;
 
-  // The whole surface, read from the driver only when the eye's picture has changed. Null also while its edges are smoothed.
+  // The whole surface, read from the driver only when the eye's picture has changed. Null before the eye's first picture, after a change of
+  // an object until the next one, and with multisampling.
   std::shared_ptr<const VisibleDepth> read_surface(Eye eye);
 
   // How much of all levels of detail has been made, 0 to 1.
@@ -51,7 +53,7 @@ class SceneLayers {
   bool has_new_levels();
   // Of the newest picture drawn in levels, one eye's.
   const PaintCount& count() const { return count_; }
-  // Number of times an eye's picture of the scene has been drawn.
+  // Number of times an eye's picture of the scene has been drawn by prepare().
   std::uint64_t drawn() const { return drawn_; }
 
  private:

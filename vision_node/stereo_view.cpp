@@ -425,9 +425,9 @@ void StereoView::draw(std::function<void()> before_probe) {
 }
 
 bool StereoView::refine() {
+  window_->window->MakeCurrent();
   if (window_->layers->has_new_levels()) return true;
   if (!window_->layers->wants_refining()) return false;
-  window_->window->MakeCurrent();
   return window_->layers->refine();
 }
 

@@ -124,7 +124,8 @@ class StereoView {
   // The pixel of an eye's image that is shown at a pixel of the window; none if no image is shown there.
   std::optional<std::array<int, 2>> find_picture_pixel(int x_px, int y_px);
 
-  // The surface of the scene as the first eye sees it in the newest frame. Null before the first frame, and with msaa.
+  // The surface of the scene as the first eye sees it in the newest frame. Null before the first frame, after a change of an
+  // object until the next one, and with msaa.
   std::shared_ptr<const VisibleDepth> visible_depth();
 
   // Draws the scene and a probe with all its marks, but not into the window, so that the driver compiles all shaders: some 0.1 s, which the
@@ -142,7 +143,7 @@ class StereoView {
   double detail_progress() const;
   // Triangles drawn in the newest image of the scene, for one eye.
   const PaintCount& paint_count() const;
-  // Number of images of the scene drawn so far; each eye's counts.
+  // Number of images of the scene drawn so far by draw(); each eye's counts.
   std::uint64_t scenes_drawn() const;
 
   // The pixels of the newest frame.

@@ -1,6 +1,7 @@
 #include "vision_node/viewer_window.h"
 
 #include <numbers>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -82,9 +83,11 @@ void ViewerWindow::change_scene(TeachBuilder* teacher, bool is_view_new) {
 }
 
 void ViewerWindow::choose_teach(const UserRequests& requests) {
-  if (teacher_ == nullptr || !(requests.next_teach || requests.next_level)) return;
+  if (teacher_ == nullptr) return;
+  const TeachChoice before = teach_;
   if (requests.next_teach) teach_ = next_teach(teach_);
   if (requests.next_level) teach_ = next_level(teach_, teacher_->tree_depth());
+  if (teach_ == before) return;  // a tree of one level; nothing would be requested
   view_.teach_figure().hide();
   step_.set_teaching(teach_.view == TeachView::off ? std::string() : std::string(teach_name(teach_.view)) + ": being prepared");
 }
@@ -197,11 +200,15 @@ Result<void> ViewerWindow::take_screenshot(const std::filesystem::path& file) {
   return {};
 }
 
-Result<void> ViewerWindow::take_numbered_screenshot() {
+std::string ViewerWindow::take_numbered_screenshot() {
   std::filesystem::path name;
+  std::error_code ignored;
   do name = fmt::format("hapton_{:03}.png", ++screenshots_);
-  while (std::filesystem::exists(name));
-  return take_screenshot(name);
+  while (std::filesystem::exists(name, ignored));
+  const auto taken = take_screenshot(name);
+  if (taken) return {};
+  log_warning("{}", taken.error().what);
+  return "NO SCREENSHOT: " + taken.error().what;
 }
 
 }  // namespace hapton

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "core/base/result.h"
 #include "runtime/clock.h"
@@ -52,8 +53,8 @@ class ViewerWindow {
 
   // The picture has the texts, the probe and the force bar of the newest state. Error: a file that cannot be written.
   Result<void> take_screenshot(const std::filesystem::path& file);
-  // Writes hapton_001.png, or the next number that is free.
-  Result<void> take_numbered_screenshot();
+  // Writes hapton_001.png, or the next number that is free. Returns a line for the picture, why it cannot be written; empty: it is.
+  std::string take_numbered_screenshot();
 
  private:
   void handle_events(const TakeEvent& take, const FindSurface& find_surface);

@@ -54,6 +54,15 @@ VisionSession::VisionSession(StereoView& view, HubClient& hub, Clock& clock, con
       moment_(options.screenshot_moment) {}
 
 Result<void> VisionSession::run(const StopSignal& stop) {
+  Result<void> shown = show_until_end(stop);
+  // Whatever the end is: a person who draws must not lose it.
+  const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
+  if (shown) shown = take_last_screenshot();
+  if (!shown && !saved) log_error("{}", saved.error().what);
+  return shown ? saved : shown;
+}
+
+Result<void> VisionSession::show_until_end(const StopSignal& stop) {
   start_ns_ = clock_.now_ns();
   const std::int64_t end_ns = options_.seconds > 0.0 ? start_ns_ + static_cast<std::int64_t>(options_.seconds * 1e9) : INT64_MAX;
   // Before the hub is joined: what takes long only once delays no probe.
@@ -64,7 +73,7 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     is_for_headset_ = begin_headset_turn();
     receive_from_hub(is_for_headset_ ? 0 : std::min(clock_.now_ns() + kTurnNs, end_ns));
     follow_scene();
-    if (auto attended = attend_window(); !attended) return attended;
+    attend_window();
     // Before drawing: received states are fresh, so that a slow picture neither counts as a loss nor delays messages.
     send_pending();
     if (other_ != nullptr) other_->update(step_.scene_pose(), clock_.now_ns());
@@ -72,16 +81,18 @@ Result<void> VisionSession::run(const StopSignal& stop) {
     window_.refine_scene();
     lead_hand();
   }
-  const Result<void> saved = annotator_ != nullptr ? annotator_->finish() : Result<void>{};
-  if (!options_.screenshot.empty() && !moment_.taken()) {
-    draw(received_ns_ != reported_ns_);  // what has changed since the last frame is in it as well
-    if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
-    if (moment_.missed_contact()) {
-      log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
-               hub_.counts().joins == 0 ? "no hub replied" : "none was drawn for 0.3 s");
-    }
+  return {};
+}
+
+Result<void> VisionSession::take_last_screenshot() {
+  if (options_.screenshot.empty() || moment_.taken()) return {};
+  draw(received_ns_ != reported_ns_);  // what has changed since the last frame is in it as well
+  if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
+  if (moment_.missed_contact()) {
+    log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
+             hub_.counts().joins == 0 ? "no hub replied" : "none was drawn for 0.3 s");
   }
-  return saved;
+  return {};
 }
 
 // True: the headset waits for a frame.
@@ -146,9 +157,13 @@ void VisionSession::take_pose(const ObjectPose& pose) {
 void VisionSession::annotate(const UserRequests& requests) {
   if (annotator_ == nullptr) return;
   annotator_->handle(requests, view_.screen(), step_.workspace_centre());
-  if (notice_.update(annotator_->take_notice(), clock_.now_ns())) step_.set_happened(notice_.line());
   if (std::exchange(annotations_shown_, annotator_->revision()) == annotator_->revision()) return;
   step_.set_annotations(annotator_->describe());
+}
+
+// newest: empty if there is none.
+void VisionSession::show_notice(std::string newest) {
+  if (notice_.update(std::move(newest), clock_.now_ns())) step_.set_happened(notice_.line());
 }
 
 // Before the messages of the hub that was joined.
@@ -180,7 +195,7 @@ void VisionSession::receive_from_hub(std::int64_t deadline_ns) {
 }
 
 void VisionSession::take_scene(const SceneFacts& haptic_scene) {
-  step_.set_preparing(haptic_scene.preparing_s);
+  step_.set_preparing(haptic_scene.preparing_s, clock_.now_ns());
   haptic_hash_ = haptic_scene.given_hash;
   if (live_ != nullptr) live_->set_felt(haptic_hash_);
   compare_scene();
@@ -243,17 +258,18 @@ void VisionSession::compare_scene() {
   }
 }
 
-Result<void> VisionSession::attend_window() {
+void VisionSession::attend_window() {
   if (knobs_ != nullptr) step_.turn_dials(knobs_->take_turn_degrees(clock_.now_ns()));
   if (carved_ != nullptr && carved_->show()) step_.reshape_scene();
   const UserRequests requests = window_.poll_events({}, [this](const WindowEvent& event) { return find_surface(event); });
   quit_ = quit_ || requests.quit;
   if (requests.mark) marks_.press(clock_.now_ns());
   annotate(requests);
+  show_notice(annotator_ != nullptr ? annotator_->take_notice() : std::string());
   if (view_.mode() == StereoMode::openxr) move_in_headset(requests);
-  if (!requests.screenshot) return {};
+  if (!requests.screenshot) return;
   draw(received_ns_ != reported_ns_);
-  return window_.take_numbered_screenshot();
+  show_notice(window_.take_numbered_screenshot());
 }
 
 // There the head is where it is: the workspace moves instead.

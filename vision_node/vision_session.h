@@ -71,12 +71,15 @@ class VisionSession {
   // What is drawn on the scene and measured. Pre: it outlives the session.
   void set_annotator(Annotator* annotator) { annotator_ = annotator; }
 
-  // Runs until the window is closed, the time is over or a signal requests the stop. Error: a screenshot that could not be written.
+  // Runs until the window is closed, the time is over or a signal requests the stop, or the picture of --screenshot cannot be written;
+  // finishes the annotator in any case. Error: that picture, or what was drawn, could not be written; of both, one is a line in the log.
   Result<void> run(const StopSignal& stop);
 
   const VisionStep& step() const { return step_; }
 
  private:
+  Result<void> show_until_end(const StopSignal& stop);
+  Result<void> take_last_screenshot();
   void note_join();
   void receive_from_hub(std::int64_t deadline_ns);
   void take_states(std::int64_t deadline_ns);
@@ -91,7 +94,8 @@ class VisionSession {
   void follow_scene();
   void compare_scene();
   void compare_tool(std::uint64_t held_hash);
-  Result<void> attend_window();
+  void attend_window();
+  void show_notice(std::string newest);
   void send_pending();
   Result<void> draw_if_wanted();
   void draw(bool is_for_us);

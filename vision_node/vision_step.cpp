@@ -19,6 +19,9 @@ constexpr std::int64_t kHudRefreshNs = 100'000'000;
 // The hub repeats its view four times a second.
 constexpr std::int64_t kViewWaitNs = 600'000'000;
 
+// haptics_node repeats every 200 ms that it prepares its scene; one that is silent for this long has ended.
+constexpr std::int64_t kPreparingLifetimeNs = 3'000'000'000;
+
 // A scene that has not been turned for this long is at rest.
 constexpr std::int64_t kRestNs = 150'000'000;
 
@@ -151,7 +154,7 @@ std::optional<Message> VisionStep::take_message(std::int64_t now_ns) {
   return std::nullopt;
 }
 
-HudFacts VisionStep::hud_facts() const {
+HudFacts VisionStep::hud_facts(std::int64_t now_ns) const {
   HudFacts facts;
   facts.connected = connected_ && state_;
   if (state_) facts.state = *state_;
@@ -161,11 +164,14 @@ HudFacts VisionStep::hud_facts() const {
   facts.cull = cull_;
   facts.hand_held = interaction_.hand_active();
   facts.detail_progress = detail_progress_;
-  facts.preparing_s = preparing_s_;
+  if (now_ns - preparing_ns_ < kPreparingLifetimeNs) facts.preparing_s = preparing_s_;
   facts.is_other_scene = is_other_scene_;
   facts.is_other_tool = is_other_tool_;
   // The numbers of another scene's objects mean nothing here.
-  if (!is_other_scene_) facts.touched = describe_object(settings_.names, touched_object());
+  if (!is_other_scene_) {
+    facts.touched = describe_object(settings_.names, touched_object());
+    facts.held = describe_object(settings_.names, held_object_);
+  }
   facts.annotations = annotations_;
   facts.recording = recording_;
   facts.happened = happened_;
@@ -173,7 +179,6 @@ HudFacts VisionStep::hud_facts() const {
   facts.head = describe_head(head_.head(), settings_.head);
   facts.head_notice = head_notice_;
   facts.scene_problem = scene_problem_;
-  facts.held = describe_object(settings_.names, held_object_);
   facts.scene_across_m = 2.0 * settings_.scene_radius_m;
   facts.scene_away_m = (scene_pose() * settings_.p_SO - settings_.p_WC).norm();
   return facts;
@@ -203,7 +208,7 @@ bool VisionStep::wants_picture(std::int64_t now_ns, const Screen& where) {
     unseen_ = true;
   }
   if (!recorded_X_WS_ && plots_.wants_picture(now_ns)) return true;
-  return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts()) != hud_shown_;
+  return now_ns - hud_ns_ >= kHudPeriodNs && compose_hud(hud_facts(now_ns)) != hud_shown_;
 }
 
 std::string_view VisionStep::help() const {
@@ -212,7 +217,7 @@ std::string_view VisionStep::help() const {
 }
 
 VisionStep::Texts VisionStep::compose_texts(std::int64_t now_ns) {
-  const HudFacts facts = hud_facts();
+  const HudFacts facts = hud_facts(now_ns);
   hud_shown_ = compose_hud(facts);
   notice_shown_ = compose_notice(facts);
   hud_contact_ = contact();
@@ -252,7 +257,7 @@ std::optional<FrameAck> VisionStep::end_frame(std::int64_t start_ns, std::int64_
   }
   X_WS_shown_ = scene_pose();
   camera_shown_ = interaction_.camera();
-  moved_ = false;
+  moved_ = unseen_ = false;
   if (!state_) return std::nullopt;
   watch_.drawn(probe_shown(), where.sizes, where.screen, where.picture);
   FrameAck drawn{state_->sample, state_->sample_time_ns, static_cast<float>(frames_.recent_rate_hz())};

@@ -116,8 +116,11 @@ class VisionStep {
   UserRequests take_requests();
   // The mode of stereo is another one from now on.
   void set_stereo(std::string_view name, bool always_changing);
-  // haptics_node has been building its scene for this long; 0: it is done.
-  void set_preparing(double seconds) { preparing_s_ = seconds; }
+  // haptics_node has been building its scene for this long; 0: it is done. Counts until haptics_node has been silent for 3 s.
+  void set_preparing(double seconds, std::int64_t now_ns) {
+    preparing_s_ = seconds;
+    preparing_ns_ = now_ns;
+  }
   void set_detail_progress(double progress) { detail_progress_ = progress; }
 
   // The next message to send; call until empty: view transform, hand target.
@@ -165,6 +168,7 @@ class VisionStep {
     happened_ = std::move(line);
     request_redraw();
   }
+  const std::string& happened() const { return happened_; }
   // The line of a teaching view, see HudFacts; it has another picture.
   void set_teaching(std::string line) {
     teaching_ = std::move(line);
@@ -194,7 +198,7 @@ class VisionStep {
   bool may_send_view(std::int64_t now_ns);
   // Those that were given at the start go to the hub once.
   bool keeps_own_dials() const { return settings_.dials != Dials{} && sender_.sent() == 0; }
-  HudFacts hud_facts() const;
+  HudFacts hud_facts(std::int64_t now_ns) const;
   std::string_view help() const;
   bool has_head_moved(const Screen& where) const;
   ProbeShown probe_shown() const { return show_probe(*state_, settings_.stylus_lean); }
@@ -239,6 +243,7 @@ class VisionStep {
   std::int64_t scene_moved_ns_ = 0;
   double detail_progress_ = 1.0;
   double preparing_s_ = 0.0;
+  std::int64_t preparing_ns_ = 0;  // when it was set
   std::string hud_shown_;
   std::string notice_shown_;
   bool hud_contact_ = false;

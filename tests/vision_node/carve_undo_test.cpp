@@ -286,6 +286,27 @@ TEST_F(CarveUndoTest, CarvesOfTheFileStayWithoutAHapticsNodeThatHasThem) {
   EXPECT_EQ(saved().size(), 3U) << "both";
 }
 
+// As with --watch-scene: the new scene counts its objects anew, and its carves have not come yet.
+TEST_F(CarveUndoTest, CarvesOfTheFileStayOnTheirObjectInASceneOfOtherObjects) {
+  ASSERT_TRUE(view);
+  open();
+  carve();
+  annotator->handle({.save = true}, view->screen(), Vec3::Zero());
+  ASSERT_EQ(saved().size(), 1U);
+  Scene other = scene;
+  other.objects.insert(other.objects.begin(), scene.objects[0]);
+  other.objects[0].name = "mould";
+  ASSERT_TRUE(view->replace_scene(std::vector<ShownObject>(2, {scene.objects[0].mesh, {1, 0, 0}}), {}));
+  CarvedObjects next(*view, other);
+  annotator->change_scene(other, &next);
+  annotator->handle({.save = true}, view->screen(), Vec3::Zero());
+  annotator.reset();
+  const auto read = read_annotations(options.file, std::vector<std::string>{"mould", "clay"}, 7);
+  ASSERT_TRUE(read) << read.error().what;
+  ASSERT_EQ(read->annotations.carved.size(), 1U);
+  EXPECT_EQ(read->annotations.carved[0].object, 1);
+}
+
 TEST_F(CarveUndoTest, AKeyExportsWhatIsDrawnAndCarvedAndThePictureSaysWhere) {
   ASSERT_TRUE(view);
   options.export_folder = folder.path();

@@ -2,14 +2,18 @@
 // left with what is no longer drawn.
 #include "vision_node/flat_buffers.h"
 
+#include <chrono>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include <GL/glew.h>
 #include <gtest/gtest.h>
 
+#include "core/geometry/mesh_shapes.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/gl_target.h"
+#include "vision_node/scene_layers.h"
 #include "vision_node/scene_painter.h"
 
 namespace hapton {
@@ -143,6 +147,26 @@ TEST_F(DriverMemory, WhatIsSetInAScopeIsAsItWasAfterIt) {
   }
   EXPECT_EQ(read(), as_it_was);
   release(buffers);
+}
+
+// They come in the middle of a frame of VTK, also where no picture of the scene is drawn.
+TEST_F(DriverMemory, NewLevelsOfDetailLeaveWhatIsBound) {
+  const auto mesh = std::make_shared<TriangleMesh>(make_bumpy_sphere(0.05, 0.25, 15'000, 1));
+  auto layers = SceneLayers::make({ShownObject{.mesh = mesh}});
+  ASSERT_TRUE(layers) << layers.error().what;
+  // Five minutes at most, as wait_for_levels().
+  for (int n = 0; n < 30'000 && (*layers)->progress() < 1.0; ++n) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  GLuint buffer = 0;
+  glGenBuffers(1, &buffer);
+  glBindBuffer(GL_ARRAY_BUFFER, buffer);
+  const int held = count_objects();
+  (*layers)->prepare({}, {});
+  EXPECT_GT(count_objects(), held) << "levels have come";
+  GLint bound = 0;
+  glGetIntegerv(GL_ARRAY_BUFFER_BINDING, &bound);
+  EXPECT_EQ(static_cast<GLuint>(bound), buffer);
+  glBindBuffer(GL_ARRAY_BUFFER, 0);
+  glDeleteBuffers(1, &buffer);
 }
 
 }  // namespace

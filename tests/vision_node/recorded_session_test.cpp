@@ -19,6 +19,7 @@
 #include "scene/mesh_file.h"
 #include "scene/object_reader.h"
 #include "tests/session/opened_recording.h"
+#include "tests/vision_node/gone_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/recorded_surfaces.h"
 #include "vision_node/vision_session.h"
@@ -113,6 +114,22 @@ TEST(RecordedSession, ObeysKeysAndAPressOnTheLine) {
   EXPECT_TRUE(window.session->player().is_paused());
   EXPECT_EQ(window.session->player().speed(), 4.0);
   EXPECT_NEAR(window.session->player().moment_s(), 2.0, 0.03);
+}
+
+TEST(RecordedSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
+  VisionOptions options;
+  options.seconds = 30.0;  // it ends by the key
+  options.view.offscreen = false;
+  RecordedWindow window(options);
+  window.view->draw();
+  Person person;
+  ASSERT_TRUE(person.found());
+  for (const KeySym key : {XK_s, XK_q}) person.press_key(key);
+  const GoneFolder nowhere;
+  const auto ended = window.session->run(window.stop);
+  ASSERT_TRUE(ended) << ended.error().what;
+  const std::string& line = window.session->step().happened();
+  EXPECT_TRUE(line.starts_with("NO SCREENSHOT: cannot write the screenshot hapton_001.png")) << line;
 }
 
 Picture picture_of_view(const char* view) {

@@ -111,6 +111,26 @@ TEST(SceneLayers, AtRestTheSceneIsDrawnInFullDetailAndAsItWouldBeWithoutLevels) 
   EXPECT_LT(share_differing(moving, truth, 60), 0.02) << "and a level looks like the mesh";
 }
 
+// The driver keeps a level for one window alone.
+TEST(SceneLayers, LevelsThatAreReadyWhileAnotherWindowIsDrawnAreThoseOfTheirOwn) {
+  const std::vector<ShownObject> objects = {{bumpy(50'000), {0.6, 0.6, 0.6}}};
+  const ViewSettings settings = lit_settings(StereoMode::mono, 240, 240);
+  auto alone = open_or_fail(settings, objects);
+  ASSERT_TRUE(alone);
+  wait_for_levels(*alone);
+  alone->draw();
+  const Picture truth = alone->read_picture();
+  auto view = open_or_fail(settings, objects);
+  ASSERT_TRUE(view);
+  wait_for_levels(*view);
+  auto other = open_or_fail(plain_settings(StereoMode::mono, 64, 64), {});
+  ASSERT_TRUE(other);
+  other->draw();
+  ASSERT_TRUE(view->refine());
+  view->draw();
+  EXPECT_LT(share_differing(view->read_picture(), truth, 3), 0.002);
+}
+
 TEST(SceneLayers, AScreenshotIsInFullDetail) {
   auto view = open_or_fail(lit_settings(StereoMode::mono, 240, 240), {{bumpy(300'000), {0.6, 0.6, 0.6}}});
   ASSERT_TRUE(view);

@@ -202,8 +202,8 @@ struct RecordedProgram : testing::Test {
     recording.scene = HAPTON_SOURCE_DIR "/meshes/car_front_3300.obj";
     recording.scene_loading = to_code({.fit = MeshFit::workspace});
   }
-  Ended show(const std::string& arguments) {
-    return run_vision("--offscreen --size 320x180 --session " + recording.write(scratch).string() + " " + arguments);
+  Ended show(const std::string& arguments, const std::string& environment = "") {
+    return run_vision("--offscreen --size 320x180 --session " + recording.write(scratch).string() + " " + arguments, environment);
   }
 };
 
@@ -213,6 +213,15 @@ TEST_F(RecordedProgram, AMomentIsShownWithoutAHub) {
   EXPECT_TRUE(std::filesystem::exists(picture));
   EXPECT_NE(run.output.find("shown until 2.500 s of the recording"), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("the recording has another scene than the one shown"), std::string::npos) << run.output;
+}
+
+TEST_F(RecordedProgram, ItNeedsNoLinkKeyAndMakesNone) {
+  const std::string arguments = "--at 2.5 --screenshot " + picture.string();
+  const Ended homeless = show(arguments, "env -u HOME -u XDG_RUNTIME_DIR");
+  EXPECT_EQ(homeless.code, 0) << homeless.output;
+  const Ended run = show(arguments, "XDG_RUNTIME_DIR=" + scratch.path().string());
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "hapton"));
 }
 
 TEST_F(RecordedProgram, BadInputIsOneLine) {

@@ -11,7 +11,9 @@
 #include "link/hub_peers.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
+#include "tests/support/log_of.h"
 #include "tests/support/scratch_folder.h"
+#include "tests/vision_node/gone_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "tests/vrpn/made_tracker.h"
 
@@ -260,6 +262,77 @@ TEST(VisionSession, WithoutAHubItStillDrawsAndEndsInTime) {
   ASSERT_TRUE(vision.session->run(vision.stop));
   EXPECT_GE(vision.clock.now_ns() - begin, 300 * kNanosecondsPerMillisecond);
   EXPECT_GE(vision.session->step().frames().drawn(), 1u);
+}
+
+// A person has drawn a dot on the ball of a session that begins.
+struct DrawnDot {
+  explicit DrawnDot(Session& vision) {
+    scene.objects.push_back({"ball", make_marker(Vec3::Zero(), 0.03), {}, {}});
+    options.file = folder.path() / "notes.toml";
+    annotator = std::move(*Annotator::open(*vision.view, scene, 0.03, options, true));
+    vision.session->set_annotator(annotator.get());
+    ProbeState state;
+    state.p_WD = Vec3(0.0, 0.0, 0.03);
+    state.contact = true;
+    state.object = 0;
+    for (const std::uint32_t buttons : {0U, 2U, 0U}) {
+      state.buttons = buttons;
+      annotator->receive(state, Pose::Identity());
+    }
+  }
+
+  ScratchFolder folder;
+  Scene scene;
+  AnnotatorOptions options;
+  std::unique_ptr<Annotator> annotator;
+};
+
+VisionOptions with_impossible_screenshot(const char* moment) {
+  VisionOptions options;
+  options.seconds = 0.3;
+  options.screenshot = "/nowhere/a.png";
+  options.screenshot_moment = *ScreenshotMoment::parse(moment);
+  return options;
+}
+
+TEST(VisionSession, WhatIsDrawnIsSavedThoughTheScreenshotFails) {
+  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  for (const char* moment : {"0", "exit"}) {
+    Session vision(nobody->local_address(), with_impossible_screenshot(moment));
+    const DrawnDot drawn(vision);
+    const auto ended = vision.session->run(vision.stop);
+    ASSERT_FALSE(ended) << moment;
+    EXPECT_NE(ended.error().what.find("/nowhere/a.png"), std::string::npos) << ended.error().what;
+    EXPECT_TRUE(std::filesystem::exists(drawn.options.file)) << moment;
+  }
+}
+
+TEST(VisionSession, OfAScreenshotAndADrawingThatCannotBeWrittenBothAreReported) {
+  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  Session vision(nobody->local_address(), with_impossible_screenshot("exit"));
+  const DrawnDot drawn(vision);
+  std::filesystem::create_directory(drawn.options.file);  // it is in the way
+  Result<void> ended;
+  const std::string log = log_of([&] { ended = vision.session->run(vision.stop); });
+  ASSERT_FALSE(ended);
+  EXPECT_NE(ended.error().what.find("/nowhere/a.png"), std::string::npos) << ended.error().what;
+  EXPECT_NE(log.find(drawn.options.file.string()), std::string::npos) << log;
+}
+
+TEST(VisionSession, AScreenshotOfTheKeyThatFailsIsALineInThePicture) {
+  auto nobody = *open_udp_endpoint("127.0.0.1:0");
+  VisionOptions options;
+  options.seconds = 30.0;  // it ends by the key
+  Session vision(nobody->local_address(), options, true);
+  vision.view->draw();
+  Person person;
+  ASSERT_TRUE(person.found());
+  for (const KeySym key : {XK_s, XK_q}) person.press_key(key);
+  const GoneFolder nowhere;
+  const auto ended = vision.session->run(vision.stop);
+  ASSERT_TRUE(ended) << ended.error().what;
+  const std::string& line = vision.session->step().happened();
+  EXPECT_TRUE(line.starts_with("NO SCREENSHOT: cannot write the screenshot hapton_001.png")) << line;
 }
 
 testing::AssertionResult outlives_the_hub(double longer) {

@@ -15,13 +15,31 @@ TEST_F(VisionStepTest, TheHudSaysThatHapticsPreparesUntilTheHubIsLost) {
   ProbeState state = state_at(0.0, 1);
   state.status = ProbeStatus::no_haptics;
   step.receive(state);
-  step.set_preparing(2.0);
+  step.set_preparing(2.0, 0);
   EXPECT_NE(step.compose(0).hud.find("prepares the scene, 2 s"), std::string::npos);
   step.lost();
   step.joined();
   step.receive(state);
   step.request_redraw();
   EXPECT_EQ(step.compose(kMs).hud.find("prepares"), std::string::npos);
+}
+
+// It has ended meanwhile.
+TEST_F(VisionStepTest, AHapticsNodeThatHasBeenSilentForThreeSecondsPreparesNothing) {
+  VisionStep step(settings());
+  step.joined();
+  ProbeState state = state_at(0.0, 1);
+  state.status = ProbeStatus::no_haptics;
+  step.receive(state);
+  step.set_preparing(11.0, 0);
+  ASSERT_TRUE(turn(step, 0));
+  step.set_preparing(12.0, 1000 * kMs);
+  EXPECT_NE(step.compose(3999 * kMs).hud.find("prepares the scene, 12 s"), std::string::npos);
+  ASSERT_TRUE(step.wants_picture(4400 * kMs, where_)) << "though nothing moves";
+  const std::string hud = step.compose(4400 * kMs).hud;
+  EXPECT_NE(hud.find("no haptics_node replies"), std::string::npos) << hud;
+  step.set_preparing(1.0, 5000 * kMs);
+  EXPECT_NE(step.compose(5000 * kMs).hud.find("prepares the scene, 1 s"), std::string::npos) << "the next one";
 }
 
 TEST_F(VisionStepTest, ANoticeSaysHowFarAwayTheSceneIsAsItIsTurnedNow) {
@@ -63,6 +81,19 @@ TEST_F(VisionStepTest, TheHudNamesTheTouchedObjectOfTheSameScene) {
   step.set_other_scene(true);
   step.request_redraw();
   EXPECT_EQ(step.compose(3 * kMs).hud.find("hood"), std::string::npos) << "the numbers are those of another scene";
+}
+
+TEST_F(VisionStepTest, TheHudDoesNotNameWhatIsHeldInAnotherScene) {
+  VisionStepSettings with_names = settings();
+  with_names.names = {{"hood", "tin"}};
+  VisionStep step(with_names);
+  step.joined();
+  step.receive(state_at(0.0, 1));
+  step.set_held_object(0);
+  EXPECT_NE(step.compose(0).hud.find("holding hood"), std::string::npos);
+  step.set_other_scene(true);
+  step.request_redraw();
+  EXPECT_EQ(step.compose(kMs).hud.find("hood"), std::string::npos) << "the number is that of another object";
 }
 
 TEST_F(VisionStepTest, ATurnedKnobIsDrawnAndSentAndAStillOneIsNot) {
@@ -326,6 +357,20 @@ TEST_F(VisionStepTest, AnUnchangedStateIsReportedOnce) {
   ASSERT_TRUE(same);
   EXPECT_TRUE(same->unchanged);
   EXPECT_EQ(same->echo_sample, 42U);
+  EXPECT_FALSE(step.take_unseen());
+}
+
+TEST_F(VisionStepTest, OnlyAStateThatWasComparedIsReportedAsUnchanged) {
+  VisionStep step(settings());
+  step.joined();
+  step.receive(state_at(0.01, 41));
+  ASSERT_TRUE(turn(step, 0));
+  ProbeState state = state_at(0.01, 42);
+  state.round_trip_p99_us = 70.0F;
+  step.receive(state);
+  ASSERT_TRUE(turn(step, 500 * kMs)) << "it looks the same, but for the numbers in the corner";
+  step.receive(state_at(0.05, 43));
+  ASSERT_FALSE(turn(step, 501 * kMs)) << "too soon";
   EXPECT_FALSE(step.take_unseen());
 }
 

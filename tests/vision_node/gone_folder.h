@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <system_error>
+
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+
+// While it lives, the working folder is one that was removed: nobody can write there, not even root.
+class GoneFolder {
+ public:
+  GoneFolder() : before_(std::filesystem::current_path()) {
+    const ScratchFolder folder;
+    std::filesystem::current_path(folder.path());
+  }
+  ~GoneFolder() {
+    std::error_code ignored;
+    std::filesystem::current_path(before_, ignored);
+  }
+  GoneFolder(const GoneFolder&) = delete;
+  GoneFolder& operator=(const GoneFolder&) = delete;
+
+ private:
+  std::filesystem::path before_;
+};
+
+}  // namespace hapton

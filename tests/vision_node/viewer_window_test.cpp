@@ -1,0 +1,45 @@
+#include "vision_node/viewer_window.h"
+
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "scene/scene_file.h"
+#include "tests/support/patience.h"
+#include "tests/vision_node/made_views.h"
+
+// Last: it brings X's macros.
+#include "tests/vision_node/window_person.h"
+
+namespace hapton {
+namespace {
+
+// V with a tree of one level, or before there is a tree: the level stays 0.
+TEST(ViewerWindow, ALevelThatStaysTheSameKeepsItsTeachingView) {
+  VisionOptions options;
+  options.teach = {TeachView::grid, 0};
+  ViewSettings settings = plain_settings(StereoMode::mono, 320, 240);
+  settings.offscreen = false;
+  Scene scene;
+  scene.objects.push_back({"ball", make_marker(Vec3::Zero(), 0.03), {}, {}});
+  const auto view = open_or_fail(settings, {{scene.objects[0].mesh, {1, 0, 0}}});
+  ASSERT_TRUE(view);
+  view->draw();
+  SteadyClock clock;
+  ViewerWindow window(*view, clock, options);
+  TeachBuilder teacher(scene.touch_scene());
+  window.set_teacher(&teacher);
+  window.finish_teaching();
+  ASSERT_NE(window.step().compose(0).hud.find("cells occupied"), std::string::npos) << window.step().compose(0).hud;
+  Person person;
+  ASSERT_TRUE(person.found());
+  person.press_key(XK_v, ShiftMask);
+  person.press_key(XK_q);  // shows that the other key has come
+  ASSERT_TRUE(wait_until([&] { return window.poll_events({}, {}).quit; }));
+  window.finish_teaching();
+  const std::string hud = window.step().compose(1).hud;
+  EXPECT_NE(hud.find("cells occupied"), std::string::npos) << hud;
+}
+
+}  // namespace
+}  // namespace hapton
