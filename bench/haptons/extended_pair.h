@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/collision/triangle_pair.h"
 
@@ -45,8 +46,11 @@ inline ExtendedContact intersect_extended(const TrianglePair& pair) {
   return found;
 }
 
-// The larger distance of a contact's two ends from the two exact ones, whichever way round. Pre: exact.count == 2.
+// The larger distance of a contact's two ends from the two exact ones, whichever way round; infinity if an end is not finite. Pre:
+// exact.count == 2.
 inline double location_error(const TriangleContact& contact, const ExtendedContact& exact) {
+  // std::fmax and std::fmin would leave a NaN out.
+  if (!contact.begin.allFinite() || !contact.end.allFinite()) return std::numeric_limits<double>::infinity();
   const auto apart = [&](const Vec3& p, int i) { return static_cast<double>((p.cast<ExtendedContact::Real>() - exact.point[i]).norm()); };
   const double straight = std::fmax(apart(contact.begin, 0), apart(contact.end, 1));
   const double crossed = std::fmax(apart(contact.begin, 1), apart(contact.end, 0));

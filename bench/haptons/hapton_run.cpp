@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -131,13 +133,7 @@ HaptonResult judge(const PairCollider& collider, std::vector<double> batch_ns, c
   result.p99_haptons = haptons(at_quantile(batch_ns, 0.99));
   result.best_haptons = haptons(batch_ns.front());
   result.batches = batch_ns.size();
-  result.checked = settings.pairs.count;
-  for (std::size_t i = 0; i < settings.pairs.count; ++i) {
-    const double error = collider.location_error(i);
-    result.missed += error < 0.0 ? 1 : 0;
-    result.off += error > kHaptonAccuracy ? 1 : 0;
-    result.worst_error = std::max(result.worst_error, error);
-  }
+  count_errors(collider, settings.pairs.count, result);
   result.asked_again = collider.asked_again();
   return result;
 }
@@ -151,6 +147,17 @@ std::vector<std::unique_ptr<PairCollider>> make_pair_colliders(const std::vector
   colliders.push_back(std::make_unique<ScalarCollider>(pairs));
   for (auto& peer : make_fcl_colliders(pairs)) colliders.push_back(std::move(peer));
   return colliders;
+}
+
+void count_errors(const PairCollider& collider, std::size_t pairs, HaptonResult& result) {
+  result.checked = pairs;
+  for (std::size_t i = 0; i < pairs; ++i) {
+    const double found = collider.location_error(i);
+    const double error = std::isnan(found) ? std::numeric_limits<double>::infinity() : found;
+    result.missed += error < 0.0 ? 1 : 0;
+    result.off += error > kHaptonAccuracy ? 1 : 0;
+    result.worst_error = std::max(result.worst_error, error);
+  }
 }
 
 bool HaptonRun::holds() const {

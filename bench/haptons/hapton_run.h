@@ -58,6 +58,9 @@ struct HaptonResult {
   bool holds() const { return missed == 0 && off == 0; }
 };
 
+// Fills in what was checked, missed and off, and the worst error. An error that is not a number counts as infinite.
+void count_errors(const PairCollider& collider, std::size_t pairs, HaptonResult& result);
+
 struct HaptonRunSettings {
   EdgePairSettings pairs;
   std::size_t batch = 512;  // pairs timed at once

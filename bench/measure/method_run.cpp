@@ -119,7 +119,7 @@ Result<ReferenceRun> run_reference(const Stopwatch& watch, const TouchScene& sce
   auto made = ReferenceMethod::make_reference(reference_of(probe_radius_m), scene);
   if (!made) return tl::unexpected(made.error());
   const std::shared_ptr<ReferenceMethod> method = std::move(*made);
-  TouchStep touch(method);
+  TouchStep touch(method, scene);
   MethodTiming timing = time_touch(watch, {.repetitions = 1, .seconds = 0.0}, touch, trajectory,
                                    [&](ForceSample& step) { step.settled = method->last_step().settled; });
   run.felt = std::move(timing.felt);

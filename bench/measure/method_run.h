@@ -53,7 +53,7 @@ struct ReferenceRun {
   ForceErrorSettings error_settings() const;
 };
 
-// Error: as make_method.
+// With the effects of the scene, as compute_forces. Pre: the scene has an object, and none that moves. Error: as make_method.
 Result<ReferenceRun> run_reference(const Stopwatch& watch, const TouchScene& scene, const TouchTrajectory& trajectory,
                                    double probe_radius_m);
 

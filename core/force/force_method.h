@@ -156,5 +156,7 @@ Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings,
 // The known names, "sweep, ...", for help texts. RT: set-up only.
 std::string method_names();
 bool is_method_name(std::string_view name);
+// Whether the probe of that method may be a sphere (MethodSettings::probe_radius_m).
+bool supports_spheres(std::string_view name);
 
 }  // namespace hapton

@@ -19,11 +19,12 @@ struct Entry {
   Result<std::unique_ptr<ForceMethod>> (*make)(const MethodSettings&, const TouchScene&);
   bool supports_motion = false;       // its proxy is not crossed by a surface that moves onto it
   bool supports_deformation = false;  // DeformingMethod can run it
+  bool supports_spheres = false;      // as probe
 };
 
 constexpr std::array kMethods = {
-    Entry{"proxy", &ProxyMethod::make, true, true},
-    Entry{"reference", &ReferenceMethod::make, true},
+    Entry{"proxy", &ProxyMethod::make, true, true, true},
+    Entry{"reference", &ReferenceMethod::make, true, false, true},
     Entry{"smooth", &SmoothMethod::make},
     Entry{"sweep", &SweepMethod::make},
 };
@@ -41,6 +42,10 @@ std::string method_names() {
 
 bool is_method_name(std::string_view name) {
   return std::any_of(kMethods.begin(), kMethods.end(), [name](const Entry& entry) { return entry.name == name; });
+}
+
+bool supports_spheres(std::string_view name) {
+  return std::any_of(kMethods.begin(), kMethods.end(), [name](const Entry& entry) { return entry.name == name && entry.supports_spheres; });
 }
 
 Result<std::unique_ptr<ForceMethod>> make_method(const MethodSettings& settings, const TouchScene& scene) {

@@ -12,12 +12,15 @@
 namespace hapton {
 namespace {
 
-// The edges of all triangles that do not repeat a vertex.
+// It repeats no vertex.
+bool is_proper(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
+
+// The edges of all proper triangles.
 SharedEdges edges_of(const TriangleMesh& mesh) {
   std::vector<Triangle> proper;
   proper.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) {
-    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) proper.push_back(t);
+    if (is_proper(t)) proper.push_back(t);
   }
   return SharedEdges(proper);
 }
@@ -25,6 +28,7 @@ SharedEdges edges_of(const TriangleMesh& mesh) {
 // Joins the vertices of each connected piece. Returns the area of each piece, at the vertex that represents it.
 std::vector<double> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces) {
   for (const Triangle& t : mesh.triangles) {
+    if (!is_proper(t)) continue;  // its area is 0
     pieces.join(t[0], t[1]);
     pieces.join(t[1], t[2]);
   }

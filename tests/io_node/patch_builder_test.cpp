@@ -84,7 +84,8 @@ TEST(PatchBuilder, MakesAPatchOfWhatCameAndConfirmsIt) {
   EXPECT_EQ(counts.triangles, 2U * 20U * 20U);
 }
 
-TEST(PatchBuilder, MakesNoneOfAPart) {
+// The cell that says where the tile is has not come: that nothing is there is not known.
+TEST(PatchBuilder, GivesNoForceWhereOnlyAPartHasCome) {
   BuilderStage stage;
   stage.send(PatchBegin{0, 0, stage.tiled.grid.origin_m, stage.tiled.grid.step_m, 0.0, 7});
   stage.send(stage.tiled.tiles.front());
@@ -92,7 +93,7 @@ TEST(PatchBuilder, MakesNoneOfAPart) {
     (void)stage.builder.take_status();
     return stage.builder.status().newest_serial == 2;
   }));
-  // A few times as long as the builder sleeps when it is idle.
+  // A few times as long as the builder sleeps when it is idle: it makes patches of what it has.
   int cycles = 0;
   bool has_force = false;
   EXPECT_TRUE(stage.step_until([&](const std::optional<LocalForce>& force) {
@@ -100,7 +101,6 @@ TEST(PatchBuilder, MakesNoneOfAPart) {
     return ++cycles == 150;
   }));
   EXPECT_FALSE(has_force);
-  EXPECT_EQ(stage.builder.counts().built, 0U);
 }
 
 TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "runtime/realtime.h"
+#include "tools/json_number.h"
 #include "tools/latency/latency_compare.h"
 #include "tools/latency/latency_run.h"
 #include "tools/local_node.h"
@@ -46,8 +47,8 @@ void measure_stereo(const PapersNodesSettings& settings, LocalVision& vision, Pa
 
 std::optional<double> hop_ms(const nlohmann::ordered_json& report, const char* hop) {
   const auto hops = report.value("hops", nlohmann::ordered_json::object());
-  if (!hops.contains(hop) || hops[hop].value("n", 0) == 0) return std::nullopt;
-  return 1e-3 * hops[hop].value("p50_us", 0.0);
+  if (json_number_of(hops, hop, "n") == 0.0) return std::nullopt;
+  return 1e-3 * json_number_of(hops, hop, "p50_us");
 }
 
 // Once with all nodes; if that fails, once without vision, so that the round trip at least is measured.

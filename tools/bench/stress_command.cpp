@@ -49,10 +49,9 @@ Result<std::vector<StressBody>> make_bodies(const StressOptions& options) {
   std::vector<std::string> names = options.bodies;
   if (names.empty() && options.files.empty()) {
     // Of all bodies those that the method has a probe for.
-    const std::string& method = options.plan.method.name;
-    const bool takes_spheres = method == "proxy" || method == "reference";
+    const bool has_spheres = supports_spheres(options.plan.method.name);
     for (const std::string_view name : stress_body_names()) {
-      if (takes_spheres || !name.starts_with("probe-")) names.emplace_back(name);
+      if (has_spheres || !name.starts_with("probe-")) names.emplace_back(name);
     }
   }
   for (const std::string& name : names) {

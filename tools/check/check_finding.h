@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -48,6 +49,8 @@ struct CheckFinding {
   std::optional<Vec3> place_m;  // frame S
   std::string what;             // how it is, half a line
   std::string fix;              // what to do about it, half a line
+  // Into Scene::objects, as objects may have the same name. Of check_places only; none: the whole scene, or of another check.
+  std::optional<std::size_t> object_index = {};
 };
 
 using CheckFindings = std::vector<CheckFinding>;

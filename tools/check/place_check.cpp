@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <memory>
 #include <numbers>
 
@@ -43,9 +44,10 @@ bool coincide(const TriangleMesh& a, const TriangleMesh& b) {
 // A body that may have something inside. Its queries are made when they are needed.
 class ClosedBody {
  public:
-  explicit ClosedBody(const SceneObject& object) : object_(&object), extent_(*object.mesh) {}
+  ClosedBody(const SceneObject& object, std::size_t index) : object_(&object), index_(index), extent_(*object.mesh) {}
 
   const SceneObject& object() const { return *object_; }
+  std::size_t index() const { return index_; }  // into Scene::objects
   bool holds(const Vec3& p) { return extent_.holds(p) && is_closed() && inside_->is_inside(p); }
   bool holds(const TriangleMesh& mesh) {
     if (mesh.vertices.empty() || !extent_.holds(Extent(mesh)) || !is_closed()) return false;
@@ -64,6 +66,7 @@ class ClosedBody {
   }
 
   const SceneObject* object_;
+  std::size_t index_;
   Extent extent_;
   bool is_known_ = false;
   std::unique_ptr<PointInMesh> inside_ = {};
@@ -71,8 +74,8 @@ class ClosedBody {
 
 std::vector<ClosedBody> list_bodies(const Scene& scene) {
   std::vector<ClosedBody> bodies;
-  for (const SceneObject& object : scene.objects) {
-    if (stands_still(object)) bodies.emplace_back(object);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    if (stands_still(scene.objects[i])) bodies.emplace_back(scene.objects[i], i);
   }
   return bodies;
 }
@@ -113,7 +116,7 @@ CheckFindings check_places(const Scene& scene) {
       findings.push_back({SceneFault::coincides, object.name, object.mesh->vertices.front(),
                           fmt::format("the same shape in the same place as object '{}': which of the two is felt and drawn is chance",
                                       twin->object().name),
-                          "move one of them, or leave it out"});
+                          "move one of them, or leave it out", bodies[i].index()});
       continue;
     }
     const auto outer = std::find_if(bodies.begin(), bodies.end(), [&](ClosedBody& other) {
@@ -123,7 +126,7 @@ CheckFindings check_places(const Scene& scene) {
     findings.push_back(
         {SceneFault::enclosed, object.name, object.mesh->vertices.front(),
          fmt::format("altogether inside object '{}', whose surface keeps the probe out: nobody can touch it", outer->object().name),
-         "move it out, or give the material of the outer one layers that give way"});
+         "move it out, or give the material of the outer one layers that give way", bodies[i].index()});
   }
   check_view(scene.view, bodies, findings);
   return findings;

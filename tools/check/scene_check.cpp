@@ -92,11 +92,12 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
       scene.tool || std::any_of(scene.objects.begin(), scene.objects.end(), [](const SceneObject& object) { return object.is_movable; });
   const std::vector<const DevicePreset*> reaching = known_workspaces(settings.loops, check.notes);
   const CheckFindings places = check_places(scene);
-  for (const SceneObject& object : scene.objects) {
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const SceneObject& object = scene.objects[i];
     check.triangles += object.mesh->triangles.size();
     CheckFindings found = check_surface(object, settings.probe_radius_m);
     std::copy_if(places.begin(), places.end(), std::back_inserter(found),
-                 [&](const CheckFinding& place) { return place.object == object.name; });
+                 [&](const CheckFinding& place) { return place.object_index == i; });
     append(check_friction(object), found);
     append(check_inertia(object), found);
     append(check_sculpt(object), found);
@@ -109,7 +110,7 @@ Result<SceneCheck> check_scene(const std::string& path, const Scene& scene, cons
     sort_findings(object, settings, std::move(found), check);
   }
   std::copy_if(places.begin(), places.end(), std::back_inserter(check.findings),
-               [](const CheckFinding& place) { return place.object.empty(); });
+               [](const CheckFinding& place) { return !place.object_index; });
   for (const SceneEffect& effect : scene.effects) {
     append(check_stiffness(effect, held, settings.rate_hz, settings.delay_s), check.findings);
     append(check_damping(effect, held, settings.rate_hz, settings.delay_s), check.findings);

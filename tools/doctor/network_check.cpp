@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <string_view>
 
 #include "link/link_key.h"
 #include "tools/doctor/port_owner.h"
@@ -107,11 +109,20 @@ void check_system_key(const Machine& machine, Findings& findings) {
   }
 }
 
+// As a number of its own: 4950 is not in 14950.
+bool has_number(std::string_view text, std::string_view number) {
+  const auto is_digit = [&](std::size_t at) { return at < text.size() && text[at] >= '0' && text[at] <= '9'; };
+  for (std::size_t at = text.find(number); at != text.npos; at = text.find(number, at + 1)) {
+    if ((at == 0 || !is_digit(at - 1)) && !is_digit(at + number.size())) return true;
+  }
+  return false;
+}
+
 Finding check_rules(const Machine& machine, const std::string& name, const std::string& rules_file, const std::string& remedy) {
   const auto rules = machine.read(rules_file);
   const std::string port = std::to_string(machine.settings().hub_port);
   if (!rules) return note(name, fmt::format("is on; only root can read its rules. Other hosts need UDP port {}", port), remedy);
-  if (rules->find(port) != rules->npos) return good(name, fmt::format("is on and lets port {} through", port));
+  if (has_number(*rules, port)) return good(name, fmt::format("is on and lets port {} through", port));
   return warning(name, fmt::format("is on and has no rule for port {}: other hosts cannot reach the hub (this host can)", port), remedy);
 }
 

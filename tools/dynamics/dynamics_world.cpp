@@ -317,8 +317,8 @@ bool DynamicsWorld::is_body(int object) const noexcept {
 }
 
 void DynamicsWorld::set_gravity(const Vec3& g_S) {
+  parts_->wake_bodies();  // first: Bullet gives it to bodies that are awake only
   parts_->world.setGravity(to_units(g_S));
-  parts_->wake_bodies();
 }
 
 void DynamicsWorld::press(const std::optional<Push>& push) { parts_->push = push; }

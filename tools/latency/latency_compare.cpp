@@ -8,6 +8,9 @@
 
 #include "runtime/regular_file.h"
 #include "runtime/report.h"
+#include "tools/json_number.h"
+#include "tools/json_text.h"
+#include "tools/latency/report_types.h"
 #include "tools/latency/report_upgrade.h"
 
 namespace hapton {
@@ -49,7 +52,7 @@ Result<nlohmann::ordered_json> read_report_json(const std::filesystem::path& pat
   if (!text) return tl::unexpected(text.error());
   auto json = nlohmann::ordered_json::parse(*text, nullptr, false);
   upgrade_report(json);
-  if (!json.is_object() || json.value("schema", "") != kReportSchema || !json.contains("hops") || !json["hops"].is_object()) {
+  if (json_text_of(json, "schema") != kReportSchema || !json.contains("hops") || !has_report_types(json)) {
     return fail("{}: is not a latency report (schema {})", file_path.string(), kReportSchema);
   }
   return json;
@@ -60,12 +63,12 @@ nlohmann::ordered_json compare_json(const nlohmann::ordered_json& a, const nlohm
   for (const auto& [name, of_a] : a["hops"].items()) {
     if (!b["hops"].contains(name)) continue;
     const auto& of_b = b["hops"][name];
-    if (of_a.value("n", 0) == 0 || of_b.value("n", 0) == 0) continue;
-    nlohmann::ordered_json hop = {{"n", {{"a", of_a.value("n", 0)}, {"b", of_b.value("n", 0)}}}};
-    for (const auto& [key, unused] : kQuantiles) hop[key] = pair_json(of_a.value(key, 0.0), of_b.value(key, 0.0));
+    if (json_number_of(of_a, "n") == 0.0 || json_number_of(of_b, "n") == 0.0) continue;
+    nlohmann::ordered_json hop = {{"n", {{"a", of_a["n"]}, {"b", of_b["n"]}}}};
+    for (const auto& [key, unused] : kQuantiles) hop[key] = pair_json(json_number_of(of_a, key), json_number_of(of_b, key));
     json["hops"][name] = hop;
   }
-  json["seconds"] = pair_json(a.value("seconds", 0.0), b.value("seconds", 0.0));
+  json["seconds"] = pair_json(json_number_of(a, "seconds"), json_number_of(b, "seconds"));
   json["ratios"] = compare_numbers(a, b, "ratios", false);
   json["rates_hz"] = compare_numbers(a, b, "rates_hz", false);
   json["counters"] = compare_numbers(a, b, "counters", true);

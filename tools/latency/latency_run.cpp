@@ -21,6 +21,7 @@
 #include "tools/latency/latency_verdict.h"
 #include "tools/latency/latency_window.h"
 #include "tools/latency/node_cpus.h"
+#include "tools/latency/report_types.h"
 #include "tools/live/hub_report.h"
 #include "tools/local_node.h"
 
@@ -32,6 +33,8 @@ using Json = nlohmann::ordered_json;
 constexpr double kGraceSeconds = 15.0;        // for the hub to write its report
 constexpr double kLongestTimerSeconds = 5.0;  // for the bare timer, before and after the nodes; a free choice
 constexpr double kTrialSeconds = 0.75;        // on each of the choices of CPUs
+constexpr double kIdleSeconds = 0.1;          // until an interrupt is noticed; a free choice
+constexpr double kSilentSeconds = 2.0;        // then a hub is gone, and not only slow; a free choice
 
 Result<void> measure_here(const LatencyRunOptions& options, const NodeCpus& cpus) {
   const auto echo_at = find_free_address();
@@ -132,7 +135,19 @@ Result<BareTimer> measure_between_timers(const LatencyRunOptions& options, const
   return timer;
 }
 
-Result<void> measure_hub(const LatencyRunOptions& options) {
+// Until the time is over or a stop is requested. Error: the hub is gone.
+Result<void> wait_with_hub(HubReader& reader, const LatencyRunOptions& options, const StopSignal& interrupts) {
+  double silent_s = 0.0;
+  for (double left_s = options.seconds; left_s > 0.0 && !interrupts.stop_requested(); left_s -= kIdleSeconds) {
+    silent_s = reader.idle(std::min(left_s, kIdleSeconds)) ? 0.0 : silent_s + kIdleSeconds;
+    if (silent_s > kSilentSeconds) {
+      return fail("the hub at {} does not reply any more; see its terminal", options.hosts);
+    }
+  }
+  return {};
+}
+
+Result<void> measure_hub(const LatencyRunOptions& options, const StopSignal& interrupts) {
   const auto reader = HubReader::open(options.hosts, options.key_file);
   if (!reader) {
     return tl::unexpected(reader.error());
@@ -141,15 +156,20 @@ Result<void> measure_hub(const LatencyRunOptions& options) {
   if (!before) {
     return tl::unexpected(before.error());
   }
-  (*reader)->idle(options.seconds);
+  if (const auto waited = wait_with_hub(**reader, options, interrupts); !waited) {
+    return waited;
+  }
   const auto now = (*reader)->read();
   if (!now) {
     return tl::unexpected(now.error());
   }
   const auto json_before = Json::parse(before->json, nullptr, false);
   const auto json_now = Json::parse(now->json, nullptr, false);
-  if (!json_before.is_object() || !json_now.is_object()) {
+  if (!has_report_types(json_before) || !has_report_types(json_now)) {
     return fail("the hub at {} gives a report that cannot be read; it is another build", options.hosts);
+  }
+  if (json_number_of(json_now, "seconds") < json_number_of(json_before, "seconds")) {
+    return fail("the hub at {} was started again meanwhile; measure again", options.hosts);
   }
   const auto hops_now = parse_latency_csv(now->csv, "the hub's latency.csv");
   if (!hops_now) {
@@ -214,7 +234,7 @@ std::string timer_text(const Json& report, const BareTimer& timer) {
 Result<LatencyRun> make_report(const std::filesystem::path& file, const BareTimer* timer) {
   const bool wants_echo = timer != nullptr;
   auto json = Json::parse(read_text(file), nullptr, false);
-  if (!json.is_object() || !json.contains("hops") || !json["hops"].is_object()) {
+  if (!has_report_types(json) || !json.contains("hops")) {
     return fail("{}: is not a latency report", file.string());
   }
   const auto verdict = evaluate_latency(json);
@@ -283,7 +303,7 @@ Result<LatencyRun> run_latency(const LatencyRunOptions& options) {
       return fail("interrupted while the CPUs of the nodes were chosen; name them with --cpu to leave that out");
     if (!chosen->text.empty()) place = chosen->text + "\n";
     timer = measure_between_timers(options, chosen->cpus);
-  } else if (const auto measured = measure_hub(options); !measured) {
+  } else if (const auto measured = measure_hub(options, interrupts); !measured) {
     timer = tl::unexpected(measured.error());
   }
   if (!timer) {

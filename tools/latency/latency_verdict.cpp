@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/json_number.h"
+
 namespace hapton {
 namespace {
 
@@ -11,11 +13,12 @@ constexpr double kRatesHz[] = {1000.0, 4000.0, 10'000.0};  // for which every re
 double hop_us(const nlohmann::json& report, const char* hop, const char* quantile) {
   const auto hops = report.value("hops", nlohmann::json::object());
   const auto found = hops.find(hop);
-  if (found == hops.end() || !found->is_object() || found->value("n", 0) == 0) return -1.0;
-  return found->value(quantile, -1.0);
+  if (found == hops.end() || json_number_of(*found, "n") == 0.0) return -1.0;
+  const auto duration_us = found->find(quantile);
+  return duration_us != found->end() && duration_us->is_number() ? duration_us->get<double>() : -1.0;
 }
 
-double count(const nlohmann::json& report, const char* name) { return report.value("counters", nlohmann::json::object()).value(name, 0.0); }
+double count(const nlohmann::json& report, const char* name) { return json_number_of(report, "counters", name); }
 
 RateVerdict check_rate(double rate_hz, double need_us) {
   const double margin_us = 1e6 / rate_hz - need_us;
@@ -32,7 +35,7 @@ Result<LatencyVerdict> evaluate_latency(const nlohmann::json& report) {
   const double samples = count(report, "samples");
   if (round_trip_us < 0.0 || samples <= 0.0) return fail("no force was measured; see the logs beside the report");
   LatencyVerdict verdict;
-  verdict.rate_hz = report.value("rates_hz", nlohmann::json::object()).value("servo_requested", 0.0);
+  verdict.rate_hz = json_number_of(report, "rates_hz", "servo_requested");
   if (!(verdict.rate_hz > 0.0)) return fail("does not contain the servo rate");
   verdict.need_us = round_trip_us + std::max(0.0, hop_us(report, "wake_lateness", "p99_9_us"));
   const double missed = count(report, "late") + count(report, "lost") + count(report, "superseded") + count(report, "missed_cycles");

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "runtime/report.h"
+#include "tools/json_text.h"
 
 namespace hapton {
 namespace {
@@ -64,7 +65,7 @@ void rename_keys(nlohmann::ordered_json& section) {
 
 void upgrade_report(nlohmann::ordered_json& report) {
   if (!report.is_object()) return;
-  const std::string schema = report.value("schema", "");
+  const std::string schema = json_text_of(report, "schema");
   if (schema != "hapton.report/1" && schema != "hapton.report/2" && schema != "hapton.report/3") return;
   for (const char* section : {"counters", "notes", "rates_hz"}) {
     if (report.contains(section) && report[section].is_object()) rename_keys(report[section]);

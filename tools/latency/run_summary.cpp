@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tools/json_number.h"
+#include "tools/json_text.h"
 
 namespace hapton {
 namespace {
@@ -17,7 +18,7 @@ constexpr double kMaxLateShare = 0.01;  // of the forces
 
 std::string note(const Json& report, const char* key) {
   const auto notes = report.find("notes");
-  return notes != report.end() && notes->is_object() ? notes->value(key, std::string()) : std::string();
+  return notes != report.end() ? json_text_of(*notes, key) : std::string();
 }
 
 std::string hop_text(const Json& report, const char* hop) {
@@ -28,7 +29,7 @@ std::string hop_text(const Json& report, const char* hop) {
 }
 
 std::string touched_text(const Json& report, const std::string& what, double contacts) {
-  const double seconds = report.value("seconds", 0.0);
+  const double seconds = json_number_of(report, "seconds");
   if (contacts == 0.0) {
     return fmt::format("touched nothing of {} in {:.1f} s: the probe never met a surface; hapton info shows the object's size and place",
                        what, seconds);

@@ -12,6 +12,7 @@
 #include "runtime/realtime.h"
 #include "runtime/stop_signal.h"
 #include "tools/commands.h"
+#include "tools/live/mark_changes.h"
 #include "tools/live/marker_line.h"
 
 namespace hapton {
@@ -54,8 +55,7 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
   return fail("no reply to the marker: the hub is gone, or of an earlier version");
 }
 
-constexpr std::int64_t kPollNs = 500'000;  // at the line: twice a sample at 1 kHz
-constexpr int kLinePriority = 10;          // below all nodes (80), above ordinary programs
+constexpr int kLinePriority = 10;  // below all nodes (80), above ordinary programs
 
 Result<LineMarker> make_line_marker(const MarkOptions& options, const LineInput& input) {
   const Edges edges = options.edges == "on" ? Edges::on : options.edges == "off" ? Edges::off : Edges::both;
@@ -84,26 +84,12 @@ Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
   fmt::print("marks {} of {}; Ctrl-C ends it\n", input->name, input->device);
   std::fflush(stdout);
   const StopSignal stop;
-  HubClient& client = (*connection)->client();
   const Clock& clock = (*connection)->clock();
   const std::int64_t end_ns = clock.now_ns() + static_cast<std::int64_t>(1e9 * options.seconds);
-  while (!stop.stop_requested() && (options.seconds <= 0.0 || clock.now_ns() < end_ns)) {
-    const auto is_on = (*line)->is_on();
-    if (!is_on) return tl::unexpected(is_on.error());
-    marker->see(*is_on, clock.now_ns());
-    while (const auto next = marker->next(clock.now_ns())) client.send(*next);
-    const std::int64_t poll_ns = clock.now_ns() + kPollNs;
-    Datagram datagram;
-    while (client.receive(datagram, poll_ns)) {
-      const auto* reply = std::get_if<MarkerReply>(&datagram.message);
-      const auto said = reply != nullptr ? marker->take(*reply) : std::nullopt;
-      if (said) fmt::print("{}\n", *said);
-      if (said) std::fflush(stdout);
-    }
-  }
-  if (const auto all = (*line)->changes(); all && *all > marker->counts().changes) {
-    fmt::print("{} changes were too short to be seen\n", *all - marker->counts().changes);
-  }
+  const auto goes_on = [&] { return !stop.stop_requested() && (options.seconds <= 0.0 || clock.now_ns() < end_ns); };
+  const auto unseen = mark_changes(**line, *marker, (*connection)->client(), clock, goes_on);
+  if (!unseen) return tl::unexpected(unseen.error());
+  if (*unseen > 0) fmt::print("{} changes were too short to be seen\n", *unseen);
   return marker->counts();
 }
 

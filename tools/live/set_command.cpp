@@ -16,6 +16,7 @@
 #include "link/udp_endpoint.h"
 #include "scene/material_limits.h"
 #include "tools/commands.h"
+#include "tools/json_text.h"
 #include "tools/live/hub_report.h"
 
 namespace hapton {
@@ -98,10 +99,11 @@ Result<std::string> confirm_reset(const SetOptions& options) {
     if (!texts) return tl::unexpected(texts.error());
     const auto report = nlohmann::json::parse(texts->json, nullptr, false);
     const auto notes = report.is_object() ? report.value("notes", nlohmann::json::object()) : nlohmann::json::object();
-    const std::string fault = notes.value("safety_fault", "");
+    const std::string fault = json_text_of(notes, "safety_fault");
     if (fault == "none") return std::string("no fault is latched; forces ramp up");
     if (fault.empty()) return fail("the hub does not report faults; it is another build");
-    what = notes.value("safety_fault_text", fault);
+    what = json_text_of(notes, "safety_fault_text");
+    if (what.empty()) what = fault;
     (*reader)->idle(0.1);
   }
   if (const auto hub = parse_address(options.hub); hub && !is_loopback(*hub)) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "closed_loop/press.h"
@@ -106,6 +107,16 @@ void press(ZWidthRow& row) {
                                                     .wall_damping_ns_per_m = row.inputs.wall_damping_ns_per_m,
                                                     .seed = row.seed},
                                                    kMax);
+}
+
+// Of a CSV file's first line. None: it is not that of a grid.
+std::optional<std::size_t> read_cells(const std::string& first) {
+  constexpr std::string_view kCells = " cells=";
+  const std::size_t at = first.find(kCells);
+  if (!first.starts_with("# ") || first.find(".loop.") == std::string::npos || at == std::string::npos) return std::nullopt;
+  std::size_t cells = 0;
+  const auto [end, error] = std::from_chars(first.data() + at + kCells.size(), first.data() + first.size(), cells);
+  return error == std::errc() ? std::optional(cells) : std::nullopt;
 }
 
 }  // namespace
@@ -227,37 +238,36 @@ std::string csv_line(const ZWidthRow& row) {
 
 Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
   std::string head;
-  std::vector<std::string> rows;
+  std::size_t cells = 0;
+  std::map<std::size_t, std::string> rows;  // by cell; a damaged file may say any number of cells
   for (const std::filesystem::path& part : parts) {
     std::ifstream stream(part);
     std::string first;
     std::string columns;
     if (!std::getline(stream, first) || !std::getline(stream, columns)) return fail("{}: cannot be read", part.string());
-    const std::size_t cells_at = first.find(" cells=");
-    if (!first.starts_with("# ") || first.find(".loop.") == std::string::npos || cells_at == std::string::npos) {
-      return fail("{}: line 1: is not a grid of hapton loop", part.string());
-    }
+    const auto own_cells = read_cells(first);
+    if (!own_cells) return fail("{}: line 1: is not a grid of hapton loop", part.string());
     const std::string own_head = first + "\n" + columns + "\n";
     if (head.empty()) {
       head = own_head;
-      rows.resize(std::strtoull(first.c_str() + cells_at + 7, nullptr, 10));
+      cells = *own_cells;
     }
     if (own_head != head) return fail("{}: is part of another grid than {}", part.string(), parts.front().string());
     std::string line;
     for (int number = 3; std::getline(stream, line); ++number) {
       std::size_t cell = 0;
       const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), cell);
-      if (error != std::errc() || end == line.data() + line.size() || *end != ',' || cell >= rows.size()) {
+      if (error != std::errc() || end == line.data() + line.size() || *end != ',' || cell >= cells) {
         return fail("{}: line {}: does not begin with a cell of the grid", part.string(), number);
       }
-      if (!rows[cell].empty()) return fail("{}: line {}: cell {} is a duplicate", part.string(), number, cell);
-      rows[cell] = line;
+      if (!rows.emplace(cell, line).second) return fail("{}: line {}: cell {} is a duplicate", part.string(), number, cell);
     }
   }
   std::string merged = head;
-  for (std::size_t cell = 0; cell < rows.size(); ++cell) {
-    if (rows[cell].empty()) return fail("cell {} of {} is in no part; is a shard missing?", cell, rows.size());
-    merged += rows[cell] + "\n";
+  for (std::size_t cell = 0; cell < cells; ++cell) {
+    const auto row = rows.find(cell);
+    if (row == rows.end()) return fail("cell {} of {} is in no part; is a shard missing?", cell, cells);
+    merged += row->second + "\n";
   }
   return merged;
 }

@@ -75,6 +75,17 @@ bool RecordedShapes::apply(std::uint64_t sender, std::uint32_t serial, HapticsSt
   return begin_stage(step, begun->start, method->newest_stage().to, program_shape->vertices_of(rest, begun->shape->displacements_m()));
 }
 
+void RecordedShapes::pass(std::uint64_t sender, std::uint32_t serial) {
+  Sender& own = senders_[sender];
+  const auto next = [&] { return own.starts.upper_bound(own.applied); };
+  for (auto start = next(); start != own.starts.end() && start->first <= serial; start = next()) {
+    if (start->first != own.applied + 1) own.begun.clear();  // as take() without a start
+    (void)take(own, start->first);
+  }
+  if (own.applied != serial) (void)take(own, serial);
+  own.shapes.erase(own.shapes.begin(), own.shapes.upper_bound(serial));
+}
+
 std::optional<RecordedShapes::Motion> RecordedShapes::find_motion(const Sender& own, int object, std::int64_t scene_time_ns) {
   const auto found = own.begun.find(object);
   if (found == own.begun.end()) return std::nullopt;

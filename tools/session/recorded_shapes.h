@@ -39,8 +39,9 @@ class RecordedShapes {
   // Begins the motion of that serial in the step, as the haptics node did. False: the recording lacks a part of it or its start, or it is
   // not of that scene; or the step is not where the node was. Pre: called with one serial after the other.
   bool apply(std::uint64_t sender, std::uint32_t serial, HapticsStep& step, const FindShape& find_shape);
-  // The same without a step, as it is not known where the surfaces are.
-  void pass(std::uint64_t sender, std::uint32_t serial) { (void)take(senders_[sender], serial); }
+  // The same for all up to that serial, without a step, as it is not known where the surfaces are. Time: of those that the recording has,
+  // as a damaged one may name any serial. Pre: serial is above the last one.
+  void pass(std::uint64_t sender, std::uint32_t serial);
 
   // Whether it is known where the surfaces of these objects are at that scene time: both shapes of a motion, or the last one after its end.
   bool knows(std::uint64_t sender, std::span<const int> objects, std::int64_t scene_time_ns) const;

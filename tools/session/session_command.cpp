@@ -113,7 +113,7 @@ std::string describe(const ReplayCounts& counts, std::uint64_t local) {
   if (counts.not_compared > 0)
     text += fmt::format("{} steps not compared: contact, or an effect, began before the recording\n", counts.not_compared);
   if (counts.unknown_method > 0)
-    text += fmt::format("{} steps not compared: the recording does not have their method, materials, moves, shapes or carves\n",
+    text += fmt::format("{} steps not compared: the recording does not have their method, view, materials, moves, shapes or carves\n",
                         counts.unknown_method);
   if (local > 0) {
     text += fmt::format("{} forces were computed by io_node, from parts of the scene (--touch): not compared; docs/remote.md\n", local);

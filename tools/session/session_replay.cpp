@@ -76,7 +76,7 @@ void SessionReplay::on_state(const DeviceState& state) {
 void SessionReplay::on_view(const ViewTransform& view) { views_[view.revision] = view; }
 
 Result<void> SessionReplay::on_reply(std::uint64_t sender, const ForceCommand& command) {
-  if (sender != sender_) {
+  if (step_ == nullptr || sender != sender_) {
     if (const auto settled = finish(); !settled) return settled;
     if (const auto begun = begin(sender, command); !begun) return begun;
   }
@@ -155,7 +155,7 @@ Result<void> SessionReplay::begin(std::uint64_t sender, const ForceCommand& firs
   shape_serial_ = first.shape_serial;
   shapes_.begin(sender_, first.shape_serial);
   are_shapes_known_ = first.shape_serial == 0 || restore_shapes(first.scene_time_ns);
-  are_carves_known_ = true;
+  is_view_known_ = are_carves_known_ = true;
   whole_.reset();
   if (const Sculpture* whole = step_->touch().method().sculpture(); whole != nullptr) whole_ = *whole;
   if (whole_) repeat_carves(first.carve_serial);
@@ -253,20 +253,18 @@ bool SessionReplay::apply_move(std::uint32_t serial) {
 
 // A move carries its own start time, so these are begun before the samples whose replies were lost.
 void SessionReplay::change_moves(std::uint32_t serial) {
-  while (move_serial_ < serial) are_moves_known_ = apply_move(++move_serial_) && are_moves_known_;
+  while (are_moves_known_ && move_serial_ < serial) are_moves_known_ = apply_move(++move_serial_);
+  move_serial_ = std::max(move_serial_, serial);
   if (!are_moves_known_) is_certain_ = false;
 }
 
 // As change_moves: a shape says itself from when on it counts.
 void SessionReplay::change_shapes(std::uint32_t serial) {
-  while (shape_serial_ < serial) {
-    ++shape_serial_;
-    if (are_shapes_known_) {
-      are_shapes_known_ = shapes_.apply(sender_, shape_serial_, *step_, find_shape());
-    } else {
-      shapes_.pass(sender_, shape_serial_);
-    }
+  while (are_shapes_known_ && shape_serial_ < serial) {
+    are_shapes_known_ = shapes_.apply(sender_, ++shape_serial_, *step_, find_shape());
   }
+  if (shape_serial_ < serial) shapes_.pass(sender_, serial);
+  shape_serial_ = std::max(shape_serial_, serial);
   if (!are_shapes_known_) is_certain_ = false;
 }
 
@@ -290,15 +288,16 @@ Result<void> SessionReplay::rebuild_surfaces(const ForceCommand& command) {
   return {};
 }
 
-// Makes the changes of that moment again. If the recording does not name the method, its forces are unknown.
+// Makes the changes of that moment again. If the recording does not name the method, its forces are unknown. Goes through what the
+// recording has: a damaged one may name any serial, also an earlier one.
 Result<void> SessionReplay::change_method(std::uint32_t serial) {
-  while (serial_ != serial) {
-    const auto named = setups_.find({sender_, ++serial_});
-    is_method_known_ = named != setups_.end();
-    if (!is_method_known_) {
-      is_certain_ = false;
-      continue;
-    }
+  if (serial == serial_) return {};
+  if (serial < serial_) is_certain_ = false;
+  std::uint32_t next = serial < serial_ ? serial : serial_ + 1;
+  const auto end = setups_.upper_bound({sender_, serial});
+  for (auto named = setups_.lower_bound({sender_, next}); named != end; ++named) {
+    if (named->first.second != next) is_certain_ = false;
+    next = named->first.second + 1;
     // It took over with the materials of that moment.
     if (const auto changed = change_materials(named->second.material_serial); !changed) return changed;
     auto touch = make_method_of(named->second);
@@ -306,6 +305,9 @@ Result<void> SessionReplay::change_method(std::uint32_t serial) {
     if (!materials_.empty()) (*touch)->set_materials(materials_);
     step_->replace(std::move(*touch));
   }
+  serial_ = serial;
+  is_method_known_ = setups_.contains({sender_, serial});
+  if (!is_method_known_) is_certain_ = false;
   return {};
 }
 
@@ -323,20 +325,25 @@ Result<bool> SessionReplay::find_materials(const HapticsSetup& setup, std::uint3
 
 // As change_method.
 Result<void> SessionReplay::change_materials(std::uint32_t serial) {
-  while (material_serial_ < serial) {
-    const auto known = find_materials(setup_, ++material_serial_);
-    if (!known) return tl::unexpected(known.error());
-    are_materials_known_ = *known;
-    if (are_materials_known_) {
-      step_->set_materials(materials_);
-    } else {
-      is_certain_ = false;
-    }
+  if (serial <= material_serial_) return {};
+  std::uint32_t next = material_serial_ + 1;
+  const auto end = material_states_.upper_bound({sender_, serial});
+  for (auto named = material_states_.lower_bound({sender_, next}); named != end; ++named) {
+    if (named->first.second != next) is_certain_ = false;
+    next = named->first.second + 1;
+    if (const auto found = find_materials(setup_, named->first.second); !found) return tl::unexpected(found.error());
+    step_->set_materials(materials_);
   }
+  material_serial_ = serial;
+  are_materials_known_ = material_states_.contains({sender_, serial});
+  if (are_materials_known_) return {};
+  materials_.clear();
+  is_certain_ = false;
   return {};
 }
 
 void SessionReplay::turn(std::uint32_t revision) {
+  is_view_known_ = true;
   if (revision == step_->view().revision) return;
   if (const auto sent = views_.find(revision); sent != views_.end()) {
     step_->turn_scene(sent->second);
@@ -348,7 +355,7 @@ void SessionReplay::turn(std::uint32_t revision) {
     return;
   }
   ++counts_.missing_views;
-  is_certain_ = false;
+  is_view_known_ = is_certain_ = false;
 }
 
 std::optional<ForceCommand> SessionReplay::step(std::uint64_t sample) {

@@ -61,7 +61,7 @@ struct ReplayCounts {
                                    // in free space; with effects, all steps after a lost one; with a carvable object, those until the hand
                                    // has rested in free space
   std::uint64_t unknown_method =
-      0;  // replies whose method, materials, moves, shapes or carves are not in the recording, or not yet: their messages were lost
+      0;  // replies whose method, view, materials, moves, shapes or carves are not in the recording, or not yet: their messages were lost
   std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
   std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording
   double max_difference_n = 0.0;
@@ -116,7 +116,9 @@ class SessionReplay {
   bool restore_shapes(std::int64_t scene_time_ns);
   Result<void> rebuild_surfaces(const ForceCommand& command);
   RecordedShapes::FindShape find_shape() const;
-  bool is_known() const { return is_method_known_ && are_materials_known_ && are_moves_known_ && are_shapes_known_ && are_carves_known_; }
+  bool is_known() const {
+    return is_method_known_ && is_view_known_ && are_materials_known_ && are_moves_known_ && are_shapes_known_ && are_carves_known_;
+  }
   std::optional<Sculpture> make_shape(std::uint32_t serial) const;
   void repeat_carves(std::uint32_t serial);
   void undo_carves(std::uint32_t serial, bool is_after_lost);
@@ -150,9 +152,10 @@ class SessionReplay {
   std::vector<Material> materials_;   // of that serial; empty: the scene's
   HapticsSetup setup_;                // in use
   bool is_method_known_ = false;      // the method in use is the recorded one
+  bool is_view_known_ = true;         // that of the newest reply is in the recording
   bool are_materials_known_ = false;  // the materials in use are the recorded ones
   std::uint32_t move_serial_ = 0;     // of the newest move that was applied
-  bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording
+  bool are_moves_known_ = true;       // all moves up to move_serial_ are in the recording; later ones are not applied
   std::uint32_t shape_serial_ = 0;    // of the newest shape that was begun
   bool are_shapes_known_ = true;      // where the surfaces are, by all shapes up to shape_serial_
   std::vector<int> deformed_;         // the objects that programs deform

@@ -15,6 +15,7 @@
 #include "runtime/atomic_file.h"
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
+#include "tools/json_number.h"
 #include "tools/live/hub_report.h"
 #include "tools/live/top_view.h"
 #include "tools/local_node.h"
@@ -94,7 +95,7 @@ Result<void> start_nodes(const SoakOptions& options, Nodes& nodes) {
   return {};
 }
 
-std::int64_t counter(const Json& report, const char* name) { return report.value("counters", Json::object()).value(name, std::int64_t{0}); }
+std::int64_t counter(const Json& report, const char* name) { return static_cast<std::int64_t>(json_number_of(report, "counters", name)); }
 
 // Samples the nodes, each sample compared with the first and the previous one.
 class NodeSampler {
@@ -126,7 +127,7 @@ class NodeSampler {
     if (!reading) return tl::unexpected(reading.error());
     SoakSample sample;
     sample.seconds = reading->time_s - first_->time_s;
-    const double passed_s = reading->snapshot.report.value("seconds", 0.0) - last_->snapshot.report.value("seconds", 0.0);
+    const double passed_s = json_number_of(reading->snapshot.report, "seconds") - json_number_of(last_->snapshot.report, "seconds");
     const auto rate = [&](const char* name) {
       return passed_s > 0.0
                  ? static_cast<double>(counter(reading->snapshot.report, name) - counter(last_->snapshot.report, name)) / passed_s

@@ -3,7 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/haptons/extended_pair.h"
 
 namespace hapton {
 namespace {
@@ -56,6 +62,45 @@ TEST(PairColliders, HaveFoundNothingBeforeTheyCollide) {
       EXPECT_LE(collider->location_error(i), kHaptonAccuracy) << collider->name();
     }
   }
+}
+
+// One that has these errors.
+class WrongCollider final : public PairCollider {
+ public:
+  explicit WrongCollider(std::vector<double> errors) : errors_(std::move(errors)) {}
+  std::string name() const override { return "wrong"; }
+  std::string what() const override { return "nothing"; }
+  bool is_peer() const override { return false; }
+  void collide(std::size_t, std::size_t) override {}
+  double location_error(std::size_t pair) const override { return errors_[pair]; }
+
+ private:
+  std::vector<double> errors_;
+};
+
+TEST(MeasureHaptons, WhatIsNotANumberIsOff) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  HaptonResult result;
+  count_errors(WrongCollider({1e-4, kNan, -1.0, 2e-3, 1e-3}), 5, result);
+  EXPECT_EQ(result.checked, 5U);
+  EXPECT_EQ(result.missed, 1U);
+  EXPECT_EQ(result.off, 2U);
+  EXPECT_EQ(result.worst_error, std::numeric_limits<double>::infinity());
+  EXPECT_FALSE(result.holds());
+}
+
+TEST(LocationErrors, OfAnEndThatIsNotFiniteIsInfinite) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const TrianglePair pair = make_edge_pairs({.seed = 2, .count = 8}).front();
+  const ExtendedContact exact = intersect_extended(pair);
+  const TriangleContact found = intersect_triangles(pair);
+  ASSERT_EQ(exact.count, 2);
+  EXPECT_LT(location_error(found, exact), kHaptonAccuracy * size_of(pair));
+  TriangleContact wrong = found;
+  wrong.end.y() = kNan;
+  EXPECT_EQ(location_error(wrong, exact), std::numeric_limits<double>::infinity());
+  wrong.begin.x() = kNan;
+  EXPECT_EQ(location_error(wrong, exact), std::numeric_limits<double>::infinity());
 }
 
 TEST(MeasureHaptons, ReportsAreReadable) {

@@ -75,6 +75,16 @@ TEST(MakeMethod, SmoothGetsItsCreaseAngleAndHowMuchToSimplify) {
   EXPECT_NE((*configured)->describe().find("more than 63 degrees"), std::string::npos);
 }
 
+TEST(MakeMethod, ASphereAsProbeIsSupportedWhereItIsSaid) {
+  const TouchScene ball{.objects = {{made::shared(made::sphere(0.1, 8)), {}}}};
+  for (const char* name : {"proxy", "reference", "smooth", "sweep"}) {
+    ASSERT_TRUE(is_method_name(name)) << name;
+    EXPECT_EQ(make_method({.name = name, .probe_radius_m = 1e-3}, ball).has_value(), supports_spheres(name)) << name;
+  }
+  EXPECT_TRUE(supports_spheres("proxy"));
+  EXPECT_FALSE(supports_spheres("none"));
+}
+
 TEST(MakeMethod, EmptySceneIsRejected) {
   EXPECT_FALSE(make_method({}, {}));
   EXPECT_FALSE(make_method({}, {.objects = {{nullptr, {}}}}));

@@ -91,6 +91,16 @@ TEST(BoundaryLoops, ATriangleOfItsOwnIsItsOwnRim) {
   EXPECT_FALSE(loops[0].is_opening());
 }
 
+TEST(BoundaryLoops, ATriangleThatRepeatsAVertexJoinsNoPieces) {
+  TriangleMesh mesh;
+  mesh.vertices = {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 4, 0), Vec3(9, 9, 9), Vec3(10, 9, 9), Vec3(9, 10, 9)};
+  mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {2, 3, 3}};
+  const auto loops = find_boundary_loops(mesh);
+  ASSERT_EQ(loops.size(), 2U);
+  EXPECT_DOUBLE_EQ(loops[0].piece_area, 6.0);
+  EXPECT_DOUBLE_EQ(loops[1].piece_area, 0.5);
+}
+
 TEST(BoundaryLoops, InconsistentEdgesAreThoseThatTopologyCounts) {
   TriangleMesh ball = make_icosphere(0.5, 3);
   EXPECT_TRUE(find_inconsistent_edges(ball).empty());

@@ -386,6 +386,21 @@ TEST(CheckCommand, WhatAnObjectAcceptsIsANote) {
   EXPECT_EQ(json["accepted"].size(), 2U);
 }
 
+// Names need not be unique.
+TEST(CheckCommand, OfTwoObjectsWithOneNameEachHasItsOwnFindings) {
+  const ScratchFolder folder;
+  folder.write("part.obj", obj_of(good_ball()));
+  const std::string object = "[[object]]\nmesh = 'part.obj'\nname = 'ball'\nmaterial = 'm'\n";
+  const std::string material = "[material.m]\nstiffness_n_per_m = 20.0\n";
+  const nlohmann::json found =
+      nlohmann::json::parse(check({folder.write("scene.toml", object + object + material).string(), "--json"}).out);
+  EXPECT_EQ(found["findings"].size(), 1U) << found["findings"];
+  const std::string accepting = object + object + "accepted_findings = ['coincides']\n";
+  const CommandRun seen = check({folder.write("scene.toml", accepting + material).string()});
+  EXPECT_EQ(seen.code, 0) << seen.out;
+  EXPECT_THAT(seen.out, HasSubstr("note: accepted: object 'ball': the same shape in the same place as object 'ball'"));
+}
+
 TEST(CheckCommand, TheProbeIsTheScenesFirstOne) {
   const ScratchFolder folder;
   folder.write("part.obj", obj_of(make_box(Vec3(0.08, 0.06, 0.001), 3)));

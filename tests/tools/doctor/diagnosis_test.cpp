@@ -191,6 +191,13 @@ const std::vector<Fault> kFaults = {
     {"SlowGovernor", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave\n"); },
      Verdict::problem, "governor powersave (cpu1, acpi-cpufreq): the CPU stays at its lowest frequency",
      "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"},
+    {"SlowGovernorBesideALateOne",
+     [](FakeMachine& m) {
+       m.write("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "ondemand\n");
+       m.write("/sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave\n");
+     },
+     Verdict::problem, "governor powersave (cpu1, acpi-cpufreq): the CPU stays at its lowest frequency",
+     "echo performance | sudo tee /sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"},
     {"LateGovernor", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "schedutil\n"); },
      Verdict::warning, "governor schedutil", "echo performance | sudo tee"},
     {"OneCpu", [](FakeMachine& m) { m.write("/sys/devices/system/cpu/online", "0\n"); }, Verdict::warning, "one: the loop and every other",
@@ -237,6 +244,13 @@ const std::vector<Fault> kFaults = {
      [](FakeMachine& m) {
        m.write("/etc/ufw/ufw.conf", "# x\nENABLED=yes\n");
        m.write("/etc/ufw/user.rules", "*filter\nCOMMIT\n");
+     },
+     Verdict::warning, "has no rule for port 4950", "sudo ufw allow from"},
+    {"FirewallOpenForOtherPorts",
+     [](FakeMachine& m) {
+       m.write("/etc/ufw/ufw.conf", "ENABLED=yes\n");
+       m.write("/etc/ufw/user.rules",
+               "-A ufw-user-input -p udp --dport 49500 -j ACCEPT\n-A ufw-user-input -p udp --dport 14950 -j ACCEPT\n");
      },
      Verdict::warning, "has no rule for port 4950", "sudo ufw allow from"},
     {"NoDisplay", [](FakeMachine& m) { m.set_environment(std::string("HOME=/home/ada\0", 15)); }, Verdict::warning, "DISPLAY is not set",
@@ -290,6 +304,16 @@ TEST(Diagnosis, CountsTheCpusOfAList) {
   machine.write("/sys/devices/system/cpu/isolated", "2-3\n");
   const std::string text = to_text(diagnose(machine.make(), std::vector<std::string>{"cpus"}), false);
   EXPECT_THAT(text, HasSubstr("7, of which 2-3 are isolated for real time: io_node --cpu 2"));
+}
+
+TEST(Diagnosis, AFirewallThatLetsThePortThroughIsGood) {
+  FakeMachine machine;
+  machine.write("/etc/ufw/ufw.conf", "ENABLED=yes\n");
+  machine.write("/etc/ufw/user.rules",
+                "-A ufw-user-input -p udp --dport 14950 -j ACCEPT\n-A ufw-user-input -p udp --dport 4950 -j ACCEPT\n");
+  const Diagnosis diagnosis = diagnose(machine.make());
+  EXPECT_THAT(complaints_of(diagnosis), IsEmpty()) << to_text(diagnosis, false);
+  EXPECT_THAT(to_text(diagnosis, false), HasSubstr("lets port 4950 through"));
 }
 
 TEST(Diagnosis, ChecksOnlyWhatIsRequested) {

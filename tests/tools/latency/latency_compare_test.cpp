@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -48,6 +50,30 @@ TEST(LatencyCompare, ReadsAFolderOrAFileAndNothingElse) {
     ASSERT_FALSE(read) << bad;
     EXPECT_THAT(read.error().what, HasSubstr(bad));
   }
+}
+
+TEST(LatencyCompare, AValueOfAnotherTypeIsRejectedInOneLine) {
+  const ScratchFolder folder;
+  for (const char* bad : {R"({"schema": 1, "hops": {}})", R"({"schema": "hapton.report/4", "hops": []})",
+                          R"({"schema": "hapton.report/4", "hops": {"round_trip": 5}})",
+                          R"({"schema": "hapton.report/4", "hops": {"round_trip": {"n": "many"}}})",
+                          R"({"schema": "hapton.report/4", "hops": {}, "seconds": "long"})",
+                          R"({"schema": "hapton.report/3", "hops": {}, "counters": {"late": {}}})",
+                          R"({"schema": "hapton.report/4", "hops": {}, "notes": {"reach": 7}})"}) {
+    const auto read = read_report_json(folder.write("bad.json", bad));
+    ASSERT_FALSE(read) << bad;
+    EXPECT_THAT(read.error().what, HasSubstr("bad.json: is not a latency report")) << bad;
+  }
+  // A ratio that is not finite.
+  EXPECT_TRUE(read_report_json(folder.write("good.json", R"({"schema": "hapton.report/4", "hops": {}, "ratios": {"x": null}})")));
+}
+
+TEST(LatencyCompare, CountsMayBeLargerThan32Bits) {
+  nlohmann::ordered_json a = report(20.0, 0);
+  a["hops"]["round_trip"]["n"] = std::int64_t{1} << 32;
+  const auto json = compare_json(a, report(30.0, 4));
+  ASSERT_TRUE(json["hops"].contains("round_trip"));
+  EXPECT_EQ(json["hops"]["round_trip"]["n"].dump(), R"({"a":4294967296,"b":100})");
 }
 
 }  // namespace

@@ -62,5 +62,16 @@ TEST(LatencyVerdict, AReportWithoutForcesIsAnError) {
   EXPECT_FALSE(evaluate_latency(rateless));
 }
 
+TEST(LatencyVerdict, AValueOfAnotherTypeCountsAsNone) {
+  for (const char* section : {"hops", "counters", "rates_hz"}) {
+    auto wrong = report(1000, 20.0, 4.0);
+    wrong[section] = 7;
+    EXPECT_FALSE(evaluate_latency(wrong)) << section;
+  }
+  auto text = report(1000, 20.0, 4.0);
+  text["hops"]["round_trip"]["p99_9_us"] = "long";
+  EXPECT_FALSE(evaluate_latency(text));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -53,6 +53,7 @@ TEST(ReportUpgrade, GivesTheThirdSchemaTheNewNames) {
 TEST(ReportUpgrade, LeavesAnyOtherAsItIs) {
   const std::vector<Json> others = {{{"schema", kReportSchema}, {"counters", {{"silence_events", 3}}}},
                                     {{"schema", "hapton.report/9"}},
+                                    {{"schema", 1}},
                                     Json::array({1, 2}),
                                     {{"schema", "hapton.report/1"}, {"counters", 7}}};
   for (const Json& other : others) {

@@ -87,5 +87,12 @@ TEST(RunSummary, OfAReportWithoutTheKeysClaimsNothing) {
   EXPECT_THAT(summary.text, Not(HasSubstr("round trip")));
 }
 
+TEST(RunSummary, AValueOfAnotherTypeCountsAsNone) {
+  Json report = make_report();
+  report["seconds"] = "long";
+  report["notes"] = {{"max_force_written_n", 3.7}, {"reach", Json::array()}};
+  EXPECT_THAT(summarise_run(report, "x").text, HasSubstr("touched x for 0.0 s"));
+}
+
 }  // namespace
 }  // namespace hapton

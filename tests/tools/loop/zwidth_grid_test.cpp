@@ -1,5 +1,6 @@
 #include "tools/loop/zwidth_grid.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -202,6 +203,25 @@ TEST_F(MergeTest, RejectsWhatIsMissingDoubleOrOfAnotherGrid) {
   EXPECT_THAT(merge_csv({write("odd", csv_header(grid) + "x\n")}).error().what, HasSubstr("line 3"));
   EXPECT_THAT(merge_csv({write("far", csv_header(grid) + "24,a\n")}).error().what, HasSubstr("line 3"));
   EXPECT_THAT(merge_csv({folder_ / "none"}).error().what, HasSubstr("cannot be read"));
+}
+
+TEST_F(MergeTest, ADamagedNumberOfCellsIsRejectedInOneLine) {
+  const ZWidthGrid grid = small_grid();
+  const auto with_cells = [&](const std::string& cells) {
+    std::string csv = csv_header(grid) + csv_line(measure_cell(grid, 0));
+    csv.replace(csv.find("cells=24"), 8, "cells=" + cells);
+    return merge_csv({write("damaged", csv)});
+  };
+  for (const char* cells : {"24000000000000", "18446744073709551615"}) {
+    const auto merged = with_cells(cells);
+    ASSERT_FALSE(merged) << cells;
+    EXPECT_EQ(merged.error().what, fmt::format("cell 1 of {} is in no part; is a shard missing?", cells));
+  }
+  for (const char* cells : {"99999999999999999999", "x", ""}) {
+    const auto merged = with_cells(cells);
+    ASSERT_FALSE(merged) << cells;
+    EXPECT_THAT(merged.error().what, HasSubstr("line 1: is not a grid of hapton loop")) << cells;
+  }
 }
 
 TEST(ZWidthPlot, DrawsACurveForEachLoopAndRate) {

@@ -251,7 +251,7 @@ TEST_F(SessionReplayTest, ForcesInAViewThatIsNotRecordedAreNotCompared) {
   SessionReplay replay = make_replay();
   feed(replay);
   EXPECT_EQ(replay.counts().compared, 60U);
-  EXPECT_EQ(replay.counts().not_compared, 100U);
+  EXPECT_EQ(replay.counts().unknown_method, 100U);
   EXPECT_EQ(replay.counts().missing_views, 100U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }

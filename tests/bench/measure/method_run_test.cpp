@@ -1,0 +1,33 @@
+#include "bench/measure/method_run.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <utility>
+
+#include "core/geometry/mesh_shapes.h"
+
+namespace hapton {
+namespace {
+
+// What is compared with the reference has the effects of the scene, so the reference has them, too.
+TEST(RunReference, HasTheEffectsOfTheScene) {
+  const auto sheet = std::make_shared<const TriangleMesh>(make_plane_grid(0.1, 4));
+  const TouchScene plain{.objects = {{.mesh = sheet, .material = {}}}};
+  TouchScene scene = plain;
+  scene.objects[0].effects.progressive.n_per_m2 = 1e5;
+  TouchTrajectory trajectory;
+  for (int i = 0; i < 20; ++i) trajectory.p_SD.emplace_back(1e-4 * i, 0.003, 1e-3 - 2e-4 * i);
+  const auto reference = run_reference(Stopwatch::calibrate(), scene, trajectory, 0.0);
+  ASSERT_TRUE(reference) << reference.error().what;
+  const auto felt = compute_forces({.name = "reference"}, scene, trajectory);
+  ASSERT_TRUE(felt) << felt.error().what;
+  const auto without = compute_forces({.name = "reference"}, plain, trajectory);
+  ASSERT_TRUE(without) << without.error().what;
+  ASSERT_EQ(reference->felt.size(), felt->size());
+  for (std::size_t i = 0; i < felt->size(); ++i) EXPECT_EQ(reference->felt[i].force_n, (*felt)[i].force_n) << i;
+  EXPECT_GT((reference->felt.back().force_n - without->back().force_n).norm(), 0.1) << "the effect acts";
+}
+
+}  // namespace
+}  // namespace hapton

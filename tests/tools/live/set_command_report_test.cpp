@@ -1,0 +1,33 @@
+// What it says of the hub that it asks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/tools/command_run.h"
+#include "tests/tools/reporting_hub.h"
+
+namespace hapton {
+namespace {
+
+CommandRun reset_faults(const std::string& report) {
+  const ReportingHub hub([&](int) { return HubReport{report, "hop,lower_ns,upper_ns,count\n"}; });
+  return run_hapton({"set", "--reset-faults", "--hub", hub.address(), "--key", hub.key_file()});
+}
+
+TEST(SetCommand, SaysThatNoFaultIsLatched) {
+  const CommandRun seen = reset_faults(R"({"notes": {"safety_fault": "none"}})");
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.out, testing::HasSubstr("no fault is latched"));
+}
+
+TEST(SetCommand, AReportWithOtherTypesIsRejectedInOneLine) {
+  for (const char* wrong : {R"({"notes": {"safety_fault": 1}})", R"({"notes": 1})", R"([])"}) {
+    const CommandRun seen = reset_faults(wrong);
+    EXPECT_EQ(seen.code, 1) << wrong;
+    EXPECT_EQ(seen.err, "hapton set: the hub does not report faults; it is another build\n") << wrong;
+  }
+}
+
+}  // namespace
+}  // namespace hapton
