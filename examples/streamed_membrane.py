@@ -24,9 +24,7 @@ touched = {"at": None, "force_n": 0.0, "last_s": 0.0}
 
 def force(hand):
     felt = membrane.step(hand.position_m, min(max(hand.t_s - touched["last_s"], 1e-4), 0.05))
-    touched["last_s"] = hand.t_s
-    touched["at"] = felt["proxy_m"][0] if felt["contact"][0] else None
-    touched["force_n"] = -felt["force_n"][0, 1]
+    touched.update(at=felt["proxy_m"][0] if felt["contact"][0] else None, force_n=-felt["force_n"][0, 1], last_s=hand.t_s)
     return felt["force_n"][0]
 
 
@@ -53,7 +51,9 @@ def simulate(stop):
 stop = threading.Event()
 simulation = threading.Thread(target=simulate, args=(stop,))
 simulation.start()
-report = hapton.run_haptics_node(force, seconds=float(SECONDS), hub=HUB)
-stop.set()
-simulation.join()
+try:
+    report = hapton.run_haptics_node(force, seconds=float(SECONDS), hub=HUB)
+finally:  # also if there is no hub, and at Ctrl-C: Python does not end before its threads
+    stop.set()
+    simulation.join()
 print(f"{report['rate_hz']:.0f} forces a second")

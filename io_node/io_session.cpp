@@ -13,6 +13,7 @@
 #include "devices/plugin_device.h"
 #include "io_node/io_report.h"
 #include "link/udp_endpoint.h"
+#include "link/wire_text.h"
 #include "runtime/log.h"
 #include "runtime/prometheus_text.h"
 #include "runtime/report.h"
@@ -108,7 +109,7 @@ std::string describe(const ServoEvent& event, const IoOptions& options) {
     case ServoEvent::Kind::rate_changed:
       return fmt::format("servo rate now {:.0f} Hz", event.rate_hz);
     case ServoEvent::Kind::method_requested:
-      return fmt::format("method requested: {}", std::string_view(event.method.data()).substr(0, 16));
+      return fmt::format("method requested: {}", text_of(event.method));
     case ServoEvent::Kind::material_requested:
       return "change of a material requested";
     case ServoEvent::Kind::out_of_reach:

@@ -275,11 +275,12 @@ void SocketStreams::accept_some(Listener& listener) {
       if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) accepts_from_ns_ = monotonic_ns() + kAcceptPauseNs;
       return;
     }
-    // A connection above the limit is closed silently.
     if (count_open() >= kMaxConnections) {
-      const Id given_up = listener.choose_connection_to_evict();
-      if (given_up == 0) continue;
-      close(given_up);
+      close(listener.choose_connection_to_evict());
+      // Now: for the next one that connects, the listener would choose the same again.
+      forget_closed(listener);
+      // A connection above the limit is closed silently.
+      if (count_open() >= kMaxConnections) continue;
     }
     prepare(socket);
     Connection connection;

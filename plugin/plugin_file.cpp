@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <map>
+#include <mutex>
 #include <string_view>
 
 #include "runtime/regular_file.h"
@@ -65,6 +67,17 @@ std::uint64_t fnv1a(std::string_view bytes, std::uint64_t hash) {
   return hash;
 }
 
+// The loader gives the code that it has for a path, whatever the file holds by now. False: it is that of other bytes than these.
+bool is_code_of(const void* handle, std::uint64_t hash_of_bytes) {
+  struct Loaded {
+    std::mutex mutex;
+    std::map<const void*, std::uint64_t> hashes;
+  };
+  static auto& loaded = *new Loaded;  // without a destructor: StoppableCalls
+  const std::scoped_lock lock(loaded.mutex);
+  return loaded.hashes.try_emplace(handle, hash_of_bytes).first->second == hash_of_bytes;
+}
+
 std::string one_line(std::string_view text) {
   std::string line(text);
   std::ranges::replace_if(
@@ -102,12 +115,14 @@ Result<PluginFile> PluginFile::open(const PluginChoice& choice) {
   const auto bytes = read_regular_file(file.path(), "give the shared library of a plug-in (docs/plugins.md)", kMaxBytes);
   if (!bytes) return tl::unexpected(bytes.error());
   if (const auto checked = check_elf(file.path(), *bytes); !checked) return tl::unexpected(checked.error());
-  file.hash_ = fnv1a(*bytes, 0xcbf29ce484222325U);
+  const std::uint64_t hash_of_bytes = fnv1a(*bytes, 0xcbf29ce484222325U);
+  file.hash_ = hash_of_bytes;
   for (const auto& [key, value] : choice.parameters) file.hash_ = fnv1a(key + "=" + value + ",", file.hash_);
   // Binds all symbols now: a missing one is reported here instead of ending the program at its first call.
   const bool has_returned = call_plugin([&] { file.handle_ = ::dlopen(file.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE); });
   if (!has_returned) return fail("{}: it threw a C++ exception while it was loaded", file.path());
-  if (file.handle_ != nullptr) return file;
+  if (file.handle_ != nullptr && is_code_of(file.handle_, hash_of_bytes)) return file;
+  if (file.handle_ != nullptr) return fail("{}: has changed since it was loaded; start this program again to use it", file.path());
   const char* said = ::dlerror();
   std::string_view reason = said != nullptr ? said : "the loader gives no reason";
   if (reason.starts_with(file.path() + ": ")) reason.remove_prefix(file.path().size() + 2);

@@ -15,7 +15,8 @@ namespace hapton {
 // only. Threads: any.
 class PluginFile {
  public:
-  // Error: one line: no such file, not a shared library, one for another processor, or what the loader says.
+  // Error: one line: no such file, not a shared library, one for another processor, one that has changed since this process loaded it, or
+  // what the loader says.
   static Result<PluginFile> open(const PluginChoice& choice);
 
   // The constants that it exports, of this version and size, with every function that is not optional and bounds in range. Error: one line

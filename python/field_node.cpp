@@ -29,13 +29,15 @@ bool FieldNode::has_watch_expired() const noexcept {
   return 1e-9 * static_cast<double>(clock_.now_ns() - watched_ns_.load(std::memory_order_relaxed)) > watch_s_;
 }
 
-void FieldNode::set(std::vector<Field> fields) {
+Result<void> FieldNode::set(std::vector<Field> fields) {
+  if (is_stopping_.load()) return fail("this node is closed");
   rewind_watch();
   auto law = std::make_unique<FieldLaw>(std::move(fields));
   const std::scoped_lock lock(mutex_);
   next_ = std::move(law);
   is_law_waiting_.store(true, std::memory_order_relaxed);
   old_.reset();
+  return {};
 }
 
 Result<std::uint64_t> FieldNode::mark(std::string_view text) {

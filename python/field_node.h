@@ -43,7 +43,8 @@ class FieldNode {
   FieldNode(const FieldNode&) = delete;
   FieldNode& operator=(const FieldNode&) = delete;
 
-  void set(std::vector<Field> fields);
+  // Error, one line: this node is closed.
+  Result<void> set(std::vector<Field> fields);
   // Marks the recording once the fields set before are in use, and waits for it. The sample that it belongs to: the first one that those
   // fields had a reply for, or one soon after. Error, one line: as LiveClient::mark.
   Result<std::uint64_t> mark(std::string_view text);

@@ -75,15 +75,19 @@ class FieldLaw {
   FieldLaw() = default;
   explicit FieldLaw(std::vector<Field> fields) : fields_(std::move(fields)) {}
 
-  // A sample that is not finite gives no force. Pre: dt_s >= 0.
+  // A sample that is not finite gives no force; time goes on. Pre: dt_s >= 0.
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept;
   const Vec3& velocity_m_per_s() const noexcept { return velocity_.mean(); }
   // The motion so far goes on under another law, whose time begins now.
-  void take_motion(const FieldLaw& before) noexcept { velocity_ = before.velocity_; }
+  void take_motion(const FieldLaw& before) noexcept {
+    velocity_ = before.velocity_;
+    unmoved_s_ = before.unmoved_s_;
+  }
 
  private:
   std::vector<Field> fields_;
   SmoothVelocity velocity_;
+  double unmoved_s_ = 0.0;  // since the last sample that was finite
   double time_s_ = 0.0;
 };
 

@@ -68,8 +68,11 @@ std::uint32_t turn_scene(LiveClient& client, const Doubles& scene_pose) {
   for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 4; ++k) rows[static_cast<std::size_t>(4 * i + k)] = static_cast<float>(pose.matrix()(i, k));
   }
-  const py::gil_scoped_release release;  // it may wait for the hub's first state
-  return client.turn_scene(rows);
+  auto revision = [&] {
+    const py::gil_scoped_release gil_released;  // it may wait for the hub's first state
+    return client.turn_scene(rows);
+  }();
+  return value_or_raise(std::move(revision));
 }
 
 using ObjectKey = std::variant<std::int64_t, std::string>;  // number in the scene, or name
@@ -355,8 +358,9 @@ void bind_client_objects(py::class_<LiveClient>& bound) {
           "and "
           "returns\n"
           "the time that the motion takes; use it for the last shape. object: its name, or its number.")
-      .def("take_shape_rejection", &LiveClient::take_shape_rejection,
-           "Why the object did not take the newest shape of those that it rejected since the last call; empty: it took all.")
+      .def(
+          "take_shape_rejection", [](LiveClient& client) { return make_text(client.take_shape_rejection()); },
+          "Why the object did not take the newest shape of those that it rejected since the last call; empty: it took all.")
       .def("object_pose", &object_pose, py::arg("object"), py::arg("scene_time_s") = py::none(),
            "Where an object is that programs may move, as a dict: object (its number), scene_time_s, pivot_position_m (of its pivot, frame "
            "S), "
@@ -448,7 +452,7 @@ std::unique_ptr<FieldNode> open_field_node(const std::string& hub, const std::st
 }
 
 std::optional<std::uint64_t> set_fields(FieldNode& node, const py::iterable& fields, const std::optional<std::string>& mark) {
-  node.set(read_fields(fields));
+  if (const auto taken = node.set(read_fields(fields)); !taken) raise_value_error(taken.error().what);
   if (!mark) return std::nullopt;
   auto sample = [&] {
     const py::gil_scoped_release gil_released;

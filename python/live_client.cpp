@@ -45,7 +45,8 @@ std::optional<ProbeState> LiveClient::newest() {
   return newest_;
 }
 
-std::uint32_t LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
+Result<std::uint32_t> LiveClient::turn_scene(const std::array<float, 12>& X_WS) {
+  if (is_stopping_.load()) return fail("this client is closed");
   // Revisions go on from the one in use, which comes with the first state.
   for (int ms = 0; ms < 1000 && !newest(); ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const std::scoped_lock lock(mutex_);

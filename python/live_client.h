@@ -33,8 +33,9 @@ class LiveClient {
   // None before the first.
   std::optional<ProbeState> newest();
   bool is_joined() const noexcept { return is_joined_.load(std::memory_order_relaxed); }
-  // The pose of the static scene. The hub sends what the forces are computed with back, as ProbeState::view_revision.
-  std::uint32_t turn_scene(const std::array<float, 12>& X_WS);
+  // The pose of the static scene. The hub sends what the forces are computed with back, as ProbeState::view_revision. Error, one line: this
+  // client is closed.
+  Result<std::uint32_t> turn_scene(const std::array<float, 12>& X_WS);
   // Marks the recording; the number of the sample. Error, one line: nothing is recorded, too many, or no reply. Threads: any.
   Result<std::uint64_t> mark(std::string_view text);
   // Where an object is that programs may move, at a scene time; none given: at that of the newest state. None: there is no state yet, or as

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <cmath>
 #include <optional>
 
 #include "python/bindings.h"
@@ -9,24 +10,24 @@
 namespace hapton::python {
 namespace {
 
-using Indices = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
-
 std::optional<Unit> read_unit(const std::optional<std::string>& unit) {
   if (!unit) return std::nullopt;
   return value_or_raise(parse_unit(*unit));
 }
 
-PythonMesh make_mesh(const Doubles& vertices, const Indices& triangles) {
+// As doubles, which hold every index exactly: integers would be made of 0.9 and of 1e30 without a word.
+PythonMesh make_mesh(const Doubles& vertices, const Doubles& triangles) {
   auto mesh = std::make_shared<TriangleMesh>();
   mesh->vertices = read_points(vertices, "vertices");
   if (triangles.ndim() != 2 || triangles.shape(1) != 3)
     raise_value_error("triangles has another shape than (m, 3); give three indices each");
-  const auto count = static_cast<std::int64_t>(mesh->vertices.size());
+  const auto count = static_cast<double>(mesh->vertices.size());
   for (py::ssize_t t = 0; t < triangles.shape(0); ++t) {
     Triangle triangle = {};
     for (py::ssize_t k = 0; k < 3; ++k) {
-      const std::int64_t index = triangles.at(t, k);
-      if (index < 0 || index >= count) raise_value_error(fmt::format("triangles[{}] names vertex {}; there are {}", t, index, count));
+      const double index = triangles.at(t, k);
+      if (!(index >= 0.0 && index < count && index == std::floor(index)))
+        raise_value_error(fmt::format("triangles[{}] names vertex {}; there are {}, numbered from 0", t, index, mesh->vertices.size()));
       triangle[static_cast<std::size_t>(k)] = static_cast<std::uint32_t>(index);
     }
     mesh->triangles.push_back(triangle);

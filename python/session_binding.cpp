@@ -129,11 +129,11 @@ py::list describe_setups(const std::vector<RecordedSetup>& setups) {
   for (const RecordedSetup& one : setups) {
     py::dict setup;
     setup["t_s"] = one.t_s;
-    setup["scene"] = one.setup.scene.data();
+    setup["scene"] = make_text(one.setup.scene.data());
     setup["scene_hash"] = fmt::format("{:016x}", one.setup.scene_hash);
     setup["loading"] = describe_loading(one.setup.scene_loading);
-    setup["method"] = one.setup.method.data();
-    setup["build"] = one.setup.build.data();
+    setup["method"] = make_text(one.setup.method.data());
+    setup["build"] = make_text(one.setup.build.data());
     described.append(setup);
   }
   return described;

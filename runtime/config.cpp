@@ -67,6 +67,7 @@ class ConfigFile {
 };
 
 Result<toml::table> ConfigFile::read() const {
+  if (path_.empty()) return fail("--config is empty; name a TOML file, or leave it out");
   const auto text = read_regular_file(path_, "--config wants a TOML file", kMaxBytes);
   if (!text) return tl::unexpected(text.error());
   try {
@@ -139,8 +140,8 @@ std::string ConfigFile::origin_of(std::string_view message) const {
   return is_ours ? fmt::format(" (from {})", path_) : "";
 }
 
-// Empty when there is no --config.
-std::string find_config_path(const std::vector<std::string>& given) {
+// None: there is no --config.
+std::optional<std::string> find_config_path(const std::vector<std::string>& given) {
   constexpr std::string_view kFlag = "--config";
   for (std::size_t i = 0; i < given.size() && given[i] != "--"; ++i) {
     if (given[i] == kFlag && i + 1 < given.size()) {
@@ -150,7 +151,7 @@ std::string find_config_path(const std::vector<std::string>& given) {
       return given[i].substr(kFlag.size() + 1);
     }
   }
-  return {};
+  return std::nullopt;
 }
 
 std::string one_line(std::string text) {
@@ -235,9 +236,9 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     arguments.emplace_back(argv[i]);
   }
   const std::vector<std::string> given = arguments;
-  const std::string path = find_config_path(given);
-  ConfigFile file(path, app, given);
-  if (!path.empty()) {
+  const std::optional<std::string> path = find_config_path(given);
+  ConfigFile file(path.value_or(""), app, given);
+  if (path) {
     const Result<std::vector<std::string>> from_file = file.arguments();
     if (!from_file) {
       fmt::print(stderr, "{}: {}\n", program, one_line(from_file.error().what));

@@ -30,7 +30,7 @@ std::string write_annotations(const Annotations& annotations, std::uint64_t scen
 // scene, and so on. Error: one line with the line in the text: not TOML, unknown or missing keys, numbers that are not finite or beyond
 // 1,000 km, more than kMaxAnnotationPoints points, a version that is not ours.
 Result<AnnotationsRead> parse_annotations(std::string_view text, std::span<const std::string> names, std::uint64_t scene_hash);
-// Error: names the file; also one that cannot be read, or is larger than 64 MiB.
+// Error: names the file; also one that cannot be read, or is larger than 256 MiB.
 Result<AnnotationsRead> read_annotations(const std::filesystem::path& path, std::span<const std::string> names, std::uint64_t scene_hash);
 
 // For other programs: strokes and measures as polylines in frame S, in metres, objects where they are (X_SO). What is on objects of another

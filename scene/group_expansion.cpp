@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxShownObjects = 4096;
 constexpr std::size_t kDeepestGroup = 16;
+constexpr std::size_t kDeepestShown = 256;  // groups around an object, with those that instances show: each takes some of the stack
 
 // What the table leaves out is that of what it shows.
 Similarity pose_of(const GroupSpec& given, const Similarity& shown) {
@@ -185,6 +186,10 @@ class Expansion {
   // around: with the defaults of an instance, which replace those of the group.
   Result<void> show_group(std::size_t group, const std::string& name, const Similarity& pose, Surroundings around,
                           const GroupSpec* instance = nullptr) {
+    if (open_.size() == kDeepestShown) {
+      return fail("line {}: '{}' is inside more than {} groups and instances of groups: use fewer",
+                  instance != nullptr ? instance->line : groups_[group].line, printable(name), kDeepestShown - 1);
+    }
     around.pose = around.pose.then(pose);
     around.prefix += name + "/";
     around.take_defaults(groups_[group]);

@@ -12,7 +12,7 @@ namespace hapton {
 // groups is named "OUTER/INNER/OBJECT", one that an instance shows after the instance. Order: what is in no group first, then group by
 // group as in the file; in each of them objects, instances, groups. Without groups and instances the objects stay as they are.
 // RT: set-up only. Error: one line with the line in the file: names that do not exist or exist twice, a group that contains itself or
-// nothing, more than 4096 objects.
+// nothing, more than 4096 objects, an object in more than 256 groups and instances of groups.
 Result<std::vector<ObjectSpec>> expand_groups(const std::vector<ObjectSpec>& objects, const std::vector<GroupSpec>& groups,
                                               const std::vector<GroupSpec>& instances);
 

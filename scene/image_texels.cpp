@@ -37,6 +37,15 @@ std::string without_colour_space(const std::string& bytes) {
   return kept;
 }
 
+// Leaves red, green and blue.
+void drop_alpha(std::vector<std::uint8_t>& values) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (i % 4 != 3) values[kept++] = values[i];
+  }
+  values.resize(kept);
+}
+
 Result<ImageTexels> decode_png(const std::string& bytes, TexelKind kind) {
   png_image png = {};
   png.version = PNG_IMAGE_VERSION;
@@ -46,11 +55,15 @@ Result<ImageTexels> decode_png(const std::string& bytes, TexelKind kind) {
     png_image_free(&png);
     return tl::unexpected(error);
   }
-  png.format = kind == TexelKind::grey ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
+  // Else libpng takes 16 bits for linear light where the file does not say, and makes them brighter.
+  png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
+  // Without room for it, libpng would multiply the numbers by the alpha.
+  png.format = kind == TexelKind::grey ? PNG_FORMAT_GRAY : PNG_FORMAT_RGBA;
   ImageTexels texels{static_cast<int>(png.width), static_cast<int>(png.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
   const bool is_read = png_image_finish_read(&png, nullptr, texels.values.data(), 0, nullptr) != 0;
   png_image_free(&png);
   if (!is_read) return tl::unexpected(broken_image());
+  if (kind == TexelKind::numbers) drop_alpha(texels.values);
   return texels;
 }
 

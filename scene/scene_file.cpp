@@ -437,13 +437,11 @@ Result<Scene> load_mesh_as_scene(const std::filesystem::path& path, const SceneL
   for (const std::string& note : file->notes) scene.notes.push_back(fmt::format("{}: {}", path.string(), note));
   scene.given_hash = combine_hashes(file->given_hash, static_cast<std::uint64_t>(loading.fit));
   if (loading.fit == MeshFit::workspace) {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& vertex : file->mesh.vertices) box.extend(vertex);
-    const Result<SceneFit> fit = find_fit(box, fitted_size_m());
+    const Result<SceneFit> fit = find_fit(file->box, fitted_size_m());
     if (!fit) return fail("{}: {}", path.string(), fit.error().what);
     fit->apply(file->mesh, file->sealed);
     scene.fit_scale = fit->scale;
-    scene.notes.push_back(describe_fit(path.string(), box, *fit));
+    scene.notes.push_back(describe_fit(path.string(), file->box, *fit));
   }
   std::shared_ptr<const MeshAppearance> appearance;
   if (file->appearance.has_colours_or_images()) appearance = std::make_shared<const MeshAppearance>(std::move(file->appearance));

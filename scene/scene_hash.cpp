@@ -33,6 +33,14 @@ void add_mesh(Hash& hash, const TriangleMesh& mesh) {
   }
 }
 
+void add_normals(Hash& hash, const TriangleMesh& mesh) {
+  for (const auto& corners : mesh.authored_normals) {
+    for (const Eigen::Vector3f& normal : corners) {
+      for (int k = 0; k < 3; ++k) hash.add(std::uint64_t{std::bit_cast<std::uint32_t>(normal[k])});
+    }
+  }
+}
+
 // Every number of every effect: those that are off count too, so that no change is missed.
 void add_volume(Hash& hash, const EffectVolume& volume) {
   volume.for_each_number([&](double number) { hash.add(number); });
@@ -225,6 +233,12 @@ std::uint64_t hash_scene(const TouchScene& scene) {
     const Material& m = object.material;
     for (const double value : {m.stiffness_n_per_m, m.damping_ns_per_m, m.friction_static, m.friction_dynamic}) hash.add(value);
     hash.add(std::uint64_t{m.two_sided});
+  }
+  // Force shading uses them.
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    if (!scene.objects[o].mesh->has_authored_normals()) continue;
+    hash.add(std::uint64_t{o});
+    add_normals(hash, *scene.objects[o].mesh);
   }
   if (scene.has_motion()) add_motions(hash, scene);
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {

@@ -7,9 +7,9 @@
 
 namespace hapton {
 
-// Of everything that forces depend on: vertices, triangles, materials, effects, motions, deformations and what can be carved, in their
-// order. A scene without effects, motions or such material has the hash that it had before there were any. Equal scenes have equal hashes,
-// on every machine of one byte order. Not against forgery. RT: set-up only.
+// Of everything that forces depend on: vertices, triangles, their authored normals, materials, effects, motions, deformations and what can
+// be carved, in their order. A scene without effects, normals, motions or such material has the hash that it had before there were any.
+// Equal scenes have equal hashes, on every machine of one byte order. Not against forgery. RT: set-up only.
 std::uint64_t hash_scene(const TouchScene& scene);
 
 // The same of one mesh's vertices and triangles, and of any numbers.

@@ -24,6 +24,7 @@ Result<TouchMesh> load_touch_mesh(const std::filesystem::path& path, std::option
                   .has_haptics = file->haptics.any(),
                   .appearance = std::move(file->appearance)};
   touch.given_hash = hash_mesh(touch.mesh);
+  for (const Vec3& vertex : touch.mesh.vertices) touch.box.extend(vertex);
   touch.sealed = seal_for_touch(touch.mesh, sealing);
   if (touch.sealed.has_sealed()) touch.appearance = {};
   if (touch.sealed.is_worth_a_note()) touch.notes.push_back(touch.sealed.describe());

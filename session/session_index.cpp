@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <utility>
 
 #include "core/base/ns_between.h"
@@ -45,23 +44,14 @@ bool is_same(const HapticsSetup& a, const HapticsSetup& b) {
   return a.method == b.method && a.scene == b.scene && a.scene_hash == b.scene_hash && a.scene_loading == b.scene_loading;
 }
 
-// Serials are those of one haptics process.
-bool is_of_other(const ObjectPose&, const ObjectPose&) { return false; }
-bool is_of_other(const IndexedMove& a, const IndexedMove& b) { return a.source != b.source; }
-
-// Whether this pose or move was recorded already: haptics nodes repeat the newest one of each object once a second.
-template <class Message>
-bool is_known(const std::vector<Timed<Message>>& known, const Message& message) {
-  for (const auto& one : known | std::views::reverse) {
-    if (is_of_other(one.message, message)) return false;
-    if (one.message.object == message.object) return one.message.serial == message.serial;
-  }
-  return false;
-}
-
 }  // namespace
 
 bool SessionIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
+
+bool SessionIndex::note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said) {
+  const auto [at, is_first] = last.try_emplace(object, said);
+  return is_first || std::exchange(at->second, said) != said;
+}
 
 void SessionIndex::add_row(const CycleRow& row) {
   const double t_s = std::clamp(row.sample_t_s, spans_.empty() ? -kMaxSeconds : end_s_, kMaxSeconds);
@@ -115,14 +105,15 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s, std::uint6
   // One that the hub rejects is followed at once by the one in use, which it sends back.
   if (const auto* view = std::get_if<ViewTransform>(&message)) add_view({view->revision, view->X_WS}, t_s);
   if (const auto* move = std::get_if<ObjectMove>(&message)) {
-    if (const IndexedMove indexed = IndexedMove::of(*move); !is_known(moves_, indexed)) add_later(moves_, t_s, indexed);
+    if (note_said(last_moves_, move->object, {move->source, move->serial})) add_later(moves_, t_s, IndexedMove::of(*move));
   }
   if (const auto* carves = std::get_if<Carves>(&message)) add_carves(*carves, t_s);
   if (const auto* part = std::get_if<ObjectShape>(&message)) shapes_.add(*part, position);
   if (const auto* start = std::get_if<ShapeStart>(&message)) shapes_.add(*start, t_s);
   if (const auto* force = std::get_if<ForceCommand>(&message)) shapes_.add(*force);
   if (!is_haptics(sender)) return;
-  if (const auto* pose = std::get_if<ObjectPose>(&message); pose != nullptr && !is_known(poses_, *pose)) add_later(poses_, t_s, *pose);
+  const auto* pose = std::get_if<ObjectPose>(&message);
+  if (pose != nullptr && note_said(last_poses_, pose->object, {sender, pose->serial})) add_later(poses_, t_s, *pose);
   const auto* scene = std::get_if<SceneFacts>(&message);
   if (scene != nullptr && (scene_hashes_.empty() || scene_hashes_.back().message != scene->given_hash)) {
     add_later(scene_hashes_, t_s, scene->given_hash);

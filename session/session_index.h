@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -134,6 +135,15 @@ class SessionIndex {
     std::uint64_t position = 0;  // SessionReader::position()
   };
 
+  // What a haptics process said last of an object, by serial, which it repeats once a second.
+  struct Said {
+    std::uint64_t process = 0;  // ObjectMove::source, or the sender; another one counts anew
+    std::uint32_t serial = 0;
+    friend bool operator==(const Said&, const Said&) = default;
+  };
+
+  // False: a repetition.
+  static bool note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said);
   void add_row(const CycleRow& row);
   void add_received(const Datagram& datagram, double t_s, std::uint64_t position);
   void add_view(const View& view, double t_s);
@@ -153,6 +163,8 @@ class SessionIndex {
   std::vector<Timed<IndexedMove>> moves_;
   std::vector<Timed<CarveNews>> carves_;
   ShapeIndex shapes_;
+  std::map<std::int32_t, Said> last_poses_;  // by object
+  std::map<std::int32_t, Said> last_moves_;  // likewise
   KnownCarves known_carves_;
   std::uint32_t carved_before_ = 0;     // serials up to this one, of the first haptics process
   std::vector<std::uint64_t> haptics_;  // sender numbers of the haptics nodes

@@ -69,9 +69,8 @@ std::deque<CycleRow>::const_iterator SessionRows::find_after(double t_s) const {
 
 const CycleRow* SessionRows::at(double t_s) {
   go_to(t_s);
-  if (rows_->empty()) return nullptr;
   const auto after = find_after(t_s);
-  // A gap in the recording: the sample before it may be farther back.
+  // A gap in the recording, or other entries after its last sample: the sample before may be farther back.
   if (after == rows_->begin() && t_s > index_->begin_s()) {
     const auto spans = index_->spans_between(index_->begin_s(), t_s);
     if (!spans.empty()) {

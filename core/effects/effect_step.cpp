@@ -125,6 +125,7 @@ void EffectStep::continue_hand_motion(const EffectStep& other) noexcept {
 }
 
 void EffectStep::note_scene_moved(const Vec3& last_p_SD) noexcept {
+  if (!last_p_SD.allFinite()) return;
   velocity_.move_last(last_p_SD);
   last_p_SD_ = last_p_SD;
   for (SurfaceFrame& frame : frames_) frame.move_last(last_p_SD);

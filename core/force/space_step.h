@@ -14,8 +14,9 @@ class SpaceStep {
  public:
   explicit SpaceStep(std::vector<SwitchedEffect> effects) : effects_({}, std::move(effects)) {}
 
-  // Force on the device, frame W.
+  // Force on the device, frame W. A sample that is not finite gives zero force and changes nothing.
   Vec3 step(const TouchInput& input) noexcept {
+    if (!input.p_WD.allFinite()) return Vec3::Zero();
     if (X_WS_.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(find_p_SD(last_p_WD_, input.X_WS));
     last_p_WD_ = input.p_WD;
     X_WS_ = input.X_WS;

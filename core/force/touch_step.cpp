@@ -97,8 +97,10 @@ TouchOutput TouchStep::step(const TouchInput& input) noexcept {
   return output;
 }
 
-// Corrects the last device point of the effects after the view transform changed: this is not a motion of the hand.
+// Corrects the last device point of the effects after the view transform changed: this is not a motion of the hand. A sample that is not
+// finite is left out: the effects go on from the one before it.
 void TouchStep::compensate_scene_motion(const TouchInput& input) noexcept {
+  if (!input.p_WD.allFinite()) return;
   if (last_.X_WS.matrix() != input.X_WS.matrix())
     effects_->note_scene_moved(to_static_scene({.p_WD = last_.p_WD, .X_WS = input.X_WS}).p_SD);
   last_ = input;
@@ -106,6 +108,7 @@ void TouchStep::compensate_scene_motion(const TouchInput& input) noexcept {
 
 Vec3 TouchStep::step_in_space(const TouchInput& input) noexcept {
   if (!uses_effects_) return Vec3::Zero();
+  held_offset_m_.reset();
   if (has_new_effects_) reset_effects(input);
   compensate_scene_motion(input);
   return input.X_WS.linear() * effects_->step_in_space(to_static_scene(input).p_SD, input.dt_s, input.buttons);

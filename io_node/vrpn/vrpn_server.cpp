@@ -64,9 +64,9 @@ struct Server::State final : StreamEndpoint::Listener {
     Client client;
     Address address;
     std::int64_t since_ns = 0;
-    bool is_open = false;            // its TCP connection is open
-    bool is_reported = false;        // the log has a line about it
-    bool has_button_states = false;  // it was sent the states of all buttons, so changes may follow
+    bool is_open = false;      // its TCP connection is open
+    bool is_reported = false;  // the log has a line about it
+    bool has_states = false;   // it was sent the states of buttons and device, so changes may follow
     bool is_rejection_logged = false;
     bool is_touching = false;  // contact in the last message to it
     std::int64_t next_report_ns = 0;
@@ -88,6 +88,7 @@ struct Server::State final : StreamEndpoint::Listener {
   void drop_timed_out(std::int64_t now_ns);
   void take_samples();
   void report();
+  void show_states(Client& client, Time time) const;
   void report_to(Peer& peer, Time time);
   bool is_due(Peer& peer) const;
   template <class Append>
@@ -220,7 +221,7 @@ template <class Append>
 void Server::State::append_to_reporting_clients(OurType type, Append&& append) {
   const Time time = to_time_of_day(newest->device.time_ns);
   for (auto& [id, peer] : peers) {
-    if (peer.has_button_states) append(peer.client.out(), peer.client.header(type, time));
+    if (peer.has_states) append(peer.client.out(), peer.client.header(type, time));
   }
 }
 
@@ -273,13 +274,18 @@ void Server::State::report() {
   const Time time = newest ? to_time_of_day(newest->device.time_ns) : Time{};
   for (auto& [id, peer] : peers) {
     if (!peer.is_open) continue;
-    if (newest && peer.client.is_connected() && !std::exchange(peer.has_button_states, true)) {
-      append_button_states(peer.client.out(), peer.client.header(OurType::button_states, time), newest->device.buttons, kButtons);
-    }
+    if (newest && peer.client.is_connected() && !std::exchange(peer.has_states, true)) show_states(peer.client, time);
     if (is_known && peer.client.is_connected() && is_due(peer)) report_to(peer, time);
     reply(id, peer);
   }
   if (is_new) sent = newest;
+}
+
+// What changes are told of, as it is now. The end of an error is no news to who has not heard of it.
+void Server::State::show_states(Client& client, Time time) const {
+  append_button_states(client.out(), client.header(OurType::button_states, time), newest->device.buttons, kButtons);
+  if (newest->status == DeviceStatus::ready) return;
+  append_force_error(client.out(), client.header(OurType::force_error, time), kMiscellaneousError);
 }
 
 void Server::State::report_to(Peer& peer, Time time) {

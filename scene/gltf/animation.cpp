@@ -47,23 +47,23 @@ Value value_at(const Track<Value>& track, double time, const Mix& mix) {
   return mix(track.values[i - 1], track.values[i], share);
 }
 
+struct NodeAtRest {
+  Eigen::Affine3d X_PN;
+  Mat3 R_PN;  // the rotation in it; the rest scales, and may mirror
+};
+
 // A node's own transform at a time: what is animated replaces what the node says.
-Eigen::Affine3d local_at(const NodeTracks* tracks, const Eigen::Affine3d& X_PN, double time) {
-  if (tracks == nullptr) return X_PN;
-  Mat3 turn;
-  Mat3 scale;
-  X_PN.computeRotationScaling(&turn, &scale);
-  Eigen::Affine3d moved = Eigen::Affine3d::Identity();
-  moved.translation() = X_PN.translation();
+Eigen::Affine3d local_at(const NodeTracks* tracks, const NodeAtRest& rest, double time) {
+  Eigen::Affine3d moved = rest.X_PN;
+  if (tracks == nullptr) return moved;
   if (tracks->translation) {
     moved.translation() =
         value_at(*tracks->translation, time, [](const Vec3& a, const Vec3& b, double s) { return Vec3(a + s * (b - a)); });
   }
   if (tracks->rotation) {
     const auto slerp = [](const Quat& a, const Quat& b, double s) { return a.slerp(s, b).normalized(); };
-    turn = value_at(*tracks->rotation, time, slerp).toRotationMatrix();
+    moved.linear() = value_at(*tracks->rotation, time, slerp).toRotationMatrix() * rest.R_PN.transpose() * rest.X_PN.linear();
   }
-  moved.linear() = turn * scale;
   return moved;
 }
 
@@ -197,7 +197,7 @@ class NodeTree {
     for (std::size_t n = 0; n < tree.parents_.size(); ++n) {
       const auto local = transform_of(nodes[n], fmt::format("nodes[{}]", n));
       if (!local) return tl::unexpected(local.error());
-      tree.locals_.push_back(*local);
+      tree.locals_.push_back({*local, rest_rotation_of(nodes[n], *local)});
       for (const Json& child : member(nodes[n], "children")) {
         const auto index = index_of(child, nodes, fmt::format("a child of nodes[{}]", n));
         if (!index) return tl::unexpected(index.error());
@@ -214,11 +214,11 @@ class NodeTree {
     std::reverse(path.begin(), path.end());
     return path;
   }
-  const Eigen::Affine3d& local(std::size_t node) const { return locals_[node]; }
+  const NodeAtRest& local(std::size_t node) const { return locals_[node]; }
 
  private:
   std::vector<std::optional<std::size_t>> parents_;
-  std::vector<Eigen::Affine3d> locals_;
+  std::vector<NodeAtRest> locals_;
 };
 
 // The pose of a path's last node, or of the one at `end`; tracks: null at rest.

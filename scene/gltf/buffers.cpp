@@ -31,6 +31,11 @@ Result<Buffers::View> Buffers::compressed_view(std::size_t index, const Json& co
     if (!bytes) return tl::unexpected(bytes.error());
     Result<std::string> decoded = decode_meshopt(*bytes, *layout, name);
     if (!decoded) return tl::unexpected(decoded.error());
+    // Any number of views may share the same bytes.
+    unfolded_bytes_ += decoded->size();
+    if (unfolded_bytes_ > kMeshoptBytesOfAByte * bytes_read_) {
+      return fail("{}: its compressed views unfold to more than the {} bytes of its buffers can hold: {}", name, bytes_read_, kExportAgain);
+    }
     unfolded = unfolded_.emplace(index, std::move(*decoded)).first;
   }
   return View{unfolded->second, layout->stride};

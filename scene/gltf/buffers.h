@@ -39,6 +39,7 @@ class Buffers {
   std::map<std::size_t, std::string> loaded_;    // by buffer
   std::map<std::size_t, std::string> unfolded_;  // by buffer view
   std::size_t bytes_read_;
+  std::size_t unfolded_bytes_ = 0;  // of all of unfolded_
 };
 
 }  // namespace hapton::gltf

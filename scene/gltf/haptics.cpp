@@ -29,6 +29,8 @@ constexpr std::array<HapticProperty, 4> kProperties = {{{"vibrotactileTexture", 
                                                         {"stiffness", "stiffness_map_n_per_m", &HapticMaterial::stiffness},
                                                         {"friction", "friction_map_range", &HapticMaterial::friction},
                                                         {"custom", "viscosity_map_ns_per_m", &HapticMaterial::viscosity}}};
+// Lists and tables inside each other. A key of a material has three at most; a file may have millions, which would exhaust the stack.
+constexpr int kDeepestExtras = 16;
 constexpr std::size_t kMaxHapticImageBytes = std::size_t{1} << 28;
 constexpr std::array<std::string_view, 2> kNotFelt = {"vibration", "temperature"};
 constexpr std::array<std::string_view, 7> kKnownKeys = {"stiffness",  "friction", "vibrotactileTexture", kCustom, "name",
@@ -86,6 +88,11 @@ Result<bool> repeats(const Json& sampler, const char* key, const std::string& wh
   return fail("{}.{} is none of {}, {} and {}: {}", where, key, kRepeat, kClampToEdge, kMirroredRepeat, kExportAgain);
 }
 
+bool is_deeper_than(const Json& json, int levels) {
+  if (!json.is_structured()) return false;
+  return levels == 0 || std::any_of(json.begin(), json.end(), [&](const Json& each) { return is_deeper_than(each, levels - 1); });
+}
+
 class HapticReader {
  public:
   HapticReader(const Document& document, const std::filesystem::path& folder, RawMesh& raw)
@@ -96,6 +103,9 @@ class HapticReader {
     HapticMaterial material{.name = printable(text_of(member(json, "name"))), .where = where, .numbers = {}};
     const Json& numbers = member(member(json, "extras"), "hapton");
     if (!numbers.is_null() && !numbers.is_object()) return fail("{}.extras.hapton is not an object", where);
+    if (is_deeper_than(numbers, kDeepestExtras)) {
+      return fail("{}.extras.hapton has more than {} lists and objects inside each other: no key has so many", where, kDeepestExtras);
+    }
     if (numbers.is_object() && !numbers.empty()) material.numbers = numbers.dump(-1, ' ', false, Json::error_handler_t::replace);
     std::optional<HapticPlace> place;
     for (const HapticProperty& property : kProperties) {

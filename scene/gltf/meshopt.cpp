@@ -11,10 +11,6 @@
 namespace hapton::gltf {
 namespace {
 
-// What one byte of the stream can stand for at most: 64 bytes of attributes (four groups of 16 equal bytes, two bits each), a triangle of a
-// list, an index. Appendix A of the extension.
-constexpr std::size_t kAttributeBytesOfAByte = 64;
-
 template <class Value, std::size_t N>
 std::optional<Value> find_name(const std::array<std::pair<std::string_view, Value>, N>& names, std::string_view name) {
   for (const auto& [known, value] : names) {
@@ -46,7 +42,7 @@ std::size_t most_items(const MeshoptLayout& layout, std::size_t bytes) {
     case MeshoptMode::indices:
       return bytes;
     default:
-      return kAttributeBytesOfAByte * bytes / layout.stride;
+      return kMeshoptBytesOfAByte * bytes / layout.stride;
   }
 }
 

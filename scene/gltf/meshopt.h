@@ -18,6 +18,10 @@ struct MeshoptLayout {
   std::size_t stride = 0;  // bytes of an item
 };
 
+// What one byte of the stream can stand for at most: 64 bytes of attributes (four groups of 16 equal bytes, two bits each); a triangle of a
+// list and an index are less. Appendix A of the extension.
+constexpr std::size_t kMeshoptBytesOfAByte = 64;
+
 // Error: a mode, a filter, a count or a stride that the extension does not have.
 Result<MeshoptLayout> meshopt_layout_of(const Json& json, const std::string& where);
 

@@ -26,6 +26,14 @@ Error too_many(const std::string& where, std::size_t max_triangles) {
   return {fmt::format("{} has more than {} triangles: simplify it", where, max_triangles)};
 }
 
+// All targets may name one accessor, or none: the file's size bounds neither their number nor what they take.
+std::optional<Error> check_morphs(std::size_t targets, std::size_t vertices, const std::string& where, std::size_t max_triangles) {
+  const std::size_t most = most_morph_displacements(max_triangles);
+  if (vertices == 0 || targets <= most / vertices) return std::nullopt;
+  return Error{
+      fmt::format("{} has {} morph targets of {} vertices, more than {} displacements: simplify it", where, targets, vertices, most)};
+}
+
 std::optional<Error> read_positions(const Accessor& accessor, Primitive& primitive) {
   primitive.positions.reserve(accessor.count);
   for (std::size_t i = 0; i < accessor.count; ++i) {
@@ -95,7 +103,7 @@ Result<std::vector<std::uint32_t>> read_corners(const Document& document, const 
   }
   const auto values = read_accessor(document, indices, where + ".indices", "SCALAR", 1);
   if (!values) return tl::unexpected(values.error());
-  if (values->component_type == 5126) return fail("{} are not whole numbers: {}", values->json_path, kExportAgain);
+  if (values->component_type == 5126 || values->normalized) return fail("{} are not whole numbers: {}", values->json_path, kExportAgain);
   corners.reserve(values->count);
   for (std::size_t i = 0; i < values->count; ++i) {
     const double index = values->component(i, 0);
@@ -225,6 +233,9 @@ Result<std::optional<Primitive>> read_primitive(const Document& document, const 
   // Draco orders the vertices anew.
   (*primitive)->has_bad_morphs = draco.is_object();
   if (draco.is_object()) return primitive;
+  if (auto error = check_morphs(size_of_array(targets), (*primitive)->positions.size(), where, max_triangles)) {
+    return tl::unexpected(std::move(*error));
+  }
   read_morphs(document, targets, where, **primitive);
   if ((*primitive)->has_bad_morphs) return primitive;
   if (auto error = deform(weights, where, **primitive)) return tl::unexpected(std::move(*error));

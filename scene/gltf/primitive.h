@@ -26,8 +26,12 @@ struct Primitive {
   std::optional<UnfoldedAttributes> unfolded = {};  // none: it is not compressed with Draco
 };
 
+// Of the morph targets of a file, which may have so many triangles: as many as these have corners. More is rejected.
+constexpr std::size_t most_morph_displacements(std::size_t max_triangles) { return 3 * max_triangles; }
+
 // Lists, strips and fans [3.7.2.1], with KHR_draco_mesh_compression or without. weights: of its morph targets at rest [3.7.2.2]; those that
-// are missing are 0. None: points or lines, or no positions. Error: whatever is out of range or not finite; more than max_triangles.
+// are missing are 0. None: points or lines, or no positions. Error: whatever is out of range or not finite; more than max_triangles, or
+// than most_morph_displacements.
 Result<std::optional<Primitive>> read_primitive(const Document& document, const Json& json, std::span<const double> weights,
                                                 const std::string& where, std::size_t max_triangles);
 

@@ -221,18 +221,23 @@ class SceneReader {
       raw_.mesh.vertices.push_back(p_SV);
     }
     add_triangles(primitive, static_cast<std::uint32_t>(first), X_SN, surface);
-    add_morphs(primitive, first, X_SN);
-    return std::nullopt;
+    return add_morphs(primitive, first, X_SN);
   }
 
   // All primitives of a mesh have as many targets [3.7.2.2]; what has fewer is not moved by the others.
-  void add_morphs(const Primitive& primitive, std::size_t first, const Eigen::Affine3d& X_SN) {
-    if (primitive.morphs.empty()) return;
+  std::optional<Error> add_morphs(const Primitive& primitive, std::size_t first, const Eigen::Affine3d& X_SN) {
+    if (primitive.morphs.empty()) return std::nullopt;
     MeshMorphs& morphs = raw_.morphs[raw_.parts.back().node];
     const std::size_t before = morphs.at_rest.size();
+    const std::size_t targets = std::max(morphs.displacements.size(), primitive.morphs.size());
+    displacements_ += targets * (before + primitive.positions.size()) - morphs.displacements.size() * before;
+    if (displacements_ > most_morph_displacements(max_triangles_)) {
+      return Error{fmt::format("has more than {} displacements of morph targets with all its instances: simplify it",
+                               most_morph_displacements(max_triangles_))};
+    }
     morphs.at_rest.insert(morphs.at_rest.end(), raw_.mesh.vertices.begin() + static_cast<std::ptrdiff_t>(first), raw_.mesh.vertices.end());
-    morphs.displacements.resize(std::max(morphs.displacements.size(), primitive.morphs.size()));
-    for (std::size_t t = 0; t < morphs.displacements.size(); ++t) {
+    morphs.displacements.resize(targets);
+    for (std::size_t t = 0; t < targets; ++t) {
       std::vector<Vec3>& into = morphs.displacements[t];
       into.resize(before, Vec3::Zero());
       if (t < primitive.morphs.size()) {
@@ -240,6 +245,7 @@ class SceneReader {
       }
       into.resize(morphs.at_rest.size(), Vec3::Zero());
     }
+    return std::nullopt;
   }
 
   // A mirroring transform turns the winding round [3.7.4]. Normals go by the inverse transpose, which keeps them at right angles to the
@@ -283,6 +289,7 @@ class SceneReader {
   std::size_t bad_normals_ = 0;
   std::size_t bad_morphs_ = 0;
   std::size_t odd_weights_ = 0;
+  std::size_t displacements_ = 0;  // of the morph targets of all instances
 };
 
 }  // namespace

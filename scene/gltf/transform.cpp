@@ -60,6 +60,12 @@ Result<Eigen::Affine3d> transform_of(const Json& node, const std::string& where)
   return X_PN;
 }
 
+Mat3 rest_rotation_of(const Json& node, const Eigen::Affine3d& X_PN) {
+  if (!member(node, "matrix").is_null()) return X_PN.rotation();
+  const auto q = numbers_of<4>(member(node, "rotation"), "");
+  return q ? Quat((*q)[3], (*q)[0], (*q)[1], (*q)[2]).normalized().toRotationMatrix() : Mat3(Mat3::Identity());
+}
+
 Result<std::vector<Eigen::Affine3d>> instances_of(const Json& node, const Document& document, const std::string& where) {
   const Json& attributes = member(extension_of(node, "EXT_mesh_gpu_instancing"), "attributes");
   std::array<std::optional<Accessor>, kInstanceAttributes.size()> found;

@@ -56,6 +56,22 @@ TEST(UdevRules, WriteIdsAsTheKernelDoes) {
   for (const std::string& rule : read_rules()) EXPECT_FALSE(std::regex_search(rule, kWrong)) << rule;
 }
 
+// A device that is plugged in while the package is installed: its rules hold without another replug.
+TEST(UdevRules, AreAppliedByThePackageToEverySubsystemThatTheyName) {
+  std::ifstream file(std::string(HAPTON_SOURCE_DIR) + "/deploy/debian/postinst");
+  std::stringstream postinst;
+  postinst << file.rdbuf();
+  static const std::regex kSubsystem(R"re(^SUBSYSTEM[!=]="([a-z]+)")re");
+  int named = 0;
+  for (const std::string& rule : read_rules()) {
+    std::smatch found;
+    if (!std::regex_search(rule, found, kSubsystem)) continue;
+    ++named;
+    EXPECT_NE(postinst.str().find("--subsystem-match=" + found[1].str() + " "), std::string::npos) << rule;
+  }
+  EXPECT_GE(named, 3);
+}
+
 class HaptonHidRule : public ::testing::Test {
  protected:
   // What udev would run, on a descriptor of ours.

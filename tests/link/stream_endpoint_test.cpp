@@ -154,6 +154,52 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
   EXPECT_EQ(server.peers.size(), StreamEndpoint::kMaxConnections);
 }
 
+// Makes room by its oldest connection.
+struct GivesUpTheOldest final : StreamEndpoint::Listener {
+  std::vector<StreamEndpoint::Id> open;
+  std::size_t connected = 0;
+
+  void on_connected(StreamEndpoint::Id id, const Address&) override {
+    open.push_back(id);
+    ++connected;
+  }
+  void on_bytes(StreamEndpoint::Id, std::span<const std::byte>) override {}
+  void on_closed(StreamEndpoint::Id id) override { std::erase(open, id); }
+  void on_datagram(const Address&, std::span<const std::byte>) override {}
+  StreamEndpoint::Id choose_connection_to_evict() override { return open.empty() ? 0 : open.front(); }
+};
+
+// Of those that connected between two waits each gave up the same one, and all were let in.
+TEST(StreamEndpoint, EachThatConnectsAtOnceTakesAnotherOnesPlace) {
+  constexpr std::size_t kAtOnce = 8;
+  const auto server = StreamEndpoint::open("127.0.0.1:0", 3883);
+  ASSERT_TRUE(server);
+  sockaddr_in to = {};
+  to.sin_family = AF_INET;
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  to.sin_port = htons((*server)->local_address().port);
+  std::vector<int> callers;
+  const auto call = [&](std::size_t count) {
+    for (std::size_t n = 0; n < count; ++n) {
+      callers.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+      ASSERT_EQ(::connect(callers.back(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    }
+  };
+  GivesUpTheOldest listener;
+  SteadyClock clock;
+  const std::int64_t end_ns = clock.now_ns() + 30 * kNanosecondsPerSecond;
+  call(StreamEndpoint::kMaxConnections);
+  while (listener.connected < StreamEndpoint::kMaxConnections && clock.now_ns() < end_ns) (*server)->wait(end_ns, listener);
+  ASSERT_EQ(listener.connected, StreamEndpoint::kMaxConnections);
+  call(kAtOnce);
+  while (listener.connected < StreamEndpoint::kMaxConnections + kAtOnce && clock.now_ns() < end_ns) {
+    (*server)->wait(end_ns, listener);
+    ASSERT_LE(listener.open.size(), StreamEndpoint::kMaxConnections);
+  }
+  EXPECT_EQ(listener.connected, StreamEndpoint::kMaxConnections + kAtOnce) << "each is let in";
+  for (const int caller : callers) ::close(caller);
+}
+
 // A caller that cannot be let in for want of a descriptor used to wake every wait at once, for ever.
 // Nor does data at another descriptor wake it meanwhile: standard output is a socket under some supervisors.
 TEST(StreamEndpoint, DoesNotSpinWhenNoDescriptorIsLeft) {

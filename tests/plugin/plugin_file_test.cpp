@@ -85,6 +85,22 @@ TEST(PluginFile, TheHashIsOfBytesAndParameters) {
   EXPECT_NE(hash_of("odd_effect", "1"), hash_of("small_effect", "1"));
 }
 
+// Its hash was that of the new file, and its code that of the old one.
+TEST(PluginFile, OneThatWasCompiledAgainSinceItWasLoadedIsRejected) {
+  const ScratchFolder scratch;
+  const std::filesystem::path mine = scratch.path() / "mine.so";
+  const auto compile = [&](const char* name) {
+    std::filesystem::remove(mine);  // as a linker does, which leaves the loaded one as it is
+    std::filesystem::copy_file(plugin(name), mine);
+  };
+  compile("odd_effect");
+  EXPECT_EQ(fault_of(mine.string()), "");
+  compile("nothing");
+  EXPECT_THAT(fault_of(mine.string()), AllOf(HasSubstr("mine.so: has changed since it was loaded"), HasSubstr("start this program again")));
+  compile("odd_effect");
+  EXPECT_EQ(fault_of(mine.string()), "") << "the same bytes";
+}
+
 TEST(PluginFile, ARelativePathIsTheCallersFolder) {
   const auto before = std::filesystem::current_path();
   std::filesystem::current_path(std::filesystem::path(plugin("odd_effect")).parent_path());

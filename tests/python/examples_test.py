@@ -30,6 +30,12 @@ class ExamplesTest(unittest.TestCase):
             self.assertRegex(run.stdout, r"[1-9][0-9]* shapes, the lowest vertex at ")
             self.assertRegex(run.stdout, r"[1-9][0-9]* forces a second")
 
+    def test_streamed_membrane_ends_where_there_is_no_hub(self):
+        script = os.path.join(SOURCE, "examples", "streamed_membrane.py")
+        run = subprocess.run([sys.executable, script, "3", "127.0.0.1:1"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(run.returncode, 1, run.stderr)
+        self.assertIn("ValueError", run.stderr)
+
     def test_swelling_block(self):
         with LiveSystem("--rate", "1000", scene="swelling.toml") as system:
             script = os.path.join(SOURCE, "examples", "swelling_block.py")

@@ -62,6 +62,16 @@ class FieldsTest(unittest.TestCase):
         self.assertEqual(fields.evaluate([], np.ones((4, 3))).shape, (4, 3))
         np.testing.assert_array_equal(fields.evaluate([fields.constant([1, 1, 1])], [[np.nan, 0, 0]]), 0)
 
+    def test_time_goes_on_and_velocity_stays_where_positions_are_missing(self):
+        laws = [fields.viscous(3.0), fields.sine([0, 0, 1], 0.7, 2.5), fields.pulse([0, 2, 0], duration_s=0.1, delay_s=0.02)]
+        path = np.outer(np.arange(100) * 1e-3, [0.2, 0, 0])
+        gaps = path.copy()
+        gaps[[0, 30, 31, 32, 60]] = np.nan
+        whole, felt = fields.evaluate(laws, path), fields.evaluate(laws, gaps)
+        np.testing.assert_array_equal(felt[[0, 30, 31, 32, 60]], 0)
+        seen = np.setdiff1d(np.arange(10, 100), [30, 31, 32, 60])
+        np.testing.assert_allclose(felt[seen], whole[seen], atol=1e-9)
+
     def test_expression_is_its_formula_of_place_velocity_and_time(self):
         law = fields.expression("-k * x + sin(pi * t)", "x > 0 ? 0.5 : -0.5", "-b * vz", k=40, b=2)
         np.testing.assert_allclose(at(law, [0.02, 0, 0], [0, 0, 0.1], t_s=0.5), [-0.8 + 1.0, 0.5, -0.2], rtol=1e-6)

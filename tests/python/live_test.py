@@ -54,6 +54,8 @@ class LiveTest(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "not a rigid pose"):
             client.turn_scene(3 * pose)
         client.close()
+        with self.assertRaisesRegex(ValueError, "closed"):
+            client.turn_scene(pose)
         self.assertFalse(client.joined)
 
     def test_a_client_marks_what_is_recorded(self):
@@ -225,6 +227,8 @@ class LiveTest(unittest.TestCase):
             self.assertIsNone(node.set([]))
         with self.assertRaisesRegex(ValueError, "closed"):
             node.set([], mark="too late")
+        with self.assertRaisesRegex(ValueError, "closed"):
+            node.set([])
         system.end_io()
         session = hapton.read_session(recording)
         events = {event: sample for kind, event, sample in zip(session["event_kind"], session["event"], session["event_sample"]) if kind == "marker"}

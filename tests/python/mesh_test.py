@@ -19,6 +19,11 @@ class MeshTest(unittest.TestCase):
         np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2]])
         self.assertEqual(repr(mesh), "<hapton.Mesh: 3 vertices, 1 triangles>")
 
+    def test_takes_indices_of_any_type_that_are_whole(self):
+        for kind in (np.uint8, np.uint32, np.int64, np.float32, float):
+            mesh = hapton.Mesh(np.eye(3), np.array([[0, 1, 2]], dtype=kind))
+            np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2]])
+
     def test_gives_copies(self):
         mesh = hapton.Mesh(np.eye(3), [[0, 1, 2]])
         mesh.vertices[0, 0] = 7.0
@@ -31,6 +36,8 @@ class MeshTest(unittest.TestCase):
             (np.full((3, 3), np.nan), [[0, 1, 2]], r"vertices\[0\] is not finite"),
             (points, [[0, 1, 3]], r"triangles\[0\] names vertex 3; there are 3"),
             (points, [[0, 1, -1]], "names vertex -1"),
+            (points, [[0, 1, 1.5]], r"triangles\[0\] names vertex 1.5"),
+            (points, [[0, 1, np.nan]], "names vertex nan"),
             (points, np.zeros((0, 3), dtype=int), "triangles is empty"),
             (points, [0, 1, 2], "another shape"),
         ]:

@@ -1,9 +1,11 @@
 """hapton.read_session, beside `hapton session export` of the same recording."""
 import csv
 import os
+import struct
 import subprocess
 import tempfile
 import unittest
+import zlib
 
 import numpy as np
 
@@ -100,11 +102,57 @@ class SessionTest(unittest.TestCase):
             self.assertLess(len(session["t_s"]), len(self.session["t_s"]))
         self.assertTrue(any(problems))
 
+    def test_a_path_that_was_cut_within_a_letter_is_shown(self):
+        with tempfile.TemporaryDirectory() as folder:
+            # 255 bytes are kept, the last ones: they begin with the second byte of an e with an accent.
+            deep = os.path.join(folder, "\u00e9" * 120, "\u00e9" * 120)
+            os.makedirs(deep)
+            with open(os.path.join(deep, "sheets.obj"), "w") as file:
+                file.write("v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n")
+            recording = os.path.join(folder, "deep.hapton")
+            with LiveSystem("--record", recording, scene=os.path.join(deep, "sheets.obj")) as system:
+                system.record_for(0.5, recording, least_bytes=20_000)
+                system.io.terminate()
+                system.io.wait(30)
+            (haptics,) = hapton.read_session(recording)["header"]["haptics"]
+            self.assertEqual(haptics["scene"], "\ufffd\u00e9/" + "\u00e9" * 120 + "/sheets.obj")
+
     def test_rejects_what_is_no_recording(self):
         with self.assertRaisesRegex(ValueError, "nowhere.hapton"):
             hapton.read_session("nowhere.hapton")
         with self.assertRaises(ValueError):
             hapton.read_session(__file__)
+
+
+def field_of_bytes(number, content):
+    return varint(number << 3 | 2) + varint(len(content)) + content
+
+
+def varint(number):
+    return bytes([number]) if number < 0x80 else bytes([number & 0x7F | 0x80]) + varint(number >> 7)
+
+
+def checked(body):
+    """A message of a recording, with its length and its check."""
+    return varint(len(body) + 5) + body + b"\x7d" + struct.pack("<I", zlib.crc32(body))
+
+
+def recording_of(haptics_setup):
+    envelope = b"\x08\x03" + field_of_bytes(26, haptics_setup)
+    datagram = field_of_bytes(1, bytes(10) + b"\xff\xff\x7f\x00\x00\x01") + b"\x10\x01" + field_of_bytes(3, envelope)
+    return b"hapton.session/1\n" + checked(b"") + checked(field_of_bytes(2, datagram))
+
+
+class TextsTest(unittest.TestCase):
+    def test_a_path_that_is_not_utf8_is_read(self):
+        pose = struct.pack("<12f", 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0)
+        setup = field_of_bytes(3, pose) + field_of_bytes(5, b"/home/a/szene_\xfc.toml") + field_of_bytes(7, b"name=proxy")
+        with tempfile.NamedTemporaryFile(suffix=".hapton") as file:
+            file.write(recording_of(setup))
+            file.flush()
+            (haptics,) = hapton.read_session(file.name)["header"]["haptics"]
+        self.assertEqual(haptics["scene"], "/home/a/szene_\ufffd.toml")
+        self.assertEqual(haptics["method"], "name=proxy")
 
 
 if __name__ == "__main__":

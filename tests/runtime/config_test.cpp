@@ -150,6 +150,14 @@ TEST_F(ConfigTest, AMissingFileOrAFolderIsAnError) {
   expect_one_error("/tmp: cannot be read");
 }
 
+// As of a script whose variable is not set: the limits of a file that is not read would be missing.
+TEST_F(ConfigTest, AnEmptyNameOfTheFileIsAnError) {
+  for (const std::vector<std::string>& words : {std::vector<std::string>{"--config", ""}, {"--config=", "--rate", "500"}}) {
+    EXPECT_EQ(parse(words), 2);
+    expect_one_error("--config is empty");
+  }
+}
+
 TEST_F(ConfigTest, ABadValueOfTheFileNamesTheFile) {
   EXPECT_EQ(parse({"--config", file("rate = 5\n")}), 2);
   expect_one_error("--rate");

@@ -24,6 +24,16 @@ TEST(GreyImage, ReadsGreyPngAsItIs) {
   }
 }
 
+// Where a file does not say what its values are, libpng takes those of 16 bits for linear light.
+TEST(GreyImage, TakesTheUpperEightOfSixteenBits) {
+  const auto image = decode_grey_image(picture::grey_16_png_of(4, 1, {0x00, 0x00, 0x40, 0x40, 0x80, 0x80, 0xFF, 0xFF}));
+  ASSERT_TRUE(image) << image.error().what;
+  EXPECT_FLOAT_EQ(image->texels()[0], 0.0F);
+  EXPECT_FLOAT_EQ(image->texels()[1], 64.0F / 255.0F);
+  EXPECT_FLOAT_EQ(image->texels()[2], 128.0F / 255.0F);
+  EXPECT_FLOAT_EQ(image->texels()[3], 1.0F);
+}
+
 TEST(GreyImage, ReadsColoursAsTheirLuminance) {
   const std::vector<std::uint8_t> rows = {255, 255, 255, 0, 0, 0, 0, 255, 0, 0, 0, 255};  // white, black, green, blue
   const auto image = decode_grey_image(picture::png_of(4, 1, rows, PNG_FORMAT_RGB));

@@ -368,6 +368,17 @@ TEST_F(GroupedScene, BoundsDepthAndNumber) {
   };
   EXPECT_THAT(names_of(doubled(10)), SizeIs(2047));
   EXPECT_THAT(error_of(doubled(40)), HasSubstr("there are more than 4096 objects: use fewer instances"));
+  // Each group shows the next one: a file has room for more than the stack.
+  const auto chained = [](int groups) {
+    std::string text;
+    for (int g = 0; g < groups; ++g) {
+      text += fmt::format("[[group]]\nname = 'g{}'\n", g);
+      if (g + 1 < groups) text += fmt::format("[[instance]]\nname = 'x'\nof = 'g{}'\ngroup = 'g{}'\n", g + 1, g);
+    }
+    return text + fmt::format("[[object]]\nmesh = 'a.obj'\ngroup = 'g{}'\n", groups - 1);
+  };
+  EXPECT_THAT(names_of(chained(256)), SizeIs(256));
+  EXPECT_THAT(error_of(chained(257)), HasSubstr("'x' is inside more than 255 groups and instances of groups: use fewer"));
 }
 
 // The text between ```toml and ``` after a heading of docs/scene-files.md.

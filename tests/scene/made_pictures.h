@@ -34,6 +34,24 @@ inline std::string png_of(int width, int height, const std::vector<std::uint8_t>
   return png_image_write_to_memory(&png, bytes.data(), &size, 0, rows.data(), 0, nullptr) == 0 ? std::string() : bytes.substr(0, size);
 }
 
+// Grey of 16 bits a value, the upper 8 first, and nothing that says how values become colours.
+inline std::string grey_16_png_of(int width, int height, const std::vector<std::uint8_t>& rows) {
+  std::string bytes;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  const auto append = [](png_structp to, png_bytep data, std::size_t size) {
+    static_cast<std::string*>(png_get_io_ptr(to))->append(reinterpret_cast<const char*>(data), size);
+  };
+  png_set_write_fn(png, &bytes, append, [](png_structp) {});
+  png_set_IHDR(png, info, static_cast<png_uint_32>(width), static_cast<png_uint_32>(height), 16, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  for (int y = 0; y < height; ++y) png_write_row(png, rows.data() + 2 * static_cast<std::size_t>(y) * static_cast<std::size_t>(width));
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
 inline std::string jpeg_of(int width, int height, std::vector<std::uint8_t> rows) {
   jpeg_error_mgr errors = {};
   jpeg_compress_struct jpeg = {};

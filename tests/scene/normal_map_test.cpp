@@ -24,15 +24,17 @@ Vec3 wave_normal(double u, double v) {
   return Vec3(-kSteep * std::cos(turn * u), 0.5 * kSteep * std::sin(2.0 * turn * v), 1.0).normalized();  // green is up, v is down
 }
 
-std::string wave_png() {
+// has_alpha: many tools keep a height there.
+std::string wave_png(bool has_alpha = false) {
   std::vector<std::uint8_t> rows;
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) {
       const Vec3 normal = wave_normal((x + 0.5) / 64.0, (y + 0.5) / 64.0);
       for (int k = 0; k < 3; ++k) rows.push_back(static_cast<std::uint8_t>(std::lround(127.5 * (normal[k] + 1.0))));
+      if (has_alpha) rows.push_back(static_cast<std::uint8_t>(4 * x));
     }
   }
-  return picture::png_of(64, 64, rows, PNG_FORMAT_RGB);
+  return picture::png_of(64, 64, rows, has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB);
 }
 
 class NormalMap : public ::testing::Test {
@@ -102,6 +104,11 @@ class NormalMap : public ::testing::Test {
 TEST_F(NormalMap, IsFeltWithTheSlopesThatItHas) {
   expect_waves("normal_map = 'waves.png'", "sheet.obj");
   expect_waves("normal_map = 'waves.png'\nnormal_map_scale = 0.5", "sheet.obj", 0.5);
+}
+
+TEST_F(NormalMap, IsFeltAlikeWhateverItsAlphaIs) {
+  folder_.write("alpha.png", wave_png(true));
+  expect_waves("normal_map = 'alpha.png'", "sheet.obj");
 }
 
 TEST_F(NormalMap, ThatOfAGltfFileIsFeltWhereItIsAskedFor) {

@@ -27,6 +27,11 @@ TEST(SceneHash, WhateverChangesTheForceChangesIt) {
   TriangleMesh fewer = corner();
   fewer.triangles.pop_back();
   hashes.insert(hash_of(fewer));
+  TriangleMesh shaded = corner();  // force shading turns the force to the normals
+  for (const float z : {1.0F, 2.0F}) {
+    shaded.authored_normals.assign(2, {Eigen::Vector3f::UnitX(), Eigen::Vector3f::UnitX(), Eigen::Vector3f(0.0F, 0.0F, z)});
+    hashes.insert(hash_of(shaded));
+  }
   hashes.insert(hash_of(corner(), {.stiffness_n_per_m = 999.0}));
   hashes.insert(hash_of(corner(), {.friction_static = 0.1}));
   hashes.insert(hash_of(corner(), {.friction_dynamic = 0.1}));
@@ -42,7 +47,7 @@ TEST(SceneHash, WhateverChangesTheForceChangesIt) {
   for (const bool loops : {false, true}) {
     for (const double seconds : {1.0, 2.0}) hashes.insert(moved_for(seconds, loops));
   }
-  EXPECT_EQ(hashes.size(), 13U);
+  EXPECT_EQ(hashes.size(), 15U);
 }
 
 }  // namespace

@@ -104,6 +104,21 @@ TEST(SessionIndex, WhatAnotherProcessSaysIsNoRepetition) {
   EXPECT_EQ(index.carves()[2].message.carves.size(), 1U);
 }
 
+TEST(SessionIndex, APoseOfAnotherProcessIsNoRepetition) {
+  const ScratchFolder scratch;
+  constexpr std::uint64_t kOtherHaptics = 4;
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    if (sample == 3000) recording.receive(kOtherHaptics, HapticsSetup{.method_serial = 1}, sample);
+    if (sample != 3100 && sample != 3200) return;
+    recording.receive(kOtherHaptics, ObjectPose{.serial = 2, .object = 1, .p_m = Vec3(0.0, 0.2, 0.0)}, sample);
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.poses().size(), 3U) << "the pose before has the same serial, of the other process";
+  EXPECT_NEAR(index.poses()[2].t_s, 3.1, 0.001);
+  EXPECT_EQ(index.poses()[2].message.p_m.y(), 0.2);
+}
+
 TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
   const ScratchFolder scratch;
   const auto file = MadeRecording().write(scratch);

@@ -124,6 +124,22 @@ TEST(SessionRows, AReplyAsOldAsAskedForIsOne) {
   EXPECT_EQ(opened.rows->replied_at(at_s, 0.0)->sample, 2000U);
 }
 
+// As of a device that was unplugged.
+TEST(SessionRows, AfterTheLastSampleItIsShownAlsoWhereMoreWasRecorded) {
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    for (std::uint64_t later = 5000; sample == 4000 && later <= 9000; later += 100) {
+      recording.receive(MadeRecording::kVision, SceneFacts{.given_hash = 99}, later);
+    }
+  };
+  OpenedRecording opened(std::move(recording));
+  for (const double t_s : {8.5, 99.0, 4.5}) {
+    const CycleRow* row = opened.rows->at(t_s);
+    ASSERT_NE(row, nullptr) << t_s;
+    EXPECT_EQ(row->sample, 4000U) << t_s;
+  }
+}
+
 TEST(SessionRows, InAGapTheSampleBeforeItIsShown) {
   MadeRecording recording;
   recording.lost_from = 200;

@@ -44,6 +44,20 @@ TEST(Readme, PutsTheProgramsOnThePathBeforeItsFirstCommandOfTheirs) {
   EXPECT_GT(commands, 5);
 }
 
+// systemd gives up a unit that ends five times within ten seconds: one whose hub's host has no address yet ends at once.
+TEST(Units, AreStartedAgainHoweverOftenTheyEnd) {
+  int units = 0;
+  for (const auto& entry : fs::directory_iterator(source_root() / "deploy/systemd")) {
+    if (entry.path().extension() != ".service") continue;
+    ++units;
+    const std::vector<std::string> lines = read_lines(entry.path());
+    const auto service = std::ranges::find(lines, "[Service]");
+    EXPECT_NE(std::find(service, lines.end(), "Restart=on-failure"), lines.end()) << entry.path();
+    EXPECT_NE(std::find(lines.begin(), service, "StartLimitIntervalSec=0"), service) << entry.path() << " in [Unit]";
+  }
+  EXPECT_EQ(units, 3);
+}
+
 // Links and pictures to files of the tree: [text](file#part).
 std::vector<std::string> find_broken_links(const fs::path& page) {
   static const std::regex link(R"(\]\(([^)\s#]+)(#[^)]*)?\))");

@@ -5,9 +5,11 @@
 namespace hapton {
 namespace {
 
-std::string csv_text(const std::string& text) { return csv_cell(printable(text)); }
+std::string csv_text(const std::string& text) { return csv_cell(whole_text(text)); }
 
 }  // namespace
+
+std::string whole_text(std::string_view text) { return printable(text, text.size()); }
 
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;

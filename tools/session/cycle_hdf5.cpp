@@ -7,8 +7,8 @@
 
 #include "runtime/part_file.h"
 #include "scene/scene_loading.h"
-#include "scene/text_cursor.h"
 #include "session/session_shape_collector.h"
+#include "tools/session/csv_names.h"
 #include "tools/session/cycle_files.h"
 
 namespace hapton {
@@ -144,7 +144,7 @@ class JoinedHdf5 {
     Column name(objects, "name", text_type_, text_type_);
     Column material(objects, "material", text_type_, text_type_);
     for (const ObjectName& one : names) {
-      const std::string texts[] = {printable(one.object), printable(one.material)};
+      const std::string texts[] = {whole_text(one.object), whole_text(one.material)};
       const char* pointers[] = {texts[0].c_str(), texts[1].c_str()};
       is_good_ = is_good_ && name.append(&pointers[0], 1) && material.append(&pointers[1], 1);
     }
@@ -154,7 +154,7 @@ class JoinedHdf5 {
     const Handle moves = add_rows("moves", changes.moves(), move_columns());
     Column names(moves, "name", text_type_, text_type_);
     for (const RecordedMove& one : changes.moves()) {
-      const std::string text = printable(one.move.name.data());
+      const std::string text = whole_text(one.move.name.data());
       const char* const name = text.c_str();
       is_good_ = is_good_ && names.append(&name, 1);
     }
@@ -216,11 +216,11 @@ class JoinedHdf5 {
     Column times(group, "t_s", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE);
     is_good_ = is_good_ && set_text(times.set(), "unit", "s");
     for (const RecordedSetup& one : setups) is_good_ = is_good_ && times.append(&one.t_s, 1);
-    add_texts(group, "scene", setups, [](const HapticsSetup& setup) { return printable(setup.scene.data()); });
+    add_texts(group, "scene", setups, [](const HapticsSetup& setup) { return whole_text(setup.scene.data()); });
     add_texts(group, "scene_hash", setups, [](const HapticsSetup& setup) { return fmt::format("{:016x}", setup.scene_hash); });
     add_texts(group, "loading", setups, [](const HapticsSetup& setup) { return describe_loading(setup.scene_loading); });
-    add_texts(group, "method", setups, [](const HapticsSetup& setup) { return printable(setup.method.data()); });
-    add_texts(group, "build", setups, [](const HapticsSetup& setup) { return printable(setup.build.data()); });
+    add_texts(group, "method", setups, [](const HapticsSetup& setup) { return whole_text(setup.method.data()); });
+    add_texts(group, "build", setups, [](const HapticsSetup& setup) { return whole_text(setup.build.data()); });
   }
 
   template <class Of>

@@ -1,10 +1,13 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -46,19 +49,35 @@ Result<void> show_info(const SessionOptions& options) {
   return check_end(*reader);
 }
 
+bool are_same(const std::vector<ObjectName>& a, const std::vector<ObjectName>& b) {
+  return std::ranges::equal(
+      a, b, [](const ObjectName& one, const ObjectName& other) { return one.object == other.object && one.material == other.material; });
+}
+
+std::vector<ObjectName> leave_out_names(std::string_view why) {
+  fmt::print(stderr, "hapton session export: the tables have no names of objects: {}\n", why);
+  return {};
+}
+
 // The names of what was touched, if the scene that was recorded is still there; otherwise their columns stay empty, with one line that says
-// why.
+// why. Of each haptics node the first scene counts: a number of an object means nothing where two of them had other objects.
 Result<std::vector<ObjectName>> find_names(const SessionOptions& options) {
   auto reader = SessionReader::open(options.file);
   if (!reader) return tl::unexpected(reader.error());
   SessionSummary summary;
   if (const auto done = summarize(*reader, summary); !done) return tl::unexpected(done.error());
-  std::vector<ObjectName> names;
-  if (summary.setups().empty()) return names;
-  auto found = RecordedScenes(options.scene).find_names(summary.setups().begin()->second);
-  if (found) return found;
-  fmt::print(stderr, "hapton session export: the tables have no names of objects: {}\n", found.error().what);
-  return names;
+  RecordedScenes scenes(options.scene);
+  std::optional<std::uint64_t> sender;
+  std::optional<std::vector<ObjectName>> names;
+  for (const auto& [key, setup] : summary.setups()) {
+    if (sender == key.first) continue;
+    sender = key.first;
+    auto found = scenes.find_names(setup);
+    if (!found) return leave_out_names(found.error().what);
+    if (names && !are_same(*names, *found)) return leave_out_names("haptics nodes of the recording had scenes with other objects");
+    names = std::move(*found);
+  }
+  return names.value_or(std::vector<ObjectName>());
 }
 
 // One table in one file: every cycle with its sample, its force and what happened.

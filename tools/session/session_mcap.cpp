@@ -9,9 +9,9 @@
 
 #include "link/message_payload.h"
 #include "link/wire_schema.h"
-#include "scene/text_cursor.h"
 #include "session/session_entries.h"
 #include "session/session_shape_collector.h"
+#include "tools/session/csv_names.h"
 #include "tools/session/mcap_writer.h"
 
 namespace hapton {
@@ -56,8 +56,8 @@ McapWriter::Texts describe_header(const SessionHeader& header) {
 McapWriter::Texts describe_objects(std::span<const ObjectName> names) {
   McapWriter::Texts texts;
   for (std::size_t n = 0; n < names.size(); ++n) {
-    texts[fmt::format("{} name", n)] = printable(names[n].object);
-    texts[fmt::format("{} material", n)] = printable(names[n].material);
+    texts[fmt::format("{} name", n)] = whole_text(names[n].object);
+    texts[fmt::format("{} material", n)] = whole_text(names[n].material);
   }
   return texts;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "tests/support/allocation_guard.h"
@@ -54,6 +55,16 @@ TEST(SpaceStep, BeginsAnewAtAReset) {
       EXPECT_EQ(felt, first[static_cast<std::size_t>(n)]) << n;
     }
   }
+}
+
+TEST(SpaceStep, ASampleThatIsNotFiniteChangesNothing) {
+  const std::vector<SwitchedEffect> effects = {ViscousEffect{.damping_ns_per_m = 5.0}};
+  SpaceStep step(effects);
+  TouchInput input{.p_WD = {0.05, 0.001, 0.02}};
+  for (int n = 0; n < 20; ++n) (void)step.step(input);
+  EXPECT_EQ(step.step({.p_WD = Vec3::Constant(std::numeric_limits<double>::quiet_NaN())}), Vec3::Zero());
+  input.X_WS = turned_scene();
+  for (int n = 0; n < 20; ++n) EXPECT_LT(step.step(input).norm(), 1e-9) << n;
 }
 
 TEST(SpaceStep, ASceneWithoutEffectsGivesNone) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 
 #include "tests/support/allocation_guard.h"
@@ -87,6 +88,30 @@ TEST(TouchStep, MovingTheSceneUnderAStillHandIsNoVelocity) {
   for (int i = 0; i < 20; ++i) EXPECT_LT(touch.step({.p_WD = p_WD, .X_WS = X_WS}).force_n.norm(), 1e-9) << i;
   const double moved_n = touch.step({.p_WD = p_WD + Vec3(1e-4, 0, 0), .X_WS = X_WS}).force_n.norm();
   EXPECT_GT(moved_n, 0.05) << "the hand's own motion counts";
+}
+
+TEST(TouchStep, MovingTheSceneAfterASampleThatIsNotFiniteIsNoVelocity) {
+  TouchStep touch = make_step_over("proxy", sheet_with({}, {ViscousEffect{.damping_ns_per_m = 5.0}}));
+  const Vec3 p_WD(0.05, 0.001, 0.02);
+  touch.reset({.p_WD = p_WD});
+  for (int i = 0; i < 20; ++i) (void)touch.step({.p_WD = p_WD});
+  (void)touch.step({.p_WD = Vec3::Constant(std::numeric_limits<double>::quiet_NaN())});
+  Pose X_WS = Pose::Identity();
+  X_WS.translation() = Vec3(0.1, 0.0, -0.05);
+  for (int i = 0; i < 20; ++i) EXPECT_LT(touch.step({.p_WD = p_WD, .X_WS = X_WS}).force_n.norm(), 1e-9) << i;
+}
+
+// What a needle was held by is not what holds the tool.
+TEST(TouchStep, BesideAToolNoProbeIsHeld) {
+  SurfaceEffects effects;
+  effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 400.0, .pop_force_n = 1.0});
+  TouchStep touch = make_step_over("proxy", sheet_with(effects));
+  touch.reset({.p_WD = {0.01, 0.02, 0.002}});
+  (void)touch.step({.p_WD = {0.01, 0.02, -0.005}});
+  ASSERT_TRUE(touch.held_offset()) << "the needle has punctured the layer";
+  EXPECT_NEAR(touch.held_offset()->z(), 0.005, 1e-6);
+  (void)touch.step_in_space({.p_WD = {0.01, 0.02, -0.005}});
+  EXPECT_FALSE(touch.held_offset());
 }
 
 // A sheet of 100 mm with the image of a ramp along x: by every method, what the ramp's formula says.

@@ -229,6 +229,25 @@ TEST_F(VrpnServer, ShowsNoPositionsOfADeviceThatIsAwayButSaysSo) {
   EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
 }
 
+// It heard of changes alone, and of this device nothing at all.
+TEST_F(VrpnServer, TellsWhoComesLaterThatTheDeviceIsAway) {
+  open();
+  sample.status = DeviceStatus::away;
+  Program program;
+  program.connect(at());
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received("vrpn_ForceDevice Force_Error"); }));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000003")));
+  EXPECT_FALSE(program.has_received(kPosition));
+  program.forget();
+  sample.status = DeviceStatus::ready;
+  ASSERT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
+  EXPECT_EQ(to_hex(program.last("vrpn_ForceDevice Force_Error")->body), to_hex(hex("00000004")));
+  Program later;
+  later.connect(at());
+  ASSERT_TRUE(feed_until(later, [&] { return later.has_received(kPosition); }));
+  EXPECT_FALSE(later.has_received("vrpn_ForceDevice Force_Error")) << "there is none";
+}
+
 TEST_F(VrpnServer, DisconnectsClientsOfAnotherProtocol) {
   open();
   Program babbler;

@@ -129,6 +129,19 @@ TEST_F(GltfAnimation, MayBeginElsewhereThanTheFileRests) {
   EXPECT_LT((post.pose_at(0.75) * Vec3::Zero() - Vec3(0, 0, 0.35)).norm(), 1e-7);
 }
 
+// Exporters mirror by a negative scale. Of a transform alone it cannot be said which axis that is.
+TEST_F(GltfAnimation, AMirroredNodeBeginsWhereItRests) {
+  document["nodes"][3]["rotation"] = about_z({30});
+  add_channel(0, 3, "rotation", {0.0F, 1.0F}, about_z({30, 120}));
+  const Vec3 p(0.3, 0.2, 0.1);
+  for (const std::array<double, 3>& scale : {std::array{-1.0, 1.0, 1.0}, {1.0, -1.0, 1.0}, {-2.0, -2.0, -2.0}, {-1.0, 2.0, 1.0}}) {
+    document["nodes"][3]["scale"] = scale;
+    const KeyframeMotion post = load().animations.at(0).motions.at(3);
+    EXPECT_LT((post.pose_at(0.0) * p - p).norm(), 1e-6) << scale[0] << ' ' << scale[1];
+    EXPECT_LT((post.pose_at(1.0) * p - Vec3(-0.2, 0.3, 0.1)).norm(), 1e-6) << scale[0] << ' ' << scale[1];
+  }
+}
+
 TEST_F(GltfAnimation, WhatIsNotRigidIsLeftOutWithANote) {
   add_channel(0, 3, "scale", {0.0F, 1.0F}, {1, 1, 1, 2, 2, 2});
   add_channel(0, 2, "translation", {0.0F, 1.0F}, {0.1F, 0, 0, 0.2F, 0, 0}, "STEP");

@@ -346,6 +346,10 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"stiffness_n_per_m":-3}})"), HasSubstr("is -3: it must be above 0"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"stiffness_n_per_m":null}})"), HasSubstr("must be a number"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":[[[[[1]]]]]}})"), HasSubstr("must be true or false"));
+  // So many would exhaust the stack of what recurses into them.
+  const std::size_t lists = 200'000;
+  EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"two_sided":)" + std::string(lists, '[') + std::string(lists, ']') + "}}"),
+              HasSubstr(where + ".extras.hapton has more than 16 lists and objects inside each other"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"friction_map_range":[0,1]}})"), HasSubstr("without a texture in 'friction'"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"bump_map":"a.png"}})"), HasSubstr("the texture of 'vibrotactileTexture'"));
   EXPECT_THAT(error_of_material(R"("extras":{"hapton":{"map_repeat":[2,2]}})"), HasSubstr("KHR_texture_transform"));

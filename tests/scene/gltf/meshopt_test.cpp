@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
+#include "scene/gltf/buffers.h"
 #include "scene/raw_mesh.h"
 #include "tests/scene/gltf/gltf_samples.h"
 
@@ -101,6 +102,25 @@ TEST(Meshopt, TakesItemsThatAreAllEqual) {
   const auto items = gltf::decode_meshopt(packed, *layout, "here");
   ASSERT_TRUE(items) << items.error().what;
   EXPECT_EQ(items->size(), 12 * kItems);
+}
+
+// Each view takes memory of its own.
+TEST(Meshopt, ViewsOfTheSameBytesAreBoundedTogether) {
+  constexpr std::size_t kItems = 100000;
+  const std::string packed = sample::meshopt_vertices(std::string(12 * kItems, '\0'), kItems, 12);
+  const gltf::Json compression = {
+      {"buffer", 0}, {"byteLength", packed.size()}, {"mode", "ATTRIBUTES"}, {"count", kItems}, {"byteStride", 12}};
+  const gltf::Json view = {{"buffer", 0}, {"byteLength", 0}, {"extensions", {{"EXT_meshopt_compression", compression}}}};
+  gltf::Json root = {{"buffers", gltf::Json::array({{{"byteLength", packed.size()}}})}, {"bufferViews", gltf::Json::array()}};
+  for (int v = 0; v < 64; ++v) root["bufferViews"].push_back(view);
+  gltf::Buffers buffers(root, packed, ".");
+  EXPECT_TRUE(buffers.view(0, "here"));
+  EXPECT_TRUE(buffers.view(0, "here")) << "it is unfolded once";
+  std::string error;
+  for (int v = 1; v < 64 && error.empty(); ++v) {
+    if (const auto read = buffers.view(v, "here"); !read) error = read.error().what;
+  }
+  EXPECT_THAT(error, HasSubstr("its compressed views unfold to more than"));
 }
 
 TEST(Meshopt, SaysWhatIsWrong) {

@@ -77,6 +77,38 @@ TEST(GltfInstancing, CountsAllInstancesAgainstTheLimit) {
   EXPECT_THAT(error_of(read_glb(glb, ".", 7)), HasSubstr("more than 7 triangles with all its instances"));
 }
 
+// Targets without data, or with the same, need a few bytes each in the file.
+TEST(GltfMorphTargets, AreBoundedByTheLimitOfTriangles) {
+  const auto glb_of = [](int targets, const std::string& nodes = R"([{"mesh":0}])", const std::string& roots = "[0]",
+                         const std::string& more_primitives = "") {
+    const TriangleMesh mesh = sample::tetrahedron();
+    std::string json = sample::gltf_json(mesh, "", nodes, roots);
+    std::string list = "{}";
+    for (int t = 1; t < targets; ++t) list += R"(,{"POSITION":0})";
+    const std::string indices = R"("indices":1)";
+    json.replace(json.find(indices), indices.size() + 1, R"("targets":[)" + list + "]," + indices + "}" + more_primitives);
+    return sample::glb(json, sample::gltf_buffer(mesh));
+  };
+  EXPECT_TRUE(read_glb(glb_of(6), ".", 8));
+  EXPECT_THAT(error_of(read_glb(glb_of(7), ".", 8)), HasSubstr("has 7 morph targets of 4 vertices, more than 24 displacements"));
+  const std::string two = R"([{"mesh":0},{"mesh":0}])";
+  EXPECT_TRUE(read_glb(glb_of(3, two, "[0,1]"), ".", 8));
+  EXPECT_THAT(error_of(read_glb(glb_of(4, two, "[0,1]"), ".", 8)), HasSubstr("more than 24 displacements of morph targets"));
+  // A primitive has as many as the one with the most.
+  const std::string with_one = R"(,{"attributes":{"POSITION":0},"indices":1,"targets":[{}]})";
+  EXPECT_TRUE(read_glb(glb_of(3, R"([{"mesh":0}])", "[0]", with_one), ".", 8));
+  EXPECT_THAT(error_of(read_glb(glb_of(4, R"([{"mesh":0}])", "[0]", with_one), ".", 8)),
+              HasSubstr("more than 24 displacements of morph targets"));
+}
+
+// As fractions they would all be vertex 0 or 1.
+TEST(GltfIndices, AreNotNormalized) {
+  const TriangleMesh mesh = sample::tetrahedron();
+  std::string json = sample::gltf_json(mesh, "");
+  json.insert(json.find(R"("componentType":5123)"), R"("normalized":true,)");
+  EXPECT_THAT(error_of(read_glb(sample::glb(json, sample::gltf_buffer(mesh)), ".")), HasSubstr("accessors[1] are not whole numbers"));
+}
+
 // Two of the four vertices are elsewhere than the base says, or than zero.
 std::string sparse_glb(const std::string& base, const std::string& indices, const std::string& index_type = "5121") {
   const TriangleMesh mesh = sample::tetrahedron();

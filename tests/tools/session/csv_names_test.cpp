@@ -16,6 +16,12 @@ TEST(CsvNames, AlwaysGiveTwoFields) {
   EXPECT_EQ(csv_names({}, 0), ",");
 }
 
+TEST(CsvNames, AreWholeHoweverLong) {
+  const std::string name(100, 'n');
+  const std::vector<ObjectName> names = {{name, name + "\n"}};
+  EXPECT_EQ(csv_names(names, 0), name + "," + name + "?");
+}
+
 TEST(CsvNames, ACellHoldsAnyText) {
   EXPECT_EQ(csv_cell("trial 1"), "trial 1");
   EXPECT_EQ(csv_cell("a, \"b\""), "\"a, \"\"b\"\"\"");

@@ -8,10 +8,14 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <vector>
 
+#include "haptic_step/haptics_setup.h"
 #include "link/session_codec.h"
+#include "scene/scene_file.h"
+#include "scene/scene_hash.h"
 #include "session/cycle_table.h"
 #include "tests/session/made_entries.h"
 #include "tests/support/file_size_limit.h"
@@ -245,6 +249,73 @@ TEST(JoinedHdf5, HasWhatWasMovedAndCarved) {
   EXPECT_EQ(read_column(file, "/samples/carve_serial")[0], 1.0);
   EXPECT_TRUE(std::isnan(read_column(file, "/samples/carve_serial")[1])) << "no force came";
   H5Fclose(file);
+}
+
+// Of each setup a haptics node of its own, which replies to a sample and touches object 1.
+std::filesystem::path write_recording_of(const ScratchFolder& scratch, const std::vector<HapticsSetup>& setups) {
+  SessionCodec session;
+  Codec codec;
+  std::string bytes(kSessionMagic);
+  session.append(SessionHeader{.build = "b1", .start_ns = kCyclesStartNs, .session = 0xAB}, bytes);
+  std::array<std::byte, kMaxDatagramBytes> wire;
+  std::uint64_t sample = 0;
+  for (const HapticsSetup& setup : setups) {
+    session.append(cycle_of(++sample), bytes);
+    for (const Message& message : {Message(setup), Message(force_of(sample))}) {
+      SessionEntry entry;
+      entry.kind = SessionEntry::Kind::received;
+      entry.time_ns = sample_ns(sample) + 300'000;
+      entry.datagram = std::span(wire).first(codec.encode({{.session = 1, .sender = 1 + sample, .sequence = 1}, message}, wire));
+      session.append(entry, bytes);
+    }
+  }
+  return scratch.write("haptics.hapton", bytes);
+}
+
+TEST(JoinedHdf5, TextsAreWholeHoweverLong) {
+  const ScratchFolder scratch;
+  const std::string scene = "/home/a/" + std::string(150, 's') + "/scene.toml";
+  const std::string method = "name=proxy shading=0.5 probe_radius_m=0.004 coupling_n_per_m=1500";
+  const std::string name(60, 'n');
+  HapticsSetup setup;
+  put_text(scene, setup.scene);
+  put_text(method, setup.method);
+  auto reader = SessionReader::open(write_recording_of(scratch, {setup}));
+  const auto path = scratch.path() / "session.h5";
+  const std::vector<ObjectName> names = {{name, "tin"}, {"glass", name}};
+  ASSERT_TRUE(reader && write_joined_hdf5(*reader, path, names));
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  EXPECT_EQ(read_texts(file, "/haptics/scene"), (std::vector<std::string>{scene}));
+  EXPECT_EQ(read_texts(file, "/haptics/method"), (std::vector<std::string>{method}));
+  EXPECT_EQ(read_texts(file, "/objects/name"), (std::vector<std::string>{name, "glass"}));
+  EXPECT_EQ(read_texts(file, "/objects/material"), (std::vector<std::string>{"tin", name}));
+  H5Fclose(file);
+}
+
+// Another node may have another scene, where object 1 is another one.
+TEST(CycleFiles, NamesAreThoseOfAllHapticsNodesOrOfNone) {
+  const ScratchFolder scratch;
+  scratch.write("a.obj", "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\n");
+  const auto setup_of = [&](const char* file, const std::string& first, const std::string& second) {
+    const std::string begin = "[[object]]\nmesh = 'a.obj'\nname = '";
+    const auto scene = scratch.write(file, begin + first + "'\n" + begin + second + "'\n");
+    return make_haptics_setup(scene, {}, hash_scene(load_scene(scene)->touch_scene()), MethodSettings());
+  };
+  const HapticsSetup car = setup_of("car.toml", "hood", "lid");
+  const HapticsSetup table = setup_of("table.toml", "cup", "saucer");
+  for (const bool is_one_scene : {true, false}) {
+    const ScratchFolder out;
+    const auto recording = write_recording_of(scratch, {car, is_one_scene ? car : table});
+    const CommandRun run = run_hapton({"session", "export", recording.string(), "--out", out.path().string(), "--format", "csv"});
+    EXPECT_EQ(run.code, 0) << run.err;
+    std::ifstream in(out.path() / "session.csv");
+    const std::string rows{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_EQ(rows.find("lid") != std::string::npos, is_one_scene) << rows;
+    EXPECT_EQ(rows.find("saucer"), std::string::npos) << rows;
+    EXPECT_EQ(run.err.find("no names of objects: haptics nodes of the recording") != std::string::npos, !is_one_scene) << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), is_one_scene ? 0 : 1) << run.err;
+  }
 }
 
 TEST(CycleFiles, WhereNothingCanBeWrittenOneLineSaysSo) {

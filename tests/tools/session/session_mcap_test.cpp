@@ -98,6 +98,18 @@ TEST_F(McapRecordings, EachMoveOfAnObjectThatWasReceivedIsAMessage) {
   EXPECT_NE(file.find("/hapton/move"), std::string::npos);
 }
 
+TEST_F(McapRecordings, ANameOfAnObjectIsWholeHoweverLong) {
+  auto reader = SessionReader::open(scratch.write("session.hapton", bytes));
+  ASSERT_TRUE(reader) << reader.error().what;
+  const std::string name(60, 'n');
+  const std::vector<ObjectName> names = {{name, "tin"}};
+  const auto written = write_mcap(*reader, scratch.path() / "session.mcap", names);
+  ASSERT_TRUE(written) << written.error().what;
+  std::ifstream in(scratch.path() / "session.mcap", std::ios::binary);
+  const std::string file{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(file.find(name), std::string::npos);
+}
+
 TEST_F(McapRecordings, CarvesAreMessages) {
   std::array<std::byte, kMaxDatagramBytes> datagram;
   Carves carves{.source = 5, .newest = 1, .first = 1, .count = 1};
