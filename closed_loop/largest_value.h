@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace hapton {
@@ -36,7 +37,7 @@ double find_largest_value(const ValueRange& range, double fine, const Holds& hol
     const double half = 0.5 * high;
     (holds(half) ? low : high) = half;
   }
-  return bisect(low, high, fine, holds);
+  return std::min(bisect(low, high, fine, holds), range.most);
 }
 
 }  // namespace hapton

@@ -105,7 +105,10 @@ void MaterialTask::publish(std::unique_ptr<TunedMaterials> result) {
   }
   const std::vector<Material> materials = result->materials;
   result_.store(result.release(), std::memory_order_release);  // first: who needs to know of them may take a while
-  if (!materials.empty() && on_tuned_) on_tuned_(materials);
+  if (materials.empty() || !on_tuned_) return;
+  // Under the lock: who uses another scene calls follow() first, so that it gets no materials of the one before after that.
+  const std::scoped_lock lock(followed_mutex_);
+  if (!followed_scene_) on_tuned_(materials);
 }
 
 void MaterialTask::tune(const MaterialRequest& request) {

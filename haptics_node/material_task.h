@@ -30,7 +30,8 @@ struct TunedMaterials {
 // An accepted change is logged, a rejected one too. RT: request, take and retire yes; the rest set-up only. Threads: one caller.
 class MaterialTask {
  public:
-  // Called by its thread with the materials of each accepted change, once they are ready for take().
+  // Called by its thread with the materials of each accepted change, once they are ready for take(). Not once follow() has returned for
+  // another scene than theirs. Pre: it calls nothing of this.
   using OnTuned = std::function<void(const std::vector<Material>&)>;
 
   // describe_tool: where the stylus holds a rigid tool: what HapticsSetup says of it at this stiffness, N/m.

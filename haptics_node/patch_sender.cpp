@@ -40,7 +40,9 @@ const char* find_scene_obstacle(const TouchScene& scene) {
   if (triangles > PatchStore::kMaxTiles * PatchTile::kMaxTriangles) return kTooLarge;
   if (!scene.has_motion()) return "";
   const std::vector<MotionGroup> groups = group_by_motion(scene);
-  if (groups.size() >= PatchBody::kMaxBodies) return "more than 31 objects of the scene move";
+  // What stands still is a body as well, whether there is any or not.
+  const auto moving = std::count_if(groups.begin(), groups.end(), [](const MotionGroup& group) { return group.moves(); });
+  if (static_cast<std::size_t>(moving) >= PatchBody::kMaxBodies) return "more than 31 objects of the scene move";
   const auto has_many_weights = [](const TouchObject& object) {
     return object.deformation != nullptr && object.deformation->keys().size() > PatchDeformation::kMaxAllKeys;
   };
@@ -58,6 +60,7 @@ const char* find_obstacle(const TiledScene& tiles, double probe_radius_m) {
   if (tiles.has_unlisted) return "too many triangles of the scene overlap in one place";
   if (tiles.displaced.size() > PatchStore::kMaxDisplaced) return "the shapes of the objects that deform are more than the hub keeps";
   if (tiles.effects.size() > PatchEffects::kMaxAllBytes) return "images of effects of the scene are more than the hub keeps (2 MB)";
+  if (!tiles.effects.empty() && !decode_effects(tiles.effects)) return "an effect of the scene has a number that the hub does not take";
   if (tiles.has_parting) return "an object of the scene deforms and comes apart";
   return can_feel_what_deforms(tiles, probe_radius_m) ? "" : "an object of the scene deforms that cannot be felt on the grid of its parts";
 }

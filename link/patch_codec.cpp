@@ -33,12 +33,12 @@ bool read_bounds(const Field& field, PatchBody& to) {
   return true;
 }
 
-// Some of a motion's keyframes: each later than the one before.
+// Some of a motion's keyframes: each later than the one before. Another motion has none.
 template <class Field>
 bool read_keys(const Field& field, PatchBody& to) {
   constexpr int kNumbers = 8;
   const int count = field.size() / kNumbers;
-  if (to.motion != PatchBody::Motion::keyframes) return field.empty();
+  if (to.motion != PatchBody::Motion::keyframes) return field.empty() && to.all_keys == 0 && to.first_key == 0;
   if (field.size() % kNumbers != 0 || count == 0 || count > static_cast<int>(to.keys.size())) return false;
   to.key_count = static_cast<std::uint32_t>(count);
   if (to.all_keys < 2 || to.all_keys > PatchBody::kMaxAllKeys || to.first_key >= to.all_keys) return false;

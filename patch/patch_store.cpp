@@ -188,7 +188,7 @@ void PatchStore::accept(const PatchTile& tile) {
 
 void PatchStore::accept(const PatchBody& body) {
   if (!adopt(body.epoch, body.serial)) return;
-  if (body.body >= PatchBody::kMaxBodies) {
+  if (body.body >= PatchBody::kMaxBodies || body.all_keys > PatchBody::kMaxAllKeys) {
     ++counts_.rejected;
     return;
   }

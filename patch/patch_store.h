@@ -144,6 +144,7 @@ class PatchStore {
   bool is_wide_enough(const PatchBody& body) const noexcept;
   Body* find_deforming(std::uint32_t tile) noexcept;
   std::size_t count_streams() const noexcept;
+  bool is_of_another_body(const PatchStream& stream) const noexcept;
   bool is_felt(const Body& body) const;
   bool complete_deforming(Body& body);
   TouchObject join_deforming(const Body& body) const;

@@ -63,9 +63,17 @@ std::size_t PatchStore::count_streams() const noexcept {
   return count;
 }
 
+// Each object is one body: the shapes that are known of it have as many vertices as that one says.
+bool PatchStore::is_of_another_body(const PatchStream& stream) const noexcept {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (b != stream.body && bodies_[b].stream.has_begun() && bodies_[b].stream.object() == stream.object) return true;
+  }
+  return false;
+}
+
 void PatchStore::accept(const PatchStream& stream) {
   if (!adopt(stream.epoch, stream.serial)) return;
-  if (stream.body >= bodies_.size() || stream.tile_count > kMaxTiles || count_streams() >= kMaxTiles) {
+  if (stream.body >= bodies_.size() || stream.tile_count > kMaxTiles || count_streams() >= kMaxTiles || is_of_another_body(stream)) {
     ++counts_.rejected;
     return;
   }

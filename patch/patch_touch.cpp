@@ -241,7 +241,8 @@ bool PatchTouch::rise_over(const Patch& patch, const Vec3& p_SD) noexcept {
 
 void PatchTouch::hand_over(const TouchInput& input) noexcept {
   is_over_ = true;
-  ++counts_.handed_over;
+  // A new beginning within the sample is on the same patch.
+  counts_.handed_over += input.is_correction ? 0 : 1;
   if (patch_->step == nullptr) return;
   TouchInput start = input;
   start.p_WD = input.X_WS * (is_on_grid_ ? p_SP_ : Vec3(p_SP_ + patch_->lift_m * outward_S_));

@@ -179,7 +179,7 @@ const Wrench& SafetyGovernor::step(const std::optional<WrenchCommand>& wanted, s
     ++counters_.command_timeouts;
     is_open_ = false;
   }
-  is_accepted_ = false;
+  is_accepted_ = was_stopped_ = was_braked_ = was_damped_ = was_kept_passive_ = false;
   if (wanted) take(*wanted);
   const bool was_open = std::exchange(is_open_, gate() == GovernorState::live);
   if (is_open_ && !was_open) ramp_up_.begin(now_ns_);

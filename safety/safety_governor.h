@@ -120,7 +120,8 @@ class SafetyGovernor {
   const DeviceLimits& limits() const noexcept { return limits_.now(); }
   const DeviceLimits& device_limits() const noexcept { return limits_.device(); }
   const GovernorCounters& counters() const noexcept { return counters_; }
-  double thermal_load() const noexcept { return thermal_.load(limits_.now()); }
+  // Where no force is allowed, of the device's own continuous force.
+  double thermal_load() const noexcept { return thermal_.load(limits().max_force_n > 0.0 ? limits() : device_limits()); }
   double energy_spent_j() const noexcept { return energy_.spent_j(); }
   double passivity_given_j() const noexcept { return passivity_ ? passivity_->given_j() : 0.0; }
   bool is_energy_gone() const noexcept { return energy_.share(limits().max_force_n) == 0.0; }

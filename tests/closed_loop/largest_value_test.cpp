@@ -24,7 +24,8 @@ TEST(LargestValue, FindsTheEdgeFromBelowToTheRelativeWidth) {
 }
 
 TEST(LargestValue, EndsAtTheRangesLimits) {
-  EXPECT_EQ(find_edge(1e9, {.first = 10.0, .least = 0.01, .most = 500.0}, 1e-3), 500.0);
+  // The second edge is below the first value that is tried above the limit, 10 * 1.3^15.
+  for (const double edge : {1e9, 505.0}) EXPECT_EQ(find_edge(edge, {.first = 10.0, .least = 0.01, .most = 500.0}, 1e-3), 500.0) << edge;
   EXPECT_EQ(find_edge(1.0, {.first = 10.0, .least = 10.0}, 1e-3), 0.0);
   int tried = 0;
   EXPECT_EQ(find_edge(0.0, {.first = 10.0, .least = 0.01}, 1e-3, &tried), 0.0);

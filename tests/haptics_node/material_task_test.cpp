@@ -144,6 +144,36 @@ TEST(MaterialTask, NoResultIsLost) {
   EXPECT_EQ(second->state.object_count, 1U) << "the first is still in use";
 }
 
+// The scene file is read again while a change is worked out. By object, its materials would be those of other objects.
+TEST(MaterialTask, AChangeOfASceneThatIsReplacedMeanwhileNotifiesNobody) {
+  std::atomic<MaterialTask*> task = nullptr;
+  std::mutex mutex;
+  std::vector<double> notified;
+  const auto listener = [&](const std::vector<Material>& materials) {
+    const std::scoped_lock lock(mutex);
+    notified.push_back(materials[1].stiffness_n_per_m);
+  };
+  const auto replace_scene = [&](double) {
+    if (MaterialTask* const once = task.exchange(nullptr)) once->follow(hull_and_deck(), 1);
+    return HapticsSetup::Text();
+  };
+  MaterialTask material_task(hull_and_deck(), 0.0, listener, replace_scene);
+  task = &material_task;
+  for (const std::uint32_t number : {1U, 2U}) {
+    material_task.request(stiffness_request(number, "deck", 700.0 + number));
+    auto result = wait_for_result(material_task);
+    ASSERT_NE(result, nullptr);
+    EXPECT_EQ(result->scene, number - 1);
+    material_task.retire(std::move(result));
+  }
+  const auto notified_now = [&] {
+    const std::scoped_lock lock(mutex);
+    return notified;
+  };
+  ASSERT_TRUE(wait_until([&] { return !notified_now().empty(); }));
+  EXPECT_EQ(notified_now(), std::vector{702.0});
+}
+
 TEST(MaterialTask, TheReplyLoopsCallsFreeNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   MaterialTask material_task(hull_and_deck(), 0.0);

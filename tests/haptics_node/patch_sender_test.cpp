@@ -159,6 +159,21 @@ TEST(PatchSender, ASceneWithMoreEffectsThanTheHubKeepsIsNotOffered) {
   EXPECT_EQ(SenderStage(true, many).sender.obstacle(), "the scene has more than 256 effects in free space");
 }
 
+// Else the hub would wait for effects that it has rejected, and nobody would know why the force stays remote.
+TEST(PatchSender, ASceneWithAnEffectThatTheHubRejectsIsNotOffered) {
+  TouchScene scene = scene_of(made::sheet(0.05, 0.0, 2));
+  SurfaceMaps& maps = scene.objects[0].effects.maps;
+  std::vector<MappedTriangle> triangles(1);
+  triangles[0].texcoord[0].x() = 2e6;
+  maps.triangles = std::make_shared<const std::vector<MappedTriangle>>(std::move(triangles));
+  maps.height.image = std::make_shared<const SurfaceImage>(2, 2, std::vector<float>(4, 0.5F));
+  maps.height.at_black = -1e-3;
+  SenderStage stage(true, scene);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.store.has_begun(); }));
+  EXPECT_EQ(stage.sender.obstacle(), "an effect of the scene has a number that the hub does not take");
+  EXPECT_EQ(stage.store.begin().effect_bytes, 0U);
+}
+
 // The hub would keep parts of it only, and take the rest for unknown.
 TEST(PatchSender, ASceneThatTheHubCannotKeepIsNeverOffered) {
   SenderStage stage(true, scene_of(made::sheet(0.05, 0.0, 520)));
@@ -269,6 +284,8 @@ TEST(PatchSender, WhatMovesAndCannotBeSentIsNeverOffered) {
   EXPECT_EQ(obstacle_of(many), "more than 31 objects of the scene move");
   many.objects.pop_back();
   EXPECT_EQ(obstacle_of(many), "");
+  many.objects.push_back({made::shared(made::sheet(0.05, 0.0, 2)), {}});
+  EXPECT_EQ(obstacle_of(many), "") << "with what stands still";
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 20));
   scene.objects[0].motion = slow_motion(1537);
   EXPECT_EQ(obstacle_of(scene), "an object of the scene has more than 1,536 keyframes");

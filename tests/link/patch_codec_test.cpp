@@ -116,6 +116,15 @@ TEST_F(PatchCodecTest, RejectsBadDeformations) {
 
   PatchBody body{.epoch = 1, .serial = 2, .body = 3, .deforms = true};
   EXPECT_EQ(round_trip(body), DecodeStatus::ok);
+  for (const auto motion : {PatchBody::Motion::still, PatchBody::Motion::commanded}) {
+    PatchBody keyless{.epoch = 1, .serial = 2, .body = 3, .motion = motion};
+    EXPECT_EQ(round_trip(keyless), DecodeStatus::ok);
+    keyless.all_keys = ~0U;
+    EXPECT_EQ(round_trip(keyless), DecodeStatus::bad_value) << "keyframes of what has none";
+    keyless.all_keys = 0;
+    keyless.first_key = 1;
+    EXPECT_EQ(round_trip(keyless), DecodeStatus::bad_value);
+  }
   body.motion = static_cast<PatchBody::Motion>(3);
   EXPECT_EQ(round_trip(body), DecodeStatus::bad_value);
 }

@@ -108,6 +108,7 @@ TEST(PatchChain, GivesTheForceOfTheHapticsNodesStepOnAnIdealLink) {
     EXPECT_GT(compared.on_object[2], 300);
     EXPECT_GT(compared.largest_n, 3.0);
     EXPECT_EQ(stage.chain().late_moves(), 0U);
+    EXPECT_EQ(stage.chain().counts().handed_over, 3U) << "one patch of each body, however often the probe goes from one to the next";
   }
 }
 

@@ -248,6 +248,20 @@ TEST(PatchStore, DropsABodyThatMovesAsNothingMay) {
   EXPECT_EQ(moving.store.make_bodies(0)->bodies[1].keyframes->keyframes()[1].p_S.x(), 0.1);
 }
 
+// Of a hostile haptics node: the memory is taken when the first of them comes.
+TEST(PatchStore, NoBodyHasMoreKeyframesThanABodyMay) {
+  for (const auto motion : {PatchBody::Motion::still, PatchBody::Motion::keyframes, PatchBody::Motion::commanded}) {
+    Moving moving;
+    EXPECT_FALSE(moving.takes([&](PatchBody& body) {
+      body.motion = motion;
+      body.key_count = 0;
+      body.all_keys = PatchBody::kMaxAllKeys + 1;
+    }));
+    EXPECT_EQ(moving.store.counts().rejected, 1U);
+    EXPECT_TRUE(moving.takes([](PatchBody&) {})) << "nothing of it counts";
+  }
+}
+
 // Known: nowhere near a body there is nothing of it, before any of its cells has come.
 TEST(PatchStore, AwayFromABodyNothingOfItIsMissing) {
   Moving moving;

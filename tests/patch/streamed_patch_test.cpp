@@ -348,6 +348,25 @@ TEST(StreamedPatch, WhatContradictsItselfIsNeverConfirmed) {
   expect_rejected([&](PatchStream& stream) { stream.object += ++n == 4 ? 1 : 0; });
 }
 
+// The shapes of an object are those of one body, and have as many vertices as it.
+TEST(StreamedPatch, NoOtherBodyTakesTheShapesOfAnObject) {
+  const TouchScene scene = skin_on_floor();
+  PatchStore store;
+  PatchStream stream;
+  for (const Message& part : parts_of(make_tiles(scene))) {
+    (void)store.accept_part(part);
+    if (const auto* one = std::get_if<PatchStream>(&part)) stream = *one;
+  }
+  const std::uint64_t rejected = store.counts().rejected;
+  stream.body = 2;
+  stream.total = 1;
+  stream.vertices = {};
+  store.accept(stream);
+  EXPECT_EQ(store.counts().rejected, rejected + 1);
+  (void)store.accept_shape(start_at(scene, 1, 0), Arrival::newest);
+  EXPECT_NE(store.shapes().newest_start(1), nullptr) << "of the body that there is";
+}
+
 // It waits for its patch, and for room there. That of a patch which another one has replaced is over: it would hold up all that follow.
 TEST(StreamedPatch, AMotionWaitsForItsPatchAndEndsWithIt) {
   PatchTouch touch;

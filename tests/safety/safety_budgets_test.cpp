@@ -191,6 +191,35 @@ TEST(SafetyGovernor, AThermalFaultFromBeforeIsResetOnlyWhenTheMotorsMustHaveCool
   EXPECT_TRUE(bench.governor.reset_faults());
 }
 
+// It is zero, whatever was done to the last one before.
+TEST(SafetyGovernor, TheFirstForceAfterAReleaseIsNotCountedAsLimited) {
+  Bench bench;
+  bench.sample.p_WD.z() = 0.1;
+  bench.press(1.0, 300);
+  bench.wait(50);
+  bench.sample.p_WD.z() = 0.0;
+  bench.now_ns += 200 * kMs;  // so long without a sample that this is no jump
+  const std::uint64_t stopped = bench.governor.counters().stopped;
+  EXPECT_GT(stopped, 200U);
+  EXPECT_GT(bench.press(1.0, 5).z(), 0.0);
+  EXPECT_EQ(bench.governor.counters().stopped, stopped);
+}
+
+// The load is a share of the force that the motors bear, and there has to be a number where none is allowed.
+TEST(SafetyGovernor, MotorsThatMayNotPushAreColdOrCoolDown) {
+  DeviceLimits limits = device_limits();
+  limits.continuous_force_n = 2.0;
+  limits.peak_s = 0.7;
+  Bench bench(limits);
+  bench.governor.forbid_force();
+  bench.press(8.0, 10);
+  EXPECT_EQ(bench.governor.figures().thermal_load, 0.0);
+  bench.governor.restore_latched_fault(SafetyFault::thermal);
+  EXPECT_NEAR(bench.governor.figures().thermal_load, 1.0, 1e-9);
+  bench.wait(9000);
+  EXPECT_LT(bench.governor.figures().thermal_load, 0.9);
+}
+
 TEST(SafetyGovernor, UnwatchedHeatLatches) {
   DeviceLimits limits = device_limits();
   limits.continuous_force_n = 2.0;
