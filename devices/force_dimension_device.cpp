@@ -209,11 +209,15 @@ void ForceDimensionDevice::calibrate() {
     }
     if (!wait_warning()) return;
     if (dhd_.drd_auto_init(id_) < 0) {
+      if (dhd_.drd_stop != nullptr) dhd_.drd_stop(false, id_);
       log_error("{} could not calibrate: {}; remove obstacles and start again", model_, last_error());
       return;
     }
     reading_.is_calibrated = is_initialized();
-    if (!reading_.is_calibrated) return log_error("{} is not calibrated, though it has moved to be; start again", model_);
+    if (!reading_.is_calibrated) {
+      if (dhd_.drd_stop != nullptr) dhd_.drd_stop(false, id_);
+      return log_error("{} is not calibrated, though it has moved to be; start again", model_);
+    }
     log_info("{} is calibrated", model_);
   }
   // Switches the robot's position control off and its forces on.

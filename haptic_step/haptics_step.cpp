@@ -19,6 +19,11 @@ bool is_motion_known(const TouchInput& from, const DeviceState& to, std::int64_t
   return is_path_known(from.p_WD, to.p_WD, gap_ns) && (!is_tool || is_turn_known(from.q_WT, to.q_WT, gap_ns));
 }
 
+// Of samples that are not, nothing is known; they give no force.
+bool are_finite(const TouchInput& from, const DeviceState& to) noexcept {
+  return from.p_WD.allFinite() && from.q_WT.coeffs().allFinite() && to.p_WD.allFinite() && to.q_WT.coeffs().allFinite();
+}
+
 // Where a probe at p_WP goes on, if the hand is still near.
 std::optional<Vec3> find_start(const Vec3& p_WP, const Vec3& p_WD, double offset_m) noexcept {
   const Vec3 outward = p_WP - p_WD;
@@ -62,7 +67,7 @@ void HapticsStep::offer(const DeviceState& state) noexcept {
     // be from before one was put down. After longer the hand may have gone round what it touched.
     restart_here(grasp_ != nullptr && tool_ == nullptr && output_.contact && gap_ns <= kOwnPlaceNs);
     begins_within_ = true;
-  } else if (running_ && !is_thinned_ && state.p_WD.allFinite() && !is_motion_known(input_, state, gap_ns, tool_ != nullptr)) {
+  } else if (running_ && !is_thinned_ && are_finite(input_, state) && !is_motion_known(input_, state, gap_ns, tool_ != nullptr)) {
     restart_here(output_.contact);
     begins_within_ = true;
   }
@@ -167,13 +172,13 @@ void HapticsStep::feel_probe(ForceCommand& reply) noexcept {
   reply.object = output_.object;
 }
 
-// The hand did not take the path from there to the device: damping must not feel it, and nothing is carved on it.
+// The hand did not take the path from there to the device: damping must not feel it. Where something is carved, the path is part of the
+// sample: a step more would be a second press of the button.
 void HapticsStep::begin_at(const TouchInput& start) noexcept {
   touch_->reset(start);
-  if (start.p_WD == input_.p_WD) return;
+  if (start.p_WD == input_.p_WD || touch_->has_sculpture()) return;
   TouchInput settling = input_;
   settling.dt_s = 0.0;
-  if (touch_->has_sculpture()) settling.buttons = 0;
   touch_->step(settling);
 }
 

@@ -219,6 +219,8 @@ Result<void> IoSession::supervise(const StopSignal& stop) {
     if (!servo_.take_snapshot()) continue;
     if (const auto granted = serve_requests(servo_.snapshot()); !granted && reported) reported = granted;
   }
+  // Its end may take seconds, in which the other devices' loops live.
+  if (service_ != nullptr) service_->leave(service_number_);
   return reported;
 }
 

@@ -86,7 +86,7 @@ void SealedClient::request_if_due(std::int64_t now_ns) noexcept {
   request(now_ns);
 }
 
-// Only when nothing waits to be received: to a node that was busy for long, the hub only seems silent.
+// Only when nothing waits to be received, or after much that was rejected: to a node that was busy for long, the hub only seems silent.
 void SealedClient::request_if_silent(std::int64_t now_ns) noexcept {
   if (!is_hub_silent(now_ns)) return;
   if (!handshake_.is_pending()) return begin(now_ns);

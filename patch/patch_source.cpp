@@ -115,8 +115,8 @@ void PatchSource::accept(const PatchStatus& status) noexcept {
     if (serial_ - serial >= kSerials) break;
     Item& item = items_[in_flight_[serial % kSerials]];
     const bool is_received = ((status.received[back / 8] >> (back % 8)) & 1U) != 0;
-    // What a part is never changes, but a material does: only its newest value counts.
-    const bool is_current = &item < &items_[0] + item_of_material(0) || item.serial == serial;
+    // A material changes: what the hub has received may be the one before.
+    const bool is_current = item.first_serial != 0 && serial >= item.first_serial;
     if (is_received && is_current && item.state != State::held) {
       item.state = State::held;
       item.serial = serial;
@@ -391,7 +391,7 @@ std::optional<Message> PatchSource::take(std::int64_t now_ns) {
   Item& item = items_[at];
   ++counts_.sent;
   counts_.repeated += item.serial != 0 ? 1 : 0;
-  item = {State::sent, serial_, now_ns};
+  item = {State::sent, serial_, item.first_serial != 0 ? item.first_serial : serial_, now_ns};
   in_flight_[serial_ % kSerials] = static_cast<std::uint32_t>(at);
   return message;
 }

@@ -76,7 +76,8 @@ class PatchSource {
   enum class State : std::uint8_t { missing, sent, held };
   struct Item {
     State state = State::missing;
-    std::uint32_t serial = 0;  // when sent last; held: the one that was confirmed
+    std::uint32_t serial = 0;        // when sent last; held: the one that was confirmed
+    std::uint32_t first_serial = 0;  // when sent first with what it is now; 0: it was not
     std::int64_t sent_ns = 0;
   };
 

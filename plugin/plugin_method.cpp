@@ -92,7 +92,8 @@ void PluginMethod::ask(const MethodInput& input, PluginForce& given) {
 MethodOutput PluginMethod::step(const MethodInput& input) noexcept {
   MethodOutput output;
   output.p_SP = input.p_SD;
-  if (!input.p_SD.allFinite()) return output;
+  // A step of no duration is none of a sample's, for which alone a plug-in is called.
+  if (!input.p_SD.allFinite() || !(input.dt_s > 0.0)) return output;
   const PluginForce felt = guard_.step(input.dt_s, [&](PluginForce& given) { ask(input, given); });
   output.force_n = felt.force_n;
   output.contact = !felt.force_n.isZero(0.0);

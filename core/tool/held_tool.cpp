@@ -160,6 +160,7 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   const double share = std::clamp((kStaleS - std::max(age_s_, frozen_s_)) / (kStaleS - kFreshS), 0.0, 1.0);
   output.force_n *= share;
   output.torque_nm *= share * torque_share(turn_between(device.orientation, at.orientation));
+  // Parts get the whole torque of the contacts, also where the stylus feels a share.
   for (ToolPush& push : pushes_) push = {share * push.force_n, share * push.torque_nm};
   blend(output, device, time_ns, are_late);
   if (drag_.is_on()) add_drag(found.contacts, solution, share, input.X_WS.linear(), output);

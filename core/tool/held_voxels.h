@@ -10,7 +10,7 @@ namespace hapton {
 // VoxelTool in the haptic step, in one task: each sample computes the whole tool, however many points it has. It begins where the device is
 // at the first sample. A hand that is faster than half a voxel a sample leaves it behind. Where nothing is in contact and the tool is
 // farther than kResumeReachM behind, it is put where the device is: the hand may have gone around what the tool would meet on its way.
-// Nothing of the scene moves. RT: yes. Threads: one.
+// Voxels do not know that a tool overlaps them where it is put: they push it at once. Nothing of the scene moves. RT: yes. Threads: one.
 class HeldVoxels final : public StylusTool {
  public:
   // vertex_m: as StylusTool has it.

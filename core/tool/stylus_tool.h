@@ -35,7 +35,7 @@ class StylusTool {
   // The samples do not go on from the last one. The tool does, and its damping begins with the next motion.
   virtual void forget_motion() noexcept = 0;
   // The hand may have gone around something since the last sample: the tool is put where the device is at the next one. Where it overlaps
-  // something there, there is no force until it is free.
+  // something there, HeldTool gives no force until it is free.
   virtual void begin_anew() noexcept = 0;
   // The tool's pose was known before the last step. Until then there is no force, and the tool is drawn at the device.
   virtual bool is_known() const noexcept = 0;

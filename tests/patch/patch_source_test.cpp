@@ -306,6 +306,19 @@ TEST_F(PatchSourceTest, AMaterialThatWasLostIsSentAgainThoughTheOneBeforeArrived
   EXPECT_EQ(std::get<PatchMaterial>(again.front()).stiffness_n_per_m, 100.0);
 }
 
+// Over a long round trip it is sent again before the confirmation of the first time can come.
+TEST_F(PatchSourceTest, AMaterialIsConfirmedByAnyOfTheTimesThatItWasSent) {
+  start(kAll);
+  const auto count = static_cast<std::uint32_t>(take_confirmed().size());
+  Material softer;
+  softer.stiffness_n_per_m = 300.0;
+  source->set_materials({softer});
+  const auto sent = take(kStartNs + 2000 * kMs, 500 * kMs);
+  ASSERT_GT(sent.size(), 2U) << "nobody confirms";
+  source->accept(status_without(count + 1, {}));
+  EXPECT_TRUE(take(kStartNs + 3000 * kMs, 500 * kMs).empty());
+}
+
 // 70 ms after it was sent, and a round trip; eight times at most, as the hub confirms only the last moves of all objects.
 TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
   start(kAll, 4);

@@ -85,6 +85,16 @@ TEST_F(PluginMethodTest, ASampleThatIsNotFiniteGivesNoForceAndReachesNoPlugin) {
   EXPECT_EQ(method->guard().times().count(), 0U);
 }
 
+// As where a contact goes on after a break: a plug-in divides by the duration.
+TEST_F(PluginMethodTest, AStepOfNoDurationReachesNoPlugin) {
+  const auto method = make();
+  method->step({.p_SD = {0.02, 0.001, 0.03}});
+  const MethodOutput output = method->step({.p_SD = {0.02, -0.002, 0.03}, .dt_s = 0.0});
+  EXPECT_FALSE(output.contact);
+  EXPECT_EQ(output.force_n, Vec3::Zero());
+  EXPECT_TRUE(method->step({.p_SD = {0.02, -0.002, 0.03}}).contact);
+}
+
 TEST_F(PluginMethodTest, NonsenseCutsItOffAndItsForceFades) {
   for (const char* does : {"nan", "nan_proxy", "exception"}) {
     const auto method = make(std::string("after=1,does=") + does);

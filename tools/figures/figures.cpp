@@ -104,7 +104,7 @@ Result<Figure> draw_algorithm_1() {
   std::string script = begin("algorithm1", 1000, 660) + outline_of(outline).block("solid") + planes.block("planes") +
                        smooth.block("smooth") + probes.block("probes") + vcps.block("vcps") + flat.block("flat");
   script += fmt::format(
-      "set title 'Algorithm 1 over a faceted convex edge: n turns smoothly where a face''s own normal jumps'\n"
+      "set title 'Algorithm 1 over a faceted ridge: n turns smoothly where a face''s own normal jumps'\n"
       "set size ratio -1\n"
       "set xrange [-19:19]\n"
       "set yrange [2:21]\n"
@@ -262,7 +262,7 @@ Result<Figure> draw_slide() {
       "set yrange [-9:9]\n"
       "set ylabel 'mm'\n"
       "set format x ''\n"
-      "set title 'One slide at 100 mm/s, 1.2 mm under a faceted convex edge and a groove, k = 1000 N/m'\n"
+      "set title 'One slide at 100 mm/s, 1.2 mm under a faceted ridge and a groove, k = 1000 N/m'\n"
       "plot $solid with filledcurves closed fillcolor rgb '{}' notitle, $solid with lines linecolor rgb '#404040' linewidth 2 notitle, "
       "$device with lines linewidth 1.5 linecolor rgb '{}' title 'device'\n"
       "unset title\n"
