@@ -244,25 +244,28 @@ TEST(HeldTool, BeginningAnewPutsTheToolWhereTheDeviceIs) {
 // Two fine faces that are flush, with more pairs of features than are considered: the proxy cannot move. It must not hold the hand for
 // good.
 TEST(HeldTool, WhereTooManyPairsAreNearItLetsGo) {
-  const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 60);
-  HeldTool held(held_step(tool, make_plane_grid(0.02, 60)));
+  const TriangleMesh tool = make_box({0.02, 0.02, 0.02}, 36);
+  HeldTool held(held_step(tool, make_plane_grid(0.02, 36)));
   int n = 0;
   const auto step_at = [&](double z) {
-    const ToolOutput out = held.step(input_at({0.0, 0.0, z}), ++n * kTickNs);
+    const ToolOutput out = held.step(input_at({0.0, 0.0, z}), (n += 4) * kTickNs);
     held.follow();
     return out.force_n.norm();
   };
-  for (double z = 0.011; z > 0.0099; z -= 2e-5) step_at(z);
+  for (double z = 0.0102; z > 0.00995; z -= 2e-5) step_at(z);
   double most_n = 0.0;
-  for (double z = 0.01; z < 0.03; z += 1e-4) most_n = std::max(most_n, step_at(z));
+  for (double z = 0.01; z < 0.03; z += 2e-3) most_n = std::max(most_n, step_at(z));
   EXPECT_GT(most_n, 0.5) << "it was not held: the test needs more triangles";
   double before_n = step_at(0.03);
-  for (int k = 0; k < 400; ++k) {
+  for (int k = 0; k < 45; ++k) {
     const double force_n = step_at(0.03);
-    EXPECT_LT(std::abs(force_n - before_n), 1.0) << k;
+    EXPECT_LT(std::abs(force_n - before_n), 1.5) << k << ": it fades in a tenth of a second";
     before_n = force_n;
   }
   EXPECT_EQ(before_n, 0.0);
+  // It is at the hand again: a step down to the surface is felt there, not where the proxy was.
+  const Vec3 at_hand = held.tool().to_local(input_at({0.0, 0.0, 0.03})).position;
+  EXPECT_LT((held.tool().proxy().placement().position - at_hand).norm(), 1e-9);
 }
 
 // A long box on a sheet cannot tilt, whichever way. Where the stylus is half a turn away, the shortest way back reverses.
