@@ -79,7 +79,8 @@ ForceCommand HapticsStep::reply() noexcept {
   has_state_ = false;
   const std::int64_t step_ns = ns_between(last_time_ns_, state_.sample_time_ns);
   // A tool goes on in a new session from where it is.
-  const bool is_tool_near = input_.X_WS.matrix() == X_WS_.matrix() && is_motion_known(input_, state_, kLongGapNs, true);
+  const bool is_tool_near =
+      !running_ && tool_ != nullptr && input_.X_WS.matrix() == X_WS_.matrix() && is_motion_known(input_, state_, kLongGapNs, true);
   input_.dt_s = running_ && step_ns > 0 ? 1e-9 * static_cast<double>(step_ns) : kFirstStepS;
   input_.p_WD = state_.p_WD;
   input_.q_WT = state_.q_WT;
