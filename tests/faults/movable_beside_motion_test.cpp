@@ -59,8 +59,8 @@ struct MovableBesideMotion : MovableTouch {
     double least_m = 1.0;
     double most_m = -1.0;
     for (std::size_t n = first; n < system->touched.size(); ++n) {
-      const auto& [sample, force] = system->touched[n];
-      if ((sample.p_WD - kOnPost).head<2>().norm() > 0.005) continue;
+      const auto& [sample, force, is_beyond] = system->touched[n];
+      if (is_beyond || (sample.p_WD - kOnPost).head<2>().norm() > 0.005) continue;
       const double rises_m = post_rises_m(force.scene_time_ns);
       const double deep_m = std::max(0.0, kPostTopM + rises_m - sample.p_WD.z());
       ASSERT_NEAR(force.force_n.z(), kBlockStiffness * deep_m, kOnGridN) << n << ": " << rises_m;

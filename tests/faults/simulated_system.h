@@ -306,12 +306,14 @@ class SimulatedSystem {
     while (clock.now_ns() < end_ns) servo->step();
   }
 
-  // As run_for_ns, but pauses for 1 ms of real time every 5 ms, so that the threads that build patches keep up on a busy machine.
+  // As run_for_ns, but pauses in real time every 5 ms, so that the threads that send and build patches keep up on a busy machine: for 1 ms,
+  // and for longer once they have not.
   void run_slowly_for_ns(std::int64_t duration_ns) {
     const std::int64_t end_ns = clock.now_ns() + duration_ns;
     while (clock.now_ns() < end_ns) {
       run_for_ns(5 * kMs);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      const bool is_late = !touched.empty() && touched.back().is_beyond;
+      std::this_thread::sleep_for(std::chrono::milliseconds(is_late ? 20 : 1));
     }
   }
 
@@ -339,10 +341,12 @@ class SimulatedSystem {
     return std::nullopt;
   }
 
-  // A force that the hub computed itself, and its sample.
+  // A force that the hub computed itself, and its sample. is_beyond: past the edge of its patches, whose next one is not there yet; on a busy
+  // machine the threads that send and build it may be late.
   struct Touched {
     DeviceSample sample;
     LocalForce force;
+    bool is_beyond = false;
   };
 
   SimulatedClock clock{
@@ -358,16 +362,18 @@ class SimulatedSystem {
  private:
   class TouchTap final : public LocalTouch {
    public:
-    TouchTap(LocalTouch& local, std::vector<Touched>& touched) : local_(local), touched_(touched) {}
+    TouchTap(LocalPatch& local, std::vector<Touched>& touched) : local_(local), touched_(touched) {}
     std::optional<LocalForce> step(const DeviceSample& sample) noexcept override {
       const std::optional<LocalForce> force = local_.step(sample);
-      if (force) touched_.push_back({sample, *force});
+      const std::uint64_t before = std::exchange(beyond_steps_, local_.counts().beyond_steps);
+      if (force) touched_.push_back({sample, *force, beyond_steps_ > before});
       return force;
     }
 
    private:
-    LocalTouch& local_;
+    LocalPatch& local_;
     std::vector<Touched>& touched_;
+    std::uint64_t beyond_steps_ = 0;
   };
 
   LinkKey key_ = LinkKey::make_random();
