@@ -341,8 +341,8 @@ class SimulatedSystem {
     return std::nullopt;
   }
 
-  // A force that the hub computed itself, and its sample. is_beyond: past the edge of its patches, whose next one is not there yet; on a busy
-  // machine the threads that send and build it may be late.
+  // A force that the hub computed itself, and its sample. is_beyond: past the edge of its patches, whose next one is not there yet; on a
+  // busy machine the threads that send and build it may be late.
   struct Touched {
     DeviceSample sample;
     LocalForce force;
