@@ -95,8 +95,8 @@ class Device {
   virtual bool press_hand_buttons(std::uint32_t /*buttons*/) noexcept { return false; }
 
   // How the simulated hand turns the stylus while it is led, beyond the tilt of its script: yaw about y, then pitch about x, then roll
-  // about the stylus, rad, along the axes of the device's own base. It turns at the speed of an arm, and returns to zero by less than a
-  // whole turn. False: as above. RT: yes.
+  // about the stylus, rad, along the axes of the device's own base. It turns at the speed of an arm, and returns to zero by at most half
+  // a turn about each axis. False: as above. RT: yes.
   virtual bool turn_hand(const Vec3& /*turn_rad*/) noexcept { return false; }
 
   // As many points as SceneFacts has (SceneFacts::kMaxPoints).

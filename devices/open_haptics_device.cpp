@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -31,7 +32,8 @@ constexpr int kTicksPerConditionCheck = 100;                                   /
 constexpr std::int64_t kForceErrorPauseNs = 100 * kNanosecondsPerMillisecond;  // without force after a force error
 constexpr int kMaxErrorsATick = 8;                                             // taken from the library's queue: bounds the work of a tick
 // The library does not report these: conservative values of our own, see docs/vendor-devices.md.
-constexpr double kPeakS = 5.0;  // that the motors hold the maximum force
+constexpr double kPeakS = 5.0;             // that the motors hold the maximum force
+constexpr double kContinuousShare = 0.25;  // of the maximum force
 constexpr double kMaxTorqueNm = 0.1;
 constexpr double kMaxSpeedMPerS = 5.0;
 
@@ -172,7 +174,9 @@ Result<void> OpenHapticsDevice::read_limits() {
   limits_.workspace_max_m = high_m - middle_m_;
   limits_.max_force_n = max_n;
   limits_.max_slew_n_per_s = max_n / kForceRiseS;
-  limits_.continuous_force_n = std::clamp(get(hd::kNominalMaxContinuousForce, 0.25 * max_n), 0.0, max_n);
+  // A continuous force of zero would mean the maximum: motors without a thermal budget.
+  const double continuous_n = get(hd::kNominalMaxContinuousForce, 0.0);
+  limits_.continuous_force_n = continuous_n > 0.0 ? std::min(continuous_n, max_n) : kContinuousShare * max_n;
   limits_.peak_s = kPeakS;
   limits_.max_speed_m_per_s = kMaxSpeedMPerS;
   // N/mm.

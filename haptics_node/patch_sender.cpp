@@ -181,7 +181,6 @@ void PatchSender::run() {
     // set before.
     const std::uint32_t withdrawals = withdrawals_.load(std::memory_order_acquire);
     follow_scene();
-    follow_materials();
     follow_moves();
     if (shapes_.take()) follow_shapes();
     const bool is_busy = now_ns < wanted_until_ns || must_withdraw(withdrawals);
@@ -214,28 +213,27 @@ void PatchSender::set_materials(const std::vector<Material>& materials) {
   materials_ = materials;
 }
 
+// Both at once: to free the scene of before takes time, in which the next one may come, with materials of its own.
 void PatchSender::follow_scene() {
   std::optional<std::pair<TouchScene, std::uint64_t>> next;
-  {
-    const std::scoped_lock lock(scene_mutex_);
-    next.swap(next_scene_);
-  }
-  if (!next) return;
-  std::tie(scene_, scene_hash_) = std::move(*next);
-  source_.reset();
-  tiles_.reset();
-  motions_.clear();
-  commanded_.clear();
-}
-
-// A tile has the material that its object had when it was made; others are sent beside it.
-void PatchSender::follow_materials() {
   std::vector<Material> materials;
   {
     const std::scoped_lock lock(scene_mutex_);
+    next.swap(next_scene_);
     materials.swap(materials_);
   }
-  if (materials.empty()) return;
+  if (next) {
+    std::tie(scene_, scene_hash_) = std::move(*next);
+    source_.reset();
+    tiles_.reset();
+    motions_.clear();
+    commanded_.clear();
+  }
+  if (!materials.empty()) follow_materials(materials);
+}
+
+// A tile has the material that its object had when it was made; others are sent beside it.
+void PatchSender::follow_materials(const std::vector<Material>& materials) {
   for (std::size_t o = 0; o < std::min(materials.size(), scene_.objects.size()); ++o) {
     scene_.objects[o].material = with_numbers_of(scene_.objects[o].material, materials[o]);
   }

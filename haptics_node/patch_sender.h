@@ -138,7 +138,7 @@ class PatchSender {
   Pose pose_of(std::size_t body, double time_s) const noexcept;
   void follow_scene();
   void follow_method(std::uint32_t withdrawals);
-  void follow_materials();
+  void follow_materials(const std::vector<Material>& materials);
   bool make_parts();
   bool must_withdraw(std::uint32_t withdrawals) const noexcept;
   bool fill(std::int64_t now_ns, std::uint32_t withdrawals);

@@ -48,7 +48,6 @@ void ReplyLoop::set_effects(PluginEffects* effects) {
 
 // In the setup, with the effects beside it.
 void ReplyLoop::show_method(const HapticsSetup::Text& method) noexcept {
-  method_ = method;
   setup_.method = method;
   const auto end = std::find(setup_.method.begin(), setup_.method.end(), '\0');
   const auto room = static_cast<std::size_t>(setup_.method.end() - end);
@@ -230,7 +229,8 @@ void ReplyLoop::change_method() noexcept {
     if (built->scene != nullptr && step_.grasp() != nullptr) step_.grasp()->note_built(built->scene->put_down);
     if (built->scene == nullptr && is_tuned()) built->step->set_materials(tuned_->materials);
     built->step = step_.replace(std::move(built->step));
-    show_method(built->text);
+    method_ = built->text;
+    show_method(method_);
     setup_.material_serial = static_cast<std::uint32_t>(step_.counts().materials_taken);
     if (built->request_id != 0) setup_.method_request = built->request_id;
     setup_.rejection = {};
@@ -296,7 +296,8 @@ void ReplyLoop::change_materials() noexcept {
   if (result->scene == material_revision_ && !result->materials.empty()) {
     if (result->of_tool) {
       step_.set_materials(result->materials, *result->of_tool);
-      setup_.method = result->tool_method;
+      method_ = result->tool_method;
+      show_method(method_);
     } else {
       step_.set_materials(result->materials);
     }

@@ -124,7 +124,7 @@ class ReplyLoop {
   HapticsStep& step_;
   MethodBuilder& builder_;
   HapticsSetup setup_;
-  HapticsSetup::Text method_ = {};        // without effects from shared libraries
+  HapticsSetup::Text method_ = {};        // without effects from shared libraries; while no object is held
   HapticsSetup::Text effects_text_ = {};  // of these
   SceneFacts scene_;
   PatchSender* patches_ = nullptr;

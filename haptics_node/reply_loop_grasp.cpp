@@ -56,7 +56,7 @@ void ReplyLoop::report_grasp() noexcept {
   if (grasp->pose_serial() == pose_serial_) return;
   pose_serial_ = grasp->pose_serial();
   if (step_.holds_tool()) {
-    setup_.method = grasp->method();
+    show_method(grasp->method());
   } else if (!grasp->is_busy()) {
     show_method(method_);
   }

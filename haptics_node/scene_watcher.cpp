@@ -47,16 +47,16 @@ bool has_same_program_shapes(const Scene& before, const Scene& after) {
 bool suits_held(const Scene& base, const Scene& before, const Scene& after, bool has_tool) {
   const auto has_movable = [](const Scene& scene) { return std::ranges::any_of(scene.objects, &SceneObject::is_movable); };
   if (!has_tool && !has_movable(before) && !has_movable(after)) return true;
+  if (!std::ranges::equal(before.objects, after.objects, {}, &SceneObject::is_movable, &SceneObject::is_movable)) return false;
   const SceneChange change = compare_scenes(before, after);
-  if (change == SceneChange::materials) return describe_materials(base, after).has_value();
-  return change == SceneChange::none &&
-         std::ranges::equal(before.objects, after.objects, {}, &SceneObject::is_movable, &SceneObject::is_movable);
+  return change == SceneChange::none || (change == SceneChange::materials && describe_materials(base, after).has_value());
 }
 
 std::uint64_t tool_of(const Scene& scene) { return scene.tool ? scene.tool->given_hash : 0; }
 
 std::string_view describe(SceneChange change) {
   if (change == SceneChange::names) return "only its names have changed; changes by hapton set end, and effects begin anew";
+  if (change == SceneChange::materials) return "its materials fade in; changes by hapton set end, and effects begin anew";
   return change == SceneChange::shape ? "its objects fade in" : "its effects fade in";
 }
 

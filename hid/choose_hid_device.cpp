@@ -79,7 +79,24 @@ Result<HidDescription> find_hid_device_again(std::span<const HidDescription> dev
                                              bool had_twin) {
   std::vector<HidDescription> same(devices.begin(), devices.end());
   std::erase_if(same, [&](const HidDescription& device) { return !is_same_device(device, chosen); });
+  if (same.empty()) {
+    return fail("no {} is plugged in that is the one from before ({}), among {} HID devices; plug it in again", to_string(kind),
+                chosen.serial.empty() ? "no serial number" : chosen.serial, devices.size());
+  }
   return choose_hid_device(same, kind, same.size() > 1 || had_twin ? chosen.path : "");
+}
+
+Result<HidDescription> HidChoice::choose(std::span<const HidDescription> devices) const {
+  return opened_ ? find_hid_device_again(devices, *opened_, kind_, had_twin_) : choose_hid_device(devices, kind_, id_);
+}
+
+void HidChoice::note_opened(const HidDescription& device, std::span<const HidDescription> devices) {
+  opened_ = device;
+  had_twin_ = had_twin_ || has_twin(devices, device);
+}
+
+bool is_listed_before(const HidDescription& a, const HidDescription& b) noexcept {
+  return a.path.size() != b.path.size() ? a.path.size() < b.path.size() : a.path < b.path;
 }
 
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "core/base/result.h"
 #include "hid/hid_catalog.h"
@@ -21,10 +24,31 @@ Result<HidDescription> choose_hid_device(std::span<const HidDescription> devices
 bool has_twin(std::span<const HidDescription> devices, const HidDescription& chosen);
 
 // The device that was chosen before, now that it may have been unplugged: its node may have another name now, but must not where several
-// look the same, or did: the one that is left is not the one that was chosen. Error: it is not there, or it had a twin and none is at its
-// node. RT: no.
+// look the same, or did: the one that is left is not the one that was chosen. Error: it is not there, whatever else is, or it had a twin
+// and none is at its node. RT: no.
 Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind,
                                              bool had_twin);
+
+// What a program opens again and again: at first the device with that id, and once it could be opened only the same one. RT: no.
+// Threads: one.
+class HidChoice {
+ public:
+  HidChoice(HidKind kind, std::string id) : kind_(kind), id_(std::move(id)) {}
+
+  // Among what is plugged in now. Error: one line.
+  Result<HidDescription> choose(std::span<const HidDescription> devices) const;
+  // It could be opened, when these were plugged in.
+  void note_opened(const HidDescription& device, std::span<const HidDescription> devices);
+
+ private:
+  HidKind kind_;
+  std::string id_;
+  std::optional<HidDescription> opened_;
+  bool had_twin_ = false;
+};
+
+// By the number of its node, from which a device without a name has its place: hidraw10 follows hidraw9.
+bool is_listed_before(const HidDescription& a, const HidDescription& b) noexcept;
 
 // Whether both describe the same piece of hardware, as far as the descriptions show; its node may have changed after it was unplugged.
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept;

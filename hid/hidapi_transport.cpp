@@ -9,7 +9,6 @@
 #include <fstream>
 #include <iterator>
 #include <mutex>
-#include <optional>
 
 #include "hid/choose_hid_device.h"
 #include "hid/device_lock.h"
@@ -25,14 +24,6 @@ std::mutex hidapi_turn;
 constexpr std::int64_t kAccessPatienceNs = kNanosecondsPerSecond;
 constexpr std::int64_t kAccessEveryNs = 20 * kNanosecondsPerMillisecond;  // while udev grants access to a device that was plugged in
 
-HidLayout read_layout(const std::string& path) {
-  const std::string node = path.substr(path.find_last_of('/') + 1);
-  std::ifstream file("/sys/class/hidraw/" + node + "/device/report_descriptor", std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  const std::vector<std::uint8_t> descriptor(bytes.begin(), bytes.end());
-  return read_hid_layout(descriptor);
-}
-
 HidDescription describe(const hid_device_info& info) {
   HidDescription device;
   device.path = info.path;
@@ -43,7 +34,7 @@ HidDescription describe(const hid_device_info& info) {
   device.serial = to_utf8(info.serial_number);
   device.maker = to_utf8(info.manufacturer_string);
   device.product = to_utf8(info.product_string);
-  device.layout = read_layout(device.path);
+  device.layout = read_hidraw_layout(device.path);
   return device;
 }
 
@@ -61,9 +52,9 @@ class HidapiTransport final : public HidTransport {
   const HidDescription& description() const noexcept override { return description_; }
 
   HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept override {
+    errno = 0;
     const int read = hid_read_timeout(reading_.get(), into.data(), into.size(), wait_ms);
-    if (read < 0) return {HidIo::gone, 0};
-    return {read == 0 ? HidIo::nothing : HidIo::done, static_cast<std::size_t>(read)};
+    return to_hid_read(read, errno);
   }
 
   bool write(std::span<const std::uint8_t> report) noexcept override {
@@ -108,6 +99,18 @@ Result<HidHandle> open_handle(const std::string& path) {
 
 }  // namespace
 
+HidLayout read_hidraw_layout(const std::string& path, const std::filesystem::path& classes) {
+  std::ifstream file(classes / std::filesystem::path(path).filename() / "device/report_descriptor", std::ios::binary);
+  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const std::vector<std::uint8_t> descriptor(bytes.begin(), bytes.end());
+  return read_hid_layout(descriptor);
+}
+
+HidRead to_hid_read(int returned, int error) noexcept {
+  if (returned > 0) return {HidIo::done, static_cast<std::size_t>(returned)};
+  return {returned == 0 || error == EINTR ? HidIo::nothing : HidIo::gone, 0};
+}
+
 std::vector<HidDescription> list_hid_devices() {
   std::vector<HidDescription> devices;
   const std::lock_guard turn(hidapi_turn);
@@ -118,9 +121,7 @@ std::vector<HidDescription> list_hid_devices() {
         std::any_of(devices.begin(), devices.end(), [&](const HidDescription& known) { return known.path == info->path; });
     if (!is_listed) devices.push_back(describe(*info));
   }
-  std::sort(devices.begin(), devices.end(), [](const HidDescription& a, const HidDescription& b) {
-    return std::pair(a.path.size(), a.path) < std::pair(b.path.size(), b.path);  // hidraw10 after hidraw9
-  });
+  std::sort(devices.begin(), devices.end(), is_listed_before);
   return devices;
 }
 
@@ -135,16 +136,12 @@ Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& devi
 }
 
 HidOpener make_hid_opener(HidKind kind, std::string id) {
-  return [kind, id = std::move(id), chosen = std::optional<HidDescription>(),
-          had_twin = false]() mutable -> Result<std::unique_ptr<HidTransport>> {
+  return [kind, choice = HidChoice(kind, std::move(id))]() mutable -> Result<std::unique_ptr<HidTransport>> {
     const std::vector<HidDescription> devices = list_hid_devices();
-    const auto device = chosen ? find_hid_device_again(devices, *chosen, kind, had_twin) : choose_hid_device(devices, kind, id);
+    const auto device = choice.choose(devices);
     if (!device) return tl::unexpected(device.error());
     auto opened = open_hid_device(*device, kind == HidKind::space_mouse ? HidSharing::shared : HidSharing::exclusive);
-    if (opened) {
-      chosen = *device;
-      had_twin = had_twin || has_twin(devices, *device);
-    }
+    if (opened) choice.note_opened(*device, devices);
     return opened;
   };
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,6 +14,12 @@ namespace hapton {
 // Every HID device that the system shows through hidraw, of any vendor; one entry for each of its nodes, sorted by path. Needs no
 // permission. RT: no. Error: never; a system without HID has none.
 std::vector<HidDescription> list_hid_devices();
+
+// The report descriptor of a node ("/dev/hidraw0"), from the system's list of such nodes; empty if it cannot be read. RT: no.
+HidLayout read_hidraw_layout(const std::string& path, const std::filesystem::path& classes = "/sys/class/hidraw");
+
+// What hidapi returned for a read, with the errno: a signal that ended the wait is no unplugging. RT: yes.
+HidRead to_hid_read(int returned, int error) noexcept;
 
 // A force device is one program's, and one hand's in it: an exclusive node that somebody else has exclusively is not opened
 // (device_lock.h).

@@ -30,8 +30,9 @@ struct PatchBuilderCounts {
 
 // Builds patches from the parts of the scene that have come, around the hand, in a thread of its own, which also stores the parts.
 //
-// The haptics node decides how many shapes come, and which patches fail. So stages to shapes take at most kStageShare of the time, and
-// patches of one body that fail at most kFailureShare, beyond a burst; work beyond that waits.
+// The haptics node decides how many shapes come, and which patches fail. So stages to shapes take at most kStageShare of the time, and what
+// gives no patch of one body at most kFailureShare, beyond a burst; work beyond that waits. To see that none is due counts as well: it
+// takes microseconds, but the parts decide how many.
 // RT: push, push_shape, take_shape_request, clear, take_status, status and counts yes; making one and ending it is set-up only. Threads:
 // one, the network side's.
 class PatchBuilder {

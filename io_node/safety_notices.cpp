@@ -37,6 +37,10 @@ void SafetyNotices::note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns
   if (tap_ != nullptr) note_cycle({}, cycle, false, now_ns);
 }
 
+void SafetyNotices::finish(DeviceStatus status, std::int64_t now_ns) noexcept {
+  if (tap_ != nullptr && status == DeviceStatus::fault && !is_failure_recorded_) tap_->on_fault(SessionFault::device, now_ns);
+}
+
 void SafetyNotices::note_cycle(const DeviceSide& side, const DeviceCycle& cycle, bool is_newest, std::int64_t now_ns) noexcept {
   // The force that is on the motors now, if that is later than the end of the cycle: the newest cycle's own may have come since.
   const Wrench& written = is_newest && !cycle.local ? side.written : cycle.written;
@@ -62,7 +66,9 @@ void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, boo
   record_fault(SessionFault::stalled, std::max(cycle.late_ns, std::exchange(latest_ns_, 0)) >= kCommandTimeoutNs, now_ns);
   record_fault(SessionFault::overrun, side.has_overrun, now_ns);
   record_fault(SessionFault::energy, side.is_energy_gone, now_ns);
-  if (governor.latched > governor_noted_.latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
+  const bool has_latched = governor.latched > governor_noted_.latched;
+  if (has_latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
+  is_failure_recorded_ = side.governor.fault == SafetyFault::device && (has_latched || is_failure_recorded_);
 }
 
 // Once when it begins: a force that stays above the limit is one fault.

@@ -27,6 +27,8 @@ class SafetyNotices {
   void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
   // A cycle that a newer one has overtaken: for the recording, and for the faults of the next check.
   void note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
+  // At the end: a device that has failed is recorded, where no check has seen that fault latched.
+  void finish(DeviceStatus status, std::int64_t now_ns) noexcept;
 
  private:
   void note_cycle(const DeviceSide& side, const DeviceCycle& cycle, bool is_newest, std::int64_t now_ns) noexcept;
@@ -43,6 +45,7 @@ class SafetyNotices {
   std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
   std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
   std::int64_t latest_ns_ = 0;        // the latest of the cycles overtaken since the last check
+  bool is_failure_recorded_ = false;  // of the device, while that fault is latched
 };
 
 }  // namespace hapton

@@ -286,7 +286,7 @@ void Servo::finish() noexcept {
     record_rest();
   }
   if (runs_device) loop_.finish();
-  if (tap_ != nullptr && loop_.status() == DeviceStatus::fault) tap_->on_fault(SessionFault::device, clock_.now_ns());
+  safety_.finish(loop_.status(), clock_.now_ns());
   forces_.note_written();
   forces_.close(cycle_.sample.time_ns);
 }

@@ -14,6 +14,7 @@
 #include "runtime/earlier_file.h"
 #include "runtime/log.h"
 #include "runtime/start_thread.h"
+#include "runtime/writable_path.h"
 
 namespace hapton {
 namespace {
@@ -164,6 +165,10 @@ Result<void> SessionRecorder::start() {
     if (error) {
       return fail("{}: the folder for flight records cannot be made: {}; choose another with --flight, or --flight off",
                   options_.flight_folder.string(), error.message());
+    }
+    // Else the first fault would show it.
+    if (const auto writable = check_writable_folder(options_.flight_folder); !writable) {
+      return fail("flight records: {}, or --flight off", writable.error().what);
     }
   }
   if (!options_.record.empty()) {

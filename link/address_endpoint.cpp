@@ -63,22 +63,25 @@ Result<HostAndPort> split(std::string_view text, std::uint16_t default_port) {
 int address_family(const Address& address) noexcept { return is_v4(address) ? AF_INET : AF_INET6; }
 
 SocketAddress to_socket_address(const Address& address) noexcept {
+  if (!is_v4(address)) return to_v6_socket_address(address);
   SocketAddress result;
-  if (is_v4(address)) {
-    sockaddr_in v4 = {};
-    v4.sin_family = AF_INET;
-    v4.sin_port = htons(address.port);
-    std::memcpy(&v4.sin_addr, address.ip.data() + 12, sizeof v4.sin_addr);
-    std::memcpy(&result.storage, &v4, sizeof v4);
-    result.size = sizeof v4;
-  } else {
-    sockaddr_in6 v6 = {};
-    v6.sin6_family = AF_INET6;
-    v6.sin6_port = htons(address.port);
-    std::memcpy(&v6.sin6_addr, address.ip.data(), address.ip.size());
-    std::memcpy(&result.storage, &v6, sizeof v6);
-    result.size = sizeof v6;
-  }
+  sockaddr_in v4 = {};
+  v4.sin_family = AF_INET;
+  v4.sin_port = htons(address.port);
+  std::memcpy(&v4.sin_addr, address.ip.data() + 12, sizeof v4.sin_addr);
+  std::memcpy(&result.storage, &v4, sizeof v4);
+  result.size = sizeof v4;
+  return result;
+}
+
+SocketAddress to_v6_socket_address(const Address& address) noexcept {
+  SocketAddress result;
+  sockaddr_in6 v6 = {};
+  v6.sin6_family = AF_INET6;
+  v6.sin6_port = htons(address.port);
+  std::memcpy(&v6.sin6_addr, address.ip.data(), address.ip.size());
+  std::memcpy(&result.storage, &v6, sizeof v6);
+  result.size = sizeof v6;
   return result;
 }
 

@@ -20,6 +20,8 @@ struct SocketAddress {
 // RT: all yes. An IPv4 address becomes AF_INET, every other AF_INET6.
 int address_family(const Address& address) noexcept;
 SocketAddress to_socket_address(const Address& address) noexcept;
+// AF_INET6 for every address, as a socket of that family sends to IPv4 too.
+SocketAddress to_v6_socket_address(const Address& address) noexcept;
 // Pre: AF_INET or AF_INET6.
 Address from_socket_address(const SocketAddress& address) noexcept;
 // The address that a socket is bound to; port 0 if the system does not report it.

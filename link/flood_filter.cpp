@@ -85,17 +85,17 @@ FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t 
     return install();
   }
   may_hasten_ = true;
-  const std::uint32_t newly_dropped = window_ns_ == 0 ? 0 : dropped - dropped_;
+  const std::uint32_t newly_dropped = period_ns_ == 0 ? 0 : dropped - dropped_;
   dropped_ = dropped;
   counts_.dropped += newly_dropped;
   counts_.filtered += is_shut_ ? newly_dropped : 0;
-  const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - window_ns_, 1));
+  const double passed_s = 1e-9 * static_cast<double>(std::max<std::int64_t>(now_ns - period_ns_, 1));
   const double rate_per_s = static_cast<double>(unknown_datagrams_ + newly_dropped) / passed_s;
   const bool is_loud = unknown_datagrams_ + newly_dropped >= kFlood;
   unknown_datagrams_ = 0;
-  window_ns_ = now_ns;
-  due_ns_ = now_ns + kWindowNs;
-  // A flood swells within a window and ebbs over some: the share that passes must not swing with the scheduler.
+  period_ns_ = now_ns;
+  due_ns_ = now_ns + kPeriodNs;
+  // A flood grows within a period and declines over many (to half in 34, 0.2 s): the share that passes must not change with the scheduler.
   rate_per_s_ = std::max(rate_per_s, 0.98 * rate_per_s_);
   if (is_loud) {
     loud_ns_ = now_ns;
@@ -108,6 +108,7 @@ FloodFilter::Action FloodFilter::end_period(std::uint32_t dropped, std::int64_t 
     return Action::remove;
   }
   counts_.floods += is_shut_ ? 0 : 1;
+  // Another program only if the share that passes would be wrong by a factor of 2 upwards or 4 downwards: each one is a system call.
   const bool is_same =
       is_shut_ && built_changes_ == known_changes_ && rate_per_s_ < 2.0 * built_rate_per_s_ && rate_per_s_ > 0.25 * built_rate_per_s_;
   is_shut_ = true;
@@ -156,7 +157,7 @@ void FloodFilter::build(double passed_share) noexcept {
   std::array<const Known*, kKnown> passing = {};
   std::size_t count = 0;
   for (const Known& known : known_) {
-    if (known.time_ns > 0 && window_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
+    if (known.time_ns > 0 && period_ns_ - known.time_ns <= kKnownNs) passing[count++] = &known;
   }
   // Conditional jumps of a filter reach 255 instructions; an unconditional one reaches all of it.
   add(BPF_LD | BPF_W | BPF_LEN, 0);

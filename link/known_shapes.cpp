@@ -16,6 +16,10 @@ void KnownShapes::add_object(std::size_t object, std::uint32_t total) {
   if (own.total != total) own = {.total = total};
 }
 
+void KnownShapes::keep_objects(const std::set<std::size_t>& objects) {
+  std::erase_if(objects_, [&](const auto& one) { return !objects.contains(one.first); });
+}
+
 KnownShapes::Object* KnownShapes::find_object(std::int32_t object, std::uint32_t total) {
   const auto found = object >= 0 ? objects_.find(static_cast<std::size_t>(object)) : objects_.end();
   return found != objects_.end() && found->second.total == total ? &found->second : nullptr;

@@ -4,6 +4,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -23,6 +24,9 @@ class KnownShapes {
 
   // Programs deform this object of the scene, too. If it has had another number of vertices, what is known of it is dropped.
   void add_object(std::size_t object, std::uint32_t total);
+  std::size_t count_objects() const { return objects_.size(); }
+  // Forgets all other objects.
+  void keep_objects(const std::set<std::size_t>& objects);
 
   // arrival: as HubClient::last_arrival of this message. One of another scene, or of a haptics process that was replaced, is left out.
   void take(const ObjectShape& shape, Arrival arrival);

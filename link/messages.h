@@ -137,7 +137,8 @@ struct ProbeState {
   std::optional<std::uint32_t> haptons = {};  // likewise
 };
 
-// vision -> hub, after a frame was drawn or skipped as it would look the same: which sample it shows. Requests the next state.
+// vision -> hub, once for a state, after the first frame with it was drawn, or skipped as it would look the same: which sample that is.
+// Requests the next state.
 struct FrameAck {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;

@@ -10,7 +10,7 @@ constexpr std::size_t kRefillBytes = 1 << 20;  // 1 MiB at a time
 
 }  // namespace
 
-// Moves unread bytes to the front and reads more; false if there was nothing more.
+// Moves unread bytes to the front and reads more; false if there was nothing more, or nothing that could be read.
 bool SessionReader::refill() {
   buffer_.erase(0, begin_);
   buffer_offset_ += begin_;
@@ -18,6 +18,11 @@ bool SessionReader::refill() {
   const std::size_t before = buffer_.size();
   buffer_.resize(before + kRefillBytes);
   file_->read(buffer_.data() + before, kRefillBytes);
+  // Where a disk fails, or a share on the network, the file goes on.
+  if (file_->bad()) {
+    problem_ = fmt::format("{}: cannot be read after {} entries, at byte {}: {}", path_.string(), entries_, buffer_offset_ + before,
+                           std::strerror(errno));
+  }
   buffer_.resize(before + static_cast<std::size_t>(file_->gcount()));
   return buffer_.size() > before;
 }
@@ -37,6 +42,7 @@ Result<SessionReader> SessionReader::open(const std::filesystem::path& path) {
     return fail("{}: cannot be read: {}; give a file that io_node --record made", path.string(), std::strerror(errno));
   }
   reader.refill();
+  if (!reader.problem_.empty()) return fail("{}", reader.problem_);
   const std::string_view bytes = reader.buffer_;
   constexpr std::string_view kStem = kSessionMagic.substr(0, kSessionMagic.find('/') + 1);
   if (!bytes.starts_with(kStem)) return fail("{}: is not a recorded session; io_node --record FILE makes one", path.string());
@@ -63,7 +69,7 @@ void SessionReader::seek(std::uint64_t position) {
 bool SessionReader::next(SessionEntry& entry) {
   while (problem_.empty()) {
     const SessionCodec::Read read = codec_.read(std::string_view(buffer_).substr(begin_), entry);
-    if (read.status == SessionCodec::Status::cut && refill()) continue;
+    if (read.status == SessionCodec::Status::cut && (refill() || !problem_.empty())) continue;
     if (read.status == SessionCodec::Status::cut && begin_ == buffer_.size()) {
       if (!header_.has_end || has_ended_) return false;
       problem_ =

@@ -15,7 +15,7 @@ namespace hapton {
 // RT: no. Threads: one.
 class SessionReader {
  public:
-  // Error, in one line: no such file, no session, another schema, a header that cannot be read.
+  // Error, in one line: no such file or one that cannot be read, no session, another schema, a damaged header.
   static Result<SessionReader> open(const std::filesystem::path& path);
 
   const SessionHeader& header() const { return header_; }
@@ -29,8 +29,8 @@ class SessionReader {
   // Goes on reading there. Pre: position() was this once, of a reader of the same file. Post: problem() is empty.
   void seek(std::uint64_t position);
 
-  // After next returned false: empty if the file is complete, else one line that says where and how it is truncated. A file that ends
-  // between two entries is complete if an end is among what was read, or if its header promises none.
+  // After next returned false: empty if the file is complete, else one line that says where and how it is truncated, or why it cannot be
+  // read on. A file that ends between two entries is complete if an end is among what was read, or if its header promises none.
   const std::string& problem() const { return problem_; }
 
  private:

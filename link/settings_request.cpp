@@ -23,6 +23,7 @@ class SettingsTalk {
  public:
   SettingsTalk(HubClient& client, const Clock& clock) : client_(client), clock_(clock) {}
 
+  bool confirm_rate(double rate_hz);
   Result<std::string> confirm_method(const Settings& settings);
   Result<std::string> confirm_material(const MaterialRequest& request);
 
@@ -61,6 +62,12 @@ class SettingsTalk {
   std::optional<HapticsSetup> setup_;
   std::optional<MaterialState> materials_;
 };
+
+// The hub's welcomes name the rate that it has.
+bool SettingsTalk::confirm_rate(double rate_hz) {
+  const auto holds = [&] { return rate_hz == 0.0 || std::abs(client_.servo_rate_hz() - rate_hz) <= 1e-3 * rate_hz; };
+  return repeat_until(kReplyPatienceNs, Settings{.servo_rate_hz = rate_hz}, holds);
+}
 
 // The haptics node's reply to the method request.
 Result<std::string> SettingsTalk::confirm_method(const Settings& settings) {
@@ -124,9 +131,7 @@ Result<std::string> apply_settings(HubClient& client, const Clock& clock, const 
   SettingsTalk talk(client, clock);
   const bool is_sent = (!request.has_settings || client.send(request.settings)) && (!request.material || client.send(*request.material));
   if (!is_sent) return fail("the settings could not be sent to {}", hub);
-  const double rate_hz = request.settings.servo_rate_hz;
-  const auto rate_holds = [&] { return rate_hz == 0.0 || std::abs(client.servo_rate_hz() - rate_hz) <= 1e-3 * rate_hz; };
-  if (!talk.wait_until(kReplyPatienceNs, rate_holds)) {
+  if (!talk.confirm_rate(request.settings.servo_rate_hz)) {
     return fail("the hub at {} stays at {} Hz; choose {} to {} Hz", hub, client.servo_rate_hz(), kMinServoRateHz, kMaxServoRateHz);
   }
   std::string text = fmt::format("hub {}: servo rate {} Hz", hub, client.servo_rate_hz());

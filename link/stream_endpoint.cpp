@@ -52,13 +52,23 @@ class Descriptor {
 };
 
 Descriptor make_socket(const Address& like, int type) {
-  return Descriptor(::socket(address_family(like), type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  Descriptor socket(::socket(address_family(like), type | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  // IPv4 as well, whatever the machine's default is.
+  const int no = 0;
+  if (socket.get() >= 0 && !is_v4(like)) ::setsockopt(socket.get(), IPPROTO_IPV6, IPV6_V6ONLY, &no, sizeof no);
+  return socket;
 }
 
+void set_option(const Descriptor& socket, int level, int name, int value) { ::setsockopt(socket.get(), level, name, &value, sizeof value); }
+
 void prepare(const Descriptor& connection) {
-  const int yes = 1;
-  ::setsockopt(connection.get(), IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-  ::setsockopt(connection.get(), SOL_SOCKET, SO_SNDBUF, &kSendBufferBytes, sizeof kSendBufferBytes);
+  set_option(connection, IPPROTO_TCP, TCP_NODELAY, 1);
+  set_option(connection, SOL_SOCKET, SO_SNDBUF, kSendBufferBytes);
+  // A host that was switched off ends no connection: it is asked for a reply, and where data waits for it, that counts as one.
+  set_option(connection, SOL_SOCKET, SO_KEEPALIVE, 1);
+  set_option(connection, IPPROTO_TCP, TCP_KEEPIDLE, StreamEndpoint::kMaxSilentS / 2);
+  set_option(connection, IPPROTO_TCP, TCP_KEEPINTVL, StreamEndpoint::kMaxSilentS / 4);
+  set_option(connection, IPPROTO_TCP, TCP_USER_TIMEOUT, 1000 * StreamEndpoint::kMaxSilentS);
 }
 
 // 0, or the system's error.
@@ -156,7 +166,7 @@ void SocketStreams::wake() noexcept {
 }
 
 StreamEndpoint::Id SocketStreams::connect(const Address& to) {
-  if (connections_.size() >= kMaxConnections) return 0;
+  if (count_open() >= kMaxConnections) return 0;
   Connection connection;
   connection.socket = make_socket(to, SOCK_STREAM);
   SocketAddress system = to_socket_address(to);
@@ -182,9 +192,9 @@ bool SocketStreams::send(Id id, std::span<const std::byte> bytes) {
 }
 
 bool SocketStreams::send_datagram(const Address& to, std::span<const std::byte> bytes) {
-  SocketAddress system = to_socket_address(to);
-  return is_v4(to) == is_v4(local_) &&
-         ::sendto(datagrams_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, system.get(), system.size) >= 0;
+  if (is_v4(local_) && !is_v4(to)) return false;
+  const SocketAddress system = is_v4(local_) ? to_socket_address(to) : to_v6_socket_address(to);
+  return ::sendto(datagrams_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, system.get(), system.size) >= 0;
 }
 
 void SocketStreams::close(Id id) {

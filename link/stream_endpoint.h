@@ -12,13 +12,14 @@
 namespace hapton {
 
 // A few TCP connections, and datagrams at the same port: for foreign protocols that need both. Never blocks on a peer: a
-// peer that does not read is disconnected when more than kMaxWaitingBytes wait for it. RT: no. Threads: one, but for
-// wake.
+// peer that does not read is disconnected when more than kMaxWaitingBytes wait for it, and one whose host no longer replies, as it was
+// switched off, after kMaxSilentS. RT: no. Threads: one, but for wake.
 class StreamEndpoint {
  public:
   using Id = std::uint64_t;  // of a connection; never used twice
   static constexpr std::size_t kMaxConnections = 16;
   static constexpr std::size_t kMaxWaitingBytes = std::size_t{256} * 1024;
+  static constexpr int kMaxSilentS = 20;  // a choice: time enough to plug a cable in again
 
   // Events. Each connection gets on_connected first (a requested one perhaps on_closed instead) and on_closed last.
   struct Listener {
@@ -31,7 +32,8 @@ class StreamEndpoint {
     virtual Id choose_connection_to_evict() { return 0; }
   };
 
-  // Listens at the address, by TCP and UDP; port 0 takes one that is free for both. Error: one line: bad address, port in use.
+  // Listens at the address, by TCP and UDP; port 0 takes one that is free for both. [::] serves IPv4 as well. Error: one line: bad
+  // address, port in use.
   static Result<std::unique_ptr<StreamEndpoint>> open(std::string_view bind_address, std::uint16_t default_port);
 
   // Only connects to others: nothing listens, and it has no address of its own.

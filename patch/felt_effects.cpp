@@ -1,8 +1,10 @@
 #include "patch/felt_effects.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
+#include "core/force/mapped_surface.h"
 #include "patch/to_frame.h"
 
 namespace hapton {
@@ -20,14 +22,27 @@ std::vector<int> frames_of(const std::vector<int>& body_of, std::vector<std::siz
   return frames;
 }
 
+// Surfaces with the same triangles share what is prepared of them: any number of surfaces may name one list.
+std::vector<std::unique_ptr<MapFinder>> make_finders(const std::vector<SurfaceEffects>& surfaces) {
+  std::vector<std::unique_ptr<MapFinder>> finders;
+  std::map<const void*, std::shared_ptr<const MappedSurface>> prepared;
+  for (const SurfaceEffects& surface : surfaces) {
+    finders.emplace_back();
+    if (!surface.maps.is_on()) continue;
+    auto& mapped = prepared[surface.maps.triangles.get()];
+    if (mapped == nullptr) mapped = std::make_shared<const MappedSurface>(surface.maps.triangles);
+    finders.back() = std::make_unique<MapFinder>(surface.maps, mapped);
+  }
+  return finders;
+}
+
 }  // namespace
 
 FeltEffects::FeltEffects(const SceneEffectSet& effects)
-    : frame_of_(frames_of(effects.body_of, bodies_)), effects_(effects.surfaces, effects.space, frame_of_) {
+    : frame_of_(frames_of(effects.body_of, bodies_)),
+      effects_(effects.surfaces, effects.space, frame_of_),
+      maps_(make_finders(effects.surfaces)) {
   X_SF_.resize(bodies_.size(), Pose::Identity());
-  for (const SurfaceEffects& surface : effects.surfaces) {
-    maps_.push_back(surface.maps.is_on() ? std::make_unique<MapFinder>(surface.maps) : nullptr);
-  }
 }
 
 int FeltEffects::frame_of(int object) const noexcept {

@@ -40,7 +40,8 @@ inline Material with_numbers_of(const Material& surface, Material numbers) noexc
 
 // The parts of a scene that io_node has received. Within the known radius of a point no triangle of a body is missing. Parts may arrive
 // in any order, repeatedly or never. The memory is bounded: a part that does not fit is dropped, and never confirmed. So is one that
-// announces a body which moves as no scene may: faster than kMaxSurfaceSpeed, or farther from its pivot than it says.
+// announces a body which moves as no scene may: faster than kMaxSurfaceSpeed, or farther from its pivot than it says. Shapes are known of
+// no more objects than there may be bodies.
 //
 // Frame: that of the body, S where it stands still. Units: m. RT: no. Threads: one.
 class PatchStore {
@@ -145,6 +146,7 @@ class PatchStore {
   Body* find_deforming(std::uint32_t tile) noexcept;
   std::size_t count_streams() const noexcept;
   bool is_of_another_body(const PatchStream& stream) const noexcept;
+  void add_shaped_object(const PatchStream& stream);
   bool is_felt(const Body& body) const;
   bool complete_deforming(Body& body);
   TouchObject join_deforming(const Body& body) const;

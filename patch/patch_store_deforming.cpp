@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <span>
 #include <variant>
 
@@ -83,11 +84,22 @@ void PatchStore::accept(const PatchStream& stream) {
     ++counts_.rejected;
     return;
   }
-  if (is_first) shapes_.add_object(static_cast<std::size_t>(stream.object), stream.total);
+  if (is_first) add_shaped_object(stream);
   for (std::uint32_t n = 0; is_first && n < stream.tile_count; ++n) {
     if (tiles_.contains(stream.first_tile + n)) parts.note_tile();
   }
   if (complete_deforming(bodies_[stream.body])) confirm(stream.serial);
+}
+
+// An epoch has at most one for each body; of those before, others may be known.
+void PatchStore::add_shaped_object(const PatchStream& stream) {
+  shapes_.add_object(static_cast<std::size_t>(stream.object), stream.total);
+  if (shapes_.count_objects() <= bodies_.size()) return;
+  std::set<std::size_t> present;
+  for (const Body& body : bodies_) {
+    if (body.stream.has_begun()) present.insert(static_cast<std::size_t>(body.stream.object()));
+  }
+  shapes_.keep_objects(present);
 }
 
 bool PatchStore::accept_shape(const Message& message, Arrival arrival) {

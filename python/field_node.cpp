@@ -8,7 +8,6 @@ namespace {
 
 constexpr std::int64_t kNodeTurnNs = 20 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kHistogramEveryNs = 200 * kNanosecondsPerMillisecond;
-constexpr double kLongestStepS = 0.1;
 
 }  // namespace
 
@@ -72,7 +71,8 @@ void FieldNode::run() {
 void FieldNode::reply(const DeviceState& state) noexcept {
   if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
   if (take_law()) changed_sample_ = state.sample;
-  const double dt_s = std::clamp(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0, kLongestStepS);
+  // However long no sample came: the time of the fields is that of the samples, and a hand that went far meanwhile was not fast.
+  const double dt_s = std::max(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0);
   last_ns_ = state.sample_time_ns;
   Vec3 wanted_n = law_->step(state.p_WD, dt_s);
   const bool has_expired = has_watch_expired();

@@ -112,6 +112,8 @@ Result<void> ConfigFile::add(std::string_view key, const toml::node& node) {
   }
   flags_.push_back(flag);
   if (const toml::array* array = node.as_array()) {
+    // The flag alone would switch on what is off.
+    if (array->empty()) return fail_at(node, fmt::format("'{}' is an empty list; give it a value, or leave the key out", key));
     arguments_.push_back(flag);
     for (const toml::node& element : *array) {
       const Result<std::string> text = scalar_text(element);

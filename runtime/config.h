@@ -12,8 +12,9 @@ namespace hapton {
 // Adds --config FILE and --version to the program's flags and parses them all.
 //
 // The file is TOML; its keys are the long flags without dashes ("rate = 1000" for --rate 1000, "headless = true" for --headless); an array
-// repeats the flag. A relative path has the same meaning as on the command line. A flag given on the command line overrides the file's. An
-// unknown key, a value of the wrong kind and a file that cannot be read are errors in one line that names file and line.
+// repeats the flag, and must not be empty. A relative path has the same meaning as on the command line. A flag given on the command line
+// overrides the file's. An unknown key, a value of the wrong kind and a file that cannot be read are errors in one line that names file and
+// line.
 //
 // Returns nothing if the program may continue, otherwise the exit code for main: 0 after --help and --version, 2 after an error (printed to
 // stderr). RT: set-up only. Pre: the app's options are all added.

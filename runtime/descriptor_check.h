@@ -4,7 +4,8 @@
 
 namespace hapton {
 
-// How many file descriptors a process may have (ulimit -n), and how many it has. RT: set-up only.
+// How many file descriptors this process may have (ulimit -n), and how many it has. Unlimited where the system does not tell. RT: set-up
+// only. Threads: any.
 struct DescriptorRoom {
   std::uint64_t allowed = 0;
   std::uint64_t in_use = 0;
@@ -13,11 +14,12 @@ struct DescriptorRoom {
 };
 DescriptorRoom find_descriptor_room();
 
-// What each of our programs may open before it runs: sockets, timers, meshes one after another, libraries, a window.
+// What each of Hapton's programs may open before it runs: sockets, timers, meshes one after another, libraries, a window. A round number
+// above that; with fewer, a program would start and fail later.
 constexpr std::uint64_t kDescriptorsNeeded = 32;
 
-// Second line of every main: when there is less room than that, prints one line and exits 1, rather than fail at whatever comes to need
-// the last descriptor. RT: set-up only.
+// If fewer than kDescriptorsNeeded are left: prints one line with the remedy and exits with 1, rather than fail wherever the last
+// descriptor is needed. The nodes and `hapton` call it at the beginning of main(). RT: set-up only.
 void check_descriptors(const char* program);
 
 }  // namespace hapton

@@ -19,9 +19,10 @@ constexpr std::string_view kSampleColumn = ",sample";
 constexpr std::string_view kButtonsColumn = ",buttons";
 constexpr std::string_view kShortHeader = "t_s,x_m,y_m,z_m";
 constexpr std::string_view kLongHeader = "t_s,x_m,y_m,z_m,qw,qx,qy,qz";
-constexpr double kQuaternionTolerance = 0.01;  // of the length: text with two digits
-constexpr double kFarthestM = 1e6;             // io_node's safety governor rejects poses farther out, too
-constexpr double kLongestS = 1e9;              // 31 years
+constexpr double kQuaternionTolerance = 0.01;                      // of the length: text with two digits
+constexpr double kFarthestM = 1e6;                                 // io_node's safety governor rejects poses farther out, too
+constexpr double kLongestS = 1e9;                                  // 31 years
+constexpr std::size_t kMaxTrajectoryBytes = std::size_t{1} << 34;  // a day at 1 kHz; more would take all memory
 constexpr int kTimeColumn = 0;
 constexpr int kFirstRotationColumn = 4;
 
@@ -175,7 +176,7 @@ std::string positions_to_csv(const std::vector<TrajectoryRow>& rows) {
 }
 
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path) {
-  const auto text = read_regular_file(path, "give the path of a trajectory CSV");
+  const auto text = read_regular_file(path, "give the path of a trajectory CSV", kMaxTrajectoryBytes);
   if (!text) return tl::unexpected(text.error());
   return parse_trajectory_csv(*text, path);
 }

@@ -23,8 +23,8 @@ struct TrajectoryRow {
 // then `,sample` at its end (the latter joins the rows with other tables, and is ignored), one row per step, `#` comments and empty lines
 // anywhere, LF or CRLF. Strict: every field a finite number and nothing else, positions within 1,000 km of the origin and times within 30
 // years of zero (beyond that it is another unit or a damaged file), times increasing, quaternions of unit length within 1 % (they are
-// normalised), at least one row. Error: one line that names the file, the line and the column. RT: set-up only; about 10 million
-// numbers a second.
+// normalised), at least one row, at most 16 GiB. Error: one line that names the file, the line and the column. RT: set-up only; about
+// 10 million numbers a second.
 Result<std::vector<TrajectoryRow>> read_trajectory_csv(const std::string& path);
 
 // The same from text in memory; name is used for the file in errors.

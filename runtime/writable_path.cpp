@@ -7,6 +7,8 @@
 #include <cstring>
 #include <string>
 
+#include "runtime/part_file.h"
+
 namespace hapton {
 namespace {
 
@@ -29,6 +31,16 @@ bool can_make_in(const fs::path& folder) {
   return ::mkdtemp(name.data()) != nullptr && ::rmdir(name.c_str()) == 0;
 }
 
+// Beside a file that is there: it is written under another name and then replaced. A device or a pipe is written itself.
+Result<void> check_replaceable(const fs::path& file) {
+  const PartPath part(file);
+  if (part.part() == file) return {};
+  const fs::path folder = part.part().has_parent_path() ? part.part().parent_path() : ".";
+  if (can_make_in(folder)) return {};
+  return fail("{} cannot be written: nothing can be made in its folder {}: {}; give another place", file.string(), folder.string(),
+              std::strerror(errno));
+}
+
 }  // namespace
 
 Result<void> check_writable_folder(const fs::path& folder) {
@@ -49,9 +61,12 @@ Result<void> check_writable_file(const fs::path& file) {
   if (file.filename().empty() || fs::is_directory(file, error)) {
     return fail("{} cannot be written: it is a folder; give the name of a file", file.string());
   }
-  if (!fs::exists(file, error)) return check_writable_folder(file.has_parent_path() ? file.parent_path() : ".");
+  if (!fs::exists(file, error)) {
+    const fs::path folder = PartPath(file).part().parent_path();  // of what a link leads to
+    return check_writable_folder(folder.empty() ? "." : folder);
+  }
   if (!may_write(file, W_OK)) return fail("{} cannot be written: {}; give another name", file.string(), std::strerror(errno));
-  return {};
+  return check_replaceable(file);
 }
 
 }  // namespace hapton

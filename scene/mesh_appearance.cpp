@@ -22,6 +22,23 @@ bool MeshAppearance::has_texcoords() const {
   });
 }
 
+void MeshAppearance::drop_unused_images() {
+  std::vector<bool> has_triangle(materials.size(), false);
+  for (const TriangleAppearance& triangle : triangles) {
+    if (triangle.material < materials.size()) has_triangle[triangle.material] = true;
+  }
+  std::vector<bool> is_used(images.size(), false);
+  for (std::size_t m = 0; m < materials.size(); ++m) {
+    for (std::optional<std::size_t>* image : {&materials[m].image, &materials[m].normals}) {
+      if (!has_triangle[m]) image->reset();
+      if (*image && **image < images.size()) is_used[**image] = true;
+    }
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    if (!is_used[i]) images[i].bytes = {};
+  }
+}
+
 Eigen::Vector2f texcoord_of(double right, double up) {
   constexpr double kFarthest = 1e6;
   if (!(std::abs(right) <= kFarthest && std::abs(up) <= kFarthest)) return Eigen::Vector2f::Zero();

@@ -68,6 +68,8 @@ struct MeshAppearance {
   bool has_colours_or_images() const;
   // Whether any triangle has an area in the images.
   bool has_texcoords() const;
+  // Leaves to materials that no triangle has no image, and to images that no material has then no bytes. All keep their numbers.
+  void drop_unused_images();
   // Brings the number of triangles to that of the mesh; new ones have no appearance.
   void resize(std::size_t count) { triangles.resize(count); }
 };

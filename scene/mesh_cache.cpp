@@ -35,6 +35,7 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
   Result<TriangleMesh> mesh = cut(**file, path, object, appearance, maps);
   if (!mesh) return tl::unexpected(mesh.error());
   if (object.haptic_material) keep_haptic_material(*object.haptic_material, *mesh, appearance, maps);
+  appearance.drop_unused_images();  // each part of a file has the list of all
   ReadyMesh ready;
   std::vector<Vec3> vertices = mesh->vertices;
   ready.given_hash = hash_mesh(*mesh);

@@ -5,6 +5,8 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <functional>
+#include <set>
 #include <string_view>
 
 #include "scene/file_bytes.h"
@@ -43,6 +45,11 @@ void note_unknown_materials(RawMesh& raw) {
 // "mtllib" may name several files; one name may have blanks.
 std::vector<std::string> list_libraries(const std::vector<std::string>& lines, const std::filesystem::path& folder) {
   std::vector<std::string> names;
+  // Some programs name one before each object.
+  std::set<std::string, std::less<>> known;
+  const auto add = [&](std::string_view name) {
+    if (known.emplace(name).second) names.emplace_back(name);
+  };
   const auto exists = [&](std::string_view name) {
     std::error_code ignored;
     return std::filesystem::exists(folder / name, ignored);
@@ -52,9 +59,9 @@ std::vector<std::string> list_libraries(const std::vector<std::string>& lines, c
     TextCursor cursor(line);
     for (auto word = cursor.word_in_line(); !word.empty(); word = cursor.word_in_line()) words.emplace_back(without_quotes(word));
     if (words.size() > 1 && !exists(without_quotes(line)) && std::ranges::any_of(words, exists)) {
-      names.insert(names.end(), words.begin(), words.end());
+      for (const std::string& word : words) add(word);
     } else {
-      names.emplace_back(without_quotes(line));
+      add(without_quotes(line));
     }
   }
   return names;
@@ -194,10 +201,10 @@ Result<TriangleMesh> extract_part(const MeshFile& file, const std::string& name,
   std::string names;
   for (const MeshPart& part : file.parts) {
     if (full_name(part).empty()) continue;
-    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + full_name(part) + "'";
+    if (names.size() < 200) names += (names.empty() ? "'" : ", '") + printable(full_name(part), kLongestShownName) + "'";
   }
-  if (names.empty()) return fail("has no part '{}': none of its parts has a name; leave 'part' out", name);
-  return fail("has no part '{}': it has {}", name, names);
+  if (names.empty()) return fail("has no part '{}': none of its parts has a name; leave 'part' out", printable(name, kLongestShownName));
+  return fail("has no part '{}': it has {}", printable(name, kLongestShownName), names);
 }
 
 TriangleMesh extract_nodes(const MeshFile& file, const std::vector<std::size_t>& nodes, MeshAppearance* appearance,

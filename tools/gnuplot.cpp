@@ -17,13 +17,14 @@ constexpr int kNotFound = 127;         // what posix_spawnp's child exits with w
 Result<std::filesystem::path> draw_with_gnuplot(const std::filesystem::path& folder, const std::string& picture,
                                                 const std::string& script) {
   const std::string program = std::filesystem::path(picture).stem().string() + ".gnuplot.part";
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);  // one that cannot be made shows in the program that cannot be written
   // Data blocks are understood in a file only, not on the command line.
   if (!(std::ofstream(folder / program) << script).flush()) {
     return fail("{}: cannot be written", (folder / program).string());
   }
   auto gnuplot = ChildProcess::start({.program = "gnuplot", .arguments = {program}, .folder = folder, .output = {}});
   const auto code = gnuplot ? gnuplot->wait(kDrawSeconds) : std::optional<int>(kNotFound);
-  std::error_code error;
   std::filesystem::remove(folder / program, error);
   if (code == kNotFound) {
     return fail("gnuplot cannot be started, so no plot is drawn; install the package gnuplot-nox");

@@ -9,6 +9,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include "hid/hidapi_transport.h"
 #include "link/link_key.h"
@@ -110,6 +111,26 @@ auto find_drawn_tool(const VisionOptions& options, const Scene& scene) {
   return tool;
 }
 
+// What is shown, and where.
+struct OpenedWindow {
+  Scene scene;
+  std::optional<SceneTool> tool;
+  std::unique_ptr<StereoView> view;
+};
+
+// Reads scene and tool, and opens the window on them.
+Result<OpenedWindow> open_window(const std::filesystem::path& scene_path, VisionOptions& options) {
+  auto scene = load_scene(scene_path, options.loading);
+  if (!scene) return tl::unexpected(scene.error());
+  for (const auto& note : scene->notes) log_info("{}", note);
+  auto tool = find_drawn_tool(options, *scene);
+  if (!tool) return tl::unexpected(tool.error());
+  auto view = open_view(*scene, options);
+  if (!view) return tl::unexpected(view.error());
+  if (*tool) (*view)->set_tool(**tool);
+  return OpenedWindow{std::move(*scene), std::move(*tool), std::move(*view)};
+}
+
 Error explain_no_hub(const Address& hub, double seconds) {
   return {fmt::format("no hub at {} accepted it within {} s; start io_node there, give another address with --hub, or give the hub's --key",
                       to_string(hub), seconds)};
@@ -141,16 +162,11 @@ int run(VisionOptions& options) {
   const auto scene_path = find_scene(options.scene);
   std::optional<SceneReload> reload;  // before the scene is read, so that no change of the file is missed
   if (options.watch_scene) reload.emplace(scene_path, options.loading);
-  auto scene = load_scene(scene_path, options.loading);
-  if (!scene) return give_up(scene.error());
-  for (const auto& note : scene->notes) log_info("{}", note);
-  const auto tool = find_drawn_tool(options, *scene);
-  if (!tool) return give_up(tool.error());
-  auto view = open_view(*scene, options);
-  if (!view) return give_up(view.error());
-  if (*tool) (*view)->set_tool(**tool);
+  auto opened = open_window(scene_path, options);
+  if (!opened) return give_up(opened.error());
+  StereoView& view = *opened->view;
   if (options.bench_frames > 0) {
-    fmt::print("{}\n", run_bench(**view, clock, options.bench_frames, options.plots));
+    fmt::print("{}\n", run_bench(view, clock, options.bench_frames, options.plots));
     return 0;
   }
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
@@ -159,12 +175,12 @@ int run(VisionOptions& options) {
   HubClient client(sealed, clock, NodeRole::vision, *hub);
   const auto other = open_other_link(options, clock);
   if (!other) return give_up(other.error());
-  VisionSession session(**view, client, clock, options);
-  LiveScene live(**view, options, std::move(*scene));
+  VisionSession session(view, client, clock, options);
+  LiveScene live(view, options, std::move(opened->scene));
   if (reload) live.watch(&*reload);
   session.set_live_scene(&live);
-  if (*tool) session.set_tool((*tool)->given_hash);
-  auto annotator = Annotator::open(**view, live.scene(), options.scene_radius_m, options.annotations, !*tool);
+  if (opened->tool) session.set_tool(opened->tool->given_hash);
+  auto annotator = Annotator::open(view, live.scene(), options.scene_radius_m, options.annotations, !opened->tool);
   if (!annotator) return give_up(annotator.error());
   session.set_annotator(annotator->get());
   (*annotator)->set_carved_objects(&live.carved());
@@ -174,7 +190,7 @@ int run(VisionOptions& options) {
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   std::optional<SpaceKnobs> knobs;
   session.set_head_tracker(head->get());
-  const auto show = open_headset(std::move(*headset), **view, options);
+  const auto show = open_headset(std::move(*headset), view, options);
   if (!show) return give_up(show.error());
   session.set_headset(show->get());
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));

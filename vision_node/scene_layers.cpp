@@ -8,6 +8,8 @@ namespace {
 
 // Triangles of one part: some milliseconds, a delay that the probe's frame tolerates.
 constexpr std::size_t kPart = 60'000;
+// As many triangles as there are; ScenePainter multiplies the number by 3.
+constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max() / 8;
 
 bool same_screen(const StereoScreen& a, const StereoScreen& b) {
   return a.X_WV.matrix() == b.X_WV.matrix() && a.width_m == b.width_m && a.height_m == b.height_m && a.distance_m == b.distance_m &&
@@ -118,7 +120,7 @@ void SceneLayers::refine_whole() {
     if (!here.is_active || !here.is_valid || here.is_full) continue;
     begin(here, here.shown);
     here.cursor = {};
-    while (!painter_->paint_full(here.pass, here.cursor, std::numeric_limits<std::size_t>::max() / 8)) {
+    while (!painter_->paint_full(here.pass, here.cursor, kWhole)) {
     }
     here.is_full = true;
     here.is_finer_whole = false;

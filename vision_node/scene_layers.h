@@ -20,17 +20,17 @@ class SceneLayers {
   // Error: shaders that the driver rejects.
   static Result<std::unique_ptr<SceneLayers>> make(const std::vector<ShownObject>& objects, std::vector<SceneLight> lights = {});
 
-  // Draws those eyes' pictures that no longer match the passes. Leaves OpenGL's state unchanged.
+  // Draws those eyes' pictures that no longer match the passes (one for each eye that is shown). Leaves OpenGL's state unchanged.
   void prepare(std::span<const ScenePass> passes, const GlFormat& format);
 
-  // As ScenePainter has it; all pictures are drawn again.
+  // As those of ScenePainter; the next prepare() draws all pictures again.
   void place_object(std::size_t object, const Pose& X_SO, bool is_shown);
   void reshape_object(std::size_t object, std::vector<Vec3> vertices);
   void replace_object(std::size_t object, std::vector<FlatLevel> levels);
 
   // Draws one more part in full detail. True when all eyes' pictures are complete; from then on copy_to_bound() shows them.
   bool refine();
-  // Whether the pictures show less than full detail, and more could be drawn.
+  // Whether a picture shows less than full detail and all levels are made, so that refine() can improve it.
   bool wants_refining() const;
   // Draws full detail at once, for a picture that stays.
   void refine_whole();
@@ -59,15 +59,15 @@ class SceneLayers {
  private:
   struct Layer {
     ScenePass pass;
-    GlTarget background;  // copied faster than drawn
-    ScenePass background_pass;
+    GlTarget background;        // kept, because a copy is faster than drawing it
+    ScenePass background_pass;  // the pass for which it was drawn
     GlTarget shown;
-    GlTarget finer;
-    PaintCursor cursor;
-    bool is_valid = false;
-    bool is_active = false;  // among the newest passes
-    bool is_full = false;
-    bool is_finer_whole = false;
+    GlTarget finer;               // the picture in full detail that refine() draws part by part, and then swaps with `shown`
+    PaintCursor cursor;           // where refine() continues in `finer`
+    bool is_valid = false;        // `shown` matches `pass` and the objects
+    bool is_active = false;       // among the newest passes
+    bool is_full = false;         // `shown` has full detail
+    bool is_finer_whole = false;  // `finer` is complete, and waits for the other eyes
     std::shared_ptr<const VisibleDepth> surface;  // null: to be read
   };
 

@@ -207,6 +207,7 @@ std::string ViewerWindow::take_numbered_screenshot() {
   while (std::filesystem::exists(name, ignored));
   const auto taken = take_screenshot(name);
   if (taken) return {};
+  --screenshots_;  // the next one may take the number
   log_warning("{}", taken.error().what);
   return "NO SCREENSHOT: " + taken.error().what;
 }

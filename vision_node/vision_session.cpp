@@ -86,7 +86,7 @@ Result<void> VisionSession::show_until_end(const StopSignal& stop) {
 
 Result<void> VisionSession::take_last_screenshot() {
   if (options_.screenshot.empty() || moment_.taken()) return {};
-  draw(received_ns_ != reported_ns_);  // what has changed since the last frame is in it as well
+  draw();  // what has changed since the last frame is in it as well
   if (auto taken = window_.take_screenshot(options_.screenshot); !taken) return taken;
   if (moment_.missed_contact()) {
     log_info("{} shows no contact: {} before the end", options_.screenshot.string(),
@@ -268,7 +268,7 @@ void VisionSession::attend_window() {
   show_notice(annotator_ != nullptr ? annotator_->take_notice() : std::string());
   if (view_.mode() == StereoMode::openxr) move_in_headset(requests);
   if (!requests.screenshot) return;
-  draw(received_ns_ != reported_ns_);
+  draw();
   show_notice(window_.take_numbered_screenshot());
 }
 
@@ -318,15 +318,18 @@ Result<void> VisionSession::draw_if_wanted() {
   const bool other_wants = other_wants_picture(begin_ns);
   const bool is_wanted = is_for_headset_ || step_.wants_picture(begin_ns, window_.where());
   if (!is_wanted) {
-    if (const auto same = step_.take_unseen()) hub_.send(*same);
+    if (const auto same = step_.take_unseen()) {
+      reported_ns_ = received_ns_;
+      hub_.send(*same);
+    }
     if (!other_wants) return {};
   }
-  draw(is_wanted);
+  draw();
   const bool keep = !options_.screenshot.empty() && moment_.is_now(begin_ns - start_ns_, step_.contact());
   return keep ? window_.take_screenshot(options_.screenshot) : Result<void>{};
 }
 
-void VisionSession::draw(bool is_for_us) {
+void VisionSession::draw() {
   const std::int64_t begin_ns = clock_.now_ns();
   const VisionStep::Shown shown = step_.compose(begin_ns);
   window_.show(shown);
@@ -341,7 +344,7 @@ void VisionSession::draw(bool is_for_us) {
     if (const auto newest = step_.newest_probe()) view_.set_probe(*newest);
   });
   if (std::exchange(is_for_headset_, false)) headset_->show();
-  report_frame(is_for_us, begin_ns, clock_.now_ns());
+  report_frame(begin_ns, clock_.now_ns());
   if (step_.frames().drawn() == 1) {
     if (const auto age_s = read_process_age_s()) log_info("first frame {:.2f} s after the start", *age_s);
   }
@@ -353,11 +356,12 @@ bool VisionSession::other_wants_picture(std::int64_t now_ns) {
   return other_->wants_picture(at.sizes, at.screen, at.picture);
 }
 
-// is_for_us: our hub's state is news in it; one that was drawn for the other hand alone says nothing of how old ours is.
-void VisionSession::report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns) {
+// A frame with the state of before, as one of a scene that was turned, or of the other hand, says nothing of how old a state becomes; and
+// one that came while the frame was drawn is in it.
+void VisionSession::report_frame(std::int64_t begin_ns, std::int64_t end_ns) {
   const VisionStep::Screen at = window_.where();
   auto drawn = step_.end_frame(begin_ns, end_ns, at);
-  if (drawn && is_for_us) {
+  if (drawn && received_ns_ != reported_ns_) {
     reported_ns_ = received_ns_;
     step_.record_motion(end_ns - received_ns_, end_ns);
     drawn->held_ns =

@@ -98,9 +98,9 @@ class VisionSession {
   void show_notice(std::string newest);
   void send_pending();
   Result<void> draw_if_wanted();
-  void draw(bool is_for_us);
+  void draw();
   bool other_wants_picture(std::int64_t now_ns);
-  void report_frame(bool is_for_us, std::int64_t begin_ns, std::int64_t end_ns);
+  void report_frame(std::int64_t begin_ns, std::int64_t end_ns);
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;

@@ -31,6 +31,13 @@ ForceCutter::~ForceCutter() { close_device(); }
 void ForceCutter::close_device() noexcept {
   if (device_ >= 0) ::close(device_);
   device_ = -1;
+  has_write_failed_ = false;
+}
+
+bool ForceCutter::write_report() noexcept {
+  if (device_ < 0) return false;
+  has_write_failed_ = ::write(device_, report_.data(), report_.size()) != static_cast<ssize_t>(report_.size());
+  return !has_write_failed_;
 }
 
 void ForceCutter::prepare() noexcept {
@@ -56,7 +63,7 @@ bool ForceCutter::cut() noexcept {
     case CutMeans::none:
       return false;
     case CutMeans::hid:
-      return device_ >= 0 && ::write(device_, report_.data(), report_.size()) == static_cast<ssize_t>(report_.size());
+      return write_report();
     case CutMeans::kill:
       return process_ > 0 && ::kill(process_, SIGKILL) == 0;
     case CutMeans::simulated:
@@ -70,8 +77,9 @@ std::string ForceCutter::describe() const {
     case CutMeans::none:
       return "it has no means of releasing the force of this device";
     case CutMeans::hid:
-      return device_ >= 0 ? "released the force (device off)"
-                          : "could not open the device to release the force: give this user access (udev rule)";
+      if (device_ < 0) return "could not open the device to release the force: give this user access (udev rule)";
+      return has_write_failed_ ? "could not turn the device off: it took no report; check whether it is plugged in"
+                               : "released the force (device off)";
     case CutMeans::kill:
       return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:

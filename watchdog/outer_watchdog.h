@@ -55,15 +55,18 @@ class ForceCutter {
   void prepare() noexcept;
   // True: the force is off, as far as this process can see.
   bool cut() noexcept;
+  // What the last cut did, or the next one does, by the means of now.
   std::string describe() const;
 
  private:
   void close_device() noexcept;
+  bool write_report() noexcept;
 
   HeartbeatPage& page_;
   int process_;
   std::uint32_t generation_ = 0;
   int device_ = -1;
+  bool has_write_failed_ = false;  // the last one to this device
   std::vector<std::uint8_t> report_;
 };
 

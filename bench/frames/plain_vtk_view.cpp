@@ -1,6 +1,7 @@
 #include "bench/frames/plain_vtk_view.h"
 
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <utility>
 

@@ -8,16 +8,17 @@
 
 namespace hapton {
 
-// The program that a VTK user writes to see a mesh with two eyes: one window, two renderers side by side, one mapper and one actor in both,
-// everything else as VTK has it. It sees what our view sees: the same eyes, the same pose. Threads: all calls from one. RT: no.
+// The program that a VTK user writes to see a mesh with two eyes: one window, two renderers side by side, one mapper and one actor in both.
+// The eyes, the pose, flat shading and one sample a pixel are those of StereoView, so that both draw the same picture; everything else is
+// VTK's default. Frame: W. Units: m, pixels. Threads: one. RT: no.
 class PlainVtkView {
  public:
-  // Error: no display (vision_node/display.h).
+  // mesh: copied. window: both eyes together. Error: no display (vision_node/display.h).
   static Result<std::unique_ptr<PlainVtkView>> open(const TriangleMesh& mesh, const Framing& framing, PictureSize window, bool offscreen);
   ~PlainVtkView();
 
-  void set_scene_pose(const Pose& X_WS);
-  // Draws and waits until it is done.
+  void set_scene_pose(const Pose& X_WS);  // from the next draw() on
+  // Draws one frame and waits until the graphics driver is done.
   void draw();
 
  private:

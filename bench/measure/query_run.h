@@ -18,7 +18,7 @@ struct TouchQueries {
   };
   std::vector<Segment> segments;  // proxy before -> device now
   std::vector<Vec3> points;
-  double radius = 0.0;  // search radius for the nearest triangle: a fortieth of the extent, 2.5 mm of 100
+  double radius = 0.0;  // search radius for the nearest triangle, m: a fortieth of the extent, 2.5 mm of 100
 
   bool empty() const { return points.empty(); }
 };
@@ -31,8 +31,8 @@ struct QueryTiming {
   double mean_ns = 0.0;  // no clock in between
   int repetitions = 0;
   std::size_t found = 0;     // queries that found something
-  std::size_t compared = 0;  // with brute force in double,
-  std::size_t agree = 0;     // equal within 1e-4 of the extent, a quarter of the smallest fall-through
+  std::size_t compared = 0;  // queries compared with brute force in double
+  std::size_t agree = 0;     // of those: equal within 1e-4 of the extent, a quarter of the smallest fall-through
 };
 
 // One structure over one mesh.

@@ -14,31 +14,31 @@ namespace hapton {
 
 constexpr double kNothingFound = std::numeric_limits<double>::infinity();
 
-// A structure over a mesh's triangles with the two queries of a force method. Frame and units: the mesh's. RT: as the library behind
-// it.
+// A structure over a mesh's triangles with the two queries of a force method, made by Hapton or by another library. Frame and units: the
+// mesh's. RT: no. Threads: one.
 class QueryStructure {
  public:
   virtual ~QueryStructure() = default;
 
-  // Where the segment first meets a triangle, as a share of its length, 0..1; kNothingFound if there is none.
+  // Position at which the segment first meets a triangle, as a share of its length, 0..1; kNothingFound if there is none.
   virtual double first_hit(const Vec3& from, const Vec3& to) = 0;
 
   // The distance from p to the nearest triangle, where one is at most `radius` away; else kNothingFound.
   virtual double nearest(const Vec3& p, double radius) = 0;
 
-  // The library's own size, if it reports one; otherwise 0, and the heap's growth is used.
+  // Memory of the structure, if the library reports it; 0: it does not, and the benchmark counts by how much the heap grew.
   virtual std::size_t bytes() const { return 0; }
 };
 
-// A structure by name.
+// A kind of structure to measure, by name, and how to make one.
 struct QueryStructureKind {
   std::string library = {};    // "hapton", "embree" ...
   std::string name = {};       // "fdh", "grid" ...
   int parameter = 0;           // directions, cells along an axis, threads ...; 0: none
   std::string precision = {};  // of triangle tests: "float", "double"
-  bool segments = true;
-  bool nearests = true;
-  std::string note = {};                                                                  // note for readers of its results
+  bool segments = true;        // it has first_hit()
+  bool nearests = true;        // it has nearest()
+  std::string note = {};       // printed with its results
   std::function<Result<std::unique_ptr<QueryStructure>>(const TriangleMesh&)> make = {};  // the mesh outlives the structure
 
   // "fdh 14", "brute"

@@ -1,5 +1,7 @@
 #include "bench/measure/run_conditions.h"
 
+#include <algorithm>
+
 #include <nlohmann/json.hpp>
 
 #include <fmt/format.h>
@@ -8,6 +10,13 @@
 #include "bench/measure/cpu_pin.h"
 
 namespace hapton {
+namespace {
+
+// Share by which two calibrations of the time stamp counter may differ before the report says so. Those of a good counter agree far better;
+// a free choice.
+constexpr double kTrustedDrift = 0.01;
+
+}  // namespace
 
 bool RunConditions::was_shared() const { return std::max(load_before, load_after) > static_cast<double>(machine.cpu_count); }
 
@@ -16,7 +25,9 @@ std::string RunConditions::to_text() const {
       fmt::format("{}, {} CPUs, {}, {}, {}; seed {}; load {:.1f} before, {:.1f} after; clock {:.1f} ns, taken off, in steps of {:.2g} ns",
                   machine.cpu, machine.cpu_count, machine.kernel, machine.compiler, machine.build, seed, load_before, load_after,
                   clock_cost_ns, clock_resolution_ns);
-  if (clock_drift > 0.01) text += fmt::format("; the time stamp counter drifts by {:.1f} %: do not trust these times", 100.0 * clock_drift);
+  if (clock_drift > kTrustedDrift) {
+    text += fmt::format("; the time stamp counter drifts by {:.1f} %: do not trust these times", 100.0 * clock_drift);
+  }
   if (was_shared()) text += "; other programs were running: times are upper bounds, above all the maxima";
   if (!missing_peers.empty()) text += fmt::format("; not built: {}", fmt::join(missing_peers, ", "));
   return text;

@@ -43,7 +43,7 @@ int UniformGrid::cell_along(int axis, double x) const noexcept {
 
 CellBox UniformGrid::find_cells(const Vec3& low, const Vec3& high) const noexcept {
   CellBox box;
-  if ((high.array() < low_.array()).any() || (low.array() > high_.array()).any()) {
+  if (!((high.array() >= low_.array()).all() && (low.array() <= high_.array()).all())) {  // also where one is NaN
     return box;
   }
   for (int axis = 0; axis < 3; ++axis) {

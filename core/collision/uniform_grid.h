@@ -45,7 +45,7 @@ class UniformGrid {
   // Pre: all corners are finite.
   static Result<UniformGrid> make(std::span<const std::array<Vec3, 3>> triangles, const std::array<int, 3>& division);
 
-  // The cells that the axis-aligned box low..high overlaps; none if it lies outside of the grid.
+  // The cells that the axis-aligned box low..high overlaps; none if it lies outside of the grid, or a number is NaN.
   CellBox find_cells(const Vec3& low, const Vec3& high) const noexcept;
 
   // The triangles of one cell, ascending.

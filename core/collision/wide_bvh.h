@@ -39,8 +39,9 @@ class WideBvh {
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
 
-  // Calls visit(item) for every item whose box comes within `radius` of p, and for some that nearly do. A visit that returns false ends the
-  // search.
+  // Calls visit(item) for every item whose box comes within `radius` of p, and for some that nearly do, up to a distance of 2^63. A visit
+  // that returns false ends the search. This and the searches for what is nearest: nothing is near a p that is not finite or beyond a
+  // float.
   template <class Visit>
   void for_each_within(const Vec3& p, double radius, Visit&& visit) const;
 
@@ -206,7 +207,9 @@ inline Float8 WideBvh::PointDistance::squared(const Node& node) const {
   for (int k = 0; k < 3; ++k) {
     const Float8 below = Float8::load(node.low[k].data()) - point[k];
     const Float8 above = point[k] - Float8::load(node.high[k].data());
-    const Float8 outside = max(max(below, above) - error, zero);
+    // Zero comes first: max gives its second operand where one is NaN, as for a point beyond a float, which is then near no box, not even
+    // that of an unused child.
+    const Float8 outside = max(zero, max(below, above) - error);
     sum = sum + outside * outside;
   }
   return sum * Float8(kRounding);
@@ -306,7 +309,8 @@ template <class Visit>
 void WideBvh::for_each_within(const Vec3& p, double radius, Visit&& visit) const {
   if (nodes_.empty()) return;
   const PointDistance distance_of(p);
-  const Float8 bound = Float8(detail::round_up(radius * radius));
+  // Finite, whatever the radius: an unused child is infinitely far.
+  const Float8 bound = Float8(std::min(detail::round_up(radius * radius), std::numeric_limits<float>::max()));
   std::array<std::uint32_t, kMaxStack> stack;
   int top = 0;
   stack[top++] = 0;

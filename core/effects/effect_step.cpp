@@ -208,16 +208,8 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   if (surface.drag.damping_ns_per_m > 0.0) pressed_n = surface.drag.damped(pressed_n, seen.newest_v.dot(normal));
   Vec3 force_n = pressed_n * (normal - slope);
   if (surface.maps.stiffness.is_on()) force_n -= spring_energy(method_n, depth_m, pressed_m) * along(map.stiffness_gradient);
-  const bool has_friction_map = surface.maps.friction.is_on();
-  if ((has_friction_map || surface.drag.has_friction()) && method_n > 0.0) {
-    const auto coefficients = has_friction_map ? SpringFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
-    // In the layer of method smooth there is a force without depth.
-    const double spring_n_per_m = std::min(method_n / depth_m, surface.drag.stiffness_n_per_m);
-    force_n += SpringFriction::force(begins ? Vec3(Vec3::Zero()) : seen.motion, normal, spring_n_per_m, std::abs(pressed_n), coefficients,
-                                     friction_);
-  } else {
-    friction_ = {};
-  }
+  add_friction(seen, surface, map, {.normal = normal, .method_n = method_n, .depth_m = depth_m, .normal_n = pressed_n, .begins = begins},
+               force_n);
   if (surface.viscosity.is_on()) force_n += surface.viscosity.force(sample.v_SD, normal, std::abs(pressed_n));
   if (surface.maps.viscosity.is_on()) {
     const SurfaceViscosity there{.damping_ns_per_m = map.viscosity_ns_per_m};
@@ -230,6 +222,21 @@ Vec3 EffectStep::surface_force(const Seen& seen, const SurfaceContact& contact, 
   }
   if (surface.snap.is_on()) SurfaceSnap::touch(contact.p_SP, normal, state.snap);
   return force_n;
+}
+
+// The friction of an image, or of the material where the method has none: a spring along the surface.
+void EffectStep::add_friction(const Seen& seen, const SurfaceEffects& surface, const MapSample& map, const Press& press,
+                              Vec3& force_n) noexcept {
+  const bool has_friction_map = surface.maps.friction.is_on();
+  if (!(has_friction_map || surface.drag.has_friction()) || !(press.method_n > 0.0)) {
+    friction_ = {};
+    return;
+  }
+  const auto coefficients = has_friction_map ? SpringFriction::Coefficients{map.friction, map.friction} : surface.drag.friction;
+  // In the layer of method smooth there is a force without depth.
+  const double spring_n_per_m = std::min(press.method_n / press.depth_m, surface.drag.stiffness_n_per_m);
+  force_n += SpringFriction::force(press.begins ? Vec3(Vec3::Zero()) : seen.motion, press.normal, spring_n_per_m, std::abs(press.normal_n),
+                                   coefficients, friction_);
 }
 
 // The end of contact: layers are whole again and vibrations end; a surface that snaps still attracts.

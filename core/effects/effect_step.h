@@ -92,12 +92,22 @@ class EffectStep {
     double dt_s = 0.0;
   };
 
+  // How a surface is pressed at one sample.
+  struct Press {
+    Vec3 normal;
+    double method_n;  // force of the method
+    double depth_m;   // of the hand below the surface, without bumps
+    double normal_n;  // force along the normal, with bumps, layers and damping
+    bool begins;      // the first sample of a contact
+  };
+
   SurfaceEffectState& state_of(int object) noexcept;
   int frame_of(int object) const noexcept { return frame_of_.empty() ? kStill : frame_of_[static_cast<std::size_t>(object)]; }
   void advance_frames(const Vec3& p_SD, double dt_s) noexcept;
   void carry_into(int frame) noexcept;
   Vec3 moving_force(SurfaceFrame& frame, const EffectSample& sample, double dt_s, const SurfaceContact& contact, Vec3& p_SP) noexcept;
   Vec3 surface_force(const Seen& seen, const SurfaceContact& contact, Vec3& p_SP) noexcept;
+  void add_friction(const Seen& seen, const SurfaceEffects& surface, const MapSample& map, const Press& press, Vec3& force_n) noexcept;
   Vec3 leave_surface(const EffectSample& sample) noexcept;
   Vec3 space_force(const EffectSample& sample, std::uint32_t buttons) noexcept;
 

@@ -1,6 +1,7 @@
 #include "core/effects/smooth_velocity.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/effects/bounded_force.h"
 
@@ -14,7 +15,10 @@ void SmoothVelocity::add(const Vec3& p, double dt_s) noexcept {
     has_point_ = true;
     return;
   }
+  const double interval_s = std::clamp(dt_s, kShortestS, kLongestS);
+  if (!std::exchange(has_interval_, true)) intervals_s_.fill(interval_s);
   newest_ = (newest_ + 1) % kSamples;
+  intervals_s_[newest_] = interval_s;
   differences_[newest_] = bounded_force(moved / dt_s, kMaxMPerS);
   update_mean();
 }
@@ -29,12 +33,15 @@ void SmoothVelocity::shift(std::size_t count, const Vec3& velocity) noexcept {
 }
 
 void SmoothVelocity::update_mean() noexcept {
-  constexpr double kTotal = 0.5 * static_cast<double>(kSamples * (kSamples + 1));
-  Vec3 sum = Vec3::Zero();
+  Vec3 distance_m = Vec3::Zero();
+  double time_s = 0.0;
   for (std::size_t i = 0; i < kSamples; ++i) {
-    sum += static_cast<double>(kSamples - i) * differences_[(newest_ + kSamples - i) % kSamples];
+    const std::size_t at = (newest_ + kSamples - i) % kSamples;
+    const double weighted_s = static_cast<double>(kSamples - i) * intervals_s_[at];
+    distance_m += weighted_s * differences_[at];
+    time_s += weighted_s;
   }
-  mean_ = sum / kTotal;
+  mean_ = distance_m / time_s;
 }
 
 }  // namespace hapton

@@ -27,7 +27,7 @@ namespace hapton {
 //   Vec3 rest_of(vertex) const, Vec3 moved_between(vertex, from_s, to_s) const   as DeformingGeometry
 // All noexcept, RT: yes. Times do not decrease, but for one step at most: shape() of the last step's time after skip_to() of it.
 //
-// Frame: S. RT: step and reset yes. Threads: one.
+// Frame: S. RT: step, reset and resume yes. Threads: one.
 template <class Surface>
 class CarriedProxy {
  public:
@@ -41,7 +41,10 @@ class CarriedProxy {
   MethodOutput step(const MethodInput& input) noexcept {
     if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
     if (!has_begun_ || start_) begin(input);
-    if (!input.is_correction) before_s_ = last_time_s_;
+    if (!input.is_correction) {
+      before_s_ = last_time_s_;
+      before_p_SD_ = last_p_SD_;
+    }
     double reach_m = surface_.travel_to(input.time_s);
     MethodOutput output{.force_n = Vec3::Zero(), .p_SP = input.p_SD};
     if ((input.p_SD - clear_from_).norm() + reach_m < clear_m_) {
@@ -52,6 +55,7 @@ class CarriedProxy {
     }
     if (clear_m_ > 0.0) {
       come_near();
+      if (input.is_correction) proxy_.note_sample_before(before_p_SD_);
       reach_m = surface_.travel_to(input.time_s);
     }
     if (reach_m > 0.0 || surface_.is_due(input.time_s)) deform(input.time_s, reach_m);
@@ -62,10 +66,18 @@ class CarriedProxy {
     return output;
   }
 
-  void reset(const Vec3& p_SD) noexcept { start_ = p_SD; }
+  void reset(const Vec3& p_SD) noexcept {
+    start_ = p_SD;
+    resumes_ = false;
+  }
+  // As ForceMethod::resume: on the surface as it is at the time of the next step.
+  void resume(const Vec3& p_SP) noexcept {
+    start_ = p_SP;
+    resumes_ = true;
+  }
 
   // As ForceMethod::held_at.
-  std::optional<Vec3> held_at() const noexcept { return clear_m_ > 0.0 ? std::nullopt : proxy_.held_at(); }
+  std::optional<Vec3> held_at() const noexcept { return start_ || clear_m_ > 0.0 ? std::nullopt : proxy_.held_at(); }
 
   // As ForceMethod::find_place.
   std::optional<SurfacePlace> find_place() const noexcept {
@@ -107,10 +119,11 @@ class CarriedProxy {
 
   void begin(const MethodInput& input) noexcept {
     surface_.shape(input.time_s);
-    method_->reset(start_.value_or(input.p_SD));
     last_p_SD_ = start_.value_or(input.p_SD);
+    resumes_ ? method_->resume(last_p_SD_) : method_->reset(last_p_SD_);
     last_time_s_ = input.time_s;
     start_.reset();
+    resumes_ = false;
     has_begun_ = true;
     clear_m_ = 0.0;
     to_travel_m_ = 0.0;
@@ -139,11 +152,13 @@ class CarriedProxy {
   std::unique_ptr<ForceMethod> method_;
   ProxyMethod& proxy_;  // *method_
   Surface surface_;
-  std::optional<Vec3> start_;  // where the next step begins after reset()
+  std::optional<Vec3> start_;  // where the next step begins after reset() or resume()
+  bool resumes_ = false;       // it is the latter
   bool has_begun_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
   double last_time_s_ = 0.0;
-  double before_s_ = 0.0;  // time of the step before the last
+  double before_s_ = 0.0;            // time of the sample before the last
+  Vec3 before_p_SD_ = Vec3::Zero();  // the device then
   Vec3 clear_from_ = Vec3::Zero();
   double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
   double to_travel_m_ = 0.0;  // how far hand and surface may move together until the next search

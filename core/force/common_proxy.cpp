@@ -333,7 +333,7 @@ MethodOutput CommonProxy::sum(const FeltParts& felt) noexcept {
     const double damping = part.is_shared && part.output.object >= 0 ? felt.damping(i, part.output.object) : 0.0;
     part.force_n = is_shared_ || damping > 0.0 ? force_with(part, is_shared_ ? stiffness : part.stiffness, damping) : part.output.force_n;
     output.force_n += part.force_n;
-    if (const double pushes = part.output.force_n.norm(); part.output.object >= 0 && pushes >= most_n) {
+    if (const double pushes = part.force_n.norm(); part.output.object >= 0 && pushes >= most_n) {
       most_n = pushes;
       output.object = part.output.object;
     }

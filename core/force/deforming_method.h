@@ -41,7 +41,8 @@ class PresetSurface {
 // The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample,
 // and takes the probe along (CarriedProxy).
 //
-// Frame: S. RT: step and reset yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as ForceMethod.
+// Frame: S. RT: step, reset and resume yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as
+// ForceMethod.
 class DeformingMethod final : public ForceMethod {
  public:
   // Pre: the scene is one object, which deforms. Error: what ProxyMethod rejects; a probe with a radius, shading; a surface that is not
@@ -50,6 +51,7 @@ class DeformingMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override { return carried_.step(input); }
   void reset(const Vec3& p_SD) noexcept override { carried_.reset(p_SD); }
+  void resume(const Vec3& p_SP) noexcept override { carried_.resume(p_SP); }
   std::optional<Vec3> held_at() const noexcept override { return carried_.held_at(); }
   void set_materials(std::span<const Material> materials) noexcept override { carried_.method().set_materials(materials); }
   std::optional<SurfacePlace> find_place(int /*object*/) const noexcept override { return carried_.find_place(); }

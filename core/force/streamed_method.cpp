@@ -38,6 +38,8 @@ MethodOutput StreamedMethod::step(const MethodInput& input) noexcept { return ca
 
 void StreamedMethod::reset(const Vec3& p_SD) noexcept { carried_->reset(p_SD); }
 
+void StreamedMethod::resume(const Vec3& p_SP) noexcept { carried_->resume(p_SP); }
+
 void StreamedMethod::set_materials(std::span<const Material> materials) noexcept { carried_->method().set_materials(materials); }
 
 std::optional<SurfacePlace> StreamedMethod::find_place(int /*object*/) const noexcept { return carried_->find_place(); }

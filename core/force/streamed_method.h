@@ -21,8 +21,8 @@ class CarriedProxy;
 // If the current stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
 // kMaxSurfaceSpeed: a stage that would be faster takes longer.
 //
-// Frame: S. RT: step, reset, set_materials and offer yes: linear in the vertices, a few ns each, while the hand is near the surface.
-// Threads: as ForceMethod; stager() any, beside the steps.
+// Frame: S. RT: step, reset, resume, set_materials and offer yes: linear in the vertices, a few ns each, while the hand is near the
+// surface. Threads: as ForceMethod; stager() any, beside the steps.
 class StreamedMethod final : public ForceMethod {
  public:
   // reach_m: the largest distance of a vertex from its place in the mesh. Error: a mesh without triangles; a reach_m that is
@@ -34,6 +34,7 @@ class StreamedMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
+  void resume(const Vec3& p_SP) noexcept override;
   std::optional<Vec3> held_at() const noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
   std::optional<SurfacePlace> find_place(int object) const noexcept override;

@@ -63,9 +63,7 @@ struct TouchScene {
   std::vector<std::shared_ptr<const MappedSurface>> mapped = {};
 
   bool has_effects() const {
-    bool any = !effects.empty();
-    for (const TouchObject& object : objects) any = any || object.effects.any();
-    return any;
+    return !effects.empty() || std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.effects.any(); });
   }
   bool has_deformation() const {
     return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.deforms(); });

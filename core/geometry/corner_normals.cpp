@@ -3,7 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -109,9 +111,8 @@ ShadedMesh fill_corner_normals(const TriangleMesh& mesh, std::span<const std::ui
 
 void update_corner_normals(ShadedMesh& mesh, std::size_t faces) {
   average_normals(mesh, faces);
-  const std::size_t first_middle = mesh.normals.size() - mesh.middle_normals.size();
   for (std::size_t i = 0; i < mesh.middle_normals.size(); ++i)
-    mesh.normals[first_middle + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
+    mesh.normals[mesh.first_middle_normal + i] = middle_normal_of(mesh, mesh.middle_normals[i]);
 }
 
 namespace {
@@ -142,6 +143,53 @@ AuthoredNormalReport for_each_authored(const TriangleMesh& mesh, Use&& use) {
   return report;
 }
 
+constexpr std::uint32_t kNoNormal = std::numeric_limits<std::uint32_t>::max();
+
+// The finaliser of MurmurHash3.
+std::uint64_t stir(std::uint64_t h) {
+  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
+  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
+  return h ^ (h >> 33);
+}
+
+// The normals that are added to a mesh, each once at a vertex. Open addressing, at most half full: one vertex may have any number of them.
+class VertexNormals {
+ public:
+  explicit VertexNormals(std::vector<Vec3>& normals) : normals_(normals), first_(normals.size()), slots_(1024, kNoNormal) {}
+
+  // The number of that normal of a vertex.
+  std::uint32_t number_of(std::uint32_t vertex, const Vec3& normal) {
+    if (slots_.size() < 2 * (vertices_.size() + 1)) grow();
+    std::uint32_t& slot = slots_[find_slot(vertex, normal)];
+    if (slot != kNoNormal) return slot;
+    slot = static_cast<std::uint32_t>(normals_.size());
+    normals_.push_back(normal);
+    vertices_.push_back(vertex);
+    return slot;
+  }
+
+ private:
+  std::size_t find_slot(std::uint32_t vertex, const Vec3& normal) const {
+    std::uint64_t hash = vertex;
+    for (int axis = 0; axis < 3; ++axis) hash = stir(hash + std::bit_cast<std::uint64_t>(normal[axis] + 0.0));  // -0 becomes 0
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t at = hash & mask;
+    while (slots_[at] != kNoNormal && !(vertices_[slots_[at] - first_] == vertex && normals_[slots_[at]] == normal)) at = (at + 1) & mask;
+    return at;
+  }
+  void grow() {
+    slots_.assign(2 * slots_.size(), kNoNormal);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      slots_[find_slot(vertices_[i], normals_[first_ + i])] = static_cast<std::uint32_t>(first_ + i);
+    }
+  }
+
+  std::vector<Vec3>& normals_;
+  std::size_t first_;                    // of those that are added
+  std::vector<std::uint32_t> vertices_;  // of each of them
+  std::vector<std::uint32_t> slots_;     // a power of two
+};
+
 }  // namespace
 
 AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh) {
@@ -149,22 +197,9 @@ AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh) {
 }
 
 AuthoredNormalReport use_authored_normals(const TriangleMesh& mesh, ShadedMesh& shaded) {
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  const auto first = static_cast<std::uint32_t>(shaded.normals.size());
-  std::vector<std::uint32_t> newest(mesh.has_authored_normals() ? mesh.vertices.size() : 0, kNone);  // of each vertex,
-  std::vector<std::uint32_t> before;                                                                 // and the one before each
-  return for_each_authored(mesh, [&](std::size_t t, int k, const Vec3& normal) {
-    std::uint32_t& list = newest[mesh.triangles[t][k]];
-    std::uint32_t n = list;
-    while (n != kNone && shaded.normals[n] != normal) n = before[n - first];
-    if (n == kNone) {
-      n = static_cast<std::uint32_t>(shaded.normals.size());
-      shaded.normals.push_back(normal);
-      before.push_back(list);
-      list = n;
-    }
-    shaded.corner_normals[t][k] = n;
-  });
+  VertexNormals known(shaded.normals);
+  return for_each_authored(
+      mesh, [&](std::size_t t, int k, const Vec3& normal) { shaded.corner_normals[t][k] = known.number_of(mesh.triangles[t][k], normal); });
 }
 
 Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between) {

@@ -33,18 +33,23 @@ bool is_closed(const Body& body) {
   return body.boundary == 0 && std::abs(body.volume) > kVolumeShare * std::pow(body.box.diagonal().norm(), 3);
 }
 
+// It has no surface, and goes to and fro along its edge: it would join a body to another one unnoticed.
+bool is_collapsed(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
+
 // All pieces, by the vertex that represents the piece; vertices that represent none have no triangles.
 std::vector<Body> measure_pieces(const TriangleMesh& mesh, DisjointSets& pieces) {
   for (const Triangle& t : mesh.triangles) {
+    if (is_collapsed(t)) continue;
     for (const std::size_t k : {1U, 2U}) pieces.join(t[0], t[k]);
   }
   std::vector<Body> bodies(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
+    if (is_collapsed(t)) continue;
     Body& body = bodies[pieces.root(t[0])];
     ++body.triangles;
     for (std::size_t k = 0; k < 3; ++k) {
       const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
-      if (low != high) body.boundary += low == t[k] ? scatter(low, high) : 0 - scatter(low, high);
+      body.boundary += low == t[k] ? scatter(low, high) : 0 - scatter(low, high);
       body.box.extend(mesh.vertices[t[k]]);
     }
   }

@@ -7,7 +7,8 @@
 
 namespace hapton {
 
-// Closed bodies of a mesh: pieces that share no vertex, in which each edge is traversed equally often in both directions.
+// Closed bodies of a mesh: pieces that share no vertex, in which each edge is traversed equally often in both directions. Triangles that
+// have a vertex twice belong to none, and join none.
 struct ClosedBodies {
   std::size_t count = 0;
   std::size_t others = 0;             // pieces that are open, or without volume

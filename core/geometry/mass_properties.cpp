@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include "core/geometry/inside_out.h"
 #include "core/geometry/mesh_measures.h"
 
 namespace hapton {
 
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh) {
   if (!count_edges(mesh).closed()) return std::nullopt;
+  // Its volume would count as negative: the rest may have one above zero, and an inertia that no solid has.
+  if (count_closed_bodies(mesh).inside_out > 0) return std::nullopt;
   const MeshBounds bounds = compute_bounds(mesh);
   const Vec3 middle = bounds.centre();
 

@@ -16,7 +16,8 @@ struct MassProperties {
 
 // Integrals over the tetrahedra between the triangles and the centre of the bounding box (B. Mirtich, "Fast and accurate computation of
 // polyhedral mass properties", 1996, has the same integrals by another way). Nothing: the surface is not closed, its triangles do not all
-// face outwards, or its volume is no more than rounding may leave. RT: set-up only.
+// face outwards (those of a cavity face into it), or its volume is no more than rounding may leave. Pre: vertices are welded. RT: set-up
+// only.
 std::optional<MassProperties> compute_mass_properties(const TriangleMesh& mesh);
 
 }  // namespace hapton

@@ -3,6 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/geometry/shared_edges.h"
@@ -24,28 +27,56 @@ void add(ShadedMesh& mesh, const Triangle& vertices, const Triangle& normals, st
   mesh.source.push_back(source);
 }
 
+// The turns of one vertex, each taken once: a hostile file has a hundred thousand. Pre: sorted by `from`.
+class OpenTurns {
+ public:
+  explicit OpenTurns(std::span<const Turn> turns) : turns_(turns), is_taken_(turns.size(), false), taken_from_(turns.size(), 0) {}
+
+  // The last one that is left; null: none is.
+  const Turn* take_last() {
+    while (!turns_.empty() && is_taken_[turns_.size() - 1]) turns_ = turns_.first(turns_.size() - 1);
+    return turns_.empty() ? nullptr : take(turns_.size() - 1);
+  }
+  // The first one that is left from that normal; null: none is.
+  const Turn* take_from(std::uint32_t normal) {
+    const auto group = static_cast<std::size_t>(std::ranges::lower_bound(turns_, normal, {}, &Turn::from) - turns_.begin());
+    if (group == turns_.size()) return nullptr;
+    const std::size_t at = group + taken_from_[group];
+    if (at == turns_.size() || turns_[at].from != normal || is_taken_[at]) return nullptr;
+    ++taken_from_[group];
+    return take(at);
+  }
+
+ private:
+  const Turn* take(std::size_t at) {
+    is_taken_[at] = true;
+    return &turns_[at];
+  }
+
+  std::span<const Turn> turns_;  // without those at the end that are taken
+  std::vector<bool> is_taken_;
+  std::vector<std::size_t> taken_from_;  // by the first turn from a normal: how many of them take_from() has taken
+};
+
 // Links the turns of one vertex into rings; adds a fan of triangles over each ring of three or more.
-void fill_vertex(ShadedMesh& mesh, std::vector<Turn> turns, NormalFanReport& report) {
+void fill_vertex(ShadedMesh& mesh, std::span<const Turn> turns, NormalFanReport& report) {
   bool open = false;
-  while (!turns.empty()) {
-    std::vector<std::uint32_t> ring;
-    const Turn start = turns.back();
-    turns.pop_back();
-    ring.push_back(start.from);
-    std::uint32_t at = start.to;
-    while (at != start.from) {
-      const auto next = std::find_if(turns.begin(), turns.end(), [at](const Turn& turn) { return turn.from == at; });
-      if (next == turns.end()) break;
+  OpenTurns left(turns);
+  while (const Turn* start = left.take_last()) {
+    std::vector<std::uint32_t> ring = {start->from};
+    std::uint32_t at = start->to;
+    while (at != start->from) {
+      const Turn* next = left.take_from(at);
+      if (next == nullptr) break;
       ring.push_back(at);
       at = next->to;
-      turns.erase(next);
     }
-    if (at != start.from) {
+    if (at != start->from) {
       open = true;
       continue;
     }
     for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
-      add(mesh, {start.vertex, start.vertex, start.vertex}, {ring[0], ring[i], ring[i + 1]}, start.source);
+      add(mesh, {start->vertex, start->vertex, start->vertex}, {ring[0], ring[i], ring[i + 1]}, start->source);
       ++report.corner_fans;
     }
   }
@@ -88,7 +119,7 @@ NormalFanReport add_normal_fans(ShadedMesh& mesh) {
   for (std::size_t first = 0; first < turns.size();) {
     std::size_t last = first;
     while (last < turns.size() && turns[last].vertex == turns[first].vertex) ++last;
-    fill_vertex(mesh, {turns.begin() + static_cast<std::ptrdiff_t>(first), turns.begin() + static_cast<std::ptrdiff_t>(last)}, report);
+    fill_vertex(mesh, std::span(turns).subspan(first, last - first), report);
     first = last;
   }
   return report;

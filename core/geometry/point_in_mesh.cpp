@@ -21,21 +21,19 @@ double doubled_area(double ay, double az, double by, double bz, double cy, doubl
 
 }  // namespace
 
-PointInMesh::PointInMesh(const TriangleMesh& mesh, double jitter) : mesh_(mesh) {
+PointInMesh::PointInMesh(const TriangleMesh& mesh, double jitter, std::size_t most_listings) : mesh_(mesh) {
   const MeshBounds bounds = compute_bounds(mesh);
   low_ = bounds.low;
   high_ = bounds.high;
   jitter_m_ = jitter * bounds.extent();
   cells_ = static_cast<int>(std::clamp(std::sqrt(static_cast<double>(mesh.triangles.size()) / 2.0), 1.0, 512.0));
+  while (cells_ > 1 && count_listings() > most_listings * mesh_.triangles.size()) cells_ /= 2;
   const auto cells = static_cast<std::size_t>(cells_);
   auto visit = [&](auto&& act) {
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      const Vec3 least = mesh_.corner(i, 0).cwiseMin(mesh_.corner(i, 1)).cwiseMin(mesh_.corner(i, 2));
-      const Vec3 most = mesh_.corner(i, 0).cwiseMax(mesh_.corner(i, 1)).cwiseMax(mesh_.corner(i, 2));
-      const std::size_t from = cell_of(least.y(), least.z());
-      const std::size_t to = cell_of(most.y(), most.z());
-      for (std::size_t row = from / cells; row <= to / cells; ++row) {
-        for (std::size_t column = from % cells; column <= to % cells; ++column) act(row * cells + column, i);
+      const Cells own = cells_of(i);
+      for (std::size_t row = own.first_row; row <= own.last_row; ++row) {
+        for (std::size_t column = own.first_column; column <= own.last_column; ++column) act(row * cells + column, i);
       }
     }
   };
@@ -55,11 +53,30 @@ std::size_t PointInMesh::cell_of(double y, double z) const {
   return place(z, low_.z(), high_.z()) * static_cast<std::size_t>(cells_) + place(y, low_.y(), high_.y());
 }
 
+PointInMesh::Cells PointInMesh::cells_of(std::size_t triangle) const {
+  const Vec3 &a = mesh_.corner(triangle, 0), &b = mesh_.corner(triangle, 1), &c = mesh_.corner(triangle, 2);
+  const Vec3 least = a.cwiseMin(b).cwiseMin(c);
+  const Vec3 most = a.cwiseMax(b).cwiseMax(c);
+  const auto cells = static_cast<std::size_t>(cells_);
+  const std::size_t from = cell_of(least.y(), least.z());
+  const std::size_t to = cell_of(most.y(), most.z());
+  return {from / cells, to / cells, from % cells, to % cells};
+}
+
+std::size_t PointInMesh::count_listings() const {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < mesh_.triangles.size(); ++i) {
+    const Cells own = cells_of(i);
+    count += (own.last_row - own.first_row + 1) * (own.last_column - own.first_column + 1);
+  }
+  return count;
+}
+
 bool PointInMesh::is_inside(const Vec3& p) const {
   int votes = 0;
   for (const auto& aside : kAside) {
     const Vec3 q = p + jitter_m_ * Vec3(aside[0], aside[1], aside[2]);
-    if ((q.array() < low_.array()).any() || (q.array() > high_.array()).any()) continue;
+    if (!((q.array() >= low_.array()).all() && (q.array() <= high_.array()).all())) continue;  // also where one is NaN
     votes += winding_along_x(q) != 0;
   }
   return votes >= 2;

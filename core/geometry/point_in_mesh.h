@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -10,20 +11,36 @@ namespace hapton {
 // Whether a point is inside a closed mesh, and its distance from the surface. Inside: the winding number is not zero, so inverted and
 // doubled shells count as well. It is computed along three rays from points displaced by a seeded, tiny share of the extent, and the
 // majority decides: no two rays can pass exactly through the same edges or vertices. So the result is valid for points farther from the
-// surface than that share; for nearer ones it may be either. RT: no bound on time; no heap use in the queries. Frame and unit: the mesh's.
+// surface than that share; for nearer ones it may be either. Time and memory to make one: linear in the triangles. Time of a query: of the
+// triangles before and behind the point, as seen along x; where many of them are long and thin, of all. RT: no bound on time; no heap use
+// in the queries. Frame and unit: the mesh's.
 class PointInMesh {
  public:
-  // jitter: share of the longest side by which the rays are displaced.
-  explicit PointInMesh(const TriangleMesh& mesh, double jitter = 1e-7);
+  // Listings of a triangle in cells, on average. Where long triangles need more, the cells are larger: else memory would grow with the
+  // triangles and the cells. A free choice: meshes of round triangles need 4 or fewer.
+  static constexpr std::size_t kMostListings = 16;
 
+  // jitter: share of the longest side by which the rays are displaced.
+  explicit PointInMesh(const TriangleMesh& mesh, double jitter = 1e-7, std::size_t most_listings = kMostListings);
+
+  // False where a coordinate is NaN.
   bool is_inside(const Vec3& p) const;
 
   // Distance to the nearest triangle; tests every triangle.
   double compute_distance(const Vec3& p) const;
 
+  std::size_t listings() const { return listed_.size(); }
+
  private:
+  // The cells that the box of a triangle covers, both ends included.
+  struct Cells {
+    std::size_t first_row, last_row, first_column, last_column;
+  };
+
   int winding_along_x(const Vec3& p) const;
   std::size_t cell_of(double y, double z) const;
+  Cells cells_of(std::size_t triangle) const;
+  std::size_t count_listings() const;
 
   TriangleMesh mesh_;  // a copy, so that the original need not outlive this
   Vec3 low_, high_;

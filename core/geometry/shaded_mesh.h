@@ -17,9 +17,11 @@ struct ShadedMesh {
   std::vector<Triangle> corner_normals;  // indices into normals, corner by corner
   std::vector<std::uint32_t> source;     // the triangle of the original mesh that each one is (part of)
 
-  // The last vertices and normals of the lists lie midway between two earlier ones: these two, for each.
+  // The last vertices of the list, and the normals from first_middle_normal on, lie midway between two earlier ones: these two, for each.
+  // Normals that check_corner_normals adds later come after them.
   std::vector<std::array<std::uint32_t, 2>> middle_vertices;
   std::vector<std::array<std::uint32_t, 2>> middle_normals;
+  std::uint32_t first_middle_normal = 0;
 
   const Vec3& corner(std::size_t t, int k) const { return vertices[triangles[t][k]]; }
   const Vec3& normal(std::size_t t, int k) const { return normals[corner_normals[t][k]]; }

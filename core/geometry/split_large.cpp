@@ -57,6 +57,7 @@ class Round {
     const std::uint64_t key = (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
     const auto [at, is_new] = middle_normals_.try_emplace(key, static_cast<std::uint32_t>(mesh_.normals.size()));
     if (is_new) {
+      if (mesh_.middle_normals.empty()) mesh_.first_middle_normal = at->second;
       mesh_.middle_normals.push_back({std::min(a, b), std::max(a, b)});
       mesh_.normals.push_back(middle_normal_of(mesh_, mesh_.middle_normals.back()));
     }

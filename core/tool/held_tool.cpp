@@ -118,6 +118,7 @@ void HeldTool::release(const Placement& device, std::int64_t time_ns) noexcept {
 ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept {
   ToolOutput output;
   output.X_WP = input.X_WD;
+  std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = tool_->to_local(input);
   std::copy(parts_.begin(), parts_.end(), last_parts_.begin());
@@ -130,7 +131,6 @@ ToolOutput HeldTool::step(const ToolInput& input, std::int64_t time_ns) noexcept
   output.proxy.is_blocked = is_known_ && found.contacts.is_blocked;
   age_s_ = is_known_ ? std::max(0.0, seconds(time_ns - found.time_ns)) : 0.0;
   if (drag_.is_on()) move_drag(input, device, seconds(time_ns - felt_ns_));
-  std::fill(pushes_.begin(), pushes_.end(), ToolPush());
   if (!is_known_ || output.proxy.is_blocked) {
     release(device, time_ns);
     return output;

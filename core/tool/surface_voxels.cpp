@@ -11,14 +11,15 @@ using Cell = Eigen::Vector3i;
 
 constexpr double kLargestCell = 1 << 20;
 
-// Whether a triangle, given from the middle of a cube of half side h, meets it.
-bool meets_cube(const std::array<Vec3, 3>& corner, double h) {
+// Whether a triangle, given from the middle of a box, meets it. reach_along: how far the box reaches along an axis.
+template <class Reach>
+bool meets(const std::array<Vec3, 3>& corner, const Reach& reach_along) {
   const std::array<Vec3, 3> edge = {corner[1] - corner[0], corner[2] - corner[1], corner[0] - corner[2]};
   const auto is_apart = [&](const Vec3& axis) {
     const double a = axis.dot(corner[0]);
     const double b = axis.dot(corner[1]);
     const double c = axis.dot(corner[2]);
-    const double reach = h * axis.lpNorm<1>();
+    const double reach = reach_along(axis);
     return std::min({a, b, c}) > reach || std::max({a, b, c}) < -reach;
   };
   for (int i = 0; i < 3; ++i) {
@@ -29,6 +30,54 @@ bool meets_cube(const std::array<Vec3, 3>& corner, double h) {
     }
   }
   return !is_apart(edge[0].cross(edge[1]));
+}
+
+// Of a cube of half side h.
+bool meets_cube(const std::array<Vec3, 3>& corner, double h) {
+  return meets(corner, [h](const Vec3& axis) { return h * axis.lpNorm<1>(); });
+}
+
+// From one cell to another, both included.
+struct VoxelRange {
+  Cell first;
+  Cell last;
+
+  Vec3 size() const { return (last - first).cast<double>().array() + 1.0; }
+};
+
+// Also true for some ranges that it misses by less than the room.
+bool may_meet(const std::array<Vec3, 3>& corner, const VoxelRange& cells) {
+  constexpr double kRoom = 0x1p-20;  // in cells: far above the rounding of their numbers, which are below 2^20
+  const Vec3 half = 0.5 * cells.size();
+  const Vec3 middle = cells.first.cast<double>() + half;
+  const Vec3 wide = half.array() + kRoom;
+  return meets({corner[0] - middle, corner[1] - middle, corner[2] - middle}, [&](const Vec3& axis) { return axis.cwiseAbs().dot(wide); });
+}
+
+// Calls use(cell) for each cell of the range that the triangle meets, until it returns false. Large ranges are halved, and halves that the
+// triangle misses left out, so that a long triangle takes the time of the cells that it meets, not of all cells of its box.
+template <class Use>
+bool for_each_met(const std::array<Vec3, 3>& corner, const VoxelRange& cells, const Use& use) {
+  constexpr double kFew = 64.0;  // cells: so few are tested one by one
+  if (cells.size().prod() > kFew) {
+    if (!may_meet(corner, cells)) return true;
+    int axis = 0;
+    cells.size().maxCoeff(&axis);
+    VoxelRange low = cells;
+    VoxelRange high = cells;
+    low.last[axis] = cells.first[axis] + (cells.last[axis] - cells.first[axis]) / 2;
+    high.first[axis] = low.last[axis] + 1;
+    return for_each_met(corner, low, use) && for_each_met(corner, high, use);
+  }
+  for (int z = cells.first.z(); z <= cells.last.z(); ++z) {
+    for (int y = cells.first.y(); y <= cells.last.y(); ++y) {
+      for (int x = cells.first.x(); x <= cells.last.x(); ++x) {
+        const Vec3 middle = Vec3(x, y, z).array() + 0.5;
+        if (meets_cube({corner[0] - middle, corner[1] - middle, corner[2] - middle}, 0.5) && !use(Cell(x, y, z))) return false;
+      }
+    }
+  }
+  return true;
 }
 
 std::uint64_t key_of(const Cell& cell) {
@@ -73,18 +122,11 @@ Result<std::vector<SurfaceVoxel>> find_surface_voxels(const TriangleMesh& mesh, 
     // What only touches a side belongs to the cells on both sides of it.
     const Cell first = (low.array().ceil() - 1.0).matrix().cast<int>();
     const Cell last = high.array().floor().matrix().cast<int>();
-    for (int z = first.z(); z <= last.z(); ++z) {
-      for (int y = first.y(); y <= last.y(); ++y) {
-        for (int x = first.x(); x <= last.x(); ++x) {
-          const Vec3 middle = Vec3(x, y, z).array() + 0.5;
-          if (!meets_cube({corner[0] - middle, corner[1] - middle, corner[2] - middle}, 0.5)) continue;
-          crossings.push_back({{x, y, z}, area});
-          if (crossings.size() > most) {
-            return fail("a voxel of {:.3g} m makes more than {} voxels of this mesh; give a larger one", grid.voxel_m, most);
-          }
-        }
-      }
-    }
+    const bool fits = for_each_met(corner, {first, last}, [&](const Cell& cell) {
+      crossings.push_back({cell, area});
+      return crossings.size() <= most;
+    });
+    if (!fits) return fail("a voxel of {:.3g} m makes more than {} voxels of this mesh; give a larger one", grid.voxel_m, most);
   }
   return merged(std::move(crossings));
 }

@@ -191,6 +191,8 @@ void Server::State::on_datagram(const Address& from, std::span<const std::byte> 
   // A client repeats the request until it is connected.
   const bool is_there = std::any_of(peers.begin(), peers.end(), [&](const auto& peer) { return peer.second.address == to; });
   if (is_there) return;
+  // As for who connects by TCP.
+  if (peers.size() >= StreamEndpoint::kMaxConnections) endpoint->close(choose_connection_to_evict());
   if (const StreamEndpoint::Id id = endpoint->connect(to); id != 0) {
     auto& peer = peers.try_emplace(id, options.name).first->second;
     peer.address = to;

@@ -37,6 +37,29 @@ struct LeftOut {
   std::size_t deformed = 0;
 };
 
+// What the animations of a file may take. Channels may share a sampler, and parts the nodes above them, so that the size of the file bounds
+// neither memory nor time: there is a bound that small files keep, and some for each byte that large ones have.
+class AnimationBudget {
+ public:
+  explicit AnimationBudget(const Buffers& buffers) : buffers_(buffers) {}
+
+  // False: these are too many.
+  bool take_numbers(std::size_t count) { return take(numbers_, count, std::size_t{1} << 22, 16); }
+  bool take_keyframes(std::size_t count) { return take(keyframes_, count, std::size_t{1} << 20, 4); }
+  bool take_poses(std::size_t count) { return take(poses_, count, std::size_t{1} << 24, 16); }
+
+ private:
+  bool take(std::size_t& taken, std::size_t count, std::size_t least, std::size_t of_a_byte) const {
+    taken += count;
+    return taken <= least + of_a_byte * buffers_.bytes_read();
+  }
+
+  const Buffers& buffers_;
+  std::size_t numbers_ = 0;    // of all channels
+  std::size_t keyframes_ = 0;  // of all parts
+  std::size_t poses_ = 0;      // of nodes: on the way to each part, at rest and at each of its keyframes
+};
+
 template <class Value, class Mix>
 Value value_at(const Track<Value>& track, double time, const Mix& mix) {
   const auto after = std::upper_bound(track.times.begin(), track.times.end(), time);
@@ -84,7 +107,7 @@ Result<std::vector<double>> read_times(const Document& document, const Json& sam
 
 // A row of `width` numbers at each time: one item of that type, or for SCALARs `width` of them, as weights have them [3.11].
 Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, const std::string& where, const char* type,
-                                 std::size_t width) {
+                                 std::size_t width, AnimationBudget& budget) {
   auto times = read_times(document, sampler, where);
   if (!times) return tl::unexpected(times.error());
   const bool is_scalar = std::string_view(type) == "SCALAR";
@@ -97,6 +120,9 @@ Result<NumberTrack> read_numbers(const Document& document, const Json& sampler, 
   }
   if (!is_scalar && output->count != rows) {
     return fail("{} has {} times and {} values: {}", where, times->size(), output->count, kExportAgain);
+  }
+  if (!budget.take_numbers(rows * (1 + width))) {
+    return fail("{}: the channels of all animations have more numbers than the file can be meant to have: {}", where, kExportAgain);
   }
   std::vector<std::vector<double>> numbers(rows, std::vector<double>(width));
   for (std::size_t i = 0; i < rows; ++i) {
@@ -130,8 +156,8 @@ bool is_constant(const NumberTrack& track) {
 }
 
 // Exporters write a scale for each bone: it is left alone where it is that of the node at rest.
-bool is_scale_at_rest(const Document& document, const Json& sampler, const Json& node, const std::string& where) {
-  const auto scales = read_numbers(document, sampler, where, "VEC3", 3);
+bool is_scale_at_rest(const Document& document, const Json& sampler, const Json& node, const std::string& where, AnimationBudget& budget) {
+  const auto scales = read_numbers(document, sampler, where, "VEC3", 3, budget);
   if (!scales || !is_constant(*scales) || !member(node, "matrix").is_null()) return false;
   const Json& given = member(node, "scale");
   const auto at_rest = given.is_null() ? Result<std::array<double, 3>>(std::array{1.0, 1.0, 1.0}) : numbers_of<3>(given, where);
@@ -142,7 +168,8 @@ bool is_scale_at_rest(const Document& document, const Json& sampler, const Json&
 }
 
 Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, const Json& animation, const std::string& where,
-                                                      const std::map<std::size_t, MeshMorphs>& morphs, LeftOut& left_out) {
+                                                      const std::map<std::size_t, MeshMorphs>& morphs, AnimationBudget& budget,
+                                                      LeftOut& left_out) {
   std::map<std::size_t, NodeTracks> tracks;
   const Json& samplers = member(animation, "samplers");
   const Json& channels = member(animation, "channels");
@@ -163,14 +190,14 @@ Result<std::map<std::size_t, NodeTracks>> read_tracks(const Document& document, 
     const Json& sampler = samplers[*index];
     const std::string from = fmt::format("{}.samplers[{}]", where, *index);
     if (path == "scale") {
-      left_out.scales += is_scale_at_rest(document, sampler, nodes[*node], from) ? 0 : 1;
+      left_out.scales += is_scale_at_rest(document, sampler, nodes[*node], from, budget) ? 0 : 1;
       continue;
     }
     const auto targets = morphs.find(*node);
     if (path == "weights" && targets == morphs.end()) continue;  // of no triangles, or a note says that they cannot be read
-    const auto numbers = path == "weights"    ? read_numbers(document, sampler, from, "SCALAR", targets->second.displacements.size())
-                         : path == "rotation" ? read_numbers(document, sampler, from, "VEC4", 4)
-                                              : read_numbers(document, sampler, from, "VEC3", 3);
+    const auto numbers = path == "weights" ? read_numbers(document, sampler, from, "SCALAR", targets->second.displacements.size(), budget)
+                         : path == "rotation" ? read_numbers(document, sampler, from, "VEC4", 4, budget)
+                                              : read_numbers(document, sampler, from, "VEC3", 3, budget);
     if (!numbers) return tl::unexpected(numbers.error());
     if (text_of(member(sampler, "interpolation")) == "STEP" && !is_constant(*numbers)) {
       ++left_out.steps;
@@ -249,8 +276,8 @@ std::vector<MorphKey> find_weights(const Track<std::vector<double>>& track, cons
 }
 
 // None: it does not move, or would be deformed.
-std::optional<KeyframeMotion> find_motion(const NodeTree& tree, const std::map<std::size_t, NodeTracks>& tracks, std::size_t node,
-                                          double duration_s, LeftOut& left_out) {
+Result<std::optional<KeyframeMotion>> find_motion(const NodeTree& tree, const std::map<std::size_t, NodeTracks>& tracks, std::size_t node,
+                                                  double duration_s, AnimationBudget& budget, LeftOut& left_out) {
   const std::vector<std::size_t> path = tree.path_to(node);
   std::set<double> times;
   std::size_t last_moved = 0;
@@ -259,6 +286,9 @@ std::optional<KeyframeMotion> find_motion(const NodeTree& tree, const std::map<s
     if (found == tracks.end()) continue;
     add_times(found->second, times);
     last_moved = i;
+  }
+  if (!budget.take_poses(path.size() * (1 + times.size())) || !budget.take_keyframes(times.size())) {
+    return fail("the parts have too many keyframes in all animations, or too many nodes above them: {}", kExportAgain);
   }
   if (times.empty()) return std::nullopt;
   times.insert(duration_s);  // all parts begin again together
@@ -277,7 +307,7 @@ std::optional<KeyframeMotion> find_motion(const NodeTree& tree, const std::map<s
     }
     keyframes.push_back({time, moved * pivot, Quat(moved.rotation()).normalized()});
   }
-  return KeyframeMotion(pivot, std::move(keyframes), false);
+  return std::optional(KeyframeMotion(pivot, std::move(keyframes), false));
 }
 
 double last_time(const std::map<std::size_t, NodeTracks>& tracks) {
@@ -311,18 +341,19 @@ Result<void> read_animations(const Document& document, RawMesh& raw) {
   const auto tree = NodeTree::make(document.root);
   if (!tree) return tl::unexpected(tree.error());
   const Json& nodes = member(document.root, "nodes");
+  AnimationBudget budget(document.buffers);
   for (std::size_t a = 0; a < size_of_array(animations); ++a) {
     LeftOut left_out;
-    const auto tracks = read_tracks(document, animations[a], fmt::format("animations[{}]", a), raw.morphs, left_out);
+    const auto tracks = read_tracks(document, animations[a], fmt::format("animations[{}]", a), raw.morphs, budget, left_out);
     if (!tracks) return tl::unexpected(tracks.error());
     MeshAnimation animation{.name = text_of(member(animations[a], "name")), .duration_s = last_time(*tracks), .motions = {}};
     if (animation.name.empty()) animation.name = fmt::format("animation {}", a);
     for (const MeshPart& part : raw.parts) {
       if (animation.motions.contains(part.node) || animation.weights.contains(part.node)) continue;
       if (!member(nodes[part.node], "skin").is_null()) continue;  // its skeleton is what would move it
-      if (auto motion = find_motion(*tree, *tracks, part.node, animation.duration_s, left_out)) {
-        animation.motions.emplace(part.node, std::move(*motion));
-      }
+      auto motion = find_motion(*tree, *tracks, part.node, animation.duration_s, budget, left_out);
+      if (!motion) return tl::unexpected(motion.error());
+      if (*motion) animation.motions.emplace(part.node, std::move(**motion));
       const auto own = tracks->find(part.node);
       if (own != tracks->end() && own->second.weights) {
         const auto at_rest = weights_at_rest(document.root, nodes[part.node], fmt::format("nodes[{}]", part.node));

@@ -9,7 +9,8 @@ namespace hapton::gltf {
 // it, and the weights of its morph targets. Between the keyframes of all these it is straight and even, which is exact where one node of
 // them moves and its sampler is LINEAR; CUBICSPLINE samplers get keyframes in between (straighten_spline). Left out with a note: scales
 // other than at rest and pointers, STEP samplers that jump, and nodes that would be deformed. Pre: the parts and morphs of raw are
-// complete. Error: what does not fit or lies outside the file's bytes; raw has those before it.
+// complete. Error: what does not fit, lies outside the file's bytes, or is more than a file of that size is meant to have; raw has those
+// before it.
 Result<void> read_animations(const Document& document, RawMesh& raw);
 
 }  // namespace hapton::gltf

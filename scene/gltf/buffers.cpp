@@ -21,6 +21,17 @@ Result<Buffers::View> Buffers::view(const Json& index_json, const std::string& w
   return range(json, name).map([&](std::string_view bytes) { return View{bytes, *stride}; });
 }
 
+Result<std::string> Buffers::copy_for_image(const Json& index_json, const std::string& where) {
+  const Result<View> found = view(index_json, where);
+  if (!found) return tl::unexpected(found.error());
+  if (copied_bytes_ + found->bytes.size() > kMostCopies * bytes_read_) {
+    return fail("{}: the images have more than {} times the {} bytes of the buffers, which they share: {}", where, kMostCopies, bytes_read_,
+                kExportAgain);
+  }
+  copied_bytes_ += found->bytes.size();
+  return std::string(found->bytes);
+}
+
 Result<Buffers::View> Buffers::compressed_view(std::size_t index, const Json& compression) {
   const std::string name = fmt::format("bufferViews[{}].extensions.EXT_meshopt_compression", index);
   const Result<MeshoptLayout> layout = meshopt_layout_of(compression, name);

@@ -24,10 +24,16 @@ class Buffers {
   // A buffer view [3.6.1]; one with EXT_meshopt_compression is decompressed.
   Result<View> view(const Json& index_json, const std::string& where);
 
+  // The bytes of a buffer view for an image. Error: those of all images together are more than kMostCopies times all buffers.
+  Result<std::string> copy_for_image(const Json& index_json, const std::string& where);
+
   // Size of all buffers read so far, before decompression.
   std::size_t bytes_read() const { return bytes_read_; }
 
  private:
+  // Any number of images may share a view, so the size of the file bounds their copies only with this.
+  static constexpr std::size_t kMostCopies = 8;
+
   Result<View> compressed_view(std::size_t index, const Json& compression);
   Result<std::string_view> range(const Json& json, const std::string& name);
   Result<std::string_view> buffer(const Json& index_json, const std::string& where);
@@ -40,6 +46,7 @@ class Buffers {
   std::map<std::size_t, std::string> unfolded_;  // by buffer view
   std::size_t bytes_read_;
   std::size_t unfolded_bytes_ = 0;  // of all of unfolded_
+  std::size_t copied_bytes_ = 0;    // for images
 };
 
 }  // namespace hapton::gltf

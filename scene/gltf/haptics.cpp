@@ -1,6 +1,8 @@
 #include "scene/gltf/haptics.h"
 
 #include <algorithm>
+#include <map>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -51,9 +53,7 @@ Result<std::string> read_image_bytes(const Document& document, const Json& json,
     return bytes;
   }
   if (member(json, "bufferView").is_null()) return fail("{} has neither a uri nor a buffer view: {}", where, kExportAgain);
-  return document.buffers.view(member(json, "bufferView"), where + ".bufferView").map([](const Buffers::View& view) {
-    return std::string(view.bytes);
-  });
+  return document.buffers.copy_for_image(member(json, "bufferView"), where + ".bufferView");
 }
 
 // The texture of one property that is used: the best of its types. Null: the list has none that is supported. Error: an entry that the
@@ -205,17 +205,20 @@ class HapticReader {
 
   Result<std::size_t> add_image(const Json& json, const std::string& name) {
     auto& images = raw_.haptics.maps.images;
-    const auto found = std::find_if(images.begin(), images.end(), [&](const TextureImage& image) { return image.name == name; });
-    if (found != images.end()) return static_cast<std::size_t>(found - images.begin());
+    const std::string uri = text_of(member(json, "uri"));
+    const bool is_file = !uri.empty() && !uri.starts_with("data:");
+    const auto [known, is_new] = numbers_.try_emplace(is_file ? "file " + uri : name, images.size());
+    if (!is_new) return known->second;
     auto bytes = read_image_bytes(document_, json, name, folder_);
     if (!bytes) return tl::unexpected(bytes.error());
     images.push_back({name, std::move(*bytes)});
-    return images.size() - 1;
+    return known->second;
   }
 
   const Document& document_;
   const std::filesystem::path& folder_;
   RawMesh& raw_;
+  std::map<std::string, std::size_t> numbers_;  // of the images: by file, or by their place in this one
 };
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include "scene/gltf/base_colour.h"
 #include "scene/gltf/uri.h"
@@ -11,39 +13,53 @@
 namespace hapton::gltf {
 namespace {
 
-// A base colour texture [3.9.2] or its image [3.8.3]; a note says why there is none.
-std::optional<std::size_t> read_image(const Document& document, std::size_t index, const std::filesystem::path& folder, RawMesh& raw) {
-  const Json& json = member(document.root, "images")[index];
-  const std::string name = fmt::format("images[{}]", index);
-  const std::string uri = text_of(member(json, "uri"));
-  if (!uri.empty() && !uri.starts_with("data:")) {
-    if (uri.find("://") == std::string::npos) return add_image_file(folder / decode_percent(uri), raw);
-    raw.notes.push_back(fmt::format("a texture is missing: {} is on the network ({})", name, printable(uri)));
-    return std::nullopt;
-  }
-  for (std::size_t i = 0; i < raw.appearance.images.size(); ++i) {
-    if (raw.appearance.images[i].name == name) return i;
-  }
-  Result<std::string> bytes = fail("{} has neither a uri nor a buffer view", name);
-  if (!uri.empty()) {
-    const auto comma = uri.find(";base64,");
-    bytes = comma == std::string::npos ? Result<std::string>(fail("{} is inline but not base64", name))
-                                       : decode_base64(std::string_view(uri).substr(comma + 8), name);
-  } else if (!member(json, "bufferView").is_null()) {
-    bytes = document.buffers.view(member(json, "bufferView"), name + ".bufferView").map([](const Buffers::View& view) {
-      return std::string(view.bytes);
-    });
-  }
-  if (!bytes) {
-    raw.notes.push_back(fmt::format("a texture is missing: {}", bytes.error().what));
-    return std::nullopt;
-  }
-  raw.appearance.images.push_back({name, std::move(*bytes)});
-  return raw.appearance.images.size() - 1;
-}
+// The images of base colour textures [3.9.2], each read once [3.8.3]; a note says why one is missing.
+class TextureImages {
+ public:
+  TextureImages(const Document& document, const std::filesystem::path& folder, RawMesh& raw)
+      : document_(document), folder_(folder), raw_(raw) {}
 
-std::optional<std::size_t> read_texture(const Document& document, const Json& info, const std::string& where,
-                                        const std::filesystem::path& folder, RawMesh& raw) {
+  // Of RawMesh::appearance. Pre: the file has it.
+  std::optional<std::size_t> find(std::size_t index) {
+    const auto [known, is_new] = known_.try_emplace(index);
+    if (is_new) known->second = read(index);
+    return known->second;
+  }
+
+ private:
+  std::optional<std::size_t> read(std::size_t index) {
+    const Json& json = member(document_.root, "images")[index];
+    const std::string name = fmt::format("images[{}]", index);
+    const std::string uri = text_of(member(json, "uri"));
+    if (!uri.empty() && !uri.starts_with("data:")) {
+      if (uri.find("://") == std::string::npos) return add_image_file(folder_ / decode_percent(uri), raw_);
+      raw_.notes.push_back(fmt::format("a texture is missing: {} is on the network ({})", name, printable(uri)));
+      return std::nullopt;
+    }
+    Result<std::string> bytes = fail("{} has neither a uri nor a buffer view", name);
+    if (!uri.empty()) {
+      const auto comma = uri.find(";base64,");
+      bytes = comma == std::string::npos ? Result<std::string>(fail("{} is inline but not base64", name))
+                                         : decode_base64(std::string_view(uri).substr(comma + 8), name);
+    } else if (!member(json, "bufferView").is_null()) {
+      bytes = document_.buffers.copy_for_image(member(json, "bufferView"), name + ".bufferView");
+    }
+    if (!bytes) {
+      raw_.notes.push_back(fmt::format("a texture is missing: {}", bytes.error().what));
+      return std::nullopt;
+    }
+    raw_.appearance.images.push_back({name, std::move(*bytes)});
+    return raw_.appearance.images.size() - 1;
+  }
+
+  const Document& document_;
+  const std::filesystem::path& folder_;
+  RawMesh& raw_;
+  std::map<std::size_t, std::optional<std::size_t>> known_;  // by number in the file; none: it is missing
+};
+
+std::optional<std::size_t> read_texture(const Document& document, const Json& info, const std::string& where, TextureImages& images,
+                                        RawMesh& raw) {
   const auto texture = index_of(member(info, "index"), member(document.root, "textures"), where);
   if (!texture) {
     raw.notes.push_back(fmt::format("a texture is missing: {}", texture.error().what));
@@ -55,7 +71,7 @@ std::optional<std::size_t> read_texture(const Document& document, const Json& in
     raw.notes.push_back(fmt::format("a texture is missing: textures[{}] has no PNG or JPEG image", *texture));
     return std::nullopt;
   }
-  return read_image(document, *image, folder, raw);
+  return images.find(*image);
 }
 
 // A sampler's wrapS or wrapT [5.26]; what is absent repeats.
@@ -105,8 +121,8 @@ void read_alpha(const Json& json, const std::string& where, VisualMaterial& mate
 bool is_same(const TexturePlace& a, const TexturePlace& b) { return a.set == b.set && a.place.matrix() == b.place.matrix(); }
 
 // normalTexture [3.9.3]. place: of the material's texture coordinates, which all images for forces use.
-void read_normals(const Document& document, const Json& json, const std::string& where, const std::filesystem::path& folder,
-                  const TexturePlace& place, VisualMaterial& material, RawMesh& raw) {
+void read_normals(const Document& document, const Json& json, const std::string& where, TextureImages& images, const TexturePlace& place,
+                  VisualMaterial& material, RawMesh& raw) {
   const Json& texture = member(json, "normalTexture");
   if (!texture.is_object()) return;
   const auto own = read_texture_place(texture, where);
@@ -123,7 +139,7 @@ void read_normals(const Document& document, const Json& json, const std::string&
     return;
   }
   material.normal_scale = scale.is_null() ? 1.0F : scale.get<float>();
-  material.normals = read_texture(document, texture, where, folder, raw);
+  material.normals = read_texture(document, texture, where, images, raw);
 }
 
 // Two numbers, or those that stand for none.
@@ -164,6 +180,7 @@ Result<TexturePlace> read_texture_place(const Json& info, const std::string& whe
 std::vector<TexturePlace> read_materials(const Document& document, const std::filesystem::path& folder, AppearanceReading appearance,
                                          RawMesh& raw) {
   const Json& materials = member(document.root, "materials");
+  TextureImages images(document, folder, raw);
   std::vector<TexturePlace> places;
   for (std::size_t m = 0; m < size_of_array(materials); ++m) {
     VisualMaterial material{.name = text_of(member(materials[m], "name"))};
@@ -177,10 +194,10 @@ std::vector<TexturePlace> read_materials(const Document& document, const std::fi
     const auto place = read_texture_place(*base.texture, base.where);
     if (!place) raw.notes.push_back(fmt::format("a texture may be misplaced: {}", place.error().what));
     places.push_back(place.value_or(TexturePlace()));
-    if (base.texture->is_object()) material.image = read_texture(document, *base.texture, base.where, folder, raw);
+    if (base.texture->is_object()) material.image = read_texture(document, *base.texture, base.where, images, raw);
     if (material.image) material.wrap = read_wraps(document, *base.texture, base.where, raw);
     if (appearance == AppearanceReading::with_normals) {
-      read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), folder, places.back(), material, raw);
+      read_normals(document, materials[m], fmt::format("materials[{}].normalTexture", m), images, places.back(), material, raw);
     }
     raw.appearance.materials.push_back(std::move(material));
   }

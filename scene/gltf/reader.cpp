@@ -154,6 +154,7 @@ class SceneReader {
     skinned_ += member(node, "skin").is_null() ? 0 : 1;
     std::string name = text_of(member(node, "name"));
     if (name.empty()) name = text_of(member(meshes[*mesh], "name"));
+    if (auto error = count_read(name.size())) return error;
     raw_.begin_part(name.empty() ? fmt::format("node {}", index) : name);
     raw_.parts.back().node = index;
     const Json& primitives = member(meshes[*mesh], "primitives");
@@ -163,10 +164,13 @@ class SceneReader {
     if (!haptic) return haptic.error();
     const auto weights = weights_at_rest(document_.root, node, where);
     if (!weights) return weights.error();
+    if (auto error = count_read(poses->size() + weights->size())) return error;
     for (std::size_t p = 0; p < size_of_array(primitives); ++p) {
       const std::string place = fmt::format("meshes[{}].primitives[{}]", *mesh, p);
       const auto primitive = read_primitive(document_, primitives[p], *weights, place, max_triangles_);
       if (!primitive) return primitive.error();
+      const std::size_t vertices = *primitive ? (*primitive)->positions.size() : 0;
+      if (auto error = count_read(1 + vertices + (1 + vertices) * size_of_array(member(primitives[p], "targets")))) return error;
       count_flaws(*primitive);
       odd_weights_ += *primitive && !weights->empty() && weights->size() != size_of_array(member(primitives[p], "targets")) ? 1 : 0;
       if (!*primitive || (*primitive)->triangles.empty()) continue;
@@ -201,6 +205,16 @@ class SceneReader {
     const VertexAppearances& appearances;
     const VertexAppearances& haptics;
   };
+
+  // Any number of nodes and primitives may share what the file has once. Where they add triangles, these are counted; without any, all
+  // would be read again for each, for hours.
+  std::optional<Error> count_read(std::size_t items) {
+    read_ += items;
+    if (read_ <= kReadOfATriangle * max_triangles_) return std::nullopt;
+    return Error{
+        fmt::format("has more than {} vertices, morph targets, instances, primitives and bytes of names with all its nodes: simplify it",
+                    kReadOfATriangle * max_triangles_)};
+  }
 
   void count_flaws(const std::optional<Primitive>& primitive) {
     not_triangles_ += primitive ? 0 : 1;
@@ -277,6 +291,9 @@ class SceneReader {
     into.triangles.push_back({appearances.material, appearances.has_colours, {seen[local[0]], seen[local[1]], seen[local[2]]}});
   }
 
+  // Three vertices, three displacements, and a morph target, a weight, an instance and a primitive.
+  static constexpr std::size_t kReadOfATriangle = 10;
+
   const Document& document_;
   std::size_t max_triangles_;
   std::vector<TexturePlace> places_;
@@ -290,6 +307,7 @@ class SceneReader {
   std::size_t bad_morphs_ = 0;
   std::size_t odd_weights_ = 0;
   std::size_t displacements_ = 0;  // of the morph targets of all instances
+  std::size_t read_ = 0;           // of all nodes, see count_read
 };
 
 }  // namespace

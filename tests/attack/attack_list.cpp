@@ -22,7 +22,7 @@ using process::Program;
 
 constexpr int kMaxStalls = 4;
 constexpr double kStallMs = 1e-6 * StallWatch::kForceLifeNs;
-constexpr const char* kWildRealtime = "a real-time program runs wild";
+constexpr const char* kBusyRealtime = "a real-time program uses every CPU fully";
 constexpr double kFastest = 1e7;  // a second: as fast as the machine sends
 
 void sleep_s(double seconds) {
@@ -33,7 +33,7 @@ void sleep_s(double seconds) {
 // In a thread that is there in time, where this user may have one; it starts no programs, which would inherit that.
 void observe(const std::function<void()>& what, bool in_realtime = true) {
   std::thread thread([&] {
-    // With priority over everything observed, if permitted: not even a real-time program run wild keeps it from observing.
+    // With priority over everything observed, if permitted: not even a real-time program that uses every CPU fully keeps it from observing.
     if (in_realtime && !enter_deadline(100'000, 200'000))
       (void)enter_realtime({.mode = RealtimeMode::attempt, .priority = 90, .lock_memory = false, .low_dma_latency = false});
     what();
@@ -264,7 +264,7 @@ void List::io_node_dies(const std::string& name, int signal) {
 }
 
 void List::realtime_is_taken() {
-  Row row{.name = fmt::format("a real-time program runs wild on every CPU (FIFO {})", RealtimeHog::kPriority)};
+  Row row{.name = fmt::format("a real-time program uses every CPU fully (FIFO {})", RealtimeHog::kPriority)};
   if (auto bed = make_bed(row)) {
     const RealtimeHog hog;
     row.is_skipped = !hog.is_running();
@@ -272,7 +272,7 @@ void List::realtime_is_taken() {
       const auto watched = watch(*bed, 3.5);
       note(row, watched);
       row.is_broken = !bed->io().is_running();
-      row.note = row.is_broken ? "io_node died" : fmt::format("a force in {:.0f} % of the looks", 100.0 * watched.force_share);
+      row.note = row.is_broken ? "io_node died" : fmt::format("a force in {:.0f} % of the observations", 100.0 * watched.force_share);
     } else {
       row.note = "this user may not have real time";
     }
@@ -313,9 +313,9 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
   const double sent_per_s = nlohmann::json::parse(ended->out, nullptr, false).value("sent_per_s", 0.0);
   const double requested = of("forces_in_time") + of("late") + of("lost") + of("superseded");
   const double late_share = requested > 0.0 ? (requested - of("forces_in_time")) / requested : 1.0;
-  row.note = fmt::format("{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the looks; {:.0f} k rejected or dropped",
-                         1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share,
-                         1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
+  row.note = fmt::format(
+      "{:.0f} k/s; {:.2f} % of forces late or lost; a force in {:.0f} % of the observations; {:.0f} k rejected or dropped",
+      1e-3 * sent_per_s, 100.0 * late_share, 100.0 * watched.force_share, 1e-3 * (of("unknown_peers") + of("dropped_by_kernel")));
   if (!bed->io().is_running()) {
     row.is_broken = true;
     row.note = "io_node died; " + row.note;
@@ -329,7 +329,7 @@ void List::flood(const std::string& name, const std::string& kind, double rate_p
 }
 
 double List::made(const std::string& name, const std::function<void(const std::string&)>& make) {
-  if (name == kWildRealtime) {
+  if (name == kBusyRealtime) {
     make(name);
     return rows_.back().is_broken ? bed_stall_ms_ : 0.0;
   }
@@ -377,7 +377,7 @@ std::vector<Row> List::run() {
   row("io_node frozen (SIGSTOP), then continued", [&](const auto&) { io_node_freezes(); });
   row("io_node killed (SIGKILL)", [&](const auto& name) { io_node_dies(name, SIGKILL); });
   row("io_node crashes (SIGSEGV)", [&](const auto& name) { io_node_dies(name, SIGSEGV); });
-  row(kWildRealtime, [&](const auto&) { realtime_is_taken(); });
+  row(kBusyRealtime, [&](const auto&) { realtime_is_taken(); });
   row("flood: junk, 100 k/s from one port", [&](const auto& name) { flood(name, "junk", 100'000, 1); });
   row("flood: junk, as fast as can be from one port", [&](const auto& name) { flood(name, "junk", kFastest, 1); });
   row("flood: junk, as fast as can be from 256 ports", [&](const auto& name) { flood(name, "junk", kFastest, 256); });

@@ -27,7 +27,7 @@ using ::testing::HasSubstr;
 using ::testing::Key;
 using ::testing::Not;
 
-// A haptics node that replies with a constant.
+// A haptics node that replies to every sample with the same force. In a thread of its own until it is destroyed.
 class Responder {
  public:
   Responder(const System& system, const ForceCommand& reply)
@@ -61,7 +61,7 @@ class Responder {
   std::thread thread_;
 };
 
-// Far longer than the test: mm/s and rad/s so small that the end is out of reach.
+// A straight line, so slow (0.2 mm/s) that its position tells the time, and so long that no test reaches its end.
 constexpr double kLengthS = 600.0;
 const Vec3 kStart(0.011, -0.023, 0.037);
 const Vec3 kVelocity(1e-4, -2e-4, 5e-5);
@@ -69,7 +69,7 @@ constexpr double kTurnRadPerS = 2e-3;  // about z
 constexpr double kFirstTurnRad = 0.5;
 constexpr std::uint32_t kButtons = 0x80000005;
 
-// Over what System's own trajectory says.
+// Replaces the trajectory that io_node replays (System's taps) by the line. Before io_node is started.
 void write_line(const System& system) {
   std::ofstream file(system.folder() / "taps.csv");
   file << "t_s,x_m,y_m,z_m,qw,qx,qy,qz,buttons\n";
@@ -83,7 +83,7 @@ void write_line(const System& system) {
   }
 }
 
-// From a position on the line.
+// The time at which the line is at this pose (x, y, z, then the quaternion), s.
 double time_of(const std::vector<double>& pose) { return (pose.at(0) - kStart.x()) / kVelocity.x(); }
 
 void expect_on_the_line(const std::vector<double>& pose) {
@@ -118,7 +118,7 @@ TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
     EXPECT_FALSE(writers.at(topic).is_transient) << topic;
     EXPECT_FALSE(writers.at(topic).has_key) << topic;
   }
-  // Off by default.
+  // Force commands from ROS are off by default.
   EXPECT_THAT(ros.readers(), Not(Contains(Key("rt/arm/pen/servo_cf"))));
   ros.subscribe("rt/arm/pen/measured_cp", kPose);
   EXPECT_TRUE(System::wait_until([&] { return !ros.take("rt/arm/pen/measured_cp").empty(); }));
@@ -126,7 +126,7 @@ TEST(DdsLive, TopicsHaveTheNamesTypesAndQosOfRos2) {
   system.end_all();
 }
 
-// As a node of ROS 2 does, which names an address of the network as its own where there is one.
+// A node of ROS 2 announces an address of the network as its own, if the host has one; here no setting makes either side use loopback.
 TEST(DdsLive, AProgramOfThisHostWithDefaultSettingsSeesIt) {
   ::unsetenv("CYCLONEDDS_URI");
   System system;
@@ -194,12 +194,13 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
       into[before_ns] = stamped.numbers;
     }
   };
+  // Whether the force of the last wrench is the whole force: the governor ramps it up.
   const auto is_in_full = [&] {
     return !wrenches.empty() &&
            (Vec3(wrenches.rbegin()->second[0], wrenches.rbegin()->second[1], wrenches.rbegin()->second[2]) - reply.force_n).norm() < 1e-9;
   };
   const std::int64_t start_s = ::time(nullptr);
-  // Long enough for velocities, whatever the machine does meanwhile.
+  // 500 samples: their mean velocity is within 5 % even if the machine stands still for a while.
   System::wait_until([&] {
     collect("rt/hapton/measured_cp", 7, poses);
     collect("rt/hapton/proxy/measured_cp", 7, proxies);
@@ -213,9 +214,9 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   ASSERT_TRUE(is_in_full()) << "the last force is not that of the last reply";
   EXPECT_EQ(wrenches.rbegin()->second[3], 0.0);
   for (const auto& [unused, pose] : poses) expect_on_the_line(pose);
-  // Time of day, in seconds; the stamps tell how much time passed on the line.
+  // Stamps are the time of day; their differences are the time that passed on the line.
   EXPECT_NEAR(static_cast<double>(poses.begin()->first) * 1e-9, static_cast<double>(start_s), 60.0);
-  // Half of them at least: a machine that stands still between a position and its time makes some late.
+  // The middle half only: where the machine stands still between a position and its stamp, the stamp is late.
   std::vector<double> offsets_s;
   for (const auto& [stamp, pose] : poses) offsets_s.push_back(1e-9 * static_cast<double>(stamp - poses.begin()->first) - time_of(pose));
   std::sort(offsets_s.begin(), offsets_s.end());
@@ -240,7 +241,7 @@ TEST(DdsLive, ValuesAreInTheirFieldsAndFrames) {
   for (const auto& [unused, twist] : twists) {
     for (std::size_t i = 0; i < 6; ++i) means[i] += twist[i] / static_cast<double>(twists.size());
   }
-  // What it was at the first samples counts, too.
+  // The mean is over all samples, also the first ones, in which the velocity filter has not settled: hence 5 %.
   EXPECT_NEAR(means[0], kVelocity.x(), 0.05 * kVelocity.norm());
   EXPECT_NEAR(means[1], kVelocity.y(), 0.05 * kVelocity.norm());
   EXPECT_NEAR(means[2], kVelocity.z(), 0.05 * kVelocity.norm());

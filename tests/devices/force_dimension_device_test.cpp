@@ -281,6 +281,9 @@ TEST_F(ForceDimension, AMissingDeviceOrAnotherNumberIsReported) {
   EXPECT_THAT(make("1").error().what, HasSubstr("is number 1"));
   EXPECT_THAT(make("left").error().what, HasSubstr("not 'left'"));
   EXPECT_THAT(make("-1").error().what, HasSubstr("not '-1'"));
+  EXPECT_THAT(make("31").error().what, HasSubstr("is number 31"));
+  EXPECT_THAT(make("32").error().what, HasSubstr("not '32'"));
+  EXPECT_THAT(make("0x").error().what, HasSubstr("not '0x'"));
   board->is_plugged = 0;
   EXPECT_THAT(make().error().what, HasSubstr("finds 0 devices"));
 }

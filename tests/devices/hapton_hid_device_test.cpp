@@ -161,6 +161,48 @@ TEST_F(HaptonHid, RepeatedStatesAreNoNews) {
   EXPECT_FALSE(backend_.decode(state, now_ns_, reading_));
 }
 
+// A device that was switched off and on may begin with the same number.
+TEST_F(HaptonHid, AfterItWasOpenedAgainTheSameStateIsNews) {
+  ASSERT_TRUE(begin());
+  Bytes state(HAPTON_HID_STATE_BYTES);
+  hapton_hid_state(&device_, &measured_, 0, state.data());
+  ASSERT_TRUE(backend_.decode(state, now_ns_, reading_));
+  ASSERT_TRUE(begin());
+  EXPECT_TRUE(backend_.decode(state, now_ns_, reading_));
+}
+
+TEST_F(HaptonHid, EachForceIsNumberedAndNamesTheNewestState) {
+  ASSERT_TRUE(begin());
+  const auto number_at = [](const Bytes& report, std::size_t at) { return report[at] | (report[at + 1] << 8); };
+  const auto next = [&] {
+    Bytes force(hapton_hid::kForceBytes);
+    EXPECT_EQ(backend_.encode({}, false, now_ns_, force), force.size());
+    return force;
+  };
+  const Bytes first = next(), second = next();
+  EXPECT_EQ(number_at(second, 2), number_at(first, 2) + 1);
+  EXPECT_EQ(number_at(first, 4), 0) << "none yet";
+  Bytes state(HAPTON_HID_STATE_BYTES);
+  for (int n = 0; n < 300; ++n) hapton_hid_state(&device_, &measured_, 0, state.data());
+  ASSERT_TRUE(backend_.decode(state, now_ns_, reading_));
+  ASSERT_GT(number_at(state, 2), 0xFF);
+  EXPECT_EQ(number_at(next(), 4), number_at(state, 2));
+  ASSERT_TRUE(begin());
+  EXPECT_EQ(number_at(next(), 4), 0) << "none since it was opened again";
+  Bytes small(hapton_hid::kForceBytes - 1);
+  EXPECT_EQ(backend_.encode({}, false, now_ns_, small), 0U);
+}
+
+// The bit that says so is of no meaning then: a dead man's switch would never be held.
+TEST_F(HaptonHid, OneThatCannotSenseAHandIsAlwaysHeld) {
+  ASSERT_TRUE(begin());
+  Bytes state(HAPTON_HID_STATE_BYTES);
+  hapton_hid_state(&device_, &measured_, 0, state.data());
+  state[1] = 1;  // calibrated, and nothing else
+  ASSERT_TRUE(backend_.decode(state, now_ns_, reading_));
+  EXPECT_TRUE(reading_.sample.is_held);
+}
+
 TEST_F(HaptonHid, ThatComesBackAsAnotherDeviceIsNotDriven) {
   ASSERT_TRUE(begin());
   ASSERT_TRUE(begin()) << "the same one is";

@@ -3,7 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
+#include "runtime/log.h"
 #include "tests/devices/servo_hand.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/fake_hid.h"
@@ -65,6 +71,7 @@ class Reporter {
 
 class HidDeviceTest : public ::testing::Test {
  protected:
+  static void SetUpTestSuite() { start_log("test"); }
   void SetUp() override {
     auto opened = HidDevice::open(std::make_unique<PlainBackend>(), hid_.opener());
     ASSERT_TRUE(opened) << opened.error().what;
@@ -237,6 +244,25 @@ TEST_F(HidDeviceTest, AnUncalibratedOrBrokenDeviceGetsNoForce) {
     EXPECT_TRUE(serve_until([&] { return hid_.written() >= 5; }));
     for (const auto& report : hid_.take_written()) EXPECT_EQ(report[1], 0);
   }
+}
+
+TEST_F(HidDeviceTest, LogsOnceThatItCalibratesThatItHasAndThatItIsBroken) {
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::ready; }));
+  testing::internal::CaptureStderr();
+  for (const DeviceStatus status : {DeviceStatus::calibrating, DeviceStatus::ready, DeviceStatus::fault}) {
+    reporter_.set_status(status);
+    EXPECT_TRUE(serve_until([&, reads = 0]() mutable { return device_->status() == status && ++reads > 20; }));
+  }
+  device_.reset();
+  const std::string said = testing::internal::GetCapturedStderr();
+  const auto count = [&](const std::string& words) {
+    int times = 0;
+    for (std::size_t at = said.find(words); at != std::string::npos; at = said.find(words, at + 1)) ++times;
+    return times;
+  };
+  EXPECT_EQ(count("plain: not calibrated yet: wait until it has finished calibrating"), 1) << said;
+  EXPECT_EQ(count("plain: calibrated"), 1) << said;
+  EXPECT_EQ(count("plain: it reports a device fault; switch it off and on"), 1) << said;
 }
 
 TEST_F(HidDeviceTest, EndsWithAReportThatReleasesTheForce) {

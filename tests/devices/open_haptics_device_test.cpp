@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <numbers>
 
@@ -66,6 +67,20 @@ TEST_F(OpenHaptics, AStiffnessThatNoDeviceHasIsBounded) {
   }
 }
 
+// DeviceLimits: zero would mean the greatest force, for ever.
+TEST_F(OpenHaptics, AContinuousForceThatNoDeviceHasIsAQuarterOfTheMaximum) {
+  board->max_force_n = 8.0;
+  for (const double given : {0.0, -0.88, std::numeric_limits<double>::quiet_NaN()}) {
+    board->continuous_force_n = given;
+    open();
+    EXPECT_EQ(device->limits().continuous_force_n, 2.0) << given;
+    device.reset();
+  }
+  board->continuous_force_n = 9.0;
+  open();
+  EXPECT_EQ(device->limits().continuous_force_n, 8.0);
+}
+
 TEST_F(OpenHaptics, SaysWhatItIs) {
   open();
   ASSERT_TRUE(serve_until_ready());
@@ -83,7 +98,7 @@ TEST_F(OpenHaptics, MillimetresBecomeMetresFromTheMiddleOfTheWorkspace) {
   board->follows_hand = 0;
   const double at_m[] = {0.010, 0.050, -0.003};
   for (std::size_t axis = 0; axis < 3; ++axis) board->hand_m[axis] = at_m[axis];
-  board->buttons = 3;
+  board->buttons = 0x13;  // bit 4 is not a button
   open();
   ASSERT_TRUE(serve_until_ready());
   const DeviceSample sample = hand.sample();
@@ -163,7 +178,13 @@ TEST_F(OpenHaptics, ADeviceWithImpossibleDataIsRejected) {
   board->max_force_n = 0.0;
   EXPECT_THAT(make().error().what, HasSubstr("impossible workspace"));
   EXPECT_THAT(make().error().what, HasSubstr("0.16 x 0.12 x 0.07 m and 0 N"));
+  for (const double given : {-1.0, 100.5, std::numeric_limits<double>::quiet_NaN()}) {
+    board->max_force_n = given;
+    EXPECT_FALSE(make()) << given;
+  }
   EXPECT_EQ(board->opened, board->closed);
+  board->max_force_n = 100.0;
+  EXPECT_TRUE(make());
 }
 
 TEST_F(OpenHaptics, ExertsNoForceUntilItIsCalibratedAndSaysWhatToDo) {

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <set>
+#include <vector>
 
 #include "core/math/rotation_vector.h"
 #include "devices/model_a.h"
 #include "tests/support/time_units.h"
+#include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 namespace {
@@ -88,6 +91,54 @@ TEST(SimulatedPhantom, ForcePushesTheHandBackByItsStiffness) {
   const StylusModel model;
   const double give = 4.0 * (1.0 / model.hand_stiffness_n_per_m + 1.0 / model.structure_stiffness_n_per_m());
   EXPECT_NEAR(device.exact_position_m().z() - place.z(), give, 1e-6);
+}
+
+// As hapton_watchdog does it from its own process, and the device side by itself.
+TEST(SimulatedPhantom, ItsMotorsAreSeenAndCutThroughTheHeartbeatPage) {
+  StylusModel frictionless;
+  frictionless.friction_n = 0.0;
+  SimulatedPhantom device({.seed = 1, .stylus = frictionless});
+  const auto page = std::make_unique<HeartbeatPage>();
+  device.use_heartbeat_page(*page);
+  EXPECT_EQ(page->means.load(), CutMeans::simulated);
+  const Vec3 place(0.01, 0.02, 0.05);
+  device.set_hand_target(place);
+  std::int64_t now = 0;
+  const auto pushed_by_mm = [&] {
+    for (const std::int64_t end = now + 3000 * kMs; now < end; now += kMs) {
+      device.read(now);
+      device.write({.force_n = Vec3(1.0, 2.0, 4.0)}, now);
+    }
+    return 1e3 * (device.exact_position_m().z() - place.z());
+  };
+  EXPECT_GT(pushed_by_mm(), 5.0);
+  EXPECT_EQ(page->motors_n[0].load(), 1.0);
+  EXPECT_EQ(page->motors_n[1].load(), 2.0);
+  EXPECT_EQ(page->motors_n[2].load(), 4.0);
+  page->is_cut = 1;
+  EXPECT_NEAR(pushed_by_mm(), 0.0, 1e-3);
+  page->is_cut = 0;
+  EXPECT_GT(pushed_by_mm(), 5.0);
+  EXPECT_EQ(page->is_cut_within.load(), 0U);
+  EXPECT_TRUE(device.cut());
+  EXPECT_EQ(page->is_cut_within.load(), 1U);
+  EXPECT_NEAR(pushed_by_mm(), 0.0, 1e-3);
+  device.restore();
+  EXPECT_EQ(page->is_cut_within.load(), 0U);
+  EXPECT_GT(pushed_by_mm(), 5.0);
+}
+
+TEST(SimulatedPhantom, ButtonsOfItsPathAndOfWhoLeadsTheHandAreDownTogether) {
+  const Vec3 place(0.0, 0.0, 0.1);
+  const std::vector<TrajectoryRow> path = {{.t_s = 0.0, .p_WD = place, .buttons = 1}, {.t_s = 1.0, .p_WD = place, .buttons = 1}};
+  SimulatedPhantom device({.stylus = {}, .path = path});
+  const auto buttons_at = [&](std::int64_t ms) { return device.read(ms * kMs).buttons; };
+  for (std::int64_t ms = 0; ms < 3000; ms += 50) buttons_at(ms);
+  EXPECT_EQ(buttons_at(3000), 1U);
+  EXPECT_TRUE(device.press_hand_buttons(2));
+  EXPECT_EQ(buttons_at(3001), 3U);
+  device.press_hand_buttons(0);
+  EXPECT_EQ(buttons_at(3002), 1U);
 }
 
 TEST(SimulatedPhantom, StaysInTheWorkspaceUnderAnyForce) {

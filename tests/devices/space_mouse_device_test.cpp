@@ -4,9 +4,29 @@
 
 #include "tests/devices/servo_hand.h"
 #include "tests/support/fake_hid.h"
+#include "tests/support/patience.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
+
+// The cap in counts of the device's own axes.
+FakeHid::Bytes cap(int x, int y, int z, int rx, int ry, int rz) {
+  FakeHid::Bytes report = {1};
+  for (const int axis : {x, y, z, rx, ry, rz}) {
+    report.push_back(static_cast<std::uint8_t>(axis));
+    report.push_back(static_cast<std::uint8_t>(axis >> 8));
+  }
+  return report;
+}
+
+HidDescription navigator() {
+  HidDescription description;
+  description.path = "/dev/hidraw3";
+  description.serial = "SN-7";
+  description.product = "SpaceNavigator";
+  return description;
+}
 
 class SpaceMouseHand : public ::testing::Test {
  protected:
@@ -15,14 +35,10 @@ class SpaceMouseHand : public ::testing::Test {
     ASSERT_TRUE(reader->open());
     device_ = std::make_unique<SpaceMouseDevice>(std::move(reader));
   }
-  // Holds the cap, in counts of the device's own axes, until the condition holds.
+  // Holds the cap until the condition holds.
   template <class Condition>
   bool hold_until(int x, int y, int z, int rx, int ry, int rz, Condition&& holds, const Vec3& force_n = Vec3::Zero()) {
-    FakeHid::Bytes report = {1};
-    for (const int axis : {x, y, z, rx, ry, rz}) {
-      report.push_back(static_cast<std::uint8_t>(axis));
-      report.push_back(static_cast<std::uint8_t>(axis >> 8));
-    }
+    const FakeHid::Bytes report = cap(x, y, z, rx, ry, rz);
     return hand_.serve_until(*device_,
                              [&] {
                                if (hid_.is_drained()) hid_.send(report);
@@ -31,8 +47,17 @@ class SpaceMouseHand : public ::testing::Test {
                              {.force_n = force_n});
   }
   const Vec3& p() const { return hand_.sample().p_WD; }
+  // Holds the cap from now on, and has the device know it before any time passes for it: the buttons tell.
+  void hold(const FakeHid::Bytes& report) {
+    ASSERT_TRUE(hid_.send(report) && hid_.send({3, ++marker_}));
+    ASSERT_TRUE(wait_until([&] { return device_->read(time_ns_).buttons == marker_; }));
+  }
+  DeviceSample read_after(std::int64_t more_ns) { return device_->read(time_ns_ += more_ns); }
 
-  FakeHid hid_;
+  FakeHid hid_{navigator()};
+  // Behind the reader's clock, so that no report is stale.
+  std::int64_t time_ns_ = SteadyClock().now_ns();
+  std::uint8_t marker_ = 0;
   std::unique_ptr<SpaceMouseDevice> device_;
   ServoHand hand_;
 };
@@ -77,6 +102,57 @@ TEST_F(SpaceMouseHand, UnpluggedStaysWhereItIs) {
   hid_.plug_in();
   EXPECT_TRUE(hold_until(-350, 0, 0, 0, 0, 0, [&] { return p().x() < there.x() - 0.005; }));
   EXPECT_EQ(device_->status(), DeviceStatus::ready);
+}
+
+TEST_F(SpaceMouseHand, HalfThePushIsAQuarterOfTheSpeed) {
+  hold(cap(180, 0, 0, 0, 0, 0));  // half of the way beyond the dead band
+  EXPECT_NEAR(read_after(10 * kMs).p_WD.x(), 0.01 * SpaceMouseDevice::kFullSpeedMPerS / 4.0, 1e-12);
+  hold(cap(350, 0, 0, 0, 0, 180));
+  EXPECT_NEAR(Eigen::AngleAxisd(read_after(10 * kMs).q_WT).angle(), 0.01 * SpaceMouseDevice::kFullTurnRadPerS / 4.0, 1e-12);
+}
+
+TEST_F(SpaceMouseHand, ALateReadMovesThePointByThreeMillimetresAtMostAndAnEarlierTimeNotAtAll) {
+  hold(cap(350, 0, 0, 0, 0, 0));
+  EXPECT_NEAR(read_after(100 * kMs).p_WD.x(), 0.003, 1e-12);
+  EXPECT_NEAR(read_after(-50 * kMs).p_WD.x(), 0.003, 1e-12);
+}
+
+TEST_F(SpaceMouseHand, NoForceTakesItOutOfTheWorkspace) {
+  const DeviceLimits& limits = device_->limits();
+  EXPECT_TRUE(limits.workspace_max_m.isApprox(Vec3(0.15, 0.12, 0.15)));
+  EXPECT_TRUE(limits.workspace_min_m.isApprox(Vec3(-0.15, -0.12, -0.15)));
+  EXPECT_EQ(limits.max_force_n, 8.0);
+  EXPECT_EQ(limits.max_slew_n_per_s, 2000.0);
+  read_after(0);
+  device_->write({.force_n = Vec3::Constant(-1e6)}, time_ns_);
+  EXPECT_EQ(read_after(10 * kMs).p_WD, limits.workspace_min_m);
+  device_->write({.force_n = Vec3::Constant(1e6)}, time_ns_);
+  EXPECT_EQ(read_after(10 * kMs).p_WD, limits.workspace_max_m);
+}
+
+TEST_F(SpaceMouseHand, EachTurnIsAboutTheAxesOfTheRoom) {
+  hold(cap(0, 0, 0, 0, 0, -350));
+  read_after(20 * kMs);
+  hold(cap(0, 0, 0, 350, 0, 0));
+  const double angle = 0.02 * SpaceMouseDevice::kFullTurnRadPerS;
+  const Quat expected = Quat(Eigen::AngleAxisd(angle, Vec3::UnitX())) * Quat(Eigen::AngleAxisd(angle, Vec3::UnitY()));
+  EXPECT_LT(read_after(20 * kMs).q_WT.angularDistance(expected), 1e-9);
+}
+
+TEST_F(SpaceMouseHand, WhileItIsUnpluggedNoForceMovesIt) {
+  hid_.unplug();
+  ASSERT_TRUE(wait_until([&] {
+    device_->read(time_ns_);
+    return device_->status() == DeviceStatus::away;
+  }));
+  const Vec3 there = read_after(0).p_WD;
+  device_->write({.force_n = Vec3(5, 0, 0)}, time_ns_);
+  EXPECT_EQ(read_after(10 * kMs).p_WD, there);
+}
+
+TEST_F(SpaceMouseHand, SaysWhatItIs) {
+  EXPECT_EQ(device_->condition().model, "SpaceNavigator");
+  EXPECT_EQ(device_->condition().serial, "SN-7");
 }
 
 }  // namespace

@@ -141,12 +141,14 @@ TEST(StylusDynamics, StopIsHardAndReleases) {
   StylusModel model = apart();
   model.device_damping_n_s_per_m = 0.0;
   const StylusDynamics dynamics(model);
-  AxisState state{0.0, 0.5, 0.0, 0.0};
-  dynamics.advance(state, {3.0, 0.0, 0.0}, {-0.01, 0.01}, 0, 200 * kMs);
-  EXPECT_EQ(state.device_m, 0.01);
-  EXPECT_EQ(state.device_m_per_s, 0.0);
-  dynamics.advance(state, {-0.07, 0.0, 0.0}, {-0.01, 0.01}, 200 * kMs, 100 * kMs);
-  EXPECT_NEAR(state.device_m, 0.01 - 0.5 * 0.07 / model.device_mass_kg * 0.01, 1e-9);
+  for (const double side : {1.0, -1.0}) {
+    AxisState state{0.0, side * 0.5, 0.0, 0.0};
+    dynamics.advance(state, {side * 3.0, 0.0, 0.0}, {-0.01, 0.01}, 0, 200 * kMs);
+    EXPECT_EQ(state.device_m, side * 0.01);
+    EXPECT_EQ(state.device_m_per_s, 0.0);
+    dynamics.advance(state, {side * -0.07, 0.0, 0.0}, {-0.01, 0.01}, 200 * kMs, 100 * kMs);
+    EXPECT_NEAR(state.device_m, side * (0.01 - 0.5 * 0.07 / model.device_mass_kg * 0.01), 1e-9);
+  }
 }
 
 TEST(StylusDynamics, ResultDoesNotDependOnTheStep) {

@@ -72,6 +72,9 @@ TEST(VendorLibrary, HintsFitWhatLoadersSay) {
   EXPECT_THAT(hint("libHD.so: wrong ELF class: ELFCLASS32"), HasSubstr("64-bit"));
   EXPECT_THAT(hint("/usr/lib/libHD.so: undefined symbol: _ZN3foo"), HasSubstr("different releases"));
   EXPECT_THAT(hint("/lib/libc.so.6: version `GLIBC_2.99' not found (required by libHD.so)"), HasSubstr("newer"));
+  EXPECT_THAT(hint("libHD.so: file too short"), HasSubstr("64-bit"));
+  EXPECT_THAT(hint("libHD.so: cannot enable executable stack as shared object requires: Invalid argument"), HasSubstr("execstack -c"));
+  EXPECT_THAT(hint("libHD.so: cannot open shared object file: Permission denied"), HasSubstr("chmod a+r"));
   EXPECT_THAT(hint("something new"), HasSubstr("ldd"));
 }
 

@@ -238,6 +238,29 @@ TEST_F(Wooden, InItsRestPoseMayLoseItsCountsUnnoticed) {
   EXPECT_EQ(receive({0, 0, 0, 0}).status, DeviceStatus::ready);
 }
 
+// Near zero: 50 counts; moved: more than 200. One encoder alone shows it, in either direction.
+TEST_F(Wooden, EachEncoderTellsByItselfWhetherTheCountsWereReset) {
+  const auto status_after = [&](const std::vector<int>& before, const std::vector<int>& after) {
+    begin();
+    receive(before);
+    begin_again();
+    return receive(after).status;
+  };
+  for (const std::size_t encoder : {0U, 1U, 2U}) {
+    for (const int sign : {1, -1}) {
+      const auto alone = [&](int counts) {
+        std::vector<int> all = {0, 0, 0, 0};
+        all[encoder] = sign * counts;
+        return all;
+      };
+      EXPECT_EQ(status_after(alone(200), {0, 0, 0, 0}), DeviceStatus::ready) << encoder;
+      EXPECT_EQ(status_after(alone(201), {0, 0, 0, 0}), DeviceStatus::calibrating) << encoder;
+      EXPECT_EQ(status_after({1000, 1000, 1000, 0}, alone(50)), DeviceStatus::calibrating) << encoder;
+      EXPECT_EQ(status_after({1000, 1000, 1000, 0}, alone(51)), DeviceStatus::ready) << encoder;
+    }
+  }
+}
+
 // --- the variants ---
 
 TEST(WoodenVariants, AreKnownByTheirReportDescriptors) {

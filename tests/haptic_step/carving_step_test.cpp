@@ -76,6 +76,25 @@ TEST(CarvingStep, ForceHasNoJumpAtAChangeOfMethod) {
   EXPECT_LT((run.forces[699].force_n - run.forces[698].force_n).norm(), 0.5);
 }
 
+// A step before the first sample of a session, to settle, would carve what no recording has.
+TEST(CarvingStep, EachCarveOfASessionThatGoesOnInContactIsReported) {
+  HapticsStep step(carving_touch(), kCarvingOffset);
+  int in_contact = 0;
+  for (std::uint64_t sample = 1; sample <= 1500; ++sample) {
+    if (sample > 300 && sample % 50 == 0) {
+      in_contact += step.has_contact() ? 1 : 0;
+      step.resume();
+    }
+    const std::uint32_t before = step.touch().count_carves();
+    step.offer(carving_state(sample));
+    step.reply();
+    const std::uint32_t made = step.touch().count_carves() - before;
+    ASSERT_LE(made, 1U) << sample;
+    ASSERT_EQ(step.made_carve() != nullptr, made == 1U) << sample;
+  }
+  EXPECT_GT(in_contact, 5);
+}
+
 TEST(CarvingStep, ChangesWithoutHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP();
   HapticsStep step(carving_touch(), kCarvingOffset);

@@ -29,6 +29,8 @@ TEST(HapticsSetup, WhatIsNotPrintableIsReplaced) {
   HapticsSetup::Text text;
   put_text("a\nb\x7f", text);
   EXPECT_STREQ(text.data(), "a?b?");
+  put_text("a b \xC3\xA4", text);
+  EXPECT_STREQ(text.data(), "a b \xC3\xA4") << "a space, and a letter beyond ASCII";
 }
 
 }  // namespace

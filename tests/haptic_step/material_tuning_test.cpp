@@ -54,6 +54,7 @@ TEST_F(Tuned, OneObjectOrAllOfANameOrAllChange) {
   EXPECT_EQ(tuning.describe_last(), "object 'hull': stiffness 800 N/m, damping 0 Ns/m, friction 0 / 0 (static / dynamic)");
   EXPECT_EQ(change("deck", stiffness(600.0)), "");
   EXPECT_EQ(stiffnesses(), (std::vector{800.0, 600.0, 1000.0, 600.0}));
+  EXPECT_EQ(tuning.describe_last(), "2 objects, the first: stiffness 600 N/m, damping 0 Ns/m, friction 0 / 0 (static / dynamic)");
   EXPECT_EQ(change("", stiffness(500.0)), "");
   EXPECT_EQ(stiffnesses(), (std::vector{500.0, 500.0, 500.0, 500.0})) << "what was said of each before is over";
   EXPECT_EQ(tuning.state().object_count, 1U);

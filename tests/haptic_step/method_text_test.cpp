@@ -48,10 +48,19 @@ TEST(ToolText, IsReadAsItWasWritten) {
   EXPECT_EQ(read->rotational_stiffness_nm_per_rad, coupling.rotational_stiffness_nm_per_rad);
 }
 
+// A recording of a build that wrote 0 for a stiffness that follows from the size of the tool.
+TEST(ToolText, ATurnWithoutAStiffnessOfItsOwnIsOne) {
+  const auto read = parse_tool_text("name=tool stiffness_n_per_m=800 rotational_stiffness_nm_per_rad=0 effects=wind@0");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->stiffness_n_per_m, 800.0);
+  EXPECT_EQ(read->rotational_stiffness_nm_per_rad, 0.0);
+}
+
 TEST(ToolText, IsNoMethodAndNothingElse) {
   for (const char* text : {"", "name=proxy", "name=toolbox stiffness_n_per_m=5", "stiffness_n_per_m=5", "name=tool stiffness_n_per_m=soft",
                            "name=tool stiffness_n_per_m=-5", "name=tool stiffness_n_per_m=nan", "name=tool stiffness_n_per_m",
-                           "name=tool rotational_stiffness_nm_per_rad=-1"}) {
+                           "name=tool rotational_stiffness_nm_per_rad=-1", "name=tool rotational_stiffness_nm_per_rad=soft",
+                           "name=tool rotational_stiffness_nm_per_rad=nan"}) {
     EXPECT_FALSE(parse_tool_text(text)) << text;
   }
   EXPECT_FALSE(parse_tool_text(to_text(MethodSettings())));

@@ -164,6 +164,43 @@ TEST_F(ObjectMoverTest, ARepeatedRequestGetsTheSameReplyAndNoNewMove) {
   EXPECT_EQ(rejection_of(unknown), rejection_of(unknown));
 }
 
+// A sender repeats until its reply comes, which is a few samples later at the soonest.
+TEST_F(ObjectMoverTest, ARepetitionOfARequestThatWaitsIsThatRequest) {
+  reply_to();
+  const MoveRequest only = lift(0.02, 0.5);
+  for (int n = 0; n < 3; ++n) mover.request(only);
+  const ObjectMover::Done done = mover.work(step);
+  EXPECT_TRUE(done.move);
+  EXPECT_EQ(done.reply.request, only.request);
+  EXPECT_STREQ(done.reply.rejection.data(), "");
+  EXPECT_FALSE(mover.has_request());
+}
+
+TEST_F(ObjectMoverTest, ARepetitionOfWhatWasCarriedOutDisplacesNothingNew) {
+  reply_to();
+  const MoveRequest first = lift(0.02, 0.5);
+  send(first);
+  const MoveRequest second = lift(-0.01, 0.5);
+  mover.request(second);
+  mover.request(first);
+  const ObjectMover::Done done = mover.work(step);
+  ASSERT_TRUE(done.move);
+  EXPECT_EQ(done.reply.request, second.request);
+  EXPECT_EQ(done.move->to_p_m, Vec3(0, 0, -0.01));
+}
+
+TEST_F(ObjectMoverTest, ATurnBeginsWhereTheOneBeforeHasEnded) {
+  reply_to();
+  const Quat turned(Eigen::AngleAxisd(0.3, Vec3::UnitZ()));
+  ASSERT_TRUE(send({.request = 5, .object = {"plate"}, .q = turned, .over_s = 0.1}).move);
+  for (int i = 0; i < 400; ++i) reply_to();
+  const ObjectMover::Done back = send({.request = 6, .object = {"plate"}, .q = Quat::Identity(), .over_s = 0.1});
+  ASSERT_TRUE(back.move);
+  EXPECT_LT(back.move->from_q.angularDistance(turned), 1e-9);
+  const Pose before = step.touch().find_commanded(1)->pose_at(1e-9 * static_cast<double>(step.scene_time_ns()));
+  EXPECT_LT(Quat(before.linear()).angularDistance(turned), 1e-9) << "no jump";
+}
+
 TEST_F(ObjectMoverTest, InvalidRequestsAreRejectedWithOneLine) {
   reply_to();
   const auto at = [&](const char* name) {

@@ -1,6 +1,8 @@
 // Where a probe goes on after a break, and where it begins anew.
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "core/math/contact_resumption.h"
 #include "haptic_step/haptics_step.h"
 #include "tests/support/made_meshes.h"
@@ -96,6 +98,43 @@ TEST_F(Resumption, BetweenTwoOfFewStatesAHandGoesFar) {
   step.restart();
   reply(0.015);
   EXPECT_FALSE(reply(-0.015, 50 * kMillisecond).contact);
+}
+
+// What is near is built before the first reply of a session. The contact that goes on is still to come.
+TEST_F(Resumption, AnnouncingTheStartTakesNoContactAway) {
+  press();
+  step.resume();
+  step.offer(next(-0.003));
+  step.announce_start();
+  const ForceCommand first = step.reply();
+  EXPECT_TRUE(first.contact);
+  EXPECT_NEAR(first.force_n.z(), kSheetStiffness * 0.003, 1e-3);
+  EXPECT_EQ(first.replied_before, kUnknownBefore);
+}
+
+TEST_F(Resumption, AMeasurementThatIsNoPlaceTakesNoContactAway) {
+  press();
+  step.offer(next(std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_TRUE(step.reply().force_n.allFinite());
+  const ForceCommand after = reply(-0.002);
+  EXPECT_TRUE(after.contact);
+  EXPECT_EQ(after.replied_before & 0b111U, 0b111U) << "no session ended";
+}
+
+// The hub asks to go on from its place in each sample until a reply comes.
+TEST_F(Resumption, SeveralSamplesThatAskToGoOnAreOneBeginning) {
+  reply(0.005);
+  std::uint64_t replied_before = 0;
+  for (int n = 0; n < 4; ++n) {
+    DeviceState inside = next(-0.002, n == 0 ? 50 * kMillisecond : kMillisecond);
+    inside.is_resumed = true;
+    inside.p_WP = Vec3(0.01, 0.01, 0.0);
+    step.offer(inside);
+    const ForceCommand felt = step.reply();
+    EXPECT_TRUE(felt.contact) << n;
+    replied_before = felt.replied_before;
+  }
+  EXPECT_EQ(replied_before, 0b111U) << "each of them had a reply";
 }
 
 TEST_F(Resumption, AViewThatMovesNothingLeavesTheContact) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+
 #include "haptic_step/material_tuning.h"
 #include "tests/support/scratch_folder.h"
 
@@ -59,6 +61,14 @@ TEST_F(SceneChanges, AreToldApart) {
   EXPECT_EQ(compare_scenes(carved, carved), SceneChange::none);
   EXPECT_EQ(compare_scenes(carved, finer), SceneChange::shape);
   EXPECT_EQ(compare_scenes(before, scene("", "stiffness_n_per_m = 500\ntwo_sided = false")), SceneChange::shape);
+  Scene streamed = before, alike = before, farther = before;
+  streamed.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.01});
+  alike.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.01});
+  farther.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.02});
+  EXPECT_EQ(compare_scenes(before, streamed), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(streamed, before), SceneChange::shape);
+  EXPECT_EQ(compare_scenes(streamed, alike), SceneChange::none);
+  EXPECT_EQ(compare_scenes(streamed, farther), SceneChange::shape);
   EXPECT_EQ(compare_scenes(before, scene("[[object]]\nmesh = 'a.obj'", "stiffness_n_per_m = 500")), SceneChange::shape);
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "core/math/rotation_vector.h"
 #include "haptic_step/haptics_setup.h"
 #include "haptic_step/scene_facts.h"
 #include "scene/scene_hash.h"
@@ -73,6 +74,25 @@ TEST_F(GraspTaskTest, AMovableObjectIsPickedUpPushedAgainstAnotherAndPutDown) {
   EXPECT_EQ(go({0.0, 0.0, 0.0 - kPress}, 0).object, kPlate) << "nothing is left where it was";
   EXPECT_LT(most_change_n, 800.0 * 1e-4 + 0.02) << "no force discontinuity";
   EXPECT_LT(most_change_nm, 0.01);
+}
+
+// Who draws it moves it with the stylus.
+TEST_F(GraspTaskTest, AHeldObjectIsShownInTheFrameOfTheStylus) {
+  reply(at, 0);
+  const Vec3 moved(0.03, 0.0, 0.0);
+  grasp->request_pose({.serial = grasp->poses()[kCube].serial, .object = kCube, .p_m = moved});
+  rest(0, 1);
+  wait_for_method(1);
+  go({0.03, 0.0, 0.05}, 0);
+  ASSERT_EQ(go({0.03, 0.0, 0.021 - kPress}, 0).object, kCube);
+  for (int n = 1; n <= 100; ++n) reply(at, 0, turn_by({0.002 * n, 0.0, 0.0}));
+  const Quat turned = turn_by({0.2, 0.0, 0.0});
+  for (int n = 0; n < 50; ++n) reply(at, 1, turned);
+  ASSERT_TRUE(step->holds_tool());
+  const ObjectPose& pose = grasp->poses()[kCube];
+  EXPECT_TRUE(pose.is_held);
+  EXPECT_LT((at + turned * pose.p_m - moved).norm(), 1e-9) << "it has not moved yet";
+  EXPECT_LT((turned * pose.q).angularDistance(Quat::Identity()), 1e-6);
 }
 
 // What is held is damped by what it touches, as `hapton set` has changed it since the scene was loaded.

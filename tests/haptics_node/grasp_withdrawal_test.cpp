@@ -181,6 +181,33 @@ TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway)
   EXPECT_NEAR(last.force_n.z(), 800.0 * kPress, 1e-3);
 }
 
+// After a longer while without a sample here the hand may have gone around what it touched here: then the place of the hub counts.
+TEST_F(GraspWithdrawalTest, WhatWasFeltHereLongAgoDoesNotCount) {
+  rest(1, 200);
+  ASSERT_TRUE(step->holds_tool());
+  const Vec3 before = at;
+  rest(0, 1);
+  wait_for_method(1);
+  rest(0, 200);
+  ASSERT_EQ(last.object, kCube);
+  sample += 300;
+  resume_at(before - Vec3(0.0, 0.0, 1e-5), 0);
+  rest(0, 200);
+  EXPECT_EQ(last.object, -1);
+  EXPECT_EQ(last.force_n.norm(), 0.0);
+}
+
+TEST_F(GraspWithdrawalTest, ARequestIsWithdrawnWhereTheButtonIsUpAsTheProbeBeginsAnew) {
+  grasp->set_may_leave(false);
+  rest(1, 5);
+  step->restart();
+  reply(at, 1);
+  EXPECT_TRUE(grasp->is_busy());
+  step->restart();
+  reply(at, 0);
+  EXPECT_FALSE(grasp->is_busy());
+}
+
 // It would come after the hand, through whatever is in between.
 TEST_F(GraspWithdrawalTest, AHandThatHasGonePicksNothingUp) {
   const Vec3 first = at;

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <string>
 
 #include "core/force/force_method.h"
 #include "runtime/log.h"
+#include "tests/haptics_node/reply_loop_stage.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -44,6 +47,51 @@ TEST(HapticsReport, OfTheObjectsOneLineIsLogged) {
 }
 
 TEST(HapticsReport, NothingMeasuredIsNoLine) { EXPECT_EQ(describe_times("step", LatencyHistogram()), ""); }
+
+class HapticsReportOfARun : public ReplyLoopStage {
+ protected:
+  void take(const Message&) override {}
+  std::string report() const { return make_haptics_report(step_, client_, {}, {}); }
+  void reply(double z_m) {
+    step_.offer({.sample = ++sample_, .sample_time_ns = 1'000'000 * static_cast<std::int64_t>(sample_), .p_WD = Vec3(0.01, 0.01, z_m)});
+    step_.reply();
+  }
+
+  TouchScene scene_ = {.objects = {{made::shared(made::sheet(0.1, 0.0, 6)), {}}}};
+  HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_)), 1e-5};
+  std::uint64_t sample_ = 0;
+};
+
+TEST_F(HapticsReportOfARun, SaysHowManySamplesHadAReplyAndHowStrongItWas) {
+  EXPECT_THAT(report(), testing::HasSubstr("0 samples with a reply, 0 in contact, maximum 0.000 N; 0 skipped, 0 lost, 0 reordered; joined "
+                                           "the hub 0 times\n"));
+  Datagram datagram;
+  for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
+    client_.receive(datagram, clock_.now_ns() + kMs);
+    receive_at_hub();
+  }
+  reply(0.001);
+  reply(-0.002);
+  step_.offer({.sample = ++sample_, .sample_time_ns = 3'000'000, .p_WD = Vec3(0.01, 0.01, -0.009)});
+  reply(-0.001);
+  const std::string text = report();
+  EXPECT_THAT(text,
+              testing::StartsWith("haptics_node: 3 samples with a reply, 2 in contact, maximum 2.000 N; 1 skipped, 0 lost, 0 reordered; "
+                                  "joined the hub once\n"));
+  EXPECT_THAT(text, testing::EndsWith(step_.touch().method().describe()));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("view transforms")));
+  EXPECT_THAT(text, testing::Not(testing::HasSubstr("methods changed")));
+}
+
+TEST_F(HapticsReportOfARun, NamesTurnsOfTheSceneAndChangesOfTheMethod) {
+  ASSERT_FALSE(step_.turn_scene({.X_WS = {}}));
+  EXPECT_THAT(report(), testing::HasSubstr("view transforms: 0 applied, 1 rejected (not rigid)\n"));
+  for (std::uint32_t revision = 1; revision <= 2; ++revision) ASSERT_TRUE(step_.turn_scene({.revision = revision}));
+  EXPECT_THAT(report(), testing::HasSubstr("view transforms: 2 applied, 1 rejected (not rigid)\n"));
+  reply(0.001);
+  (void)step_.replace(std::make_unique<TouchStep>(*make_method({.name = "sweep"}, scene_)));
+  EXPECT_THAT(report(), testing::HasSubstr("methods changed while running: 1\n"));
+}
 
 TEST(HapticsReport, SaysHowLateTheToolWas) {
   EXPECT_EQ(describe_late_tool({.samples = 1000, .faded = 0, .longest_s = 0.04}), "");

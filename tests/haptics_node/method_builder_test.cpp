@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -103,6 +104,37 @@ TEST(MethodBuilder, WhatReplacesAMethodThatWasNotTakenKeepsItsSceneAndItsRequest
   ASSERT_NE(second, nullptr);
   EXPECT_EQ(second->request_id, 8U);
   EXPECT_EQ(second->scene.get(), next.get());
+}
+
+TEST(MethodBuilder, WhatIsRequestedAfterAnotherSceneIsBuiltForThatScene) {
+  MethodBuilder builder({}, one_sphere());
+  auto sheet = std::make_shared<NewScene>();
+  sheet->touch = {.objects = {{made::shared(made::sheet(0.1, 0.1, 6)), {}}}};
+  sheet->revision = 1;
+  ASSERT_TRUE(builder.rebuild_for(sheet));
+  builder.retire(builder.take());
+  builder.request(name_of("sweep"), 7);
+  const auto built = wait_for_method(builder);
+  ASSERT_NE(built, nullptr);
+  TouchInput input;
+  input.p_WD = Vec3(0.01, 0.01, 0.101);
+  built->step->reset(input);
+  input.p_WD.z() = 0.099;
+  EXPECT_GT(built->step->step(input).force_n.z(), 0.5);
+}
+
+TEST(MethodBuilder, AnotherSceneIsBuiltForTheMethodThatWasRequestedLast) {
+  MethodBuilder builder({}, one_sphere());
+  builder.request(name_of("sweep"), 7);
+  builder.retire(wait_for_method(builder));
+  auto next = std::make_shared<NewScene>();
+  next->touch = one_sphere();
+  next->revision = 1;
+  ASSERT_TRUE(builder.rebuild_for(next));
+  const auto built = wait_for_method(builder);
+  ASSERT_NE(built, nullptr);
+  EXPECT_TRUE(std::string_view(built->text.data()).starts_with("name=sweep")) << built->text.data();
+  EXPECT_NE(built->step->method().describe().find("sweep"), std::string::npos);
 }
 
 TEST(MethodBuilder, AnUnusedMethodIsFreed) {

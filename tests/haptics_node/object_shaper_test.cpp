@@ -265,6 +265,25 @@ TEST_F(ObjectShaperTest, TwoObjectsMoveBesideEachOther) {
   EXPECT_EQ(force_.shape_serial, starts_.size());
 }
 
+TEST_F(ObjectShaperTest, OfTwoObjectsWithOneNameTheNameGivesNeither) {
+  Scene alike = sheet_scene();
+  alike.objects[1].name = "sheet";
+  HapticsStep step(std::make_unique<TouchStep>(*make_method({}, alike.touch_scene()), alike.touch_scene()), 1e-5);
+  ObjectShaper shaper(alike, step.touch(), 42);
+  ShapeRequest request{.stream = 7, .shape = 1, .number = 1};
+  request.object = {"sheet"};
+  request.part = make_shape_part(raised(25, 0.001), 0);
+  shaper.accept(request, kSampleNs);
+  const auto message = shaper.take_due(step, kSampleNs);
+  ASSERT_TRUE(message && std::holds_alternative<ShapeReply>(*message));
+  EXPECT_STREQ(std::get<ShapeReply>(*message).rejection.data(), "several objects have that name; give the number of one");
+  EXPECT_EQ(shaper.counts().rejected, 1U);
+  request.object = {};
+  shaper.accept(request, kSampleNs);
+  EXPECT_TRUE(shaper.work()) << "its shape is whole";
+  EXPECT_EQ(shaper.counts().rejected, 1U);
+}
+
 // Without a device scene time stops, and so does the surface: at most one motion waits.
 TEST_F(ObjectShaperTest, WithoutSamplesNoMoreThanOneMotionWaits) {
   for (int n = 0; n < 10; ++n) cycle();

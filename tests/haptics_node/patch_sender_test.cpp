@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <random>
 #include <thread>
@@ -123,6 +125,26 @@ TEST(PatchSender, OtherMaterialsComeBesideTheParts) {
   stage.sender.set_offered(true);
   ASSERT_TRUE(stage.receive_until([&] { return stage.store.status().epoch == epoch + 2 && stage.is_whole(); }));
   EXPECT_TRUE(stage.receive_until([&] { return stiffness().stiffness_n_per_m == 321.0; }));
+}
+
+// To free a large one takes so long that the next one comes meanwhile, and a change of its material.
+TEST(PatchSender, WhileASceneIsFreedTheNextOneComesWithItsMaterials) {
+  std::function<void()> meanwhile;
+  const auto free = [&](const TriangleMesh* mesh) {
+    meanwhile();
+    delete mesh;
+  };
+  TouchScene first;
+  first.objects.push_back({std::shared_ptr<const TriangleMesh>(new TriangleMesh(made::sheet(0.05, 0.0, 20)), free), {}});
+  SenderStage stage(true, std::move(first));
+  meanwhile = [&] {
+    stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 10)), 9);
+    stage.sender.set_materials({{.stiffness_n_per_m = 321.0}});
+  };
+  stage.sender.set_scene(scene_of(made::sheet(0.05, 0.0, 20)), 8);
+  ASSERT_TRUE(stage.receive_until([&] { return stage.is_whole() && stage.store.begin().scene_hash == 9U; }));
+  EXPECT_TRUE(stage.receive_until(
+      [&] { return stage.store.make_piece(Vec3::Zero(), 1.0, 100'000).scene.objects.at(0).material.stiffness_n_per_m == 321.0; }));
 }
 
 // One that does not would compute other forces.

@@ -14,7 +14,9 @@
 #include "haptics_node/reply_loop.h"
 #include "haptics_node/stiffness_adviser.h"
 #include "patch/patch_store.h"
+#include "plugin/plugin_effects.h"
 #include "tests/haptics_node/reply_loop_stage.h"
+#include "tests/standins/paths.h"
 #include "tests/support/log_of.h"
 #include "tests/support/made_meshes.h"
 
@@ -111,6 +113,39 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   for (int n = 0; n < 200; ++n) exchange({0.01 - 5e-5 * n, 0.0, 0.02 - 5e-5 * n}, 0);
   for (int n = 0; n < 10; ++n) exchange({0.0, 0.0, 0.0095}, 0);
   EXPECT_EQ(object_, 1) << "felt where it is shown";
+}
+
+// What a recording and a report have to know of them.
+TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) {
+  PluginEffects effects(clock_);
+  ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=nan,after=100")));
+  step_.use_effects(&effects);
+  loop_.set_effects(&effects);
+  HeldTool tool(std::move(
+      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
+  for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
+  ASSERT_EQ(object_, 1);
+  exchange({0.0, 0.0, 0.0095}, 1);
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
+  const auto hold = [&](int count) {
+    for (int n = 0; n < count; ++n) {
+      exchange({0.0, 0.0, 0.02}, 1);
+      tool.follow();
+    }
+    return std::string(method());
+  };
+  const std::string held = hold(50);
+  EXPECT_TRUE(held.starts_with("name=tool effects=odd_one@")) << held;
+  EXPECT_EQ(held.find("!cut"), std::string::npos) << held;
+  const std::string cut_off = hold(150);
+  EXPECT_TRUE(cut_off.starts_with("name=tool effects=odd_one@")) << cut_off;
+  EXPECT_NE(cut_off.find("!cut"), std::string::npos) << cut_off;
+  exchange({0.0, 0.0, 0.02}, 0);
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial});
+  for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.02}, 0);
+  EXPECT_TRUE(method().starts_with("name=proxy effects=odd_one@")) << method();
 }
 
 // Hash and facts of the scene come some time after it is felt, and not before it is in use.

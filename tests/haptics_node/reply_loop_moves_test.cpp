@@ -3,12 +3,14 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "haptics_node/reply_loop.h"
 #include "link/commanded_move.h"
 #include "scene/object_reader.h"
 #include "tests/haptics_node/reply_loop_stage.h"
+#include "tests/support/log_of.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -181,6 +183,34 @@ TEST_F(ReplyLoopMoves, AFloodNeverComesBeforeAForce) {
   EXPECT_LE(step_.counts().moves_taken, 400U * 2U / 4U + 2U) << "one in 4 ms, of 20 a cycle of 2 ms";
   EXPECT_GE(step_.counts().moves_taken, 50U);
   EXPECT_LE(setups_ - setups_before, 4);
+}
+
+std::size_t count_of_text(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+  return count;
+}
+
+// A program may send hundreds a second.
+TEST_F(ReplyLoopMoves, MovesAndRejectedRequestsAreReportedOnceASecondAtMost) {
+  std::uint32_t request = 100;
+  const auto request_often = [&](std::int32_t object) {
+    return log_of([&] {
+      for (int n = 0; n < 20; ++n) {
+        send(lift(++request, 1e-3 * n, object));
+        for (int k = 0; k < 3; ++k) cycle();
+      }
+    });
+  };
+  for (int second = 0; second < 2; ++second) {
+    const std::string moved = request_often(0);
+    EXPECT_EQ(count_of_text(moved, "a program moves plate, in "), 1U) << moved;
+    EXPECT_EQ(count_of_text(moved, "rejected"), 0U) << moved;
+    const std::string rejected = request_often(9);
+    EXPECT_EQ(count_of_text(rejected, "a program's request was rejected: "), 1U) << rejected;
+    EXPECT_EQ(count_of_text(rejected, "a program moves"), 0U) << rejected;
+    for (int n = 0; n < 600; ++n) cycle();
+  }
 }
 
 TEST_F(ReplyLoopMoves, WithoutAMoverRequestsAreLeftOut) {

@@ -112,10 +112,10 @@ TEST_F(SceneWatcherTest, BesideMovableObjectsOnlyMaterialsChange) {
   const auto tuned = wait_for_materials();
   ASSERT_NE(tuned, nullptr);
   EXPECT_EQ(tuned->materials[0].stiffness_n_per_m, 700.0);
-  for (const auto& [material, object] :
-       {std::pair("stiffness_n_per_m = 700", "movable = true\nposition_m = [0, 0, 0.01]"),
-        std::pair("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1", "movable = true"),
-        std::pair("stiffness_n_per_m = 700", "movable = true\nname = 'other'"), std::pair("stiffness_n_per_m = 700", "")}) {
+  for (const auto& [material, object] : {std::pair("stiffness_n_per_m = 700", "movable = true\nposition_m = [0, 0, 0.01]"),
+                                         std::pair("stiffness_n_per_m = 700\nviscosity_ns_per_m = 1", "movable = true"),
+                                         std::pair("stiffness_n_per_m = 700", "movable = true\nname = 'other'"),
+                                         std::pair("stiffness_n_per_m = 700", ""), std::pair("stiffness_n_per_m = 800", "")}) {
     write(material, object);
     EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << material << object;
     EXPECT_THAT(log, HasSubstr(kRejected));
@@ -273,6 +273,64 @@ TEST_F(SceneWatcherTest, WhatProgramsMoveStaysTheSameObject) {
   }
   write("stiffness_n_per_m = 650", lid + block + "position_m = [0, 0, 0.03]\n");
   EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
+}
+
+TEST_F(SceneWatcherTest, WhatProgramsDeformStaysTheSameObject) {
+  const std::string by_program = "deformed_by = 'program'\nreach_m = 0.02\n";
+  write("stiffness_n_per_m = 500", by_program);
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  MethodBuilder of_sail(MethodSettings(), loaded->touch_scene(), std::shared_ptr<ForceMethod>(*make_method({}, loaded->touch_scene())));
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_sail);
+  for (const std::string& changed : {std::string("deformed_by = 'program'\nreach_m = 0.03\n"), by_program + "position_m = [0, 0, 0.02]\n",
+                                     by_program + "name = 'b'\n", by_program + "[[object]]\nname = 'b'\nmesh = 'a.obj'\n", std::string()}) {
+    write("stiffness_n_per_m = 500", changed);
+    EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::rejected) << changed;
+    EXPECT_THAT(log, HasSubstr("programs deform objects of this scene, and the shapes or the names of its objects have changed"));
+  }
+  write("stiffness_n_per_m = 650", by_program);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
+}
+
+// A recording has the differences between the materials in use and those of the scene that it names.
+TEST_F(SceneWatcherTest, AfterAnotherSceneMaterialsAreDescribedAsDifferencesFromThatOne) {
+  const std::string effect = "\nviscosity_ns_per_m = 2";
+  write("stiffness_n_per_m = 600" + effect);
+  ASSERT_EQ(poll_twice(), SceneWatcher::Outcome::scene);
+  for (const double stiffness_n_per_m : {700.0, 600.0}) {
+    write(fmt::format("stiffness_n_per_m = {}", stiffness_n_per_m) + effect);
+    ASSERT_EQ(poll_twice(), SceneWatcher::Outcome::materials);
+    auto result = wait_for_materials();
+    ASSERT_NE(result, nullptr);
+    EXPECT_EQ(result->materials.at(0).stiffness_n_per_m, stiffness_n_per_m);
+    EXPECT_EQ(result->state.object_count, stiffness_n_per_m == 600.0 ? 0U : 1U);
+    EXPECT_EQ(result->scene, 1U);
+    material_task->retire(std::move(result));
+  }
+}
+
+// More materials than a message describes: the scene takes over as a whole.
+TEST_F(SceneWatcherTest, ManyMaterialsComeAsAnotherScene) {
+  const auto write_many = [&](int stiffness_n_per_m) {
+    std::string objects;
+    std::string materials = fmt::format("stiffness_n_per_m = {}", stiffness_n_per_m);
+    for (std::size_t n = 1; n <= MaterialState::kMaxObjects; ++n) {
+      objects += fmt::format("\n[[object]]\nname = 'o{0}'\nmesh = 'a.obj'\nmaterial = 'm{0}'", n);
+      materials += fmt::format("\n[material.m{}]\nstiffness_n_per_m = {}", n, stiffness_n_per_m);
+    }
+    write(materials, objects);
+  };
+  write_many(500);
+  const auto loaded = load_scene(file);
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  MethodBuilder of_many(MethodSettings(), loaded->touch_scene());
+  watcher.emplace(SceneWatcher::Options{.path = file, .loading = {}}, *loaded, *material_task, of_many);
+  write_many(600);
+  EXPECT_EQ(poll_twice(), SceneWatcher::Outcome::scene);
+  EXPECT_THAT(log, HasSubstr("a.toml was read again: its materials fade in; changes by hapton set end, and effects begin anew"));
+  const auto built = of_many.take();
+  ASSERT_NE(built, nullptr);
+  EXPECT_EQ(built->scene->materials.at(MaterialState::kMaxObjects).stiffness_n_per_m, 600.0);
 }
 
 TEST_F(SceneWatcherTest, AFileWithAnErrorChangesNothingUntilItIsGood) {

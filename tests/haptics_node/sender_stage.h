@@ -31,7 +31,7 @@ struct SenderStage {
     status.newest_move = confirmed.newest();
     status.moves_received = confirmed.received();
     sender.accept(status, clock.now_ns());
-    sender.note_hand({.sample = ++sample, .sample_time_ns = clock.now_ns()}, kAtW);
+    sender.note_hand({.sample = ++sample, .sample_time_ns = clock.now_ns(), .p_WD = p_WD}, X_WS);
   }
   // Takes what is sent for that long.
   void receive_for(std::chrono::milliseconds time) {
@@ -68,6 +68,8 @@ struct SenderStage {
   MoveTable confirmed;
   std::uint32_t request = 9;
   bool knows_effects = true;
+  Vec3 p_WD = Vec3::Zero();
+  std::array<float, 12> X_WS = kAtW;
   std::uint64_t sample = 0;
   int received = 0;
 };

@@ -56,10 +56,14 @@ TEST(StiffnessAdviser, AdvisesWhatTheLeastHandAllows) {
   ASSERT_TRUE(advice);
   EXPECT_EQ(advice->by_stiffness.device, model_a.title);
   double least = HUGE_VAL;
+  double least_of_loop = HUGE_VAL;
   for (const char* hand : {"light", "stylus", "arm", "firm"}) {
-    least = std::min(least, recommend_stiffness(model_a.model, model_a.limits, *find_hand_preset(hand), 1000.0, 0.010).stiffness_n_per_m);
+    const Recommendation one = recommend_stiffness(model_a.model, model_a.limits, *find_hand_preset(hand), 1000.0, 0.010);
+    least = std::min(least, one.stiffness_n_per_m);
+    least_of_loop = std::min(least_of_loop, one.stable_n_per_m / kGainMargin);
   }
   EXPECT_NEAR(advice->safe_n_per_m, least, 1e-6 * least);
+  EXPECT_NEAR(advice->loop_n_per_m, least_of_loop, 1e-6 * least_of_loop);
 }
 
 TEST(StiffnessAdviser, OfSeveralDevicesItTakesTheLeast) {
@@ -87,6 +91,14 @@ TEST(StiffnessAdviser, WarnsOnceAndAgainWhenTheLoopIsMuchSlower) {
   EXPECT_THAT(log, testing::HasSubstr("with forces after 10 ms"));
   EXPECT_THAT(log, testing::HasSubstr("with forces after 50 ms"));
   EXPECT_THAT(log, testing::HasSubstr("hapton loop recommend"));
+}
+
+TEST(StiffnessAdviser, WarnsAgainWhenTheDeviceIsServedAtAnotherRate) {
+  LoopFacts slower = kSimulated;
+  slower.servo_rate_hz = 500.0;
+  const std::string log = log_of({.stiffness_n_per_m = 5000.0}, {kSimulated, slower, slower});
+  EXPECT_EQ(count(log, "PHANToM Model A at 1000 Hz"), 1U) << log;
+  EXPECT_EQ(count(log, "PHANToM Model A at 500 Hz"), 1U) << log;
 }
 
 // Where the maker's limit decides, neither hand nor delay is to blame.
@@ -145,6 +157,31 @@ TEST(StiffnessAdviser, CountsBumpsAtTheForceOfTheDevice) {
   EXPECT_THAT(log_at(0.99), testing::Not(testing::HasSubstr("has up to")));
   EXPECT_THAT(log_at(1.01), testing::HasSubstr("N/m on bumps, pressed with 8.5 N, but PHANToM Model A at 1000 Hz"));
   EXPECT_THAT(log_at(1.01), testing::HasSubstr("lower bump_height_m"));
+}
+
+TEST(StiffnessAdviser, WarnsWhenASurfaceHasBecomeTooStiffFromPlaceToPlace) {
+  const StiffnessAdvice advice = *advise_stiffness(kSimulated);
+  const auto log_of_change = [&](StiffCause cause) {
+    testing::internal::CaptureStderr();
+    {
+      start_log("haptics_node");
+      StiffnessAdviser adviser({});
+      adviser.note(kSimulated);
+      wait_for(adviser);
+      for (const double share : {0.9, 1.5, 0.5}) {
+        const double n_per_m = share * advice.loop_n_per_m * kMaxPressedN / advice.pressed_n;
+        adviser.set_gains({.by_place_n_per_m = n_per_m, .of_pressing_n_per_m = n_per_m, .place_cause = cause});
+        wait_for(adviser);
+      }
+    }
+    return testing::internal::GetCapturedStderr();
+  };
+  const std::string bumps = log_of_change(StiffCause::bumps);
+  EXPECT_EQ(count(bumps, fmt::format("the scene has up to {:.0f} N/m on bumps, pressed", 1.5 * advice.loop_n_per_m)), 1U) << bumps;
+  EXPECT_EQ(count(bumps, "the scene has up to"), 1U) << bumps;
+  const std::string map = log_of_change(StiffCause::stiffness_map);
+  EXPECT_EQ(count(map, fmt::format("up to {:.0f} N/m where a stiffness_map changes", 1.5 * advice.loop_n_per_m)), 1U) << map;
+  EXPECT_THAT(map, testing::HasSubstr("set the two numbers of stiffness_map_n_per_m nearer to each other"));
 }
 
 constexpr LoopFacts kTurning = {.device = {'s', 'i', 'm', 'u', 'l', 'a', 't', 'e', 'd', '-', '6', 'd', 'o', 'f'},

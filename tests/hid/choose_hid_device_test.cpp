@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -112,6 +113,48 @@ TEST(ChooseHidDevice, IsFoundAgainWhereverItIsUnlessAnotherLooksTheSame) {
   EXPECT_FALSE(has_twin(std::vector{mouse, twins[0]}, twins[0]));
   EXPECT_THAT(again({mouse, twins[0]}, twins[1], true), HasSubstr("/dev/hidraw4")) << "the other hand's is left";
   EXPECT_EQ(again({mouse, twins[1]}, twins[1], true), "/dev/hidraw4");
+}
+
+// The line counted none of the others: "among 0 HID devices".
+TEST(ChooseHidDevice, OneThatIsGoneIsMissedAmongAllThatIsThere) {
+  const std::vector others = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "B")};
+  EXPECT_EQ(rejection(find_hid_device_again(others, wooden("/dev/hidraw1", "A"), HidKind::wooden_haptics, false)),
+            "no WoodenHaptics is plugged in that is the one from before (A), among 2 HID devices; plug it in again");
+  EXPECT_THAT(rejection(find_hid_device_again(others, wooden("/dev/hidraw1"), HidKind::wooden_haptics, false)),
+              HasSubstr("the one from before (no serial number)"));
+}
+
+TEST(ChooseHidDevice, OnceOneWasOpenedOnlyThatOneIsOpenedAgain) {
+  HidChoice choice(HidKind::wooden_haptics, "1");
+  const std::vector both = {wooden("/dev/hidraw1", "A"), wooden("/dev/hidraw4", "B")};
+  ASSERT_EQ(choice.choose(both)->path, "/dev/hidraw4");
+  // It could not be opened: the next time its place counts again.
+  EXPECT_EQ(choice.choose(std::vector{both[1], both[0]})->path, "/dev/hidraw1");
+  choice.note_opened(both[1], both);
+  EXPECT_EQ(choice.choose(std::vector{both[1], both[0]})->path, "/dev/hidraw4");
+  EXPECT_FALSE(choice.choose(std::vector{both[0]}));
+  EXPECT_EQ(choice.choose(std::vector{both[0], wooden("/dev/hidraw9", "B")})->path, "/dev/hidraw9");
+}
+
+// The one that is left would move the other hand.
+TEST(ChooseHidDevice, ATwinThatWasThereOnceIsRemembered) {
+  const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
+  HidChoice choice(HidKind::wooden_haptics, "/dev/hidraw4");
+  choice.note_opened(twins[1], twins);
+  EXPECT_FALSE(choice.choose(std::vector{twins[0]}));
+  choice.note_opened(twins[1], std::vector{twins[1]});
+  EXPECT_FALSE(choice.choose(std::vector{twins[0]})) << "opened again while the other one was away";
+  HidChoice alone(HidKind::wooden_haptics, "");
+  alone.note_opened(twins[1], std::vector{twins[1]});
+  EXPECT_EQ(alone.choose(std::vector{twins[0]})->path, "/dev/hidraw1");
+}
+
+TEST(ChooseHidDevice, PlacesAreInTheOrderOfTheNodesNumbers) {
+  std::vector devices = {wooden("/dev/hidraw10"), wooden("/dev/hidraw9"), wooden("/dev/hidraw2")};
+  std::sort(devices.begin(), devices.end(), is_listed_before);
+  EXPECT_EQ(devices[0].path, "/dev/hidraw2");
+  EXPECT_EQ(devices[1].path, "/dev/hidraw9");
+  EXPECT_EQ(devices[2].path, "/dev/hidraw10");
 }
 
 }  // namespace

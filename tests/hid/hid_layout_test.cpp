@@ -45,6 +45,13 @@ TEST(HidLayout, KnowsTheUsagesOfAllTopLevelCollections) {
   EXPECT_THAT(read_hid_layout(descriptor).applications, ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
 }
 
+// A collection may be given several usages; the first is its own. One that is only physical is no application.
+TEST(HidLayout, AnApplicationHasTheFirstUsageAndAPhysicalCollectionNone) {
+  EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0x09, 0x02, 0xA1, 0x01, 0xC0}).applications,
+              ElementsAre(HidLayout::Usage{1, 8}));
+  EXPECT_TRUE(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0xA1, 0x00, 0xC0}).applications.empty());
+}
+
 TEST(HidLayout, PushAndPopRestoreTheSizes) {
   const Bytes descriptor = {0x75, 0x08, 0x95, 0x02, 0xA4, 0x75, 0x20, 0x95, 0x08, 0xB4, 0x81, 0x02};
   EXPECT_THAT(read_hid_layout(descriptor).reports, ElementsAre(HidLayout::Report{0, 2, 0, 0}));

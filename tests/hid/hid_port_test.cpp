@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
+#include <string>
 
+#include "runtime/log.h"
 #include "tests/support/fake_hid.h"
 #include "tests/support/patience.h"
 
@@ -109,6 +112,36 @@ TEST(HidPort, AFailedWriteClosesAndReopensTheDevice) {
   ASSERT_TRUE(port.open());
   port.report_write_failure();
   EXPECT_TRUE(wait_until([&] { return listener.gone == 1 && hid.openings() == 2; }));
+  EXPECT_TRUE(wait_until([&] {
+    hid.send({7});
+    return listener.newest == 7;
+  })) << "that failure was the one of the earlier opening";
+  EXPECT_EQ(listener.gone, 1);
+}
+
+// It is looked for four times a second, for hours.
+TEST(HidPort, SaysOnceForEachReasonWhyItIsNotFound) {
+  start_log("test");
+  testing::internal::CaptureStderr();
+  {
+    std::atomic<int> looks = 0;
+    Listener listener;
+    const auto opener = [&]() -> Result<std::unique_ptr<HidTransport>> {
+      if (looks++ < 3) return fail("no such device");
+      return fail("no permission");
+    };
+    HidPort port(opener, listener, "fake");
+    port.start();
+    EXPECT_TRUE(wait_until([&] { return looks >= 6; }));
+  }
+  const std::string said = testing::internal::GetCapturedStderr();
+  const auto count = [&](const std::string& words) {
+    int times = 0;
+    for (std::size_t at = said.find(words); at != std::string::npos; at = said.find(words, at + 1)) ++times;
+    return times;
+  };
+  EXPECT_EQ(count("fake: searching: no such device"), 1) << said;
+  EXPECT_EQ(count("fake: searching: no permission"), 1) << said;
 }
 
 TEST(HidPort, AUserOfTheTransportMayContinueAfterItHasGone) {

@@ -2,6 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <thread>
+#include <utility>
+
 #include "tests/support/fake_hid.h"
 #include "tests/support/patience.h"
 
@@ -27,6 +34,42 @@ TEST(SpaceMouseReader, ReportsTheCapUntilItIsUnpluggedAndAgainAfterwards) {
   hid.plug_in();
   EXPECT_TRUE(wait_until(is_pushed));
   EXPECT_TRUE(reader.is_there());
+}
+
+// All that waits when it is read.
+class PrefilledHid final : public HidTransport {
+ public:
+  explicit PrefilledHid(std::deque<FakeHid::Bytes> reports) : reports_(std::move(reports)) {
+    description_.path = "/dev/hidraw3";
+    description_.product = "SpaceNavigator";
+  }
+  const HidDescription& description() const noexcept override { return description_; }
+  HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept override {
+    if (reports_.empty()) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+      return {};
+    }
+    const FakeHid::Bytes report = reports_.front();
+    reports_.pop_front();
+    std::copy(report.begin(), report.end(), into.begin());
+    return {HidIo::done, report.size()};
+  }
+  bool write(std::span<const std::uint8_t>) noexcept override { return false; }
+  Result<std::size_t> get_feature(std::span<std::uint8_t>) override { return fail("it has none"); }
+
+ private:
+  HidDescription description_;
+  std::deque<FakeHid::Bytes> reports_;
+};
+
+TEST(SpaceMouseReader, WhatSaysNothingHidesNoReportBeforeIt) {
+  const FakeHid::Bytes buttons = {3, 5}, battery = {0x17, 99};
+  SpaceMouseReader reader([&]() -> Result<std::unique_ptr<HidTransport>> {
+    return std::make_unique<PrefilledHid>(std::deque<FakeHid::Bytes>{buttons, battery});
+  });
+  ASSERT_TRUE(reader.open());
+  EXPECT_TRUE(wait_until([&] { return reader.state(SteadyClock().now_ns()).buttons == 5U; }));
+  EXPECT_EQ(reader.description().product, "SpaceNavigator");
 }
 
 TEST(SpaceMouseReader, WithoutADeviceSaysWhy) {

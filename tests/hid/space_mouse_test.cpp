@@ -65,6 +65,8 @@ TEST(SpaceMouseDecoder, ACapWithoutReportsIsAtRestAfterAWhileEachHalfForItself) 
   expect_near(decoder.state(kNow + SpaceMouseDecoder::kStaleNs).push, Vec3(1, 0, 0));
   EXPECT_TRUE(decoder.state(kNow + SpaceMouseDecoder::kStaleNs + 1).push.isZero());
   EXPECT_FALSE(decoder.state(kNow + SpaceMouseDecoder::kStaleNs + 1).turn.isZero());
+  EXPECT_FALSE(decoder.state(kNow + 2 * SpaceMouseDecoder::kStaleNs).turn.isZero());
+  EXPECT_TRUE(decoder.state(kNow + 2 * SpaceMouseDecoder::kStaleNs + 1).turn.isZero());
 }
 
 TEST(SpaceMouseDecoder, ButtonsAreBitsOfOneToFourBytesAndDoNotGoStale) {

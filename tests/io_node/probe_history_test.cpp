@@ -73,6 +73,24 @@ TEST_F(Memory, ShowsTheSceneTimeOfTheLastReply) {
   EXPECT_EQ(shown.haptons, 0U) << "of a tool that may be held";
 }
 
+TEST_F(Memory, ShowsTheTurnOfAToolAndWhatItPressesAsLongAsThereAreReplies) {
+  memory.note_sample(1, sample_at(1, 0.1));
+  ForceCommand command = reply_to(1, true);
+  command.visual_turn = Vec3(0, 0.1, 0);
+  command.push = ObjectPush{Vec3(0, 0, -2), Vec3(0.01, 0, 0)};
+  memory.note_reply(command);
+  memory.show(false, shown);
+  EXPECT_EQ(shown.visual_turn, command.visual_turn);
+  EXPECT_EQ(shown.push, command.push);
+  memory.note_sample(2, sample_at(2, 0.2));
+  memory.show(true, shown);
+  EXPECT_EQ(shown.visual_turn, Vec3(Vec3::Zero()));
+  EXPECT_EQ(shown.push, ObjectPush()) << "of a tool that may be held";
+  memory.note_reply(reply_to(2, true));
+  memory.show(false, shown);
+  EXPECT_EQ(shown.push, std::nullopt) << "none is held";
+}
+
 TEST_F(Memory, AReplyToAForgottenSampleHasNoPose) {
   for (std::uint64_t n = 1; n <= 1 + ProbeHistory::kSamples; ++n) memory.note_sample(n, sample_at(n, 0.1));
   memory.note_reply(reply_to(1, true));

@@ -155,6 +155,24 @@ TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
   EXPECT_EQ(tap.faults.back(), SessionFault::stalled);
 }
 
+TEST_F(SafetyNoticesTest, ADeviceThatHasFailedAtTheEndIsRecordedOnce) {
+  notices.finish(DeviceStatus::ready, now_ns);
+  EXPECT_TRUE(tap.faults.empty());
+  side.governor.fault = SafetyFault::device;  // as an earlier process left it: it is not counted
+  check();
+  notices.finish(DeviceStatus::fault, now_ns);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
+  ++side.governor.counters.latched;
+  check();
+  check();
+  notices.finish(DeviceStatus::fault, now_ns);
+  EXPECT_EQ(tap.faults, (std::vector{SessionFault::device, SessionFault::device})) << "latched, and not recorded again";
+  side.governor.fault = SafetyFault::none;
+  check();
+  notices.finish(DeviceStatus::fault, now_ns);
+  EXPECT_EQ(tap.faults.size(), 3U) << "another failure";
+}
+
 TEST_F(SafetyNoticesTest, EachKindOfFaultIsRecordedWhenItBegins) {
   check();
   // What a check adds to the recording.

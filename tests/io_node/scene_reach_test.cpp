@@ -25,6 +25,8 @@ TEST(SceneReach, GoesByWhereTheSurfaceIs) {
   EXPECT_EQ(reach_of(box_at(0, 0.05F)), SceneReach::in_reach);
   EXPECT_EQ(reach_of(box_at(0.14F, 0.05F)), SceneReach::in_reach);
   EXPECT_EQ(reach_of(box_at(0.3F, 0.05F)), SceneReach::out_of_reach);
+  EXPECT_EQ(reach_of(box_at(-0.3F, 0.05F)), SceneReach::out_of_reach);
+  EXPECT_EQ(reach_of(box_at(-0.14F, 0.05F), Pose(Eigen::AngleAxisd(M_PI, Vec3::UnitZ()))), SceneReach::in_reach);
   EXPECT_EQ(reach_of(box_at(0.3F, 0.05F), Pose(Eigen::Translation3d(-0.3, 0, 0))), SceneReach::in_reach);
   EXPECT_EQ(reach_of(box_at(0.3F, 0.05F), Pose(Eigen::AngleAxisd(1.0, Vec3::UnitZ()))), SceneReach::out_of_reach);
 }

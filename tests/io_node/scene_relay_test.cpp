@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 #include "tests/io_node/servo_fixture.h"
 
@@ -45,6 +47,26 @@ TEST_F(Servos, TheHandGetsThePoseOfTheSceneAndItsChanges) {
   EXPECT_EQ(servo->collect_stats().reach, SceneReach::out_of_reach);
   ASSERT_FALSE(probes.empty());
   EXPECT_EQ(probes.back().status, ProbeStatus::out_of_reach);
+}
+
+TEST_F(Servos, WhetherTheSceneCanBeTouchedIsReportedWhenItChanges) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(5);
+  const auto describe_box = [&](float x, float half) {
+    SceneFacts facts{.given_hash = 1, .lowest_m = {x - half, -half, -half}, .highest_m = {x + half, half, half}, .point_count = 1};
+    facts.points_m[0] = {x + half, 0, 0};
+    say(kHaptics, facts);
+    run(3);
+  };
+  describe_box(0.0F, 0.05F);
+  for (const auto& [x, half] : {std::pair(0.3F, 0.05F), std::pair(0.0F, 0.04F), std::pair(0.0F, 1e-4F), std::pair(0.0F, 0.06F)}) {
+    describe_box(x, half);
+  }
+  std::vector<ServoEvent::Kind> kinds;
+  using Kind = ServoEvent::Kind;
+  for (const ServoEvent& event : events_of(*servo, {Kind::out_of_reach, Kind::too_small, Kind::in_reach})) kinds.push_back(event.kind);
+  EXPECT_EQ(kinds, (std::vector{Kind::out_of_reach, Kind::in_reach, Kind::too_small, Kind::in_reach}));
 }
 
 TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {

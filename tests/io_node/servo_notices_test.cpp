@@ -76,6 +76,18 @@ TEST_F(Servos, ATapReceivesEachFaultOnce) {
   peers.set_tap(nullptr);
 }
 
+TEST_F(Servos, ADeviceThatFailsIsRecordedOnceThoughThatEndsTheSession) {
+  RecordingTap tap;
+  make({}, nullptr, &tap);
+  run(10);
+  device.state = DeviceStatus::fault;
+  run(10);
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
+  servo->finish();
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
+  peers.set_tap(nullptr);
+}
+
 TEST_F(Servos, AKeyThatDoesNotAllowARoleIsReported) {
   endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
   make();

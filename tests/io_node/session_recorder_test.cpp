@@ -257,6 +257,11 @@ TEST_F(Recorders, AFileThatCannotBeWrittenIsAnErrorAtTheStart) {
   EXPECT_NE(started.error().what.find("give another file with --record"), std::string::npos);
   auto other = make({{}, "/proc/nowhere/flight"});
   EXPECT_FALSE(other.start());
+  auto full = make({{}, "/proc"});  // it is there, and nothing can be made in it
+  const auto without_flights = full.start();
+  ASSERT_FALSE(without_flights);
+  EXPECT_NE(without_flights.error().what.find("flight records: /proc cannot be written"), std::string::npos)
+      << without_flights.error().what;
 }
 
 TEST_F(Recorders, TheFolderOfARecordingIsMade) {

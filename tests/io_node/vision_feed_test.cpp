@@ -87,6 +87,33 @@ TEST_F(Feed, SendsHowMuchOfTheEnergyBudgetIsSpent) {
   EXPECT_EQ(received.back().energy_percent, 0U);
 }
 
+TEST_F(Feed, SendsTheTorqueOnTheMotors) {
+  side.written.torque_nm = Vec3(0.01, -0.02, 0.03);
+  report(0.01);
+  EXPECT_EQ(received.back().torque_nm, side.written.torque_nm);
+}
+
+// Replies that come too late give no force, and the good time before says nothing of that.
+TEST_F(Feed, SendsTheRoundTripOfTheHapticsNodeAndTheNewestWhereRepliesAreLate) {
+  const auto sent_us = [&] {
+    feed.refresh_statistics(cycle.number, clock.now_ns());
+    clock.advance_ns(VisionPace::kRepeatNs);
+    report(0.01);
+    return received.back().round_trip_p50_us;
+  };
+  for (int n = 0; n < 100; ++n) stats->round_trip.record(n < 60 ? 100 * kUs : 400 * kUs);
+  EXPECT_EQ(sent_us(), 0.0F) << "no haptics node has joined";
+  endpoint.arrive(clock.now_ns(), {{9}, 1}, {{0, 1001, 1, clock.now_ns()}, Hello{NodeRole::haptics}});
+  Datagram datagram;
+  ASSERT_EQ(peers.receive(datagram, clock.now_ns()).kind, PeerEvent::Kind::joined);
+  EXPECT_NEAR(sent_us(), 100.0, 2.0);
+  EXPECT_NEAR(received.back().round_trip_p99_us, 400.0, 8.0);
+  stats->newest_round_trip_s = 0.9e-9 * static_cast<double>(kCommandTimeoutNs);
+  EXPECT_NEAR(sent_us(), 100.0, 2.0);
+  stats->newest_round_trip_s = 2e-9 * static_cast<double>(kCommandTimeoutNs);
+  EXPECT_NEAR(sent_us(), 2e-3 * static_cast<double>(kCommandTimeoutNs), 1.0);
+}
+
 TEST_F(Feed, AcknowledgementsOfFramesThatWereNeverSentAreIgnored) {
   report(0.01);
   for (const FrameAck& lie : {FrameAck{0, clock.now_ns(), 60.0F}, FrameAck{99, clock.now_ns(), 60.0F},

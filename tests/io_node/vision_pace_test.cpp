@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
+
 #include "tests/support/time_units.h"
 
 namespace hapton {
@@ -104,6 +106,35 @@ TEST(VisionPaces, WhatHasNotChangedIsSpared) {
   later.sample = 11;
   EXPECT_EQ(pace.decide(0, later, 10 * kMs), Decision::skip);
   EXPECT_EQ(pace.decide(0, later, VisionPace::kRepeatNs), Decision::send);
+}
+
+TEST(VisionPaces, WhateverAPersonSeesIsSentWhenItChanges) {
+  using Change = void (*)(ProbeState&);
+  const Change changes[] = {[](ProbeState& state) { state.p_WD.y() = 0.001; },
+                            [](ProbeState& state) { state.q_WT = Quat(0.0, 1.0, 0.0, 0.0); },
+                            [](ProbeState& state) { state.visual_offset_m.z() = 0.001; },
+                            [](ProbeState& state) { state.force_n.z() = 0.5; },
+                            [](ProbeState& state) { state.contact = true; },
+                            [](ProbeState& state) { state.buttons = 2; },
+                            [](ProbeState& state) { state.servo_rate_hz = 999.0F; },
+                            [](ProbeState& state) { state.round_trip_p50_us = 80.0F; },
+                            [](ProbeState& state) { state.round_trip_p99_us = 90.0F; },
+                            [](ProbeState& state) { state.view_revision = 3; },
+                            [](ProbeState& state) { state.status = ProbeStatus::no_haptics; },
+                            [](ProbeState& state) { state.energy_percent = 12; },
+                            [](ProbeState& state) { state.object = 4; },
+                            [](ProbeState& state) { state.torque_nm.x() = 0.01; },
+                            [](ProbeState& state) { state.visual_turn.y() = 0.02; },
+                            [](ProbeState& state) { state.haptons = 7U; }};
+  for (std::size_t n = 0; n < std::size(changes); ++n) {
+    VisionPace pace(240.0);
+    EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
+    pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 5 * kMs);
+    ProbeState changed = state_at(1);
+    changed.sample = 11;
+    changes[n](changed);
+    EXPECT_EQ(pace.decide(0, changed, 10 * kMs), Decision::send) << n;
+  }
 }
 
 // The hand holds still, and the scene moves.

@@ -21,6 +21,16 @@ TEST(AddressConversion, LosesNothingEitherWay) {
   }
 }
 
+TEST(AddressConversion, ASocketOfIpv6ReachesEveryAddress) {
+  for (const char* text : {"127.0.0.1:4950", "255.1.2.3:65535", "[2001:db8::7]:1"}) {
+    const Address address = *parse_address(text);
+    const SocketAddress v6 = to_v6_socket_address(address);
+    EXPECT_EQ(v6.get()->sa_family, AF_INET6) << text;
+    EXPECT_EQ(v6.size, sizeof(sockaddr_in6)) << text;
+    EXPECT_EQ(from_socket_address(v6), address) << text;
+  }
+}
+
 TEST(AddressConversion, SystemAndAsioAgree) {
   const Address address = *parse_address("[2001:db8::1:2]:4951");
   const Udp endpoint = to_endpoint<Udp>(address);

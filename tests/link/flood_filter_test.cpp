@@ -110,7 +110,7 @@ TEST(FloodFilter, OversizedAndEmptyDatagramsAreCounted) {
 struct FloodFilterTest : testing::Test {
   FloodFilter::Action window(std::uint64_t unknown_peers, std::uint32_t dropped_more = 0) {
     for (std::uint64_t n = 0; n < unknown_peers; ++n) filter.note_received(unknown, junk, false);
-    now_ns += FloodFilter::kWindowNs;
+    now_ns += FloodFilter::kPeriodNs;
     dropped += dropped_more;
     return filter.end_period(dropped, now_ns);
   }
@@ -139,7 +139,7 @@ TEST_F(FloodFilterTest, AFloodShutsAndItsEndOpensAfterAWhile) {
   for (FloodFilter::Action action = FloodFilter::Action::none; action != FloodFilter::Action::remove && windows < 10'000; ++windows) {
     action = window(0);
   }
-  EXPECT_NEAR(static_cast<double>(windows), static_cast<double>(FloodFilter::kQuietNs / FloodFilter::kWindowNs), 2.0);
+  EXPECT_NEAR(static_cast<double>(windows), static_cast<double>(FloodFilter::kQuietNs / FloodFilter::kPeriodNs), 2.0);
   EXPECT_FALSE(filter.is_shut());
   EXPECT_EQ(filter.counts().floods, 1U);
   EXPECT_EQ(window(500), FloodFilter::Action::install);

@@ -188,6 +188,18 @@ TEST_F(KnownShapesTest, AnObjectMayBeAddedLater) {
   EXPECT_EQ(known.newest_start(kSkin), nullptr) << "another mesh";
 }
 
+TEST_F(KnownShapesTest, ForgetsTheObjectsThatAreNotKept) {
+  begin(1, 0, 0, 1);
+  known_.add_object(3, 7);
+  known_.add_object(4, 7);
+  EXPECT_EQ(known_.count_objects(), 3U);
+  known_.keep_objects({kSkin, 4, 9});
+  EXPECT_EQ(known_.count_objects(), 2U);
+  EXPECT_NE(known_.newest_start(kSkin), nullptr);
+  EXPECT_FALSE(known_.find(3, 5));
+  EXPECT_TRUE(known_.find(4, 5));
+}
+
 // As many wait for their start as a surface can have (StreamedGeometry), and the picture is still of an earlier one.
 TEST_F(KnownShapesTest, EightThatWaitDoNotHideThePresentOne) {
   for (std::uint32_t serial = 1; serial <= 10; ++serial) {

@@ -1,10 +1,15 @@
 #include "link/session_reader.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <random>
+#include <string>
+#include <system_error>
 #include <vector>
 
 #include "tests/support/scratch_folder.h"
@@ -121,6 +126,36 @@ TEST_F(SessionReaders, SayThatARecordingHasNoEnd) {
   ASSERT_TRUE(longer);
   EXPECT_EQ(count(*longer), 4);
   EXPECT_NE(longer->problem(), "");
+}
+
+// From now on every read of the file, which somebody has open, fails.
+void break_disk_under(const std::filesystem::path& file) {
+  const int broken = ::open("/proc/self/mem", O_RDONLY | O_CLOEXEC);
+  for (const auto& open : std::filesystem::directory_iterator("/proc/self/fd")) {
+    std::error_code gone;
+    if (std::filesystem::read_symlink(open.path(), gone) != std::filesystem::canonical(file)) continue;
+    ASSERT_GE(::dup2(broken, std::stoi(open.path().filename().string())), 0);
+  }
+  ::close(broken);
+}
+
+// Neither a complete recording, as those of earlier builds are at any end, nor one of an io_node that was killed.
+TEST_F(SessionReaders, SayThatAFileCannotBeReadOn) {
+  for (const bool has_end : {false, true}) {
+    const auto file = scratch.write("s", make_file(5000, has_end));
+    auto reader = SessionReader::open(file);
+    ASSERT_TRUE(reader) << reader.error().what;
+    break_disk_under(file);
+    const int entries = count(*reader);
+    EXPECT_LT(entries, 5000);
+    EXPECT_NE(reader->problem().find("cannot be read after " + std::to_string(entries) + " entries"), std::string::npos)
+        << reader->problem();
+    EXPECT_NE(reader->problem().find("Input/output error"), std::string::npos) << reader->problem();
+  }
+  const auto broken = SessionReader::open("/proc/self/mem");
+  ASSERT_FALSE(broken);
+  EXPECT_NE(broken.error().what.find("cannot be read after 0 entries, at byte 0: Input/output error"), std::string::npos)
+      << broken.error().what;
 }
 
 TEST_F(SessionReaders, GiveWhatIsBeforeADamagedEntry) {

@@ -113,7 +113,7 @@ class ApplySettingsTest : public testing::Test {
 
   void note(const Settings& settings) {
     settings_.push_back(settings);
-    if (takes_rate_ && settings.servo_rate_hz != 0.0) hub_.set_servo_rate_hz(settings.servo_rate_hz);
+    if (takes_rate_ && settings.servo_rate_hz != 0.0 && settings_.size() > lost_rates_) hub_.set_servo_rate_hz(settings.servo_rate_hz);
     if (setup_ && settings_.size() > lost_) setup_->method_request = settings.method_request;
   }
   void note(const MaterialRequest& request) {
@@ -138,7 +138,8 @@ class ApplySettingsTest : public testing::Test {
   bool takes_rate_ = true;
   std::optional<HapticsSetup> setup_;
   std::optional<MaterialState> materials_;
-  std::size_t lost_ = 0;  // requests that never reach the haptics node
+  std::size_t lost_ = 0;        // requests that never reach the haptics node
+  std::size_t lost_rates_ = 0;  // ... and settings that never reach the hub
   std::vector<Settings> settings_;
   std::vector<MaterialRequest> requests_;
   std::int64_t began_ns_ = 0;
@@ -221,13 +222,24 @@ TEST_F(ApplySettingsTest, AMethodThatIsNotConfirmedOrRejectedIsOneLine) {
   EXPECT_EQ(rejected.error().what, "the haptics node rejected it: -; the current method stays in use");
 }
 
+TEST_F(ApplySettingsTest, ARateThatIsLostIsRepeatedTwiceASecond) {
+  lost_rates_ = 2;
+  const auto rate = apply({.rate_hz = 2000.0, .writes_report = true, .resets_faults = true});
+  ASSERT_TRUE(rate) << rate.error().what;
+  EXPECT_EQ(*rate, "hub the-hub: servo rate 2000 Hz");
+  ASSERT_EQ(settings_.size(), 3U);
+  EXPECT_TRUE(settings_.front().report_now && settings_.front().reset_faults);
+  EXPECT_EQ(settings_.back().servo_rate_hz, 2000.0);
+  EXPECT_FALSE(settings_.back().report_now || settings_.back().reset_faults) << "only the rate is repeated";
+}
+
 TEST_F(ApplySettingsTest, ARateThatTheHubDoesNotTakeIsOneLine) {
   takes_rate_ = false;
   const auto stays = apply({.rate_hz = 2000.0});
   ASSERT_FALSE(stays);
   EXPECT_THAT(stays.error().what, HasSubstr("the hub at the-hub stays at 1000 Hz"));
   EXPECT_NEAR(waited_s(), 2.0, 0.1);
-  EXPECT_EQ(settings_.size(), 1U);
+  EXPECT_EQ(settings_.size(), 4U) << "twice a second";
   EXPECT_FALSE(apply({.rate_hz = 1001.5}));
   const auto same = apply({.rate_hz = 1000.5});
   EXPECT_TRUE(same) << "a rate within a thousandth is that rate";

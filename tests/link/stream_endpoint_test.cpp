@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -137,6 +138,26 @@ TEST(StreamEndpoint, AClientThatDoesNotReadIsDisconnected) {
   EXPECT_EQ(server.closed.size(), 1U);
 }
 
+// Before the connection is there nothing leaves, so the count is exact.
+TEST(StreamEndpoint, AsMuchAsIsAllowedWaitsAndNoByteMore) {
+  Party server, client;
+  const auto full = client.endpoint->connect(server.endpoint->local_address());
+  const auto above = client.endpoint->connect(server.endpoint->local_address());
+  const std::string most(StreamEndpoint::kMaxWaitingBytes, 'x');
+  EXPECT_TRUE(client.endpoint->send(full, bytes_of(most)));
+  EXPECT_FALSE(client.endpoint->send(above, bytes_of(most + "x")));
+  EXPECT_FALSE(client.endpoint->send(full, bytes_of("x")));
+  ASSERT_TRUE(until({&client}, [&] { return client.closed.size() == 2; }));
+}
+
+TEST(StreamEndpoint, ConnectsNoMoreThanItHasSlots) {
+  Party server, client;
+  for (std::size_t n = 0; n < StreamEndpoint::kMaxConnections; ++n) {
+    ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
+  }
+  EXPECT_EQ(client.endpoint->connect(server.endpoint->local_address()), 0U);
+}
+
 TEST(StreamEndpoint, OneTooManyIsDropped) {
   Party server;
   std::vector<std::unique_ptr<Party>> clients;
@@ -152,6 +173,48 @@ TEST(StreamEndpoint, OneTooManyIsDropped) {
     return dropped == 3;
   }));
   EXPECT_EQ(server.peers.size(), StreamEndpoint::kMaxConnections);
+}
+
+TEST(StreamEndpoint, AConnectionThatIsGivenUpTakesNoSlotFromTheNext) {
+  const Party server;
+  Party client;
+  const Address& to = server.endpoint->local_address();
+  const StreamEndpoint::Id first = client.endpoint->connect(to);
+  for (std::size_t n = 1; n < StreamEndpoint::kMaxConnections; ++n) ASSERT_NE(client.endpoint->connect(to), 0U);
+  EXPECT_EQ(client.endpoint->connect(to), 0U);
+  client.endpoint->close(first);
+  EXPECT_NE(client.endpoint->connect(to), 0U) << "before the next wait";
+}
+
+// The socket of this process that is connected to that port; -1: there is none.
+int find_socket_to(std::uint16_t port) {
+  for (int socket = 0; socket < 1024; ++socket) {
+    sockaddr_in peer = {};
+    socklen_t size = sizeof peer;
+    const bool is_connected = ::getpeername(socket, reinterpret_cast<sockaddr*>(&peer), &size) == 0 && peer.sin_family == AF_INET;
+    if (is_connected && ntohs(peer.sin_port) == port) return socket;
+  }
+  return -1;
+}
+
+// A host that is switched off cannot be made here: the kernel is told to notice it.
+TEST(StreamEndpoint, AHostThatNoLongerRepliesIsNoticed) {
+  Party server, client;
+  ASSERT_NE(client.endpoint->connect(server.endpoint->local_address()), 0U);
+  ASSERT_TRUE(until({&server, &client}, [&] { return server.peers.size() == 1 && client.peers.size() == 1; }));
+  for (const std::uint16_t port : {server.peers.begin()->second.port, server.endpoint->local_address().port}) {
+    const int socket = find_socket_to(port);
+    ASSERT_GE(socket, 0);
+    const auto value_of = [&](int level, int name) {
+      int value = -1;
+      socklen_t size = sizeof value;
+      ::getsockopt(socket, level, name, &value, &size);
+      return value;
+    };
+    EXPECT_EQ(value_of(SOL_SOCKET, SO_KEEPALIVE), 1);
+    EXPECT_LT(value_of(IPPROTO_TCP, TCP_KEEPIDLE) + value_of(IPPROTO_TCP, TCP_KEEPINTVL), StreamEndpoint::kMaxSilentS);
+    EXPECT_EQ(value_of(IPPROTO_TCP, TCP_USER_TIMEOUT), 1000 * StreamEndpoint::kMaxSilentS);
+  }
 }
 
 // Makes room by its oldest connection.
@@ -250,6 +313,26 @@ TEST(StreamEndpoint, AnAddressThatCannotBeOpenedIsReported) {
   EXPECT_THAT(second.error().what, HasSubstr("another program holds this port"));
   EXPECT_THAT(StreamEndpoint::open("192.0.2.1:0", 1).error().what, HasSubstr("no such address"));
   EXPECT_THAT(StreamEndpoint::open("127.0.0.1:x", 1).error().what, HasSubstr("port 'x'"));
+}
+
+// A VRPN client gets its positions by datagrams.
+TEST(StreamEndpoint, OneOfIpv6SendsDatagramsToClientsOfIpv4) {
+  Party server("[::]:0");
+  if (!server.endpoint) GTEST_SKIP() << "this machine has no IPv6";
+  Party client;
+  Address to = client.endpoint->local_address();
+  to.port = server.endpoint->local_address().port;
+  ASSERT_TRUE(client.endpoint->send_datagram(to, bytes_of("call me")));
+  ASSERT_TRUE(until({&server}, [&] { return !server.datagrams.empty(); }));
+  EXPECT_EQ(server.last_from, client.endpoint->local_address());
+  ASSERT_TRUE(server.endpoint->send_datagram(server.last_from, bytes_of("a position")));
+  ASSERT_TRUE(until({&client}, [&] { return !client.datagrams.empty(); }));
+  EXPECT_EQ(client.datagrams.front(), "a position");
+}
+
+TEST(StreamEndpoint, OneOfIpv4SendsNothingToIpv6) {
+  Party party;
+  EXPECT_FALSE(party.endpoint->send_datagram(*parse_address("[::1]:4950"), bytes_of("x")));
 }
 
 TEST(StreamEndpoint, SpeaksIpv6AsWell) {

@@ -193,6 +193,19 @@ TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9) << "another contact there, of nobody knows what";
 }
 
+// Of a hostile haptics node: thousands of surfaces, and one list of triangles.
+TEST(EffectPatches, SurfacesWithTheSameTrianglesPrepareThemOnce) {
+  constexpr std::size_t kSurfaces = 100;
+  const SurfaceEffects mapped_block = with_map(made::box({-0.02, -0.02, -0.01}, {0.02, 0.02, 0.0}), &SurfaceMaps::stiffness, 0.2, 1.0);
+  SceneEffectSet effects;
+  effects.surfaces.resize(kSurfaces, mapped_block);
+  effects.body_of.resize(kSurfaces, 0);
+  const long before = mapped_block.maps.triangles.use_count();
+  const FeltEffects felt(effects);
+  EXPECT_EQ(mapped_block.maps.triangles.use_count() - before, 2 * static_cast<long>(kSurfaces) + 1)
+      << "of each surface and each finder, and of what is prepared";
+}
+
 // Where patches give no force it is not known what they would give: there is no contact, and nothing is made up.
 TEST(EffectPatches, AddsNothingToNoForce) {
   SceneEffectSet effects;

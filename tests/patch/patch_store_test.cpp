@@ -304,6 +304,26 @@ TEST(PatchStore, ANewerEpochHasTheMaterialsOfItsOwnOnly) {
   EXPECT_EQ(store.materials().at(3).stiffness_n_per_m, 500.0) << "serials count within an epoch";
 }
 
+// Of a hostile haptics node: each epoch has other objects, and each object shapes of its own.
+TEST(PatchStore, KnowsTheShapesOfNoMoreObjectsThanThereMayBeBodies) {
+  PatchStore store;
+  const auto announce = [&](std::uint32_t epoch, std::uint32_t body, std::int32_t object) {
+    store.accept(PatchStream{.epoch = epoch, .serial = 2 + body, .body = body, .tile_count = 1, .object = object, .total = 5});
+  };
+  std::int32_t object = 0;
+  for (std::uint32_t epoch = 1; epoch <= 50; ++epoch) {
+    store.accept(PatchBegin{.epoch = epoch, .serial = 1, .step_m = 1e-6, .body_count = 9});
+    announce(epoch, 1, 0);
+    for (std::uint32_t body = 2; body <= 8; ++body) announce(epoch, body, ++object);
+    EXPECT_EQ(store.counts().rejected, 0U);
+    EXPECT_LE(store.shapes().count_objects(), PatchBody::kMaxBodies);
+    (void)store.accept_shape(ShapeStart{.source = 5, .serial = epoch == 1 ? 1U : 0U, .object = 0, .total = 5, .end_ns = 1},
+                             Arrival::newest);
+    EXPECT_NE(store.shapes().newest_start(0), nullptr) << "it is still there, " << epoch;
+    EXPECT_TRUE(store.shapes().find(static_cast<std::size_t>(object), 0)) << "as are those of this epoch";
+  }
+}
+
 // Epochs count around the 32-bit circle.
 TEST(PatchStore, TheEpochAfterTheLastNumberIsANewerOne) {
   PatchStore store;

@@ -235,6 +235,26 @@ class LiveTest(unittest.TestCase):
         self.assertEqual([events[f"trial {trial}"] for trial in range(4)], marked)
         self.assertTrue(all(0 < c <= m for c, m in zip(changed, marked)), (changed, marked))
 
+    def test_the_time_of_fields_goes_on_where_samples_are_missing(self):
+        system = self.start()
+        with hapton.FieldNode(system.hub) as node:
+            node.set([hapton.fields.expression("0", "0.01 * t", "0")])
+            self.assertTrue(wait_until(lambda: node.state()["changes"] == 1))
+            replies = node.state()["replies"]
+            self.assertTrue(wait_until(lambda: node.state()["replies"] > replies + 500), "the change has faded")
+
+            def set_at_s():
+                state = node.state()
+                return state["t_s"] - state["force_n"][1] / 0.01
+
+            before_s = set_at_s()
+            system.io.send_signal(signal.SIGSTOP)
+            time.sleep(0.5)
+            system.io.send_signal(signal.SIGCONT)
+            replies = node.state()["replies"]
+            self.assertTrue(wait_until(lambda: node.state()["replies"] > replies + 500))
+            self.assertAlmostEqual(set_at_s(), before_s, places=6)
+
     def test_a_mark_where_nothing_is_recorded_is_an_error(self):
         system = self.start()
         with hapton.FieldNode(system.hub) as node:

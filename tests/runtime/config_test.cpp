@@ -138,6 +138,16 @@ TEST_F(ConfigTest, RejectsSectionsAndDates) {
   expect_one_error("an element of 'gains'");
 }
 
+// It counted as the flag without a value.
+TEST_F(ConfigTest, AnEmptyListSwitchesNothingOn) {
+  EXPECT_EQ(parse({"--config", file("rate = 2000\nheadless = []\n")}), 2);
+  expect_one_error(path_.string() + ":2: 'headless' is an empty list");
+  EXPECT_FALSE(headless_);
+  EXPECT_EQ(parse({"--config", file("gains = []\n")}), 2);
+  expect_one_error(path_.string() + ":1: 'gains' is an empty list");
+  EXPECT_EQ(parse({"--headless", "--config", file("headless = []\n")}), -1) << "the command line wins";
+}
+
 TEST_F(ConfigTest, AFileMayNotNameAnother) {
   EXPECT_EQ(parse({"--config", file("config = \"x\"\n")}), 2);
   expect_one_error("unknown key 'config'");

@@ -37,6 +37,17 @@ TEST_F(FileWatchTest, AChangeCountsOnceTheFileIsTheSameInTwoChecks) {
   EXPECT_EQ(watch.check(), State::unchanged);
 }
 
+// Written twice within the clock's step of a file system.
+TEST_F(FileWatchTest, AnotherSizeAtTheSameTimeIsAChange) {
+  write("one");
+  const auto time = std::filesystem::last_write_time(file);
+  FileWatch watch(file);
+  write("one more");
+  std::filesystem::last_write_time(file, time);
+  EXPECT_EQ(watch.check(), State::waiting);
+  EXPECT_EQ(watch.check(), State::changed);
+}
+
 TEST_F(FileWatchTest, AFileThatIsGoneIsReportedOnceAndNotForAMoment) {
   write("one");
   FileWatch watch(file);

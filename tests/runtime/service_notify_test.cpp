@@ -73,6 +73,18 @@ TEST_F(ServiceNotifyTest, AnAbstractSocketIsNotifiedAndTheSenderClosed) {
   ::close(manager);
 }
 
+// sockaddr_un has 108 bytes, of which the last ends the name.
+TEST_F(ServiceNotifyTest, ANameThatDoesNotFitIsNone) {
+  const std::string begin = folder.path().string() + "/";
+  ASSERT_LT(begin.size(), 107U);
+  const std::string longest = begin + std::string(107 - begin.size(), 'n');
+  ::setenv("NOTIFY_SOCKET", longest.c_str(), 1);
+  EXPECT_TRUE(ServiceNotify().has_manager());
+  EXPECT_FALSE(ServiceNotify().send("READY=1")) << "nobody listens";
+  ::setenv("NOTIFY_SOCKET", (longest + "n").c_str(), 1);
+  EXPECT_FALSE(ServiceNotify().has_manager());
+}
+
 TEST_F(ServiceNotifyTest, InvalidTextInTheEnvironmentIsNoPeriod) {
   ::setenv("WATCHDOG_USEC", "soon", 1);
   EXPECT_EQ(ServiceNotify().manager_timeout_ns(), 0);

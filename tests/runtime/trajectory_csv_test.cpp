@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <system_error>
+
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
@@ -95,6 +100,18 @@ TEST(TrajectoryCsv, ReadsAFileAndNamesAMissingOne) {
   ASSERT_FALSE(missing);
   EXPECT_THAT(missing.error().what, HasSubstr(path));
   EXPECT_FALSE(read_trajectory_csv(testing::TempDir()));
+}
+
+// As truncate makes one: reading it took all memory, and the program ended by a signal.
+TEST(TrajectoryCsv, AFileWithoutMeasureIsNotRead) {
+  const ScratchFolder folder;
+  const auto path = folder.write("huge.csv", "t_s,x_m,y_m,z_m\n0,1,2,3\n");
+  std::error_code error;
+  std::filesystem::resize_file(path, std::uintmax_t{1} << 40, error);
+  if (error) GTEST_SKIP() << "no such file can be made here: " << error.message();
+  const auto rows = read_trajectory_csv(path.string());
+  ASSERT_FALSE(rows);
+  EXPECT_THAT(rows.error().what, HasSubstr("huge.csv: cannot be read: it has 1099511627776 bytes, more than such a file can have"));
 }
 
 TEST(TrajectoryCsv, PassesOverTheSampleNumberOfAnExport) {

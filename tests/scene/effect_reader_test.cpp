@@ -221,6 +221,17 @@ TEST_F(EffectReader, AnObjectPlacesAnEffectWhereItIs) {
   EXPECT_LT(std::get<SpringEffect>(scene->effects[0].effect).centre.norm(), 1e-12) << "after fit_m";
 }
 
+TEST_F(EffectReader, AnObjectPlacesAnEffectAtTheMiddleOfItsBox) {
+  const auto scene = load(
+      "[[object]]\nmesh = 'a.obj'\n[[effect]]\ntype = 'spring'\nobject = 'a'\n[[effect]]\ntype = 'magnet'\nobject = 'a'\n"
+      "[[effect]]\ntype = 'gravity_well'\nobject = 'a'\n");
+  ASSERT_TRUE(scene) << scene.error().what;
+  const Vec3 middle(0.75, 1.125, -0.0625);
+  EXPECT_LT((std::get<SpringEffect>(scene->effects[0].effect).centre - middle).norm(), 1e-12);
+  EXPECT_LT((std::get<SnapEffect>(scene->effects[1].effect).position - middle).norm(), 1e-12);
+  EXPECT_LT((std::get<GravityWellEffect>(scene->effects[2].effect).centre - middle).norm(), 1e-12);
+}
+
 TEST_F(EffectReader, NamesTheLineTheKeyAndWhatIsAllowed) {
   EXPECT_THAT(error_of(with_material("\nviscosity_ns_per_m = -1")),
               HasSubstr("line 6: 'viscosity_ns_per_m' in [material.m] is -1: it must be at least 0 and at most 1000"));

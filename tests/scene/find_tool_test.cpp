@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/geometry/mesh_measures.h"
+#include "core/geometry/mesh_shapes.h"
 #include "tests/scene/sample_files.h"
 #include "tests/support/scratch_folder.h"
 
@@ -67,6 +68,24 @@ TEST_F(FindTool, HasAHashOfItsMeshItsPoseAndItsGrip) {
   ASSERT_TRUE(turned && centred);
   EXPECT_NE(own, turned->tool->given_hash);
   EXPECT_EQ(centred->tool->given_hash, hash_of({.file = folder.path() / "a.obj", .grip = ToolGrip::center}));
+}
+
+TEST_F(FindTool, IsOddWhereItIsFarFromTheGripOrOfAnotherSizeThanTheScene) {
+  const auto scene = load(kObject);  // 2.25 m
+  ASSERT_TRUE(scene) << scene.error().what;
+  const auto fix_of = [&](double scale, const Vec3& moved_m = Vec3::Zero()) {
+    std::string fixes;
+    for (const ToolFlaw& flaw : find_tool_flaws(scaled_and_moved(sample::tetrahedron(), scale, moved_m), *scene)) fixes += flaw.fix;
+    return fixes;
+  };
+  for (const double scale : {1.1e-3, 1.0, 9.9}) EXPECT_EQ(fix_of(scale), "") << scale;
+  for (const double scale : {0.9e-3, 10.1}) EXPECT_THAT(fix_of(scale), HasSubstr("check the units of both")) << scale;
+  // 0.225 m long, so that half of the scene counts; then twice its own 2.25 m.
+  EXPECT_EQ(fix_of(0.1, Vec3(1.1, 0.0, 0.0)), "");
+  EXPECT_THAT(fix_of(0.1, Vec3(1.2, 0.0, 0.0)), HasSubstr("hold it in the middle"));
+  EXPECT_THAT(fix_of(0.1, Vec3(-1.35, 0.0, 0.0)), HasSubstr("hold it in the middle")) << "0.15 m of it are on this side";
+  EXPECT_EQ(fix_of(1.0, Vec3(0.0, 4.4, 0.0)), "");
+  EXPECT_THAT(fix_of(1.0, Vec3(0.0, 4.6, 0.0)), HasSubstr("hold it in the middle"));
 }
 
 TEST(ToolGrips, KeepTheSpellingOfEarlierVersions) {

@@ -68,6 +68,8 @@ TEST(KeyframeReader, RejectsWhatIsNoMotionWithItsLine) {
   EXPECT_THAT(error_of("keyframe = 3"), HasSubstr("line 1: 'keyframe' in [[object]] 1 must be tables"));
   EXPECT_THAT(error_of("[[keyframe]]\ntime_s = 0"), HasSubstr("needs two or more"));
   EXPECT_THAT(error_of(two + "time_s = 0"), HasSubstr("line 3: keyframe 2 of [[object]] 1 is at 0 s, the one before at 0 s"));
+  EXPECT_THAT(error_of(two + "time_s = 1\n[[keyframe]]\ntime_s = 0.5"),
+              HasSubstr("line 5: keyframe 3 of [[object]] 1 is at 0.5 s, the one before at 1 s"));
   EXPECT_THAT(error_of(two + "position_m = [0, 0, 0]"), HasSubstr("keyframe 2 of [[object]] 1 has no 'time_s'"));
   EXPECT_THAT(error_of(two + "time_s = -1"), HasSubstr("at least 0"));
   EXPECT_THAT(error_of(two + "time_s = 1\nposition = [0, 0, 0]"), HasSubstr("line 5: unknown key 'position' in keyframe 2"));

@@ -457,6 +457,8 @@ TEST_F(MeshAppearances, OfAnObjFileAreAllItsLibraries) {
     EXPECT_EQ(file.appearance.materials.at(0).colour, Eigen::Vector3f(1, 0, 0)) << lines;
     EXPECT_EQ(file.appearance.materials.at(1).colour, Eigen::Vector3f(0, 1, 0)) << lines;
   }
+  folder_.write("red.mtl", "newmtl red\nbump b.png\n");
+  EXPECT_THAT(load("a.obj", "mtllib red.mtl\nmtllib wood.mtl red.mtl\nmtllib red.mtl\n" + mesh).notes, testing::SizeIs(1)) << "each once";
 }
 
 TEST_F(MeshAppearances, LightThatMaterialsOfAnObjFileEmitIsNamed) {

@@ -267,6 +267,16 @@ TEST(MeshFile, GivesAPartByItsName) {
   EXPECT_THAT(none.error().what, AllOf(HasSubstr("'pipe_3'"), HasSubstr("'pipe_1'")));
 }
 
+// A terminal would do what is in them.
+TEST(MeshFile, ShowsOnlyThePrintableCharactersOfPartNames) {
+  const ScratchFolder folder;
+  const auto file = load_mesh_file(folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\ng red\x1b[31m\nf 1 2 3\n"));
+  ASSERT_TRUE(file) << file.error().what;
+  const auto none = extract_part(*file, "blue\x1b[34m\n");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().what, "has no part 'blue?[34m?': it has 'red?[31m'");
+}
+
 // Buffers and images, so that every other program can open the shipped files.
 TEST(MeshFile, ThoseThatAreShippedNameNoFileThatIsNotThere) {
   const std::filesystem::path folder = HAPTON_SOURCE_DIR "/meshes";

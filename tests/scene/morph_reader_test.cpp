@@ -67,6 +67,7 @@ TEST(MorphReader, SaysWhereAndWhatIsWrong) {
     EXPECT_THAT(morph_error_of(push + pairs), HasSubstr("line 3: 'keys' in morph 1 of [[object]] 1 must be pairs")) << pairs;
   }
   EXPECT_THAT(morph_error_of(push + "keys = [[1, 0], [1, 1]]"), HasSubstr("must increase: 1 s comes after 1 s"));
+  EXPECT_THAT(morph_error_of(push + "keys = [[0, 0], [1, 1], [0.5, 1]]"), HasSubstr("must increase: 0.5 s comes after 1 s"));
   EXPECT_THAT(morph_error_of(push + "keys = [[-1, 0], [1, 1]]"), HasSubstr("is -1 s: give 0 to 86400"));
   EXPECT_THAT(morph_error_of(push + "keys = [[0, 0], [1, nan]]"), HasSubstr("a weight in 'keys'"));
   EXPECT_THAT(morph_error_of("morph = 3"), HasSubstr("must be tables that begin with [[object.morph]]"));

@@ -187,6 +187,7 @@ TEST(ReadGltf, SaysWhatIsWrong) {
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"children\":[7]"), HasSubstr("out of range"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"rotation\":[0,0,0,0]"), HasSubstr("rotation is zero"));
   EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"matrix\":[1,2]"), HasSubstr("16 numbers"));
+  EXPECT_THAT(gltf_with("\"mesh\":0", "\"mesh\":0,\"matrix\":[1,0,0,0.5, 0,1,0,0, 0,0,1,0, 0,0,0,1]"), HasSubstr("is not affine"));
   EXPECT_THAT(gltf_with("\"indices\":1", "\"indices\":9"), HasSubstr("out of range"));
   EXPECT_THAT(gltf_with("\"indices\":1", "\"indices\":0"), HasSubstr("not of type SCALAR"));
   EXPECT_THAT(gltf_with("5126", "5130"), HasSubstr("componentType is 5130"));
@@ -194,6 +195,8 @@ TEST(ReadGltf, SaysWhatIsWrong) {
   EXPECT_THAT(gltf_with("\"bufferView\":1", "\"bufferView\":1,\"sparse\":{}"), HasSubstr("sparse"));
   EXPECT_THAT(gltf_with("\"bufferView\":1,", "\"bufferView\":\"x\","), HasSubstr("bufferView is missing"));
   EXPECT_THAT(gltf_with("\"byteOffset\":48", "\"byteOffset\":480"), HasSubstr("cut short"));
+  EXPECT_THAT(gltf_with("\"byteOffset\":48", "\"byteOffset\":80"), HasSubstr("ends at byte 104 but its buffer has 72: cut short"));
+  EXPECT_THAT(gltf_with("\"byteLength\":48}", "\"byteLength\":48,\"byteStride\":4}"), HasSubstr("its items overlap (stride 4)"));
   EXPECT_THAT(gltf_with("base64,", "base64,!"), HasSubstr("not base64"));
   EXPECT_THAT(gltf_with("data:application", "http://application"), HasSubstr("on the network"));
   EXPECT_THAT(gltf_with("{\"asset\"", "{\"extensionsRequired\":[\"NV_micromesh\"],\"asset\""), HasSubstr("NV_micromesh"));
@@ -203,6 +206,13 @@ TEST(ReadGltf, SaysWhatIsWrong) {
   mesh = sample::tetrahedron();
   mesh.vertices[2].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(error_of(read_gltf(sample::inline_gltf(mesh), ".")), AllOf(HasSubstr("vertex 2"), HasSubstr("not finite")));
+}
+
+TEST(ReadGltf, AFileWithoutAJsonChunkSaysSo) {
+  const TriangleMesh mesh = sample::tetrahedron();
+  std::string bytes = sample::glb(sample::gltf_json(mesh, ""), sample::gltf_buffer(mesh));
+  bytes.replace(bytes.find("JSON"), 4, "NONE");
+  EXPECT_THAT(error_of(read_glb(bytes, ".")), HasSubstr("has no JSON chunk"));
 }
 
 TEST(ReadGltf, SurvivesDeepNesting) {

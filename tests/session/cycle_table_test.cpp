@@ -315,5 +315,25 @@ TEST(CycleTable, EachColumnHasTheNumberOfItsName) {
   EXPECT_NE(text_of_row().find("scene_time_s=nan carve_serial=nan "), std::string::npos);
 }
 
+TEST(CycleTable, ARowOfARigidToolHasItsTorquesAndHowItIsTurned) {
+  Joined joined;
+  SessionEntry cycle = cycle_of(1);
+  cycle.cycle.device->q_WT = Quat(0.6, 0.8, 0.0, 0.0);
+  cycle.cycle.written_nm = Vec3(0.25, 0.0, -0.125);
+  joined.table.add(cycle, nullptr);
+  ForceCommand force = force_of(1);
+  force.torque_nm = Vec3(0.5, 0.0, -0.25);
+  force.visual_turn = Vec3(0.0, 0.0, 0.3);
+  const auto [entry, datagram] = arrival_of(force, sample_ns(1) + 250'000);
+  joined.table.add(entry, &datagram);
+  joined.table.finish();
+  ASSERT_EQ(joined.rows.size(), 1U);
+  const CycleRow& row = joined.rows[0];
+  EXPECT_EQ(row.wanted_nm, Vec3(0.5, 0.0, -0.25));
+  EXPECT_EQ(row.written_nm, Vec3(0.25, 0.0, -0.125));
+  const Quat expected = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())) * Quat(0.6, 0.8, 0.0, 0.0);
+  EXPECT_LT((row.q_WP.coeffs() - expected.coeffs()).norm(), 1e-12) << "turned in W from how the stylus is held";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -28,6 +28,7 @@ struct MadeRecording {
   std::uint64_t lost_from = 0;    // these samples are missing
   std::uint64_t lost_to = 0;
   bool has_replies = true;
+  Vec3 written_nm = Vec3::Zero();                // torque on the motors, in each cycle
   std::vector<std::uint64_t> marks_at = {};      // more markers, at these samples
   std::int64_t slower_ns = 0;                    // so much later than the others comes the reply to each fourth sample
   std::function<void(std::uint64_t)> also = {};  // after each sample
@@ -84,6 +85,7 @@ struct MadeRecording {
   void add_sample(std::uint64_t sample) {
     SessionEntry cycle = cycle_of(sample);
     if (!has_device) cycle.cycle.device.reset();
+    cycle.cycle.written_nm = written_nm;
     codec.append(cycle, bytes);
     if (sample % 2 != 0 || !has_replies) return;
     ForceCommand force = force_of(sample);

@@ -148,5 +148,42 @@ TEST(ObjectChanges, EachColumnHasTheNumberOfItsName) {
             "undone_first=12 undone_last=13 ");
 }
 
+// Another method, scene, way to load it, build or haptics node: what was felt from then on is computed with that.
+TEST(ObjectChanges, WhateverChangesInASetupMakesItAnother) {
+  ObjectChanges changes(kCyclesStartNs);
+  HapticsSetup setup;
+  receive(changes, setup, 0.5);
+  std::strcpy(setup.method.data(), "name=smooth");
+  receive(changes, setup, 1.0);
+  std::strcpy(setup.scene.data(), "other.toml");
+  receive(changes, setup, 1.5);
+  setup.scene_loading = 3;
+  receive(changes, setup, 2.0);
+  std::strcpy(setup.build.data(), "0.9");
+  receive(changes, setup, 2.5);
+  receive(changes, setup, 3.0);
+  ASSERT_EQ(changes.setups().size(), 5U);
+  for (std::size_t n = 0; n < 5; ++n) EXPECT_NEAR(changes.setups()[n].t_s, 0.5 + 0.5 * static_cast<double>(n), 1e-9);
+  SessionEntry entry;
+  entry.kind = SessionEntry::Kind::received;
+  entry.time_ns = kCyclesStartNs + 3'500'000'000;
+  const Datagram of_another{{.sender = 9}, setup};
+  changes.add(entry, &of_another);
+  ASSERT_EQ(changes.setups().size(), 6U);
+  EXPECT_EQ(changes.setups().back().sender, 9U);
+}
+
+// The hub began to record while the stylus carved: the first message has carves already, and those before it are requested.
+TEST(ObjectChanges, CarvesBeforeTheFirstThatCameAreOfBeforeTheRecording) {
+  ObjectChanges changes(kCyclesStartNs);
+  receive(changes, carved(7, 6, 4, 2), 0.2);
+  receive(changes, carved(7, 6, 6, 1), 0.25);
+  receive(changes, carved(7, 6, 1, 3), 0.3);
+  changes.finish();
+  ASSERT_EQ(changes.carves().size(), 6U);
+  for (std::uint32_t n = 0; n < 3; ++n) EXPECT_TRUE(std::isnan(changes.carves()[n].t_s)) << n;
+  for (std::uint32_t n = 3; n < 6; ++n) EXPECT_NEAR(changes.carves()[n].t_s, n < 5 ? 0.2 : 0.25, 1e-9) << n;
+}
+
 }  // namespace
 }  // namespace hapton

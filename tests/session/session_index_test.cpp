@@ -86,6 +86,29 @@ TEST(SessionIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
   EXPECT_TRUE(index.carves()[1].message.starts_anew);
 }
 
+// As where the hub began to record while the stylus carved: the first message has a carve already.
+TEST(SessionIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginning) {
+  const ScratchFolder scratch;
+  MadeRecording recording;
+  recording.also = [&](std::uint64_t sample) {
+    if (sample != 100 && sample != 200) return;
+    Carves carves = MadeRecording::through_middle(8, sample == 100 ? 2 : 3);
+    carves.newest = 3;
+    recording.receive(MadeRecording::kHaptics, carves, sample);
+  };
+  const SessionIndex index = index_of(recording.write(scratch));
+  ASSERT_EQ(index.carves().size(), 3U) << "the recording's own first carve belongs to the beginning, the third one does not";
+  EXPECT_NEAR(index.carves()[0].t_s, 0.1, 0.001);
+  ASSERT_EQ(index.carves()[0].message.carves.size(), 2U);
+  // In any order: each has its number.
+  EXPECT_EQ(index.carves()[0].message.carves[0].serial, 2U);
+  EXPECT_EQ(index.carves()[0].message.carves[1].serial, 1U);
+  EXPECT_NEAR(index.carves()[1].t_s, 0.2, 0.001);
+  ASSERT_EQ(index.carves()[1].message.carves.size(), 1U);
+  EXPECT_EQ(index.carves()[1].message.carves[0].serial, 3U);
+  EXPECT_TRUE(index.carves()[2].message.starts_anew);
+}
+
 // Serials are those of one haptics process: another one begins with 1 again.
 TEST(SessionIndex, WhatAnotherProcessSaysIsNoRepetition) {
   const ScratchFolder scratch;

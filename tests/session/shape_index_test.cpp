@@ -94,6 +94,19 @@ TEST(ShapeIndex, AShapeOfBeforeTheRecordingIsThereFromItsBeginning) {
   EXPECT_EQ(shape->last_position, 710U);
 }
 
+// Its scene time begins at 0 again, below the first one of the recording.
+TEST(ShapeIndex, AShapeOfALaterProcessIsNotThereFromTheBeginning) {
+  ShapeIndex index;
+  index.add(ForceCommand{.scene_time_ns = 5'000'000'000});
+  index.add(shape_start(1, 5200), 0.2);
+  index.add(shape_start(0, 0, 0, 6), 2.0);
+  index.add(shape_start(1, 100, 1, 6), 2.1);
+  ASSERT_EQ(index.all().size(), 3U);
+  EXPECT_EQ(index.all().front().message.start.source, 5U);
+  EXPECT_EQ(index.all().back().t_s, 2.1);
+  EXPECT_EQ(index.find(1, 1.0, kAheadS, 6'000'000'000), nullptr);
+}
+
 TEST(ShapeIndex, PartsThatAreSentAgainAreLeftOut) {
   ShapeIndex index;
   for (const std::uint32_t first : {0U, 64U, 128U}) index.add(shape_part(1, first), 100 + first);

@@ -41,10 +41,11 @@ struct Board {
   std::atomic<int> buttons{0};
   std::atomic<int> output_dof{3};
   std::atomic<double> max_force_n{3.3};
-  std::atomic<double> max_stiffness{1.26};  // HD: N/mm
-  std::atomic<int> follows_hand{1};         // 0: the point stays where the hand was put, else it is a mass on the hand's spring
-  Vector hand_m{};                          // device axes
-  Vector turn_rad{};                        // of the stylus, about x, then y, then z
+  std::atomic<double> continuous_force_n{0.88};  // HD
+  std::atomic<double> max_stiffness{1.26};       // HD: N/mm
+  std::atomic<int> follows_hand{1};              // 0: the point stays where the hand was put, else it is a mass on the hand's spring
+  Vector hand_m{};                               // device axes
+  Vector turn_rad{};                             // of the stylus, about x, then y, then z
 
   // Written by the stand-in. Forces unchanged, in the device's own units and axes.
   Vector position_m{};

@@ -140,7 +140,7 @@ class Hardware {
         *values = board.max_force_n;
         return;
       case 0x2604:
-        *values = 0.88;
+        *values = board.continuous_force_n;
         return;
       case 0x2605:
         for (int motor = 0; motor < 6; ++motor) values[motor] = motor == 2 ? board.motor_temperature.load() : 0.1;

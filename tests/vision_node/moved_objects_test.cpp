@@ -110,10 +110,11 @@ TEST_F(MovedObjectsTest, AnObjectThatMovesByKeyframesIsDrawnWhereItIsAtThatTime)
   EXPECT_FALSE(moved.take(ObjectPose{.serial = 2, .object = 0, .p_m = Vec3::UnitX()})) << "nobody picks it up";
 }
 
-SceneObject commanded_marker(const SceneObject& marker) {
+SceneObject commanded_marker(const SceneObject& marker, const Vec3& pivot_m = Vec3::Zero()) {
   SceneObject object = marker;
   ObjectSpec spec;
   spec.motion.by_program = true;
+  spec.motion.p_MP = pivot_m;
   object.commanded = std::make_shared<const CommandedObject>(spec, SceneFit(), *object.mesh);
   return object;
 }
@@ -294,6 +295,33 @@ TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereTheyWerePut) {
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6) << "the numbers are those of other objects";
   EXPECT_LT((*find(1) - expected(kGreenAt)).norm(), 0.6);
   EXPECT_EQ(anew.held(), -1);
+}
+
+// The haptics process announces a move again, but with its serial: it must not begin anew either.
+TEST_F(MovedObjectsTest, InASceneOfTheSameObjectsTheyAreWhereProgramsMovedThem) {
+  ASSERT_TRUE(view);
+  scene.objects[0].name = "red";
+  scene.objects[0] = commanded_marker(scene.objects[0]);
+  MovedObjects before(*view, scene);
+  const Vec3 there(0.04, -0.06, 0.02);
+  const ObjectMove move{.source = 5, .serial = 9, .start_ns = 1, .end_ns = 2, .to_p_m = there};
+  ASSERT_TRUE(before.take(move));
+  before.set_time(1'000'000'000);
+  const Scene again = scene;
+  ASSERT_TRUE(view->replace_scene(shown, {}));
+  MovedObjects after(*view, again);
+  after.adopt(before);
+  EXPECT_EQ(after.moving()[0].translation(), there);
+  EXPECT_LT((*find(0) - expected(kRedAt + there)).norm(), 0.6);
+  EXPECT_FALSE(after.take(move)) << "it is known";
+  // About another pivot the same move leads elsewhere, and the haptics node has no move of it yet.
+  Scene other = scene;
+  other.objects[0] = commanded_marker(scene.objects[0], Vec3(0.01, 0.0, 0.0));
+  ASSERT_TRUE(view->replace_scene(shown, {}));
+  MovedObjects anew(*view, other);
+  anew.adopt(after);
+  EXPECT_EQ(anew.moving()[0].matrix(), Pose::Identity().matrix());
+  EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
 }
 
 }  // namespace

@@ -113,6 +113,31 @@ TEST_F(OtherHandTest, AHubThatIsBackGetsThePoseAgain) {
   EXPECT_EQ(views.back().X_WS, to_twelve_floats(turned));
 }
 
+// The hand does not go back to where it was before.
+TEST_F(OtherHandTest, AStateThatANewerOneOvertookIsNotShown) {
+  run(5, turned);
+  network.set_impairments({.delay_ns = 3 * kMs});
+  say(ProbeState{.sample = 5, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});
+  network.set_impairments({});
+  say(ProbeState{.sample = 6, .p_WD = Vec3(0.02, 0.0, 0.0), .view_revision = 1});
+  run(6, turned);
+  ASSERT_TRUE(hand.shown());
+  EXPECT_NEAR(hand.shown()->p_WP.x(), 0.02, 1e-6);
+}
+
+TEST_F(OtherHandTest, WithoutALimitOfItsRateNoFrameWaits) {
+  OtherHand unlimited{client, Quat::Identity(), 0.0};
+  run(5, turned);
+  say(ProbeState{.sample = 5, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});
+  clock.advance_ns(kMs);
+  unlimited.update(turned, clock.now_ns());
+  unlimited.end_frame(clock.now_ns(), clock.now_ns() + kMs, 40.0, sizes, screen, kPicture);
+  run(1, turned);
+  ASSERT_EQ(acks.size(), 1U);
+  EXPECT_EQ(acks[0].held_ns, kMs);
+  EXPECT_EQ(acks[0].rest_ns, 0U);
+}
+
 TEST_F(OtherHandTest, EachStateIsAcknowledgedOnce) {
   run(5, turned);
   EXPECT_FALSE(hand.shown());

@@ -121,6 +121,17 @@ TEST(RecordedState, ATurnedToolIsShownTurned) {
   EXPECT_EQ(state->state.torque_nm, Vec3(0.0, 0.0, 0.0)) << "what the motors got";
 }
 
+TEST(RecordedState, TheTorqueIsThatOfTheMotors) {
+  MadeRecording made;
+  made.written_nm = Vec3(0.0, 0.02, -0.01);
+  OpenedRecording recording(std::move(made));
+  for (const double t_s : {2.4005, 2.4015}) {  // with a reply to that sample, and without
+    const auto state = find_recorded_state(recording.index, *recording.rows, t_s);
+    ASSERT_TRUE(state);
+    EXPECT_EQ(state->state.torque_nm, Vec3(0.0, 0.02, -0.01)) << t_s;
+  }
+}
+
 TEST(RecordedState, PlotsHaveTheLastFiveSecondsAndTheLimit) {
   ScratchFolder scratch;
   MadeRecording made;

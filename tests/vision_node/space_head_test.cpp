@@ -57,6 +57,22 @@ TEST_F(SpaceHeadTest, ATurnMovesNothing) {
   EXPECT_TRUE(moves_until(head, pushed(0), [](const Vec3& moved) { return moved.x() > 0.0; })) << "it was there";
 }
 
+// Half of the way beyond the dead band is a quarter of the speed: fine work.
+TEST_F(SpaceHeadTest, TheSpeedGrowsWithTheSquareOfThePush) {
+  SpaceHead head(hid_.opener());
+  FakeHid::Bytes half = pushed(0);
+  half[1] = 0xb4;
+  half[2] = 0x00;
+  Vec3 leap = Vec3::Zero();
+  EXPECT_TRUE(wait_until([&] {
+    hid_.send(half);
+    (void)head.take_move_m(clock_.now_ns() - kNanosecondsPerSecond);
+    leap = head.take_move_m(clock_.now_ns());
+    return !leap.isZero();
+  }));
+  EXPECT_NEAR(leap.x(), 0.25 * 0.1 * SpaceHead::kFullMPerS, 1e-9) << "a frame counts for 0.1 s at most";
+}
+
 TEST_F(SpaceHeadTest, ASlowFrameDoesNotMakeTheHeadJump) {
   SpaceHead head(hid_.opener());
   EXPECT_TRUE(moves_until(head, pushed(0), [](const Vec3& moved) { return moved.x() > 0.001; }));

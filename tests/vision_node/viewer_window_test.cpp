@@ -1,11 +1,13 @@
 #include "vision_node/viewer_window.h"
 
 #include <memory>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "scene/scene_file.h"
 #include "tests/support/patience.h"
+#include "tests/vision_node/gone_folder.h"
 #include "tests/vision_node/made_views.h"
 
 // Last: it brings X's macros.
@@ -39,6 +41,19 @@ TEST(ViewerWindow, ALevelThatStaysTheSameKeepsItsTeachingView) {
   window.finish_teaching();
   const std::string hud = window.step().compose(1).hud;
   EXPECT_NE(hud.find("cells occupied"), std::string::npos) << hud;
+}
+
+TEST(ViewerWindow, AScreenshotThatFailsUsesNoNumberUp) {
+  const auto view = open_or_fail(plain_settings(StereoMode::mono, 320, 240), {{make_marker(Vec3::Zero(), 0.03), {1, 0, 0}}});
+  ASSERT_TRUE(view);
+  SteadyClock clock;
+  const VisionOptions options;
+  ViewerWindow window(*view, clock, options);
+  const GoneFolder nowhere;
+  for (int n = 0; n < 2; ++n) {
+    const std::string line = window.take_numbered_screenshot();
+    EXPECT_TRUE(line.starts_with("NO SCREENSHOT: cannot write the screenshot hapton_001.png")) << line;
+  }
 }
 
 }  // namespace

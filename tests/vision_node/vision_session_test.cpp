@@ -37,6 +37,8 @@ class FakeHub {
   // Where the probe is, by sample; set before anyone joins.
   std::atomic<bool> moving{true};
   std::atomic<bool> contact{true};
+  // It sends no state any more once one was drawn.
+  std::atomic<bool> ends_with_first_frame{false};
   // Swallow this many view transforms, as a bad line would.
   std::atomic<int> lose_transforms{0};
 
@@ -57,6 +59,7 @@ class FakeHub {
       while (clock_.now_ns() < next_ns) {
         if (peers.receive(received, next_ns).kind == PeerEvent::Kind::message) keep(received.message, state);
       }
+      if (ends_with_first_frame && !drawn.empty()) continue;
       state.sample = ++samples;
       state.sample_time_ns = next_ns;
       if (moving) state.p_WD.x() = 0.05 * std::sin(0.01 * static_cast<double>(samples));
@@ -170,6 +173,25 @@ testing::AssertionResult draws_what_moves(double longer) {
 }
 
 TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) { expect_seen(draws_what_moves); }
+
+// Its age in the frames that are drawn for other reasons later is no latency.
+testing::AssertionResult acknowledges_each_state_once(double longer) {
+  FakeHub hub;
+  hub.ends_with_first_frame = true;
+  VisionOptions options;
+  options.seconds = 1.2 * longer;
+  options.plots = true;  // they are drawn again and again
+  Session vision(hub.address(), options);
+  HAPTON_LOOK(vision.session->run(vision.stop));
+  const std::uint64_t frames = vision.session->step().frames().drawn();
+  vision.session.reset();
+  hub.stop();
+  for (std::size_t i = 1; i < hub.drawn.size(); ++i) EXPECT_GT(hub.drawn[i].echo_sample, hub.drawn[i - 1].echo_sample);
+  HAPTON_LOOK(!hub.drawn.empty() && frames > hub.drawn.size() + 3) << frames << " " << hub.drawn.size();
+  return testing::AssertionSuccess();
+}
+
+TEST(VisionSession, AcknowledgesEachStateOnceHoweverOftenItIsDrawn) { expect_seen(acknowledges_each_state_once); }
 
 // The tracker says one place, then nothing more: the picture is drawn for it, and stays so.
 testing::AssertionResult draws_for_a_tracked_head(double longer) {

@@ -245,6 +245,20 @@ TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
   EXPECT_TRUE(cutter.cut());
 }
 
+// As of a device that was unplugged: nothing was turned off, and a person must know.
+TEST(ForceCutterTest, ReportsNoReleaseThatFailed) {
+  const auto page = std::make_unique<HeartbeatPage>();
+  ForceCutter cutter(*page, 0);
+  page->set_hid("/dev/full", std::vector<std::uint8_t>{1});
+  ASSERT_FALSE(cutter.cut());
+  EXPECT_EQ(cutter.describe().find("released"), std::string::npos) << cutter.describe();
+  EXPECT_NE(cutter.describe().find("could not turn the device off"), std::string::npos) << cutter.describe();
+  // Another device is another matter.
+  page->set_hid("/dev/null", std::vector<std::uint8_t>{1});
+  EXPECT_TRUE(cutter.cut());
+  EXPECT_NE(cutter.describe().find("released the force"), std::string::npos) << cutter.describe();
+}
+
 TEST(ForceCutterTest, SaysWhatItDidByItsMeans) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();

@@ -5,11 +5,14 @@
 
 namespace hapton::doctor {
 
-// Checks the ports of hub and VRPN: free, or the process that uses them. RT: no.
+// Each check reads the machine and changes nothing; a finding has the command that fixes it. RT: no. Threads: one.
+
+// Whether the ports of the hub and of VRPN are free, or used by io_node itself; otherwise the process that uses them.
 Findings check_ports(const Machine& machine);
-// Checks the key file of this user: place, rights, size, owner. RT: no.
+// The key file of this user, and that of the services (/etc/hapton/key) if there is one or an enabled service needs it: place, owner,
+// rights, size.
 Findings check_keys(const Machine& machine);
-// Checks whether other hosts can reach the hub's port, as far as configuration files of firewalls show. RT: no.
+// Whether other hosts can reach the hub's port, as far as the configuration files of ufw, firewalld or nftables show.
 Findings check_firewall(const Machine& machine);
 
 }  // namespace hapton::doctor

@@ -62,8 +62,13 @@ std::uint64_t GovernorStress::program_seed(std::uint64_t program) const noexcept
 void GovernorStress::run(std::uint64_t program_seed, GovernorStressCount& count) noexcept {
   HostileProgram program(program_seed);
   SafetyGovernor governor(program.device());
-  governor.require_button(program.button());
   GovernorEvaluator evaluator(program, governor);
+  run(program_seed, program, governor, evaluator, count);
+}
+
+void GovernorStress::run(std::uint64_t program_seed, HostileProgram& program, SafetyGovernor& governor, GovernorEvaluator& evaluator,
+                         GovernorStressCount& count) noexcept {
+  governor.require_button(program.button());
   auto breaches = evaluator.breaches();
   Wrench out;
   for (int turn = 0; turn < program.turns(); ++turn) {

@@ -38,6 +38,9 @@ class GovernorStress {
   std::uint64_t program_seed(std::uint64_t program) const noexcept;
   // Runs the program of this seed to its end and adds the results to count.
   static void run(std::uint64_t program_seed, GovernorStressCount& count) noexcept;
+  // The same with this governor, watched by this evaluator. Pre: all three are new, the program is the one of the seed.
+  static void run(std::uint64_t program_seed, HostileProgram& program, SafetyGovernor& governor, GovernorEvaluator& evaluator,
+                  GovernorStressCount& count) noexcept;
 
  private:
   std::uint64_t seed_;

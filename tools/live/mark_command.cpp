@@ -57,23 +57,11 @@ Result<std::uint64_t> mark(const MarkOptions& options) {
 
 constexpr int kLinePriority = 10;  // below all nodes (80), above ordinary programs
 
-Result<LineMarker> make_line_marker(const MarkOptions& options, const LineInput& input) {
-  const Edges edges = options.edges == "on" ? Edges::on : options.edges == "off" ? Edges::off : Edges::both;
-  const std::string& name = options.text.empty() ? input.name : options.text;
-  const bool is_plain = !options.text.empty() && edges != Edges::both;
-  const std::string on = is_plain ? name : name + " on";
-  const std::string off = is_plain ? name : name + " off";
-  for (const std::string& text : {on, off}) {
-    if (const auto valid = make_marker(text); !valid) return tl::unexpected(valid.error());
-  }
-  return LineMarker(edges, on, off);
-}
-
 // Until Ctrl-C or time is up.
 Result<LineMarker::Counts> follow_line(const MarkOptions& options) {
   const auto input = parse_line_input(options.line);
   if (!input) return tl::unexpected(input.error());
-  auto marker = make_line_marker(options, *input);
+  auto marker = make_line_marker(*input, options.edges, options.text);
   if (!marker) return tl::unexpected(marker.error());
   const auto line = open_line_input(*input);
   if (!line) return tl::unexpected(line.error());

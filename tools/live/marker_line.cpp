@@ -132,6 +132,18 @@ Result<std::unique_ptr<DigitalLine>> open_line_input(const LineInput& input) {
   return line;
 }
 
+Result<LineMarker> make_line_marker(const LineInput& input, std::string_view edges, const std::string& text) {
+  const Edges marked = edges == "on" ? Edges::on : edges == "off" ? Edges::off : Edges::both;
+  const std::string& name = text.empty() ? input.name : text;
+  const bool is_plain = !text.empty() && marked != Edges::both;
+  const std::string on = is_plain ? name : name + " on";
+  const std::string off = is_plain ? name : name + " off";
+  for (const std::string& each : {on, off}) {
+    if (const auto valid = make_marker(each); !valid) return tl::unexpected(valid.error());
+  }
+  return LineMarker(marked, on, off);
+}
+
 LineMarker::LineMarker(Edges edges, std::string on_text, std::string off_text)
     : edges_(edges), on_text_(std::move(on_text)), off_text_(std::move(off_text)) {}
 

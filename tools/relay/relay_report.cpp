@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <array>
-#include <nlohmann/json.hpp>
 
 namespace hapton {
 namespace {
@@ -27,13 +26,13 @@ constexpr std::array kCounts = {
     NamedCount{"send_failures", &RelayCounts::send_failures},
 };
 
-nlohmann::ordered_json counts_json(const RelayCounts& counts) {
+}  // namespace
+
+nlohmann::ordered_json relay_counts_json(const RelayCounts& counts) {
   nlohmann::ordered_json json;
   for (const NamedCount& named : kCounts) json[named.name] = counts.*named.count;
   return json;
 }
-
-}  // namespace
 
 std::string relay_text(const RelayEndpoint& relay, std::uint64_t seed) {
   std::string text =
@@ -49,8 +48,8 @@ std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double se
                                        {"seed", seed},
                                        {"seconds", seconds},
                                        {"nodes_seen", relay.clients()},
-                                       {"to_hub", counts_json(relay.to_hub())},
-                                       {"to_nodes", counts_json(relay.to_nodes())}};
+                                       {"to_hub", relay_counts_json(relay.to_hub())},
+                                       {"to_nodes", relay_counts_json(relay.to_nodes())}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

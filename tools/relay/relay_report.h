@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "link/relay_endpoint.h"
@@ -11,5 +12,7 @@ namespace hapton {
 // delays. seconds: how long it ran. RT: no.
 std::string relay_text(const RelayEndpoint& relay, std::uint64_t seed);
 std::string relay_json(const RelayEndpoint& relay, std::uint64_t seed, double seconds);
+// Of one direction: each counter by its name, as both have it.
+nlohmann::ordered_json relay_counts_json(const RelayCounts& counts);
 
 }  // namespace hapton

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -197,7 +199,16 @@ void note_buttons(const Scene& scene, std::span<const TrajectoryRow> trajectory)
   fmt::print("movable objects stay where they are: a replay picks nothing up. deploy/run --device simulated --trajectory FILE does\n");
 }
 
+// Before a run that may take minutes: write_replay_csv makes no folder.
+Result<void> check_folder_of(const std::filesystem::path& out) {
+  const std::filesystem::path folder = out.parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return fail("{}: cannot be written: there is no folder {}; make it, or give another place", out.string(), folder.string());
+}
+
 Result<void> replay(ReplayOptions& options) {
+  if (const auto checked = check_folder_of(options.out); !checked) return checked;
   const auto settings = settings_of(options.method);
   if (!settings) {
     return tl::unexpected(settings.error());

@@ -304,6 +304,7 @@ Result<void> SessionReplay::change_method(std::uint32_t serial) {
     if (!touch) return tl::unexpected(touch.error());
     if (!materials_.empty()) (*touch)->set_materials(materials_);
     step_->replace(std::move(*touch));
+    setup_ = named->second;
   }
   serial_ = serial;
   is_method_known_ = setups_.contains({sender_, serial});

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <utility>
 
@@ -134,17 +133,6 @@ TriangleMesh askew(TriangleMesh mesh) {
 TriangleMesh ball() { return make_icosphere(0.5 * kExtent, 3); }
 TriangleMesh bumps() { return make_bumpy_sphere(0.45 * kExtent, 0.25, 5000, 1); }
 
-// Five long thin spikes from a small core: sharp vertices and deep concave edges.
-TriangleMesh star() {
-  std::vector<Eigen::Vector2d> outline;
-  for (int i = 0; i < 10; ++i) {
-    const double radius = (i % 2 == 0 ? 0.5 : 0.12) * kExtent;
-    const double angle = std::numbers::pi * i / 5.0;
-    outline.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
-  }
-  return make_prism(outline, 0.4 * kExtent, 3);
-}
-
 TriangleMesh tetrahedron() {
   TriangleMesh mesh;
   const double h = 0.5 * kExtent;
@@ -175,7 +163,7 @@ constexpr std::array kBodies = {
     Entry{"torus", [] { return clean(make_torus(0.35 * kExtent, 0.15 * kExtent, 48, 24)); }},
     Entry{"tetrahedron", [] { return clean(tetrahedron()); }},
     Entry{"bumpy", [] { return clean(bumps()); }},
-    Entry{"star", [] { return clean(star()); }},
+    Entry{"star", [] { return clean(make_star()); }},
     Entry{"gutter", [] { return clean(make_gutter(kExtent, 0.3 * kExtent, 0.4, 6)); }},
     Entry{"knife-gutter", [] { return clean(askew(make_gutter(kExtent, 0.5 * kExtent, 0.01, 4))); }},
     Entry{"staircase", [] { return clean(make_staircase(kExtent, 8, 4)); }},
@@ -211,7 +199,7 @@ constexpr std::array kBodies = {
     Entry{"overlapping-parts-2", [] { return clean(make_overlapping_parts(2)); }},
     Entry{"probe-sphere", [] { return with_probe(clean(ball()), 0.005); }},
     Entry{"probe-bumpy", [] { return with_probe(clean(bumps()), 0.005); }},
-    Entry{"probe-star", [] { return with_probe(clean(star()), 0.01); }},
+    Entry{"probe-star", [] { return with_probe(clean(make_star()), 0.01); }},
     Entry{"probe-staircase", [] { return with_probe(clean(make_staircase(kExtent, 8, 4)), 0.005); }},
     Entry{"probe-cracks", [] { return with_probe(dirty(cracked(ball(), 1e-5), ball()), 0.005); }},
     Entry{"probe-t-junctions", [] { return with_probe(dirty(with_t_junctions(ball(), 1e-5), ball()), 0.005); }},

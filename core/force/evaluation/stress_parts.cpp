@@ -132,6 +132,16 @@ TriangleMesh make_panel(const Panel& panel, int cells, double offset, double fli
 
 }  // namespace
 
+TriangleMesh make_star() {
+  std::vector<Eigen::Vector2d> outline;
+  for (int i = 0; i < 10; ++i) {
+    const double radius = (i % 2 == 0 ? 0.5 : 0.12) * kExtent;
+    const double angle = std::numbers::pi * i / 5.0;
+    outline.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  return make_prism(outline, 0.4 * kExtent, 3);
+}
+
 TriangleMesh make_cell_solid(const std::vector<double>& x_m, const std::vector<double>& y_m, const std::vector<double>& z_m,
                              const std::function<bool(int, int, int)>& is_solid) {
   TriangleMesh mesh;

@@ -11,6 +11,9 @@ namespace hapton {
 // Meshes like those that CAD systems export, generated for `hapton stress`: pure functions of their arguments, in metres, longest side
 // about 0.1 m, centred at the origin. RT: set-up only.
 
+// Five long thin spikes from a small core: sharp vertices and deep concave edges.
+TriangleMesh make_star();
+
 // The boundary of the grid cells for which `is_solid` is true: closed, consistently oriented, welded. Grid lines ascend. Pre: no two solid
 // cells share only an edge or a vertex; none lies outside the grid.
 TriangleMesh make_cell_solid(const std::vector<double>& x_m, const std::vector<double>& y_m, const std::vector<double>& z_m,

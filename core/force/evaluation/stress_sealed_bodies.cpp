@@ -1,10 +1,8 @@
 #include "core/force/evaluation/stress_sealed_bodies.h"
 
-#include <cmath>
-#include <numbers>
 #include <utility>
-#include <vector>
 
+#include "core/force/evaluation/stress_parts.h"
 #include "core/geometry/cracked_shapes.h"
 #include "core/geometry/mesh_shapes.h"
 #include "core/geometry/seal_cracks.h"
@@ -20,20 +18,11 @@ StressBody sealed(TriangleMesh cracked) {
   return {.name = {}, .touched = mesh, .solid = mesh};
 }
 
-TriangleMesh star() {
-  std::vector<Eigen::Vector2d> outline;
-  for (int i = 0; i < 10; ++i) {
-    const double angle = std::numbers::pi * i / 5.0;
-    outline.emplace_back((i % 2 == 0 ? 0.5 : 0.12) * kExtent * Eigen::Vector2d(std::cos(angle), std::sin(angle)));
-  }
-  return make_prism(outline, 0.4 * kExtent, 3);
-}
-
 }  // namespace
 
 StressBody make_sealed_tears(double width_share) { return sealed(make_shaken(make_icosphere(0.5 * kExtent, 3), width_share * kExtent, 1)); }
 
-StressBody make_sealed_star(double width_share) { return sealed(make_shaken(star(), 0.9 * width_share * kExtent, 2)); }
+StressBody make_sealed_star(double width_share) { return sealed(make_shaken(make_star(), 0.9 * width_share * kExtent, 2)); }
 
 StressBody make_sealed_box(double width_share) { return sealed(make_patched_box(Vec3(1.0, 0.8, 0.6) * kExtent, width_share * kExtent, 3)); }
 

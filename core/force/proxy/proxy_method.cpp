@@ -182,6 +182,11 @@ Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexc
   return std::exchange(carried_from_, std::nullopt).value_or(last);
 }
 
+void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept {
+  sample_from_ = within_limits(geometry_.to_local(p_SD));
+  sample_skipped_ = counters_.skipped;
+}
+
 double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept {
   const std::size_t waiting = geometry_.waiting_count();
   const double may_go = geometry_.request_ahead(proxy_.position, kLookAheadSteps * displacement);
@@ -200,7 +205,7 @@ double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept
 
 MethodOutput ProxyMethod::render_contact(const MethodInput& input, const Vec3& device) noexcept {
   ++counters_.contact_steps;
-  if (proxy_.contact_count > 0) touched_object_ = surfaces_.strongest_object(proxy_);
+  if (proxy_.contact_count > 0) touched_object_ = static_cast<int>(geometry_.mesh_of(surfaces_.strongest_triangle(proxy_)));
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
   // The surface is one contact offset nearer to the device than the proxy.
   const Vec3 extension = proxy_.position - device;

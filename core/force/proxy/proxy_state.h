@@ -61,11 +61,7 @@ class ProxySurfaces {
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
   // The mean material of all active constraints (ContactMaterial).
   Material mean_material(const ProxyState& state) const noexcept;
-  // The object of the active constraint with the largest multiplier; -1 without contacts.
-  int strongest_object(const ProxyState& state) const noexcept {
-    return state.contact_count > 0 ? static_cast<int>(geometry_.mesh_of(strongest_triangle(state))) : -1;
-  }
-  // The triangle of that constraint. Pre: a contact.
+  // The triangle of the active constraint with the largest multiplier. Pre: a contact.
   std::uint32_t strongest_triangle(const ProxyState& state) const noexcept {
     return state.active_count > 1 ? strongest_of_several(state) : state.contacts[0].triangle;
   }

@@ -66,6 +66,116 @@ double find_fall(double low, double high, Value&& value) {
   return t;
 }
 
+// Searches for the first moment, as a share of the remaining step, at which the pull on a point at rest exceeds its cone.
+struct SlipSearch {
+  MovingPull pull;
+  double held;   // the coefficient that holds the point
+  double bound;  // square of the shortest pull that counts
+  double soonest = kNever;
+
+  // Over a face, if the pull at that moment leads there: is_over(pull).
+  template <class IsOver>
+  void consider_face(const Vec3& normal, IsOver&& is_over) {
+    const double t = pull.square(1.0, normal, -(1.0 + held * held), bound).time_of_rise();
+    if (t < soonest && is_over(pull.at(t))) soonest = t;
+  }
+  void consider_line(const Vec3& direction, bool both_ways) {
+    const double t = pull.square(-held * held, direction, 1.0 + held * held, bound).time_of_rise();
+    if (t < soonest && (both_ways || direction.dot(pull.at(t)) > 0.0)) soonest = t;
+  }
+};
+
+// From an edge: onto one of its faces, or along it.
+void search_from_edge(const SurfacePoint& at, SlipSearch& slip) {
+  const auto is_over = [&](const SurfacePoint::Facet& facet, int k) {
+    return [&facet, k](const Vec3& w) {
+      return facet.normal().dot(w) <= kClear && facet.shape.inside(k, facet.shape.corner(k) + w) > kOnEdge * facet.shape.length(k);
+    };
+  };
+  if (!at.has_left_a()) slip.consider_face(at.a().normal(), is_over(at.a(), at.edge()));
+  slip.consider_face(at.b().normal(), is_over(at.b(), at.other_edge()));
+  slip.consider_line(at.a().shape.edge(at.edge()) / at.a().shape.length(at.edge()), true);
+}
+
+// From a vertex: onto a face of its fan, or along an edge of it.
+void search_from_vertex(const SurfacePoint& at, SlipSearch& slip) {
+  for (const SurfacePoint::FanFacet& facet : at.fan()) {
+    slip.consider_face(facet.normal, [&](const Vec3& w) { return facet.inward[0].dot(w) > 0.0 && facet.inward[1].dot(w) > 0.0; });
+    slip.consider_line(facet.direction, false);
+  }
+}
+
+// The edge of a face that a sliding point crosses first, and when, as a share of the remaining step. edge -1: none.
+struct CrossedEdge {
+  int edge = -1;
+  double time = kNever;
+};
+
+// point: position of the point at a share of the remaining step; leave: the end of the search.
+template <class Point>
+CrossedEdge find_crossed_edge(const SurfacePoint::Facet& facet, const SlidingPull& sliding, double leave, Point&& point) {
+  CrossedEdge first;
+  const Vec3 normal = facet.normal();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 inward = normal.cross(facet.shape.edge(k)) * facet.side;
+    // The point crosses an edge at most once: its speed across changes sign at most once, with inward . pull.
+    const double turn = std::min(leave, sliding.time_across(inward));
+    const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
+    double low = falls ? 0.0 : turn;
+    const double high = falls ? turn : leave;
+    const auto inside = [&](double t) { return SurfacePoint::inside_by(-kOnEdge, facet, k, point(t)); };
+    if (!(inside(high) <= 0.0)) continue;
+    if (inside(low) > 0.0) {
+      low = find_fall(low, high, [&](double t, double& slope) {
+        const Vec3 behind = sliding.at(t);
+        const double length = behind.norm();
+        slope = length > 0.0 ? inward.dot(behind) / length * sliding.speed_at(t) : 0.0;
+        return inside(t);
+      });
+    }
+    if (low < first.time) first = {.edge = k, .time = low};
+  }
+  return first;
+}
+
+// A point that slides along an edge behind a device that moves straight, at x = device - sign mu_d depth. t: share of the remaining step.
+struct EdgeSlide {
+  Vec3 direction;                  // of the edge, unit
+  Vec3 here, motion;               // of the device: its position from the edge's first corner, and its motion in the remaining step
+  Vec3 sideways, sideways_motion;  // the parts of these perpendicular to the edge
+  double sign;                     // 1: along `direction`; -1: against it
+  double drawn;                    // motion of the device along the edge, in the direction of the slide
+  double dynamic;                  // mu_d
+
+  double depth(double t) const { return (sideways + t * sideways_motion).norm(); }
+  // Speed along the edge. It falls with time because the depth is convex.
+  double speed(double t) const {
+    const double d = depth(t);
+    return drawn - dynamic * (d > 0.0 ? (sideways + t * sideways_motion).dot(sideways_motion) / d : 0.0);
+  }
+  double x(double t) const { return direction.dot(here) + t * direction.dot(motion) - sign * dynamic * depth(t); }
+};
+
+EdgeSlide make_edge_slide(const SurfacePoint& at, const Vec3& from, const Vec3& to, double time, double dynamic) {
+  const ContactTriangle& face = at.a().shape;
+  const int edge = at.edge();
+  const Vec3 direction = face.edge(edge) / face.length(edge);
+  const Vec3 here = on_path(from, to, time) - face.corner(edge);
+  const Vec3 motion = (1.0 - time) * (to - from);
+  const double pull = direction.dot(here - (at.point() - face.corner(edge)));
+  const double sign = (std::fabs(pull) > kMin ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
+  const Vec3 sideways = here - direction.dot(here) * direction;
+  const Vec3 sideways_motion = motion - direction.dot(motion) * direction;
+  return {.direction = direction,
+          .here = here,
+          .motion = motion,
+          .sideways = sideways,
+          .sideways_motion = sideways_motion,
+          .sign = sign,
+          .drawn = sign * direction.dot(motion),
+          .dynamic = dynamic};
+}
+
 }  // namespace
 
 void SurfaceFriction::begin(const Material& material, bool slides) noexcept {
@@ -185,25 +295,15 @@ SurfaceNext SurfaceFriction::follow(SurfacePoint& at, const Vec3& from, const Ve
 SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
   drags_ = false;
   const MovingPull pull{on_path(from, to, time) - at.point(), (1.0 - time) * (to - from)};
-  const double held = slides_ ? dynamic_ : static_;
   // At a vertex, twice the least descent, so that the descent accepts what is found here.
   const double least = at.on() == On::vertex ? 2.0 * std::max(at.least_slope(from), at.least_slope(to)) : kMin;
-  const double bound = least * least;
-  double soonest = kNever;
-  const auto consider_face = [&](const Vec3& normal, auto&& is_over) {
-    const double t = pull.square(1.0, normal, -(1.0 + held * held), bound).time_of_rise();
-    if (t < soonest && is_over(pull.at(t))) soonest = t;
-  };
-  const auto consider_line = [&](const Vec3& direction, bool both_ways) {
-    const double t = pull.square(-held * held, direction, 1.0 + held * held, bound).time_of_rise();
-    if (t < soonest && (both_ways || direction.dot(pull.at(t)) > 0.0)) soonest = t;
-  };
+  SlipSearch slip{.pull = pull, .held = slides_ ? dynamic_ : static_, .bound = least * least};
   if (at.on() == On::face) {
-    consider_face(at.a().normal(), [](const Vec3&) { return true; });
+    slip.consider_face(at.a().normal(), [](const Vec3&) { return true; });
     if (slides_) {
       const double rest = FrictionMotion::kRestick * dynamic_;
       const double t = pull.square(-1.0, at.a().normal(), 1.0 + rest * rest).time_of_rise();
-      if (t < soonest && t < 1.0) {
+      if (t < slip.soonest && t < 1.0) {
         slides_ = false;
         time = std::min(1.0, time + t * (1.0 - time));
         return SurfaceNext::again;
@@ -213,32 +313,22 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
     const double height = at.a().normal().dot(pull.start) - kClear;
     const double there = at.a().normal().dot(pull.at(1.0)) - kClear;
     const double leaves = there > 0.0 ? time_of_zero(std::min(height, 0.0), there, 0.0) : kNever;
-    if (leaves <= std::min(soonest, 1.0)) {
+    if (leaves <= std::min(slip.soonest, 1.0)) {
       time = std::min(1.0, time + leaves * (1.0 - time));
       return at.release(on_path(from, to, time), to);
     }
   } else if (at.on() == On::edge) {
-    const auto is_over = [&](const SurfacePoint::Facet& facet, int k) {
-      return [&facet, k](const Vec3& w) {
-        return facet.normal().dot(w) <= kClear && facet.shape.inside(k, facet.shape.corner(k) + w) > kOnEdge * facet.shape.length(k);
-      };
-    };
-    if (!at.has_left_a()) consider_face(at.a().normal(), is_over(at.a(), at.edge()));
-    consider_face(at.b().normal(), is_over(at.b(), at.other_edge()));
-    consider_line(at.a().shape.edge(at.edge()) / at.a().shape.length(at.edge()), true);
+    search_from_edge(at, slip);
   } else {
-    for (const SurfacePoint::FanFacet& facet : at.fan()) {
-      consider_face(facet.normal, [&](const Vec3& w) { return facet.inward[0].dot(w) > 0.0 && facet.inward[1].dot(w) > 0.0; });
-      consider_line(facet.direction, false);
-    }
+    search_from_vertex(at, slip);
   }
-  if (soonest > 1.0) {
+  if (slip.soonest > 1.0) {
     time = 1.0;
     if (at.on() == On::face) return SurfaceNext::settled;
     const SurfaceNext next = at.on() == On::edge ? descend_on_edge(at, to) : descend_at_vertex(at, to);  // the point may be free there
     return next == SurfaceNext::again ? SurfaceNext::descend : next;
   }
-  time = std::min(1.0, time + soonest * (1.0 - time));
+  time = std::min(1.0, time + slip.soonest * (1.0 - time));
   at.balance_on_edge();
   slips_ = true;
   return SurfaceNext::descend;
@@ -267,41 +357,17 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
   const SlidingPull sliding(has_pull ? pull : motion, motion, has_pull ? radius : std::numeric_limits<double>::min(), growth);
   const auto point = [&](double t) { return Vec3(projection(t) - sliding.at(t)); };
   const double leave = end_height > kClear ? time_of_zero(start_height - kClear, end_height - kClear, 0.0) : 1.0;
-  double soonest = kNever;
-  int exit = -1;
-  for (int k = 0; k < 3; ++k) {
-    const ContactTriangle& face = at.a().shape;
-    const Vec3 inward = normal.cross(face.edge(k)) * at.a().side;
-    // The point crosses an edge at most once: its speed across changes sign at most once, with inward . pull.
-    const double turn = std::min(leave, sliding.time_across(inward));
-    const bool falls = inward.dot(sliding.at(0.5 * turn)) < 0.0;
-    double low = falls ? 0.0 : turn;
-    const double high = falls ? turn : leave;
-    const auto inside = [&](double t) { return SurfacePoint::inside_by(-kOnEdge, at.a(), k, point(t)); };
-    if (!(inside(high) <= 0.0)) continue;
-    if (inside(low) > 0.0) {
-      low = find_fall(low, high, [&](double t, double& slope) {
-        const Vec3 behind = sliding.at(t);
-        const double length = behind.norm();
-        slope = length > 0.0 ? inward.dot(behind) / length * sliding.speed_at(t) : 0.0;
-        return inside(t);
-      });
-    }
-    if (low < soonest) {
-      soonest = low;
-      exit = k;
-    }
-  }
-  if (exit < 0 || soonest > leave) {
+  const CrossedEdge crossed = find_crossed_edge(at.a(), sliding, leave, point);
+  if (crossed.edge < 0 || crossed.time > leave) {
     time = std::min(1.0, time + leave * (1.0 - time));
     if (end_height > kClear) return at.release(on_path(from, to, time), to);
     at.move_on_face(point(1.0));
     return SurfaceNext::settled;
   }
-  const bool turns_back = exit == at.entry_edge() && soonest <= 0.0;
-  const Vec3 p = point(soonest);
-  time = std::min(1.0, time + soonest * (1.0 - time));
-  if (!at.reach_edge(exit, p)) return SurfaceNext::unwalkable;
+  const bool turns_back = crossed.edge == at.entry_edge() && crossed.time <= 0.0;
+  const Vec3 p = point(crossed.time);
+  time = std::min(1.0, time + crossed.time * (1.0 - time));
+  if (!at.reach_edge(crossed.edge, p)) return SurfaceNext::unwalkable;
   if (turns_back && at.on() == On::edge) {
     // The adjacent face sent it back: both decisions are rounding.
     at.balance_on_edge();
@@ -313,33 +379,18 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
 
 // Along an edge, at x = device - sign mu_d depth, until the device leads onto a face, the point stops, or the edge ends.
 SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
-  const ContactTriangle& face = at.a().shape;
   const int edge = at.edge();
-  const double length = face.length(edge);
-  const Vec3 direction = face.edge(edge) / length;
-  const Vec3 here = on_path(from, to, time) - face.corner(edge);
-  const Vec3 motion = (1.0 - time) * (to - from);
-  const double pull = direction.dot(here - (at.point() - face.corner(edge)));
-  const double sign = (std::fabs(pull) > kMin ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
-  const Vec3 sideways = here - direction.dot(here) * direction;
-  const Vec3 sideways_motion = motion - direction.dot(motion) * direction;
-  const double drawn = sign * direction.dot(motion);
-  const auto depth = [&](double t) { return (sideways + t * sideways_motion).norm(); };
-  // Speed along the edge. It falls with time because the depth is convex.
-  const auto speed = [&](double t) {
-    const double d = depth(t);
-    return drawn - dynamic_ * (d > 0.0 ? (sideways + t * sideways_motion).dot(sideways_motion) / d : 0.0);
-  };
-  if (!(speed(0.0) > 0.0)) {
+  const double length = at.a().shape.length(edge);
+  const EdgeSlide slide = make_edge_slide(at, from, to, time, dynamic_);
+  if (!(slide.speed(0.0) > 0.0)) {
     drags_ = false;
     return SurfaceNext::again;
   }
-  double until = speed(1.0) > 0.0 ? 1.0 : find_fall(0.0, 1.0, [&](double t, double& slope) {
+  double until = slide.speed(1.0) > 0.0 ? 1.0 : find_fall(0.0, 1.0, [&](double t, double& slope) {
     slope = 0.0;
-    return speed(t);
+    return slide.speed(t);
   });
-  const bool stops = !(speed(1.0) > 0.0);
-  const auto x = [&](double t) { return direction.dot(here) + t * direction.dot(motion) - sign * dynamic_ * depth(t); };
+  const bool stops = !(slide.speed(1.0) > 0.0);
   // Onto a face when its multiplier has reached zero.
   enum class Event : std::uint8_t { none, to_a, to_b, end } event = Event::none;
   const Vec3 device = on_path(from, to, time);
@@ -354,17 +405,17 @@ SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, c
   };
   consider_face(at.a(), edge, Event::to_a);
   consider_face(at.b(), at.other_edge(), Event::to_b);
-  const double end = sign > 0.0 ? length : 0.0;
-  if (sign * (end - x(until)) <= 0.0) {
+  const double end = slide.sign > 0.0 ? length : 0.0;
+  if (slide.sign * (end - slide.x(until)) <= 0.0) {
     until = find_fall(0.0, until, [&](double t, double& slope) {
-      slope = -speed(t);
-      return sign * (end - x(t));
+      slope = -slide.speed(t);
+      return slide.sign * (end - slide.x(t));
     });
     event = Event::end;
   }
   time = std::min(1.0, time + until * (1.0 - time));
-  if (event == Event::end) return descend_if(at.reach_vertex(sign > 0.0 ? (edge + 1) % 3 : edge));
-  at.move_on_edge(std::clamp(x(until) / length, 0.0, 1.0));
+  if (event == Event::end) return descend_if(at.reach_vertex(slide.sign > 0.0 ? (edge + 1) % 3 : edge));
+  at.move_on_edge(std::clamp(slide.x(until) / length, 0.0, 1.0));
   at.balance_on_edge();
   if (event == Event::to_b) at.cross_edge();
   if (event == Event::to_a) at.return_from_edge();

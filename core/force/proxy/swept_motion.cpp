@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "core/force/sliding_friction.h"
 
 namespace hapton {
 namespace {
 
-constexpr double kLongestMotion = 4.0;    // local units: twice the scene's size
-constexpr double kFarthestGoal = 0x1p10;  // local units: a device farther out would cost significant digits
+constexpr double kLongestMotion = 4.0;     // local units: twice the scene's size
+constexpr double kFarthestGoal = 0x1p10;   // local units: a device farther out would cost significant digits
+constexpr double kRoundedShare = 0x1p-48;  // of a distance within the scene
+
 // Limits a motion to the length that crosses the scene.
 Vec3 shortened(const Vec3& motion) {
   const double length = motion.norm();
@@ -39,16 +44,8 @@ void SweptMotion::forget_progress() noexcept {
 }
 
 bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
-  constexpr double kRounding = 0x1p-48;     // share of a distance within the scene
   constexpr double kNormalError = 0x1p-24;  // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
-  if (sweep_.is_interrupted() && sweep_.from() != proxy.position) sweep_.drop();
-  if (sweep_.is_interrupted()) {
-    if (go_on(proxy) == End::interrupted) return false;
-    if (proxy.contact_count == 0 && (device - proxy.position).norm() <= kRounding) {  // there, after sweeping all of the way
-      proxy.settle_at(device);
-      return true;
-    }
-  }
+  if (const auto ended = finish_interrupted(proxy, device)) return *ended;
   if (is_shrunk() && !is_point_) grow_to_room(proxy.position);
   const double least_motion = keep_.tolerance;  // shorter motions are below the tolerance of the clearance
   bool has_forgotten = false;
@@ -59,7 +56,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     const double distance = goal.norm();
     const bool arrives = distance <= kLongestMotion;
     if (distance > kFarthestGoal) goal *= kFarthestGoal / distance;
-    note_progress(distance, kRounding);
+    note_progress(distance, kRoundedShare);
     if (idle_ > kMaxIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
       if (is_too_near(proxy) && shrink_to_room(proxy.position)) {
         idle_ = 0;
@@ -84,18 +81,8 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     if (proxy.contact_count == ProxyState::kMaxContacts) fix_active(proxy, constrained, goal);
     const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, device);
     if (motion.norm() <= least_motion + kNormalError * distance) {
-      if (is_blind(proxy)) {
-        if (advance(proxy, Vec3::Zero()) == End::interrupted) return false;
-        continue;
-      }
-      if (!has_forgotten && forget_doubtful(proxy, constrained)) {
-        has_forgotten = true;
-        continue;
-      }
-      bring_active_first(proxy, constrained);
-      proxy.multipliers = constrained.multipliers;
-      proxy.active_count = constrained.active_count;
-      return true;
+      if (const auto ended = end_at_minimum(proxy, constrained, has_forgotten)) return *ended;
+      continue;
     }
     const End end = advance(proxy, shortened(motion));
     if (end == End::interrupted) return false;
@@ -105,6 +92,35 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     }
   }
   return false;
+}
+
+// A motion that ran out of work in the last call goes on, unless others have moved the proxy since.
+std::optional<bool> SweptMotion::finish_interrupted(ProxyState& proxy, const Vec3& device) noexcept {
+  if (sweep_.is_interrupted() && sweep_.from() != proxy.position) sweep_.drop();
+  if (!sweep_.is_interrupted()) return std::nullopt;
+  if (go_on(proxy) == End::interrupted) return false;
+  if (proxy.contact_count == 0 && (device - proxy.position).norm() <= kRoundedShare) {  // there, after sweeping all of the way
+    proxy.settle_at(device);
+    return true;
+  }
+  return std::nullopt;
+}
+
+// The next motion would be below its errors: a minimum, unless a sphere overlaps what it has not looked for, or a doubtful contact holds
+// it.
+std::optional<bool> SweptMotion::end_at_minimum(ProxyState& proxy, ConstrainedMotion& held, bool& has_forgotten) noexcept {
+  if (is_blind(proxy)) {
+    if (advance(proxy, Vec3::Zero()) == End::interrupted) return false;
+    return std::nullopt;
+  }
+  if (!has_forgotten && forget_doubtful(proxy, held)) {
+    has_forgotten = true;
+    return std::nullopt;
+  }
+  bring_active_first(proxy, held);
+  proxy.multipliers = held.multipliers;
+  proxy.active_count = held.active_count;
+  return true;
 }
 
 // A sphere with as many contacts as are kept may overlap others. A sweep without a motion finds those that it overlaps most.
@@ -239,7 +255,7 @@ Vec3 SweptMotion::apply_friction(ProxyState& proxy, const Vec3& goal, const Cons
   const double length = motion.norm();
   const double hold = (proxy.slides ? material.friction_dynamic : material.friction_static) * depth;
   if (length <= hold + keep_.slop) {
-    if (length < 0.5 * material.friction_dynamic * depth) proxy.slides = false;
+    if (length < FrictionMotion::kRestick * material.friction_dynamic * depth) proxy.slides = false;
     return Vec3::Zero();
   }
   proxy.slides = true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "core/force/contact_qp.h"
 #include "core/force/proxy/proxy_state.h"
@@ -73,6 +74,9 @@ class SweptMotion {
   static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
 
   bool settle(ProxyState& proxy, const Vec3& device) noexcept;
+  // Both: whether the call has settled; none: settle() goes on.
+  std::optional<bool> finish_interrupted(ProxyState& proxy, const Vec3& device) noexcept;
+  std::optional<bool> end_at_minimum(ProxyState& proxy, ConstrainedMotion& held, bool& has_forgotten) noexcept;
   bool is_blind(const ProxyState& proxy) const noexcept;
   void forget_progress() noexcept;
   void note_progress(double distance, double rounding) noexcept;

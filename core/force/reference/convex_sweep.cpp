@@ -6,7 +6,8 @@
 namespace hapton {
 namespace {
 
-constexpr int kMaxRounds = 400;  // a bound on the time: SweepHit::exhausted
+// A bound on the time, not on the accuracy: Newton's iteration needs a few rounds; SweepHit::exhausted says if it was reached.
+constexpr int kMaxRounds = 400;
 // At an edge or vertex a step is at most this many distances long, so that the direction's error, rounding / distance, moves the point by
 // at most this many roundings.
 constexpr double kLongestStep = 256.0;

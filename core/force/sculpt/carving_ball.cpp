@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/force/sliding_friction.h"
+
 namespace hapton {
 namespace {
 
@@ -13,7 +15,6 @@ constexpr double kRoom = 0.5 + 0.2;
 constexpr double kCarveEvery = 0.5;  // motion of the centre from one carve to the next
 constexpr double kInside = 0.2;      // a ball that begins deeper in the material is inside
 constexpr double kMaxStepS = 2e-3;   // a longer step, as after lost samples, cuts no farther than this one
-constexpr double kRestick = 0.5;     // as FrictionMotion::kRestick
 constexpr double kMinEase = 1e-6;    // a shorter rest of the room or of the lag counts as zero
 
 // The clearance of a ball that just fits into its own carve. Inside a carve of radius R the field is less than the distance by up to
@@ -110,7 +111,7 @@ Vec3 CarvingBall::find_friction_goal(const Vec3& goal, const Vec3& normal, const
   }
   const Vec3 pull = to_goal + depth * normal;
   const double length = pull.norm();
-  if (now_.is_sliding && length <= kRestick * material.friction_dynamic * depth) now_.is_sliding = false;
+  if (now_.is_sliding && length <= FrictionMotion::kRestick * material.friction_dynamic * depth) now_.is_sliding = false;
   if (!now_.is_sliding && length > material.friction_static * depth) now_.is_sliding = true;
   const double held = now_.is_sliding ? material.friction_dynamic * depth : length;
   return length > 0.0 ? Vec3(goal - pull * std::min(1.0, held / length)) : goal;

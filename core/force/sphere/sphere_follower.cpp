@@ -20,6 +20,7 @@ using Part = OffsetContact::Part;
 bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
   work_ = 0;
   is_tracking_ = false;
+  is_in_slit_ = false;
   friction_ = {.slides = slides, .coefficients = {}};
   centre_ = centre;
   contacts_.clear();
@@ -190,17 +191,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     ++events_;
     work_ += kWorkOfEvent;
     if (idle_ > kMaxIdle && !(is_point_ && skip_ahead(from, to, time))) break;
-    if (contacts_.is_empty()) {
-      next = fly(from, to, time);
-    } else if (has_friction_ && has_friction_here()) {
-      next = is_descending_    ? descend_with_friction(on_path(from, to, time), to - from)
-             : friction_.drags ? drag(from, to, time)
-                               : stay_with_friction(from, to, time);
-    } else {
-      next = has_fans && cross_fan(from, to, time) && !is_descending_ && time >= 1.0 ? Next::settled
-             : is_descending_                                                        ? descend(on_path(from, to, time), to - from)
-                                                                                     : slide(from, to, time);
-    }
+    next = follow_event(from, to, time, has_fans);
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::again && has_lingered())
       time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, lingering_ / 4) / (to - from).norm());
@@ -238,6 +229,17 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!note_slit(from != to)) return Outcome::settled;
   is_in_slit_ = true;
   return Outcome::failed;
+}
+
+// The next event of a centre that is free, or held with or without friction. has_fans: there are large fans that it may cross.
+SphereFollower::Next SphereFollower::follow_event(const Vec3& from, const Vec3& to, double& time, bool has_fans) noexcept {
+  if (contacts_.is_empty()) return fly(from, to, time);
+  if (has_friction_ && has_friction_here()) {
+    if (is_descending_) return descend_with_friction(on_path(from, to, time), to - from);
+    return friction_.drags ? drag(from, to, time) : stay_with_friction(from, to, time);
+  }
+  if (has_fans && cross_fan(from, to, time) && !is_descending_ && time >= 1.0) return Next::settled;
+  return is_descending_ ? descend(on_path(from, to, time), to - from) : slide(from, to, time);
 }
 
 // Many events at one place, each with hardly any motion of the device: within rounding, what holds the centre changes from one to the next.
@@ -453,8 +455,10 @@ std::optional<SphereFollower::Next> SphereFollower::end_leg(const CentrePath& pa
   ++idle_;
   hint_ = contacts_[released].proximity(centre_).normal;  // where the others alone do not hold it, it goes away from this one
   contacts_.remove(released);
-  if (contacts_.is_empty()) centre_ = device;
   is_descending_ = !contacts_.is_empty();
+  if (is_descending_) return Next::again;
+  centre_ = device;
+  friction_ = {};  // free, with the device: it sticks where it lands, also within this motion
   return Next::again;
 }
 

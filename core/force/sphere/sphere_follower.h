@@ -91,8 +91,8 @@ class SphereFollower {
   bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
   Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMax) noexcept;
-  // After a call that failed: the centre is at a local minimum for the device at the end, in a slit as wide as the sphere, and a sweep may
-  // get a point nearer.
+  // After a call of follow that failed: the centre is at a local minimum for the device at the end, in a slit as wide as the sphere, and a
+  // sweep may get a point nearer. False after start.
   bool is_in_slit() const { return is_in_slit_; }
   int work() const { return work_; }  // units, of the last call of start or follow
   // Whether a flight of the last call ended among too many triangles.
@@ -176,6 +176,7 @@ class SphereFollower {
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept;
   Outcome follow_near(const Vec3& from, const Vec3& to, double& time) noexcept;
+  Next follow_event(const Vec3& from, const Vec3& to, double& time, bool has_fans) noexcept;
   bool is_near_path(const Vec3& centre, const CentrePath& path, double share) const noexcept;
   bool has_lingered() noexcept;
   bool skip_ahead(const Vec3& from, const Vec3& to, double& time) noexcept;

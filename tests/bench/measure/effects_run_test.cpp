@@ -22,6 +22,7 @@ TEST(EffectsRun, MeasuresEveryEffectBesideNone) {
   for (const EffectsRow& row : report->rows) {
     EXPECT_GT(row.contact.count, 30U) << row.effect;
     EXPECT_GT(row.mean_ns, 0.0) << row.effect;
+    EXPECT_DOUBLE_EQ(row.added_ns, row.contact.p50_ns - report->rows[0].contact.p50_ns) << row.effect;
     EXPECT_EQ(row.error.has_value(), row.effect.rfind("texture", 0) != 0) << row.effect;
   }
   EXPECT_EQ(nlohmann::json::parse(to_json(*report)).at("rows").size(), 28U);

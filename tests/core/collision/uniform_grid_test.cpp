@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 #include <set>
+#include <utility>
 
 #include "core/collision/triangle_box.h"
 #include "tests/support/made_meshes.h"
@@ -130,6 +131,22 @@ TEST(UniformGrid, CoversExactlyTheCellsOfABox) {
   EXPECT_EQ(all.end, (std::array<int, 3>{10, 10, 10}));
   const CellBox none = grid->find_cells({1.1, 0, 0}, {1.2, 1, 1});
   EXPECT_EQ(none.begin, none.end);
+}
+
+TEST(UniformGrid, ABoxThatIsNotANumberHasNoCells) {
+  const auto grid = UniformGrid::make(corners_of(made::box(Vec3::Zero(), Vec3::Ones())), {10, 10, 10});
+  ASSERT_TRUE(grid);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const auto& [low, high] : {std::pair(kNan, 0.6), std::pair(0.4, kNan), std::pair(kNan, kNan)}) {
+      Vec3 from = Vec3::Constant(0.4);
+      Vec3 to = Vec3::Constant(0.6);
+      from[axis] = low;
+      to[axis] = high;
+      const CellBox none = grid->find_cells(from, to);
+      EXPECT_EQ(none.begin, none.end) << "axis " << axis << ": " << low << " to " << high;
+    }
+  }
 }
 
 TEST(UniformGrid, RejectsWhatItCannotDo) {

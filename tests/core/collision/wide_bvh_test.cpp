@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -216,6 +217,56 @@ TEST(WideBvh, AnInfiniteQueryFindsEverythingOnce) {
   for (const double far : {1e20, 1e200, HUGE_VAL}) {
     EXPECT_EQ(found_by(tree, Box{Vec3::Constant(-far), Vec3::Constant(far)}).size(), boxes.size());
     EXPECT_TRUE(found_by(tree, Box{Vec3::Constant(far), Vec3::Constant(far)}).empty());
+  }
+}
+
+// Each of these trees has nodes with unused children, whose inverted infinite boxes no search may enter.
+TEST(WideBvh, ABallOfAnyRadiusFindsEachItemOnce) {
+  constexpr unsigned kSeed = 7;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  for (const std::size_t count : {1U, 9U, 1001U}) {
+    const WideBvh tree(random_boxes(count, 0.1, random));
+    for (const double radius : {10.0, 1e19, 1e20, 1e200, HUGE_VAL}) {
+      std::set<std::uint32_t> found;
+      std::size_t visits = 0;
+      tree.for_each_within(Vec3::Zero(), radius, [&](std::uint32_t item) {
+        found.insert(item);
+        return ++visits <= count;
+      });
+      EXPECT_EQ(visits, count) << "radius " << radius;
+      EXPECT_EQ(found.size(), count) << "radius " << radius;
+    }
+  }
+}
+
+// The visits of a tree by the searches around p; each search ends at its first one.
+int visits_around(const WideBvh& tree, const Vec3& p) {
+  int visits = 0;
+  tree.for_each_within(p, 1.0, [&](std::uint32_t) { return ++visits < 0; });
+  tree.visit_nearest(p, std::numeric_limits<double>::infinity(), [&](std::uint32_t, double) {
+    ++visits;
+    return 0.0;
+  });
+  WideBvh::NearestSearch search;
+  search.start(p);
+  return visits + (search.next(tree, 4.0) ? 1 : 0);
+}
+
+TEST(WideBvh, APointThatIsNotFiniteOrBeyondAFloatIsNearNothing) {
+  constexpr unsigned kSeed = 9;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  for (const std::size_t count : {1U, 9U, 1001U}) {
+    const WideBvh tree(random_boxes(count, 0.1, random));
+    for (const double bad : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, -HUGE_VAL, 1e39, -1e200}) {
+      EXPECT_EQ(visits_around(tree, Vec3::Constant(bad)), 0) << bad;
+      for (int axis = 0; axis < 3; ++axis) {
+        Vec3 p = Vec3::Zero();
+        p[axis] = bad;
+        EXPECT_EQ(visits_around(tree, p), 0) << bad << " along axis " << axis;
+      }
+    }
   }
 }
 

@@ -83,6 +83,54 @@ TEST(SmoothVelocity, IsAlongTheMotionOverall) {
   }
 }
 
+// Late, then 0.1 ms after that with the error of an encoder: what is wrong by 10 um over 35.1 weighted ms.
+TEST(SmoothVelocity, AnIntervalCountsByItsLength) {
+  SmoothVelocity velocity;
+  double at_m = 0.0;
+  velocity.add(Vec3::Zero(), kMillisecond);
+  for (int k = 0; k < 8; ++k) velocity.add(Vec3(at_m += 0.1e-3, 0, 0), kMillisecond);
+  velocity.add(Vec3(at_m += 0.19e-3, 0, 0), 1.9e-3);
+  velocity.add(Vec3(at_m + 0.01e-3 + 1e-5, 0, 0), 0.1e-3);
+  EXPECT_NEAR(velocity.newest().x(), 0.2, 1e-9);
+  EXPECT_NEAR(velocity.mean().x(), 0.1 + 8 * 1e-5 / 35.1e-3, 1e-12);
+}
+
+// What a damper takes of a motion whose samples come late and early in turn: to in the long intervals, and fro in the short ones.
+TEST(SmoothVelocity, IsAlongTheMotionAlsoWhereSamplesComeLate) {
+  for (const double early_s : {0.1e-3, 0.3e-3, 0.8e-3}) {
+    for (double back = 0.0; back < 20.0; back += 0.5) {
+      SmoothVelocity velocity;
+      Vec3 p = Vec3::Zero();
+      velocity.add(p, kMillisecond);
+      double taken_j = 0.0;
+      for (int k = 0; k < 200; ++k) {
+        const double dt_s = k % 2 == 0 ? 2e-3 - early_s : early_s;
+        const Vec3 moved = dt_s * Vec3(k % 2 == 0 ? 1.0 : -back, 0, 0);
+        p += moved;
+        velocity.add(p, dt_s);
+        taken_j += moved.dot(velocity.mean());
+      }
+      EXPECT_GT(taken_j, 0.0) << early_s << " s, back with " << back;
+    }
+  }
+}
+
+// An interval without end has a weight like any other.
+TEST(SmoothVelocity, StaysFiniteAfterAnyInterval) {
+  for (const double dt_s : {1e-310, 1e-12, 1e6, 1e300, std::numeric_limits<double>::infinity()}) {
+    SmoothVelocity velocity;
+    velocity.add(Vec3::Zero(), kMillisecond);
+    velocity.shift(3, Vec3(0.1, 0, 0));
+    EXPECT_TRUE(velocity.mean().allFinite()) << dt_s;
+    for (int k = 1; k <= 8; ++k) {
+      velocity.add(Vec3(1e-4 * k, 0, 0), k == 4 ? dt_s : kMillisecond);
+      EXPECT_TRUE(velocity.mean().allFinite()) << dt_s;
+    }
+    for (int k = 9; k <= 16; ++k) velocity.add(Vec3(1e-4 * k, 0, 0), kMillisecond);
+    EXPECT_NEAR(velocity.mean().x(), 0.1, 1e-9) << dt_s << ": forgotten";
+  }
+}
+
 TEST(SmoothVelocity, LeavesOutWhatIsNoSample) {
   SmoothVelocity velocity;
   velocity.add(Vec3::Zero(), kMillisecond);

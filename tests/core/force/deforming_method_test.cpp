@@ -296,6 +296,50 @@ TEST(DeformingMethod, DampsAgainstTheSurfaceThatComes) {
   EXPECT_NEAR(felt.force_n.z(), 5.4, 1e-3);
 }
 
+// At rest, but made to deform.
+TouchScene resting_sheet(TriangleMesh sheet, Material material = {}) {
+  const auto target = morph_target_of(sheet, [](const Vec3&) { return Vec3(0, 0, 0.01); });
+  return deforming_scene(std::move(sheet), {target}, {{0.0, {0.0}}, {1.0, {0.0}}}, false, material);
+}
+
+// As ProxyResume has it of a surface that keeps its shape. Wound away from the hand: only where the probe is tells its side.
+TEST(DeformingMethod, GoesOnOnTheSideThatTheProbeIsOn) {
+  const Mat3 turn = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  TriangleMesh sheet = made::sheet(0.05, 0.0, 10);
+  for (Vec3& vertex : sheet.vertices) vertex = turn * vertex;
+  for (Triangle& triangle : sheet.triangles) std::swap(triangle[1], triangle[2]);
+  const TouchScene scene = resting_sheet(std::move(sheet));
+  const auto before = DeformingMethod::make({}, scene);
+  const auto after = DeformingMethod::make({}, scene);
+  ASSERT_TRUE(before && after);
+  std::mt19937_64 random(3);
+  SCOPED_TRACE("seed 3");
+  std::uniform_real_distribution<double> unit(-0.04, 0.04);
+  for (int n = 0; n < 200; ++n) {
+    const double x = unit(random);
+    const Vec3 above(x, unit(random), 0.01);
+    const Vec3 below = turn * Vec3(above + Vec3(0.001, 0.0005, -0.012));
+    (*before)->reset(turn * above);
+    ASSERT_FALSE((*before)->held_at()) << "contact is forgotten";
+    const MethodOutput held = (*before)->step({.p_SD = below});
+    ASSERT_TRUE(held.contact && (*before)->held_at());
+    (*after)->resume(*(*before)->held_at());
+    ASSERT_LT(((*after)->step({.p_SD = below}).force_n - held.force_n).norm(), 1e-6) << n;
+  }
+}
+
+// The sample may have been found to be far off without a look at the proxy. Its correction is damped with the motion since the sample
+// before, and not since the proxy was last looked at.
+TEST(DeformingMethod, ACorrectionIsDampedAsItsSample) {
+  const auto method = DeformingMethod::make({}, resting_sheet(made::sheet(0.05, 0.0, 10), {.damping_ns_per_m = 2.0}));
+  ASSERT_TRUE(method);
+  const auto at = [](double z) { return Vec3(0.0013, 0.0021, z); };
+  (*method)->reset(at(0.006));
+  for (const double z : {0.0055, 0.0012, 0.001}) EXPECT_FALSE((*method)->step({.p_SD = at(z)}).contact) << z;
+  // 0.5 mm deep, after 1.7 mm in a millisecond.
+  EXPECT_NEAR((*method)->step({.p_SD = at(-0.0005), .is_correction = true}).force_n.z(), 0.5 + 2.0 * 1.7, 1e-3);
+}
+
 // In a row with what stands still: it never presses the hand into the floor, and the floor is felt beside it.
 TEST(DeformingMethod, StandsInARowWithWhatStandsStill) {
   TouchScene scene = coming_sheet(1.0, 0.2);

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/force/touch_step.h"
@@ -20,7 +21,8 @@
 namespace hapton {
 namespace {
 
-// Without friction it slides off; with friction it is carried along.
+// A plate moves sideways at 0.1 m/s under a hand at rest. Without friction it slides along under the proxy; with friction it carries the
+// proxy until the spring pulls as hard as friction holds.
 TEST(MovingMethod, CarriesTheProxyAlongByFriction) {
   for (const double friction : {0.0, 0.8}) {
     TouchScene scene;
@@ -51,7 +53,8 @@ TEST(MovingMethod, DampsAgainstTheSurfaceThatComes) {
   EXPECT_NEAR(felt.force_n.z(), 5.4, 1e-3);
 }
 
-// The hand presses deeper into the floor than the wall reaches: it is the probe on the floor that the wall comes upon.
+// A wall moves along a floor towards a hand that presses deeper (1 mm) than the wall's lower edge (0.5 mm): only the proxy, on the floor,
+// is in the wall's way.
 TEST(MovingMethod, FeelsTwoAtOnceInARightAngleAsOneProxy) {
   TouchScene scene;
   scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}));
@@ -69,6 +72,28 @@ TEST(MovingMethod, FeelsTwoAtOnceInARightAngleAsOneProxy) {
   }
   EXPECT_LT((felt.p_SP - Vec3(0.002, 0, 0)).norm(), 1e-6);
   EXPECT_EQ(felt.object, 1) << "which pushes more";
+}
+
+// A soft floor and a hard wall, which programs may move, or not: the one with the larger share of the force is named, and has effects.
+TEST(MovingMethod, NamesTheObjectThatPushesMoreAsOneSurfaceDoes) {
+  TouchScene still;
+  still.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, nullptr, {.stiffness_n_per_m = 300.0}));
+  still.objects.push_back(felt_plate({0.010, -0.04, -0.005}, {0.02, 0.04, 0.05}, nullptr, {.stiffness_n_per_m = 2000.0}));
+  TouchScene movable = still;
+  movable.objects[1].command_pivot = Vec3::Zero();
+  for (const auto& [into_floor, into_wall, object] : {std::tuple(0.003, 0.001, 0), std::tuple(0.001, 0.003, 1)}) {
+    for (const TouchScene* scene : {&still, &movable}) {
+      const auto method = make_felt(*scene);
+      ASSERT_TRUE(method);
+      method->reset({0.005, 0.001, 0.002});
+      (void)method->step({.p_SD = {0.009, 0.001, 0.002}});
+      MethodOutput felt;
+      for (int i = 0; i < 5; ++i) felt = method->step({.p_SD = {0.010 + into_wall, 0.001, -into_floor}});
+      const double stiffness = (300.0 * into_floor + 2000.0 * into_wall) / (into_floor + into_wall);
+      EXPECT_LT((felt.force_n - stiffness * Vec3(-into_wall, 0, into_floor)).norm(), 1e-3);
+      EXPECT_EQ(felt.object, object) << (scene == &movable ? "movable" : "still");
+    }
+  }
 }
 
 // A block comes down upon a hand that lies on the floor: it holds the hand down, and never presses it into the floor.
@@ -149,12 +174,13 @@ TEST(MovingMethod, NoStepHasTheProbeWithinABody) {
   EXPECT_GT(touched, 5000);
 }
 
-// Wanders over a ball of 30 mm at the origin.
+// A hand that wanders over a ball of 30 mm at the origin, in steps of the given deviation. Frame S, m. tests/support/wandering_hand.h has
+// one with a velocity.
 struct WanderingHand {
   WanderingHand(std::uint64_t seed, double step_m) : random(seed), normal(0.0, step_m) {}
   const Vec3& next() {
     p += Vec3(normal(random), normal(random), normal(random));
-    p *= 0.029 / p.norm() * 0.05 + 0.95;
+    p *= 0.029 / p.norm() * 0.05 + 0.95;  // each step ends 5 % nearer to a radius of 29 mm, so 1 mm below the surface on average
     return p;
   }
 
@@ -163,7 +189,8 @@ struct WanderingHand {
   Vec3 p = Vec3(0, 0, 0.035);
 };
 
-// Where nothing moves, it is what one method for all feels.
+// MovingMethod has a method for each motion, here one for the ball and one for a far plate that hardly moves. The ball feels as in a scene
+// of one method.
 TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
   TouchScene still;
   still.objects.push_back({made::shared(made::sphere(0.03, 24, 0.05)), {.friction_static = 0.4, .friction_dynamic = 0.3}});
@@ -183,7 +210,7 @@ TEST(MovingMethod, IsTheSameAsOneMethodAsLongAsOneObjectIsTouched) {
     const Vec3& p_SD = hand.next();
     const MethodOutput a = one->step({.p_SD = p_SD, .time_s = 1e-3 * i});
     const MethodOutput b = several->step({.p_SD = p_SD, .time_s = 1e-3 * i});
-    // Another contact offset: that of the smaller scene.
+    // The two differ by their contact offset, which scales with the scene, and MovingMethod's has one object less.
     ASSERT_LT((a.force_n - b.force_n).norm(), 2e-3 + 2e-3 * a.force_n.norm()) << i;
     touched += a.contact ? 1 : 0;
   }
@@ -330,7 +357,7 @@ TEST(MovingMethod, SaysWhatMovesAndWhatStands) {
   EXPECT_NE(text.find("2 of the objects move by themselves for 1 s:"), std::string::npos) << text;
 }
 
-// TouchStep passes the time on, and the scene may be turned meanwhile.
+// TouchStep passes the scene time on, also where the scene is turned by the dials.
 TEST(MovingMethod, IsFeltInAScenesPose) {
   TouchScene scene;
   scene.objects.push_back(felt_plate({-0.05, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.02}, 0.1)));

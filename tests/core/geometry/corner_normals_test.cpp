@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -86,6 +88,39 @@ TEST(CornerNormals, AuthoredOnesThatAreNotValidFallBackToComputedOnes) {
   for (int k = 0; k < 3; ++k) EXPECT_EQ(shaded.normal(0, k), computed.normal(0, k));
   EXPECT_NE(shaded.normal(1, 0), computed.normal(1, 0));
   EXPECT_NE(authored.describe().find("33 used"), std::string::npos) << authored.describe();
+}
+
+// As a file may have them. A search among all of them would take as long as the test may.
+TEST(CornerNormals, AnyNumberOfAuthoredOnesMayMeetAtOneVertex) {
+  constexpr std::uint32_t kCount = 1'000'000;
+  TriangleMesh mesh;
+  mesh.vertices.emplace_back(0.0, 0.0, 0.1);
+  for (std::uint32_t t = 0; t < kCount; ++t) {
+    const double turn = 2.0 * std::numbers::pi * t / kCount;
+    mesh.vertices.emplace_back(std::cos(turn), std::sin(turn), 0.0);
+    mesh.triangles.push_back({0, 1 + t, 1 + (t + 1) % kCount});
+    const Eigen::Vector3f normal(1e-6F * static_cast<float>(t / 2), 0.0F, 1.0F);
+    mesh.authored_normals.push_back({normal, Eigen::Vector3f::Zero(), Eigen::Vector3f::Zero()});
+  }
+  CornerNormalReport report;
+  ShadedMesh shaded = shade(mesh, 40.0, report);
+  const std::size_t computed = shaded.normals.size();
+  EXPECT_EQ(use_authored_normals(mesh, shaded).used, kCount);
+  EXPECT_EQ(shaded.normals.size(), computed + kCount / 2) << "equal ones are shared";
+  for (const std::size_t t : {0UL, 500'000UL, 999'998UL}) {
+    EXPECT_EQ(shaded.corner_normals[t][0], computed + t / 2);
+    EXPECT_EQ(shaded.corner_normals[t + 1][0], computed + t / 2);
+  }
+}
+
+TEST(CornerNormals, EqualAuthoredOnesOfTwoVerticesAreNotShared) {
+  TriangleMesh mesh = rounded_box();
+  for (auto& normals : mesh.authored_normals) normals.fill(Eigen::Vector3f(0.6F, 0.64F, 0.48F));
+  CornerNormalReport report;
+  ShadedMesh shaded = shade(mesh, 40.0, report);
+  const std::size_t computed = shaded.normals.size();
+  EXPECT_EQ(use_authored_normals(mesh, shaded).used, 18U) << "of the three sides that they leave";
+  EXPECT_EQ(shaded.normals.size(), computed + 7);
 }
 
 TEST(CornerNormals, AMeshWithoutAuthoredOnesKeepsTheComputedOnes) {

@@ -72,6 +72,20 @@ TEST(InsideOut, ExaminesEachBodySeparately) {
   EXPECT_EQ(count_closed_bodies(ball).inside_out_at, Vec3(0, 0, 0));
 }
 
+// It would hide the inner sides that are seen of the flipped one, and the finding.
+TEST(InsideOut, ATriangleWithAVertexTwiceJoinsNoBodies) {
+  const TriangleMesh ball = make_icosphere(1.0, 0);
+  TriangleMesh both = put_beside(moved(ball, 3.0, Vec3::Zero()), turned(moved(ball, 1.0, Vec3(5, 0, 0))));
+  const auto second = static_cast<std::uint32_t>(ball.vertices.size());
+  for (const Triangle& joining : {Triangle{0, 0, second}, Triangle{0, second, second}, Triangle{second, 0, second}}) {
+    both.triangles.push_back(joining);
+    expect(both, 2, 1);
+    EXPECT_EQ(count_closed_bodies(both).others, 0U);
+    const std::vector<bool> outward = find_outward_triangles(both);
+    for (std::size_t t = 0; t < 40; ++t) EXPECT_EQ(outward[t], t < 20) << t;
+  }
+}
+
 TEST(InsideOut, LeavesCavitiesAlone) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
   expect(put_beside(ball, moved(turned(ball), 0.5, Vec3::Zero())), 2, 0);

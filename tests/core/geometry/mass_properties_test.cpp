@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "core/geometry/mesh_shapes.h"
 #include "tests/support/made_meshes.h"
 
 namespace hapton {
@@ -52,6 +53,18 @@ TEST(MassProperties, OfNoSolidThereAreNone) {
   TriangleMesh inside_out = made::box({0, 0, 0}, {1, 1, 1});
   for (Triangle& triangle : inside_out.triangles) std::swap(triangle[0], triangle[1]);
   EXPECT_FALSE(compute_mass_properties(inside_out));
+}
+
+// Their volumes have a sum above zero, but the inertia would be that of the large body less that of the small one, which is far away.
+TEST(MassProperties, OfBodiesOfWhichOneIsInsideOutThereAreNone) {
+  const TriangleMesh large = made::box({0, 0, 0}, {1, 1, 1});
+  const TriangleMesh small = made::box({10, 0, 0}, {10.9, 0.9, 0.9});
+  EXPECT_TRUE(compute_mass_properties(joined(large, small)));
+  EXPECT_FALSE(compute_mass_properties(joined(large, flipped(small))));
+  EXPECT_FALSE(compute_mass_properties(joined(flipped(small), large)));
+  const auto hollow = compute_mass_properties(joined(large, flipped(made::box({0.25, 0.25, 0.25}, {0.75, 0.75, 0.75}))));
+  ASSERT_TRUE(hollow) << "the triangles of a cavity face into it";
+  EXPECT_NEAR(hollow->volume, 0.875, 1e-12);
 }
 
 }  // namespace

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <set>
 
 #include "core/geometry/mesh_measures.h"
@@ -60,6 +63,28 @@ TEST(NormalFans, FansLeaveNoGapBetweenNormals) {
       EXPECT_EQ(sides.count(back), sides.count({v0, n0, v1, n1})) << v0 << " " << v1;
     }
   }
+}
+
+// As a file may have it. A search among all turns at the tip would take as long as the test may.
+TEST(NormalFans, AnyNumberOfNormalsMayMeetAtOneVertex) {
+  constexpr std::uint32_t kCount = 1'000'000;
+  ShadedMesh cone;
+  cone.vertices.emplace_back(0.0, 0.0, 1.0);
+  for (std::uint32_t t = 0; t < kCount; ++t) {
+    const double turn = 2.0 * std::numbers::pi * t / kCount;
+    cone.vertices.emplace_back(std::cos(turn), std::sin(turn), 0.0);
+    cone.triangles.push_back({0, 1 + t, 1 + (t + 1) % kCount});
+    cone.normals.push_back(Vec3(std::cos(turn), std::sin(turn), 1.0).normalized());
+    cone.corner_normals.push_back({t, t, t});
+    cone.source.push_back(t);
+  }
+  const NormalFanReport report = add_normal_fans(cone);
+  EXPECT_EQ(report.edge_fans, 2 * kCount);
+  EXPECT_EQ(report.corner_fans, kCount - 2) << "one ring around the tip";
+  EXPECT_EQ(report.open_corners, kCount) << "around the base";
+  const Triangle ring = cone.corner_normals.back();
+  EXPECT_EQ(cone.corner_normals.size(), kCount + report.edge_fans + report.corner_fans);
+  EXPECT_EQ(ring, (Triangle{kCount - 1, kCount - 3, kCount - 2}));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "core/geometry/mesh_shapes.h"
@@ -44,11 +45,58 @@ TEST(PointInMesh, TheHoleOfATorusIsOutside) {
   EXPECT_FALSE(torus.is_inside(Vec3(-1.0, 0.0, 0.4)));
 }
 
+// As a file may have them. The rectangles around them cover the grid a hundred thousand times.
+TEST(PointInMesh, AHundredThousandSliversAcrossTheMesh) {
+  TriangleMesh mesh = make_box(Vec3::Ones(), 4);
+  for (int n = 0; n < 50'000; ++n) {
+    const double x = 1e-5 * n - 0.25;
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    mesh.vertices.insert(mesh.vertices.end(), {Vec3(x, -0.5, -0.5), Vec3(x, 0.5, 0.5), Vec3(x, 0.5, 0.499)});
+    // Both sides, which cancel.
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 1});
+  }
+  const PointInMesh box(mesh);
+  for (const double z : {-0.45, 0.01, 0.45}) {
+    EXPECT_TRUE(box.is_inside(Vec3(-0.3, z, z)));
+    EXPECT_TRUE(box.is_inside(Vec3(0.1, -z, z)));
+    EXPECT_FALSE(box.is_inside(Vec3(-0.6, z, z)));
+    EXPECT_FALSE(box.is_inside(Vec3(0.1, z, 0.6)));
+  }
+}
+
 TEST(PointInMesh, InvertedAndFarAway) {
   const Vec3 move(1e6, -1e6, 1e6);
   const PointInMesh shell(scaled_and_moved(flipped(make_icosphere(1.0, 3)), 1e-3, move * 1e-3));
   EXPECT_TRUE(shell.is_inside(move * 1e-3));
   EXPECT_FALSE(shell.is_inside(move * 1e-3 + Vec3(0.0011, 0, 0)));
+}
+
+// Each side of the cylinder reaches over all rows of cells. With larger cells the answers are the same.
+TEST(PointInMesh, LargeTrianglesAreListedNoOftenerThanGiven) {
+  constexpr std::size_t kMost = 4;  // of a triangle
+  const TriangleMesh mesh = make_cylinder(1.0, 1.0, 600);
+  const PointInMesh all(mesh);
+  const PointInMesh few(mesh, 1e-7, kMost);
+  EXPECT_GT(all.listings(), kMost * mesh.triangles.size());
+  EXPECT_LE(few.listings(), kMost * mesh.triangles.size());
+  EXPECT_GE(few.listings(), mesh.triangles.size());
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> symmetric(-1.1, 1.1);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 p(symmetric(random), symmetric(random), symmetric(random));
+    ASSERT_EQ(few.is_inside(p), all.is_inside(p)) << p.transpose();
+  }
+}
+
+TEST(PointInMesh, APlaceThatIsNotANumberIsOutside) {
+  const PointInMesh box(make_box(Vec3::Ones(), 4));
+  ASSERT_TRUE(box.is_inside(Vec3::Zero()));
+  for (int axis = 0; axis < 3; ++axis) {
+    Vec3 p = Vec3::Zero();
+    p[axis] = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(box.is_inside(p)) << "axis " << axis;
+  }
 }
 
 TEST(PointInMesh, DistanceTestsEveryTriangle) {

@@ -47,6 +47,24 @@ TEST(SmoothSurface, MovedVerticesGiveWhatABuildGives) {
   }
 }
 
+// So far from the origin that the middle of the long edge is rounded to where the two halves face elsewhere: the final check gives their
+// corners normals of their own, after those midway between others.
+TEST(SmoothSurface, NormalsThatTheFinalCheckReplacedFollowTheirFace) {
+  const double far = 0x1p30 + 0x1p-22;
+  const TriangleMesh mesh = {{{0.0, far, 0.0}, {1.0, far + 0x1p-22, 0.0}, {0.5, far + 0x1p-22, 0x1p-28}}, {{0, 1, 2}}};
+  SmoothSurfaceReport report;
+  auto surface = make_smooth_surface(mesh, {.longest_edge = 0.6}, report);
+  ASSERT_TRUE(surface) << surface.error().what;
+  ASSERT_EQ(surface->face_count, 2U);
+  ASSERT_EQ(report.final_check.repaired(), 6U);
+  surface->move_vertices(mesh.vertices);
+  const ShadedMesh& moved = surface->mesh;
+  for (std::size_t t = 0; t < surface->face_count; ++t) {
+    const Vec3 face = (moved.corner(t, 1) - moved.corner(t, 0)).cross(moved.corner(t, 2) - moved.corner(t, 0)).normalized();
+    for (int k = 0; k < 3; ++k) EXPECT_LT((moved.normal(t, k) - face).norm(), 1e-9) << t << ", corner " << k;
+  }
+}
+
 TEST(SmoothSurface, RealDirtSurvivesEveryPass) {
   for (const char* name : {"car_front_3300.obj", "nist_assembly_insert.obj", "demosthenes_17k_open.obj", "wingnut.obj"}) {
     const TriangleMesh mesh = made::obj_mesh(name);

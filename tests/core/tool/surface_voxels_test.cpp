@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "core/collision/triangle_box.h"
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {
@@ -53,6 +54,42 @@ TEST(SurfaceVoxels, HoldEachPointOfTheSurfaceAndNothingFarther) {
       EXPECT_LE(nearest, (0.5 * std::sqrt(3.0) + 0.2) * voxel) << one.cell.transpose();
     }
   }
+}
+
+TriangleMesh triangle_of(const Vec3& a, const Vec3& b, const Vec3& c) { return {{a, b, c}, {{0, 1, 2}}}; }
+
+// Ranges of cells that a triangle misses are left out; no cell that it meets is.
+TEST(SurfaceVoxels, AreThoseThatATestOfEveryCellFinds) {
+  constexpr unsigned kSeed = 12;
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> place(-20.0, 20.0);
+  const auto draw = [&] { return Vec3(place(random), place(random), place(random)); };
+  for (int n = 0; n < 20; ++n) {
+    const std::array<Vec3, 3> corner = {draw(), draw(), draw()};
+    const auto found = find_surface_voxels(triangle_of(corner[0], corner[1], corner[2]), {Vec3::Zero(), 1.0});
+    ASSERT_TRUE(found);
+    std::set<Key> expected;
+    for (int z = -21; z <= 20; ++z) {
+      for (int y = -21; y <= 20; ++y) {
+        for (int x = -21; x <= 20; ++x) {
+          const Vec3 low(x, y, z);
+          if (may_touch(corner, low, low + Vec3::Ones())) expected.insert({x, y, z});
+        }
+      }
+    }
+    EXPECT_EQ(keys_of(*found), expected) << "triangle " << n;
+    EXPECT_EQ(found->size(), expected.size()) << "each once";
+  }
+}
+
+// The box of this one has more than 10^11 cells.
+TEST(SurfaceVoxels, ALongTriangleTakesTimeForWhatItMeetsAlone) {
+  const Vec3 end(1e4, 0.9e4, 0.8e4);
+  const auto found = find_surface_voxels(triangle_of(Vec3::Zero(), end, end + Vec3(0.0, 0.0, 0.5)), {Vec3::Zero(), 1.0});
+  ASSERT_TRUE(found);
+  EXPECT_GT(found->size(), 20'000U);
+  EXPECT_LT(found->size(), 200'000U);
 }
 
 TEST(SurfaceVoxels, NormalsPointOutwards) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <random>
 
@@ -93,6 +94,23 @@ TEST(ToolAndMotion, ASlabThatRisesPushesTheToolAheadAndIsFelt) {
   EXPECT_EQ(step->proxy().contacts().front().part, 1);
   EXPECT_NEAR(out.torque_nm.norm(), 0.0, 2e-5);
   EXPECT_NEAR(out.X_WP.translation().z(), 0.030, 2e-6);
+}
+
+// Where the slab makes way, the tool stays on it.
+TEST(ToolAndMotion, ASlabThatSinksIsFollowed) {
+  const auto step = make_moving_step(kCube, {kSlab}, {1});
+  Pose hand = moved_by({0.003, 0.004, 0.025});
+  Pose X_SO = Pose::Identity();
+  step->reset({.X_WD = hand});
+  for (int n = 1; n <= 100; ++n) {
+    hand.translation().z() = 0.025 - 1e-4 * n;  // 5 mm deep at the end
+    step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+  }
+  for (int n = 1; n <= 100; ++n) {
+    X_SO.translation().z() = -2.5e-5 * n;
+    const ToolOutput out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+    ASSERT_NEAR(out.force_n.z(), kSpring * (0.005 - 2.5e-5 * n), 2e-3) << n;
+  }
 }
 
 // The same relative motion, whoever moves: forces and torques are the same in the frame of the part.
@@ -261,6 +279,48 @@ TEST(ToolAndMotion, AHeldToolFeelsAPartThatMovesWithoutADiscontinuity) {
     largest_n = std::max(largest_n, before_n);
   }
   EXPECT_NEAR(largest_n, kSpring * 0.005, 0.01);
+}
+
+TEST(ToolAndMotion, AHeldToolPushesNothingWhereAPositionIsNotFinite) {
+  HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
+  ToolInput input{.X_WD = moved_by({0.0, 0.0, 0.025})};
+  Pose X_SO = Pose::Identity();
+  input.X_SO = {&X_SO, 1};
+  int n = 0;
+  for (; n <= 200; ++n) {
+    X_SO = moved_by({0.0, 0.0, 5e-5 * n});
+    held.step(input, 1'000'000 * n);
+    held.follow();
+  }
+  ASSERT_LT(held.push_on(0).force_n.z(), -4.0);
+  input.X_WD.translation().x() = std::numeric_limits<double>::quiet_NaN();
+  const ToolOutput out = held.step(input, 1'000'000 * n);
+  EXPECT_EQ(out.force_n, Vec3(Vec3::Zero()));
+  EXPECT_EQ(held.push_on(0).force_n, Vec3(Vec3::Zero()));
+  EXPECT_EQ(held.push_on(0).torque_nm, Vec3(Vec3::Zero()));
+}
+
+// Where its contacts are late it is drawn near where they were found, and felt where the hand is.
+TEST(ToolAndMotion, WhatALateToolDoesToAPartIsAboutItsDrawnGripPoint) {
+  HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
+  const Pose X_SO = Pose::Identity();
+  std::int64_t time_ns = 0;
+  ToolOutput out;
+  for (int n = 0; n <= 120; ++n) {
+    out = held.step({.X_WD = moved_by({0.0, 0.0, 0.03 - 1e-4 * n}), .X_SO = {&X_SO, 1}}, time_ns += 1'000'000);
+    held.follow();
+  }
+  ASSERT_NEAR(out.force_n.z(), 2.0, 0.01);
+  Vec3 hand = Vec3::Zero();
+  for (int n = 1; n <= 12; ++n) {
+    hand = Vec3(0.0025 * n, 0.0, 0.018);
+    out = held.step({.X_WD = moved_by(hand), .X_SO = {&X_SO, 1}}, time_ns += 1'000'000);
+  }
+  const ToolPush& push = held.push_on(0);
+  ASSERT_NEAR(push.force_n.z(), -2.0, 0.02);
+  ASSERT_GT(hand.x() - out.X_WP.translation().x(), 0.02);
+  const Vec3 about_origin_nm = out.X_WP.translation().cross(push.force_n) + push.torque_nm;
+  EXPECT_LT((about_origin_nm - hand.cross(push.force_n)).norm(), 1e-3);
 }
 
 TEST(ToolAndMotion, MoreThanItsPartsAreOneLine) {

@@ -59,6 +59,47 @@ TEST(VoxelTool, GivesNoForceInFreeSpaceAndFollowsTheDevice) {
   }
 }
 
+// A bar that is held at one end, and pressed with the other on a block.
+ToolOutput press_far_end(const Pose& X_WS) {
+  const TriangleMesh bar = scaled_and_moved(make_box({0.04, 0.01, 0.01}, 4), 1.0, {0.02, 0.0, 0.0});
+  const TriangleMesh block = scaled_and_moved(make_box({0.02, 0.04, 0.02}, 4), 1.0, {0.04, 0.0, -0.01});
+  auto tool = VoxelTool::make(bar, {shared_mesh(block)}, {.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 2.0}, 0.001);
+  EXPECT_TRUE(tool);
+  const auto press = [&](double z_m) {
+    ToolInput input = at({0.00037, 0.00041, z_m});
+    input.X_WS = X_WS;
+    input.X_WD = X_WS * input.X_WD;
+    return input;
+  };
+  (*tool)->reset(press(0.02));
+  ToolOutput felt;
+  for (int n = 0; n <= 600; ++n) felt = (*tool)->step(press(std::max(0.00213, 0.02 - 4e-5 * n)));
+  return felt;
+}
+
+TEST(VoxelTool, WhatPressesOnItsFarEndTurnsItAwayFromThere) {
+  const ToolOutput felt = press_far_end(Pose::Identity());
+  ASSERT_TRUE(felt.contact);
+  EXPECT_GT(felt.force_n.z(), 0.5);
+  EXPECT_NEAR(-felt.torque_nm.y() / felt.force_n.z(), 0.035, 0.01) << "its lever";
+  EXPECT_GT(felt.X_WP.translation().z(), 0.00213);
+  EXPECT_GT((felt.X_WP * Vec3(0.04, 0.0, 0.0)).z(), felt.X_WP.translation().z());
+}
+
+TEST(VoxelTool, FeelsTheSameInASceneThatIsMovedAndTurned) {
+  Pose X_WS = Pose::Identity();
+  X_WS.linear() = Eigen::AngleAxisd(2.0, Vec3(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
+  X_WS.translation() = Vec3(0.1, -0.2, 0.3);
+  const ToolOutput still = press_far_end(Pose::Identity());
+  const ToolOutput turned = press_far_end(X_WS);
+  ASSERT_TRUE(turned.contact);
+  EXPECT_LT((turned.force_n - X_WS.linear() * still.force_n).norm(), 0.02 * still.force_n.norm());
+  EXPECT_LT((turned.torque_nm - X_WS.linear() * still.torque_nm).norm(), 0.02 * still.torque_nm.norm());
+  const Pose X_WP = X_WS * still.X_WP;
+  EXPECT_LT((turned.X_WP.translation() - X_WP.translation()).norm(), 1e-4);
+  EXPECT_LT((turned.X_WP.linear() - X_WP.linear()).norm(), 1e-2);
+}
+
 // However fast the device goes, no point passes a voxel unseen: a sphere thrown at a wall stays before it.
 TEST(VoxelTool, IsNotThrownThroughAWall) {
   auto tool = VoxelTool::make(make_icosphere(0.01, 3), {shared_mesh(make_box({0.2, 0.2, 0.02}, 4))}, kSoftCoupling, 0.001);

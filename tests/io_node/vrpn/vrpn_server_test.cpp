@@ -7,9 +7,11 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <fstream>
 #include <iterator>
@@ -53,6 +55,26 @@ struct VrpnServer : testing::Test {
     server = std::move(*opened);
   }
   const Address& at() const { return server->local_address(); }
+
+  // Sixteen clients that say nothing. Each is let in: it has the server's cookie.
+  std::vector<int> fill_with_silent_clients() {
+    std::vector<int> silent;
+    for (int n = 0; n < 16; ++n) {
+      silent.push_back(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
+      const timeval patience = {.tv_sec = 30, .tv_usec = 0};
+      ::setsockopt(silent.back(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+      sockaddr_in to = {};
+      to.sin_family = AF_INET;
+      to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+      to.sin_port = htons(at().port);
+      EXPECT_EQ(::connect(silent.back(), reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+    }
+    std::array<std::byte, kCookieBytes> cookie;
+    for (const int client : silent) {
+      EXPECT_EQ(::recv(client, cookie.data(), cookie.size(), MSG_WAITALL), static_cast<ssize_t>(cookie.size()));
+    }
+    return silent;
+  }
 
   // Feeds a sample a millisecond until the condition holds, or half a minute is over.
   template <class Condition>
@@ -292,17 +314,7 @@ TEST_F(VrpnServer, HasPlacesForSixteenAndDisconnectsTheOthers) {
 // Each took a slot for the whole timeout, and sixteen of them all slots.
 TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
   open();
-  std::vector<int> silent;
-  for (int n = 0; n < 16; ++n) {
-    const int client = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-    sockaddr_in to = {};
-    to.sin_family = AF_INET;
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    to.sin_port = htons(at().port);
-    ASSERT_EQ(::connect(client, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
-    silent.push_back(client);
-  }
-  ::usleep(50'000);
+  const std::vector<int> silent = fill_with_silent_clients();
   Program program;
   program.connect(at());
   EXPECT_TRUE(feed_until(program, [&] {
@@ -310,6 +322,16 @@ TEST_F(VrpnServer, SilentClientsKeepNoOtherOut) {
     return program.has_received(kPosition) || program.is_closed();
   }));
   EXPECT_TRUE(program.has_received(kPosition));
+  for (const int client : silent) ::close(client);
+}
+
+// It asks once; VRPN's own clients repeat the request, but not for ever.
+TEST_F(VrpnServer, SilentClientsKeepNoneOutThatRequestsByUdp) {
+  open();
+  const std::vector<int> silent = fill_with_silent_clients();
+  Program program;
+  program.request_callbacks(at());
+  EXPECT_TRUE(feed_until(program, [&] { return program.has_received(kPosition); }));
   for (const int client : silent) ::close(client);
 }
 

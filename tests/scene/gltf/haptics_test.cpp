@@ -8,6 +8,7 @@
 
 #include "core/force/touch_step.h"
 #include "scene/mesh_report.h"
+#include "scene/raw_mesh.h"
 #include "scene/scene_file.h"
 #include "tests/scene/gltf/gltf_samples.h"
 #include "tests/scene/made_pictures.h"
@@ -383,6 +384,24 @@ TEST_F(GltfHaptics, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of({.materials = "{}", .mesh = R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":1}},)"}),
               HasSubstr("meshes[0].extensions.MPEG_haptic_material.hapticMaterialIndex"));
   EXPECT_THAT(error_of({.materials = "{}", .mesh = R"("extensions":{"MPEG_haptic_material":{}},)"}), HasSubstr("hapticMaterialIndex"));
+}
+
+// As a hostile file has them, of a few bytes each.
+TEST_F(GltfHaptics, ImagesMayShareABufferViewAFewTimes) {
+  for (const int count : {3, 100}) {
+    FeltSheet sheet{.materials = {}, .textures = {}, .images = {}};
+    for (int n = 0; n < count; ++n) {
+      const std::string comma = n == 0 ? "" : ",";
+      sheet.images += comma + R"({"bufferView":3})";
+      sheet.textures += comma + fmt::format(R"({{"source":{}}})", n);
+      sheet.materials += comma + R"({"stiffness":)" + texture(n) + R"(,"extras":{"hapton":{"stiffness_map_n_per_m":[100,600]}}})";
+    }
+    const auto raw = read_glb(sheet.glb(), ".");
+    EXPECT_EQ(raw.has_value(), count == 3);
+    if (!raw) {
+      EXPECT_THAT(raw.error().what, AllOf(HasSubstr("images["), HasSubstr("which they share")));
+    }
+  }
 }
 
 TEST_F(GltfHaptics, ImagesLieBesideTheFileToo) {

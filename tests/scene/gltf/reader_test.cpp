@@ -101,6 +101,32 @@ TEST(GltfMorphTargets, AreBoundedByTheLimitOfTriangles) {
               HasSubstr("more than 24 displacements of morph targets"));
 }
 
+// Nodes may share a mesh that adds nothing which would be counted, a long name, or a list of weights.
+TEST(GltfNodes, AreBoundedByWhatTheyReadWithoutTriangles) {
+  const auto glb_of = [](int nodes, const std::string& count, const std::string& of_mesh) {
+    const TriangleMesh mesh = sample::tetrahedron();
+    std::string list = R"({"mesh":0})";
+    std::string roots = "0";
+    for (int n = 1; n < nodes; ++n) {
+      list += R"(,{"mesh":0})";
+      roots += fmt::format(",{}", n);
+    }
+    std::string json = sample::gltf_json(mesh, "", "[" + list + "]", "[" + roots + "]");
+    json.replace(json.find(R"("count":12)"), 10, R"("count":)" + count);
+    json.insert(json.find(R"("primitives")"), of_mesh);
+    return sample::glb(json, sample::gltf_buffer(mesh));
+  };
+  const std::string what = "has more than 80 vertices, morph targets, instances, primitives and bytes of names with all its nodes";
+  EXPECT_TRUE(read_glb(glb_of(13, "0", ""), ".", 8));
+  EXPECT_THAT(error_of(read_glb(glb_of(14, "0", ""), ".", 8)), HasSubstr(what));
+  EXPECT_TRUE(read_glb(glb_of(2, "3", R"("name":")" + std::string(34, 'x') + R"(",)"), ".", 8));
+  EXPECT_THAT(error_of(read_glb(glb_of(2, "3", R"("name":")" + std::string(35, 'x') + R"(",)"), ".", 8)), HasSubstr(what));
+  EXPECT_TRUE(read_glb(glb_of(2, "3", R"("weights":[0,0,0,0,0],)"), ".", 8));
+  std::string weights = "0";
+  for (int n = 1; n < 35; ++n) weights += ",0";
+  EXPECT_THAT(error_of(read_glb(glb_of(2, "3", R"("weights":[)" + weights + "],"), ".", 8)), HasSubstr(what));
+}
+
 // As fractions they would all be vertex 0 or 1.
 TEST(GltfIndices, AreNotNormalized) {
   const TriangleMesh mesh = sample::tetrahedron();

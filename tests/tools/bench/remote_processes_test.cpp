@@ -50,5 +50,40 @@ TEST(RemoteProcesses, TheTablesHaveTheSameFigures) {
   EXPECT_NE(text.find("25.0000"), std::string::npos) << text;
 }
 
+TEST(RemoteProcesses, EachFigureIsUnderItsName) {
+  RemoteProcessRow row;
+  row.method = find_remote_method("remote");
+  row.mesh = "fish";
+  row.seed = 3;
+  row.real.force = {.error_rms = 1.0,
+                    .error_max_n = 2.0,
+                    .direction_rms_deg = 3.0,
+                    .direction_max_deg = 100.0,
+                    .time_offset_s = 4e-3,
+                    .value_offset = 5.0,
+                    .falls = 6,
+                    .fall_s = 7.0,
+                    .generated_j = 9e-3,
+                    .zero_delay_generated_j = 10e-3,
+                    .contact_s = 8.0};
+  row.real.rates = {.packets_up = 11.0, .packets_down = 12.0, .bytes_up = 13.0, .bytes_down = 14.0};
+  row.real.scene_kb = 15.0;
+  row.real.ready_s = 16.0;
+  row.real.local_error_rms = 17.0;
+  row.real.local_error_max_n = 18.0;
+  row.real.local_share = 19.0;
+  row.real.cycles = 20;
+  row.real.missed = 21;
+  row.simulated.force.error_rms = 22.0;
+  row.simulated.force.falls = 23;
+  row.simulated.rates = {.packets_up = 24.0, .packets_down = 25.0, .bytes_up = 101.0, .bytes_down = 102.0};
+  EXPECT_EQ(processes_to_csv({row}),
+            "method,mesh,seed,speed_mm_per_s,round_trip_ms,loss,force_error_rms,force_error_max_n,direction_error_rms_deg,time_offset_ms,"
+            "value_offset,falls,fall_s,contact_s,generated_mj,zero_delay_generated_mj,packets_up_per_s,packets_down_per_s,bytes_up_per_s,"
+            "bytes_down_per_s,scene_kb,ready_s,local_error_rms,local_error_max_n,local_share,cycles,missed_cycles,"
+            "simulated_force_error_rms,simulated_falls,simulated_packets_up_per_s,simulated_packets_down_per_s\n"
+            "remote,fish,3,0,0,0,1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16,17,18,19,20,21,22,23,24,25\n");
+}
+
 }  // namespace
 }  // namespace hapton

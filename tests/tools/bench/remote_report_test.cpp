@@ -62,6 +62,52 @@ TEST(RemoteReport, TheTablesHaveALineForEachRunAndWall) {
   EXPECT_EQ(std::count(walls.begin(), walls.end(), '\n'), 1 + 4);
 }
 
+TEST(RemoteReport, EachFigureOfARunIsUnderItsName) {
+  RemoteRow row;
+  row.method = find_remote_method("patch");
+  row.mesh = "fish";
+  row.seed = 2;
+  row.speed_m_per_s = 0.2;
+  row.round_trip_s = 0.03;
+  row.loss = 0.05;
+  row.touch.force = {.error_rms = 1.0,
+                     .error_max_n = 2.0,
+                     .direction_rms_deg = 3.0,
+                     .direction_max_deg = 4.0,
+                     .time_offset_s = 5e-3,
+                     .value_offset = 6.0,
+                     .falls = 7,
+                     .fall_s = 8.0,
+                     .generated_j = 10e-3,
+                     .zero_delay_generated_j = 11e-3,
+                     .contact_s = 9.0};
+  row.loop = {.is_bounded = true, .limit_cycle_m = 14e-3, .generated_j = 13e-3, .path_error_m = 15e-3, .most_force_n = 16.0, .p_WD = {}};
+  row.touch.rates = {.packets_up = 17.0, .packets_down = 18.0, .bytes_up = 19.0, .bytes_down = 20.0};
+  row.touch.scene_kb = 21.0;
+  row.touch.ready_s = 22.0;
+  RemoteRow unbounded = row;
+  unbounded.loop.is_bounded = false;
+  const std::string names =
+      "method,mesh,seed,speed_mm_per_s,round_trip_ms,loss,force_error_rms,force_error_max_n,direction_error_rms_deg,"
+      "direction_error_max_deg,time_offset_ms,value_offset,falls,fall_s,contact_s,generated_mj,zero_delay_generated_mj,loop_bounded,"
+      "loop_generated_mj,loop_limit_cycle_mm,loop_path_error_mm,loop_most_force_n,packets_up_per_s,packets_down_per_s,bytes_up_per_s,"
+      "bytes_down_per_s,scene_kb,ready_s\n";
+  const std::string key = "patch,fish,2,200,30,0.05,";
+  EXPECT_EQ(to_csv(RemoteResults{.rows = {row, unbounded}, .walls = {}}),
+            names + key + "1,2,3,4,5,6,7,8,9,10,11,1,13,14,15,16,17,18,19,20,21,22\n" + key +
+                "1,2,3,4,5,6,7,8,9,10,11,0,13,14,15,16,17,18,19,20,21,22\n");
+}
+
+TEST(RemoteReport, AWallHasTheStiffnessAtWhichAPressRestsAndThatOfTheTheory) {
+  const RemoteGrid grid = grid_of(1);
+  RemoteResults results;
+  results.walls = {{find_remote_method("patch"), 0.03, 0.05, 3000.0, 5000.0}};
+  EXPECT_EQ(walls_to_csv(results), "method,round_trip_ms,loss,rest_stiffness_n_per_m,stable_stiffness_n_per_m\npatch,30,0.05,3000,5000\n");
+  const auto wall = nlohmann::json::parse(to_json(grid, results)).at("walls").at(0);
+  EXPECT_EQ(wall.at("rest_stiffness_n_per_m"), 3000.0);
+  EXPECT_EQ(wall.at("stable_stiffness_n_per_m"), 5000.0);
+}
+
 TEST(RemoteReport, TheJsonSaysWhatItIs) {
   const RemoteGrid grid = grid_of(1);
   const auto json = nlohmann::json::parse(to_json(grid, results_of(grid)));

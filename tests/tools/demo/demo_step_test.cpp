@@ -28,6 +28,23 @@ TEST(DemoStep, SaysInALineOrTwoWhatToLookAt) {
   }
 }
 
+// So that a person can compare them; and the hand does not leave while the node that died is started again.
+TEST(DemoStep, TheStepsOnTheCarPressTheSamePlaceAndTheLastOneStaysThere) {
+  const auto scene = load_scene(std::filesystem::path(HAPTON_SOURCE_DIR) / "scenes/car_front.toml");
+  ASSERT_TRUE(scene) << scene.error().what;
+  std::vector<DemoPath> paths;
+  for (const std::size_t number : {1U, 5U, 6U}) {
+    ASSERT_EQ(demo_steps()[number - 1].scene, "scenes/car_front.toml");
+    const auto path = demo_steps()[number - 1].make_path(*scene);
+    ASSERT_TRUE(path) << path.error().what;
+    paths.push_back(*path);
+    EXPECT_EQ(path->front().p_WD, paths.front().front().p_WD) << number;
+  }
+  EXPECT_LT(paths[0].back().t_s, 15.0) << "it is repeated";
+  EXPECT_LT(paths[1].back().t_s, 15.0);
+  EXPECT_GT(paths[2].back().t_s, 60.0);
+}
+
 TEST(DemoStep, KeysAreNumbersNextAndQuit) {
   EXPECT_EQ(find_demo_request('q')->choice, DemoChoice::quit);
   for (const char next : {'n', ' ', '\n'}) EXPECT_EQ(find_demo_request(next)->choice, DemoChoice::next);

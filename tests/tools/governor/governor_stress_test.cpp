@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "tests/support/allocation_guard.h"
 
@@ -80,6 +82,50 @@ TEST(GovernorStress, UsesNoHeap) {
   AllocationGuard guard;
   GovernorStress::run(GovernorStress(1).program_seed(1), count);
   EXPECT_EQ(guard.count(), 0U);
+}
+
+// The turns of a program in which there is force or torque.
+std::vector<int> turns_with_output(std::uint64_t seed) {
+  HostileProgram program(seed);
+  SafetyGovernor governor(program.device());
+  governor.require_button(program.button());
+  std::vector<int> turns;
+  Wrench out;
+  for (int turn = 0; turn < program.turns(); ++turn) {
+    const HostileStep& step = program.turn(out);
+    if (step.tightened) governor.tighten(*step.tightened);
+    if (step.resets) (void)governor.reset_faults();
+    if (step.temperature >= 0.0) governor.observe_temperature(step.temperature);
+    governor.observe(step.sample, step.status);
+    out = governor.step(step.wanted, step.now_ns);
+    if (out.force_n.stableNorm() > 0.0 || out.torque_nm.stableNorm() > 0.0) turns.push_back(turn);
+  }
+  return turns;
+}
+
+// A stress run that loses what the evaluator found would say that every governor holds. The evaluator watches a governor that has accepted
+// no command, so it objects to every output of the one that runs.
+TEST(GovernorStress, BreachesAreCountedWithTheProgramAndTheTurnOfTheFirst) {
+  constexpr auto kTimeout = static_cast<std::size_t>(GovernorBreach::command_timeout);
+  std::vector<std::uint64_t> seeds;
+  for (std::uint64_t seed = 1; seeds.size() < 2; ++seed) {
+    if (turns_with_output(seed).size() > 10) seeds.push_back(seed);
+  }
+  GovernorStressCount count;
+  std::uint64_t expected = 0;
+  for (const std::uint64_t seed : seeds) {
+    HostileProgram program(seed);
+    SafetyGovernor governor(program.device());
+    const SafetyGovernor idle(program.device());
+    GovernorEvaluator evaluator(program, idle);
+    GovernorStress::run(seed, program, governor, evaluator, count);
+    expected += turns_with_output(seed).size();
+    EXPECT_EQ(count.breaches[kTimeout], expected) << seed;
+    EXPECT_EQ(count.findings[kTimeout].program, seeds[0]) << "of the first one";
+    EXPECT_EQ(count.findings[kTimeout].turn, turns_with_output(seeds[0]).front());
+  }
+  EXPECT_GE(count.total_breaches(), expected);
+  EXPECT_EQ(count.programs, 2U);
 }
 
 }  // namespace

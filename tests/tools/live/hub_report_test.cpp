@@ -96,5 +96,61 @@ TEST(HubReport, OfMorePartsThanAnyReportHasIsNotRead) {
   EXPECT_NE(report.error().what.find("4000000000 parts"), std::string::npos) << report.error().what;
 }
 
+// A hub whose reports have two parts. It makes the second report while the first one is being read.
+class BusyHub {
+ public:
+  explicit BusyHub(const LinkKey& key) : key_(key), thread_([this] { run(); }) {}
+  ~BusyHub() {
+    ends_ = true;
+    thread_.join();
+  }
+  std::string address() const { return to_string(endpoint_->local_address()); }
+
+ private:
+  void run() {
+    SealedHub sealed(*endpoint_, clock_, key_);
+    HubPeers peers(sealed, clock_, make_random_id(), 1000.0);
+    Datagram datagram;
+    while (!ends_) {
+      const PeerEvent event = peers.receive(datagram, clock_.now_ns() + kNanosecondsPerMillisecond);
+      const auto* request = std::get_if<ReportRequest>(&datagram.message);
+      if (event.kind == PeerEvent::Kind::message && request != nullptr) reply(peers, event.peer, *request);
+    }
+  }
+
+  void reply(HubPeers& peers, std::size_t peer, const ReportRequest& request) {
+    if (request.revision == 1 && request.part == 1) revision_ = 2;
+    ReportPart part;
+    part.document = request.document;
+    part.revision = revision_;
+    part.parts = 2;
+    part.part = request.revision == revision_ ? request.part : 0;
+    const std::string text = std::to_string(revision_) + (part.part == 0 ? " begins, " : " ends");
+    part.size = static_cast<std::uint16_t>(text.size());
+    std::copy(text.begin(), text.end(), part.text.begin());
+    peers.send_to(peer, part);
+  }
+
+  LinkKey key_;
+  SteadyClock clock_;
+  std::unique_ptr<Endpoint> endpoint_ = *open_udp_endpoint("127.0.0.1:0");
+  std::uint32_t revision_ = 1;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+TEST(HubReport, PartsOfAReportThatANewerOneReplacedAreNotInIt) {
+  const ScratchFolder folder;
+  const std::string key_file = (folder.path() / "key").string();
+  ASSERT_TRUE(make_key_file(key_file));
+  const BusyHub hub(*read_key_file(key_file));
+  const auto reader = HubReader::open(hub.address(), key_file);
+  ASSERT_TRUE(reader) << reader.error().what;
+  const auto report = (*reader)->read();
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_EQ(report->json, "2 begins, 2 ends");
+  EXPECT_EQ(report->csv, "2 begins, 2 ends");
+}
+
 }  // namespace
 }  // namespace hapton

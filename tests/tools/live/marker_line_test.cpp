@@ -175,5 +175,31 @@ TEST(LineMarkers, NoChangeIsCountedTwice) {
   }
 }
 
+// As docs/sessions.md says it: an experiment is evaluated by these texts.
+TEST(LineMarkers, AreNamedByTheInputOrByTheTextThatIsGiven) {
+  const LineInput input = *parse_line_input("/dev/ttyS0:CTS");
+  const auto texts_of = [&](std::string_view edges, const std::string& text) {
+    std::vector<std::string> texts;
+    auto line = make_line_marker(input, edges, text);
+    if (!line) return texts;
+    std::int64_t now = 0;
+    for (const bool is_on : {false, true, false}) {
+      line->see(is_on, now += kLineMs);
+      while (const auto marker = line->next(now)) texts.push_back(text_of(*marker));
+    }
+    return texts;
+  };
+  using Texts = std::vector<std::string>;
+  EXPECT_EQ(texts_of("on", ""), (Texts{"CTS on"}));
+  EXPECT_EQ(texts_of("off", ""), (Texts{"CTS off"}));
+  EXPECT_EQ(texts_of("both", ""), (Texts{"CTS on", "CTS off"}));
+  EXPECT_EQ(texts_of("on", "pedal"), (Texts{"pedal"}));
+  EXPECT_EQ(texts_of("off", "pedal"), (Texts{"pedal"}));
+  EXPECT_EQ(texts_of("both", "pedal"), (Texts{"pedal on", "pedal off"}));
+  const std::string longest(160, 'x');
+  EXPECT_TRUE(make_line_marker(input, "on", longest));
+  EXPECT_FALSE(make_line_marker(input, "both", longest)) << "no room for which edge it is";
+}
+
 }  // namespace
 }  // namespace hapton

@@ -29,5 +29,29 @@ TEST(SetCommand, AReportWithOtherTypesIsRejectedInOneLine) {
   }
 }
 
+constexpr const char* kLatched = R"({"notes": {"safety_fault": "speed", "safety_fault_text": "the device moved too fast"}})";
+
+// A script that resets faults must not go on as if forces came back.
+TEST(SetCommand, AFaultThatRemainsIsAnErrorThatNamesIt) {
+  const CommandRun seen = reset_faults(kLatched);
+  EXPECT_EQ(seen.code, 1);
+  EXPECT_EQ(seen.out, "");
+  EXPECT_EQ(
+      seen.err,
+      "hapton set: the fault remains, as its cause persists: the device moved too fast; fix that (docs/safety.md), then reset again\n");
+  EXPECT_THAT(reset_faults(R"({"notes": {"safety_fault": "speed"}})").err, testing::HasSubstr("persists: speed; fix that"))
+      << "of a hub that has no text for it";
+}
+
+// The hub processes the request in its next cycle, and a report may be older than that.
+TEST(SetCommand, AFaultThatIsResetAtTheThirdLookIsReset) {
+  const ReportingHub hub([&](int number) {
+    return HubReport{number < 3 ? kLatched : R"({"notes": {"safety_fault": "none"}})", "hop,lower_ns,upper_ns,count\n"};
+  });
+  const CommandRun seen = run_hapton({"set", "--reset-faults", "--hub", hub.address(), "--key", hub.key_file()});
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  EXPECT_THAT(seen.out, testing::HasSubstr("no fault is latched; forces ramp up"));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -2,10 +2,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "closed_loop/hand_model.h"
 #include "closed_loop/turning_axis.h"
@@ -127,6 +132,73 @@ TEST(LoopCommand, RecommendsARotationalStiffnessWhereMotorsTurnTheStylus) {
   EXPECT_NEAR(safe, recommend_rotational_stiffness(*find_hand_preset("light"), 0.17, 1000.0, 1e-3), 1e-9);
   const CommandRun said = run({"recommend", "--device", "model-a-6dof", "--hand", "light", "--delay", "1"});
   EXPECT_THAT(said.out, HasSubstr("--rotational-stiffness 0.83"));
+}
+
+nlohmann::json recommended(std::vector<std::string> words) {
+  words.insert(words.begin(), "recommend");
+  words.push_back("--json");
+  const CommandRun seen = run(std::move(words));
+  EXPECT_EQ(seen.code, 0) << seen.err;
+  return nlohmann::json::parse(seen.out, nullptr, false);
+}
+
+// JSON has no infinity.
+double number_of(const nlohmann::json& advice, const char* name) {
+  return advice[name].is_number() ? advice[name].get<double>() : std::numeric_limits<double>::infinity();
+}
+
+// Whoever holds the device: what is safe for the hand that allows least is safe for all.
+TEST(LoopCommand, RecommendGoesByTheHandThatAllowsLeast) {
+  const auto of_hand = [](const std::string& hand) { return recommended({"--device", "omega.3", "--delay", "0.5", "--hand", hand}); };
+  const nlohmann::json all = of_hand("light,stylus,arm,firm");
+  EXPECT_EQ(all["hand"], "light") << "as docs/choosing-a-device.md has it";
+  EXPECT_EQ(all["limited_by"], "stability");
+  for (const char* name : {"recommended_stiffness_n_per_m", "recommended_damping_ns_per_m", "recommended_viscosity_ns_per_m"}) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const char* hand : {"light", "stylus", "arm", "firm"}) least = std::min(least, number_of(of_hand(hand), name));
+    EXPECT_EQ(number_of(all, name), least) << name;
+  }
+  EXPECT_GT(number_of(of_hand("firm"), "recommended_stiffness_n_per_m"), number_of(all, "recommended_stiffness_n_per_m"));
+  const auto turned_by = [](const std::string& hand) {
+    return number_of(recommended({"--device", "model-a-6dof", "--delay", "1", "--hand", hand}),
+                     "recommended_rotational_stiffness_nm_per_rad");
+  };
+  EXPECT_EQ(turned_by("light,firm"), std::min(turned_by("light"), turned_by("firm")));
+}
+
+TEST(LoopCommand, RecommendDoesNotGoBeyondTheDocumentedLimitOfTheDevice) {
+  const nlohmann::json advice = recommended({"--device", "falcon", "--delay", "0.5"});
+  EXPECT_EQ(advice["limited_by"], "device");
+  EXPECT_EQ(advice["recommended_stiffness_n_per_m"], advice["device_stiffness_n_per_m"]);
+  EXPECT_LT(number_of(advice, "recommended_stiffness_n_per_m"), 0.5 * number_of(advice, "stable_stiffness_n_per_m"));
+}
+
+TEST(LoopCommand, RecommendTakesRateAndDelayOfTheCommandLineBeforeThoseOfTheReport) {
+  const std::filesystem::path report = std::filesystem::temp_directory_path() / ("loop_other_" + std::to_string(::getpid()) + ".json");
+  std::ofstream(report)
+      << R"({"schema":"hapton.report/4","hops":{"round_trip":{"n":10,"p99_9_us":30000.0}},"rates_hz":{"servo_requested":2000}})";
+  const nlohmann::json measured = recommended({"--device", "touch", "--latency", report.string()});
+  const nlohmann::json given = recommended({"--device", "touch", "--latency", report.string(), "--rate", "4000", "--delay", "2"});
+  std::filesystem::remove(report);
+  EXPECT_EQ(measured["rate_hz"], 2000.0);
+  EXPECT_DOUBLE_EQ(measured["delay_ms"].get<double>(), 30.0);
+  EXPECT_EQ(given["rate_hz"], 4000.0);
+  EXPECT_DOUBLE_EQ(given["delay_ms"].get<double>(), 2.0);
+}
+
+TEST(LoopCommand, VelocityChoosesTheLeastLagThatIsQuietEnough) {
+  const CommandRun seen = run({"velocity", "--device", "touch", "--damping", "2", "--json"});
+  ASSERT_EQ(seen.code, 0) << seen.err;
+  const auto json = nlohmann::json::parse(seen.out);
+  nlohmann::json chosen;
+  double least_lag_s = std::numeric_limits<double>::infinity();
+  for (const auto& row : json["rows"]) {
+    EXPECT_DOUBLE_EQ(row["noise_n"].get<double>(), 2.0 * row["noise_m_per_s"].get<double>());
+    if (row["noise_n"].get<double>() > json["most_noise_n"].get<double>() || row["lag_s"].get<double>() >= least_lag_s) continue;
+    least_lag_s = row["lag_s"].get<double>();
+    chosen = row["estimator"];
+  }
+  EXPECT_EQ(json["chosen"], chosen);
 }
 
 TEST(LoopCommand, BadInputGetsOneLine) {

@@ -66,5 +66,27 @@ TEST(RelayScriptTest, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(read_relay_script("/nowhere/s.toml").error().what, HasSubstr("/nowhere/s.toml"));
 }
 
+TEST(RelayScriptTest, EachFaultIsThatOfItsKey) {
+  const auto script = parse_relay_script(
+      "[[phase]]\nseconds = 1\ndelay_ms = 1\njitter_ms = 2\nloss = 0.03\nburst_share = 0.04\nburst_length = 5\nburst_loss = 0.06\n"
+      "reorder = 0.07\nreorder_ms = 8\nduplicate = 0.09\ncorrupt = 0.1\nto_hub = { partition = true }\n",
+      "s.toml");
+  ASSERT_TRUE(script) << script.error().what;
+  const FaultPhase& phase = script->schedule.phases.at(0);
+  for (const LinkFaults* faults : {&phase.to_hub, &phase.to_nodes}) {
+    EXPECT_EQ(faults->delay_ns, 1'000'000);
+    EXPECT_EQ(faults->jitter_ns, 2'000'000);
+    EXPECT_EQ(faults->loss, 0.03);
+    EXPECT_EQ(faults->burst_share, 0.04);
+    EXPECT_EQ(faults->burst_length, 5.0);
+    EXPECT_EQ(faults->burst_loss, 0.06);
+    EXPECT_EQ(faults->reorder, 0.07);
+    EXPECT_EQ(faults->reorder_by_ns, 8'000'000);
+    EXPECT_EQ(faults->duplicate, 0.09);
+    EXPECT_EQ(faults->corrupt, 0.1);
+    EXPECT_EQ(faults->partition, faults == &phase.to_hub);
+  }
+}
+
 }  // namespace
 }  // namespace hapton

@@ -1,7 +1,10 @@
 // Replays of sessions in which programs deformed objects.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <variant>
@@ -129,6 +132,28 @@ TEST_F(ShapesReplayTest, AMissingPartMakesForcesUnknownNotDifferent) {
   EXPECT_GT(replay.counts().unknown_method, 40U);
   EXPECT_EQ(replay.counts().compared, 60U + 3U * 35U + recorded.size() - free_at);
   EXPECT_EQ(replay.counts().unknown_method + replay.counts().not_compared, recorded.size() - replay.counts().compared);
+}
+
+// Where the surfaces are known again they are made anew, for the method that is in use then.
+TEST_F(ShapesReplayTest, AfterAMissingPartTheMethodIsStillTheNewest) {
+  slide(10);
+  live.replace(make_soft_touch());
+  send_setup("proxy");
+  slide_and_deform();
+  std::erase_if(announced, [](const auto& one) {
+    const auto* part = std::get_if<ObjectShape>(&one.second);
+    return part != nullptr && part->serial == 4 && part->part.first == 64;
+  });
+  std::vector<std::uint32_t> made;  // HapticsSetup::method_serial
+  SessionReplay replay(setups, [&](const HapticsSetup& setup) -> Result<std::unique_ptr<TouchStep>> {
+    made.push_back(setup.method_serial);
+    return make_soft_touch();
+  });
+  feed_with_shapes(replay);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+  ASSERT_GE(made.size(), 3U) << "the first, the one that took over, and that once more";
+  EXPECT_EQ(made.front(), 0U);
+  EXPECT_EQ(std::count(made.begin(), made.end(), 1U), static_cast<std::ptrdiff_t>(made.size()) - 1);
 }
 
 TEST_F(ShapesReplayTest, ARecordingThatBeginsAfterAShapeIsUnknown) {

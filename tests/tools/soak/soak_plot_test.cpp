@@ -26,6 +26,27 @@ TEST(SoakPlot, ARowHasAsManyColumnsAsTheHeader) {
   EXPECT_THAT(row, HasSubstr(",2000,9,3,1000,12,2\n"));
 }
 
+TEST(SoakPlot, EachFigureOfARowIsUnderItsName) {
+  const SoakSample sample = {.seconds = 1.0,
+                             .samples_hz = 2.0,
+                             .forces_hz = 3.0,
+                             .contacts_hz = 4.0,
+                             .drawn_hz = 5.0,
+                             .lost = 6,
+                             .late = 7,
+                             .superseded = 8,
+                             .missed_cycles = 9,
+                             .round_trip_p50_us = 10.0,
+                             .round_trip_p99_us = 11.0,
+                             .round_trip_max_us = 12.0,
+                             .drift_ms = -13.0,
+                             .processes = {{.resident_kib = 14, .descriptors = 15, .threads = 16}}};
+  EXPECT_EQ(soak_csv_header({"io_node"}),
+            "t_s,samples_hz,forces_hz,contacts_hz,drawn_hz,lost,late,superseded,missed_cycles,round_trip_p50_us,round_trip_p99_us,"
+            "round_trip_max_us,drift_ms,io_node_resident_kib,io_node_descriptors,io_node_threads\n");
+  EXPECT_EQ(soak_csv_row(sample), "1.000,2.00,3.00,4.00,5.00,6,7,8,9,10.00,11.00,12.00,-13.000,14,15,16\n");
+}
+
 TEST(SoakPlot, IsDrawnFromTheTable) {
   const ScratchFolder folder;
   SoakSample later = kSample;

@@ -58,6 +58,17 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
   EXPECT_EQ(json["flat"], true);
   EXPECT_EQ(json["findings"].size(), verdict.findings.size());
   EXPECT_EQ(json["processes"][1]["name"], "io_node");
+  EXPECT_EQ(json["round_trip_max_us"], 5000.0);
+}
+
+TEST(SoakVerdict, EachCounterOfTheReportHasTheNumberOfItsName) {
+  SoakRun run = an_hour();
+  run.samples.back().lost = 1;
+  run.samples.back().late = 2;
+  run.samples.back().superseded = 3;
+  run.samples.back().missed_cycles = 4;
+  const nlohmann::ordered_json counters = {{"lost", 1}, {"late", 2}, {"superseded", 3}, {"missed_cycles", 4}};
+  EXPECT_EQ(to_json(run, evaluate_soak(run))["counters"], counters);
 }
 
 TEST(SoakVerdict, MemoryThatCreepsIsNotFlatAndIsReportedByProgram) {

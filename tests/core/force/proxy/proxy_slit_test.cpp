@@ -295,6 +295,25 @@ TEST_P(NarrowWedge, APointStaysWhereASweepGetsNoNearer) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, NarrowWedge, testing::Range(1U, 5U));
 
+// Two blocks with a slit between them that is a little narrower than the sphere that stands for the point. It stops at the mouth, held by
+// two edges at nearly opposite sides. From there a sweep gets through that keeps no more distance than the sphere does; with the usual
+// distance of sweeps it would not.
+TEST(APointInASlit, GoesThroughOneThatIsHardlyNarrowerThanItsSphere) {
+  constexpr double kSphere = 0x1p-31;  // half a contact offset; the scene's unit is one metre
+  const Vec3 device(-0.2, 0.03, 0.0);
+  for (const double share : {0.98, 0.985, 0.99, 0.995}) {
+    const double half = share * kSphere;
+    const TriangleMesh blocks =
+        joined(made::box({-0.5, -0.05, half}, {0.0, 0.05, 0.5}), made::box({-0.5, -0.05, -0.5}, {0.0, 0.05, -half}));
+    const auto method = make_method({.name = "proxy"}, {.objects = {{made::shared(blocks), {}}}}).value();
+    method->reset({0.3, 0.03, 0.0});
+    MethodOutput output = method->step({.p_SD = device});
+    for (int i = 0; method->carried_from() && i < 64; ++i) output = method->step({.p_SD = device});
+    EXPECT_FALSE(output.contact) << share << ": " << output.p_SP.transpose();
+    EXPECT_EQ(output.p_SP, device) << share;
+  }
+}
+
 // The corner at the origin between two faces of the floor and one of the ceiling: the three normals are in one plane within rounding. Two
 // of the faces at a time hold the point nearly as well, so that it could go to and fro between them without an end.
 TEST(APointInASlit, StaysInACornerWhoseNormalsAreInOnePlaneWithinRounding) {

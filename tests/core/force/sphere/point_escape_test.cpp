@@ -1,6 +1,7 @@
 // A small sphere that represents a point, held where the point is not: the ways out (core/force/sphere/point_escape.cpp).
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "tests/core/force/sphere/sphere_stage.h"
@@ -109,6 +110,27 @@ TEST(APointInANotch, ComesToAnEndHoweverLittleWorkACallHas) {
     }
     EXPECT_LT((stage.centre() - Vec3(0.0, 0.0, -0.05)).norm(), 20.0 * kPointOffset) << stage.centre().transpose();
   }
+}
+
+// Two sheets that cross at a small angle hold the point. That it is in a slit is not said any more of another place, where it begins anew:
+// also if it cannot begin there, as on a sheet.
+TEST(APointInASlit, IsInNoneOnceItBeginsAnew) {
+  int slits = 0;
+  for (const double angle : {1e-6, 1e-5, 1e-4}) {
+    TriangleMesh mesh;
+    for (const double slope : {0.0, angle}) {
+      for (const auto& [x, y] : {std::pair(-0.5, -0.2), {0.5, -0.2}, {0.5, 0.2}, {-0.5, 0.2}}) mesh.vertices.emplace_back(x, y, slope * x);
+    }
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+    Stage stage(mesh, kPointOffset);
+    stage.follower = std::make_unique<SphereFollower>(stage.geometry, stage.materials, stage.offset, true);
+    stage.put({0.3, 0.013, 0.15 * angle});
+    stage.finish(stage.geometry.to_local({-0.1, 0.021, -0.05}));
+    slits += stage.follower->is_in_slit() ? 1 : 0;
+    EXPECT_FALSE(stage.follower->start(stage.geometry.to_local({0.3, 0.1, 0.0}), false, 0.0)) << angle;
+    EXPECT_FALSE(stage.follower->is_in_slit()) << angle;
+  }
+  EXPECT_GT(slits, 0) << "the test is about something";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/force/sliding_friction.h"
+#include "core/geometry/mesh_shapes.h"
 #include "tests/core/force/sphere/sphere_stage.h"
 #include "tests/support/allocation_guard.h"
 
@@ -54,6 +55,24 @@ TEST(SphereFollowerWithFriction, OverAPlaneItIsDraggedAsInClosedForm) {
     ASSERT_EQ(stage.follower->slides(), expected.sliding) << "step " << i;
     device = to;
   }
+}
+
+// A flight ends the slide, also where the sphere slides off one surface and lands on another within one motion of the device.
+TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
+  constexpr Material kGrips{.friction_static = 0.8, .friction_dynamic = 0.3};
+  Stage stage(joined(made::sheet(0.5, 0.0, 2), made::sheet(0.5, 0.5, 2)), kOffset, kGrips);
+  stage.put({-0.3, 0.11, 0.2});
+  ASSERT_EQ(stage.move({-0.3, 0.11, 0.05}), Outcome::settled);
+  ASSERT_EQ(stage.move({-0.2, 0.11, 0.05}), Outcome::settled);
+  ASSERT_TRUE(stage.follower->slides());
+  SphereFollower in_parts(*stage.follower);
+  const Vec3 from = stage.device;
+  // Through the gap and into the ceiling, at a slope between the two coefficients.
+  ASSERT_EQ(stage.move({0.0, 0.11, 0.45}), Outcome::settled);
+  EXPECT_FALSE(stage.follower->slides());
+  EXPECT_LT((stage.centre() - Vec3(-0.025, 0.11, 0.4)).norm(), kNear) << stage.centre().transpose();
+  ASSERT_TRUE(follow_in_parts(in_parts, from, stage.device));
+  EXPECT_LT((in_parts.centre() - stage.follower->centre()).norm(), kNear);
 }
 
 TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {

@@ -1,0 +1,111 @@
+// Images that a file shares between its textures.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <string>
+
+#include "core/geometry/mesh_shapes.h"
+#include "scene/gltf/reader.h"
+#include "scene/scene_file.h"
+#include "tests/scene/gltf/gltf_samples.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+constexpr std::size_t kImageBytes = 10'000;
+
+// A list of these members for each number; N in them is it.
+std::string numbered_list(std::size_t count, const std::string& members) {
+  std::string list;
+  for (std::size_t n = 0; n < count; ++n) {
+    std::string one = members;
+    if (const auto at = one.find('N'); at != std::string::npos) one.replace(at, 1, std::to_string(n));
+    list += (list.empty() ? "{" : ",{") + one + "}";
+  }
+  return list;
+}
+
+// So many images, each the one of a texture of a material of its own. image: its members.
+RawMesh read_images(std::size_t count, const std::string& image, const std::filesystem::path& folder = ".") {
+  const TriangleMesh mesh = sample::tetrahedron();
+  sample::Pieces pieces;
+  pieces.add(sample::positions_of(mesh));
+  pieces.add(sample::indices_of(mesh));
+  pieces.add(std::string(kImageBytes, 'x'));
+  const std::string rest = R"("images":[)" + numbered_list(count, image) + R"(],"textures":[)" + numbered_list(count, R"("source":N)") +
+                           R"(],"materials":[)" + numbered_list(count, R"("pbrMetallicRoughness":{"baseColorTexture":{"index":N}})") +
+                           "]," + sample::kOneNode;
+  const auto raw = read_glb(pieces.glb(sample::accessors_of(mesh), rest), folder, kMaxMeshTriangles, AppearanceReading::on);
+  EXPECT_TRUE(raw) << raw.error().what;
+  return raw ? *raw : RawMesh();
+}
+
+std::size_t count_bytes(const RawMesh& raw) {
+  std::size_t bytes = 0;
+  for (const TextureImage& image : raw.appearance.images) bytes += image.bytes.size();
+  return bytes;
+}
+
+TEST(GltfImages, MayShareABufferViewAFewTimes) {
+  const RawMesh few = read_images(4, R"("bufferView":2)");
+  EXPECT_THAT(few.notes, IsEmpty());
+  EXPECT_THAT(few.appearance.images, SizeIs(4));
+  EXPECT_EQ(few.appearance.images[3].bytes, std::string(kImageBytes, 'x'));
+  const RawMesh many = read_images(1000, R"("bufferView":2)");
+  EXPECT_LE(count_bytes(many), 9 * kImageBytes) << "as a hostile file of some bytes an image has them";
+  EXPECT_THAT(many.appearance.materials, SizeIs(1000));
+  EXPECT_THAT(many.notes, AllOf(SizeIs(1000 - many.appearance.images.size()),
+                                Each(AllOf(HasSubstr("a texture is missing: images["), HasSubstr("more than 8 times the 10")))));
+}
+
+// Of a large assembly, each part would hold, decode and draw with the images of all others.
+TEST(GltfImages, PartsInASceneKeepThoseThatTheyUse) {
+  const TriangleMesh mesh = sample::tetrahedron();
+  sample::Pieces pieces;
+  pieces.add(sample::positions_of(mesh));
+  pieces.add(sample::indices_of(mesh));
+  for (const char byte : {'x', 'y', 'z'}) pieces.add(std::string(kImageBytes, byte));
+  const std::string primitive = R"("primitives":[{"attributes":{"POSITION":0},"indices":1,"material":)";
+  const std::string rest = R"("images":[{"bufferView":2},{"bufferView":3},{"bufferView":4}],"textures":[)" +
+                           numbered_list(3, R"("source":N)") + R"(],"materials":[)" +
+                           numbered_list(3, R"("pbrMetallicRoughness":{"baseColorTexture":{"index":N}})") +
+                           R"(],"nodes":[{"children":[1,2]},{"mesh":0,"name":"one"},{"mesh":1,"name":"two"}],"meshes":[{)" + primitive +
+                           "0}]},{" + primitive + "2}]}]";
+  ScratchFolder folder;
+  folder.write("a.glb", pieces.glb(sample::accessors_of(mesh), rest));
+  const auto scene =
+      load_scene(folder.write("a.toml", "[[object]]\nmesh = 'a.glb'\npart = 'one'\n[[object]]\nmesh = 'a.glb'\npart = 'two'\n"),
+                 {.sealing = CrackSealing::off, .appearance = AppearanceReading::on});
+  ASSERT_TRUE(scene) << scene.error().what;
+  ASSERT_EQ(scene->objects.size(), 2U);
+  for (const std::size_t used : {0U, 2U}) {
+    const auto& appearance = scene->objects[used / 2].appearance;
+    ASSERT_NE(appearance, nullptr);
+    ASSERT_EQ(appearance->images.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(appearance->images[i].bytes.size(), i == used ? kImageBytes : 0U) << i;
+      EXPECT_EQ(appearance->materials[i].image.has_value(), i == used) << i;
+    }
+    EXPECT_EQ(appearance->triangles.at(0).material, used) << "the numbers stay";
+  }
+}
+
+TEST(GltfImages, OneFileBesideIsReadOnce) {
+  ScratchFolder folder;
+  folder.write("a.png", std::string(kImageBytes, 'y'));
+  const RawMesh same = read_images(50, R"("uri":"a.png")", folder.path());
+  EXPECT_THAT(same.notes, IsEmpty());
+  EXPECT_EQ(count_bytes(same), kImageBytes);
+  EXPECT_EQ(same.appearance.materials[49].image, 0U);
+}
+
+}  // namespace
+}  // namespace hapton
