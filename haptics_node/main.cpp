@@ -382,6 +382,7 @@ int run(const HapticsOptions& options) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  outlive_readers();
   check_cpu("haptics_node");
   check_descriptors("haptics_node");
   start_log("haptics_node");

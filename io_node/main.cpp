@@ -80,6 +80,7 @@ int main(int argc, char** argv) {
   // one.
   ::mallopt(M_MMAP_THRESHOLD, 128 * 1024);
   open_standard_streams();
+  outlive_readers();
   check_cpu("io_node");
   check_descriptors("io_node");
   start_log("io_node");

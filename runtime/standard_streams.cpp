@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 
@@ -17,6 +18,8 @@ void open_standard_streams() {
   } while (opened >= 0 && opened <= STDERR_FILENO);
   if (opened > STDERR_FILENO) ::close(opened);
 }
+
+void outlive_readers() { std::signal(SIGPIPE, SIG_IGN); }
 
 Result<void> flush_standard_output() {
   errno = 0;

@@ -209,6 +209,7 @@ int run(VisionOptions& options) {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  outlive_readers();
   check_cpu("vision_node");
   check_descriptors("vision_node");
   start_log("vision_node");

@@ -209,7 +209,7 @@ TEST_F(ReplyLoopMoves, MovesAndRejectedRequestsAreReportedOnceASecondAtMost) {
     const std::string rejected = request_often(9);
     EXPECT_EQ(count_of_text(rejected, "a program's request was rejected: "), 1U) << rejected;
     EXPECT_EQ(count_of_text(rejected, "a program moves"), 0U) << rejected;
-    for (int n = 0; n < 600; ++n) cycle();
+    for (int n = 0; n < 1100; ++n) cycle();
   }
 }
 

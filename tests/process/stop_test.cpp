@@ -57,5 +57,20 @@ TEST(Stopping, WhileItLoadsItsSceneEndsInOrder) {
   EXPECT_TRUE(seen_while_loading);
 }
 
+// As `io_node 2>&1 | tee log` without tee: whoever reads its output must not end the force.
+TEST(Stopping, ANodeOutlivesWhoReadsItsOutput) {
+  const TestFolder folder;
+  const std::string code = (folder.path() / "code").string();
+  const std::string node = std::string(HAPTON_BIN_DIR) + "/io_node --bind 127.0.0.1:0 --seconds 1";
+  Program shell("/bin/sh", {"-c", "(" + node + " 2>&1; echo $? > " + code + ") | head -n 1"}, folder.path());
+  const auto ended = shell.wait(kPatience);
+  ASSERT_TRUE(ended) << "still runs";
+  EXPECT_FALSE(ended->out.empty());
+  std::ifstream file(code);
+  int exit_code = -1;
+  file >> exit_code;
+  EXPECT_EQ(exit_code, 0) << "141: a signal, as the reader was gone";
+}
+
 }  // namespace
 }  // namespace hapton::process
