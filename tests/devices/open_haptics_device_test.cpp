@@ -182,8 +182,13 @@ TEST_F(OpenHaptics, ADeviceWithImpossibleDataIsRejected) {
     board->max_force_n = given;
     EXPECT_FALSE(make()) << given;
   }
-  EXPECT_EQ(board->opened, board->closed);
   board->max_force_n = 100.0;
+  for (const double low_mm : {-std::numeric_limits<double>::infinity(), 75.0}) {
+    board->box_low_mm = low_mm;
+    EXPECT_FALSE(make()) << low_mm;
+  }
+  EXPECT_EQ(board->opened, board->closed);
+  board->box_low_mm = -80.0;
   EXPECT_TRUE(make());
 }
 

@@ -137,6 +137,18 @@ TEST(StylusDynamics, CoulombFrictionStopsACoastingMassWhereItShouldAndHoldsIt) {
   EXPECT_NEAR(state.device_m - held, -0.5 * 0.02 / model.device_mass_kg * 1e-4, 1e-10);
 }
 
+TEST(StylusDynamics, FrictionHoldsExactlyAgainstAForceEitherWay) {
+  StylusModel model = apart();
+  model.friction_n = 0.04;
+  const StylusDynamics dynamics(model);
+  for (const double force_n : {0.03, -0.03}) {
+    AxisState state;
+    for (std::int64_t now = 0; now < 100 * kMs; now += kMs) dynamics.advance(state, {force_n, 0.0, 0.0}, kNoStops, now, kMs);
+    EXPECT_EQ(state.device_m, 0.0) << force_n;
+    EXPECT_EQ(state.device_m_per_s, 0.0) << force_n;
+  }
+}
+
 TEST(StylusDynamics, StopIsHardAndReleases) {
   StylusModel model = apart();
   model.device_damping_n_s_per_m = 0.0;

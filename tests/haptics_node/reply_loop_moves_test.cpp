@@ -123,6 +123,17 @@ TEST_F(ReplyLoopMoves, WhatWasLostOrCameLaterIsAnnouncedAgain) {
   for (const ObjectMove& move : moves_) EXPECT_EQ(move.source, 42U);
 }
 
+TEST_F(ReplyLoopMoves, SoonTheNewestIsAnnouncedAgain) {
+  send(lift(7, 0.02, 0));
+  for (int n = 0; n < 10; ++n) cycle();
+  send(lift(8, 0.02, 1));
+  for (int n = 0; n < 10; ++n) cycle();
+  moves_.clear();
+  for (int n = 0; n < 400; ++n) cycle();
+  EXPECT_GE(newest_moves(2).size(), 3U);
+  EXPECT_LE(newest_moves(1).size(), 1U) << "only with all others, once a second";
+}
+
 // The objects of this process are where the scene file has them; who draws may still have them where the process before moved them.
 TEST_F(ReplyLoopMoves, WhereObjectsAreIsAnnouncedBeforeTheFirstForce) {
   EXPECT_EQ(moves_before_force_, 2U) << "both";

@@ -42,6 +42,7 @@ struct Board {
   std::atomic<int> output_dof{3};
   std::atomic<double> max_force_n{3.3};
   std::atomic<double> continuous_force_n{0.88};  // HD
+  std::atomic<double> box_low_mm{-80.0};         // HD: along x
   std::atomic<double> max_stiffness{1.26};       // HD: N/mm
   std::atomic<int> follows_hand{1};              // 0: the point stays where the hand was put, else it is a mass on the hand's spring
   Vector hand_m{};                               // device axes

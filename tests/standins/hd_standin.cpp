@@ -129,8 +129,8 @@ class Hardware {
         return;
       }
       case 0x2551: {
-        constexpr double kBoxMm[] = {-80, -40, -35, 80, 80, 35};
-        std::copy(std::begin(kBoxMm), std::end(kBoxMm), values);
+        const double box_mm[] = {board.box_low_mm, -40, -35, 80, 80, 35};
+        std::copy(std::begin(box_mm), std::end(box_mm), values);
         return;
       }
       case 0x2602:
