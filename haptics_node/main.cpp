@@ -231,7 +231,7 @@ Result<void> enter_realtime_and_log(const RealtimeSettings& settings) {
 void print_shapes(const ObjectShaper& shaper) {
   if (!shaper.has_objects()) return;
   const ObjectShaper::Counts& counts = shaper.counts();
-  fmt::print("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,
+  print_text("shapes from programs: {} taken, {} left out as a part was lost or late, {} parts or shapes rejected\n", counts.shapes,
              counts.incomplete, counts.rejected);
 }
 
@@ -239,12 +239,12 @@ void print_shapes(const ObjectShaper& shaper) {
 void stop_and_print(std::optional<ToolTask>& tool_task, const LiveTool& tool, std::optional<GraspTask>& grasp_task) {
   if (tool_task) {
     tool_task->stop();
-    fmt::print("{}", describe_times("pose of the tool", tool_task->pose_times()));
+    print_text("{}", describe_times("pose of the tool", tool_task->pose_times()));
     if (const std::string late = describe_late_tool(tool.followed->lateness()); !late.empty()) log_warning("{}", late);
   }
   if (grasp_task) {
     grasp_task->stop();
-    if (grasp_task->pose_times().count() > 0) fmt::print("{}", describe_times("pose of held objects", grasp_task->pose_times()));
+    if (grasp_task->pose_times().count() > 0) print_text("{}", describe_times("pose of held objects", grasp_task->pose_times()));
   }
 }
 
@@ -264,10 +264,10 @@ struct NodeParts {
 };
 
 void print_report(const NodeParts& node, const HapticsStep& step, const ReplyLoop& loop, const ObjectShaper& shaper) {
-  fmt::print("{}", make_haptics_report(step, node.client, loop.compute_times(), loop.step_times()));
-  fmt::print("{}", describe_spins(loop.wait()));
+  print_text("{}", make_haptics_report(step, node.client, loop.compute_times(), loop.step_times()));
+  print_text("{}", describe_spins(loop.wait()));
   print_shapes(shaper);
-  fmt::print("{}", node.effects.describe());
+  print_text("{}", node.effects.describe());
 }
 
 // Replies to the hub until it is time to stop, then prints the report.
@@ -319,7 +319,7 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
     grasp_task->start();
   }
   if (const auto entered = enter_realtime_and_log(options.realtime); !entered) return entered;
-  fmt::print("ready for the hub at {}\n", to_string(node.hub));
+  print_text("ready for the hub at {}\n", to_string(node.hub));
   std::fflush(stdout);
 
   loop.run(node.stop, options.seconds);

@@ -19,6 +19,7 @@
 #include "link/sealed_hub.h"
 #include "link/udp_endpoint.h"
 #include "runtime/log.h"
+#include "runtime/standard_streams.h"
 #include "watchdog/watchdog_supervisor.h"
 
 namespace hapton {
@@ -92,12 +93,12 @@ void print_recording(const IoOptions& options, const SessionRecorder::Counts& co
   if (!options.record.empty()) {
     // A recording that was stopped early lacks later entries, too.
     const std::string all = counts.file_entries < counts.entries ? fmt::format(" of {}", counts.entries) : "";
-    fmt::print("recorded {}{} entries, {:.1f} MB, {} dropped: {}\n", counts.file_entries, all,
+    print_text("recorded {}{} entries, {:.1f} MB, {} dropped: {}\n", counts.file_entries, all,
                1e-6 * static_cast<double>(counts.file_bytes), counts.dropped, options.record);
   }
   if (const std::string missing = describe_lost_samples(options, counts.lost_samples); !missing.empty()) log_warning("{}", missing);
   if (counts.flights + counts.flights_left_out > 0) {
-    fmt::print("faults: {} flight records written, {} skipped\n", counts.flights, counts.flights_left_out);
+    print_text("faults: {} flight records written, {} skipped\n", counts.flights, counts.flights_left_out);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "link/messages.h"
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
+#include "runtime/standard_streams.h"
 
 namespace hapton {
 namespace {
@@ -118,7 +119,7 @@ void add_button_options(CLI::App& app, IoOptions& options) {
       app.add_option_function<int>(
              "--hold-button",
              [&options](int button) {
-               fmt::print(stderr, "io_node: --hold-button {} is now --dead-mans-switch {}: like all buttons, it counts from 1\n", button,
+               print_text(stderr, "io_node: --hold-button {} is now --dead-mans-switch {}: like all buttons, it counts from 1\n", button,
                           button + 1);
                options.device.dead_mans_switch = button + 1;
              },
@@ -211,13 +212,13 @@ void add_realtime_options(CLI::App& app, IoOptions& options, IoWords& words) {
 bool fit_together(const CLI::App& app, const IoOptions& options) {
   if (!options.devices_file.empty()) {
     if (const auto flag = find_flag_of_one_device(app)) {
-      fmt::print(stderr, "io_node: {0} is for one device; with --devices write it into each [[device]] of {1} and leave {0} out\n", *flag,
+      print_text(stderr, "io_node: {0} is for one device; with --devices write it into each [[device]] of {1} and leave {0} out\n", *flag,
                  options.devices_file);
       return false;
     }
   }
   if (options.device.clutch_button > 0 && options.device.clutch_button == options.device.dead_mans_switch) {
-    fmt::print(stderr, "io_node: --clutch-button {} is also the button of --dead-mans-switch: take another one\n",
+    print_text(stderr, "io_node: --clutch-button {} is also the button of --dead-mans-switch: take another one\n",
                options.device.clutch_button);
     return false;
   }

@@ -17,6 +17,7 @@
 #include "runtime/log.h"
 #include "runtime/prometheus_text.h"
 #include "runtime/report.h"
+#include "runtime/standard_streams.h"
 #include "runtime/start_thread.h"
 
 namespace hapton {
@@ -195,7 +196,7 @@ Result<void> IoSession::run(const StopSignal& stop) {
   print_events();
   if (!started_) return started_;
   const ServoStats& stats = servo_.collect_stats();
-  fmt::print("{}", described(stats));
+  print_text("{}", described(stats));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
   if (servo_.device_status() == DeviceStatus::fault)
     return fail("the device{} stopped replying; check its cable and power", name_plugin(options_));
@@ -298,7 +299,7 @@ Result<void> IoSession::serve_requests(const ServoStats& stats) {
   if (!writes_file) return {};
   const auto written = write_report_of(stats);
   if (written) log_info("{}report on request: {}", prefix_, options_.out.empty() ? "on the terminal only, no --out given" : options_.out);
-  if (options_.out.empty()) fmt::print("{}", described(stats));
+  if (options_.out.empty()) print_text("{}", described(stats));
   return written;
 }
 

@@ -1,4 +1,3 @@
-#include <fmt/core.h>
 #include <malloc.h>
 
 #include <algorithm>
@@ -68,7 +67,7 @@ int run(const IoOptions& options) {
     log_error("{}", hubs.error().what);
     return 1;
   }
-  for (const auto& hub : *hubs) fmt::print("{}\n", hub->describe());
+  for (const auto& hub : *hubs) print_text("{}\n", hub->describe());
   std::fflush(stdout);
   return run_hubs(*hubs, stop) ? 0 : 1;
 }

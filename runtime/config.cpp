@@ -15,6 +15,7 @@
 #include "runtime/build_id.h"
 #include "runtime/flag_checks.h"
 #include "runtime/regular_file.h"
+#include "runtime/standard_streams.h"
 #include "runtime/toml_reader.h"
 
 namespace hapton {
@@ -243,7 +244,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
   if (path) {
     const Result<std::vector<std::string>> from_file = file.arguments();
     if (!from_file) {
-      fmt::print(stderr, "{}: {}\n", program, one_line(from_file.error().what));
+      print_text(stderr, "{}: {}\n", program, one_line(from_file.error().what));
       return kBadCommandLine;
     }
     arguments.insert(std::find(arguments.begin(), arguments.end(), "--"), from_file->begin(), from_file->end());
@@ -256,7 +257,7 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, const char* const
     return app.exit(help);
   } catch (const CLI::ParseError& error) {
     const std::string message = one_line(error.what());
-    fmt::print(stderr, "{}: {}{}{}; see {} --help\n", program, message, file.origin_of(message), suggest_flag(app), program);
+    print_text(stderr, "{}: {}{}{}; see {} --help\n", program, message, file.origin_of(message), suggest_flag(app), program);
     return kBadCommandLine;
   }
   return std::nullopt;

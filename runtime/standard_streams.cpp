@@ -21,6 +21,8 @@ void open_standard_streams() {
 
 void outlive_readers() { std::signal(SIGPIPE, SIG_IGN); }
 
+void write_text(std::FILE* to, const std::string& text) { (void)std::fwrite(text.data(), 1, text.size(), to); }
+
 Result<void> flush_standard_output() {
   errno = 0;
   const bool is_flushed = std::fflush(stdout) == 0;

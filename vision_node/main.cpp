@@ -166,7 +166,7 @@ int run(VisionOptions& options) {
   if (!opened) return give_up(opened.error());
   StereoView& view = *opened->view;
   if (options.bench_frames > 0) {
-    fmt::print("{}\n", run_bench(view, clock, options.bench_frames, options.plots));
+    print_text("{}\n", run_bench(view, clock, options.bench_frames, options.plots));
     return 0;
   }
   auto endpoint = open_udp_endpoint(options.bind.empty() ? any_address_like(*hub) : options.bind);
@@ -196,7 +196,7 @@ int run(VisionOptions& options) {
   if (options.has_space_knobs) session.set_knobs(&knobs.emplace(make_hid_opener(HidKind::space_mouse, "")));
   if (reload) reload->start();
   const auto ended = session.run(stop);
-  fmt::print("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
+  print_text("vision_node: {}; view transforms sent {}\n", session.step().frames().describe(), session.step().view_transform().sent());
   if (!ended) return give_up(ended.error());
   // If only a picture was requested, it exists.
   if (options.seconds > 0.0 && client.counts().joins == 0 && options.screenshot.empty() && !stop.stop_requested()) {

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include <fmt/core.h>
-
 #include "runtime/log.h"
 #include "runtime/process_age.h"
+#include "runtime/standard_streams.h"
 #include "vision_node/frame_folder.h"
 #include "vision_node/recorded_state.h"
 
@@ -115,7 +114,7 @@ Result<void> RecordedSession::write_frames(const StopSignal& stop) {
     if (auto completed = complete_moment(); !completed) return completed;
     if (auto saved = view_.save_png(folder->next()); !saved) return saved;
   }
-  fmt::print("{}\n", folder->describe(options_.frame_rate_hz));
+  print_text("{}\n", folder->describe(options_.frame_rate_hz));
   return {};
 }
 

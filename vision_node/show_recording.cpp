@@ -1,9 +1,8 @@
 #include "vision_node/show_recording.h"
 
-#include <fmt/core.h>
-
 #include "hid/hidapi_transport.h"
 #include "runtime/log.h"
+#include "runtime/standard_streams.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "session/session_rows.h"
@@ -70,7 +69,7 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   std::optional<SpaceHead> space_head;
   if (options.has_space_head) session.set_space_head(&space_head.emplace(make_hid_opener(HidKind::space_mouse, "")));
   const auto ended = session.run(stop);
-  fmt::print("vision_node: {}; shown until {:.3f} s of the recording\n", session.step().frames().describe(), session.player().moment_s());
+  print_text("vision_node: {}; shown until {:.3f} s of the recording\n", session.step().frames().describe(), session.player().moment_s());
   return ended;
 }
 

@@ -2,7 +2,6 @@
 // the force when that is frozen, killed, or holds a force for too long. It needs no network, no key and no configuration. It checks from
 // two threads: one with SCHED_FIFO, which no ordinary load delays, and one with SCHED_DEADLINE or, where that is denied, an ordinary one,
 // which runs when the kernel throttles the first or another real-time program uses all CPU time. With PRIORITY 0 both are ordinary threads.
-#include <fmt/core.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -19,6 +18,7 @@
 #include "runtime/clock.h"
 #include "runtime/deadline_thread.h"
 #include "runtime/realtime.h"
+#include "runtime/standard_streams.h"
 #include "runtime/start_thread.h"
 #include "watchdog/heartbeat_memory.h"
 #include "watchdog/outer_watchdog.h"
@@ -52,7 +52,7 @@ void note_cut(HeartbeatPage& page, const OuterWatchdog& watchdog) {
 }
 
 void report(std::string_view what, const OuterWatchdog& watchdog, const ForceCutter& cutter) {
-  fmt::print(stderr, "hapton_watchdog: io_node {} (last cycle {:.1f} ms ago, force on the motors {:.1f} ms after its sample): {}\n", what,
+  print_text(stderr, "hapton_watchdog: io_node {} (last cycle {:.1f} ms ago, force on the motors {:.1f} ms after its sample): {}\n", what,
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
@@ -97,7 +97,7 @@ int main(int argc, char** argv) {
   const int process = argc > 1 ? std::atoi(argv[1]) : 0;
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
-    fmt::print(
+    print_text(
         "hapton_watchdog PROCESS PRIORITY\n"
         "Started by io_node, which shares memory with it as descriptor {}. Releases the force of io_node's device\n"
         "when io_node is frozen, killed, or holds a force for too long (docs/safety-case.md).\n",
@@ -106,7 +106,7 @@ int main(int argc, char** argv) {
   }
   HeartbeatMemory memory;
   if (const auto opened = memory.open(kHeartbeatFile); !opened || process <= 0) {
-    fmt::print(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
+    print_text(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
   // It must outlive io_node briefly: signals that end io_node's unit or terminal are ignored, and so are SIGPIPE, as its stderr may be
@@ -115,7 +115,7 @@ int main(int argc, char** argv) {
   const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
   if (::getppid() != process) return 0;  // io_node has ended already; at a first start no force was exerted yet
   if (process_file < 0) {
-    fmt::print(stderr, "hapton_watchdog: cannot watch process {}: {}\n", process, std::strerror(errno));
+    print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", process, std::strerror(errno));
     return 2;
   }
   // Whether these two got their scheduling: io_node logs what its own threads did not get, and has the same rights.

@@ -14,9 +14,10 @@ namespace hapton {
 // the filter's frequency response is half a Fejer kernel plus a constant. So a damper on this velocity never gives energy. The memory ends
 // after kSamples: two steps with the same last samples agree to the last bit. The mean lags the newest difference by (kSamples - 1) / 3
 // samples, and reduces the noise of single differences to 0.40 of its value. Each interval counts by its length, as its
-// motion does. So the sum, with v dt for v, is not negative where intervals differ up to a hundred times, either (computed, for random
-// ones); where they differ ten thousand times a damper may give 6 % of b v^2 dt, and on a mean of the quotients 13 times b v^2 dt. In that
-// mean the noise of a sample 0.1 ms after a late one would count ten times. Units: m, s, m/s. RT: yes. Threads: one.
+// motion does. So the sum, with v dt for v, is not negative where intervals differ up to 16 times, either (searched: long and short ones
+// in any order). A damper may give 6 % of b v^2 dt where they differ a hundred times, and 12 % however they differ; on a mean of the
+// quotients 13 times b v^2 dt. In that mean the noise of a sample 0.1 ms after a late one would count ten times. After a gap the mean is
+// about that of the gap for kSamples samples, and then that of the samples since. Units: m, s, m/s. RT: yes. Threads: one.
 class SmoothVelocity {
  public:
   static constexpr std::size_t kSamples = 8;

@@ -7,8 +7,8 @@
 namespace hapton {
 
 // A viscous volume: F = -b v, no longer than max_force_n. Frame: S. Units: SI. RT: yes.
-// Bound: max_force_n. Passivity: dissipative below max_force_n with the velocity of SmoothVelocity, and with any velocity that has the sign
-// of the motion.
+// Bound: max_force_n. Passivity: dissipative below max_force_n with the velocity of SmoothVelocity, where intervals differ up to 16 times,
+// and with any velocity that has the sign of the motion.
 struct ViscousEffect {
   static constexpr Passivity kPassivity = Passivity::dissipative;
 

@@ -45,7 +45,7 @@ class AnimationBudget {
 
   // False: these are too many.
   bool take_numbers(std::size_t count) { return take(numbers_, count, std::size_t{1} << 22, 16); }
-  bool take_keyframes(std::size_t count) { return take(keyframes_, count, std::size_t{1} << 20, 4); }
+  bool take_keyframes(std::size_t count) { return take(keyframes_, count, std::size_t{1} << 22, 4); }
   bool take_poses(std::size_t count) { return take(poses_, count, std::size_t{1} << 24, 16); }
 
  private:

@@ -54,6 +54,19 @@ TEST(StandardStreams, NoFileTakesThePlaceOfAClosedOne) {
   _exit(flush_standard_output() ? 0 : 7);
 }
 
+// Without a buffer, as stderr. 0: it went on.
+[[noreturn]] void print_without_a_reader() {
+  int ends[2];
+  if (::pipe(ends) != 0 || ::close(ends[0]) != 0) _exit(1);
+  std::FILE* const stream = ::fdopen(ends[1], "w");
+  if (stream == nullptr || std::setvbuf(stream, nullptr, _IONBF, 0) != 0) _exit(1);
+  outlive_readers();
+  print_text(stream, "released the force after {} ms\n", 20);
+  _exit(0);
+}
+
+TEST(StandardStreams, WhoPrintsOutlivesWhoReads) { EXPECT_EXIT(print_without_a_reader(), ExitedWithCode(0), ""); }
+
 TEST(StandardStreams, OutputThatDoesNotArriveIsAnError) {
   EXPECT_TRUE(flush_standard_output());
   EXPECT_EXIT(print_to_full_disk(0), ExitedWithCode(0), "");

@@ -270,6 +270,15 @@ TEST(Core, PrintsNothing) {
       IsEmpty());
 }
 
+// It throws where the reader of a stream has gone: print_text does not.
+TEST(Nodes, PrintWithoutAnException) {
+  static const std::regex kThrows(R"(\b(fmt::print|std::println)\b)");
+  EXPECT_THAT(
+      find_files({"io_node", "haptics_node", "vision_node", "watchdog", "runtime", "link", "devices", "hid", "safety", "haptic_step"},
+                 [](const SourceFile& file) { return std::regex_search(file.code, kThrows); }),
+      IsEmpty());
+}
+
 TEST(Sources, HaveAtMost500Lines) {
   std::vector<std::string> folders = kFolders;
   folders.emplace_back("tests");
