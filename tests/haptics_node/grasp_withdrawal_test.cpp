@@ -37,6 +37,15 @@ struct GraspWithdrawalTest : GraspTaskTest {
     task->run_once();
     take_method();
   }
+  // And the hand rests on it, where it was before.
+  void hold_and_put_down() {
+    rest(1, 200);
+    ASSERT_TRUE(step->holds_tool());
+    rest(0, 1);
+    wait_for_method(1);
+    rest(0, 200);
+    ASSERT_EQ(last.object, kCube);
+  }
   void press_on_plate() {
     go({0.0, 0.0, 0.05}, 0);
     go({-0.08, 0.0, 0.05}, 0);
@@ -168,13 +177,8 @@ TEST_F(GraspWithdrawalTest, ASessionThatBeginsAfterAPutDownKeepsTheContact) {
 
 // It may know of no reply since the object was put down: the place is that of a hand without a probe.
 TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway) {
-  rest(1, 200);
-  ASSERT_TRUE(step->holds_tool());
   const Vec3 before = at;
-  rest(0, 1);
-  wait_for_method(1);
-  rest(0, 200);
-  ASSERT_EQ(last.object, kCube);
+  ASSERT_NO_FATAL_FAILURE(hold_and_put_down());
   resume_at(before - Vec3(0.0, 0.0, 1e-5), 0);
   rest(0, 200);
   EXPECT_EQ(last.object, kCube);
@@ -183,13 +187,8 @@ TEST_F(GraspWithdrawalTest, WhatTheHubKnowsFromBeforeAPutDownTakesNoContactAway)
 
 // After a longer while without a sample here the hand may have gone around what it touched here: then the place of the hub counts.
 TEST_F(GraspWithdrawalTest, WhatWasFeltHereLongAgoDoesNotCount) {
-  rest(1, 200);
-  ASSERT_TRUE(step->holds_tool());
   const Vec3 before = at;
-  rest(0, 1);
-  wait_for_method(1);
-  rest(0, 200);
-  ASSERT_EQ(last.object, kCube);
+  ASSERT_NO_FATAL_FAILURE(hold_and_put_down());
   sample += 300;
   resume_at(before - Vec3(0.0, 0.0, 1e-5), 0);
   rest(0, 200);
