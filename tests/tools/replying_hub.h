@@ -1,0 +1,73 @@
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "link/hub_peers.h"
+#include "link/link_key.h"
+#include "link/random_id.h"
+#include "link/sealed_hub.h"
+#include "link/udp_endpoint.h"
+#include "runtime/clock.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+
+// A hub in a thread of its own, with a key of its own, which nodes can join. What they send goes to a function, in the hub's thread.
+class ReplyingHub {
+ public:
+  // False: the hub is silent from then on.
+  using Take = std::function<bool(HubPeers& peers, std::size_t peer, const Message& message)>;
+
+  explicit ReplyingHub(Take take) : take_(std::move(take)), thread_([this] { run(); }) {}
+  ~ReplyingHub() { end(); }
+  ReplyingHub(const ReplyingHub&) = delete;
+  ReplyingHub& operator=(const ReplyingHub&) = delete;
+
+  std::string address() const { return to_string(endpoint_->local_address()); }
+  std::string key_file() const { return key_file_; }
+  // Whatever the function has written can be read from now on.
+  void end() {
+    ends_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+ private:
+  void run() {
+    const LinkKey key = *read_key_file(key_file_);
+    SealedHub sealed(*endpoint_, clock_, key);
+    HubPeers peers(sealed, clock_, make_random_id(), 1000.0);
+    Datagram datagram;
+    bool replies = true;
+    while (!ends_) {
+      const std::int64_t until_ns = clock_.now_ns() + kNanosecondsPerMillisecond;
+      if (!replies) {
+        clock_.sleep_until_ns(until_ns);
+        continue;
+      }
+      const PeerEvent event = peers.receive(datagram, until_ns);
+      if (event.kind == PeerEvent::Kind::message) replies = take_(peers, event.peer, datagram.message);
+    }
+  }
+
+  static std::string make_key(const std::string& path) {
+    (void)make_key_file(path);
+    return path;
+  }
+
+  ScratchFolder folder_;
+  std::string key_file_ = make_key((folder_.path() / "key").string());
+  SteadyClock clock_;
+  std::unique_ptr<Endpoint> endpoint_ = *open_udp_endpoint("127.0.0.1:0");
+  Take take_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace hapton
