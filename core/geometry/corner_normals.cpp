@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/geometry/disjoint_sets.h"
+#include "core/geometry/key_table.h"
 #include "core/geometry/shared_edges.h"
 
 namespace hapton {
@@ -143,53 +144,6 @@ AuthoredNormalReport for_each_authored(const TriangleMesh& mesh, Use&& use) {
   return report;
 }
 
-constexpr std::uint32_t kNoNormal = std::numeric_limits<std::uint32_t>::max();
-
-// The finaliser of MurmurHash3.
-std::uint64_t stir(std::uint64_t h) {
-  h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdULL;
-  h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53ULL;
-  return h ^ (h >> 33);
-}
-
-// The normals that are added to a mesh, each once at a vertex. Open addressing, at most half full: one vertex may have any number of them.
-class VertexNormals {
- public:
-  explicit VertexNormals(std::vector<Vec3>& normals) : normals_(normals), first_(normals.size()), slots_(1024, kNoNormal) {}
-
-  // The number of that normal of a vertex.
-  std::uint32_t number_of(std::uint32_t vertex, const Vec3& normal) {
-    if (slots_.size() < 2 * (vertices_.size() + 1)) grow();
-    std::uint32_t& slot = slots_[find_slot(vertex, normal)];
-    if (slot != kNoNormal) return slot;
-    slot = static_cast<std::uint32_t>(normals_.size());
-    normals_.push_back(normal);
-    vertices_.push_back(vertex);
-    return slot;
-  }
-
- private:
-  std::size_t find_slot(std::uint32_t vertex, const Vec3& normal) const {
-    std::uint64_t hash = vertex;
-    for (int axis = 0; axis < 3; ++axis) hash = stir(hash + std::bit_cast<std::uint64_t>(normal[axis] + 0.0));  // -0 becomes 0
-    const std::size_t mask = slots_.size() - 1;
-    std::size_t at = hash & mask;
-    while (slots_[at] != kNoNormal && !(vertices_[slots_[at] - first_] == vertex && normals_[slots_[at]] == normal)) at = (at + 1) & mask;
-    return at;
-  }
-  void grow() {
-    slots_.assign(2 * slots_.size(), kNoNormal);
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      slots_[find_slot(vertices_[i], normals_[first_ + i])] = static_cast<std::uint32_t>(first_ + i);
-    }
-  }
-
-  std::vector<Vec3>& normals_;
-  std::size_t first_;                    // of those that are added
-  std::vector<std::uint32_t> vertices_;  // of each of them
-  std::vector<std::uint32_t> slots_;     // a power of two
-};
-
 }  // namespace
 
 AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh) {
@@ -197,9 +151,16 @@ AuthoredNormalReport count_authored_normals(const TriangleMesh& mesh) {
 }
 
 AuthoredNormalReport use_authored_normals(const TriangleMesh& mesh, ShadedMesh& shaded) {
-  VertexNormals known(shaded.normals);
-  return for_each_authored(
-      mesh, [&](std::size_t t, int k, const Vec3& normal) { shaded.corner_normals[t][k] = known.number_of(mesh.triangles[t][k], normal); });
+  // One vertex may have any number of them.
+  KeyTable<4> known(mesh.has_authored_normals() ? mesh.vertices.size() : 0);
+  return for_each_authored(mesh, [&](std::size_t t, int k, const Vec3& normal) {
+    const std::uint32_t vertex = mesh.triangles[t][k];
+    const std::array<std::uint64_t, 3> words = words_of(normal);
+    const auto next = static_cast<std::uint32_t>(shaded.normals.size());
+    const std::uint32_t number = known.find_or_add({vertex, words[0], words[1], words[2]}, next);
+    if (number == next) shaded.normals.push_back(normal);
+    shaded.corner_normals[t][k] = number;
+  });
 }
 
 Vec3 middle_normal_of(const ShadedMesh& mesh, const std::array<std::uint32_t, 2>& between) {

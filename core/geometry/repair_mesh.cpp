@@ -3,10 +3,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <numeric>
 
+#include "core/geometry/key_table.h"
 #include "core/geometry/shared_edges.h"
 
 namespace hapton {
@@ -14,67 +13,18 @@ namespace {
 
 constexpr double kNeedleHeight = 0.01;  // of the longest edge
 
-struct Bits {
-  std::array<std::uint64_t, 3> word;
-  bool operator==(const Bits&) const = default;
-};
-std::uint64_t hash_of(const Bits& bits) {
-  std::uint64_t h = 0x9E3779B97F4A7C15ULL;
-  for (const std::uint64_t word : bits.word) {
-    h ^= word;
-    h *= 0xFF51AFD7ED558CCDULL;
-    h ^= h >> 32;
-  }
-  return h;
-}
-
-// A hash table from keys to numbers (open addressing, at most half full).
-class KeyTable {
- public:
-  explicit KeyTable(std::size_t count) : keys_(std::bit_ceil(2 * count + 2)), numbers_(keys_.size(), kNone) {}
-
-  // The key's number: the first one it was given.
-  std::uint32_t find_or_add(const Bits& key, std::uint32_t number) {
-    const std::size_t at = place_of(key);
-    if (numbers_[at] == kNone) {
-      keys_[at] = key;
-      numbers_[at] = number;
-    }
-    return numbers_[at];
-  }
-  bool contains(const Bits& key) const { return numbers_[place_of(key)] != kNone; }
-
- private:
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-
-  std::size_t place_of(const Bits& key) const {
-    std::size_t at = hash_of(key) & (keys_.size() - 1);
-    while (numbers_[at] != kNone && keys_[at] != key) at = (at + 1) & (keys_.size() - 1);
-    return at;
-  }
-
-  std::vector<Bits> keys_;
-  std::vector<std::uint32_t> numbers_;
-};
-
-Bits bits_of(const Vec3& v) {
-  // Adding zero turns -0 into 0.
-  return {
-      {std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)}};
-}
-
 // The triangle starting at its lowest vertex, in the same order.
-Bits rotated(const Triangle& t) {
+KeyTable<3>::Key rotated(const Triangle& t) {
   const auto k = std::min_element(t.begin(), t.end()) - t.begin();
-  return {{t[k], t[(k + 1) % 3], t[(k + 2) % 3]}};
+  return {t[k], t[(k + 1) % 3], t[(k + 2) % 3]};
 }
 
 void weld(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
-  KeyTable seen(mesh.vertices.size());
+  KeyTable<3> seen(mesh.vertices.size());
   std::vector<std::uint32_t> renumbered(mesh.vertices.size());
   std::uint32_t used = 0;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    renumbered[i] = seen.find_or_add(bits_of(mesh.vertices[i]), used);
+    renumbered[i] = seen.find_or_add(words_of(mesh.vertices[i]), used);
     if (renumbered[i] == used) {
       source.push_back(static_cast<std::uint32_t>(i));
       mesh.vertices[used++] = mesh.vertices[i];
@@ -90,7 +40,7 @@ void weld(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& 
 }
 
 void drop_useless(TriangleMesh& mesh, RepairReport& report, std::vector<std::uint32_t>& source) {
-  KeyTable seen(mesh.triangles.size());
+  KeyTable<3> seen(mesh.triangles.size());
   std::size_t kept = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle t = mesh.triangles[i];
