@@ -130,7 +130,8 @@ class FdhHierarchy {
 
   // The sweep of a ball of this radius between two points, given by their projections relative to the centre. Rounding: |from| 2^-24 each
   // for the start and the planes' difference is part of grow; times have a relative error below 2^-21, allowed for where they are compared.
-  // A direction shorter than the padding counts as that long, with the padding grown alike, so no inverse overflows.
+  // A direction shorter than the padding counts as that long, with the padding grown alike, so no inverse overflows. Pre: both ends are so
+  // near that 1 / d is a normal float, and so are their places.
   static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
     Sweep sweep;
     for (int i = 0; i < kAxes; ++i) {

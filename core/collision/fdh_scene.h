@@ -110,6 +110,8 @@ void FdhScene<K>::set_planes() {
 
 template <int K>
 Result<FdhScene<K>> FdhScene<K>::build(std::span<const Object> objects) {
+  // Objects may be farther apart than a float reaches; boxes of items only decide how the tree is split, so the farthest may coincide.
+  const auto to_item = [](double x) { return static_cast<float>(std::clamp(x, -1e37, 1e37)); };
   FdhScene scene;
   std::vector<FdhItem> items;
   for (std::size_t o = 0; o < objects.size(); ++o) {
@@ -123,8 +125,8 @@ Result<FdhScene<K>> FdhScene<K>::build(std::span<const Object> objects) {
     if (tree.stats().triangles == 0) continue;
     FdhItem item{{}, static_cast<std::uint32_t>(o), {}};
     for (int k = 0; k < 3; ++k) {
-      item.low[k] = static_cast<float>(tree.hull().low[k] - scene.centre_[k]);
-      item.high[k] = static_cast<float>(tree.hull().high[k] - scene.centre_[k]);
+      item.low[k] = to_item(tree.hull().low[k] - scene.centre_[k]);
+      item.high[k] = to_item(tree.hull().high[k] - scene.centre_[k]);
     }
     items.push_back(item);
   }

@@ -20,6 +20,9 @@ constexpr double kOutward = 0x1p-40;
 // Largest extent in the unit of the mesh; its inverse is the smallest. Squares of extents (1e30 and 1e-30) stay far inside the range of a
 // float.
 constexpr double kLargestExtent = 1e15;
+// Farthest end of a sweep from the middle of the mesh for which the hierarchy is searched: a 1e15th is still the largest mesh, and neither
+// a place nor the inverse of a path leaves the range of a float.
+constexpr double kFarthestSweep = 1e30;
 
 struct FdhBall {
   Vec3 centre;
@@ -128,7 +131,8 @@ class FdhTree {
 
   // Each calls visit(triangle) once for every triangle that the query touches. ball: exactly those at most the radius away. box, hull:
   // those whose own hull of K planes overlaps the query's. sweep: those whose leaf's hull it meets (radius 0), otherwise those at most the
-  // radius away. Rounding only adds triangles, never drops one. A query that is not finite visits nothing.
+  // radius away; all, if it reaches beyond kFarthestSweep. Rounding only adds triangles, never drops one. A query that is not finite visits
+  // nothing.
   template <class Visit>
   FdhVisits for_each_overlapping(const FdhBall& ball, Visit&& visit) const;
   template <class Visit>
@@ -368,8 +372,14 @@ template <int K>
 template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const {
   if (!sweep.from.allFinite() || !sweep.to.allFinite() || !(sweep.radius >= 0.0)) return {};
+  const Vec3 begin = sweep.from - centre_;
+  const Vec3 end = sweep.to - centre_;
+  if (!(begin.cwiseAbs().cwiseMax(end.cwiseAbs()).maxCoeff() <= kFarthestSweep)) {  // also where a difference overflows
+    for (const std::uint32_t id : order_) visit(id);
+    return {0, 0, static_cast<std::uint32_t>(order_.size())};
+  }
   const double bound = std::max(bound_squared_at(sweep.radius, sweep.from), bound_squared_at(sweep.radius, sweep.to));
-  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(sweep.from - centre_), fdh_project<K>(sweep.to - centre_), std::sqrt(bound));
+  const auto q = FdhHierarchy<K>::make_sweep(fdh_project<K>(begin), fdh_project<K>(end), std::sqrt(bound));
   if (sweep.radius == 0.0) {
     return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
       for (std::uint32_t i = first; i < first + count; ++i) visit(order_[i]);

@@ -35,8 +35,9 @@ Result<void> check(std::size_t triangles, const std::array<int, 3>& division) {
 }  // namespace
 
 // Monotonic in x even with rounding (difference, product with a positive number and floor all are), so a point between two others never
-// falls into a cell outside of theirs.
+// falls into a cell outside of theirs. Where there is one cell the product may be that of infinity and zero.
 int UniformGrid::cell_along(int axis, double x) const noexcept {
+  if (division_[axis] == 1) return 0;
   const double cell = std::floor((x - low_[axis]) * cells_per_metre_[axis]);
   return static_cast<int>(std::clamp(cell, 0.0, static_cast<double>(division_[axis] - 1)));
 }
@@ -53,25 +54,42 @@ CellBox UniformGrid::find_cells(const Vec3& low, const Vec3& high) const noexcep
   return box;
 }
 
+// local: relative to the grid's corner, where the cells' limits are simple products.
+bool UniformGrid::may_touch_cells(const std::array<Vec3, 3>& local, const CellBox& box) noexcept {
+  ++work_;
+  // How far a point may be outside of its cell's nominal limits because cell_along rounds.
+  const Vec3 rounding = 8.0 * kEpsilon * (high_ - low_);
+  const Vec3 low = Vec3(box.begin[0], box.begin[1], box.begin[2]).cwiseProduct(cell_size_) - rounding;
+  const Vec3 high = Vec3(box.end[0], box.end[1], box.end[2]).cwiseProduct(cell_size_) + rounding;
+  return may_touch(local, low, high);
+}
+
 template <class Visit>
-void UniformGrid::for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit) const {
-  // Relative to the grid's corner, where the cells' limits are simple products.
+void UniformGrid::for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit) {
   const std::array<Vec3, 3> local = {triangle[0] - low_, triangle[1] - low_, triangle[2] - low_};
   const CellBox box =
       find_cells(triangle[0].cwiseMin(triangle[1]).cwiseMin(triangle[2]), triangle[0].cwiseMax(triangle[1]).cwiseMax(triangle[2]));
-  // How far a point may be outside of its cell's nominal limits because cell_along rounds.
-  const Vec3 rounding = 8.0 * kEpsilon * (high_ - low_);
-  for (int z = box.begin[2]; z < box.end[2]; ++z) {
-    for (int y = box.begin[1]; y < box.end[1]; ++y) {
-      for (int x = box.begin[0]; x < box.end[0]; ++x) {
-        const Vec3 cell_low = Vec3(x, y, z).cwiseProduct(cell_size_) - rounding;
-        const Vec3 cell_high = Vec3(x + 1, y + 1, z + 1).cwiseProduct(cell_size_) + rounding;
-        if (may_touch(local, cell_low, cell_high)) {
-          visit(index_of(x, y, z));
-        }
-      }
-    }
+  for_each_touched(local, box, visit);
+}
+
+// Halves the box along its longest side, and leaves out the halves that the triangle does not touch: what they contain it touches neither.
+template <class Visit>
+void UniformGrid::for_each_touched(const std::array<Vec3, 3>& local, const CellBox& box, Visit& visit) {
+  std::size_t axis = 0;
+  for (const std::size_t k : {1U, 2U}) {
+    if (box.end[k] - box.begin[k] > box.end[axis] - box.begin[axis]) axis = k;
   }
+  const int length = box.end[axis] - box.begin[axis];
+  if (length < 1 || !may_touch_cells(local, box)) return;
+  if (length == 1) {
+    visit(index_of(box.begin[0], box.begin[1], box.begin[2]));
+    return;
+  }
+  CellBox lower = box;
+  CellBox upper = box;
+  lower.end[axis] = upper.begin[axis] = box.begin[axis] + length / 2;
+  for_each_touched(local, lower, visit);
+  for_each_touched(local, upper, visit);
 }
 
 Result<UniformGrid> UniformGrid::make(std::span<const std::array<Vec3, 3>> triangles, const std::array<int, 3>& division) {
@@ -94,7 +112,7 @@ Result<UniformGrid> UniformGrid::make(std::span<const std::array<Vec3, 3>> trian
     const bool divisible = extent > 0.0 && std::isfinite(extent) && std::isfinite(per_metre);
     grid.division_[axis] = divisible ? division[axis] : 1;
     grid.cells_per_metre_[axis] = divisible ? per_metre : 0.0;
-    grid.cell_size_[axis] = divisible ? extent / division[axis] : 0.0;
+    grid.cell_size_[axis] = std::isfinite(extent) ? extent / grid.division_[axis] : 0.0;
   }
 
   const std::size_t cells = static_cast<std::size_t>(grid.division_[0]) * grid.division_[1] * grid.division_[2];

@@ -32,8 +32,9 @@ struct GridOccupancy {
 
 // The static world divided into equal axis-aligned cells, each with the list of the triangles that touch it, in flat arrays. The grid spans
 // the triangles' bounding box; an axis without extent has one cell. Post: a triangle is listed in every cell that contains a point of it,
-// and perhaps, by rounding, in a neighbour. Source: memo 4.2.2, first step of the precalculation. RT: find_cells, triangles_in, occupancy
-// yes; make set-up only. Threads: any number of readers.
+// and perhaps, by rounding, in a neighbour. Time to make one: in proportion to the listings, times a logarithm; not to the cells around a
+// triangle, of which a long thin one touches few. Source: memo 4.2.2, first step of the precalculation. RT: find_cells, triangles_in,
+// occupancy yes; make set-up only. Threads: any number of readers.
 class UniformGrid {
  public:
   // Of one axis. A choice: kMaxCells and kMaxEntries are what bounds the memory.
@@ -58,12 +59,16 @@ class UniformGrid {
   const Vec3& low() const { return low_; }
   const Vec3& high() const { return high_; }
   const GridOccupancy& occupancy() const { return occupancy_; }
+  std::size_t work() const { return work_; }  // tests of a triangle against a box that make took
 
  private:
   std::size_t index_of(int x, int y, int z) const noexcept { return (static_cast<std::size_t>(z) * division_[1] + y) * division_[0] + x; }
   int cell_along(int axis, double x) const noexcept;
+  bool may_touch_cells(const std::array<Vec3, 3>& local, const CellBox& box) noexcept;
   template <class Visit>
-  void for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit) const;
+  void for_each_cell(const std::array<Vec3, 3>& triangle, Visit&& visit);
+  template <class Visit>
+  void for_each_touched(const std::array<Vec3, 3>& local, const CellBox& box, Visit& visit);
 
   std::array<int, 3> division_ = {1, 1, 1};
   Vec3 low_ = Vec3::Zero();
@@ -73,6 +78,7 @@ class UniformGrid {
   std::vector<std::uint32_t> offsets_;
   std::vector<std::uint32_t> ids_;
   GridOccupancy occupancy_;
+  std::size_t work_ = 0;
 };
 
 }  // namespace hapton

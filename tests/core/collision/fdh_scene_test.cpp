@@ -131,6 +131,21 @@ TEST(FdhScene, QueriesWithoutBoundsFindEverythingOnce) {
   }
 }
 
+// Each is one point, so that its own extent is small.
+TEST(FdhScene, FindsObjectsFartherApartThanAFloatReaches) {
+  std::vector<TriangleMesh> points;
+  for (int o = 0; o < 12; ++o) points.push_back({{Vec3((o - 6) * 1e39, 1.0, 0.0)}, {{0, 0, 0}}});
+  std::vector<FdhScene<14>::Object> objects;
+  for (const TriangleMesh& point : points) objects.push_back({point.vertices, point.triangles});
+  const auto scene = FdhScene<14>::build(objects);
+  ASSERT_TRUE(scene) << scene.error().what;
+  for (std::uint32_t o = 0; o < points.size(); ++o) {
+    std::set<std::uint32_t> visited;
+    scene->for_each_overlapping(FdhBall{points[o].vertices[0], 1.0}, [&](std::uint32_t object, std::uint32_t) { visited.insert(object); });
+    EXPECT_TRUE(visited.count(o)) << o;
+  }
+}
+
 TEST(FdhScene, NamesTheObjectItCannotHold) {
   TriangleMesh good = made::sphere(1.0, 8);
   TriangleMesh bad = made::sphere(1e20, 8);

@@ -291,6 +291,30 @@ TYPED_TEST(FdhTreeOf, QueriesWithoutBoundsFindEverythingOnce) {
   EXPECT_TRUE(std::isfinite(tree->find_nearest(Vec3(1e100, 0, 0)).distance_squared));
 }
 
+// Through the middle of the mesh, from ends that a float cannot hold, or that no product of doubles can.
+TYPED_TEST(FdhTreeOf, SweepsFromBeyondAFloatMissNothing) {
+  const TriangleMesh mesh = made::sphere(1.0, 8);
+  const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
+  ASSERT_TRUE(tree);
+  for (const Vec3& direction : {Vec3(1.0, 0.1, 0.2), Vec3(-0.1, 0.3, 1.0)}) {
+    Ids pierced;
+    for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+      const double d = segment_triangle_distance_squared<double>(of3(-2.0 * direction), of3(2.0 * direction), of3(mesh.corner(t, 0)),
+                                                                 of3(mesh.corner(t, 1)), of3(mesh.corner(t, 2)));
+      if (d == 0.0) pierced.insert(t);
+    }
+    ASSERT_GE(pierced.size(), 2U);
+    for (const double far : {1e29, 1e37, 1e38, 1e39, 1e100, 1e160, 1e308}) {
+      for (const double radius : {0.0, 0.01}) {
+        Ids visited;
+        tree->for_each_overlapping(FdhSweep{-far * direction, far * direction, radius},
+                                   [&](std::uint32_t t) { EXPECT_TRUE(visited.insert(t).second) << far << ": twice"; });
+        for (const std::uint32_t t : pierced) EXPECT_TRUE(visited.count(t)) << far << ", radius " << radius << ": misses " << t;
+      }
+    }
+  }
+}
+
 TEST(FdhTree, RejectsWhatSinglePrecisionCannotHold) {
   const TriangleMesh huge = scaled_and_moved(made::sphere(1.0, 8), 1e20, Vec3::Zero());
   const auto tree = FdhTree<14>::build(huge.vertices, huge.triangles);

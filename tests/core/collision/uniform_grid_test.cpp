@@ -31,10 +31,24 @@ std::pair<Vec3, Vec3> cell_limits(const UniformGrid& grid, int x, int y, int z, 
   return {low - grow * size, low + (1.0 + grow) * size};
 }
 
+// Long thin triangles from anywhere to anywhere.
+TriangleMesh slivers(std::uint64_t seed, std::uint32_t count) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  TriangleMesh mesh;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Vec3 from(unit(random), unit(random), unit(random));
+    mesh.vertices.insert(mesh.vertices.end(), {from, Vec3(unit(random), unit(random), unit(random)), from + Vec3(1e-4, 0.0, 0.0)});
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  return mesh;
+}
+
 TEST(UniformGrid, ListsAreThoseOfAllTrianglesAgainstAllCells) {
   constexpr std::uint64_t kSeed = 21;
   RecordProperty("seed", std::to_string(kSeed));
-  for (const auto& mesh : {made::soup(kSeed, 200, 1.0, 0.8), made::sphere(0.1, 12, 0.2), made::box(Vec3::Zero(), Vec3(1, 2, 3))}) {
+  for (const auto& mesh :
+       {made::soup(kSeed, 200, 1.0, 0.8), made::sphere(0.1, 12, 0.2), made::box(Vec3::Zero(), Vec3(1, 2, 3)), slivers(kSeed, 100)}) {
     const auto triangles = corners_of(mesh);
     const auto grid = UniformGrid::make(triangles, {7, 5, 9});
     ASSERT_TRUE(grid);
@@ -131,6 +145,39 @@ TEST(UniformGrid, CoversExactlyTheCellsOfABox) {
   EXPECT_EQ(all.end, (std::array<int, 3>{10, 10, 10}));
   const CellBox none = grid->find_cells({1.1, 0, 0}, {1.2, 1, 1});
   EXPECT_EQ(none.begin, none.end);
+}
+
+// From corner to corner of 256 x 256 x 16 cells: it touches some hundred of the million around it.
+TEST(UniformGrid, ALongThinTriangleCostsTheCellsThatItTouches) {
+  const std::vector<Corners> diagonal = {{Vec3(0, 0, 0), Vec3(1, 1, 1), Vec3(1e-3, 0, 0)}};
+  const auto grid = UniformGrid::make(diagonal, {256, 256, 16});
+  ASSERT_TRUE(grid);
+  const std::size_t listings = grid->occupancy().entries;
+  EXPECT_GT(listings, 256U);
+  EXPECT_LT(listings, 2048U);
+  // Counted and listed, each time through at most one box of either half at each of the 20 halvings.
+  EXPECT_LE(grid->work(), 2 * (1 + 2 * 20 * listings));
+}
+
+TEST(UniformGrid, ABoxWithoutEndsHasAllCells) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const auto& mesh : {made::sheet(1.0, 0.5, 4), made::box(Vec3::Zero(), Vec3::Ones())}) {
+    const auto grid = UniformGrid::make(corners_of(mesh), {8, 8, 8});
+    ASSERT_TRUE(grid);
+    const CellBox all = grid->find_cells(Vec3::Constant(-kInfinity), Vec3::Constant(kInfinity));
+    EXPECT_EQ(all.begin, (std::array<int, 3>{0, 0, 0}));
+    EXPECT_EQ(all.end, grid->division());
+  }
+}
+
+TEST(UniformGrid, OneCellHoldsWhatIsTooSmallToDivide) {
+  const double tiny = 0x1p-1040;
+  const std::vector<Corners> small = {{Vec3(0, 0, 0), Vec3(tiny, 0, 0), Vec3(0, tiny, tiny)},
+                                      {Vec3(tiny, tiny, tiny), Vec3(0, 0, 0), Vec3(tiny, 0, 0)}};
+  const auto grid = UniformGrid::make(small, {8, 8, 8});
+  ASSERT_TRUE(grid);
+  EXPECT_EQ(grid->division(), (std::array<int, 3>{1, 1, 1}));
+  EXPECT_EQ(grid->triangles_in(0, 0, 0).size(), 2U);
 }
 
 TEST(UniformGrid, ABoxThatIsNotANumberHasNoCells) {
