@@ -1,7 +1,6 @@
 #include "scene/polygon.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace hapton {
 namespace {
@@ -40,55 +39,89 @@ bool is_convex(const std::vector<Vec2>& flat) {
   return true;
 }
 
-// An ear: a corner that turns left with no other corner in or on its triangle.
-bool is_ear(const std::vector<Vec2>& flat, const std::vector<std::uint32_t>& ring, std::size_t i) {
-  const std::size_t n = ring.size();
-  const Vec2& a = flat[ring[(i + n - 1) % n]];
-  const Vec2& b = flat[ring[i]];
-  const Vec2& c = flat[ring[(i + 1) % n]];
-  if (!(turn(a, b, c) > 0)) return false;
-  return std::none_of(ring.begin(), ring.end(), [&](std::uint32_t corner) {
-    const Vec2& p = flat[corner];
-    if (p == a || p == b || p == c) return false;
-    return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-  });
-}
-
 bool add_fan(std::span<const std::uint32_t> corners, std::vector<Triangle>& into) {
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) into.push_back({corners[0], corners[i], corners[i + 1]});
   return true;
 }
 
-// False, with some of the triangles appended, when no ear is left to cut.
-bool cut_ears(std::span<const std::uint32_t> corners, const std::vector<Vec2>& flat, std::vector<Triangle>& into) {
-  std::vector<std::uint32_t> ring(corners.size());
-  std::iota(ring.begin(), ring.end(), 0U);
-  std::size_t ear = 0;
-  for (std::size_t misses = 0; ring.size() > 3;) {
-    const std::size_t n = ring.size();
-    ear %= n;
-    if (!is_ear(flat, ring, ear)) {
-      if (++misses == n) return false;
-      ++ear;
-      continue;
+// Cuts the ears of a polygon, given seen along its normal. Of each corner it keeps up to where the others are known to be outside of its
+// triangle: that holds until the triangle is another one, whatever is cut elsewhere. So all tests together are at most four times the
+// square of the corners.
+class EarCutter {
+ public:
+  explicit EarCutter(const std::vector<Vec2>& flat)
+      : flat_(flat), before_(flat.size()), next_(flat.size()), outside_(flat.size(), 0), is_cut_(flat.size(), false) {
+    for (std::size_t i = 0; i < flat.size(); ++i) {
+      next_[i] = (i + 1) % flat.size();
+      before_[next_[i]] = i;
     }
-    into.push_back({corners[ring[(ear + n - 1) % n]], corners[ring[ear]], corners[ring[(ear + 1) % n]]});
-    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(ear));
-    misses = 0;
   }
-  into.push_back({corners[ring[0]], corners[ring[1]], corners[ring[2]]});
-  return true;
-}
+
+  // False, with some of the triangles appended, when no ear is left to cut.
+  bool cut_all(std::span<const std::uint32_t> corners, std::vector<Triangle>& into) {
+    std::size_t left = corners.size();
+    std::size_t misses = 0;
+    for (std::size_t at = 0; left > 3; at = next_[at]) {
+      if (!is_ear(at)) {
+        if (++misses == left) return false;
+        continue;
+      }
+      into.push_back({corners[before_[at]], corners[at], corners[next_[at]]});
+      cut(at);
+      --left;
+      misses = 0;
+    }
+    const auto first = static_cast<std::size_t>(std::find(is_cut_.begin(), is_cut_.end(), false) - is_cut_.begin());
+    into.push_back({corners[first], corners[next_[first]], corners[next_[next_[first]]]});
+    return true;
+  }
+
+  std::size_t work() const { return work_; }
+
+ private:
+  // A corner that turns left with no other corner in or on its triangle.
+  bool is_ear(std::size_t corner) {
+    const Vec2& a = flat_[before_[corner]];
+    const Vec2& b = flat_[corner];
+    const Vec2& c = flat_[next_[corner]];
+    if (!(turn(a, b, c) > 0)) return false;
+    for (std::size_t& other = outside_[corner]; other < flat_.size(); ++other) {
+      if (is_cut_[other]) continue;
+      ++work_;
+      const Vec2& p = flat_[other];
+      if (p == a || p == b || p == c) continue;
+      if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
+    }
+    return true;
+  }
+
+  void cut(std::size_t corner) {
+    is_cut_[corner] = true;
+    next_[before_[corner]] = next_[corner];
+    before_[next_[corner]] = before_[corner];
+    outside_[before_[corner]] = outside_[next_[corner]] = 0;
+  }
+
+  const std::vector<Vec2>& flat_;
+  std::vector<std::size_t> before_, next_;  // in the ring of those that are left
+  std::vector<std::size_t> outside_;        // of each corner: the others below this number are not in its triangle, or cut
+  std::vector<bool> is_cut_;
+  std::size_t work_ = 0;
+};
 
 }  // namespace
 
-bool triangulate_polygon(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, std::vector<Triangle>& into) {
+bool triangulate_polygon(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, std::vector<Triangle>& into,
+                         std::size_t* work) {
   if (corners.size() == 3) return add_fan(corners, into);
   const std::vector<Vec2> flat = flatten(corners, vertices, area_normal(corners, vertices));
   if (is_convex(flat)) return add_fan(corners, into);
   if (corners.size() > kMaxPolygonCorners) return false;
   const std::size_t before = into.size();
-  if (cut_ears(corners, flat, into)) return true;
+  EarCutter cutter(flat);
+  const bool is_covered = cutter.cut_all(corners, into);
+  if (work != nullptr) *work += cutter.work();
+  if (is_covered) return true;
   into.resize(before);
   return add_fan(corners, into);
 }

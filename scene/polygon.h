@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,13 +9,14 @@
 
 namespace hapton {
 
-// Largest number of corners of a polygon that is not convex: ear clipping takes at least quadratic time.
+// Largest number of corners of a polygon that is not convex: ear clipping takes quadratic time.
 constexpr std::size_t kMaxPolygonCorners = 1024;
 
 // Appends corners.size() - 2 triangles that cover the polygon with its own winding: a fan if it is convex, otherwise by ear
 // clipping. A polygon that crosses itself or has no area gives a fan with as many triangles.
-// False, and nothing appended, if it has too many corners. Pre: corners.size() >= 3, every corner < vertices.size().
-// RT: set-up only.
-bool triangulate_polygon(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, std::vector<Triangle>& into);
+// False, and nothing appended, if it has too many corners. work: if there is one, is raised by the tests of a corner against a triangle, at
+// most four times the square of the corners. Pre: corners.size() >= 3, every corner < vertices.size(). RT: set-up only.
+bool triangulate_polygon(std::span<const std::uint32_t> corners, std::span<const Vec3> vertices, std::vector<Triangle>& into,
+                         std::size_t* work = nullptr);
 
 }  // namespace hapton

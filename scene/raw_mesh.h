@@ -54,11 +54,13 @@ struct RawMesh {
   void complete_appearance();
 };
 
-// One strict reader a format; bytes is the whole file. Errors say where in the file, not which file. RT: set-up only.
-Result<RawMesh> read_obj(std::string_view bytes, AppearanceReading appearance = AppearanceReading::off);
+// One strict reader a format; bytes is the whole file. max_triangles: with more the file is rejected, before memory is taken for them: a
+// triangle of a polygon takes many times the bytes of its corner. Errors say where in the file, not which file. RT: set-up only.
+Result<RawMesh> read_obj(std::string_view bytes, AppearanceReading appearance = AppearanceReading::off,
+                         std::size_t max_triangles = kMaxMeshTriangles);
 Result<RawMesh> read_stl(std::string_view bytes);
 Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder = {},
-                         AppearanceReading appearance = AppearanceReading::off);
+                         AppearanceReading appearance = AppearanceReading::off, std::size_t max_triangles = kMaxMeshTriangles);
 // folder: where buffers with relative addresses are. max_triangles: of all instances together; with more the file is rejected.
 Result<RawMesh> read_gltf(std::string_view bytes, const std::filesystem::path& folder, std::size_t max_triangles = kMaxMeshTriangles,
                           AppearanceReading appearance = AppearanceReading::off);

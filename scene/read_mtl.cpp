@@ -158,7 +158,7 @@ void read_mtl(std::string_view bytes, const std::filesystem::path& folder, RawMe
   bool has_d = false;
   std::size_t bump_maps = 0;
   std::set<const VisualMaterial*> emitting;
-  for (TextCursor cursor(bytes); !cursor.at_end(); cursor.next_line()) {
+  for (TextCursor cursor(without_byte_order_mark(bytes)); !cursor.at_end(); cursor.next_line()) {
     const std::string_view keyword = cursor.word_in_line();
     if (keyword == "newmtl") {
       const std::string name(cursor.rest_of_line());

@@ -22,16 +22,13 @@ bool is_decoration(std::string_view keyword) {
   return false;
 }
 
-// Some Windows programs write one before UTF-8.
-std::string_view without_byte_order_mark(std::string_view text) {
-  constexpr std::string_view kMark = "\xEF\xBB\xBF";
-  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
-}
-
 class ObjReader {
  public:
-  ObjReader(std::string_view text, AppearanceReading appearance)
-      : text_(without_byte_order_mark(text)), cursor_(text_), wants_appearance_(appearance != AppearanceReading::off) {
+  ObjReader(std::string_view text, AppearanceReading appearance, std::size_t max_triangles)
+      : text_(without_byte_order_mark(text)),
+        cursor_(text_),
+        wants_appearance_(appearance != AppearanceReading::off),
+        max_triangles_(max_triangles) {
     raw_.format = "OBJ";
   }
 
@@ -186,6 +183,9 @@ class ObjReader {
       if (has_appearance) corner_appearances_.push_back(appearance_of(word, corners_.back()));
     }
     if (corners_.size() < 3) return at_line("a face has {} corners where at least 3 belong: export the file again", corners_.size());
+    if (corners_.size() - 2 > max_triangles_ - raw_.mesh.triangles.size()) {
+      return at_line("there are more than {} triangles: simplify the mesh", max_triangles_);
+    }
     for (const std::uint32_t corner : corners_) is_in_face_[corner] = true;
     const PolygonAppearance appearance = {material_, !colours_.empty(), corner_appearances_};
     if (!raw_.add_polygon(corners_, corner_normals_, has_appearance ? &appearance : nullptr)) {
@@ -209,6 +209,7 @@ class ObjReader {
   std::string_view text_;
   TextCursor cursor_;
   bool wants_appearance_;
+  std::size_t max_triangles_;
   RawMesh raw_;
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;
@@ -227,6 +228,8 @@ class ObjReader {
 
 }  // namespace
 
-Result<RawMesh> read_obj(std::string_view bytes, AppearanceReading appearance) { return ObjReader(bytes, appearance).read(); }
+Result<RawMesh> read_obj(std::string_view bytes, AppearanceReading appearance, std::size_t max_triangles) {
+  return ObjReader(bytes, appearance, max_triangles).read();
+}
 
 }  // namespace hapton

@@ -30,6 +30,11 @@ class AsciiValues {
   }
   std::string place() const { return fmt::format("line {}", cursor_.line()); }
   std::size_t bytes_left() const { return cursor_.bytes_left(); }
+  // From the next word on. Nothing can be read after this.
+  std::size_t end() {
+    const std::size_t word = cursor_.word().size();
+    return word == 0 ? 0 : word + cursor_.bytes_left();
+  }
   static std::size_t least_bytes(PlyType /*type*/) { return 1; }
 
  private:
@@ -58,6 +63,7 @@ class BinaryValues {
   }
   std::string place() const { return fmt::format("byte {}", offset_); }
   std::size_t bytes_left() const { return left_; }
+  std::size_t end() const { return left_; }
   static std::size_t least_bytes(PlyType type) { return size_of(type); }
 
  private:
@@ -101,8 +107,12 @@ static_assert(std::endian::native == std::endian::little, "the byte swap assumes
 template <class Values>
 class BodyReader {
  public:
-  BodyReader(const PlyHeader& header, Values values, RawMesh& raw, AppearanceReading appearance)
-      : header_(header), values_(std::move(values)), raw_(raw), wants_appearance_(appearance != AppearanceReading::off) {}
+  BodyReader(const PlyHeader& header, Values values, RawMesh& raw, AppearanceReading appearance, std::size_t max_triangles)
+      : header_(header),
+        values_(std::move(values)),
+        raw_(raw),
+        max_triangles_(max_triangles),
+        wants_appearance_(appearance != AppearanceReading::off) {}
 
   std::optional<Error> read() {
     for (const PlyElement& element : header_.elements) {
@@ -114,7 +124,8 @@ class BodyReader {
     return std::nullopt;
   }
 
-  std::size_t bytes_left() const { return values_.bytes_left(); }
+  // Bytes behind the last element. Call once, at the end.
+  std::size_t end() { return values_.end(); }
   // The vertices or the faces have places in textures.
   bool has_texcoords() const { return has_texcoords_ || has_face_texcoords_; }
 
@@ -321,6 +332,9 @@ class BodyReader {
   }
 
   std::optional<Error> add_face(std::size_t face) {
+    if (corners_.size() - 2 > max_triangles_ - raw_.mesh.triangles.size()) {
+      return at_place(fmt::format("there are more than {} triangles: simplify the mesh", max_triangles_));
+    }
     corner_normals_.clear();
     for (std::size_t k = 0; k < corners_.size() && has_normals_; ++k) corner_normals_.push_back(normals_[corners_[k]]);
     const bool has_appearance = !vertex_appearances_.empty() || has_face_colours_ || has_face_texcoords_;
@@ -381,6 +395,7 @@ class BodyReader {
   const PlyHeader& header_;
   Values values_;
   RawMesh& raw_;
+  std::size_t max_triangles_;
   std::vector<std::uint32_t> corners_;
   std::vector<Eigen::Vector3f> normals_;  // of the vertices; empty: the file has none
   std::vector<Eigen::Vector3f> corner_normals_;
@@ -429,19 +444,20 @@ void blend_by_alpha(RawMesh& raw) {
 
 template <class Values>
 Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::string format, const std::filesystem::path& folder,
-                          AppearanceReading appearance) {
+                          AppearanceReading appearance, std::size_t max_triangles) {
   RawMesh raw;
   raw.format = std::move(format);
   raw.begin_part("");
   for (std::size_t t = 0; t < header.textures.size() && appearance != AppearanceReading::off; ++t) {
     raw.appearance.materials.push_back({.name = "", .colour = {}, .image = add_image_file(folder / header.textures[t], raw)});
   }
-  BodyReader<Values> reader(header, Values(body, header), raw, appearance);
+  BodyReader<Values> reader(header, Values(body, header), raw, appearance, max_triangles);
   if (auto error = reader.read()) return tl::unexpected(std::move(*error));
-  if (header.encoding == PlyEncoding::ascii) {
-    if (!body.ends_with('\n')) raw.notes.push_back("the last line has no line end: the file may have been cut short");
-  } else if (reader.bytes_left() > 0) {
-    raw.notes.push_back(fmt::format("{} bytes after the last element were skipped", reader.bytes_left()));
+  if (header.encoding == PlyEncoding::ascii && !body.ends_with('\n')) {
+    raw.notes.push_back("the last line has no line end: the file may have been cut short");
+  }
+  if (const std::size_t rest = reader.end(); rest > 0) {
+    raw.notes.push_back(fmt::format("{} bytes after the last element were skipped", rest));
   }
   if (!raw.appearance.materials.empty() && !reader.has_texcoords()) {
     raw.notes.push_back("its texture is not drawn: neither its vertices nor its faces have places in it");
@@ -453,12 +469,14 @@ Result<RawMesh> read_body(const PlyHeader& header, std::string_view body, std::s
 
 }  // namespace
 
-Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder, AppearanceReading appearance) {
+Result<RawMesh> read_ply(std::string_view bytes, const std::filesystem::path& folder, AppearanceReading appearance,
+                         std::size_t max_triangles) {
+  bytes = without_byte_order_mark(bytes);
   const Result<PlyHeader> header = read_ply_header(bytes);
   if (!header) return tl::unexpected(header.error());
   const std::string_view body = bytes.substr(header->body_offset);
-  if (header->encoding == PlyEncoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, appearance);
-  return read_body<BinaryValues>(*header, body, "binary PLY", folder, appearance);
+  if (header->encoding == PlyEncoding::ascii) return read_body<AsciiValues>(*header, body, "ASCII PLY", folder, appearance, max_triangles);
+  return read_body<BinaryValues>(*header, body, "binary PLY", folder, appearance, max_triangles);
 }
 
 }  // namespace hapton

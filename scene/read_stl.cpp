@@ -32,7 +32,7 @@ bool is(std::string_view word, std::string_view keyword) {
 // Many binary files begin with "solid" too, so the size decides first; text has no zero bytes.
 bool looks_binary(std::string_view bytes) {
   if (bytes.size() >= kHeaderBytes && bytes.size() == kHeaderBytes + kTriangleBytes * std::size_t{triangle_count(bytes)}) return true;
-  return !is(TextCursor(bytes).word(), "solid") || bytes.find('\0') != std::string_view::npos;
+  return !is(TextCursor(without_byte_order_mark(bytes)).word(), "solid") || bytes.find('\0') != std::string_view::npos;
 }
 
 Result<RawMesh> read_binary(std::string_view bytes) {
@@ -142,6 +142,8 @@ class AsciiStlReader {
 
 }  // namespace
 
-Result<RawMesh> read_stl(std::string_view bytes) { return looks_binary(bytes) ? read_binary(bytes) : AsciiStlReader(bytes).read(); }
+Result<RawMesh> read_stl(std::string_view bytes) {
+  return looks_binary(bytes) ? read_binary(bytes) : AsciiStlReader(without_byte_order_mark(bytes)).read();
+}
 
 }  // namespace hapton

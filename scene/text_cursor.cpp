@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <clocale>
 #include <cstdlib>
 #include <cstring>
 #include <string>
@@ -33,6 +34,12 @@ bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' |
 std::string_view without_plus(std::string_view word) {
   const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-' && word[1] != '+';
   return plus ? word.substr(1) : word;
+}
+
+// A number that no double can hold: strtod says on which side it is, in the locale of the file, not in that of the program.
+double too_small_or_too_large(std::string_view word) {
+  static locale_t const kPlain = newlocale(LC_ALL_MASK, "C", nullptr);
+  return strtod_l(std::string(word).c_str(), nullptr, kPlain);
 }
 
 }  // namespace
@@ -91,7 +98,7 @@ bool parse_number(std::string_view word, double& value) {
   word = without_plus(word);
   const auto [after, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (after != word.data() + word.size() || word.empty()) return false;
-  if (error == std::errc::result_out_of_range) value = std::strtod(std::string(word).c_str(), nullptr);
+  if (error == std::errc::result_out_of_range) value = too_small_or_too_large(word);
   return error == std::errc() || error == std::errc::result_out_of_range;
 }
 
@@ -99,6 +106,11 @@ bool parse_integer(std::string_view word, std::int64_t& value) {
   word = without_plus(word);
   const auto [after, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   return error == std::errc() && after == word.data() + word.size();
+}
+
+std::string_view without_byte_order_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xEF\xBB\xBF";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
 }
 
 std::string printable(std::string_view word) {

@@ -33,9 +33,13 @@ class TextCursor {
   std::size_t line_;
 };
 
-// The whole word as a number. False if it is not a number; values too small for a double become zero, too large ones infinite.
+// The whole word as a number, with a point whatever the locale. False if it is not a number; values too small for a double become zero, too
+// large ones infinite.
 bool parse_number(std::string_view word, double& value);
 bool parse_integer(std::string_view word, std::int64_t& value);
+
+// The text without the byte order mark that some Windows programs write before UTF-8.
+std::string_view without_byte_order_mark(std::string_view text);
 
 constexpr std::size_t kLongestShownName = 200;
 

@@ -164,17 +164,26 @@ Accessor unfolded_accessor(const Document& document, const Json& json, const std
   return result;
 }
 
+// The unique id of an attribute in the compressed data.
+Result<std::uint32_t> draco_id_of(const Json& draco, const char* attribute, const std::string& where) {
+  const std::string name = fmt::format("{}.attributes.{}", where, attribute);
+  const auto id = count_of(member(member(draco, "attributes"), attribute), name);
+  if (!id) return tl::unexpected(id.error());
+  if (*id > std::numeric_limits<std::uint32_t>::max()) return fail("{} is {}, beyond 32 bits: {}", name, *id, kExportAgain);
+  return static_cast<std::uint32_t>(*id);
+}
+
 // What an exporter put into integers it means as a fraction of their range, when it says so [3.6.2.2]. Draco keeps the integers.
 Result<std::optional<Primitive>> read_draco(const Document& document, const Json& json, const Json& draco, const std::string& where,
                                             std::size_t max_triangles) {
   const std::string name = where + ".extensions.KHR_draco_mesh_compression";
   const auto view = document.buffers.view(member(draco, "bufferView"), name + ".bufferView");
   if (!view) return tl::unexpected(view.error());
-  const auto position = count_of(member(member(draco, "attributes"), "POSITION"), name + ".attributes.POSITION");
+  const auto position = draco_id_of(draco, "POSITION", name);
   if (!position) return tl::unexpected(position.error());
-  DracoRequest request{.position = static_cast<std::uint32_t>(*position), .normal = {}, .max_triangles = max_triangles};
-  const auto normal = count_of(member(member(draco, "attributes"), "NORMAL"), name + ".attributes.NORMAL");
-  if (normal) request.normal = static_cast<std::uint32_t>(*normal);
+  DracoRequest request{.position = *position, .normal = {}, .max_triangles = max_triangles};
+  const auto normal = draco_id_of(draco, "NORMAL", name);
+  if (normal) request.normal = *normal;
   const std::vector<std::string> names = unfoldable_attributes(draco);
   for (const std::string& each : names) request.others.push_back(member(member(draco, "attributes"), each.c_str()).get<std::uint32_t>());
   const Result<DracoMesh> mesh = decode_draco(view->bytes, request, name);

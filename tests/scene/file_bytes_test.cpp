@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <fstream>
+#include <string>
+#include <thread>
+
 #include "tests/support/open_files.h"
 #include "tests/support/scratch_folder.h"
 
@@ -30,6 +35,27 @@ TEST(FileBytes, RejectsWithTheReason) {
   EXPECT_THAT(read_file_bytes("/dev/zero", 4).error().what, HasSubstr("not a regular file"));
   std::filesystem::create_symlink("loop", folder.path() / "loop");
   EXPECT_THAT(read_file_bytes(folder.path() / "loop", 4).error().what, HasSubstr("cannot open"));
+}
+
+// Half of a mesh may be a valid one.
+TEST(FileBytes, RejectsAFileThatIsStillBeingWritten) {
+  constexpr int kMostReads = 2000;  // of a few ms each, in which the other thread writes something if it runs at all
+  const ScratchFolder folder;
+  const auto path = folder.write("a", std::string(std::size_t{1} << 22, 'x'));
+  std::atomic<bool> has_ended = false;
+  std::thread writer([&] {
+    std::ofstream file(path, std::ios::binary | std::ios::app);
+    while (!has_ended) file.put('x').flush();
+  });
+  std::string why;
+  for (int i = 0; i < kMostReads && why.empty(); ++i) {
+    const auto read = read_file_bytes(path, std::size_t{1} << 30);
+    if (!read) why = read.error().what;
+  }
+  has_ended = true;
+  writer.join();
+  EXPECT_THAT(why, HasSubstr("got longer while it was read: try again"));
+  EXPECT_TRUE(read_file_bytes(path, std::size_t{1} << 30));
 }
 
 TEST(FileBytes, IsClosedAgain) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -85,6 +86,100 @@ TEST(Polygon, CoversRandomStars) {
     double area = 0;
     for (int i = 0; i < n; ++i) area += 0.5 * star[i].cross(star[(i + 1) % n]).z();
     expect_covered(star, Vec3(0, 0, area));
+  }
+}
+
+// Ears in the same order, but each corner is tested against all that are left, again each time. Pre: in z = 0, counter-clockwise. Empty:
+// no ear is left to cut.
+std::vector<Triangle> cut_plainly(const std::vector<Vec3>& vertices) {
+  const auto turn = [&](std::uint32_t i, std::uint32_t j, std::uint32_t k) {
+    const Vec3 &a = vertices[i], &b = vertices[j], &c = vertices[k];
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+  };
+  std::vector<std::uint32_t> ring = corners_of(vertices);
+  std::vector<Triangle> triangles;
+  std::size_t at = 0;
+  for (std::size_t misses = 0; ring.size() > 3;) {
+    const std::size_t n = ring.size();
+    at %= n;
+    const Triangle ear = {ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]};
+    const auto is_in_it = [&](std::uint32_t p) {
+      for (const std::uint32_t own : ear) {
+        if (vertices[p] == vertices[own]) return false;
+      }
+      return turn(ear[0], ear[1], p) >= 0 && turn(ear[1], ear[2], p) >= 0 && turn(ear[2], ear[0], p) >= 0;
+    };
+    if (!(turn(ear[0], ear[1], ear[2]) > 0) || std::any_of(ring.begin(), ring.end(), is_in_it)) {
+      if (++misses == n) return {};
+      ++at;
+      continue;
+    }
+    triangles.push_back(ear);
+    ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(at));
+    misses = 0;
+  }
+  triangles.push_back({ring[0], ring[1], ring[2]});
+  return triangles;
+}
+
+// Two arms, one inside the other, from the outer end of one to that of the other.
+std::vector<Vec3> spiral(int corners, double turns) {
+  std::vector<Vec3> vertices;
+  const int half = corners / 2;
+  for (int i = 0; i < corners; ++i) {
+    const int along = i < half ? i : corners - 1 - i;
+    const double angle = 2 * std::numbers::pi * turns * along / half;
+    const double radius = angle + (i < half ? 3.0 : 1.5);
+    vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  return vertices;
+}
+
+TEST(Polygon, CutsTheEarsThatItsTwinCuts) {
+  const unsigned seed = 11;
+  RecordProperty("seed", static_cast<int>(seed));
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  int cut = 0;
+  for (int round = 0; round < 300; ++round) {
+    const int n = 5 + static_cast<int>(random() % 120);
+    std::vector<Vec3> polygon = spiral(n, 0.05 * (round % 60));
+    if (round % 3 > 0) polygon.resize(static_cast<std::size_t>(n));
+    for (int i = 0; i < n && round % 3 > 0; ++i) {
+      // Stars, and lines to and fro that cross themselves, on a grid so that some of their corners coincide.
+      const double angle = 2 * std::numbers::pi * i / n;
+      polygon[static_cast<std::size_t>(i)] = round % 3 == 1 ? Vec3((0.6 + 0.4 * unit(random)) * Vec3(std::cos(angle), std::sin(angle), 0))
+                                                            : Vec3(std::round(8 * unit(random)), std::round(8 * unit(random)), 0);
+    }
+    double area = 0;
+    for (int i = 0; i < n; ++i) area += polygon[static_cast<std::size_t>(i)].cross(polygon[static_cast<std::size_t>((i + 1) % n)]).z();
+    if (area < 0) std::reverse(polygon.begin(), polygon.end());
+    const std::vector<Triangle> expected = cut_plainly(polygon);
+    if (area == 0 || expected.empty()) continue;  // a fan
+    ++cut;
+    std::vector<Triangle> triangles;
+    ASSERT_TRUE(triangulate_polygon(corners_of(polygon), polygon, triangles));
+    // A convex one is a fan.
+    if (triangles[0] == Triangle{0, 1, 2} &&
+        triangles.back() == Triangle{0, static_cast<std::uint32_t>(n - 2), static_cast<std::uint32_t>(n - 1)})
+      continue;
+    EXPECT_EQ(triangles, expected) << round;
+  }
+  EXPECT_GT(cut, 150);
+}
+
+TEST(Polygon, TakesQuadraticTimeAtWorst) {
+  for (const double turns : {1.0, 20.0, 128.0}) {
+    for (const int first : {0, 1, 256, 512}) {
+      std::vector<Vec3> polygon = spiral(static_cast<int>(kMaxPolygonCorners), turns);
+      std::rotate(polygon.begin(), polygon.begin() + first, polygon.end());
+      std::vector<Triangle> triangles;
+      std::size_t work = 0;
+      ASSERT_TRUE(triangulate_polygon(corners_of(polygon), polygon, triangles, &work));
+      EXPECT_EQ(triangles.size(), kMaxPolygonCorners - 2);
+      EXPECT_GT(work, kMaxPolygonCorners);
+      EXPECT_LE(work, 4 * kMaxPolygonCorners * kMaxPolygonCorners);
+    }
   }
 }
 

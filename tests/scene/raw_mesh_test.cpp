@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "scene/read_mtl.h"
 #include "tests/scene/sample_files.h"
 
 namespace hapton {
@@ -78,6 +79,16 @@ TEST(ReadObj, TakesAByteOrderMark) {
   EXPECT_TRUE(raw->notes.empty());
 }
 
+// A polygon of n corners has n - 2 triangles, each of them many times as large as a corner in the file.
+TEST(ReadObj, TakesNoMoreTrianglesThanItMay) {
+  const std::string faces = "f 1 2 3\nf 1 2 3 1 2 3\n";
+  EXPECT_THAT(read_obj(kThree + faces, AppearanceReading::off, 5)->mesh.triangles, SizeIs(5));
+  EXPECT_THAT(error_of(read_obj(kThree + faces, AppearanceReading::off, 4)),
+              AllOf(HasSubstr("line 5"), HasSubstr("more than 4 triangles")));
+  EXPECT_THAT(error_of(read_obj(kThree + faces, AppearanceReading::off, 0)),
+              AllOf(HasSubstr("line 4"), HasSubstr("more than 0 triangles")));
+}
+
 TEST(ReadObj, NamesTheLineOfAFault) {
   EXPECT_THAT(error_of(read_obj(kThree + "f 1 2 9\n")), AllOf(HasSubstr("line 4"), HasSubstr("9 is out of range")));
   EXPECT_THAT(error_of(read_obj(kThree + "f 0 1 2\n")), HasSubstr("0 is out of range"));
@@ -97,6 +108,14 @@ TEST(ReadObj, NotesWhatItSkips) {
   const auto raw = read_obj("nonsense here\n" + kThree + "curv 1 2\nf 1 2 3");
   ASSERT_TRUE(raw) << raw.error().what;
   EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("line 1"), HasSubstr("'nonsense'")), HasSubstr("2 lines"), HasSubstr("cut short")));
+}
+
+TEST(ReadMtl, TakesAByteOrderMark) {
+  auto raw = read_obj(kThree + "usemtl red\nf 1 2 3\n", AppearanceReading::on);
+  ASSERT_TRUE(raw) << raw.error().what;
+  read_mtl("\xEF\xBB\xBFnewmtl red\nKd 1 0 0\n", ".", *raw);
+  ASSERT_THAT(raw->appearance.materials, SizeIs(1));
+  EXPECT_EQ(raw->appearance.materials[0].colour, Eigen::Vector3f(1, 0, 0));
 }
 
 TEST(ReadStl, TakesSeveralSolidsInEitherCase) {
@@ -122,6 +141,13 @@ TEST(ReadStl, NamesThePositionOfAFault) {
   EXPECT_THAT(error_of(read_stl("neither text nor triangles")), HasSubstr("fewer than"));
 }
 
+TEST(ReadStl, TakesAByteOrderMark) {
+  const auto raw = read_stl("\xEF\xBB\xBF" + sample::ascii_stl(sample::tetrahedron()));
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_EQ(raw->format, "ASCII STL");
+  EXPECT_THAT(raw->mesh.triangles, SizeIs(4));
+}
+
 TEST(ReadStl, NotesBytesTooMany) {
   const auto raw = read_stl(sample::binary_stl(sample::tetrahedron()) + "more");
   ASSERT_TRUE(raw) << raw.error().what;
@@ -139,6 +165,31 @@ TEST(ReadPly, SkipsEverythingButGeometry) {
   ASSERT_THAT(raw->mesh.vertices, SizeIs(4));
   EXPECT_EQ(raw->mesh.vertices[2], Vec3(1, 1, 7));
   EXPECT_THAT(raw->mesh.triangles, SizeIs(2));
+}
+
+TEST(ReadPly, TakesAByteOrderMark) {
+  const auto raw = read_ply("\xEF\xBB\xBF" + sample::ascii_ply(sample::tetrahedron()));
+  ASSERT_TRUE(raw) << raw.error().what;
+  EXPECT_THAT(raw->mesh.triangles, SizeIs(4));
+}
+
+TEST(ReadPly, TakesNoMoreTrianglesThanItMay) {
+  const std::string text = sample::ascii_ply(sample::tetrahedron());
+  EXPECT_TRUE(read_ply(text, {}, AppearanceReading::off, 4));
+  EXPECT_THAT(error_of(read_ply(text, {}, AppearanceReading::off, 3)), AllOf(HasSubstr("line 18"), HasSubstr("more than 3 triangles")));
+}
+
+// As of a header that somebody edited: half of the faces would be missing without a word.
+TEST(ReadPly, NotesWhatFollowsTheLastElement) {
+  for (std::string ply : {sample::ascii_ply(sample::tetrahedron()), sample::binary_ply(sample::tetrahedron())}) {
+    EXPECT_TRUE(read_ply(ply + (ply.ends_with('\n') ? " \r\n\n" : ""))->notes.empty());
+    ply.replace(ply.find("face 4"), 6, "face 2");
+    const auto raw = read_ply(ply);
+    ASSERT_TRUE(raw) << raw.error().what;
+    EXPECT_THAT(raw->mesh.triangles, SizeIs(2));
+    EXPECT_THAT(raw->notes,
+                ElementsAre(AllOf(HasSubstr(ply.ends_with('\n') ? "16 bytes" : "26 bytes"), HasSubstr("after the last element"))));
+  }
 }
 
 TEST(ReadPly, NamesThePositionOfAFault) {

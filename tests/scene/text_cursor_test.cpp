@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <clocale>
 #include <cmath>
+#include <string>
 
 namespace hapton {
 namespace {
@@ -45,6 +47,29 @@ TEST(ParseNumber, TakesWholeWordsOnly) {
   EXPECT_TRUE(parse_number("nan", value));
   EXPECT_TRUE(std::isnan(value));
   for (const char* word : {"", "+", "-", "+-1", "1,5", "1.5x", "0x10", "e5"}) EXPECT_FALSE(parse_number(word, value)) << word;
+}
+
+// A program that embeds the library may have set any locale.
+TEST(ParseNumber, HasAPointInEveryLocale) {
+  const std::string before = std::setlocale(LC_NUMERIC, nullptr);
+  const char* set = nullptr;
+  for (const char* name : {"de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "fr_FR", "es_ES.UTF-8", "it_IT.UTF-8"}) {
+    if (set == nullptr) set = std::setlocale(LC_NUMERIC, name);
+  }
+  if (set == nullptr) GTEST_SKIP() << "no locale with a decimal comma is installed";
+  for (const auto& [word, expected] : {std::pair("1.5", 1.5), {"1.5e-400", 0.0}, {"1.5e400", HUGE_VAL}, {"-1.5e400", -HUGE_VAL}}) {
+    double value = 7.0;
+    EXPECT_TRUE(parse_number(word, value)) << word;
+    EXPECT_EQ(value, expected) << word;
+  }
+  std::setlocale(LC_NUMERIC, before.c_str());
+}
+
+TEST(WithoutByteOrderMark, TakesOneAway) {
+  EXPECT_EQ(without_byte_order_mark("\xEF\xBB\xBFv 1"), "v 1");
+  EXPECT_EQ(without_byte_order_mark("\xEF\xBB"), "\xEF\xBB");
+  EXPECT_EQ(without_byte_order_mark("v 1"), "v 1");
+  EXPECT_EQ(without_byte_order_mark(""), "");
 }
 
 TEST(ParseInteger, TakesWholeWordsOnly) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstring>
 #include <random>
 
 #include "core/geometry/mesh_measures.h"
@@ -141,6 +142,20 @@ TEST(Draco, SaysWhatIsWrong) {
   EXPECT_THAT(error_of("nonsense that is long enough to be a header"), HasSubstr("holds no Draco data"));
   EXPECT_THAT(error_of(packed.substr(0, packed.size() / 2)), HasSubstr("broken"));
   EXPECT_THAT(error_of(packed, 7), HasSubstr("no positions of id 7"));
+}
+
+// Cut to 32 bits, 2^32 would be the id of the positions.
+TEST(Draco, AnIdBeyond32BitsIsNoOther) {
+  const TriangleMesh mesh = make_icosphere(1.0, 1);
+  const std::string bytes = sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker));
+  std::uint32_t json_bytes = 0;
+  std::memcpy(&json_bytes, bytes.data() + 12, sizeof json_bytes);
+  std::string json = bytes.substr(20, json_bytes);
+  const std::string id = R"("POSITION":0)";
+  json.replace(json.rfind(id), id.size(), R"("POSITION":4294967296)");
+  const auto raw = read_glb(sample::glb(json, bytes.substr(20 + json_bytes + 8)), ".");
+  ASSERT_FALSE(raw);
+  EXPECT_THAT(raw.error().what, HasSubstr("attributes.POSITION is 4294967296, beyond 32 bits"));
 }
 
 // Bytes changed at random: never a crash, a hang or an unsound mesh.
