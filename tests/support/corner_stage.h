@@ -60,7 +60,7 @@ struct CornerStage {
     bool is_added = false;
     near->visit_near(centre, centre, 1.5 * kClearance.offset, [&](int slot) {
       const OffsetContact contact = OffsetContact::nearest(near->triangle(slot), near->shape(slot), centre);
-      const bool is_it = contact.part == OffsetContact::Part::face && contact.normal.dot(normal) > 0.9;
+      const bool is_it = contact.part == Feature::face && contact.normal.dot(normal) > 0.9;
       if (is_it && !is_added) contacts.add(contact);
       is_added = is_added || is_it;
     });

@@ -93,11 +93,11 @@ void CentrePath::project_onto_guides(Vec3& p) const noexcept {
 
 double CentrePath::Guide::distance_to(const Vec3& p, Vec3& normal) const noexcept {
   Vec3 off = p - origin;
-  if (kind == Kind::plane) {
+  if (part == Feature::face) {
     normal = direction;
     return direction.dot(off);
   }
-  if (kind == Kind::line) off -= direction.dot(off) * direction;
+  if (part == Feature::edge) off -= direction.dot(off) * direction;
   const double distance = off.norm();
   normal = distance > 0.0 ? Vec3(off / distance) : Vec3::Zero();
   return distance;
@@ -338,11 +338,11 @@ double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Lev
   for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
     const Guide& guide = guides_[i];
     double time = 0.0;
-    if (guide.kind == Guide::Kind::plane) {
+    if (guide.part == Feature::face) {
       time = time_above(at.distance - level.distance, here.approach, (at.normal - guide.direction).norm() * bend_);
-    } else if (guide.kind == Guide::Kind::line && at.feature != Feature::face) {
+    } else if (guide.part == Feature::edge && at.feature != Feature::face) {
       time = time_beside_line(guide, triangle, level, here);
-    } else if (guide.kind == Guide::Kind::point && at.feature == Feature::vertex) {
+    } else if (guide.part == Feature::vertex && at.feature == Feature::vertex) {
       const int k = nearest_corner(triangle, at.nearest);
       time = std::min(time_at_corner(triangle, k, here), time_beside(guide, here.point - triangle.corner(k), 0.0, level, here));
     }

@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 #include "core/collision/swept_sphere.h"
 #include "core/geometry/contact_triangle.h"
@@ -15,10 +14,9 @@ namespace hapton {
 // Frame and units: the caller's. RT: yes.
 class CentrePath {
  public:
-  // The surface at the distance `offset` from a plane through `origin`, a line or a point: a plane, a cylinder or a sphere.
+  // The surface at the distance `offset` from the plane, line or point that carries a part of a triangle: a plane, a cylinder or a sphere.
   struct Guide {
-    enum class Kind : std::uint8_t { plane, line, point };
-    Kind kind = Kind::plane;
+    Feature part = Feature::face;
     Vec3 origin = Vec3::Zero();
     Vec3 direction = Vec3::Zero();  // unit; of the plane: its normal, towards the centre
     double offset = 0.0;

@@ -22,8 +22,8 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
   Vec3 right = Vec3::Zero();
   for (const OffsetContact& contact : contacts) {
     Mat3 across = Mat3::Identity();
-    if (contact.part == OffsetContact::Part::face) across = contact.normal * contact.normal.transpose();
-    if (contact.part == OffsetContact::Part::edge) across -= contact.axis() * contact.axis().transpose();
+    if (contact.part == Feature::face) across = contact.normal * contact.normal.transpose();
+    if (contact.part == Feature::edge) across -= contact.axis() * contact.axis().transpose();
     sum += across;
     right += across * (contact.origin() - near);
   }
@@ -54,7 +54,7 @@ bool CornerExit::find_apex(Vec3& apex) const noexcept {
   if (any) return true;
   ContactFrame frame;
   if (contacts_.active_count() != 3 || !contacts_.find_frame(centre_, frame)) return false;
-  const auto is_face = [](const OffsetContact& contact) { return contact.part == OffsetContact::Part::face; };
+  const auto is_face = [](const OffsetContact& contact) { return contact.part == Feature::face; };
   if (!std::all_of(contacts_.active().begin(), contacts_.active().end(), is_face)) {
     return find_common_corner(apex) || (find_meeting(contacts_.active(), centre_, 0.5 * kThrough * contacts_.offset(), apex) &&
                                         (apex - centre_).norm() <= kWedge * contacts_.offset());

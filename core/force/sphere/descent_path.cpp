@@ -6,8 +6,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
-
 // Straight above an edge (with an axis) or a vertex (without): the direction, across the normal and the axis, in which a centre leaves.
 // What is left of a hint along these is rounding, and need not be across them: a second projection shows what of it is.
 Vec3 choose_side(const Vec3& normal, const Vec3& axis, const Vec3& hint) {
@@ -37,7 +35,7 @@ bool DescentPath::make(const Vec3& device, const Vec3& hint, bool is_unstable, C
 
 bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
   constexpr double kClose = 0.125;  // offsets: half of how near a centre has to be to its path (SphereFollower::is_near_path)
-  if (contacts_.active_count() != 2 || contacts_[0].part != Part::face || contacts_[1].part != Part::face) return false;
+  if (contacts_.active_count() != 2 || contacts_[0].part != Feature::face || contacts_[1].part != Feature::face) return false;
   // At a larger angle the slop leads less far: slop / sine.
   const double angle = contacts_.clearance().slop / (kClose * contacts_.offset());
   if (1.0 + contacts_[0].normal.dot(contacts_[1].normal) > 0.5 * angle * angle) return false;
@@ -50,7 +48,7 @@ bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
 // Around an edge or a vertex in the steepest direction: along a helix, until it is level with the device along the edge, or closest to it
 // around the edge. The squared distance is the sum of both parts, and neither rises.
 CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, const Vec3& hint) const noexcept {
-  const bool is_edge = contact.part == Part::edge;
+  const bool is_edge = contact.part == Feature::edge;
   const Vec3 normal = contact.proximity(centre_).normal;
   const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
   const Vec3 off = device - contact.origin();

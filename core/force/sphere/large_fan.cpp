@@ -10,12 +10,6 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
-namespace {
-
-using Part = OffsetContact::Part;
-
-}  // namespace
-
 // The corner of a face's triangle in which a fan meets that is convex or hollow as seen by the sphere; -1: the face is in none.
 int LargeFan::fan_corner(const OffsetContact& face) const noexcept {
   const int convex = geometry_.convex_fan_corner(face.triangle, face.back);
@@ -72,7 +66,7 @@ bool LargeFan::touches_one_fan(const SphereOnFan& on) const noexcept {
   };
   const OffsetContact& first = on.contacts[0];
   return std::all_of(on.contacts.all().begin(), on.contacts.all().end(), [&](const OffsetContact& other) {
-    return other.part == Part::face && fan_corner(other) >= 0 && other.back == first.back &&
+    return other.part == Feature::face && fan_corner(other) >= 0 && other.back == first.back &&
            geometry_.mesh_of(other.triangle) == geometry_.mesh_of(first.triangle) && vertex_of(other) == vertex_of(first);
   });
 }
@@ -85,7 +79,7 @@ double LargeFan::share_in_fan_room(const Vec3& c, const Vec3& motion) const noex
 }
 
 LargeFan::Crossing LargeFan::cross(SphereOnFan on, const Vec3& from, const Vec3& to, double& time) noexcept {
-  if (planes_.empty() || on.contacts.is_empty() || on.contacts[0].part != Part::face) return Crossing::none;
+  if (planes_.empty() || on.contacts.is_empty() || on.contacts[0].part != Feature::face) return Crossing::none;
   if (fan_corner(on.contacts[0]) < 0) return Crossing::none;
   const bool is_hollow = is_hollow_fan(on.contacts[0]);
   // Before what has to look at all triangles around: a wall beside the fan is in contact, too.

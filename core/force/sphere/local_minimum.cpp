@@ -10,7 +10,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
 constexpr double kShallow = 0x1p-30;  // height of a barrier that does not hold a minimum: the reference's contact offset
 
 // Which contact of a frame another one replaces, whose normal lies in the span of the frame's: as its multiplier grows, theirs change, and
@@ -48,7 +47,7 @@ double LocalMinimum::find_turn(const Vec3& displacement) const noexcept {
   double most = 0.0;
   for (int i = 0; i < contacts_.active_count(); ++i) {
     if (!contacts_[i].is_curved()) continue;
-    const Vec3 axis = contacts_[i].part == Part::edge ? contacts_[i].axis() : Vec3(Vec3::Zero());
+    const Vec3 axis = contacts_[i].part == Feature::edge ? contacts_[i].axis() : Vec3(Vec3::Zero());
     most = std::max(most, (displacement - axis.dot(displacement) * axis).norm());
   }
   return most / contacts_.offset();
@@ -58,7 +57,7 @@ bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept 
   constexpr double kMinOff = 0x1p-40;  // local units: a device nearer to the edge or vertex has no direction from it
   if (contacts_.active_count() > 1) return contacts_.active_count() == 3 || solve_on_curve(device, c, work);
   const OffsetContact& contact = contacts_[0];
-  if (contact.part == Part::face) {
+  if (contact.part == Feature::face) {
     c = device + (contacts_.offset() - contact.proximity(device).distance) * contact.normal;
     return true;
   }
@@ -113,10 +112,10 @@ Vec3 LocalMinimum::find_rate(const Vec3& c, const Vec3& device, const Vec3& moti
   const OffsetContact& contact = contacts_[0];
   const Vec3& normal = frame.normal[0];
   const Vec3 sideways = motion - normal.dot(motion) * normal;
-  if (contact.part == Part::face) return sideways;
+  if (contact.part == Feature::face) return sideways;
   const double near = contacts_.offset() - normal.dot(c - device);
   const double gain = contacts_.offset() / std::max(near, 0x1p-40);
-  if (contact.part == Part::vertex) return gain * sideways;
+  if (contact.part == Feature::vertex) return gain * sideways;
   const Vec3 axis = contact.axis();
   const double straight = axis.dot(motion);
   return gain * (sideways - straight * axis) + straight * axis;
@@ -134,7 +133,7 @@ bool LocalMinimum::is_on_axis(const Vec3& device) const noexcept {
 
 double LocalMinimum::time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept {
   const OffsetContact& contact = contacts_[0];
-  const Vec3 axis = contact.part == Part::edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3 axis = contact.part == Feature::edge ? contact.axis() : Vec3(Vec3::Zero());
   const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
   const Vec3 off = across(on_path(from, to, time) - contact.origin());
   const Vec3 motion = across(to - from);

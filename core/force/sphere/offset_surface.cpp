@@ -7,7 +7,7 @@ namespace hapton {
 
 OffsetContact OffsetContact::on_face(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& towards) noexcept {
   OffsetContact contact;
-  contact.part = Part::face;
+  contact.part = Feature::face;
   contact.triangle = triangle;
   contact.shape = shape;
   contact.back = shape.normal().dot(towards) < 0.0;
@@ -17,17 +17,17 @@ OffsetContact OffsetContact::on_face(std::uint32_t triangle, const ContactTriang
 
 OffsetContact OffsetContact::on_edge(std::uint32_t triangle, const ContactTriangle& shape, int edge) noexcept {
   OffsetContact contact;
-  contact.part = shape.length(edge) > 0.0 ? Part::edge : Part::vertex;
+  contact.part = shape.length(edge) > 0.0 ? Feature::edge : Feature::vertex;
   contact.triangle = triangle;
   contact.shape = shape;
   contact.index = edge;
-  if (contact.part == Part::edge) contact.along = shape.edge(edge) / shape.length(edge);
+  if (contact.part == Feature::edge) contact.along = shape.edge(edge) / shape.length(edge);
   return contact;
 }
 
 OffsetContact OffsetContact::on_vertex(std::uint32_t triangle, const ContactTriangle& shape, int corner) noexcept {
   OffsetContact contact;
-  contact.part = Part::vertex;
+  contact.part = Feature::vertex;
   contact.triangle = triangle;
   contact.shape = shape;
   contact.index = corner;
@@ -56,9 +56,9 @@ OffsetContact OffsetContact::nearest(std::uint32_t triangle, const ContactTriang
 }
 
 OffsetContact::Proximity OffsetContact::proximity(const Vec3& c) const noexcept {
-  if (part == Part::face) return {normal.dot(c - origin()), normal};
+  if (part == Feature::face) return {normal.dot(c - origin()), normal};
   Vec3 off = c - origin();
-  if (part == Part::edge) {
+  if (part == Feature::edge) {
     const Vec3& unit = axis();
     off -= unit.dot(off) * unit;
     off -= unit.dot(off) * unit;  // removes the rounding of the first
@@ -69,24 +69,21 @@ OffsetContact::Proximity OffsetContact::proximity(const Vec3& c) const noexcept 
 
 double OffsetContact::curvature(const Vec3& tangent, double offset) const noexcept {
   if (!is_curved()) return 0.0;
-  if (part == Part::vertex) return 1.0 / offset;
+  if (part == Feature::vertex) return 1.0 / offset;
   const double straight = axis().dot(tangent);
   return std::max(0.0, 1.0 - straight * straight) / offset;
 }
 
 CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
-  using Kind = CentrePath::Guide::Kind;
-  if (part == Part::vertex) return {Kind::point, origin(), Vec3::Zero(), offset};
-  if (part == Part::edge) return {Kind::line, origin(), axis(), offset};
-  return {Kind::plane, origin(), normal, offset};
+  return {part, origin(), part == Feature::face ? normal : axis(), offset};
 }
 
 bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
   const auto has = [&](const Vec3& p) { return a == p || b == p || c == p; };
   switch (part) {
-    case Part::vertex:
+    case Feature::vertex:
       return has(origin());
-    case Part::edge:
+    case Feature::edge:
       return has(origin()) && has(shape.corner((index + 1) % 3));
     default:
       return has(shape.corner(0)) && has(shape.corner(1)) && has(shape.corner(2));
@@ -94,8 +91,8 @@ bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) 
 }
 
 bool OffsetContact::is_same_part(const OffsetContact& other) const noexcept {
-  if (part != other.part || part == Part::face) return false;
-  if (part == Part::vertex) return origin() == other.origin();
+  if (part != other.part || part == Feature::face) return false;
+  if (part == Feature::vertex) return origin() == other.origin();
   const Vec3& end = shape.corner((index + 1) % 3);
   const Vec3& other_end = other.shape.corner((other.index + 1) % 3);
   return (origin() == other.origin() && end == other_end) || (origin() == other_end && end == other.origin());

@@ -12,15 +12,13 @@ namespace hapton {
 //
 // Units and frame: those of the corners. RT: yes.
 struct OffsetContact {
-  enum class Part : std::uint8_t { face, edge, vertex };
-
-  Part part = Part::face;
+  Feature part = Feature::face;
   std::uint32_t triangle = 0;
   ContactTriangle shape;
   int index = 0;               // of the edge, or of the corner
   Vec3 normal = Vec3::Zero();  // face: unit, towards the centre
   double multiplier = 0.0;     // centre - device = sum of multiplier * normal
-  Vec3 along = Vec3::Zero();   // edge: unit
+  Vec3 along = Vec3::Zero();   // edge: unit; else zero
   bool back = false;           // face: the contact is on the back of the triangle
 
   // The part of the triangle closest to c; of a face: on the side of c.
@@ -30,9 +28,9 @@ struct OffsetContact {
   static OffsetContact on_edge(std::uint32_t triangle, const ContactTriangle& shape, int edge) noexcept;
   static OffsetContact on_vertex(std::uint32_t triangle, const ContactTriangle& shape, int corner) noexcept;
 
-  bool is_curved() const { return part == Part::edge || part == Part::vertex; }
+  bool is_curved() const { return part != Feature::face; }
   const Vec3& origin() const { return shape.corner(index); }
-  const Vec3& axis() const { return along; }  // edge: unit
+  const Vec3& axis() const { return along; }  // edge: unit; else zero
 
   // Distance and direction of a centre from the plane, line or point that carries the part.
   struct Proximity {

@@ -7,8 +7,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
-
 // Calls visit(direction, edge) for the edges of a triangle that end at a vertex: unit, from there.
 template <class Visit>
 void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, Visit&& visit) {
@@ -42,7 +40,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
     Event exit = event;
     find_first_exit(path, i, prefix, exit);
     if (exit.contact != i) continue;
-    if (contacts_[i].part == Part::face) {
+    if (contacts_[i].part == Feature::face) {
       crossed.first = crossed.last = contacts_[i];
       if (!cross_level_faces(path, event.time, crossed.last, exit)) exit = event;
       crossed.until = exit.time;
@@ -59,7 +57,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
     if (event.time < exit_time) event.contact = -1;
   }
   const bool is_on_plane =
-      (path.is_straight() || contacts_.active_count() == 1) && contacts_.active_count() > 0 && contacts_[0].part == Part::face;
+      (path.is_straight() || contacts_.active_count() == 1) && contacts_.active_count() > 0 && contacts_[0].part == Feature::face;
   Tangents tangents;
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[static_cast<std::size_t>(i)];
@@ -85,7 +83,7 @@ void PathEvents::find_first_exit(const CentrePath& path, int contact, CentrePath
   visit_exits(contacts_[contact], [&](const Exit& exit) {
     const double time = path.time_to_cross(exit.origin, exit.direction, kOnBoundary, prefix);
     if (time > event.time || (time == event.time && event.contact >= 0)) return;
-    const bool is_face_here = time <= 0.0 && exit.slot >= 0 && exit.part == Part::face;
+    const bool is_face_here = time <= 0.0 && exit.slot >= 0 && exit.part == Feature::face;
     if (is_face_here && is_past_needle(near_.shape(exit.slot), exit.index, path.start())) return;
     event.time = time;
     event.contact = contact;
@@ -111,7 +109,7 @@ bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetC
       const double time = path.time_to_cross(origin, direction, kOnBoundary, here, until);
       if (!(time < then)) continue;
       then = time;
-      exit = {origin, direction, -1, k, Part::edge};
+      exit = {origin, direction, -1, k, Feature::edge};
     }
     const bool leaves = then <= until;
     if (!is_level_at(level, path.at(leaves ? then : until))) return true;
@@ -189,10 +187,10 @@ void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const
   for (int i = 0; i < contacts_.active_count(); ++i) {
     const OffsetContact& contact = contacts_[i];
     TangentSpan& span = tangents.spans[static_cast<std::size_t>(tangents.count)];
-    if (contact.part == Part::face) {
+    if (contact.part == Feature::face) {
       span = {contact.shape.corner(0), {contact.normal, contact.normal}};
       ++tangents.count;
-    } else if (contact.part == Part::edge && path.is_guided()) {
+    } else if (contact.part == Feature::edge && path.is_guided()) {
       span = {contact.origin(), {contact.proximity(path.start()).normal, contact.proximity(path.end()).normal}};
       const Vec3 turn = contacts_.offset() * (span.normal[1] - span.normal[0]);
       const double whole = turn.squaredNorm();
@@ -241,22 +239,22 @@ void PathEvents::note_candidates(const Vec3& from, const Vec3& to, double near) 
 template <class Visit>
 void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexcept {
   const ContactTriangle& own = contact.shape;
-  if (contact.part == Part::face) {
-    for (int k = 0; k < 3; ++k) visit(Exit{own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Part::edge});
+  if (contact.part == Feature::face) {
+    for (int k = 0; k < 3; ++k) visit(Exit{own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Feature::edge});
     return;
   }
-  if (contact.part == Part::edge) {
+  if (contact.part == Feature::edge) {
     const Vec3 axis = contact.axis();
-    visit(Exit{own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Part::vertex});
-    visit(Exit{own.corner(contact.index), -axis, -1, contact.index, Part::vertex});
+    visit(Exit{own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Feature::vertex});
+    visit(Exit{own.corner(contact.index), -axis, -1, contact.index, Feature::vertex});
   }
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[static_cast<std::size_t>(i)];
     const ObjectGeometry::Corners corners = near_.geometry().corners(near_.triangle(slot));
     if (!contact.is_shared_with(corners.a, corners.b, corners.c)) continue;
-    if (contact.part == Part::vertex) {
+    if (contact.part == Feature::vertex) {
       visit_edges_at(contact.origin(), corners, [&](const Vec3& outwards, int k) {
-        visit(Exit{contact.origin(), outwards, slot, k, Part::edge});
+        visit(Exit{contact.origin(), outwards, slot, k, Feature::edge});
       });
       continue;
     }
@@ -267,7 +265,7 @@ void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexce
       const Vec3& last = shape.corner((k + 1) % 3);
       if (!(shape.length(k) > 0.0) || shape.normal().isZero(0.0)) continue;
       if (!(first == contact.origin() && last == other) && !(last == contact.origin() && first == other)) continue;
-      visit(Exit{first, shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Part::face});
+      visit(Exit{first, shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Feature::face});
     }
   }
 }
@@ -290,7 +288,7 @@ double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, do
   find_first_exit(path, 0, prefix, exit);
   if (exit.contact < 0) return std::numeric_limits<double>::infinity();
   OffsetContact last = contacts_[0];
-  if (last.part == OffsetContact::Part::face && !cross_level_faces(path, 1.0, last, exit)) return std::numeric_limits<double>::infinity();
+  if (last.part == Feature::face && !cross_level_faces(path, 1.0, last, exit)) return std::numeric_limits<double>::infinity();
   return kBeyond * exit.time * most + kMinDistance * contacts_.offset();
 }
 

@@ -25,7 +25,7 @@ class PathEvents {
     Vec3 origin, direction;
     int slot = -1;  // of the gathered triangles; -1: the same triangle
     int index = 0;
-    OffsetContact::Part part = OffsetContact::Part::face;
+    Feature part = Feature::face;
   };
   struct Event {
     double time = 1.0;  // of the path

@@ -14,7 +14,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A pull within this share of the friction cone counts as on it: 4,096 times the rounding of a pull.
 constexpr double kOnCone = 0x1p-40;

@@ -8,7 +8,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
 constexpr double kMinRise = 0x1p-45;  // rad: faces at a smaller angle count as one plane for their common edge
 
 // Whether a triangle at an edge of the face lies beyond that edge. At the edge of a blade it is folded back under the face.
@@ -33,12 +32,12 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
   if (event.contact >= 0) {
     is_descending_ = true;
     const bool is_coplanar = idle_ > kMaxIdle / 4;  // treating it as rising made no progress: within rounding the faces are coplanar
-    const int rising = event.exit.part == Part::edge && !is_coplanar
+    const int rising = event.exit.part == Feature::edge && !is_coplanar
                            ? find_rising(contacts_[event.contact], event.exit.index, path.slope(event.time))
                            : -1;
     if (rising >= 0)
       return contacts_.add(OffsetContact::on_face(near_.triangle(rising), near_.shape(rising), contacts_[event.contact].normal));
-    if (const int level = event.exit.part == Part::edge ? find_coplanar(contacts_[event.contact], event.exit) : -1; level >= 0) {
+    if (const int level = event.exit.part == Feature::edge ? find_coplanar(contacts_[event.contact], event.exit) : -1; level >= 0) {
       hint_ = path.slope(event.time);
       OffsetContact& contact = contacts_[event.contact];
       contact = OffsetContact::on_face(near_.triangle(level), near_.shape(level), contact.normal);
@@ -66,7 +65,7 @@ bool SphereFollower::apply_event(const Event& event, const CentrePath& path) noe
 
 // Across an edge of a face the adjacent face may rise by so little that it was not hit before. Returns a slot; -1: none.
 int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Vec3& direction) noexcept {
-  if (contact.part != Part::face) return -1;
+  if (contact.part != Feature::face) return -1;
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, edge);
   int rising = -1;
   double least = -kMinRise * direction.norm();
@@ -88,7 +87,7 @@ int SphereFollower::find_rising(const OffsetContact& contact, int edge, const Ve
 
 // Across an edge of a face the adjacent face may be coplanar: that edge has no part of the offset surface. Returns a slot; -1: none.
 int SphereFollower::find_coplanar(const OffsetContact& contact, const Exit& exit) noexcept {
-  if (contact.part != Part::face) return -1;
+  if (contact.part != Feature::face) return -1;
   const OffsetContact shared_edge = OffsetContact::on_edge(contact.triangle, contact.shape, exit.index);
   int level = -1;
   near_.visit_near(centre_, centre_, clearance().offset + clearance().slop, [&](int slot) {
@@ -109,9 +108,9 @@ void SphereFollower::move_to_next_part(int i, const Exit& exit, const Vec3& dire
   const Vec3 normal = contact.proximity(centre_).normal;
   const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
   const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
-  if (exit.part == Part::face) {
+  if (exit.part == Feature::face) {
     contact = OffsetContact::on_face(triangle, shape, normal);
-  } else if (exit.part == Part::edge) {
+  } else if (exit.part == Feature::edge) {
     contact = OffsetContact::on_edge(triangle, shape, exit.index);
   } else {
     contact = OffsetContact::on_vertex(triangle, shape, exit.index);

@@ -11,12 +11,6 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
-namespace {
-
-using Part = OffsetContact::Part;
-
-}  // namespace
-
 bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
   work_ = 0;
   is_tracking_ = false;
@@ -370,7 +364,7 @@ SphereFollower::Next SphereFollower::descend_along(const CentrePath& path, const
   note_gain(device, false);
   // Over a single face the path ends at the minimum.
   const bool is_at_rest =
-      event.time >= 1.0 && event.contact < 0 && event.slot < 0 && contacts_.count() == 1 && contacts_[0].part == Part::face;
+      event.time >= 1.0 && event.contact < 0 && event.slot < 0 && contacts_.count() == 1 && contacts_[0].part == Feature::face;
   if (is_at_rest) is_descending_ = false;
   return apply_event(event, path) ? Next::again : Next::failed;
 }

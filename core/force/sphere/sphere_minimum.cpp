@@ -8,16 +8,10 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
-namespace {
-
-using Part = OffsetContact::Part;
-
-}  // namespace
-
 // A face alone holds the centre, which is over the face's boundary within rounding, opposite to the device: a minimum of the face, but over
 // a convex edge it comes nearer. A point goes over likewise (SurfaceFollower::settle_on_face). False: it is not at the boundary.
 bool SphereFollower::roll_off_face() noexcept {
-  if (is_point_ || contacts_.count() != 1 || contacts_[0].part != Part::face || corner_tries_ > 0) return false;
+  if (is_point_ || contacts_.count() != 1 || contacts_[0].part != Feature::face || corner_tries_ > 0) return false;
   const OffsetContact held_by = contacts_[0];
   const ContactTriangle& face = held_by.shape;
   for (int k = 0; k < 3; ++k) {

@@ -21,7 +21,7 @@ bool SphereFollower::straighten_in_slit() noexcept {
   bool any = false;
   for (int i = contacts_.active_count() - 1; i >= 0; --i) {
     OffsetContact& contact = contacts_[i];
-    const int slot = contact.part == OffsetContact::Part::face ? -1 : wedge().find_face_there(contact);
+    const int slot = contact.part == Feature::face ? -1 : wedge().find_face_there(contact);
     if (slot < 0) continue;
     any = true;
     contact = OffsetContact::on_face(near_.triangle(slot), near_.shape(slot), contact.proximity(centre_).normal);

@@ -30,7 +30,7 @@ bool Wedge::holds() noexcept {
 
 // The plane of the face that a contact is on; of an edge or a vertex, that of a face there which the centre is over at no other distance.
 bool Wedge::find_wall(const OffsetContact& contact, Wall& wall) noexcept {
-  if (contact.part == OffsetContact::Part::face) {
+  if (contact.part == Feature::face) {
     wall = {contact.normal, contact.origin()};
     return true;
   }

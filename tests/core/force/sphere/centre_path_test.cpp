@@ -11,7 +11,6 @@ namespace hapton {
 namespace {
 
 using Guide = CentrePath::Guide;
-using Kind = CentrePath::Guide::Kind;
 
 class CentrePathTest : public testing::Test {
  protected:
@@ -39,8 +38,8 @@ class CentrePathTest : public testing::Test {
     const double speed = radius * angle;
     arc.path =
         CentrePath::curved(arc.at(0.0), arc.at(1.0), speed * arc.way, speed * (std::cos(angle) * arc.way - std::sin(angle) * arc.out));
-    if (guided == 1) arc.path.add_guide({Kind::line, arc.middle, arc.axis, radius});
-    if (guided == 2) arc.path.add_guide({Kind::point, arc.middle, Vec3::Zero(), radius});
+    if (guided == 1) arc.path.add_guide({Feature::edge, arc.middle, arc.axis, radius});
+    if (guided == 2) arc.path.add_guide({Feature::vertex, arc.middle, Vec3::Zero(), radius});
     return arc;
   }
 
@@ -57,8 +56,8 @@ double distance_from_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 double distance_to(const Guide& guide, const Vec3& p) {
   Vec3 off = p - guide.origin;
-  if (guide.kind == Kind::plane) return guide.direction.dot(off);
-  if (guide.kind == Kind::line) off -= guide.direction.dot(off) * guide.direction;
+  if (guide.part == Feature::face) return guide.direction.dot(off);
+  if (guide.part == Feature::edge) off -= guide.direction.dot(off) * guide.direction;
   return off.norm();
 }
 
@@ -116,14 +115,14 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
     const int count = 1 + (i % 9 < 6 ? 1 : 0);
     Vec3 from = middle + 2.0 * offset * direction();
     for (int g = 0; g < count; ++g) {
-      const auto kind = static_cast<Kind>((i / 9 + g * (1 + i % 2)) % 3);
-      guides[g] = {kind, middle + 0.5 * offset * vector(), direction(), offset};
-      if (kind == Kind::plane) guides[g].direction *= guides[g].direction.dot(from - guides[g].origin) < 0.0 ? -1.0 : 1.0;
+      const auto part = static_cast<Feature>((i / 9 + g * (1 + i % 2)) % 3);
+      guides[g] = {part, middle + 0.5 * offset * vector(), direction(), offset};
+      if (part == Feature::face) guides[g].direction *= guides[g].direction.dot(from - guides[g].origin) < 0.0 ? -1.0 : 1.0;
     }
     const auto normal = [&](int g, const Vec3& p) {
-      if (guides[g].kind == Kind::plane) return guides[g].direction;
+      if (guides[g].part == Feature::face) return guides[g].direction;
       Vec3 off = p - guides[g].origin;
-      if (guides[g].kind == Kind::line) off -= guides[g].direction.dot(off) * guides[g].direction;
+      if (guides[g].part == Feature::edge) off -= guides[g].direction.dot(off) * guides[g].direction;
       return Vec3(off.normalized());
     };
     // Alternating projections converge to a point on all of them, slowly.
@@ -158,7 +157,7 @@ TEST_F(CentrePathTest, IsKeptOnItsGuidesToRounding) {
       const Vec3 slope = path.slope(time);
       for (int g = 0; g < count; ++g) {
         EXPECT_NEAR(distance_to(guides[g], p), offset, 0x1p-50)
-            << static_cast<int>(guides[0].kind) << " and " << static_cast<int>(guides[1].kind) << " time " << time;
+            << static_cast<int>(guides[0].part) << " and " << static_cast<int>(guides[1].part) << " time " << time;
         EXPECT_LE(std::fabs(normal(g, p).dot(slope)), 1e-14 * slope.norm());
       }
       if (k == 0 || k == 32) continue;
@@ -389,7 +388,7 @@ TEST_F(FindBlock, ACornerThatGuidesThePathNeverBlocks) {
     const Vec3 to = origin + kClearance.offset * (std::cos(angle) * out + std::sin(angle) * way);
     const double speed = kClearance.offset * angle;
     CentrePath path = CentrePath::curved(from, to, speed * way, speed * (std::cos(angle) * way - std::sin(angle) * out));
-    path.add_guide({Kind::point, origin, Vec3::Zero(), kClearance.offset});
+    path.add_guide({Feature::vertex, origin, Vec3::Zero(), kClearance.offset});
     bool is_corner_nearest = true;
     for (int k = 0; k <= 400; ++k) is_corner_nearest = is_corner_nearest && shape.separation(path.at(k / 400.0)).nearest == origin;
     int tests = 0;
@@ -425,7 +424,7 @@ TEST_F(FindBlock, WhatBeginsAtACornerThatIsPassedBlocks) {
     const Vec3 to = from + length * along;
     const Vec3 bend = 1e-13 * length * vector();  // as that of a curve that is straight up to rounding
     CentrePath path = CentrePath::curved(from, to, to - from + bend, to - from - bend);
-    path.add_guide({Kind::line, corner, along, kClearance.offset});
+    path.add_guide({Feature::edge, corner, along, kClearance.offset});
     int tests = 0;
     const CentrePath::Block block = path.find_block(shape, kClearance, 1U, path.prefix(1.0), tests);
     if (length < 12.0 * kClearance.offset || shape.separation(from).distance < 1.01 * kClearance.offset) continue;

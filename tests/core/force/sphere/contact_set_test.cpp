@@ -58,8 +58,8 @@ TEST_F(ContactSetOf, RestoreEndsAnOffsetFromEachAndHardlyFartherThanTheNearestSu
 TEST_F(ContactSetOf, ParallelNormalsHaveNoFrameAndNoPosition) {
   ContactSet contacts(MadeContacts::kClearance);
   const Vec3 c = Vec3::Zero();
-  contacts.add(made.contact(0, OffsetContact::Part::face, c, Vec3::UnitZ(), 0.0));
-  contacts.add(made.contact(1, OffsetContact::Part::vertex, c, Vec3::UnitZ(), 0.0));
+  contacts.add(made.contact(0, Feature::face, c, Vec3::UnitZ(), 0.0));
+  contacts.add(made.contact(1, Feature::vertex, c, Vec3::UnitZ(), 0.0));
   contacts.activate_all();
   ContactFrame frame;
   EXPECT_FALSE(contacts.find_frame(c, frame));
@@ -72,12 +72,11 @@ TEST_F(ContactSetOf, HoldsOneContactOfATriangleAndNoMoreThanItHasRoomFor) {
   ContactSet contacts(MadeContacts::kClearance);
   const Vec3 c = Vec3::Zero();
   EXPECT_TRUE(contacts.is_empty());
-  for (std::uint32_t i = 0; i < ContactSet::kMax; ++i)
-    EXPECT_TRUE(contacts.add(made.contact(i, OffsetContact::Part::face, c, made.vector(), 0.0)));
-  EXPECT_FALSE(contacts.add(made.contact(99, OffsetContact::Part::face, c, made.vector(), 0.0)));
-  EXPECT_TRUE(contacts.add(made.contact(3, OffsetContact::Part::edge, c, made.vector(), 0.0)));
+  for (std::uint32_t i = 0; i < ContactSet::kMax; ++i) EXPECT_TRUE(contacts.add(made.contact(i, Feature::face, c, made.vector(), 0.0)));
+  EXPECT_FALSE(contacts.add(made.contact(99, Feature::face, c, made.vector(), 0.0)));
+  EXPECT_TRUE(contacts.add(made.contact(3, Feature::edge, c, made.vector(), 0.0)));
   EXPECT_EQ(contacts.count(), ContactSet::kMax);
-  EXPECT_EQ(contacts[3].part, OffsetContact::Part::edge);
+  EXPECT_EQ(contacts[3].part, Feature::edge);
   EXPECT_EQ(contacts.active_count(), 0);
   contacts.activate(3);
   EXPECT_EQ(contacts[0].triangle, 3U);
@@ -99,7 +98,7 @@ TEST_F(ContactSetOf, FindActiveIsTheNearestFreePullOfAllSubsets) {
     const int count = 1 + i % 5;
     const Vec3 up = made.vector().normalized();
     for (int k = 0; k < count; ++k)
-      contacts.add(made.contact(static_cast<std::uint32_t>(k), OffsetContact::Part::face, c, up + 0.6 * made.vector(), 0.0));
+      contacts.add(made.contact(static_cast<std::uint32_t>(k), Feature::face, c, up + 0.6 * made.vector(), 0.0));
     const Vec3 pull = made.vector() - 0.5 * up;
     Vec3 free;
     ASSERT_TRUE(contacts.find_active(c, pull, Vec3::Zero(), free));
@@ -134,7 +133,7 @@ TEST_F(ContactSetOf, FindActiveIsTheNearestFreePullOfAllSubsets) {
 TEST_F(ContactSetOf, WhereConstraintsBalanceTheMotionDecides) {
   ContactSet contacts(MadeContacts::kClearance);
   const Vec3 c = Vec3::Zero();
-  contacts.add(made.contact(0, OffsetContact::Part::face, c, Vec3::UnitZ(), 0.0));
+  contacts.add(made.contact(0, Feature::face, c, Vec3::UnitZ(), 0.0));
   Vec3 free;
   ASSERT_TRUE(contacts.find_active(c, Vec3::UnitX(), -Vec3::UnitZ(), free));
   EXPECT_EQ(contacts.active_count(), 1);

@@ -84,7 +84,7 @@ TEST(DragLegsOf, AroundAnEdgeTheEndIsOnTheCone) {
   const Vec3 edge(0.3, 0.02, 0.3);
   const Vec3 normal = Vec3(1.0, 0.0, 1.0).normalized();
   on.touch(on.geometry.to_local(edge) + kClearanceOfDrags.offset * normal);
-  ASSERT_EQ(on.contacts[0].part, OffsetContact::Part::edge);
+  ASSERT_EQ(on.contacts[0].part, Feature::edge);
   const double depth = 0.004;
   const Vec3 from = on.centre - depth * normal + kFrictionOfDrags.dynamic_mu * depth * Vec3::UnitY();
   DragLeg leg;

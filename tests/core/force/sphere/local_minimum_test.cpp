@@ -92,8 +92,8 @@ TEST_F(LocalMinimumOf, AnEdgeTurnsTheCentreByTheAngleAcrossIt) {
 TEST_F(LocalMinimumOf, ABarrierOfNextToNothingIsShallow) {
   const Vec3 c = Vec3::Zero();
   ContactSet contacts(MadeContacts::kClearance);
-  contacts.add(made.contact(0, OffsetContact::Part::vertex, c, Vec3::UnitZ(), 0.0));
-  contacts.add(made.contact(1, OffsetContact::Part::face, c, Vec3::UnitX(), 0.0));
+  contacts.add(made.contact(0, Feature::vertex, c, Vec3::UnitZ(), 0.0));
+  contacts.add(made.contact(1, Feature::face, c, Vec3::UnitX(), 0.0));
   contacts.activate_all();
   Vec3 over;
   const Vec3 below(0.0, 0.0, -2.0 * MadeContacts::kOffset);
@@ -105,9 +105,9 @@ TEST_F(LocalMinimumOf, ABarrierOfNextToNothingIsShallow) {
 TEST_F(LocalMinimumOf, AContactThatTheMinimumWouldEnterBecomesActive) {
   const Vec3 c = Vec3::Zero();
   ContactSet contacts(MadeContacts::kClearance);
-  contacts.add(made.contact(0, OffsetContact::Part::face, c, Vec3::UnitZ(), 0.0));
+  contacts.add(made.contact(0, Feature::face, c, Vec3::UnitZ(), 0.0));
   contacts.activate_all();
-  contacts.add(made.contact(1, OffsetContact::Part::face, c, Vec3::UnitX(), 0.0));
+  contacts.add(made.contact(1, Feature::face, c, Vec3::UnitX(), 0.0));
   const Vec3 device = -Vec3::UnitZ();
   activate_opposing(contacts, c, device, Vec3::UnitX());
   EXPECT_EQ(contacts.active_count(), 1);

@@ -28,7 +28,7 @@ class MadeContacts {
     return {x, y, unit()};
   }
   // A part whose plane, line or point is an offset from c, to within `off`, on the side that `side` points to.
-  OffsetContact contact(std::uint32_t triangle, OffsetContact::Part part, const Vec3& c, const Vec3& side, double off) {
+  OffsetContact contact(std::uint32_t triangle, Feature part, const Vec3& c, const Vec3& side, double off) {
     const Vec3 normal = side.normalized();
     const Vec3 foot = c - (kOffset + off * unit()) * normal;
     const Vec3 u = normal.unitOrthogonal();
@@ -36,10 +36,10 @@ class MadeContacts {
     const double turn = 3.0 * unit();
     const Vec3 along = std::cos(turn) * u + std::sin(turn) * v;
     const Vec3 across = normal.cross(along);
-    if (part == OffsetContact::Part::face)
+    if (part == Feature::face)
       return OffsetContact::on_face(triangle, {foot - along - across, foot + along - across, foot + across}, normal);
     const Vec3 down = foot - 0.5 * normal + 0.3 * across;
-    if (part == OffsetContact::Part::edge) return OffsetContact::on_edge(triangle, {foot - along, foot + along, down}, 0);
+    if (part == Feature::edge) return OffsetContact::on_edge(triangle, {foot - along, foot + along, down}, 0);
     return OffsetContact::on_vertex(triangle, {foot, down + along, down - along}, 0);
   }
   // That many active contacts, with normals at 30 degrees or more from each other and from each other's plane.
@@ -52,7 +52,7 @@ class MadeContacts {
     }
     ContactSet contacts(kClearance);
     for (int i = 0; i < count; ++i) {
-      const auto part = static_cast<OffsetContact::Part>(std::uniform_int_distribution<int>(0, 2)(random_));
+      const auto part = static_cast<Feature>(std::uniform_int_distribution<int>(0, 2)(random_));
       contacts.add(contact(static_cast<std::uint32_t>(i), part, c, side[static_cast<std::size_t>(i)], off));
     }
     contacts.activate_all();

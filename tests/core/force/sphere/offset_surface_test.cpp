@@ -10,10 +10,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
-
-Part part_of(Feature feature) { return feature == Feature::face ? Part::face : feature == Feature::edge ? Part::edge : Part::vertex; }
-
 class OffsetSurface : public testing::Test {
  protected:
   OffsetSurface() { RecordProperty("seed", std::to_string(kSeed)); }
@@ -57,7 +53,7 @@ TEST_F(OffsetSurface, NearestIsThePartThatBruteForceFinds) {
     ASSERT_LE(proximity.distance, sampled + 1e-14);
     ASSERT_GE(proximity.distance, sampled - spacing);
     const Separation at = separation_from_triangle(c, shape.corner(0), shape.corner(1), shape.corner(2));
-    ASSERT_EQ(contact.part, part_of(at.feature));
+    ASSERT_EQ(contact.part, at.feature);
     ASSERT_NEAR(proximity.distance, at.distance, 1e-14);
     ASSERT_LT((proximity.normal - at.normal).norm(), 1e-13);
   }
@@ -70,16 +66,16 @@ TEST_F(OffsetSurface, OfATriangleWithoutAreaItIsAnEdgeOrAVertex) {
   for (const ContactTriangle& shape : {ContactTriangle(a, b, a), ContactTriangle(a, b, b), ContactTriangle(a, b, 0.5 * (a + b))}) {
     const Vec3 beside = 0.25 * a + 0.75 * b + 0.3 * (b - a).unitOrthogonal();
     const OffsetContact edge = OffsetContact::nearest(0, shape, beside);
-    EXPECT_EQ(edge.part, Part::edge);
+    EXPECT_EQ(edge.part, Feature::edge);
     EXPECT_NEAR(edge.proximity(beside).distance, 0.3, 1e-15);
     const Vec3 beyond = b + 0.3 * (b - a);
     const OffsetContact vertex = OffsetContact::nearest(0, shape, beyond);
-    EXPECT_EQ(vertex.part, Part::vertex);
+    EXPECT_EQ(vertex.part, Feature::vertex);
     EXPECT_EQ(vertex.origin(), b);
   }
   const ContactTriangle point(a, a, a);
-  EXPECT_EQ(OffsetContact::nearest(0, point, b).part, Part::vertex);
-  EXPECT_EQ(OffsetContact::on_edge(0, ContactTriangle(a, b, b), 1).part, Part::vertex);
+  EXPECT_EQ(OffsetContact::nearest(0, point, b).part, Feature::vertex);
+  EXPECT_EQ(OffsetContact::on_edge(0, ContactTriangle(a, b, b), 1).part, Feature::vertex);
 }
 
 TEST_F(OffsetSurface, AFaceNormalPointsToTheCentre) {
@@ -89,7 +85,7 @@ TEST_F(OffsetSurface, AFaceNormalPointsToTheCentre) {
     for (const double side : {1.0, -1.0}) {
       const Vec3 c = on_face + side * 0.2 * shape.normal();
       const OffsetContact contact = OffsetContact::nearest(3, shape, c);
-      ASSERT_EQ(contact.part, Part::face);
+      ASSERT_EQ(contact.part, Feature::face);
       EXPECT_EQ(contact.back, side < 0.0);
       EXPECT_EQ(contact.normal, Vec3(side * shape.normal()));
       EXPECT_NEAR(contact.proximity(c).distance, 0.2, 1e-14);

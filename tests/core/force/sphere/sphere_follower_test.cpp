@@ -14,8 +14,6 @@
 namespace hapton {
 namespace {
 
-using Part = OffsetContact::Part;
-
 TEST(SphereFollower, OverAPlaneItStaysAboveTheDevice) {
   Stage stage(made::sheet(0.5, 0.0, 8), kOffset);
   stage.put({0.03, 0.02, 0.4});
@@ -53,7 +51,7 @@ TEST(SphereFollower, RollsRoundAConvexEdge) {
     ASSERT_EQ(stage.move(round_the_edge(0.03, angle, y)), Outcome::settled);
     expect_centre(stage, round_the_edge(kOffset, angle, y));
     ASSERT_EQ(stage.follower->contacts().size(), 1U);
-    EXPECT_EQ(stage.follower->contacts()[0].part, Part::edge);
+    EXPECT_EQ(stage.follower->contacts()[0].part, Feature::edge);
   }
   ASSERT_EQ(stage.move({0.45, 0.1, 0.3}), Outcome::settled);
   expect_centre(stage, {0.5 + kOffset, 0.1, 0.3});
@@ -78,7 +76,7 @@ TEST(SphereFollower, RollsOverAVertex) {
     ASSERT_EQ(stage.move(corner + (0.04 + 0.02 * std::sin(1.3 * i)) * out), Outcome::settled);
     expect_centre(stage, corner + kOffset * out);
     ASSERT_EQ(stage.follower->contacts().size(), 1U);
-    EXPECT_EQ(stage.follower->contacts()[0].part, Part::vertex);
+    EXPECT_EQ(stage.follower->contacts()[0].part, Feature::vertex);
   }
   ASSERT_EQ(stage.move(corner + Vec3(0.2, 0.2, 0.2)), Outcome::settled);
   EXPECT_TRUE(stage.follower->is_free());
