@@ -23,7 +23,7 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
   for (const OffsetContact& contact : contacts) {
     Mat3 across = Mat3::Identity();
     if (contact.part == Feature::face) across = contact.normal * contact.normal.transpose();
-    if (contact.part == Feature::edge) across -= contact.axis() * contact.axis().transpose();
+    if (contact.part == Feature::edge) across -= contact.axis * contact.axis.transpose();
     sum += across;
     right += across * (contact.origin() - near);
   }

@@ -50,7 +50,7 @@ bool DescentPath::return_to_crease(CentrePath& path) const noexcept {
 CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, const Vec3& hint) const noexcept {
   const bool is_edge = contact.part == Feature::edge;
   const Vec3 normal = contact.proximity(centre_).normal;
-  const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3& axis = contact.axis;
   const Vec3 off = device - contact.origin();
   const double rise = is_edge ? axis.dot(device - centre_) : 0.0;
   const Vec3 across = off - axis.dot(off) * axis;

@@ -47,7 +47,7 @@ double LocalMinimum::find_turn(const Vec3& displacement) const noexcept {
   double most = 0.0;
   for (int i = 0; i < contacts_.active_count(); ++i) {
     if (!contacts_[i].is_curved()) continue;
-    const Vec3 axis = contacts_[i].part == Feature::edge ? contacts_[i].axis() : Vec3(Vec3::Zero());
+    const Vec3& axis = contacts_[i].axis;
     most = std::max(most, (displacement - axis.dot(displacement) * axis).norm());
   }
   return most / contacts_.offset();
@@ -116,7 +116,7 @@ Vec3 LocalMinimum::find_rate(const Vec3& c, const Vec3& device, const Vec3& moti
   const double near = contacts_.offset() - normal.dot(c - device);
   const double gain = contacts_.offset() / std::max(near, 0x1p-40);
   if (contact.part == Feature::vertex) return gain * sideways;
-  const Vec3 axis = contact.axis();
+  const Vec3& axis = contact.axis;
   const double straight = axis.dot(motion);
   return gain * (sideways - straight * axis) + straight * axis;
 }
@@ -133,7 +133,7 @@ bool LocalMinimum::is_on_axis(const Vec3& device) const noexcept {
 
 double LocalMinimum::time_off_axis(const Vec3& from, const Vec3& to, double time) const noexcept {
   const OffsetContact& contact = contacts_[0];
-  const Vec3 axis = contact.part == Feature::edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3& axis = contact.axis;
   const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
   const Vec3 off = across(on_path(from, to, time) - contact.origin());
   const Vec3 motion = across(to - from);

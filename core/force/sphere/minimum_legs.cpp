@@ -78,7 +78,7 @@ void MinimumLegs::make_on_axis(const Vec3& from, const Vec3& to, double time, Mi
   leg.time = minimum_.time_off_axis(from, to, time);
   leg.released = -1;
   const OffsetContact& contact = contacts_[0];
-  const Vec3 along = contact.part == Feature::edge ? Vec3(contact.axis() * contact.axis().dot(to - from)) : Vec3(Vec3::Zero());
+  const Vec3 along = contact.part == Feature::edge ? Vec3(contact.axis * contact.axis.dot(to - from)) : Vec3(Vec3::Zero());
   leg.path = CentrePath::straight(centre_, centre_ + (leg.time - time) * along);
 }
 

@@ -373,7 +373,7 @@ void OffsetDrag::descend_around(const Vec3& device, double length, Descent& at) 
   const OffsetContact& contact = contacts_[0];
   const Vec3 normal = contact.proximity(at.centre).normal;
   const bool is_edge = contact.part == Feature::edge;
-  const Vec3 axis = is_edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3& axis = contact.axis;
   const double rise = is_edge ? axis.dot(device - at.centre) : 0.0;
   const Vec3 off = device - contact.origin();
   const Vec3 across = off - axis.dot(off) * axis;
@@ -438,7 +438,7 @@ double OffsetDrag::time_of_release(const Vec3& from, const Vec3& to, const Pull&
   const double after = contact.proximity(to).distance - offset_;
   if (!(after > 0.0)) return kInfinity;
   if (!contact.is_curved()) return pull.depth > 0.0 ? pull.depth / (pull.depth + after) : 0.0;
-  const Vec3 axis = contact.part == Feature::edge ? contact.axis() : Vec3(Vec3::Zero());
+  const Vec3& axis = contact.axis;
   const auto across = [&](const Vec3& v) { return Vec3(v - axis.dot(v) * axis); };
   const Vec3 off = across(from - contact.origin());
   const Vec3 motion = across(to - from);

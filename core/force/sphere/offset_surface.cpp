@@ -21,7 +21,7 @@ OffsetContact OffsetContact::on_edge(std::uint32_t triangle, const ContactTriang
   contact.triangle = triangle;
   contact.shape = shape;
   contact.index = edge;
-  if (contact.part == Feature::edge) contact.along = shape.edge(edge) / shape.length(edge);
+  if (contact.part == Feature::edge) contact.axis = shape.edge(edge) / shape.length(edge);
   return contact;
 }
 
@@ -59,9 +59,8 @@ OffsetContact::Proximity OffsetContact::proximity(const Vec3& c) const noexcept 
   if (part == Feature::face) return {normal.dot(c - origin()), normal};
   Vec3 off = c - origin();
   if (part == Feature::edge) {
-    const Vec3& unit = axis();
-    off -= unit.dot(off) * unit;
-    off -= unit.dot(off) * unit;  // removes the rounding of the first
+    off -= axis.dot(off) * axis;
+    off -= axis.dot(off) * axis;  // removes the rounding of the first
   }
   const double distance = off.norm();
   return {distance, distance > 0.0 ? Vec3(off / distance) : Vec3::UnitX()};
@@ -70,12 +69,12 @@ OffsetContact::Proximity OffsetContact::proximity(const Vec3& c) const noexcept 
 double OffsetContact::curvature(const Vec3& tangent, double offset) const noexcept {
   if (!is_curved()) return 0.0;
   if (part == Feature::vertex) return 1.0 / offset;
-  const double straight = axis().dot(tangent);
+  const double straight = axis.dot(tangent);
   return std::max(0.0, 1.0 - straight * straight) / offset;
 }
 
 CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
-  return {part, origin(), part == Feature::face ? normal : axis(), offset};
+  return {part, origin(), part == Feature::face ? normal : axis, offset};
 }
 
 bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {

@@ -18,7 +18,7 @@ struct OffsetContact {
   int index = 0;               // of the edge, or of the corner
   Vec3 normal = Vec3::Zero();  // face: unit, towards the centre
   double multiplier = 0.0;     // centre - device = sum of multiplier * normal
-  Vec3 along = Vec3::Zero();   // edge: unit; else zero
+  Vec3 axis = Vec3::Zero();    // edge: unit; else zero
   bool back = false;           // face: the contact is on the back of the triangle
 
   // The part of the triangle closest to c; of a face: on the side of c.
@@ -30,7 +30,6 @@ struct OffsetContact {
 
   bool is_curved() const { return part != Feature::face; }
   const Vec3& origin() const { return shape.corner(index); }
-  const Vec3& axis() const { return along; }  // edge: unit; else zero
 
   // Distance and direction of a centre from the plane, line or point that carries the part.
   struct Proximity {

@@ -244,9 +244,8 @@ void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexce
     return;
   }
   if (contact.part == Feature::edge) {
-    const Vec3 axis = contact.axis();
-    visit(Exit{own.corner((contact.index + 1) % 3), axis, -1, (contact.index + 1) % 3, Feature::vertex});
-    visit(Exit{own.corner(contact.index), -axis, -1, contact.index, Feature::vertex});
+    visit(Exit{own.corner((contact.index + 1) % 3), contact.axis, -1, (contact.index + 1) % 3, Feature::vertex});
+    visit(Exit{own.corner(contact.index), -contact.axis, -1, contact.index, Feature::vertex});
   }
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[static_cast<std::size_t>(i)];

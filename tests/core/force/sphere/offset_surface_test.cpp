@@ -103,11 +103,11 @@ TEST_F(OffsetSurface, DistanceIsMeasuredFromTheLineOfAnEdgeAndFromAVertex) {
     const ContactTriangle shape = triangle(i);
     const int k = i % 3;
     const OffsetContact edge = OffsetContact::on_edge(0, shape, k);
-    const Vec3 out = edge.axis().unitOrthogonal();
-    const OffsetContact::Proximity at = edge.proximity(edge.origin() + unit() * edge.axis() + 0.3 * out);
+    const Vec3 out = edge.axis.unitOrthogonal();
+    const OffsetContact::Proximity at = edge.proximity(edge.origin() + unit() * edge.axis + 0.3 * out);
     EXPECT_NEAR(at.distance, 0.3, 1e-15);
     EXPECT_LT((at.normal - out).norm(), 1e-14);
-    EXPECT_LE(std::fabs(at.normal.dot(edge.axis())), 0x1p-52);
+    EXPECT_LE(std::fabs(at.normal.dot(edge.axis)), 0x1p-52);
     const OffsetContact vertex = OffsetContact::on_vertex(0, shape, k);
     const Vec3 off = vector();
     EXPECT_NEAR(vertex.proximity(shape.corner(k) + off).distance, off.norm(), 1e-15);
