@@ -2,9 +2,10 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 
+#include "core/force/sphere/offset_surface.h"
 #include "core/math/exact_cross.h"
-#include "core/math/types.h"
 
 namespace hapton {
 
@@ -16,6 +17,17 @@ struct ContactFrame {
   std::array<Vec3, 3> dual;
   Vec3 along = Vec3::Zero();  // of two normals: unit, perpendicular to both
   int count = 0;
+  std::array<double, 3> short_by;  // by measure()
+
+  // The normals of contacts at c, and how much c is nearer than the offset to each of them.
+  void measure(std::span<const OffsetContact> contacts, const Vec3& c, double offset) noexcept {
+    count = static_cast<int>(contacts.size());
+    for (int i = 0; i < count; ++i) {
+      const OffsetContact::Proximity proximity = contacts[i].proximity(c);
+      normal[i] = proximity.normal;
+      short_by[i] = offset - proximity.distance;
+    }
+  }
 
   // Computes the duals. False if two normals are parallel, or three in one plane, within rounding.
   bool prepare() noexcept {

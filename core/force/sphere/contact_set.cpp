@@ -82,8 +82,7 @@ bool ContactSet::touches_all(const Vec3& c) const noexcept {
 }
 
 bool ContactSet::find_frame(const Vec3& c, ContactFrame& frame) const noexcept {
-  frame.count = active_count_;
-  for (int i = 0; i < active_count_; ++i) frame.normal[i] = contacts_[i].proximity(c).normal;
+  frame.measure(active(), c, clearance_.offset);
   return frame.prepare();
 }
 
@@ -105,21 +104,15 @@ bool ContactSet::restore_to_frame(Vec3& c, ContactFrame& frame, int& work) const
 // `has_normals`: whether the frame's normals are those there.
 bool ContactSet::restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& work) const noexcept {
   constexpr int kMaxRounds = 8;  // of Newton's method; then the tolerance decides
-  frame.count = active_count_;
   for (int round = 0; round < kMaxRounds; ++round) {
-    std::array<double, 3> short_by{};
-    double most = 0.0;
     ++work;
-    for (int i = 0; i < active_count_; ++i) {
-      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
-      frame.normal[i] = proximity.normal;
-      short_by[i] = clearance_.offset - proximity.distance;
-      most = std::max(most, std::fabs(short_by[i]));
-    }
+    frame.measure(active(), c, clearance_.offset);
+    double most = 0.0;
+    for (int i = 0; i < active_count_; ++i) most = std::max(most, std::fabs(frame.short_by[i]));
     has_normals = most <= 0x1p-51;
     if (has_normals) return true;
     if (most > clearance_.offset || !frame.prepare()) return false;
-    for (int i = 0; i < active_count_; ++i) c += short_by[i] * frame.dual[i];
+    for (int i = 0; i < active_count_; ++i) c += frame.short_by[i] * frame.dual[i];
     if (most <= 0x1p-26 * clearance_.offset && active_count_ == 1) return true;
   }
   for (int i = 0; i < active_count_; ++i) {

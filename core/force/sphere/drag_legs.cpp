@@ -10,12 +10,6 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
-
 double DragLegs::most_uneven(double length) const noexcept {
   constexpr double kUneven = 0x1p-16;
   constexpr double kUnevenShare = 0x1p-20;
@@ -323,7 +317,7 @@ class DragLegs::FollowSearch {
   const bool is_flat_ = drag_.is_flat();
   OffsetDrag::Pull pull_;
   Vec3 rate_;
-  double release_ = kInfinity;  // when the device comes out, as a share of what is left
+  double release_ = std::numeric_limits<double>::infinity();  // when the device comes out, as a share of what is left
   double release_span_ = 0.0;
   double span_ = 0.0;  // time of the leg
   bool is_straight_ = false;

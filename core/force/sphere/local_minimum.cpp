@@ -75,27 +75,17 @@ bool LocalMinimum::solve_on_curve(const Vec3& device, Vec3& c, int& work) const 
   for (int round = 0; round < kMaxRounds; ++round) {
     ++work;
     ContactFrame frame;
-    std::array<double, 2> short_by{};
-    frame.count = 2;
-    for (int i = 0; i < 2; ++i) {
-      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
-      frame.normal[i] = proximity.normal;
-      short_by[i] = contacts_.offset() - proximity.distance;
-    }
-    if (!frame.prepare()) return false;
+    if (!contacts_.find_frame(c, frame)) return false;
     // Two offset surfaces can meet in two curves, one on either side of a crest: stay on the same one.
     if (round == 0) along = frame.along;
     if (!(frame.along.dot(along) > 0.0)) return false;
-    double stability = 1.0;
-    for (int i = 0; i < 2 && !is_line; ++i) {
-      stability -= std::max(0.0, frame.dual[i].dot(c - device)) * contacts_[i].curvature(frame.along, contacts_.offset());
-    }
+    const double stability = is_line ? 1.0 : find_stability(frame, c, device);
     if (!(stability > kMinStability)) return false;
     const double ahead = frame.along.dot(device - c) / stability;
     if (!is_line && find_turn(ahead * frame.along) > 2.0 * kTurn) return false;
-    c += ahead * frame.along + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
+    c += ahead * frame.along + frame.short_by[0] * frame.dual[0] + frame.short_by[1] * frame.dual[1];
     if (is_line && frame.dual[0].squaredNorm() <= kMaxSheer) return true;
-    const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
+    const double step = std::max({std::fabs(ahead), std::fabs(frame.short_by[0]), std::fabs(frame.short_by[1])});
     if (step <= std::max(0x1p-26 * contacts_.offset(), 0x1p-50))
       return step <= contacts_.clearance().tolerance || contacts_.restore(c, work);
   }

@@ -24,11 +24,7 @@ bool MinimumLegs::find_on_curve(const Course& course, double ahead, CurvePlace& 
   const double pace = place.along.dot(motion);
   place.time = pace > 0.0 ? place.along.dot(place.centre - from) / pace : std::numeric_limits<double>::infinity();
   const Vec3 device = from + std::min(place.time, 1.0) * motion;
-  place.stability = 1.0;
-  for (int i = 0; i < 2; ++i) {
-    place.stability -=
-        std::max(0.0, place.frame.dual[i].dot(place.centre - device)) * contacts_[i].curvature(place.frame.along, contacts_.offset());
-  }
+  place.stability = minimum_.find_stability(place.frame, place.centre, device);
   return true;
 }
 

@@ -50,8 +50,7 @@ bool OffsetDrag::find_pull(const Vec3& c, const Vec3& device, Pull& pull) const 
     return true;
   }
   ContactFrame frame;
-  frame.count = static_cast<int>(contacts_.size());
-  for (std::size_t i = 0; i < contacts_.size(); ++i) frame.normal[i] = contacts_[i].proximity(c).normal;
+  frame.measure(contacts_, c, offset_);
   if (!frame.prepare()) return false;
   Vec3 reaction = Vec3::Zero();
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
@@ -120,19 +119,13 @@ bool OffsetDrag::restore(Vec3& c, int& tests) const noexcept {
   for (int round = 0; round < kMaxRounds; ++round) {
     ++tests;
     ContactFrame frame;
-    std::array<double, 2> short_by{};
+    frame.measure(contacts_, c, offset_);
     double most = 0.0;
-    frame.count = static_cast<int>(contacts_.size());
-    for (std::size_t i = 0; i < contacts_.size(); ++i) {
-      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
-      frame.normal[i] = proximity.normal;
-      short_by[i] = offset_ - proximity.distance;
-      most = std::max(most, std::fabs(short_by[i]));
-    }
+    for (int i = 0; i < frame.count; ++i) most = std::max(most, std::fabs(frame.short_by[i]));
     if (most <= kRestored) return true;
     if (most > offset_ || !frame.prepare()) return false;
     Vec3 step = Vec3::Zero();
-    for (std::size_t i = 0; i < contacts_.size(); ++i) step += short_by[i] * frame.dual[i];
+    for (int i = 0; i < frame.count; ++i) step += frame.short_by[i] * frame.dual[i];
     c += step;
     if (is_last_step(step) || (round >= kFewRounds && most > 0.5 * most_before)) return true;
     most_before = most;
@@ -257,20 +250,15 @@ bool OffsetDrag::move_along_curve(const Vec3& ahead, double length, Vec3& c, int
   for (int round = 0; round < kMaxRounds; ++round) {
     ++tests;
     ContactFrame frame;
+    frame.measure(contacts_, c, offset_);
     frame.count = 3;
-    std::array<double, 3> short_by{};
-    for (std::size_t i = 0; i < 2; ++i) {
-      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
-      frame.normal[i] = proximity.normal;
-      short_by[i] = offset_ - proximity.distance;
-    }
     frame.normal[2] = ahead;
-    short_by[2] = length - ahead.dot(c - start);
+    frame.short_by[2] = length - ahead.dot(c - start);
     if (!frame.prepare()) return false;
     Vec3 step = Vec3::Zero();
-    for (std::size_t i = 0; i < 3; ++i) step += short_by[i] * frame.dual[i];
+    for (int i = 0; i < 3; ++i) step += frame.short_by[i] * frame.dual[i];
     c += step;
-    const double most = std::max({std::fabs(short_by[0]), std::fabs(short_by[1]), std::fabs(short_by[2])});
+    const double most = std::max({std::fabs(frame.short_by[0]), std::fabs(frame.short_by[1]), std::fabs(frame.short_by[2])});
     if (most <= kRestored || is_last_step(step)) return true;
     if (round >= kFewRounds && most > 0.5 * most_before) break;  // there is no such place
     most_before = most;
@@ -335,13 +323,7 @@ bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int&
   for (int round = 0; round < kMaxRounds; ++round) {
     tests += 2;
     ContactFrame frame;
-    std::array<double, 2> short_by{};
-    frame.count = 2;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const OffsetContact::Proximity proximity = contacts_[i].proximity(c);
-      frame.normal[i] = proximity.normal;
-      short_by[i] = offset_ - proximity.distance;
-    }
+    frame.measure(contacts_, c, offset_);
     Pull pull;
     if (!frame.prepare() || !find_pull(c, to, pull)) return false;
     direction = frame.along.dot(direction) < 0.0 ? Vec3(-frame.along) : frame.along;
@@ -350,8 +332,8 @@ bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int&
     if (!(stability > kMinStability)) return false;
     const double ahead = (direction.dot(to - c) - mu * pull.depth) / stability;
     if (!is_flat() && std::fabs(ahead) > 2.0 * kMaxTurn * offset_) return false;
-    c += ahead * direction + short_by[0] * frame.dual[0] + short_by[1] * frame.dual[1];
-    const double step = std::max({std::fabs(ahead), std::fabs(short_by[0]), std::fabs(short_by[1])});
+    c += ahead * direction + frame.short_by[0] * frame.dual[0] + frame.short_by[1] * frame.dual[1];
+    const double step = std::max({std::fabs(ahead), std::fabs(frame.short_by[0]), std::fabs(frame.short_by[1])});
     if (step <= kConverged) return true;
   }
   return restore(c);
@@ -415,9 +397,8 @@ bool OffsetDrag::descend(const Vec3& device, const Vec3& along, double length, D
   ++tests;
   if (contacts_.size() == 2) {
     ContactFrame frame;
-    frame.count = 2;
     if (!move_along_curve(along, length, at.centre, tests)) return false;
-    for (std::size_t i = 0; i < 2; ++i) frame.normal[i] = contacts_[i].proximity(at.centre).normal;
+    frame.measure(contacts_, at.centre, offset_);
     if (!frame.prepare()) return false;
     const double ahead = frame.along.dot(along);
     at.slope = frame.along * ((ahead < 0.0 ? -1.0 : 1.0) / std::max(0.5, std::fabs(ahead)));
