@@ -13,12 +13,12 @@ namespace {
 
 constexpr double kMinPoints = 40.0;  // of the smallest ball: about 30 degrees apart
 // In spacings of the field:
-constexpr double kGap = 0.05;        // rest offset of the ball: more than rounding and the curvature of a step take from it
-constexpr double kNear = 0.5;        // points with a smaller clearance bound a step along the surface
-constexpr double kSlideStep = 0.35;  // longest step along the surface; a step into the material is shortened
-constexpr double kPushStep = 0.25;   // longest step out of the material
-constexpr double kSettled = 1e-5;    // a shorter step ends the search
-constexpr double kRoom = 1.0;        // motion of the centre for which the chosen candidates stay valid
+constexpr double kGap = 0.05;           // rest offset of the ball: more than rounding and the curvature of a step take from it
+constexpr double kNear = 0.5;           // points with a smaller clearance bound a step along the surface
+constexpr double kSlideStep = 0.35;     // longest step along the surface; a step into the material is shortened
+constexpr double kPushStep = 0.25;      // longest step out of the material
+constexpr double kSettled = 1e-5;       // a shorter step ends the search
+constexpr double kCandidateRoom = 1.0;  // motion of the centre for which the chosen candidates stay valid
 // Bounds of the work, for real time (decision 160 has the times); a share:
 constexpr double kShorter = 0.35;    // what is kept of a step that would end in the material
 constexpr int kMaxEvaluations = 28;  // evaluations of the field at the points, in one move
@@ -64,7 +64,7 @@ FieldBall::Nearest FieldBall::find_nearest(const CarvedField& field, const Vec3&
   }
   candidates.count = 0;
   candidates.centre = centre;
-  candidates.room_m = kRoom * field.spacing_m();
+  candidates.room_m = kCandidateRoom * field.spacing_m();
   const double reach = near + kSteepest * candidates.room_m;
   for (std::size_t i = 0; i < points_.size(); ++i) {
     if (evaluate(i) < reach) candidates.points[candidates.count++] = static_cast<std::uint8_t>(i);
