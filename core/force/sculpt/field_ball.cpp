@@ -103,8 +103,7 @@ Vec3 FieldBall::slide(const CarvedField& field, const Vec3& centre, const Vec3& 
   const ConstrainedMotion allowed = constrain_motion(to_goal, std::span(planes.data(), count));
   Vec3 normal = Vec3::Zero();
   for (int i = 0; i < allowed.active_count; ++i) {
-    const auto n = static_cast<std::size_t>(i);
-    normal += allowed.multipliers[n] * planes[static_cast<std::size_t>(allowed.active[n])].normal;
+    normal += allowed.multipliers[i] * planes[allowed.active[i]].normal;
   }
   moved.normal = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::Zero();
   const double length = allowed.motion.norm();

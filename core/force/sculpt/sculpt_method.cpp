@@ -55,7 +55,7 @@ void SculptMethod::note_left_out() noexcept {
   if (left_out_.empty()) return;
   for (std::size_t part = 0; part < others_.size(); ++part) {
     const std::span<const Material> own = others_.method(part).unrendered_drag();
-    for (std::size_t i = 0; i < own.size(); ++i) left_out_[static_cast<std::size_t>(others_.objects(part)[i])] = own[i];
+    for (std::size_t i = 0; i < own.size(); ++i) left_out_[others_.objects(part)[i]] = own[i];
   }
 }
 

@@ -107,7 +107,7 @@ double CentrePath::Guide::distance_to(const Vec3& p, Vec3& normal) const noexcep
 double CentrePath::project_once(Vec3& p) const noexcept {
   std::array<Vec3, 2> normal;
   std::array<double, 2> short_by{};
-  for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
+  for (int i = 0; i < guide_count_; ++i) {
     short_by[i] = guides_[i].offset - guides_[i].distance_to(p, normal[i]);
   }
   if (guide_count_ == 1) {
@@ -335,7 +335,7 @@ double CentrePath::time_beside_line(const Guide& guide, const ContactTriangle& t
 double CentrePath::step_beside_guides(const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept {
   const Separation& at = here.separation;
   double most = 0.0;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(guide_count_); ++i) {
+  for (int i = 0; i < guide_count_; ++i) {
     const Guide& guide = guides_[i];
     double time = 0.0;
     if (guide.part == Feature::face) {

@@ -27,7 +27,7 @@ class CentrePath {
   static CentrePath straight(const Vec3& from, const Vec3& to) noexcept;
   static CentrePath curved(const Vec3& from, const Vec3& to, const Vec3& slope_from, const Vec3& slope_to) noexcept;
   // Pre: at most two guides, not parallel along the path.
-  void add_guide(const Guide& guide) { guides_[static_cast<std::size_t>(guide_count_++)] = guide; }
+  void add_guide(const Guide& guide) { guides_[guide_count_++] = guide; }
 
   const Vec3& start() const { return start_; }
   const Vec3& end() const { return end_; }

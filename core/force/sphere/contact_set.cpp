@@ -52,8 +52,7 @@ bool ContactSet::find_active(const Vec3& c, const Vec3& pull, const Vec3& motion
   }
   std::array<ContactPlane, kMax> planes;
   for (int i = 0; i < count_; ++i) planes[i] = {contacts_[i].proximity(c).normal, 0.0};
-  const ConstrainedMotion constrained =
-      constrain_motion(goal, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count_)));
+  const ConstrainedMotion constrained = constrain_motion(goal, std::span(planes).first(count_));
   if (!constrained.solved) return false;
   descent = constrained.motion;
   active_count_ = constrained.active_count;
@@ -125,9 +124,8 @@ double ContactSet::find_most_opposite(const Vec3& c) const noexcept {
   std::array<Vec3, kMax> normals;
   double least = 4.0;
   for (int i = 0; i < active_count_; ++i) {
-    normals[static_cast<std::size_t>(i)] = contacts_[i].proximity(c).normal;
-    for (int k = 0; k < i; ++k)
-      least = std::min(least, (normals[static_cast<std::size_t>(i)] + normals[static_cast<std::size_t>(k)]).squaredNorm());
+    normals[i] = contacts_[i].proximity(c).normal;
+    for (int k = 0; k < i; ++k) least = std::min(least, (normals[i] + normals[k]).squaredNorm());
   }
   return least;
 }

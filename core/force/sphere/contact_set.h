@@ -30,10 +30,10 @@ class ContactSet {
   int count() const { return count_; }
   int active_count() const { return active_count_; }
   bool is_empty() const { return count_ == 0; }
-  const OffsetContact& operator[](int i) const { return contacts_[static_cast<std::size_t>(i)]; }
-  OffsetContact& operator[](int i) { return contacts_[static_cast<std::size_t>(i)]; }
-  std::span<const OffsetContact> active() const { return {contacts_.data(), static_cast<std::size_t>(active_count_)}; }
-  std::span<const OffsetContact> all() const { return {contacts_.data(), static_cast<std::size_t>(count_)}; }
+  const OffsetContact& operator[](int i) const { return contacts_[i]; }
+  OffsetContact& operator[](int i) { return contacts_[i]; }
+  std::span<const OffsetContact> active() const { return std::span(contacts_).first(active_count_); }
+  std::span<const OffsetContact> all() const { return std::span(contacts_).first(count_); }
 
   void clear() { active_count_ = count_ = 0; }
   // Not active. Replaces a contact with the same triangle. False: there are too many.

@@ -124,11 +124,10 @@ bool CornerExit::find_beside(const Vec3& apex, Vec3& beside) noexcept {
     const double height = at.normal.dot(centre_ - apex);
     is_between |= height < 0.0;
     fits = fits && count < kMaxFaces;
-    if (fits) planes[static_cast<std::size_t>(count++)] = {at.normal, kClear * contacts_.offset() - height};
+    if (fits) planes[count++] = {at.normal, kClear * contacts_.offset() - height};
   });
   if (!fits || !is_between) return fits;
-  const ConstrainedMotion aside =
-      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  const ConstrainedMotion aside = constrain_motion(Vec3::Zero(), std::span(planes).first(count));
   beside = centre_ + aside.motion;
   return aside.solved && aside.motion.norm() < contacts_.offset();
 }
@@ -151,13 +150,13 @@ double CornerExit::time_to_exit(const Vec3& from, const Vec3& to, double time) n
 }
 
 double CornerExit::distance_off_edge(const TangentCone::Steepest& to) const noexcept {
-  const TangentCone::Piece& piece = memory_.cone.boundary()[static_cast<std::size_t>(to.piece)];
+  const TangentCone::Piece& piece = memory_.cone.boundary()[to.piece];
   const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
   return kAbove * contacts_.offset() / (half < 0.5 * std::numbers::pi ? std::sin(half) : 1.0);
 }
 
 std::optional<Vec3> CornerExit::find_past(const TangentCone::Steepest& to, double wide) const noexcept {
-  const TangentCone::Piece& piece = memory_.cone.boundary()[static_cast<std::size_t>(to.piece)];
+  const TangentCone::Piece& piece = memory_.cone.boundary()[to.piece];
   const double half = to.direction == piece.to ? 0.5 * piece.opening : 0.5 * std::numbers::pi;
   const double off = distance_off_edge(to);
   if (!(kMaxOff * off < wide)) return std::nullopt;

@@ -173,10 +173,9 @@ class DragLegs::FlowSearch {
   // One of two contacts whose multiplier turns negative ends the leg earlier.
   bool end_at_release(DragLeg& leg) noexcept {
     for (int i = 0; legs_.contacts_.active_count() == 2 && i < 2; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      if (there_.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
-      const double at_start = std::max(0.0, pull_.multiplier[k]);
-      if (!seek(at_start, there_.multiplier[k], legs_.rounding_of(pull_), [&] { return there_.multiplier[k]; })) return false;
+      if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
+      const double at_start = std::max(0.0, pull_.multiplier[i]);
+      if (!seek(at_start, there_.multiplier[i], legs_.rounding_of(pull_), [&] { return there_.multiplier[i]; })) return false;
       leg.released = i;
       leg.jumps = false;
       is_at_target_ = false;

@@ -103,9 +103,8 @@ class DragLegs::SlipSearch {
   // A multiplier that turns negative ends the slip earlier.
   bool end_at_release(SlipPath& slip) noexcept {
     for (int i = 0; i < legs_.contacts_.active_count(); ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      if (there_.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
-      if (!cut_at(slip, std::max(0.0, pull_.multiplier[k]), there_.multiplier[k], [&] { return there_.multiplier[k]; })) return false;
+      if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
+      if (!cut_at(slip, std::max(0.0, pull_.multiplier[i]), there_.multiplier[i], [&] { return there_.multiplier[i]; })) return false;
       slip.released = i;
     }
     return true;
@@ -272,11 +271,10 @@ class DragLegs::FollowSearch {
   // One of two contacts whose multiplier turns negative ends the leg earlier.
   bool end_at_release(DragLeg& leg) noexcept {
     for (int i = 0; legs_.contacts_.active_count() == 2 && i < 2; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      if (there_.multiplier[k] >= -LocalMinimum::kAtMinimum) continue;
+      if (there_.multiplier[i] >= -LocalMinimum::kAtMinimum) continue;
       leg.released = i;
-      if (!cut_at(leg, std::max(0.0, pull_.multiplier[k]), there_.multiplier[k],
-                  [&](const OffsetDrag::Pull& at) { return at.multiplier[k]; })) {
+      if (!cut_at(leg, std::max(0.0, pull_.multiplier[i]), there_.multiplier[i],
+                  [&](const OffsetDrag::Pull& at) { return at.multiplier[i]; })) {
         return false;
       }
       if (!drag_.find_pull(end_, device_at(leg.time), there_)) return false;

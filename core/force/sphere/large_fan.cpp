@@ -28,7 +28,7 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
   const int face_corner = fan_corner(face);
   const Vec3 tip = face.shape.corner(face_corner);
   const std::uint32_t mesh = geometry_.mesh_of(face.triangle);
-  const std::uint32_t vertex = geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(face_corner)];
+  const std::uint32_t vertex = geometry_.corners(face.triangle).vertices[face_corner];
   const bool is_known = room_.mesh == mesh && room_.vertex == vertex && room_.back == face.back;
   if (is_known && (on.centre - room_.at).norm() + least <= room_.room) return true;
   const double near = on.contacts.offset() + 2.0 * on.contacts.clearance().slop;
@@ -43,15 +43,14 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
   on.near.visit_near(on.centre, on.centre, near + std::max(room, 0.0), [&](int slot) {
     const std::uint32_t triangle = on.near.triangle(slot);
     const int corner = std::max(geometry_.convex_fan_corner(triangle, false), geometry_.convex_fan_corner(triangle, true));
-    const bool is_in_fan = corner >= 0 && geometry_.mesh_of(triangle) == mesh &&
-                           geometry_.corners(triangle).vertices[static_cast<std::size_t>(corner)] == vertex;
+    const bool is_in_fan = corner >= 0 && geometry_.mesh_of(triangle) == mesh && geometry_.corners(triangle).vertices[corner] == vertex;
     if (!is_in_fan) {
       ++on.work;
       room = std::min(room, on.near.shape(slot).separation(on.centre).distance - near);
     } else if (is_hollow) {
       const ObjectGeometry::Corners corners = geometry_.corners(triangle);
       const Vec3 normal = accurate_cross(corners.b - corners.a, corners.c - corners.a).normalized();
-      planes_[static_cast<std::size_t>(planes++)] = {face.back ? Vec3(-normal) : normal, triangle};
+      planes_[planes++] = {face.back ? Vec3(-normal) : normal, triangle};
     }
   });
   on.work += planes / kPlanesInUnit + on.near.count() / kSlotsInUnit;
@@ -61,9 +60,7 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
 
 // All contacts are with faces of the same fan, on one side. Pre: the first one is in a fan.
 bool LargeFan::touches_one_fan(const SphereOnFan& on) const noexcept {
-  const auto vertex_of = [&](const OffsetContact& face) {
-    return geometry_.corners(face.triangle).vertices[static_cast<std::size_t>(fan_corner(face))];
-  };
+  const auto vertex_of = [&](const OffsetContact& face) { return geometry_.corners(face.triangle).vertices[fan_corner(face)]; };
   const OffsetContact& first = on.contacts[0];
   return std::all_of(on.contacts.all().begin(), on.contacts.all().end(), [&](const OffsetContact& other) {
     return other.part == Feature::face && fan_corner(other) >= 0 && other.back == first.back &&
@@ -206,7 +203,7 @@ bool LargeFan::cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
 
 void LargeFan::move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, bool descends) noexcept {
   on.centre = place.centre;
-  on.contacts.hold_by({place.contacts.data(), static_cast<std::size_t>(place.count)});
+  on.contacts.hold_by(std::span(place.contacts).first(place.count));
   on.is_descending = descends;
 }
 
@@ -219,9 +216,7 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
   ConstrainedMotion held;
   const Vec3 goal = device - on.centre;
   held.motion = goal;
-  const auto height_of = [&](int plane, const Vec3& c) {
-    return planes_[static_cast<std::size_t>(plane)].normal.dot(c - room_.tip) - on.contacts.offset();
-  };
+  const auto height_of = [&](int plane, const Vec3& c) { return planes_[plane].normal.dot(c - room_.tip) - on.contacts.offset(); };
   bool is_found = false;
   for (int round = 0; round < kMaxRounds && !is_found; ++round) {
     double height = 0.0;
@@ -230,13 +225,13 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
     if (is_found) break;
     std::array<int, 4> next{};
     std::size_t kept = 0;
-    for (int i = 0; i < held.active_count; ++i) next[kept++] = of[static_cast<std::size_t>(held.active[static_cast<std::size_t>(i)])];
+    for (int i = 0; i < held.active_count; ++i) next[kept++] = of[held.active[i]];
     if (std::count(next.begin(), next.begin() + kept, lowest) > 0) return false;
     next[kept] = lowest;
     count = kept + 1;
     of = next;
-    for (std::size_t i = 0; i < count; ++i) planes[i] = {planes_[static_cast<std::size_t>(of[i])].normal, -height_of(of[i], on.centre)};
-    held = constrain_motion(goal, std::span<const ContactPlane>(planes.data(), count));
+    for (std::size_t i = 0; i < count; ++i) planes[i] = {planes_[of[i]].normal, -height_of(of[i], on.centre)};
+    held = constrain_motion(goal, std::span(planes).first(count));
     if (!held.solved) return false;
   }
   if (!is_found || held.active_count == 0) return false;
@@ -244,14 +239,14 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
   place.count = held.active_count;
   if ((place.centre - room_.at).norm() > room_.room) return false;
   for (int i = 0; i < held.active_count; ++i) {
-    const FanPlane& plane = planes_[static_cast<std::size_t>(of[static_cast<std::size_t>(held.active[static_cast<std::size_t>(i)])])];
+    const FanPlane& plane = planes_[of[held.active[i]]];
     const ObjectGeometry::Corners corners = geometry_.corners(plane.triangle);
     const ContactTriangle shape(corners.a, corners.b, corners.c);
     const Vec3 closest = place.centre - on.contacts.offset() * plane.normal;
     for (int k = 0; k < 3; ++k) {
       if (!(shape.inside(k, closest) > 0.0)) return false;
     }
-    place.contacts[static_cast<std::size_t>(i)] = OffsetContact::on_face(plane.triangle, shape, plane.normal);
+    place.contacts[i] = OffsetContact::on_face(plane.triangle, shape, plane.normal);
   }
   return true;
 }
@@ -263,7 +258,7 @@ int LargeFan::find_lowest_plane(SphereOnFan& on, const Vec3& c, double& height) 
   int lowest = -1;
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < room_.planes; ++i) {
-    const double at = planes_[static_cast<std::size_t>(i)].normal.dot(off);
+    const double at = planes_[i].normal.dot(off);
     if (at < least) lowest = i;
     least = std::min(least, at);
   }

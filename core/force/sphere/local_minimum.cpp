@@ -145,8 +145,8 @@ bool LocalMinimum::is_shallow(const Vec3& c, const Vec3& device, Vec3& direction
     std::array<const OffsetContact*, 2> by{};
     for (int i = 0; i < contacts_.active_count(); ++i) {
       if (i == j) continue;
-      by[static_cast<std::size_t>(others.count)] = &contacts_[i];
-      others.normal[static_cast<std::size_t>(others.count++)] = all.normal[i];
+      by[others.count] = &contacts_[i];
+      others.normal[others.count++] = all.normal[i];
     }
     if (!others.prepare()) continue;
     const Vec3 off = all.normal[j] - others.normal[0] * others.normal[0].dot(all.normal[j]);
@@ -156,7 +156,7 @@ bool LocalMinimum::is_shallow(const Vec3& c, const Vec3& device, Vec3& direction
     const double slope = std::max(0.0, direction.dot(c - device));
     double turn = -1.0;
     for (int i = 0; i < others.count; ++i) {
-      turn += std::max(0.0, others.dual[i].dot(c - device)) * by[static_cast<std::size_t>(i)]->curvature(direction, contacts_.offset());
+      turn += std::max(0.0, others.dual[i].dot(c - device)) * by[i]->curvature(direction, contacts_.offset());
     }
     if (turn > 0.0 && slope * slope <= 2.0 * kShallow * turn) return true;
   }

@@ -108,15 +108,14 @@ class MinimumLegs::CurveSearch {
   bool end_at_release(int contact, MinimumLeg& leg) noexcept {
     constexpr int kMaxGrowing = 8;         // quarterings of the piece, to find where a new multiplier has risen
     constexpr double kNearNone = 0x1p-50;  // rounding of a multiplier
-    const auto k = static_cast<std::size_t>(contact);
     const auto multiplier = [&](const CurvePlace& place) {
-      return place.frame.dual[k].dot(place.centre - on_path(from_, to_, place.time));
+      return place.frame.dual[contact].dot(place.centre - on_path(from_, to_, place.time));
     };
     const double at_end = multiplier(end_);
     if (!(at_end < -LocalMinimum::kAtMinimum)) return true;
     const auto multiplier_at = after(multiplier);
     double begin = 0.0;
-    double at_begin = std::max(0.0, here_.dual[k].dot(legs_.centre_ - on_path(from_, to_, time_)));
+    double at_begin = std::max(0.0, here_.dual[contact].dot(legs_.centre_ - on_path(from_, to_, time_)));
     // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
     for (int i = 1; i <= kMaxGrowing && at_begin <= LocalMinimum::kAtMinimum; ++i) {
       const double grown = multiplier_at(std::ldexp(length_, -2 * i));

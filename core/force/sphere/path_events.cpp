@@ -12,8 +12,8 @@ template <class Visit>
 void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, Visit&& visit) {
   const std::array<const Vec3*, 3> corner = {&corners.a, &corners.b, &corners.c};
   for (int k = 0; k < 3; ++k) {
-    const Vec3& first = *corner[static_cast<std::size_t>(k)];
-    const Vec3& last = *corner[static_cast<std::size_t>((k + 1) % 3)];
+    const Vec3& first = *corner[k];
+    const Vec3& last = *corner[(k + 1) % 3];
     if (first != vertex && last != vertex) continue;
     const Vec3 edge = last - first;
     const double length = std::sqrt(edge.squaredNorm());
@@ -35,7 +35,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
     event.time = prefix.until;
   }
   for (int i = 0; i < contacts_.active_count(); ++i) {
-    LevelFaces& crossed = space_.crossed[static_cast<std::size_t>(i)];
+    LevelFaces& crossed = space_.crossed[i];
     crossed.until = 0.0;
     Event exit = event;
     find_first_exit(path, i, prefix, exit);
@@ -60,7 +60,7 @@ bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
       (path.is_straight() || contacts_.active_count() == 1) && contacts_.active_count() > 0 && contacts_[0].part == Feature::face;
   Tangents tangents;
   for (int i = 0; i < space_.count; ++i) {
-    const int slot = space_.candidates[static_cast<std::size_t>(i)];
+    const int slot = space_.candidates[i];
     if (near_.distance_bound(slot, path.start()) > near && near_.distance_bound(slot, prefix.end) > near) continue;
     if (cannot_stop(slot, path.start(), is_on_plane)) continue;
     const ContactTriangle& shape = near_.shape(slot);
@@ -147,7 +147,7 @@ bool PathEvents::is_over(const ContactTriangle& shape, const Vec3& c) noexcept {
 // The contacts that cross level faces on the way are on the last of these before the event.
 void PathEvents::move_to_last_level_face(const CentrePath& path, const Event& event) noexcept {
   for (int i = 0; i < contacts_.active_count(); ++i) {
-    LevelFaces& crossed = space_.crossed[static_cast<std::size_t>(i)];
+    LevelFaces& crossed = space_.crossed[i];
     if (!(crossed.until > 0.0)) continue;
     if (event.time < crossed.until) {
       Event exit;
@@ -186,7 +186,7 @@ void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const
   if (!path.is_guided() && !path.is_straight()) return;
   for (int i = 0; i < contacts_.active_count(); ++i) {
     const OffsetContact& contact = contacts_[i];
-    TangentSpan& span = tangents.spans[static_cast<std::size_t>(tangents.count)];
+    TangentSpan& span = tangents.spans[tangents.count];
     if (contact.part == Feature::face) {
       span = {contact.shape.corner(0), {contact.normal, contact.normal}};
       ++tangents.count;
@@ -205,7 +205,7 @@ void PathEvents::find_tangents(const CentrePath& path, Tangents& tangents) const
 bool PathEvents::is_below(const Tangents& tangents, const ContactTriangle& shape) const noexcept {
   const double level = 0.25 * contacts_.clearance().slop;
   for (int i = 0; i < tangents.count; ++i) {
-    const TangentSpan& span = tangents.spans[static_cast<std::size_t>(i)];
+    const TangentSpan& span = tangents.spans[i];
     double highest = -std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
       const Vec3 off = shape.corner(k) - span.origin;
@@ -232,7 +232,7 @@ bool PathEvents::find_candidates(const CentrePath& path, double near, CentrePath
 // Collects the triangles that may come that near to the segment.
 void PathEvents::note_candidates(const Vec3& from, const Vec3& to, double near) noexcept {
   space_.count = 0;
-  near_.visit_near(from, to, near, [&](int slot) { space_.candidates[static_cast<std::size_t>(space_.count++)] = slot; });
+  near_.visit_near(from, to, near, [&](int slot) { space_.candidates[space_.count++] = slot; });
 }
 
 // Calls visit(exit) for the boundaries of the part that a contact is on. Pre: for an edge or a vertex, note_candidates().
@@ -248,7 +248,7 @@ void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexce
     visit(Exit{own.corner(contact.index), -contact.axis, -1, contact.index, Feature::vertex});
   }
   for (int i = 0; i < space_.count; ++i) {
-    const int slot = space_.candidates[static_cast<std::size_t>(i)];
+    const int slot = space_.candidates[i];
     const ObjectGeometry::Corners corners = near_.geometry().corners(near_.triangle(slot));
     if (!contact.is_shared_with(corners.a, corners.b, corners.c)) continue;
     if (contact.part == Feature::vertex) {
@@ -315,7 +315,7 @@ bool PathEvents::is_clear_over_face(const Vec3& c, const Vec3& end, const Vec3& 
   if (!near_.covers(c, near) || !near_.covers(end, near)) return false;
   note_candidates(c, end, near);
   for (int i = 0; i < space_.count; ++i) {
-    const int slot = space_.candidates[static_cast<std::size_t>(i)];
+    const int slot = space_.candidates[i];
     if (cannot_stop(slot, c, true)) continue;
     ++work_;
     const Separation here = near_.shape(slot).separation(c);

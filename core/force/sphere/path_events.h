@@ -55,7 +55,7 @@ class PathEvents {
   // Puts the contacts back that the last find() moved over level faces.
   void undo_level_faces() noexcept {
     for (int i = 0; i < contacts_.active_count(); ++i) {
-      if (space_.crossed[static_cast<std::size_t>(i)].until > 0.0) contacts_[i] = space_.crossed[static_cast<std::size_t>(i)].first;
+      if (space_.crossed[i].until > 0.0) contacts_[i] = space_.crossed[i].first;
     }
   }
   // Places the centre at the event. The path approximates the exact one, so Newton steps lead to the point of contact or the boundary.

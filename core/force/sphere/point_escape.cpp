@@ -166,21 +166,18 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double r
     }
     return true;
   };
-  const TangentCone::Piece& last = boundary[static_cast<std::size_t>(to.piece)];
+  const TangentCone::Piece& last = boundary[to.piece];
   const bool is_edge = to.direction == last.to;
   if (!go(radius * boundary[0].from + above * boundary[0].normal)) return false;
   if (ahead) {
     for (int i = 0; i < to.piece; ++i) {
-      if (!fly_over_piece(boundary[static_cast<std::size_t>(i)], boundary[static_cast<std::size_t>(i)].from,
-                          boundary[static_cast<std::size_t>(i)].to) ||
-          !fly_about_edge(boundary[static_cast<std::size_t>(i)], true))
-        return false;
+      if (!fly_over_piece(boundary[i], boundary[i].from, boundary[i].to) || !fly_about_edge(boundary[i], true)) return false;
     }
     if (!fly_over_piece(last, last.from, to.direction)) return false;
   } else {
     for (int i = count - 1; i > to.piece; --i) {
-      const TangentCone::Piece& piece = boundary[static_cast<std::size_t>(i)];
-      if (!fly_over_piece(piece, piece.to, piece.from) || !fly_about_edge(boundary[static_cast<std::size_t>(i - 1)], false)) return false;
+      const TangentCone::Piece& piece = boundary[i];
+      if (!fly_over_piece(piece, piece.to, piece.from) || !fly_about_edge(boundary[i - 1], false)) return false;
     }
     if (!fly_over_piece(last, last.to, to.direction)) return false;
   }
@@ -251,11 +248,10 @@ Vec3 SphereFollower::find_lift(double height) noexcept {
     const ContactTriangle& shape = near_.shape(slot);
     const Separation at = shape.separation(centre_);
     if (count == kMaxNear || at.distance > near || !near_.can_touch(near_.triangle(slot), shape, centre_)) return;
-    planes[static_cast<std::size_t>(count++)] = {at.normal, height - at.distance};
+    planes[count++] = {at.normal, height - at.distance};
   });
   work_ += count;
-  const ConstrainedMotion up =
-      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  const ConstrainedMotion up = constrain_motion(Vec3::Zero(), std::span(planes).first(count));
   return up.solved && up.motion.norm() <= 64.0 * height ? up.motion : Vec3(Vec3::Zero());
 }
 

@@ -34,7 +34,7 @@ bool SphereFollower::has_friction_here() const noexcept {
 }
 
 OffsetDrag SphereFollower::make_drag() noexcept {
-  for (int i = 0; i < contacts_.active_count(); ++i) friction_.coefficients[static_cast<std::size_t>(i)] = coefficients(contacts_[i]);
+  for (int i = 0; i < contacts_.active_count(); ++i) friction_.coefficients[i] = coefficients(contacts_[i]);
   return {contacts_.active(), std::span<const FrictionCoefficients>(friction_.coefficients).first(contacts_.active().size()),
           contacts_.offset()};
 }
@@ -186,9 +186,8 @@ double SphereFollower::time_on_line(const OffsetDrag& drag, const Vec3& from, co
 SphereFollower::Reaction SphereFollower::find_reaction(const Vec3& pull) const noexcept {
   Reaction now;
   std::array<ContactPlane, ContactSet::kMax> planes;
-  for (int i = 0; i < contacts_.count(); ++i) planes[static_cast<std::size_t>(i)] = {contacts_[i].proximity(centre_).normal, 0.0};
-  const ConstrainedMotion constrained =
-      constrain_motion(pull, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contacts_.count())));
+  for (int i = 0; i < contacts_.count(); ++i) planes[i] = {contacts_[i].proximity(centre_).normal, 0.0};
+  const ConstrainedMotion constrained = constrain_motion(pull, std::span(planes).first(contacts_.count()));
   if (!constrained.solved) return now;
   ContactMaterial material;
   for (int i = 0; i < constrained.active_count; ++i) {

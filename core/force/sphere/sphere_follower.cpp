@@ -44,8 +44,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
       planes[contacts_.count()] = {at.normal, -gap};
       contacts_.add(OffsetContact::nearest(near_.triangle(slot), shape, centre_));
     });
-    const ConstrainedMotion lift =
-        constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(contacts_.count())));
+    const ConstrainedMotion lift = constrain_motion(Vec3::Zero(), std::span(planes).first(contacts_.count()));
     if (!lift.solved || lift.motion.norm() > 64.0 * short_by) return is_tracking_ = false;
     if (lift.motion.norm() <= clearance().tolerance) break;
     centre_ += lift.motion;
@@ -160,7 +159,7 @@ SphereFollower::Outcome SphereFollower::follow_finite(const Vec3& from, const Ve
     outcome = follow_near(target, target, part);
     if (outcome != Outcome::settled) return outcome;
     const Vec3 turn = centre_ - before;
-    moved[static_cast<std::size_t>(i % 3)] = turn.norm();
+    moved[i % 3] = turn.norm();
     if (contacts_.is_empty() || (i % 3 != 2 && turn.norm() <= LocalMinimum::kAtMinimum)) break;
     if (work_ > most_work_) return Outcome::exhausted;
     const double share = i % 3 == 1 && moved[1] < moved[0] ? moved[1] / moved[0] : 0.0;

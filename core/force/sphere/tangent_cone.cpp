@@ -28,7 +28,7 @@ void TangentCone::begin(const Vec3& apex) {
 Vec3 TangentCone::at_known_end(const Vec3& direction) const {
   constexpr double kSame = 4.0 * kSameDirection * kSameDirection;  // a squared distance: that of twice kSameDirection
   for (int i = 0; i < arc_count_; ++i) {
-    const Arc& arc = arcs_[static_cast<std::size_t>(i)];
+    const Arc& arc = arcs_[i];
     if ((arc.a - direction).squaredNorm() <= kSame) return arc.a;
     if ((arc.b - direction).squaredNorm() <= kSame) return arc.b;
   }
@@ -39,7 +39,7 @@ Vec3 TangentCone::at_known_end(const Vec3& direction) const {
 void TangentCone::join_ends() {
   const int count = std::exchange(arc_count_, 0);
   for (int i = 0; i < count; ++i) {
-    const Arc arc = arcs_[static_cast<std::size_t>(i)];
+    const Arc arc = arcs_[i];
     (void)add_arc(at_known_end(arc.a), at_known_end(arc.b));
   }
 }
@@ -49,7 +49,7 @@ bool TangentCone::add_arc(const Vec3& a, const Vec3& b) {
   const double length = normal.norm();
   if (!(length > kSameDirection)) return true;  // a needle covers no directions
   if (arc_count_ == kMaxArcs) return false;
-  arcs_[static_cast<std::size_t>(arc_count_++)] = {a, b, normal / length};
+  arcs_[arc_count_++] = {a, b, normal / length};
   return true;
 }
 
@@ -85,12 +85,12 @@ bool TangentCone::is_on(const Arc& arc, const Vec3& direction) {
 
 // The end of the arc, or where another arc meets it before.
 Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
-  const Arc& own = arcs_[static_cast<std::size_t>(arc)];
+  const Arc& own = arcs_[arc];
   Vec3 stop = ahead ? own.b : own.a;
   double nearest = from.dot(stop) + kSameDirection * kSameDirection;
   const Vec3 forward = tangent(own.normal, from, ahead);
   for (int j = 0; j < arc_count_; ++j) {
-    const Arc& other = arcs_[static_cast<std::size_t>(j)];
+    const Arc& other = arcs_[j];
     const Vec3 both = own.normal.cross(other.normal);
     const double length = both.norm();
     if (j == arc || !(length > kSameDirection)) continue;
@@ -110,7 +110,7 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
   Turn first;
   first.opening = std::numeric_limits<double>::infinity();
   for (int j = 0; j < arc_count_; ++j) {
-    const Arc& arc = arcs_[static_cast<std::size_t>(j)];
+    const Arc& arc = arcs_[j];
     const bool begins = (arc.a - at).norm() <= 2.0 * kSameDirection;
     const bool ends = (arc.b - at).norm() <= 2.0 * kSameDirection;
     if (!begins && !ends && !is_on(arc, at)) continue;
@@ -132,7 +132,7 @@ bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   double nearest = -2.0;
   bool is_end = false;
   for (int j = 0; j < arc_count_; ++j) {
-    const Arc& arc = arcs_[static_cast<std::size_t>(j)];
+    const Arc& arc = arcs_[j];
     const Vec3 below = inside - arc.normal.dot(inside) * arc.normal;
     const double length = below.norm();
     if (length > nearest && is_on(arc, below / length)) {
@@ -160,13 +160,13 @@ TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Ve
   const Turn turn = find_turn(at, back, up, is_end);
   if (turn.arc < 0) return {};
   const Vec3 to_free = std::sin(turn.opening) * back - std::cos(turn.opening) * up;
-  return {{turn.arc, turn.ahead, arcs_[static_cast<std::size_t>(turn.arc)].normal.dot(to_free) > 0.0, at}, turn.opening};
+  return {{turn.arc, turn.ahead, arcs_[turn.arc].normal.dot(to_free) > 0.0, at}, turn.opening};
 }
 
 // The piece at which the walk was here before; -1: none.
 int TangentCone::find_again(const Walk& here) const {
   for (int i = 1; i < piece_count_; ++i) {
-    const Walk& before = walks_[static_cast<std::size_t>(i)];
+    const Walk& before = walks_[i];
     const bool is_same = before.arc == here.arc && before.ahead == here.ahead && before.on_normal == here.on_normal;
     if (is_same && (before.from - here.from).norm() <= 2.0 * kSameDirection) return i;
   }
@@ -201,9 +201,9 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
       is_around_start_ = false;
       return true;
     }
-    walks_[static_cast<std::size_t>(piece_count_)] = here;
-    const Arc& own = arcs_[static_cast<std::size_t>(here.arc)];
-    Piece& piece = pieces_[static_cast<std::size_t>(piece_count_++)];
+    walks_[piece_count_] = here;
+    const Arc& own = arcs_[here.arc];
+    Piece& piece = pieces_[piece_count_++];
     piece.from = here.from;
     piece.to = find_end(here.arc, here.ahead, here.from);
     piece.normal = here.on_normal ? own.normal : Vec3(-own.normal);
@@ -237,7 +237,7 @@ bool TangentCone::is_reentrant() const {
 bool TangentCone::contains(const Vec3& direction) const {
   Walk start;
   if (!find_start(direction, start)) return false;
-  const Vec3& normal = arcs_[static_cast<std::size_t>(start.arc)].normal;
+  const Vec3& normal = arcs_[start.arc].normal;
   const Vec3 up = start.on_normal ? normal : Vec3(-normal);
   return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_, [&](const Piece& piece) {
     if ((piece.normal - up).squaredNorm() > kClosed * kClosed) return false;  // of another arc, or of its other side
@@ -256,7 +256,7 @@ TangentCone::Steepest TangentCone::find_steepest(const Vec3& pull, double below)
     if (slope > best.slope && slope < below) best = {slope, direction, piece};
   };
   for (int i = 0; i < piece_count_; ++i) {
-    const Piece& piece = pieces_[static_cast<std::size_t>(i)];
+    const Piece& piece = pieces_[i];
     offer(piece.to, i);
     const Vec3 along = pull - piece.normal.dot(pull) * piece.normal;
     const double length = along.norm();

@@ -45,7 +45,7 @@ class TangentCone {
   bool is_around_start() const { return is_around_start_; }
 
   const Vec3& apex() const { return apex_; }
-  std::span<const Piece> boundary() const { return std::span(pieces_).first(static_cast<std::size_t>(piece_count_)); }
+  std::span<const Piece> boundary() const { return std::span(pieces_).first(piece_count_); }
   // The steepest direction on the boundary with a slope less than `below`. Slope -infinity: there is none. `pull` may have any length.
   Steepest find_steepest(const Vec3& pull, double below = std::numeric_limits<double>::infinity()) const;
   // Whether the boundary has a direction around which more than half of all directions are free.

@@ -11,9 +11,9 @@ bool Wedge::holds() noexcept {
   if (contacts_.count() < 2 || contacts_.count() > 3 || !near_.covers(centre_, far)) return false;
   std::array<Wall, 3> held_by;
   for (int i = 0; i < contacts_.count(); ++i) {
-    if (!find_wall(contacts_[i], held_by[static_cast<std::size_t>(i)])) return false;
+    if (!find_wall(contacts_[i], held_by[i])) return false;
   }
-  const std::span<const Wall> walls(held_by.data(), static_cast<std::size_t>(contacts_.count()));
+  const std::span<const Wall> walls = std::span(held_by).first(contacts_.count());
   constexpr int kMaxNear = 64;  // triangles; with more it is no wedge
   std::array<int, kMaxNear> near;
   int count = 0;
@@ -22,9 +22,9 @@ bool Wedge::holds() noexcept {
     ++work_;
     const ContactTriangle& shape = near_.shape(slot);
     is_wedge = is_wedge && count < kMaxNear && (is_outside_wedge(shape, walls) || shape.separation(centre_).distance > far);
-    if (is_wedge) near[static_cast<std::size_t>(count++)] = slot;
+    if (is_wedge) near[count++] = slot;
   });
-  const std::span<const int> slots(near.data(), static_cast<std::size_t>(count));
+  const std::span<const int> slots = std::span(near).first(count);
   return is_wedge && std::all_of(walls.begin(), walls.end(), [&](const Wall& wall) { return goes_on(wall, walls, slots, far); });
 }
 
