@@ -144,7 +144,7 @@ unsigned ContactSet::guiding_corners(const ContactTriangle& shape) const noexcep
     if (!contact.is_curved()) continue;
     for (int k = 0; k < 3; ++k) {
       const Vec3& corner = shape.corner(k);
-      const bool is_end = contact.part == Feature::edge && corner == contact.shape.corner((contact.index + 1) % 3);
+      const bool is_end = contact.part == Feature::edge && corner == contact.end();
       if (is_end || corner == contact.origin()) guiding |= 1U << k;
     }
   }

@@ -6,32 +6,18 @@
 namespace hapton {
 
 OffsetContact OffsetContact::on_face(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& towards) noexcept {
-  OffsetContact contact;
-  contact.part = Feature::face;
-  contact.triangle = triangle;
-  contact.shape = shape;
-  contact.back = shape.normal().dot(towards) < 0.0;
+  OffsetContact contact{.triangle = triangle, .shape = shape, .back = shape.normal().dot(towards) < 0.0};
   contact.normal = contact.back ? Vec3(-shape.normal()) : shape.normal();
   return contact;
 }
 
 OffsetContact OffsetContact::on_edge(std::uint32_t triangle, const ContactTriangle& shape, int edge) noexcept {
-  OffsetContact contact;
-  contact.part = shape.length(edge) > 0.0 ? Feature::edge : Feature::vertex;
-  contact.triangle = triangle;
-  contact.shape = shape;
-  contact.index = edge;
-  if (contact.part == Feature::edge) contact.axis = shape.edge(edge) / shape.length(edge);
-  return contact;
+  if (!(shape.length(edge) > 0.0)) return on_vertex(triangle, shape, edge);
+  return {.part = Feature::edge, .triangle = triangle, .shape = shape, .index = edge, .axis = shape.edge(edge) / shape.length(edge)};
 }
 
 OffsetContact OffsetContact::on_vertex(std::uint32_t triangle, const ContactTriangle& shape, int corner) noexcept {
-  OffsetContact contact;
-  contact.part = Feature::vertex;
-  contact.triangle = triangle;
-  contact.shape = shape;
-  contact.index = corner;
-  return contact;
+  return {.part = Feature::vertex, .triangle = triangle, .shape = shape, .index = corner};
 }
 
 OffsetContact OffsetContact::nearest(std::uint32_t triangle, const ContactTriangle& shape, const Vec3& c) noexcept {
@@ -83,7 +69,7 @@ bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) 
     case Feature::vertex:
       return has(origin());
     case Feature::edge:
-      return has(origin()) && has(shape.corner((index + 1) % 3));
+      return has(origin()) && has(end());
     default:
       return has(shape.corner(0)) && has(shape.corner(1)) && has(shape.corner(2));
   }
@@ -91,10 +77,8 @@ bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) 
 
 bool OffsetContact::is_same_part(const OffsetContact& other) const noexcept {
   if (part != other.part || part == Feature::face) return false;
-  if (part == Feature::vertex) return origin() == other.origin();
-  const Vec3& end = shape.corner((index + 1) % 3);
-  const Vec3& other_end = other.shape.corner((other.index + 1) % 3);
-  return (origin() == other.origin() && end == other_end) || (origin() == other_end && end == other.origin());
+  const Vec3& other_end = part == Feature::edge ? other.end() : other.origin();
+  return is_shared_with(other.origin(), other_end, other_end);
 }
 
 }  // namespace hapton

@@ -30,6 +30,7 @@ struct OffsetContact {
 
   bool is_curved() const { return part != Feature::face; }
   const Vec3& origin() const { return shape.corner(index); }
+  const Vec3& end() const { return shape.corner((index + 1) % 3); }  // of the edge
 
   // Distance and direction of a centre from the plane, line or point that carries the part.
   struct Proximity {

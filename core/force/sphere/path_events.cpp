@@ -244,8 +244,8 @@ void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexce
     return;
   }
   if (contact.part == Feature::edge) {
-    visit(Exit{own.corner((contact.index + 1) % 3), contact.axis, -1, (contact.index + 1) % 3, Feature::vertex});
-    visit(Exit{own.corner(contact.index), -contact.axis, -1, contact.index, Feature::vertex});
+    visit(Exit{contact.end(), contact.axis, -1, (contact.index + 1) % 3, Feature::vertex});
+    visit(Exit{contact.origin(), -contact.axis, -1, contact.index, Feature::vertex});
   }
   for (int i = 0; i < space_.count; ++i) {
     const int slot = space_.candidates[i];
@@ -258,12 +258,11 @@ void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexce
       continue;
     }
     const ContactTriangle& shape = near_.shape(slot);
-    const Vec3& other = own.corner((contact.index + 1) % 3);
     for (int k = 0; k < 3; ++k) {
       const Vec3& first = shape.corner(k);
       const Vec3& last = shape.corner((k + 1) % 3);
       if (!(shape.length(k) > 0.0) || shape.normal().isZero(0.0)) continue;
-      if (!(first == contact.origin() && last == other) && !(last == contact.origin() && first == other)) continue;
+      if (!(first == contact.origin() && last == contact.end()) && !(last == contact.origin() && first == contact.end())) continue;
       visit(Exit{first, shape.normal().cross(shape.edge(k)) / shape.length(k), slot, k, Feature::face});
     }
   }
