@@ -28,9 +28,8 @@ FrictionCoefficients SphereFollower::coefficients(const OffsetContact& contact) 
 }
 
 bool SphereFollower::has_friction_here() const noexcept {
-  bool any = false;
-  for (int i = 0; i < contacts_.count(); ++i) any |= coefficients(contacts_[i]).static_mu > 0.0;
-  return any;
+  const auto has_friction = [&](const OffsetContact& contact) { return coefficients(contact).static_mu > 0.0; };
+  return has_friction_ && std::ranges::any_of(contacts_.all(), has_friction);
 }
 
 OffsetDrag SphereFollower::make_drag() noexcept {

@@ -188,7 +188,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     if (next == Next::wait) next = wait(from, to, time);
     if (next == Next::again && has_lingered())
       time = std::min(1.0, time + std::ldexp(4.0 * LocalMinimum::kAtAxis, lingering_ / 4) / (to - from).norm());
-    if (next == Next::settled && !(has_friction_ && has_friction_here()) && leave_minimum(to, to - from)) next = Next::again;
+    if (next == Next::settled && !has_friction_here() && leave_minimum(to, to - from)) next = Next::again;
   }
   queried_ += static_cast<std::uint64_t>(work_);
   const bool has_stuck = has_friction_ && centre_ == start;
@@ -202,14 +202,15 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (next == Next::failed || idle_ > kMaxIdle) return Outcome::failed;
   contacts_.note_multipliers(centre_, to);
   if (has_untried_escapes_) return Outcome::exhausted;
-  if (next == Next::settled && is_point_ && !(has_friction_ && has_friction_here()) && leave_slit_to_sweeps(from != to)) {
+  if (next == Next::settled && is_point_ && !has_friction_here() && fills_slit() && note_slit(from != to)) {
     is_in_slit_ = true;
     return Outcome::failed;
   }
   Vec3 direction;
-  if (next == Next::settled)
-    return !is_point_ && !(has_friction_ && has_friction_here()) && minimum().is_shallow(centre_, to, direction) ? Outcome::failed
-                                                                                                                 : Outcome::settled;
+  if (next == Next::settled) {
+    const bool is_shallow = !is_point_ && !has_friction_here() && minimum().is_shallow(centre_, to, direction);
+    return is_shallow ? Outcome::failed : Outcome::settled;
+  }
   const double gone = std::max((centre_ - start).norm(), (time - began) * (to - from).norm());
   const bool has_crept = events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_;
   if (!has_crept) return Outcome::exhausted;
@@ -227,7 +228,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
 // The next event of a centre that is free, or held with or without friction. has_fans: there are large fans that it may cross.
 SphereFollower::Next SphereFollower::follow_event(const Vec3& from, const Vec3& to, double& time, bool has_fans) noexcept {
   if (contacts_.is_empty()) return fly(from, to, time);
-  if (has_friction_ && has_friction_here()) {
+  if (has_friction_here()) {
     if (is_descending_) return descend_with_friction(on_path(from, to, time), to - from);
     return friction_.drags ? drag(from, to, time) : stay_with_friction(from, to, time);
   }
@@ -335,7 +336,7 @@ bool SphereFollower::opens_within_rounding(const CentrePath& path, const Vec3& p
 // There is no piece of a descent from here.
 SphereFollower::Next SphereFollower::descend_no_farther(const Vec3& device, bool is_unstable) noexcept {
   const bool may_drop = contacts_.active_count() == 2 && is_point_;
-  if (!is_unstable) return may_drop ? drop_weaker(device - centre_) : Next::failed;
+  if (!is_unstable) return drop_weaker(device - centre_);
   // The minimum has vanished, and neither way along the curve leads nearer: the two contacts are one within rounding.
   if (may_drop && (are_one() || minimum().find_stability(centre_, device) <= 0.0)) return drop_weaker(device - centre_);
   is_descending_ = false;
@@ -357,7 +358,7 @@ SphereFollower::Next SphereFollower::descend_along(const CentrePath& path, const
   if (!is_restored) {
     centre_ = before;
     events_on().undo_level_faces();
-    return contacts_.active_count() == 2 && is_point_ ? drop_weaker(device - centre_) : Next::failed;
+    return drop_weaker(device - centre_);
   }
   note_move(before);
   note_gain(device, false);
@@ -391,8 +392,9 @@ bool SphereFollower::are_one() const noexcept {
   return clearance().offset * (1.0 - cosine) <= clearance().tolerance;
 }
 
-// Two contacts whose normals are nearly parallel: drops the one that holds less. It is hit again if it is in the way.
+// Two contacts of a point whose normals are nearly parallel: drops the one that holds less. It is hit again if it is in the way.
 SphereFollower::Next SphereFollower::drop_weaker(const Vec3& pull) noexcept {
+  if (contacts_.active_count() != 2 || !is_point_) return Next::failed;
   const double first = contacts_[0].proximity(centre_).normal.dot(pull);
   const double second = contacts_[1].proximity(centre_).normal.dot(pull);
   contacts_.remove(first < second ? 1 : 0);

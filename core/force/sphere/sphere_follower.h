@@ -205,7 +205,6 @@ class SphereFollower {
   bool is_in_narrow_slit() const noexcept;  // between active contacts at nearly opposite sides
   bool straighten_in_slit() noexcept;
   bool fills_slit() noexcept;
-  bool leave_slit_to_sweeps(bool has_device_moved) noexcept;
   bool note_slit(bool has_device_moved) noexcept;  // whether it was not yet noted at this place for this sample
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;

@@ -43,9 +43,7 @@ bool SphereFollower::fills_slit() noexcept {
   return sum < kOpposite && (sum < kParallel * kParallel || !wedge().holds());
 }
 
-// Once for each place and sample: sweeps may lead back here, and their motion be carried on. False: there is no slit, or it was left so.
-bool SphereFollower::leave_slit_to_sweeps(bool has_device_moved) noexcept { return fills_slit() && note_slit(has_device_moved); }
-
+// A slit is left to sweeps once for each place and sample: they may lead back here, and their motion be carried on.
 bool SphereFollower::note_slit(bool has_device_moved) noexcept {
   constexpr double kSamePlace = 2.0;  // offsets; as for other escapes, a smaller gain is none
   if (!has_device_moved && slit_at_ && (centre_ - *slit_at_).norm() <= kSamePlace * clearance().offset) return false;
