@@ -86,7 +86,7 @@ bool CornerExit::find_cone(double moved) noexcept {
   if (!find_apex(apex)) return false;
   const double near = kThrough * contacts_.offset();
   const double radius = near + (apex - centre_).norm();
-  if (!near_.covers(centre_, radius) && (!near_.gather(centre_, Vec3::Zero(), work_) || !near_.covers(centre_, radius))) return false;
+  if (!near_.reach(centre_, radius, work_)) return false;
   memory_.cone.begin(apex);
   bool fits = true;
   bool is_between = false;

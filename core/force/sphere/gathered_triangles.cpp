@@ -4,34 +4,34 @@ namespace hapton {
 
 bool GatheredTriangles::is_clear(const Vec3& c, double short_by, int& work) noexcept {
   bool clear = true;
-  near_.visit_near(c, c, clearance_.offset - short_by, [&](int slot) {
+  visit_near(c, c, clearance_.offset - short_by, [&](int slot) {
     if (!clear) return;
     ++work;
-    const ContactTriangle& shape = near_.shape(slot);
-    clear = shape.separation(c).distance >= clearance_.offset - short_by || !can_touch(near_.triangle(slot), shape, c);
+    const ContactTriangle& near = shape(slot);
+    clear = near.separation(c).distance >= clearance_.offset - short_by || !can_touch(triangle(slot), near, c);
   });
   return clear;
 }
 
 bool GatheredTriangles::is_clear_here(const Vec3& c, double short_by, int& work) noexcept {
-  return (near_.covers(c, clearance_.offset) || gather(c, Vec3::Zero(), work)) && is_clear(c, short_by, work);
+  return reach(c, clearance_.offset, work) && is_clear(c, short_by, work);
 }
 
 bool GatheredTriangles::cover(const CentrePath& path, double& until, int& work) noexcept {
   constexpr int kMaxHalvings = 40;  // of the path; then it cannot be covered
   const double room = clearance_.offset + path.bulge() + 2.0 * clearance_.slop;
   const Vec3 end = path.at(until);
-  if (near_.covers(path.start(), room) && near_.covers(end, room)) return true;
+  if (covers(path.start(), room) && covers(end, room)) return true;
   if (!gather(path.start(), end - path.start(), work)) return false;
   for (int i = 0; i < kMaxHalvings; ++i, until *= 0.5) {
-    if (near_.covers(path.start(), room) && near_.covers(path.at(until), room)) return true;
+    if (covers(path.start(), room) && covers(path.at(until), room)) return true;
   }
   return false;
 }
 
 // Whether a ball of half that radius would hold nearly as many triangles: of even ones it would hold half, of slivers side by side seven
 // tenths, and at the tip of a fan all. Then a wider ball gathers fewer on the way.
-bool GatheredTriangles::are_slivers(double radius) const noexcept { return near_.share_within(clearance_.offset + 0.5 * radius) > 0.625; }
+bool GatheredTriangles::are_slivers(double radius) const noexcept { return share_within(clearance_.offset + 0.5 * radius) > 0.625; }
 
 // The ball's centre lies ahead on the path. Its radius is adapted so that it holds some dozens of triangles.
 bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) noexcept {
@@ -62,9 +62,9 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
     const Vec3 ahead = length > 0.0 ? Vec3(towards * (0.6 * radius_ / length)) : Vec3::Zero();
     int queried = 0;
     ++gathered_;
-    const bool fits = near_.gather(geometry_, c + ahead, clearance_.offset + radius_ + 4.0 * clearance_.slop, queried,
-                                   is_guess ? kMaxFew : NearTriangles::kCapacity);
-    const int in_fans = near_.queried_in_fans();
+    const bool fits = NearTriangles::gather(geometry_, c + ahead, clearance_.offset + radius_ + 4.0 * clearance_.slop, queried,
+                                            is_guess ? kMaxFew : NearTriangles::kCapacity);
+    const int in_fans = queried_in_fans();
     work += queried + queried / 4 - in_fans + in_fans / 4;  // in a large mesh each of the others waits for memory
     if (!fits) {
       has_room = is_guess || radius_ > least;
@@ -78,11 +78,11 @@ bool GatheredTriangles::gather(const Vec3& c, const Vec3& towards, int& work) no
       }
       continue;
     }
-    last_count_ = near_.count();
+    last_count_ = count();
     // Where the tree visits many triangles for each one that is near, as among slivers, a wider ball saves most.
     const int few = std::max(kFew, std::min(queried / 8, kMaxFew));
-    if (near_.count() < few) radius_ = std::min((near_.count() < few / 4 ? kMuchWider : kWider) * radius_, kWidest);
-    if (near_.count() > 3 * few) {
+    if (count() < few) radius_ = std::min((count() < few / 4 ? kMuchWider : kWider) * radius_, kWidest);
+    if (count() > 3 * few) {
       const double wider = std::max(given, std::min(kWider * radius_, kWidestOfSlivers * clearance_.offset));
       const double smaller = std::max(kLess * radius_, std::min(radius_, enough));
       if (overflows == 0) radius_ = are_slivers(radius_) ? wider : smaller;

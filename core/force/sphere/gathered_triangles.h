@@ -13,11 +13,11 @@
 namespace hapton {
 
 // The triangles around a sphere's centre, gathered once for many steps (NearTriangles), with a radius that adapts itself so that they are
-// some dozens, and what they let the centre do. Slots are those of NearTriangles, and are valid until the next call of gather(), cover() or
-// is_clear_here().
+// some dozens, and what they let the centre do. Slots are those of NearTriangles, and are valid until the next call of gather(), reach(),
+// cover() or is_clear_here().
 //
 // Frame and units: TouchGeometry's local ones. RT: yes. `work`: is raised by the units of work (step_work.h). `c`: the centre.
-class GatheredTriangles {
+class GatheredTriangles : public NearTriangles {
  public:
   // `materials`: one for each object. Both outlive this object. `least_radius`: of a gathered ball, beyond the offset.
   GatheredTriangles(const TouchGeometry& geometry, std::span<const Material> materials, const Clearance& clearance, double least_radius)
@@ -30,21 +30,13 @@ class GatheredTriangles {
     return material(triangle).two_sided || shape.normal().dot(p - shape.corner(0)) > 0.0;
   }
 
-  int count() const { return near_.count(); }
-  std::uint32_t triangle(int slot) const { return near_.triangle(slot); }
-  const ContactTriangle& shape(int slot) noexcept { return near_.shape(slot); }  // as NearTriangles::shape
-  double distance_bound(int slot, const Vec3& p) const { return near_.distance_bound(slot, p); }
-  bool covers(const Vec3& p, double distance) const { return near_.covers(p, distance); }
-  double room_at(const Vec3& p) const { return near_.room_at(p); }
-  bool is_central(const Vec3& p) const { return near_.is_central(p); }
-  template <class Visit>
-  void visit_near(const Vec3& p, const Vec3& q, double distance, Visit&& visit) const {
-    near_.visit_near(p, q, distance, visit);
-  }
-
   // Gathers a ball whose centre lies ahead in the direction `towards`. False: within the least radius there are too many triangles. Then it
   // is not tried again before the centre has gone some way.
   bool gather(const Vec3& c, const Vec3& towards, int& work) noexcept;
+  // Whether the gathered triangles cover a ball around the centre; if not, they are gathered there.
+  bool reach(const Vec3& c, double distance, int& work) noexcept {
+    return covers(c, distance) || (gather(c, Vec3::Zero(), work) && covers(c, distance));
+  }
   // The next ball has at least that radius beyond the offset.
   void widen(double radius) { radius_ = std::max(radius_, radius); }
   // Gathers triangles so that they cover the path, or its beginning up to that time.
@@ -57,7 +49,7 @@ class GatheredTriangles {
 
   // The set of triangles has changed: gather them again.
   void clear() {
-    near_.clear();
+    NearTriangles::clear();
     crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());
   }
   // As constructed, except for the counter.
@@ -75,7 +67,6 @@ class GatheredTriangles {
   std::span<const Material> materials_;
   Clearance clearance_;
   double least_radius_;
-  NearTriangles near_;
   Vec3 crowd_ = Vec3::Constant(std::numeric_limits<double>::infinity());  // where there were too many triangles to gather
   int last_count_ = 0;                                                    // triangles the last time
   double radius_ = 0.0;                                                   // of the next ball, beyond the offset; 0: none yet

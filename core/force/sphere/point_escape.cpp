@@ -243,7 +243,7 @@ Vec3 SphereFollower::find_lift(double height) noexcept {
   std::array<ContactPlane, kMaxNear> planes;
   int count = 0;
   const double near = 2.0 * height;
-  if (!near_.covers(centre_, near) && (!near_.gather(centre_, Vec3::Zero(), work_) || !near_.covers(centre_, near))) return Vec3::Zero();
+  if (!near_.reach(centre_, near, work_)) return Vec3::Zero();
   near_.visit_near(centre_, centre_, near, [&](int slot) {
     const ContactTriangle& shape = near_.shape(slot);
     const Separation at = shape.separation(centre_);

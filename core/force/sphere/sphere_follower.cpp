@@ -22,7 +22,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
   is_carried_ = false;
   has_lost_minimum_ = false;
   hint_ = Vec3::Zero();
-  if (!near_.covers(centre_, clearance().offset + 2.0 * clearance().tolerance) && !near_.gather(centre_, Vec3::Zero(), work_)) return false;
+  if (!near_.reach(centre_, clearance().offset + 2.0 * clearance().tolerance, work_)) return false;
   if (!near_.is_clear(centre_, short_by + clearance().slop, work_)) return false;
   is_tracking_ = true;
   if (is_free) return true;
