@@ -29,16 +29,10 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
   // At the end of a groove, where no direction leads nearer by more than rounding, the point stays.
   if (steepest.slope < -corner().least_exit(pull)) return corner_.cone.is_reentrant() && leave_reentrant_corner(device, motion);
   for (int i = 0; i < kMaxDirections && steepest.slope > corner().least_exit(pull); ++i) {
-    const auto pass = [&](double radius) {
+    const auto pass = [&](double radius, bool is_higher) {
       return try_escape(device, motion, [&] {
         const std::optional<Vec3> target = corner().find_past(steepest, radius);
-        return target && move_past_corner(*target, radius);
-      });
-    };
-    const auto pass_higher = [&](double radius) {
-      return try_escape(device, motion, [&] {
-        const std::optional<Vec3> target = corner().find_past(steepest, radius);
-        if (!target) return false;
+        if (!target || !is_higher) return target && move_past_corner(*target, radius);
         const Vec3 below = corner_.cone.apex() + radius * steepest.direction;
         const Vec3 off = kAboveCopies * (*target - below);
         return CornerExit::kMaxOff * off.norm() < radius && move_past_corner(below + off, radius);
@@ -46,15 +40,15 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
     };
     for (const double offsets : kPathRadii) {
       const double radius = offsets * clearance().offset;
-      if (pass(radius)) return true;
+      if (pass(radius, false)) return true;
       for (const bool ahead : {true, false}) {
         if (try_escape(device, motion, [&] { return fly_around_corner(steepest, radius, ahead); })) return true;
       }
-      if (pass_higher(radius)) return true;
+      if (pass(radius, true)) return true;
     }
     // In so narrow a slit the sphere fits only farther from the apex.
     const double room = 1.25 * CornerExit::kMaxOff * corner().distance_off_edge(steepest);
-    if (room > kPathRadii[2] * clearance().offset && pass(room)) return true;
+    if (room > kPathRadii[2] * clearance().offset && pass(room, false)) return true;
     steepest = corner_.cone.find_steepest(pull, steepest.slope);
   }
   return false;
@@ -169,18 +163,13 @@ bool SphereFollower::fly_around_corner(const TangentCone::Steepest& to, double r
   const TangentCone::Piece& last = boundary[to.piece];
   const bool is_edge = to.direction == last.to;
   if (!go(radius * boundary[0].from + above * boundary[0].normal)) return false;
-  if (ahead) {
-    for (int i = 0; i < to.piece; ++i) {
-      if (!fly_over_piece(boundary[i], boundary[i].from, boundary[i].to) || !fly_about_edge(boundary[i], true)) return false;
-    }
-    if (!fly_over_piece(last, last.from, to.direction)) return false;
-  } else {
-    for (int i = count - 1; i > to.piece; --i) {
-      const TangentCone::Piece& piece = boundary[i];
-      if (!fly_over_piece(piece, piece.to, piece.from) || !fly_about_edge(boundary[i - 1], false)) return false;
-    }
-    if (!fly_over_piece(last, last.to, to.direction)) return false;
+  const auto begin_of = [&](const TangentCone::Piece& piece) { return ahead ? piece.from : piece.to; };
+  for (int i = ahead ? 0 : count - 1; i != to.piece; i += ahead ? 1 : -1) {
+    const TangentCone::Piece& piece = boundary[i];
+    if (!fly_over_piece(piece, begin_of(piece), ahead ? piece.to : piece.from)) return false;
+    if (!fly_about_edge(ahead ? piece : boundary[i - 1], ahead)) return false;
   }
+  if (!fly_over_piece(last, begin_of(last), to.direction)) return false;
   return is_edge ? !ahead || fly_about_edge(last, true) : go(radius * to.direction + above * last.normal);
 }
 
