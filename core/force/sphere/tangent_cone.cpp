@@ -104,10 +104,11 @@ Vec3 TangentCone::find_end(int arc, bool ahead, const Vec3& from) const {
   return stop;
 }
 
-// The first arc met by a rotation about `at` from `back` through `up`. Sheets that cross at a small angle are one within rounding for a
-// long way, so nothing leads into the slit between them; the wedge between two that meet at the end of one has an exact tip.
-TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
-  Turn first;
+// From one piece to the next at the direction `at`: the first arc met by a rotation about `at` from `back` through `up`. Sheets that cross
+// at a small angle are one within rounding for a long way, so nothing leads into the slit between them; the wedge between two that meet at
+// the end of one has an exact tip.
+TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
+  Turned first;
   first.opening = std::numeric_limits<double>::infinity();
   for (int j = 0; j < arc_count_; ++j) {
     const Arc& arc = arcs_[j];
@@ -121,9 +122,12 @@ TangentCone::Turn TangentCone::find_turn(const Vec3& at, const Vec3& back, const
       const bool is_tip = (is_end || begins || ends) && std::fabs(arc.normal.dot(at)) <= kSameDirection * angle;
       if (angle <= (is_tip ? kSameDirection : kClosed)) angle += 2.0 * std::numbers::pi;
       if (angle >= first.opening) continue;
-      first = {j, ahead, angle};
+      first = {{.arc = j, .ahead = ahead, .from = at}, angle};
     }
   }
+  if (first.walk.arc < 0) return {};
+  const Vec3 to_free = std::sin(first.opening) * back - std::cos(first.opening) * up;
+  first.walk.on_normal = arcs_[first.walk.arc].normal.dot(to_free) > 0.0;
   return first;
 }
 
@@ -155,20 +159,11 @@ bool TangentCone::find_start(const Vec3& inside, Walk& start) const {
   return start.arc >= 0;
 }
 
-// From one piece to the next at the direction `at`.
-TangentCone::Turned TangentCone::turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const {
-  const Turn turn = find_turn(at, back, up, is_end);
-  if (turn.arc < 0) return {};
-  const Vec3 to_free = std::sin(turn.opening) * back - std::cos(turn.opening) * up;
-  return {{turn.arc, turn.ahead, arcs_[turn.arc].normal.dot(to_free) > 0.0, at}, turn.opening};
-}
-
 // The piece at which the walk was here before; -1: none.
 int TangentCone::find_again(const Walk& here) const {
   for (int i = 1; i < piece_count_; ++i) {
     const Walk& before = walks_[i];
-    const bool is_same = before.arc == here.arc && before.ahead == here.ahead && before.on_normal == here.on_normal;
-    if (is_same && (before.from - here.from).norm() <= 2.0 * kSameDirection) return i;
+    if (before.is_along(here) && (before.from - here.from).norm() <= 2.0 * kSameDirection) return i;
   }
   return -1;
 }
@@ -207,7 +202,7 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
     piece.from = here.from;
     piece.to = find_end(here.arc, here.ahead, here.from);
     piece.normal = here.on_normal ? own.normal : Vec3(-own.normal);
-    const bool is_again = piece_count_ > 1 && here.arc == start.arc && here.ahead == start.ahead && here.on_normal == start.on_normal;
+    const bool is_again = piece_count_ > 1 && here.is_along(start);
     if (is_again && (here.from - start.from).norm() <= 2.0 * kSameDirection) {  // the loop is closed
       --piece_count_;
       return true;

@@ -57,18 +57,13 @@ class TangentCone {
   struct Arc {
     Vec3 a, b, normal;  // a x b
   };
-  struct Turn {
-    int arc = -1;
-    bool ahead = true;  // towards its b
-    double opening = 0.0;
-  };
-
   // A position on the boundary and how it is followed from there.
   struct Walk {
     int arc = -1;
     bool ahead = true;      // towards its b
     bool on_normal = true;  // the normal of the arc points to the free side
     Vec3 from = Vec3::Zero();
+    bool is_along(const Walk& other) const { return arc == other.arc && ahead == other.ahead && on_normal == other.on_normal; }
   };
   struct Turned {
     Walk walk;
@@ -82,7 +77,6 @@ class TangentCone {
   bool add_arcs(const ContactTriangle& shape, double near);
   static bool is_on(const Arc& arc, const Vec3& direction);
   Vec3 find_end(int arc, bool ahead, const Vec3& from) const;
-  Turn find_turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
   Turned turn(const Vec3& at, const Vec3& back, const Vec3& up, bool is_end) const;
   bool find_start(const Vec3& inside, Walk& start) const;
   int find_again(const Walk& here) const;
