@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -76,7 +77,7 @@ CentrePath CentrePath::curved(const Vec3& from, const Vec3& to, const Vec3& slop
 Vec3 CentrePath::at(double time) const noexcept {
   if (time >= 1.0) return end_;
   if (time <= 0.0) return start_;
-  Vec3 p = start_ + time * (rate_[0] + time * (rate_[1] + time * rate_[2]));
+  Vec3 p = cubic_at(time);
   if (guide_count_ > 0) project_onto_guides(p);
   return p;
 }
@@ -146,29 +147,23 @@ CentrePath::Prefix CentrePath::prefix(double until) const noexcept {
 
 double CentrePath::time_to_cross(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept {
   const Plane plane{origin, direction, margin};
-  Range range{from, until, plane.height(at(from)), plane.height(at(until))};
-  if (!(range.at_high > 0.0)) {
-    if (std::max(range.at_low, range.at_high) + bulge() * direction.norm() < 0.0) return kNever;
-    range.high = find_turning_point(direction, from, until);
-    range.at_high = range.high < until ? plane.height(at(range.high)) : range.at_high;
-  }
-  return find_crossing(plane, range);
+  return find_crossing(plane, {from, until, plane.height(at(from)), plane.height(at(until))});
 }
 
 double CentrePath::time_to_cross(const Vec3& origin, const Vec3& direction, double margin, const Prefix& prefix) const noexcept {
   const Plane plane{origin, direction, margin};
-  Range range{0.0, prefix.until, plane.height(start_), plane.height(prefix.end)};
-  if (!(range.at_high > 0.0)) {
-    // Both ends are below the plane: the path can only cross it where it turns back.
-    if (is_straight() || !(direction.dot(rate_[0]) > 0.0) || !(direction.dot(prefix.slope) < 0.0)) return kNever;
-    if (std::max(range.at_low, range.at_high) + bulge() * direction.norm() < 0.0) return kNever;
-    range.high = find_turning_point(direction, 0.0, prefix.until);
-    range.at_high = range.high < prefix.until ? plane.height(at(range.high)) : range.at_high;
-  }
-  return find_crossing(plane, range);
+  const Range range{0.0, prefix.until, plane.height(start_), plane.height(prefix.end)};
+  const auto turns_back = [&] { return !is_straight() && direction.dot(rate_[0]) > 0.0 && direction.dot(prefix.slope) < 0.0; };
+  return range.at_high > 0.0 || turns_back() ? find_crossing(plane, range) : kNever;
 }
 
+// Where both ends are below the plane, the path can only cross it before it turns back.
 double CentrePath::find_crossing(const Plane& plane, Range range) const noexcept {
+  if (!(range.at_high > 0.0)) {
+    if (std::max(range.at_low, range.at_high) + bulge() * plane.direction.norm() < 0.0) return kNever;
+    const double until = std::exchange(range.high, find_turning_point(plane.direction, range.low, range.high));
+    if (range.high < until) range.at_high = plane.height(at(range.high));
+  }
   auto [low, high, at_low, at_high] = range;
   if (!(at_high > 0.0)) return kNever;
   if (at_low >= 0.0) return at_high > at_low ? low : kNever;
