@@ -113,8 +113,9 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
     const double share = share_in_fan_room(c, target - c);
     if (share < 1.0) target = c + share * (target - c);
     const CentrePath path = CentrePath::straight(c, target);
-    const FanExit exit = find_fan_exit(face, path);
-    if (exit.edge < 0) {
+    PathEvents::Exit exit;
+    const double leaves = PathEvents::time_off_face(path, face.shape, 0.0, 1.0, exit);
+    if (leaves >= kNever) {
       c = target;
       if (!settles) time += share * (until - time);
       if (!settles || share < 1.0) break;
@@ -122,9 +123,9 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
       continue;
     }
     until = time + share * (until - time);
-    Vec3 next = path.at(exit.time);
-    const double then = settles ? time : time + exit.time * (until - time);
-    if (!cross_fan_edge(on, exit.edge, on_path(from, to, then), face, next)) break;
+    Vec3 next = path.at(leaves);
+    const double then = settles ? time : time + leaves * (until - time);
+    if (!cross_fan_edge(on, exit.index, on_path(from, to, then), face, next)) break;
     c = next;
     time = then;
     settles = true;
@@ -134,17 +135,6 @@ bool LargeFan::cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& t
   on.is_descending = settles;
   const bool has_moved = (on.centre - start).norm() > LocalMinimum::kMinMotion;
   return has_moved || (time - began) * (to - from).norm() > LocalMinimum::kMinMotion;
-}
-
-// Where a path over a face of a fan leaves it.
-LargeFan::FanExit LargeFan::find_fan_exit(const OffsetContact& face, const CentrePath& path) const noexcept {
-  FanExit exit;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 outwards = face.shape.edge(k).cross(face.shape.normal()) / face.shape.length(k);
-    const double time = path.time_to_cross(face.shape.corner(k), outwards, PathEvents::kOnBoundary, 0.0, 1.0);
-    if (time < exit.time) exit = {time, k};
-  }
-  return exit;
 }
 
 // Rolls over an edge to the next face of the fan. False, and nothing has changed: that face is in no such fan, or the device would hold the

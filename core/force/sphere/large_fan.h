@@ -43,11 +43,6 @@ class LargeFan {
   void forget() { room_.room = -1.0; }
 
  private:
-  // Where a path over a face of a fan leaves it, and through which edge; -1: it does not.
-  struct FanExit {
-    double time = 2.0;
-    int edge = -1;
-  };
   // Nothing but the fan around a tip comes nearer to the sphere than it is allowed to while its centre is that near to a place.
   struct FanRoom {
     Vec3 tip = Vec3::Zero();
@@ -75,7 +70,6 @@ class LargeFan {
   bool is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, const Vec3& towards) noexcept;
   double share_in_fan_room(const Vec3& c, const Vec3& motion) const noexcept;
   bool cross_convex_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept;
-  FanExit find_fan_exit(const OffsetContact& face, const CentrePath& path) const noexcept;
   bool cross_fan_edge(const SphereOnFan& on, int edge, const Vec3& device, OffsetContact& face, Vec3& c) const noexcept;
   bool cross_hollow_fan(SphereOnFan& on, const Vec3& from, const Vec3& to, double& time) noexcept;
   static void move_in_hollow_fan(SphereOnFan& on, const HollowPlace& place, bool descends) noexcept;

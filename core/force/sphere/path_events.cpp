@@ -102,15 +102,7 @@ bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetC
     const double here = event.time;
     if (!find_level_face(contact, event.exit.index, path.at(here), level)) return true;
     Exit exit;
-    double then = kNever;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3& origin = level.shape.corner(k);
-      const Vec3 direction = level.shape.edge(k).cross(level.shape.normal()) / level.shape.length(k);
-      const double time = path.time_to_cross(origin, direction, kOnBoundary, here, until);
-      if (!(time < then)) continue;
-      then = time;
-      exit = {origin, direction, -1, k, Feature::edge};
-    }
+    const double then = time_off_face(path, level.shape, here, until, exit);
     const bool leaves = then <= until;
     if (!is_level_at(level, path.at(leaves ? then : until))) return true;
     contact = level;
@@ -119,6 +111,18 @@ bool PathEvents::cross_level_faces(const CentrePath& path, double until, OffsetC
     event.exit = exit;
   }
   return true;
+}
+
+double PathEvents::time_off_face(const CentrePath& path, const ContactTriangle& face, double from, double until, Exit& exit) noexcept {
+  double first = kNever;
+  for (int k = 0; k < 3; ++k) {
+    const Exit over = edge_of(face, k);
+    const double time = path.time_to_cross(over.origin, over.direction, kOnBoundary, from, until);
+    if (!(time < first)) continue;
+    first = time;
+    exit = over;
+  }
+  return first;
 }
 
 // The face beyond an edge, if its plane is the same within rounding where the centre at c crosses over to it. The normals of two needles in
@@ -240,7 +244,7 @@ template <class Visit>
 void PathEvents::visit_exits(const OffsetContact& contact, Visit&& visit) noexcept {
   const ContactTriangle& own = contact.shape;
   if (contact.part == Feature::face) {
-    for (int k = 0; k < 3; ++k) visit(Exit{own.corner(k), own.edge(k).cross(own.normal()) / own.length(k), -1, k, Feature::edge});
+    for (int k = 0; k < 3; ++k) visit(edge_of(own, k));
     return;
   }
   if (contact.part == Feature::edge) {
@@ -305,9 +309,9 @@ bool PathEvents::is_clear_over_face(const Vec3& c, const Vec3& end, const Vec3& 
   };
   const ContactTriangle& face = contacts_[0].shape;
   for (int k = 0; k < 3; ++k) {
-    const Vec3 out = face.edge(k).cross(face.normal()) / face.length(k);
-    const double height = out.dot(c - face.corner(k)) + most_from_start(out);
-    const double height_by_end = out.dot(end - face.corner(k)) + most_from_end(out);
+    const Exit over = edge_of(face, k);
+    const double height = over.direction.dot(c - over.origin) + most_from_start(over.direction);
+    const double height_by_end = over.direction.dot(end - over.origin) + most_from_end(over.direction);
     if (!(std::min(height, height_by_end) <= kOnBoundary)) return false;
   }
   const double near = contacts_.offset() + 0.5 * chord * direction.cross(direction_there).norm() + contacts_.clearance().slop;

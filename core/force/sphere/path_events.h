@@ -73,6 +73,12 @@ class PathEvents {
   // Whether the centre at c is in contact with a face within rounding.
   bool is_level_at(const OffsetContact& face, const Vec3& c) const noexcept;
   static bool is_over(const ContactTriangle& shape, const Vec3& c) noexcept;
+  // The way out of a face over its edge k.
+  static Exit edge_of(const ContactTriangle& face, int k) noexcept {
+    return {face.corner(k), face.edge(k).cross(face.normal()) / face.length(k), -1, k, Feature::edge};
+  }
+  // When a path over a face leaves it between these times, and over which edge; kNever: it does not.
+  static double time_off_face(const CentrePath& path, const ContactTriangle& face, double from, double until, Exit& exit) noexcept;
 
  private:
   static constexpr double kCoplanar = 0x1p-50;  // distance between planes that counts as rounding

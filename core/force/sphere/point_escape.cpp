@@ -112,7 +112,7 @@ bool SphereFollower::leave_slit_sideways(const Vec3& device, const Vec3& motion)
   for (int i = 0; i < contacts_.active_count(); ++i) {
     const ContactTriangle face = contacts_[i].shape;
     for (int k = 0; k < 3 && !face.normal().isZero(0.0); ++k) {
-      const Vec3 outwards = face.edge(k).cross(face.normal()) / face.length(k);
+      const Vec3 outwards = PathEvents::edge_of(face, k).direction;
       if (!(std::fabs(outwards.dot(centre_ - face.corner(k))) <= kBalance)) continue;
       const auto go = [&] {
         fly_straight(kBeyond * clearance().offset * outwards, 0.0);

@@ -15,7 +15,7 @@ bool SphereFollower::roll_off_face() noexcept {
   const OffsetContact held_by = contacts_[0];
   const ContactTriangle& face = held_by.shape;
   for (int k = 0; k < 3; ++k) {
-    const Vec3 outwards = face.edge(k).cross(face.normal()) / face.length(k);
+    const Vec3 outwards = PathEvents::edge_of(face, k).direction;
     if (!(std::fabs(outwards.dot(centre_ - face.corner(k))) <= kBalance)) continue;
     ++corner_tries_;  // it may balance at the next place as well
     hint_ = outwards;
