@@ -12,7 +12,168 @@ namespace {
 
 constexpr double kAtMinimum = LocalMinimum::kAtMinimum;
 
+// When a multiplier reaches zero that is `at_begin` at first, and negative at the end. That of a new contact begins at zero, and may rise
+// before it falls to zero again.
+template <class Value>
+double find_release(double begin, double at_begin, double end, double at_end, Value&& multiplier) {
+  constexpr int kMaxGrowing = 8;         // quarterings of the leg, to find where a new multiplier has risen
+  constexpr double kNearZero = 0x1p-50;  // rounding of a multiplier
+  double low = begin;
+  for (int k = 1; k <= kMaxGrowing && at_begin <= kAtMinimum; ++k) {
+    const double then = begin + std::ldexp(end - begin, -2 * k);
+    const double grown = multiplier(then);
+    if (!(grown > kAtMinimum)) continue;
+    low = then;
+    at_begin = grown;
+  }
+  return find_zero(low, at_begin, end, at_end, kNearZero, multiplier);
+}
+
 }  // namespace
+
+double MinimumLegs::time_on_curve(const Vec3& from, const Vec3& to) const noexcept {
+  ContactFrame frame;
+  if (!contacts_.find_frame(centre_, frame)) return 0.0;
+  const double pace = frame.along.dot(to - from);
+  return pace != 0.0 ? frame.along.dot(centre_ - from) / pace : 0.0;
+}
+
+// A piece of the curve where two offset surfaces meet, by length: near the end of a minimum the centre moves ever faster, and a piece made
+// by time would have to be ever shorter. Until the device arrives, or to where the minimum vanishes or a multiplier reaches zero.
+class MinimumLegs::CurveSearch {
+ public:
+  CurveSearch(const MinimumLegs& legs, const Vec3& from, const Vec3& to, double time) noexcept
+      : legs_(legs), from_(from), to_(to), time_(time) {}
+
+  // False: the device moves across the curve, or the curve is too sharp.
+  bool make(MinimumLeg& leg) noexcept {
+    if (!begin() || !find_length() || !end_where_it_vanishes(leg)) return false;
+    leg.time = std::clamp(end_.time, time_, 1.0);
+    leg.released = -1;
+    for (int i = 0; i < 2; ++i) {
+      if (!end_at_release(i, leg)) return false;
+    }
+    make_path(leg);
+    return true;
+  }
+
+ private:
+  struct Place {
+    Vec3 centre = Vec3::Zero();
+    ContactFrame frame;
+    Vec3 along = Vec3::Zero();  // unit, in the direction of travel
+    double time = 0.0;          // of the device when this is its minimum
+    double stability = 0.0;     // then
+  };
+
+  // False: the device moves across the curve, or there is no minimum.
+  bool begin() noexcept {
+    constexpr double kMinPace = 0x1p-10;  // of the device's speed, along the curve
+    if (!legs_.contacts_.find_frame(legs_.centre_, here_)) return false;
+    const double pace = here_.along.dot(motion_);
+    if (!(std::fabs(pace) > kMinPace * motion_.norm())) return false;
+    sense_ = pace < 0.0 ? -1.0 : 1.0;
+    direction_ = sense_ * here_.along;
+    return legs_.minimum_.find_stability(here_, legs_.centre_, on_path(from_, to_, time_)) > LocalMinimum::kMinStability;
+  }
+
+  // The place that far along the curve. It is the minimum when the device is level with it: a linear equation for the time. False: the
+  // curve turns too far, or does not lead there.
+  bool find(double ahead, Place& place) const noexcept {
+    place.centre = legs_.centre_ + ahead * direction_;
+    if (!legs_.contacts_.restore_to_frame(place.centre, place.frame, legs_.work_)) return false;
+    const Vec3 chord = place.centre - legs_.centre_;
+    if (!(direction_.dot(chord) > 0.5 * chord.norm())) return false;
+    place.along = sense_ * place.frame.along;
+    if (!(place.along.dot(direction_) > 1.0 - 2.0 * LocalMinimum::kTurn * LocalMinimum::kTurn))
+      return false;  // opposite: the curve on the other side of a crest
+    const double pace = place.along.dot(motion_);
+    place.time = pace > 0.0 ? place.along.dot(place.centre - from_) / pace : std::numeric_limits<double>::infinity();
+    const Vec3 device = from_ + std::min(place.time, 1.0) * motion_;
+    place.stability = legs_.minimum_.find_stability(place.frame, place.centre, device);
+    return true;
+  }
+
+  bool go(double ahead) noexcept { return find(ahead, end_); }
+  // `value` of the place that far ahead; NaN: the curve does not lead there.
+  template <class Value>
+  auto after(Value&& value) noexcept {
+    return [this, value](double ahead) { return go(ahead) ? value(end_) : std::numeric_limits<double>::quiet_NaN(); };
+  }
+
+  double left(const Place& place) const noexcept { return (1.0 - place.time) / (1.0 - time_); }
+  // Zero where the minimum vanishes or the device arrives.
+  double room(const Place& place) const noexcept { return std::max(-1.0, std::min(place.stability, left(place))); }
+
+  // As far as a piece may turn, less where the curve is not smooth enough. False: it is too sharp.
+  bool find_length() noexcept {
+    constexpr int kMaxHalvings = 8;
+    length_ = legs_.minimum_.longest_on_curve(here_, direction_);
+    for (int i = 0; i < kMaxHalvings; ++i, length_ *= 0.5) {
+      Place middle;
+      if (!find(0.5 * length_, middle) || !go(length_)) continue;
+      if (!(room(middle) > 0.0)) continue;
+      if (!(room(end_) > 0.0) || (time_ < middle.time && middle.time < end_.time)) return true;
+    }
+    return false;
+  }
+
+  // Ends the piece earlier, or where the device arrives.
+  bool end_where_it_vanishes(MinimumLeg& leg) noexcept {
+    constexpr double kNearZero = 0x1p-30;  // of a share of what is left
+    if (room(end_) > 0.0) return true;
+    length_ = find_zero(0.0, 1.0, length_, room(end_), kNearZero, after([this](const Place& place) { return room(place); }));
+    if (!go(length_)) return false;
+    leg.vanishes = end_.stability < left(end_);
+    if (!leg.vanishes && legs_.minimum_.solve(to_, end_.centre, legs_.work_) && legs_.contacts_.find_frame(end_.centre, end_.frame)) {
+      end_.time = 1.0;
+      end_.along = sense_ * end_.frame.along;
+    }
+    return true;
+  }
+
+  // Where the multiplier of that contact reaches zero. False: the curve does not lead there.
+  bool end_at_release(int contact, MinimumLeg& leg) noexcept {
+    const auto multiplier = [&](const Place& place) {
+      return place.frame.dual[contact].dot(place.centre - on_path(from_, to_, place.time));
+    };
+    const double at_end = multiplier(end_);
+    if (!(at_end < -LocalMinimum::kAtMinimum)) return true;
+    const double at_begin = std::max(0.0, here_.dual[contact].dot(legs_.centre_ - on_path(from_, to_, time_)));
+    length_ = find_release(0.0, at_begin, length_, at_end, after(multiplier));
+    leg.released = contact;
+    leg.vanishes = false;
+    if (length_ > 0.0) {
+      if (!go(length_)) return false;
+      leg.time = std::clamp(end_.time, time_, 1.0);
+    } else {
+      end_.centre = legs_.centre_;
+      end_.along = direction_;
+      leg.time = time_;
+    }
+    return true;
+  }
+
+  void make_path(MinimumLeg& leg) const noexcept {
+    const Vec3& centre = legs_.centre_;
+    const double chord = (end_.centre - centre).norm();
+    leg.is_on_curve = true;
+    leg.path = chord > 0.0 ? CentrePath::curved(centre, end_.centre, chord * direction_, chord * end_.along)
+                           : CentrePath::straight(centre, end_.centre);
+    if (chord > 0.0) legs_.contacts_.guide(leg.path);
+  }
+
+  const MinimumLegs& legs_;
+  const Vec3& from_;
+  const Vec3& to_;
+  const double time_;  // where the piece begins
+  const Vec3 motion_ = to_ - from_;
+  ContactFrame here_;   // at the start
+  Vec3 direction_;      // unit, of the curve there
+  double sense_ = 1.0;  // of that direction: 1 as the frame's there, -1 opposite
+  double length_ = 0.0;
+  Place end_;
+};
 
 bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept {
   constexpr int kMaxHalvings = 40;          // then there is no leg
@@ -58,7 +219,7 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
     leg.time = span >= 1.0 - time ? 1.0 : time + span;
     end = centre_;
     if (minimum_.solve(on_path(from, to, leg.time), end, work_) && (is_straight || is_even(end, leg.time))) break;
-    if (i == 0 && contacts_.active_count() == 2 && !is_straight && make_on_curve(from, to, time, leg)) return true;
+    if (i == 0 && contacts_.active_count() == 2 && !is_straight && CurveSearch(*this, from, to, time).make(leg)) return true;
     span *= 0.5;
   }
   if (!end_at_release(from, to, time, leg, end)) return false;
@@ -84,8 +245,6 @@ void MinimumLegs::make_on_axis(const Vec3& from, const Vec3& to, double time, Mi
 
 // The first multiplier that reaches zero ends the leg. `end`: the centre there.
 bool MinimumLegs::end_at_release(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg, Vec3& end) const noexcept {
-  constexpr double kNearZero = 0x1p-50;  // rounding of a multiplier
-  constexpr int kMaxGrowing = 8;         // quarterings of the leg, to find where a new multiplier has risen
   const auto multiplier = [&](const Vec3& c, const Vec3& at, int i) {
     ContactFrame frame;
     return contacts_.find_frame(c, frame) ? frame.dual[i].dot(c - at) : 0.0;
@@ -99,17 +258,8 @@ bool MinimumLegs::end_at_release(const Vec3& from, const Vec3& to, double time, 
       return minimum_.solve(on_path(from, to, then), c, work_) ? multiplier(c, on_path(from, to, then), i)
                                                                : std::numeric_limits<double>::quiet_NaN();
     };
-    double begin = time;
-    double at_start = std::max(0.0, multiplier(centre_, on_path(from, to, time), i));
-    // The multiplier of a new contact begins at zero, and may rise before it falls to zero again.
-    for (int k = 1; k <= kMaxGrowing && at_start <= kAtMinimum; ++k) {
-      const double then = time + std::ldexp(leg.time - time, -2 * k);
-      const double grown = multiplier_then(then);
-      if (!(grown > kAtMinimum)) continue;
-      begin = then;
-      at_start = grown;
-    }
-    const double zero = find_zero(begin, at_start, leg.time, at_end, kNearZero, multiplier_then);
+    const double at_start = std::max(0.0, multiplier(centre_, on_path(from, to, time), i));
+    const double zero = find_release(time, at_start, leg.time, at_end, multiplier_then);
     leg.released = i;
     leg.time = zero;
     end = centre_;

@@ -32,24 +32,9 @@ class MinimumLegs {
  private:
   // Along the curve where two contacts meet.
   class CurveSearch;
-  struct Course {
-    Vec3 from = Vec3::Zero(), motion = Vec3::Zero();  // of the device
-    Vec3 direction = Vec3::Zero();                    // unit, of the curve at the centre
-    double sense = 1.0;                               // of that direction: 1 as the frame's there, -1 opposite
-  };
-  // A place on that curve.
-  struct CurvePlace {
-    Vec3 centre = Vec3::Zero();
-    ContactFrame frame;
-    Vec3 along = Vec3::Zero();  // unit, in the direction of travel
-    double time = 0.0;          // of the device when this is its minimum
-    double stability = 0.0;     // then
-  };
 
   void make_on_axis(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept;
-  bool make_on_curve(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept;
   bool end_at_release(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg, Vec3& end) const noexcept;
-  bool find_on_curve(const Course& course, double ahead, CurvePlace& place) const noexcept;
 
   const ContactSet& contacts_;
   LocalMinimum minimum_;
