@@ -10,6 +10,7 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
+
 double DragLegs::most_uneven(double length) const noexcept {
   constexpr double kUneven = 0x1p-16;
   constexpr double kUnevenShare = 0x1p-20;

@@ -10,6 +10,7 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
+
 // The corner of a face's triangle in which a fan meets that is convex or hollow as seen by the sphere; -1: the face is in none.
 int LargeFan::fan_corner(const OffsetContact& face) const noexcept {
   const int convex = geometry_.convex_fan_corner(face.triangle, face.back);

@@ -11,6 +11,7 @@
 #include "core/math/straight_motion.h"
 
 namespace hapton {
+
 bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bool slides) noexcept {
   work_ = 0;
   is_tracking_ = false;
