@@ -68,16 +68,13 @@ bool ContactSet::find_active(const Vec3& c, const Vec3& pull, const Vec3& motion
 }
 
 bool ContactSet::is_held_twice(int i) const noexcept {
-  for (int k = 0; k < active_count_; ++k) {
-    if (k != i && contacts_[k].is_same_part(contacts_[i])) return true;
-  }
-  return false;
+  const OffsetContact& own = contacts_[i];
+  return std::ranges::any_of(active(), [&](const OffsetContact& other) { return &other != &own && other.is_same_part(own); });
 }
 
 bool ContactSet::touches_all(const Vec3& c) const noexcept {
   constexpr double kTouches = 0x1p-36;  // local units: far above rounding, 2^-51, and far below the contact offset, 2^-30
-  return std::all_of(contacts_.begin(), contacts_.begin() + count_,
-                     [&](const OffsetContact& contact) { return contact.proximity(c).distance <= clearance_.offset + kTouches; });
+  return std::ranges::all_of(all(), [&](const auto& contact) { return contact.proximity(c).distance <= clearance_.offset + kTouches; });
 }
 
 bool ContactSet::find_frame(const Vec3& c, ContactFrame& frame) const noexcept {
@@ -114,10 +111,9 @@ bool ContactSet::restore(Vec3& c, ContactFrame& frame, bool& has_normals, int& w
     for (int i = 0; i < active_count_; ++i) c += frame.short_by[i] * frame.dual[i];
     if (most <= 0x1p-26 * clearance_.offset && active_count_ == 1) return true;
   }
-  for (int i = 0; i < active_count_; ++i) {
-    if (!(std::fabs(clearance_.offset - contacts_[i].proximity(c).distance) <= clearance_.tolerance)) return false;
-  }
-  return true;
+  return std::ranges::all_of(active(), [&](const OffsetContact& contact) {
+    return std::fabs(clearance_.offset - contact.proximity(c).distance) <= clearance_.tolerance;
+  });
 }
 
 double ContactSet::find_most_opposite(const Vec3& c) const noexcept {
@@ -131,10 +127,9 @@ double ContactSet::find_most_opposite(const Vec3& c) const noexcept {
 }
 
 bool ContactSet::holds_part_of(const ObjectGeometry::Corners& corners, std::uint32_t triangle) const noexcept {
-  for (int i = 0; i < active_count_; ++i) {
-    if (contacts_[i].triangle == triangle || contacts_[i].is_shared_with(corners.a, corners.b, corners.c)) return true;
-  }
-  return false;
+  return std::ranges::any_of(active(), [&](const OffsetContact& contact) {
+    return contact.triangle == triangle || contact.is_shared_with(corners.a, corners.b, corners.c);
+  });
 }
 
 unsigned ContactSet::guiding_corners(const ContactTriangle& shape) const noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -30,6 +31,7 @@ class ContactSet {
   int count() const { return count_; }
   int active_count() const { return active_count_; }
   bool is_empty() const { return count_ == 0; }
+  bool is_flat() const { return std::ranges::none_of(active(), &OffsetContact::is_curved); }  // all active ones are on faces
   const OffsetContact& operator[](int i) const { return contacts_[i]; }
   OffsetContact& operator[](int i) { return contacts_[i]; }
   std::span<const OffsetContact> active() const { return std::span(contacts_).first(active_count_); }

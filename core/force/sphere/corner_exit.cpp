@@ -30,8 +30,7 @@ bool find_meeting(std::span<const OffsetContact> contacts, const Vec3& near, dou
   if (!(sum.determinant() > kMinVolume)) return false;
   const Vec3 off = sum.inverse() * right;
   meeting = near + off;
-  return std::all_of(contacts.begin(), contacts.end(),
-                     [&](const OffsetContact& contact) { return std::fabs(contact.proximity(meeting).distance) <= within; });
+  return std::ranges::all_of(contacts, [&](const auto& contact) { return std::fabs(contact.proximity(meeting).distance) <= within; });
 }
 
 }  // namespace
@@ -54,8 +53,7 @@ bool CornerExit::find_apex(Vec3& apex) const noexcept {
   if (any) return true;
   ContactFrame frame;
   if (contacts_.active_count() != 3 || !contacts_.find_frame(centre_, frame)) return false;
-  const auto is_face = [](const OffsetContact& contact) { return contact.part == Feature::face; };
-  if (!std::all_of(contacts_.active().begin(), contacts_.active().end(), is_face)) {
+  if (!contacts_.is_flat()) {
     return find_common_corner(apex) || (find_meeting(contacts_.active(), centre_, 0.5 * kThrough * contacts_.offset(), apex) &&
                                         (apex - centre_).norm() <= kWedge * contacts_.offset());
   }
@@ -71,7 +69,7 @@ bool CornerExit::find_common_corner(Vec3& apex) const noexcept {
       return contact.shape.corner(0) == corner || contact.shape.corner(1) == corner || contact.shape.corner(2) == corner;
     };
     if (!((corner - centre_).norm() <= kWedge * contacts_.offset())) continue;
-    if (!std::all_of(contacts_.active().begin(), contacts_.active().end(), has_it)) continue;
+    if (!std::ranges::all_of(contacts_.active(), has_it)) continue;
     apex = corner;
     return true;
   }

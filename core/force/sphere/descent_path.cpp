@@ -80,8 +80,6 @@ CentrePath DescentPath::roll(const OffsetContact& contact, const Vec3& device, c
   return path;
 }
 
-// Along the curve where two offset surfaces meet. From a minimum that has vanished: along hint or against it, whichever leads nearer to
-// the device. False: neither does.
 bool DescentPath::descend_along_curve(const Vec3& device, const Vec3& hint, bool is_unstable, CentrePath& path) const noexcept {
   ContactFrame frame;
   if (!contacts_.find_frame(centre_, frame)) return false;
@@ -96,7 +94,7 @@ bool DescentPath::make_curve_piece(const Vec3& direction, double length, const V
                                    CentrePath& path) const noexcept {
   constexpr int kMaxHalvings = 24;       // of the first length; a shorter piece is none
   constexpr double kRounding = 0x1p-50;  // of a position, local units
-  const bool is_straight = !contacts_[0].is_curved() && !contacts_[1].is_curved();
+  const bool is_straight = contacts_.is_flat();
   ContactFrame here;
   if (!contacts_.find_frame(centre_, here)) return false;
   const double sense = here.along.dot(direction);

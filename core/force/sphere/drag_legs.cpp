@@ -20,8 +20,7 @@ double DragLegs::most_uneven(double length) const noexcept {
 }
 
 double DragLegs::rounding_of(const OffsetDrag::Pull& pull) const noexcept {
-  const bool is_curved = contacts_[0].is_curved() || (contacts_.active_count() > 1 && contacts_[1].is_curved());
-  return is_curved ? kPositionRounding * (pull.length + std::fabs(pull.depth)) / contacts_.offset() : 0.0;
+  return contacts_.is_flat() ? 0.0 : kPositionRounding * (pull.length + std::fabs(pull.depth)) / contacts_.offset();
 }
 
 class DragLegs::SlipSearch {

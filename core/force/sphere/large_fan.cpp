@@ -63,7 +63,7 @@ bool LargeFan::is_alone_with_fan(SphereOnFan& on, const OffsetContact& face, con
 bool LargeFan::touches_one_fan(const SphereOnFan& on) const noexcept {
   const auto vertex_of = [&](const OffsetContact& face) { return geometry_.corners(face.triangle).vertices[fan_corner(face)]; };
   const OffsetContact& first = on.contacts[0];
-  return std::all_of(on.contacts.all().begin(), on.contacts.all().end(), [&](const OffsetContact& other) {
+  return std::ranges::all_of(on.contacts.all(), [&](const OffsetContact& other) {
     return other.part == Feature::face && fan_corner(other) >= 0 && other.back == first.back &&
            geometry_.mesh_of(other.triangle) == geometry_.mesh_of(first.triangle) && vertex_of(other) == vertex_of(first);
   });
@@ -203,29 +203,26 @@ bool LargeFan::find_in_hollow_fan(SphereOnFan& on, const Vec3& device, HollowPla
   constexpr int kMaxRounds = 32;  // a bound on the work; then events go on
   std::array<ContactPlane, 4> planes;
   std::array<int, 4> of{};
-  std::size_t count = 0;
   ConstrainedMotion held;
   const Vec3 goal = device - on.centre;
   held.motion = goal;
   const auto height_of = [&](int plane, const Vec3& c) { return planes_[plane].normal.dot(c - room_.tip) - on.contacts.offset(); };
-  bool is_found = false;
-  for (int round = 0; round < kMaxRounds && !is_found; ++round) {
+  for (int round = 0;; ++round) {
+    if (round == kMaxRounds) return false;
     double height = 0.0;
     const int lowest = find_lowest_plane(on, on.centre + held.motion, height);
-    is_found = height >= -0.25 * on.contacts.clearance().slop;
-    if (is_found) break;
+    if (height >= -0.25 * on.contacts.clearance().slop) break;
     std::array<int, 4> next{};
-    std::size_t kept = 0;
+    int kept = 0;
     for (int i = 0; i < held.active_count; ++i) next[kept++] = of[held.active[i]];
     if (std::count(next.begin(), next.begin() + kept, lowest) > 0) return false;
-    next[kept] = lowest;
-    count = kept + 1;
+    next[kept++] = lowest;
     of = next;
-    for (std::size_t i = 0; i < count; ++i) planes[i] = {planes_[of[i]].normal, -height_of(of[i], on.centre)};
-    held = constrain_motion(goal, std::span(planes).first(count));
+    for (int i = 0; i < kept; ++i) planes[i] = {planes_[of[i]].normal, -height_of(of[i], on.centre)};
+    held = constrain_motion(goal, std::span(planes).first(kept));
     if (!held.solved) return false;
   }
-  if (!is_found || held.active_count == 0) return false;
+  if (held.active_count == 0) return false;
   place.centre = on.centre + held.motion;
   place.count = held.active_count;
   if ((place.centre - room_.at).norm() > room_.room) return false;

@@ -70,7 +70,7 @@ bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept 
 bool LocalMinimum::solve_on_curve(const Vec3& device, Vec3& c, int& work) const noexcept {
   constexpr int kMaxRounds = 16;      // of Newton's method; a bound on the work
   constexpr double kMaxSheer = 64.0;  // faces at a larger angle reach their common line in one step
-  const bool is_line = !contacts_[0].is_curved() && !contacts_[1].is_curved();
+  const bool is_line = contacts_.is_flat();
   Vec3 along = Vec3::Zero();
   for (int round = 0; round < kMaxRounds; ++round) {
     ++work;

@@ -186,7 +186,7 @@ bool MinimumLegs::make(const Vec3& from, const Vec3& to, double time, MinimumLeg
     make_on_axis(from, to, time, leg);
     return true;
   }
-  const bool is_straight = !contacts_[0].is_curved() && (contacts_.active_count() == 1 || !contacts_[1].is_curved());
+  const bool is_straight = contacts_.is_flat();
   const Vec3 rate = is_straight ? Vec3::Zero() : minimum_.find_rate(centre_, device, motion);
   // How far the centre is from the minimum for the device here: contacts at a small angle make a large distance of a small tolerance.
   double off = -1.0;

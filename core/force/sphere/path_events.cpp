@@ -25,8 +25,7 @@ void visit_edges_at(const Vec3& vertex, const ObjectGeometry::Corners& corners, 
 
 bool PathEvents::find(const CentrePath& path, Event& event) noexcept {
   // A path over a face leaves it long before its end; only the other parts have boundaries that depend on the triangles nearby.
-  const bool is_curved =
-      std::any_of(contacts_.active().begin(), contacts_.active().end(), [](const OffsetContact& c) { return c.is_curved(); });
+  const bool is_curved = !contacts_.is_flat();
   if (is_curved && !near_.cover(path, event.time, work_)) return false;
   const double near = contacts_.offset() + path.bulge() + contacts_.clearance().slop;
   CentrePath::Prefix prefix = path.prefix(event.time);
@@ -139,7 +138,6 @@ bool PathEvents::find_level_face(const OffsetContact& contact, int edge, const V
   return is_level_at(level, c);
 }
 
-// Whether the centre at c is in contact with a face within rounding.
 bool PathEvents::is_level_at(const OffsetContact& face, const Vec3& c) const noexcept {
   return std::fabs(face.proximity(c).distance - contacts_.offset()) <= kCoplanar;
 }
@@ -294,10 +292,9 @@ double PathEvents::distance_to_boundary(const Vec3& c, const Vec3& direction, do
   return kBeyond * exit.time * most + kMinDistance * contacts_.offset();
 }
 
-// Whether a drag over the face that holds the centre, from here to `end`, stays on that face and meets nothing. The unit tangent turns from
-// `direction` to `direction_there` and never back. By less than a quarter turn, the path lies in the triangle of its chord and the tangents
-// at its ends, whose chord is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a
-// triangle is convex, so it is never below its tangents, and a tangent is least at a corner of that triangle.
+// Where its tangent turns by less than a quarter turn, the path lies in the triangle of its chord and the tangents at its ends, whose chord
+// is the longest side, and whose height is at most half the chord times the sine of the turn. The distance to a triangle is convex, so it
+// is never below its tangents, and a tangent is least at a corner of that triangle.
 bool PathEvents::is_clear_over_face(const Vec3& c, const Vec3& end, const Vec3& direction, const Vec3& direction_there) noexcept {
   if (!(direction.dot(direction_there) > 0.0)) return false;
   const Vec3 path = end - c;

@@ -57,7 +57,7 @@ bool SphereFollower::leave_corner(const Vec3& device, const Vec3& motion) noexce
 // Moves straight along the pull, past the apex.
 bool SphereFollower::leave_reentrant_corner(const Vec3& device, const Vec3& motion) noexcept {
   const Vec3 towards = (device - corner_.cone.apex()).normalized();
-  return corner_.cone.contains(towards) && std::any_of(std::begin(kPathRadii), std::end(kPathRadii), [&](double offsets) {
+  return corner_.cone.contains(towards) && std::ranges::any_of(kPathRadii, [&](double offsets) {
            const double radius = offsets * clearance().offset;
            return try_escape(device, motion, [&] { return move_past_corner(corner_.cone.apex() + radius * towards, radius); });
          });
@@ -85,7 +85,7 @@ bool SphereFollower::leave_minimum(const Vec3& device, const Vec3& motion) noexc
 // Leaves the minimum over a barrier lower than the sphere. Called at most once in a motion of the device.
 bool SphereFollower::leave_by_flight(const Vec3& device, const Vec3& motion) noexcept {
   const auto leads_over = [&](const Vec3& direction) {
-    return std::any_of(std::begin(kLiftHeights), std::end(kLiftHeights), [&](double height) {
+    return std::ranges::any_of(kLiftHeights, [&](double height) {
       return try_escape(device, motion,
                         [&] { return fly_over(32.0 * height * clearance().offset * direction, height * clearance().offset); });
     });

@@ -39,8 +39,7 @@ bool SphereFollower::start(const Vec3& centre, bool is_free, double short_by, bo
       const double gap = at.distance - clearance().offset;
       if (gap > clearance().tolerance || contacts_.count() == ContactSet::kMax || !near_.can_touch(near_.triangle(slot), shape, centre_))
         return;
-      const bool is_known = std::any_of(contacts_.all().begin(), contacts_.all().end(),
-                                        [&](const OffsetContact& other) { return other.is_shared_with(shape); });
+      const bool is_known = std::ranges::any_of(contacts_.all(), [&](const OffsetContact& other) { return other.is_shared_with(shape); });
       if (is_known && gap > -clearance().slop) return;
       planes[contacts_.count()] = {at.normal, -gap};
       contacts_.add(OffsetContact::nearest(near_.triangle(slot), shape, centre_));

@@ -134,7 +134,7 @@ bool SphereFollower::straighten_in_slit() noexcept {
     const auto is_same = [&](const OffsetContact& other) {
       return &other != &contact && other.triangle == contact.triangle && other.part == contact.part;
     };
-    if (std::any_of(contacts_.all().begin(), contacts_.all().end(), is_same)) contacts_.remove(i);
+    if (std::ranges::any_of(contacts_.all(), is_same)) contacts_.remove(i);
   }
   if (any) ++idle_;
   return any;

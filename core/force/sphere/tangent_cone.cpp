@@ -225,8 +225,7 @@ bool TangentCone::walk_boundary(const Vec3& inside) {
 }
 
 bool TangentCone::is_reentrant() const {
-  return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_,
-                     [](const Piece& piece) { return piece.opening > std::numbers::pi + kClosed; });
+  return std::ranges::any_of(boundary(), [](const Piece& piece) { return piece.opening > std::numbers::pi + kClosed; });
 }
 
 bool TangentCone::contains(const Vec3& direction) const {
@@ -234,7 +233,7 @@ bool TangentCone::contains(const Vec3& direction) const {
   if (!find_start(direction, start)) return false;
   const Vec3& normal = arcs_[start.arc].normal;
   const Vec3 up = start.on_normal ? normal : Vec3(-normal);
-  return std::any_of(pieces_.begin(), pieces_.begin() + piece_count_, [&](const Piece& piece) {
+  return std::ranges::any_of(boundary(), [&](const Piece& piece) {
     if ((piece.normal - up).squaredNorm() > kClosed * kClosed) return false;  // of another arc, or of its other side
     const Vec3 axis = piece.from.cross(piece.to);
     const bool is_past_from = piece.from.cross(start.from).dot(axis) >= 0.0 || (start.from - piece.from).norm() <= kSameDirection;

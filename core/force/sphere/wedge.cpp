@@ -25,7 +25,7 @@ bool Wedge::holds() noexcept {
     if (is_wedge) near[count++] = slot;
   });
   const std::span<const int> slots = std::span(near).first(count);
-  return is_wedge && std::all_of(walls.begin(), walls.end(), [&](const Wall& wall) { return goes_on(wall, walls, slots, far); });
+  return is_wedge && std::ranges::all_of(walls, [&](const Wall& wall) { return goes_on(wall, walls, slots, far); });
 }
 
 // The plane of the face that a contact is on; of an edge or a vertex, that of a face there which the centre is over at no other distance.
@@ -59,7 +59,7 @@ bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<con
                                                     std::fabs(wall.height(shape.corner(2)))}) <= 0.25 * contacts_.clearance().slop;
   };
   const auto is_below_another = [&](const Vec3& p, const Vec3& q) {
-    return std::any_of(walls.begin(), walls.end(), [&](const Wall& other) {
+    return std::ranges::any_of(walls, [&](const Wall& other) {
       return &other != &wall && std::max(other.height(p), other.height(q)) <= 0.25 * contacts_.clearance().slop;
     });
   };
@@ -88,7 +88,7 @@ bool Wedge::goes_on(const Wall& wall, std::span<const Wall> walls, std::span<con
         const ContactTriangle& beside = near_.shape(other);
         return continues(beside, shape, k) && is_in_plane(beside) && near_.can_touch(near_.triangle(other), beside, centre_);
       };
-      if (std::none_of(slots.begin(), slots.end(), goes_on_there)) return false;
+      if (std::ranges::none_of(slots, goes_on_there)) return false;
     }
   }
   return any;
