@@ -42,9 +42,6 @@ class DragLegs::FlowSearch {
     comes_out_ = release < 1.0;
     target_ = comes_out_ ? time_ + release * (1.0 - time_) : 1.0;
     leg.released = -1;
-    leg.stops = false;
-    leg.jumps = false;
-    leg.is_exact = false;
     // Almost nothing is left of the pull, and all of it vanishes on this leg.
     const double offset = legs_.contacts_.offset();
     if (comes_out_ && pull_.length + pull_.depth <= kSmallPull * offset && (target_ - time_) * speed_ <= kShort * offset) {

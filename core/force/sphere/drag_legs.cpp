@@ -29,12 +29,9 @@ class DragLegs::SlipSearch {
       : legs_(legs), drag_(drag), pull_(pull), device_(device), has_vanished_(has_vanished), stability_(drag.find_stability(pull)) {}
 
   bool make(SlipPath& slip) noexcept {
-    slip.waits = false;
-    slip.released = -1;
     slip.is_on_cone = !(pull_.length > OffsetDrag::kMinPull) || reaches_cone_within(LocalMinimum::kAtMinimum);
     if (slip.is_on_cone) return true;
     slip.direction = pull_.tangential / pull_.length;
-    slip.stops = false;
     rounding_ = std::max(kNearZero, legs_.rounding_of(pull_));
     if (!find_length(slip)) return false;
     return slip.waits || (end_at_release(slip) && make_path(slip));
@@ -174,10 +171,6 @@ class DragLegs::FollowSearch {
     if (!(drag_.find_excess_rate(pull_, motion_) > least_excess_rate()) || motion_.isZero(0.0)) return DragOutcome::stops;
     if (!(drag_.find_stability(pull_) > LocalMinimum::kMinStability)) return DragOutcome::jumps;
     rate_ = drag_.find_rate(pull_, motion_);
-    leg.released = -1;
-    leg.stops = false;
-    leg.is_clear = false;
-    leg.is_line = false;
     find_span();
     if (const auto other = find_end(leg)) return *other;
     if (!end_at_release(leg)) return DragOutcome::jumps;

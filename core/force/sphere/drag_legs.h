@@ -59,9 +59,10 @@ class DragLegs {
   DragLegs(const ContactSet& contacts, PathEvents events, const Vec3& centre, double& step, int& work)
       : contacts_(contacts), minimum_(contacts), events_(events), centre_(centre), step_(step), work_(work) {}
 
-  // `has_vanished`: the equilibrium on the cone has vanished, so the pull is on the cone already. False: the slip cannot be computed.
+  // `has_vanished`: the equilibrium on the cone has vanished, so the pull is on the cone already. `slip`: a new one. False: it cannot be
+  // computed.
   bool make_slip(const OffsetDrag& drag, const OffsetDrag::Pull& pull, const Vec3& device, bool has_vanished, SlipPath& slip) noexcept;
-  // The device moves straight from `from` (time 0) to `to` (time 1); the leg begins at `time`.
+  // The device moves straight from `from` (time 0) to `to` (time 1); the leg, a new one, begins at `time`.
   DragOutcome make(const OffsetDrag& drag, const Vec3& from, const Vec3& to, double time, DragLeg& leg) noexcept;
 
  private:

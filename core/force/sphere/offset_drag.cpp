@@ -18,9 +18,6 @@ constexpr double kFirstPiece = 0x1p-18;  // share of the offset
 
 }  // namespace
 
-OffsetDrag::OffsetDrag(std::span<const OffsetContact> contacts, std::span<const FrictionCoefficients> friction, double offset) noexcept
-    : contacts_(contacts), friction_(friction), offset_(offset) {}
-
 // Weighted like ContactMaterial: equal coefficients stay exactly equal.
 FrictionCoefficients OffsetDrag::mean(const Pull& pull) const noexcept {
   FrictionCoefficients result = friction_[0];

@@ -43,7 +43,8 @@ class OffsetDrag {
     double excess() const { return length - friction.dynamic_mu * depth; }
   };
 
-  OffsetDrag(std::span<const OffsetContact> contacts, std::span<const FrictionCoefficients> friction, double offset) noexcept;
+  OffsetDrag(std::span<const OffsetContact> contacts, std::span<const FrictionCoefficients> friction, double offset) noexcept
+      : contacts_(contacts), friction_(friction), offset_(offset) {}
 
   // False where the contacts' normals are parallel.
   bool find_pull(const Vec3& c, const Vec3& device, Pull& pull) const noexcept;
