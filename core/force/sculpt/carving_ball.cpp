@@ -90,14 +90,10 @@ CarvingBall::Felt CarvingBall::step(const Input& input, const Material& material
 Vec3 CarvingBall::touch(const CarvedField& field, const Input& input, const Material& material) noexcept {
   const bool has_friction = material.friction_static > 0.0;
   const Vec3 goal = has_friction ? find_friction_goal(input.goal, now_.normal, material) : input.goal;
-  const FieldBall::Moved moved = ball_.move(field, now_.centre, goal);
-  now_.normal = moved.touches ? moved.normal : Vec3::Zero();
+  FieldBall::Moved moved = ball_.move(field, now_.centre, goal);
   // The ball was held by friction alone, with no surface in its way: it moves freely.
-  if (!moved.touches && goal != input.goal) {
-    const FieldBall::Moved freed = ball_.move(field, moved.centre, input.goal);
-    now_.normal = freed.touches ? freed.normal : Vec3::Zero();
-    return freed.centre;
-  }
+  if (!moved.touches && goal != input.goal) moved = ball_.move(field, moved.centre, input.goal);
+  now_.normal = moved.touches ? moved.normal : Vec3::Zero();
   return moved.centre;
 }
 

@@ -27,7 +27,7 @@ constexpr int kMaxAdvances = 32;     // steps of one advance
 }  // namespace
 
 // Points at equal areas on a spiral (Vogel 1979, on the sphere).
-FieldBall::FieldBall(double radius_m, double spacing_m) : radius_m_(radius_m) {
+FieldBall::FieldBall(double radius_m, double spacing_m) {
   const double area = 4.0 * std::numbers::pi * (radius_m / spacing_m) * (radius_m / spacing_m);
   const auto count = static_cast<std::size_t>(std::clamp(std::ceil(area), kMinPoints, double{kMaxPoints}));
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));

@@ -19,8 +19,6 @@ class FieldBall {
   // spacing_m: that of the field. The points are about a spacing apart, but at most kMaxPoints.
   FieldBall(double radius_m, double spacing_m);
 
-  double radius_m() const noexcept { return radius_m_; }
-
   // The least value of the field at the points, m; below 0: the ball overlaps the material. No point can reach material by a motion shorter
   // than this divided by kSteepest.
   double clearance_m(const CarvedField& field, const Vec3& centre) const noexcept;
@@ -66,7 +64,6 @@ class FieldBall {
   static void insert(Nearest& nearest, const Near& one) noexcept;
   Vec3 slide(const CarvedField& field, const Vec3& centre, const Vec3& to_goal, const Nearest& nearest, Moved& moved) const noexcept;
 
-  double radius_m_;
   std::vector<Vec3> points_;  // relative to the centre; the last one is the centre itself
 };
 

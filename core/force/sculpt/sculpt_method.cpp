@@ -172,8 +172,6 @@ void SculptMethod::resume(const Vec3& p_SP) noexcept {
   proxy_.go_on_from(p_SP);
 }
 
-std::optional<Vec3> SculptMethod::held_at() const noexcept { return held_at_; }
-
 void SculptMethod::set_materials(std::span<const Material> materials) noexcept {
   others_.set_materials(materials);
   note_left_out();

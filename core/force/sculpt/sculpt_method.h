@@ -33,7 +33,7 @@ class SculptMethod final : public ForceMethod {
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
-  std::optional<Vec3> held_at() const noexcept override;
+  std::optional<Vec3> held_at() const noexcept override { return held_at_; }
   void resume(const Vec3& p_SP) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
   std::span<const Material> unrendered_drag() const noexcept override { return left_out_; }
