@@ -57,12 +57,8 @@ bool LocalMinimum::solve(const Vec3& device, Vec3& c, int& work) const noexcept 
   constexpr double kMinOff = 0x1p-40;  // local units: a device nearer to the edge or vertex has no direction from it
   if (contacts_.active_count() > 1) return contacts_.active_count() == 3 || solve_on_curve(device, c, work);
   const OffsetContact& contact = contacts_[0];
-  if (contact.part == Feature::face) {
-    c = device + (contacts_.offset() - contact.proximity(device).distance) * contact.normal;
-    return true;
-  }
   const OffsetContact::Proximity at = contact.proximity(device);
-  if (!(at.distance > kMinOff) || !(at.normal.dot(contact.proximity(c).normal) > 0.0)) return false;
+  if (contact.is_curved() && (!(at.distance > kMinOff) || !(at.normal.dot(contact.proximity(c).normal) > 0.0))) return false;
   c = device + (contacts_.offset() - at.distance) * at.normal;
   return true;
 }
