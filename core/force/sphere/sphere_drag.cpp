@@ -124,19 +124,11 @@ SphereFollower::Next SphereFollower::drag(const Vec3& from, const Vec3& to, doub
     centre_ = leg.path.at(share);
     if (share >= 1.0 || leg.is_exact) return;
     if (leg.is_line) time = time_on_line(drag, from, to, before, time_before, leg, share);
-    if (leg.flow > 0.0) {
-      OffsetDrag::Flow at{before, time_before};
-      if (drag.flow(from, to, share * leg.flow, at, work_)) {
-        centre_ = at.centre;
-        time = std::clamp(at.time, time_before, leg.time);
-      } else {
-        is_restored = contacts_.restore(centre_, work_);
-      }
-      return;
-    }
-    Vec3 c = before;
-    if (drag.follow(device, on_path(from, to, time), c, work_)) {
-      centre_ = c;
+    OffsetDrag::Flow at{before, time_before};
+    const bool flows = leg.flow > 0.0;
+    if (flows ? drag.flow(from, to, share * leg.flow, at, work_) : drag.follow(device, on_path(from, to, time), at.centre, work_)) {
+      centre_ = at.centre;
+      if (flows) time = std::clamp(at.time, time_before, leg.time);
     } else {
       is_restored = contacts_.restore(centre_, work_);
     }
