@@ -110,13 +110,9 @@ void SphereFollower::move_to_next_part(int i, const Exit& exit, const Vec3& dire
   const Vec3 normal = contact.proximity(centre_).normal;
   const std::uint32_t triangle = exit.slot < 0 ? contact.triangle : near_.triangle(exit.slot);
   const ContactTriangle shape = exit.slot < 0 ? contact.shape : near_.shape(exit.slot);
-  if (exit.part == Feature::face) {
-    contact = OffsetContact::on_face(triangle, shape, normal);
-  } else if (exit.part == Feature::edge) {
-    contact = OffsetContact::on_edge(triangle, shape, exit.index);
-  } else {
-    contact = OffsetContact::on_vertex(triangle, shape, exit.index);
-  }
+  contact = exit.part == Feature::face   ? OffsetContact::on_face(triangle, shape, normal)
+            : exit.part == Feature::edge ? OffsetContact::on_edge(triangle, shape, exit.index)
+                                         : OffsetContact::on_vertex(triangle, shape, exit.index);
 }
 
 // Straight to the device, and on with it.
@@ -124,12 +120,9 @@ SphereFollower::Next SphereFollower::fly(const Vec3& from, const Vec3& to, doubl
   ++flights_;
   const Vec3 device = on_path(from, to, time);
   double until = 1.0;
-  if (centre_ != device) {
-    const Next next = fly_to(device, until);
-    if (next != Next::settled || time >= 1.0) return next;
-    return Next::again;
-  }
-  const Next next = fly_to(to, until);
+  const bool is_with_device = centre_ == device;
+  const Next next = fly_to(is_with_device ? to : device, until);
+  if (!is_with_device) return next == Next::settled && time < 1.0 ? Next::again : next;
   if (next != Next::settled) time = std::min(1.0, time + until * (1.0 - time));
   return next;
 }
