@@ -202,14 +202,12 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (next == Next::failed || idle_ > kMaxIdle) return Outcome::failed;
   contacts_.note_multipliers(centre_, to);
   if (has_untried_escapes_) return Outcome::exhausted;
-  if (next == Next::settled && is_point_ && !has_friction_here() && fills_slit() && note_slit(from != to)) {
-    is_in_slit_ = true;
-    return Outcome::failed;
-  }
-  Vec3 direction;
   if (next == Next::settled) {
-    const bool is_shallow = !is_point_ && !has_friction_here() && minimum().is_shallow(centre_, to, direction);
-    return is_shallow ? Outcome::failed : Outcome::settled;
+    Vec3 direction;
+    const bool has_friction = has_friction_here();
+    is_in_slit_ = is_point_ && !has_friction && fills_slit() && note_slit(from != to);
+    const bool is_shallow = !is_point_ && !has_friction && minimum().is_shallow(centre_, to, direction);
+    return is_in_slit_ || is_shallow ? Outcome::failed : Outcome::settled;
   }
   const double gone = std::max((centre_ - start).norm(), (time - began) * (to - from).norm());
   const bool has_crept = events_ - events_before > kManyEvents && gone < clearance().offset && is_point_ && !has_friction_;
@@ -220,9 +218,8 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
     is_descending_ = true;
     return Outcome::exhausted;
   }
-  if (!note_slit(from != to)) return Outcome::settled;
-  is_in_slit_ = true;
-  return Outcome::failed;
+  is_in_slit_ = note_slit(from != to);
+  return is_in_slit_ ? Outcome::failed : Outcome::settled;
 }
 
 // The next event of a centre that is free, or held with or without friction. has_fans: there are large fans that it may cross.
@@ -295,19 +292,15 @@ SphereFollower::Next SphereFollower::descend(const Vec3& device, const Vec3& mot
     return Next::again;
   }
 
-  bool is_unstable = false;
-  if (contacts_.active_count() == 3 || descent.norm() <= LocalMinimum::kAtMinimum) {
-    is_unstable = contacts_.active_count() < 3 && !minimum().is_on_axis(device) &&
-                  (has_lost_minimum_ || minimum().find_stability(centre_, device) <= 0.0);
-    if (!is_unstable) {
-      activate_opposing(contacts_, centre_, device, motion);
-      is_descending_ = false;
-      contacts_.keep_active();
-      return Next::again;
-    }
+  const bool is_at_rest = contacts_.active_count() == 3 || descent.norm() <= LocalMinimum::kAtMinimum;
+  const bool is_unstable = is_at_rest && contacts_.active_count() < 3 && !minimum().is_on_axis(device) &&
+                           (has_lost_minimum_ || minimum().find_stability(centre_, device) <= 0.0);
+  if (is_at_rest && !is_unstable) {
+    activate_opposing(contacts_, centre_, device, motion);
+  } else {
+    has_lost_minimum_ = false;
   }
-  has_lost_minimum_ = false;
-  if (is_unstable && !find_escape_direction(motion)) {
+  if (is_at_rest && (!is_unstable || !find_escape_direction(motion))) {
     is_descending_ = false;
     contacts_.keep_active();
     return Next::again;
