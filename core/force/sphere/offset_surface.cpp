@@ -65,14 +65,9 @@ CentrePath::Guide OffsetContact::guide(double offset) const noexcept {
 
 bool OffsetContact::is_shared_with(const Vec3& a, const Vec3& b, const Vec3& c) const noexcept {
   const auto has = [&](const Vec3& p) { return a == p || b == p || c == p; };
-  switch (part) {
-    case Feature::vertex:
-      return has(origin());
-    case Feature::edge:
-      return has(origin()) && has(end());
-    default:
-      return has(shape.corner(0)) && has(shape.corner(1)) && has(shape.corner(2));
-  }
+  if (part == Feature::vertex) return has(origin());
+  if (part == Feature::edge) return has(origin()) && has(end());
+  return has(shape.corner(0)) && has(shape.corner(1)) && has(shape.corner(2));
 }
 
 bool OffsetContact::is_same_part(const OffsetContact& other) const noexcept {
