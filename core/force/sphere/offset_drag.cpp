@@ -75,17 +75,16 @@ double OffsetDrag::find_excess_rate(const Pull& pull, const Vec3& motion) const 
   return (direction_of(pull, motion) + pull.friction.dynamic_mu * pull.normal).dot(motion);
 }
 
-// The sum of multipliers times curvatures in that direction.
-double OffsetDrag::sum_curvature(const Pull& pull, const Vec3& direction) const noexcept {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < contacts_.size(); ++i) sum += std::max(0.0, pull.multiplier[i]) * contacts_[i].curvature(direction, offset_);
-  return sum;
+double OffsetDrag::find_stability(const Pull& pull, const Vec3& direction) const noexcept {
+  if (is_flat()) return 1.0;
+  double bent = 0.0;  // the sum of multipliers times curvatures
+  for (std::size_t i = 0; i < contacts_.size(); ++i) bent += std::max(0.0, pull.multiplier[i]) * contacts_[i].curvature(direction, offset_);
+  const double mu = pull.friction.dynamic_mu;
+  return 1.0 - (1.0 + mu * mu) * bent;
 }
 
 double OffsetDrag::find_stability(const Pull& pull) const noexcept {
-  if (is_flat() || !(pull.length > 0.0)) return 1.0;
-  const double mu = pull.friction.dynamic_mu;
-  return 1.0 - (1.0 + mu * mu) * sum_curvature(pull, pull.tangential / pull.length);
+  return pull.length > 0.0 ? find_stability(pull, pull.tangential / pull.length) : 1.0;
 }
 
 Vec3 OffsetDrag::find_slope(const Pull& pull, const Vec3& motion) const noexcept {
@@ -95,9 +94,8 @@ Vec3 OffsetDrag::find_slope(const Pull& pull, const Vec3& motion) const noexcept
 
 Vec3 OffsetDrag::find_rate(const Pull& pull, const Vec3& motion) const noexcept {
   const Vec3 direction = direction_of(pull, motion);
-  const double mu = pull.friction.dynamic_mu;
-  const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction);
-  return direction * ((direction + mu * pull.normal).dot(motion) / std::max(stability, 0x1p-30));
+  const double stability = std::max(find_stability(pull, direction), 0x1p-30);
+  return direction * ((direction + pull.friction.dynamic_mu * pull.normal).dot(motion) / stability);
 }
 
 // A distance from a part of the surface changes over a step by its linear part and at most |step|^2 / (2 offset): what is then left needs
@@ -222,9 +220,8 @@ bool OffsetDrag::flow(const Vec3& from, const Vec3& to, double length, Flow& at,
     const Vec3 c = here.head<3>();
     if (!find_pull(c, from + (here[3] / speed) * motion, pull)) return false;
     const Vec3 direction = direction_of(pull, motion);
-    const double mu = pull.friction.dynamic_mu;
-    rate.head<3>() = direction * (direction + mu * pull.normal).dot(motion);
-    rate[3] = speed * (1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction));
+    rate.head<3>() = direction * (direction + pull.friction.dynamic_mu * pull.normal).dot(motion);
+    rate[3] = speed * find_stability(pull, direction);
     return true;
   });
   at.followed += followed;
@@ -324,10 +321,9 @@ bool OffsetDrag::follow_on_curve(const Vec3& from, const Vec3& to, Vec3& c, int&
     Pull pull;
     if (!frame.prepare() || !find_pull(c, to, pull)) return false;
     direction = frame.along.dot(direction) < 0.0 ? Vec3(-frame.along) : frame.along;
-    const double mu = pull.friction.dynamic_mu;
-    const double stability = is_flat() ? 1.0 : 1.0 - (1.0 + mu * mu) * sum_curvature(pull, direction);
+    const double stability = find_stability(pull, direction);
     if (!(stability > kMinStability)) return false;
-    const double ahead = (direction.dot(to - c) - mu * pull.depth) / stability;
+    const double ahead = (direction.dot(to - c) - pull.friction.dynamic_mu * pull.depth) / stability;
     if (!is_flat() && std::fabs(ahead) > 2.0 * kMaxTurn * offset_) return false;
     c += ahead * direction + frame.short_by[0] * frame.dual[0] + frame.short_by[1] * frame.dual[1];
     const double step = std::max({std::fabs(ahead), std::fabs(frame.short_by[0]), std::fabs(frame.short_by[1])});

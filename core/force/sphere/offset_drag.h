@@ -87,7 +87,7 @@ class OffsetDrag {
 
  private:
   FrictionCoefficients mean(const Pull& pull) const noexcept;
-  double sum_curvature(const Pull& pull, const Vec3& direction) const noexcept;
+  double find_stability(const Pull& pull, const Vec3& direction) const noexcept;  // where e is known
   Vec3 direction_of(const Pull& pull, const Vec3& motion) const noexcept;
   bool is_last_step(const Vec3& step) const noexcept;
   bool restore(Vec3& c, int& tests) const noexcept;
