@@ -74,13 +74,14 @@ class SphereFollower {
   bool is_tracking() const { return is_tracking_; }
   void stop_tracking() {
     is_tracking_ = false;
-    corner_.at = Vec3::Constant(std::numeric_limits<double>::infinity());
+    forget_corner();
   }
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
   // The set of triangles has changed: gather them again.
   void forget_near() {
     near_.clear();
     fan_.forget();
+    forget_corner();
   }
   // Resets everything except the counters: later steps do not depend on earlier ones.
   void forget() noexcept;
@@ -151,6 +152,7 @@ class SphereFollower {
   const Clearance& clearance() const { return contacts_.clearance(); }
   LocalMinimum minimum() const { return LocalMinimum(contacts_); }
   PathEvents events_on() { return {contacts_, near_, event_space_, work_}; }
+  void forget_corner() { corner_.at = Vec3::Constant(std::numeric_limits<double>::infinity()); }
   CornerExit corner() { return {contacts_, near_, centre_, corner_, work_}; }
   Wedge wedge() { return {contacts_, near_, centre_, work_}; }
   DragLegs drag_legs() { return {contacts_, events_on(), centre_, friction_.step, work_}; }
