@@ -41,36 +41,17 @@ class FeltParts {
   virtual bool may_give_way() const noexcept { return false; }
   // It gives way: in this sample it is felt once, at the device point, and the other parts follow its proxy in place of the device. settle:
   // where they let that proxy be.
-  virtual bool gives_way(std::size_t part) const noexcept {
-    (void)part;
-    return false;
-  }
-  virtual void settle(std::size_t part, const Vec3& p_S) noexcept {
-    (void)part;
-    (void)p_S;
-  }
+  virtual bool gives_way(std::size_t /*part*/) const noexcept { return false; }
+  virtual void settle(std::size_t /*part*/, const Vec3& /*p_S*/) noexcept {}
   // How often it may be felt in a sample, at least once; after that the others follow its last proxy. A bound for a part whose steps cost
   // much.
-  virtual int most_turns(std::size_t part) const noexcept {
-    (void)part;
-    return std::numeric_limits<int>::max();
-  }
+  virtual int most_turns(std::size_t /*part*/) const noexcept { return std::numeric_limits<int>::max(); }
   // Of its objects.
-  virtual StiffnessRange stiffness(std::size_t part) const noexcept {
-    (void)part;
-    return {};
-  }
+  virtual StiffnessRange stiffness(std::size_t /*part*/) const noexcept { return {}; }
   // Where it is felt as shared, none of its objects has friction: it holds the proxy along its normal.
-  virtual bool is_frictionless(std::size_t part) const noexcept {
-    (void)part;
-    return false;
-  }
+  virtual bool is_frictionless(std::size_t /*part*/) const noexcept { return false; }
   // Of that object, N s/m, if feel() leaves the damping out where the proxy is shared. 0: it does not.
-  virtual double damping(std::size_t part, int object) const noexcept {
-    (void)part;
-    (void)object;
-    return 0.0;
-  }
+  virtual double damping(std::size_t /*part*/, int /*object*/) const noexcept { return 0.0; }
 };
 
 // One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.

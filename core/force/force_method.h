@@ -88,35 +88,21 @@ class ForceMethod {
   // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
   // it its own, if they are the same at rest; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }
-  virtual void exchange_sculpture(ForceMethod& other) noexcept { (void)other; }
+  virtual void exchange_sculpture(ForceMethod& /*other*/) noexcept {}
   // Goes on with the shapes of `other`, from which carves were undone, and gives it its own. newest: the serial of that undo. A probe that
   // is then inside the material has no force until it has left it. False: `other` has other bodies, and nothing has changed.
-  virtual bool restore_sculpture(Sculpture& other, std::uint32_t newest) noexcept {
-    (void)other;
-    (void)newest;
-    return false;
-  }
+  virtual bool restore_sculpture(Sculpture& /*other*/, std::uint32_t /*newest*/) noexcept { return false; }
   // Makes a carve again that such steps made elsewhere, as the next one in their order. object: of the scene. False: it changes nothing
   // here, so it is not of these bodies in their present shape.
-  virtual bool repeat_carve(int object, const Carve& carve) noexcept {
-    (void)object;
-    (void)carve;
-    return false;
-  }
+  virtual bool repeat_carve(int /*object*/, const Carve& /*carve*/) noexcept { return false; }
 
   // Where an object that deforms was touched in the last step, for effects of its surface; the step's `object` is of the scene, and the
   // frame that in which the object is at rest. None: it was not touched, or keeps its shape. RT: yes.
-  virtual std::optional<SurfacePlace> find_place(int object) const noexcept {
-    (void)object;
-    return std::nullopt;
-  }
+  virtual std::optional<SurfacePlace> find_place(int /*object*/) const noexcept { return std::nullopt; }
 
   // What feels an object that a program deforms (TouchObject::stream_reach_m). object: of the scene. Null: it is none, or the method does
   // not feel it. It lives as long as this.
-  virtual StreamedMethod* find_streamed(int object) noexcept {
-    (void)object;
-    return nullptr;
-  }
+  virtual StreamedMethod* find_streamed(int /*object*/) noexcept { return nullptr; }
 
   // The objects for which there is one, in ascending order. RT: no.
   virtual std::vector<int> list_streamed() const { return {}; }
