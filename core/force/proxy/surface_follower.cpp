@@ -42,22 +42,9 @@ SurfaceFollower::Outcome SurfaceFollower::descend_on(const Vec3& device) noexcep
   for (; work_left_ > 0; spend()) {
     ++events_;
     const Next next = next_descent(device);
-    if (next != Next::again) return outcome_of(next);
+    if (next != Next::again) return next;
   }
   return Outcome::exhausted;
-}
-
-SurfaceFollower::Outcome SurfaceFollower::outcome_of(Next next) noexcept {
-  switch (next) {
-    case Next::settled:
-      return Outcome::settled;
-    case Next::airborne:
-      return Outcome::airborne;
-    case Next::released:
-      return Outcome::released;
-    default:
-      return Outcome::unwalkable;
-  }
 }
 
 SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& to, double& time, int most_work) noexcept {
@@ -65,7 +52,7 @@ SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& t
     ++events_;
     const Next next = next_event(from, to, time);
     if (next == Next::again) continue;
-    if (next != Next::descend) return outcome_of(next);
+    if (next != Next::descend) return next;
     const Outcome outcome = descend_on(on_path(from, to, time));
     if (outcome != Outcome::settled) return outcome;
   }

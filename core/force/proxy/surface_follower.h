@@ -30,13 +30,7 @@ class SurfaceFollower {
  public:
   static constexpr int kFacetsPerUnit = 16;  // at a vertex: this many facets cost a unit more (measured at fans of 1,000)
 
-  enum class Outcome : std::uint8_t {
-    settled,     // at a local minimum for the device at `time`, or held by friction
-    airborne,    // the device is on the free side: the point leaves the surface, straight towards it
-    released,    // the device has come to the surface from behind at the point: both leave together
-    unwalkable,  // the path leads to a triangle that is not walkable; the point is on a face just before it
-    exhausted,   // out of work: short of the minimum; the next call continues
-  };
+  using Outcome = SurfaceNext;  // all but `again` and `descend`
 
   // See SurfacePoint.
   SurfaceFollower(const TouchGeometry& geometry, std::span<const Material> materials) : at_(geometry, materials) {}
@@ -67,7 +61,6 @@ class SurfaceFollower {
   // however small, leaves it (decision 90). A quarter of it is the contact offset of the sweeps.
   static constexpr double kBalance = 0x1p-28;
 
-  static Outcome outcome_of(Next next) noexcept;
   Outcome descend_on(const Vec3& device) noexcept;
   void spend() noexcept;
   Next next_descent(const Vec3& device) noexcept;

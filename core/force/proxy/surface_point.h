@@ -12,14 +12,15 @@
 
 namespace hapton {
 
-// What follows an event on the surface.
+// What follows an event on the surface. All but the first two end a call of SurfaceFollower.
 enum class SurfaceNext : std::uint8_t {
   again,       // continue from the point's new position
   descend,     // first descend to the next local minimum, with the device held
-  settled,     // at a local minimum
-  airborne,    // the device is on the free side: leave the surface straight towards it
-  released,    // the device has come to the surface at the point
-  unwalkable,  // the path leads to a triangle that is not walkable
+  settled,     // at a local minimum for the device at that time, or held by friction
+  airborne,    // the device is on the free side: the point leaves the surface, straight towards it
+  released,    // the device has come to the surface from behind at the point: both leave together
+  unwalkable,  // the path leads to a triangle that is not walkable; the point is on a face just before it
+  exhausted,   // out of work: short of the minimum; the next call continues
 };
 
 // A point on one side of a surface: on a face, an edge or a vertex, with the moves that lead on from there. It moves by adjacency alone, so
