@@ -24,24 +24,18 @@ using On = SurfacePoint::On;
 SurfaceNext again_if(bool walkable) { return walkable ? SurfaceNext::again : SurfaceNext::unwalkable; }
 SurfaceNext descend_if(bool walkable) { return walkable ? SurfaceNext::descend : SurfaceNext::unwalkable; }
 
-// a t^2 + 2 b t + c for t >= 0.
-struct Quadratic {
-  double a = 0.0, b = 0.0, c = 0.0;
-
-  double time_of_rise() const { return hapton::time_of_rise(a, b, c); }
-};
-
 // The pull of a device that moves straight, on a point at rest: start + t motion.
 struct MovingPull {
   Vec3 start, motion;
 
   Vec3 at(double t) const { return start + t * motion; }
-  // of_square |pull|^2 + of_height (normal . pull)^2 - bound, as a polynomial in t.
-  Quadratic square(double of_square, const Vec3& normal, double of_height, double bound = 0.0) const {
+  // When of_square |pull|^2 + of_height (normal . pull)^2 - bound, a polynomial in t, rises above zero.
+  double time_of_rise(double of_square, const Vec3& normal, double of_height, double bound = 0.0) const {
     const double height = normal.dot(start);
     const double climb = normal.dot(motion);
-    return {of_square * motion.squaredNorm() + of_height * climb * climb, of_square * motion.dot(start) + of_height * climb * height,
-            of_square * start.squaredNorm() + of_height * height * height - bound};
+    return hapton::time_of_rise(of_square * motion.squaredNorm() + of_height * climb * climb,
+                                of_square * motion.dot(start) + of_height * climb * height,
+                                of_square * start.squaredNorm() + of_height * height * height - bound);
   }
 };
 
@@ -76,11 +70,11 @@ struct SlipSearch {
   // Over a face, if the pull at that moment leads there: is_over(pull).
   template <class IsOver>
   void consider_face(const Vec3& normal, IsOver&& is_over) {
-    const double t = pull.square(1.0, normal, -(1.0 + held * held), bound).time_of_rise();
+    const double t = pull.time_of_rise(1.0, normal, -(1.0 + held * held), bound);
     if (t < soonest && is_over(pull.at(t))) soonest = t;
   }
   void consider_line(const Vec3& direction, bool both_ways) {
-    const double t = pull.square(-held * held, direction, 1.0 + held * held, bound).time_of_rise();
+    const double t = pull.time_of_rise(-held * held, direction, 1.0 + held * held, bound);
     if (t < soonest && (both_ways || direction.dot(pull.at(t)) > 0.0)) soonest = t;
   }
 };
@@ -140,6 +134,19 @@ CrossedEdge find_crossed_edge(const SurfacePoint::Facet& facet, const SlidingPul
 
 // A point that slides along an edge behind a device that moves straight, at x = device - sign mu_d depth. t: share of the remaining step.
 struct EdgeSlide {
+  EdgeSlide(const SurfacePoint& at, const Vec3& from, const Vec3& to, double time, double of_sliding) : dynamic(of_sliding) {
+    const ContactTriangle& face = at.a().shape;
+    const int edge = at.edge();
+    direction = face.edge(edge) / face.length(edge);
+    here = on_path(from, to, time) - face.corner(edge);
+    motion = (1.0 - time) * (to - from);
+    const double pull = direction.dot(here - (at.point() - face.corner(edge)));
+    sign = (std::fabs(pull) > kMin ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
+    sideways = here - direction.dot(here) * direction;
+    sideways_motion = motion - direction.dot(motion) * direction;
+    drawn = sign * direction.dot(motion);
+  }
+
   Vec3 direction;                  // of the edge, unit
   Vec3 here, motion;               // of the device: its position from the edge's first corner, and its motion in the remaining step
   Vec3 sideways, sideways_motion;  // the parts of these perpendicular to the edge
@@ -155,26 +162,6 @@ struct EdgeSlide {
   }
   double x(double t) const { return direction.dot(here) + t * direction.dot(motion) - sign * dynamic * depth(t); }
 };
-
-EdgeSlide make_edge_slide(const SurfacePoint& at, const Vec3& from, const Vec3& to, double time, double dynamic) {
-  const ContactTriangle& face = at.a().shape;
-  const int edge = at.edge();
-  const Vec3 direction = face.edge(edge) / face.length(edge);
-  const Vec3 here = on_path(from, to, time) - face.corner(edge);
-  const Vec3 motion = (1.0 - time) * (to - from);
-  const double pull = direction.dot(here - (at.point() - face.corner(edge)));
-  const double sign = (std::fabs(pull) > kMin ? pull : direction.dot(motion)) < 0.0 ? -1.0 : 1.0;
-  const Vec3 sideways = here - direction.dot(here) * direction;
-  const Vec3 sideways_motion = motion - direction.dot(motion) * direction;
-  return {.direction = direction,
-          .here = here,
-          .motion = motion,
-          .sideways = sideways,
-          .sideways_motion = sideways_motion,
-          .sign = sign,
-          .drawn = sign * direction.dot(motion),
-          .dynamic = dynamic};
-}
 
 }  // namespace
 
@@ -302,7 +289,7 @@ SurfaceNext SurfaceFriction::stay(SurfacePoint& at, const Vec3& from, const Vec3
     slip.consider_face(at.a().normal(), [](const Vec3&) { return true; });
     if (slides_) {
       const double rest = FrictionMotion::kRestick * dynamic_;
-      const double t = pull.square(-1.0, at.a().normal(), 1.0 + rest * rest).time_of_rise();
+      const double t = pull.time_of_rise(-1.0, at.a().normal(), 1.0 + rest * rest);
       if (t < slip.soonest && t < 1.0) {
         slides_ = false;
         time = std::min(1.0, time + t * (1.0 - time));
@@ -381,16 +368,16 @@ SurfaceNext SurfaceFriction::slide_on_face(SurfacePoint& at, const Vec3& from, c
 SurfaceNext SurfaceFriction::slide_on_edge(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept {
   const int edge = at.edge();
   const double length = at.a().shape.length(edge);
-  const EdgeSlide slide = make_edge_slide(at, from, to, time, dynamic_);
+  const EdgeSlide slide(at, from, to, time, dynamic_);
   if (!(slide.speed(0.0) > 0.0)) {
     drags_ = false;
     return SurfaceNext::again;
   }
-  double until = slide.speed(1.0) > 0.0 ? 1.0 : find_fall(0.0, 1.0, [&](double t, double& slope) {
+  const bool stops = !(slide.speed(1.0) > 0.0);
+  double until = !stops ? 1.0 : find_fall(0.0, 1.0, [&](double t, double& slope) {
     slope = 0.0;
     return slide.speed(t);
   });
-  const bool stops = !(slide.speed(1.0) > 0.0);
   // Onto a face when its multiplier has reached zero.
   enum class Event : std::uint8_t { none, to_a, to_b, end } event = Event::none;
   const Vec3 device = on_path(from, to, time);
