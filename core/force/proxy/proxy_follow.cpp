@@ -68,7 +68,7 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
     if (follow_surface(last, device, time)) return;
     if (surface_.is_on_surface()) lift_off_surface();
   }
-  const bool may_follow = !swept_.must_go_on() && !(sweeps_finish_ && proxy_.contact_count == 0) && failures_ < kMaxFailures;
+  const bool may_follow = !swept_.must_go_on() && !(tries_.sweeps_finish && proxy_.contact_count == 0) && tries_.failures < kMaxFailures;
   if (may_follow && follow_offset(last, device, time)) return;
   ++counters_.swept;
   if (may_follow && sphere_.is_in_slit()) return sweep_from_slit(last, device);
@@ -95,9 +95,10 @@ void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept
 // is far away it may be held where that sphere is not.
 void ProxyMethod::follow_after_sweep(const Vec3& last, const Vec3& device) noexcept {
   if (proxy_.is_free || swept_.is_shrunk()) return;
-  if (work_left_ <= 0 && is_point_ && (last != device || ++sweep_carries_ <= kMaxFailures)) return carry(device);
+  if (work_left_ <= 0 && is_point_ && (last != device || ++tries_.sweep_carries <= kMaxFailures)) return carry(device);
   double here = 0.0;
-  if (work_left_ > 0 && failures_ < kMaxFailures && !follow_offset(device, device, here) && sphere_.is_in_slit()) copy_sphere_state(device);
+  if (work_left_ > 0 && tries_.failures < kMaxFailures && !follow_offset(device, device, here) && sphere_.is_in_slit())
+    copy_sphere_state(device);
 }
 
 // A sweep that begins nearer to a face than its clearance allows could pass it.
@@ -238,8 +239,7 @@ void ProxyMethod::lift_off_surface() noexcept {
   }
   is_close_ = false;
   const bool slides = surface_.slides();
-  lifted_ = {surface_.point(), (lifted - surface_.point()).norm()};
-  is_lifted_ = true;
+  tries_.lifted = {surface_.point(), (lifted - surface_.point()).norm()};
   surface_.leave();
   sphere_.stop_tracking();
   sphere_.forget_near();
@@ -255,7 +255,7 @@ void ProxyMethod::lift_off_surface() noexcept {
 // Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where this motion has lifted it off and was then
 // out of work: it would be lifted off again, and what that takes may leave no work to get farther.
 bool ProxyMethod::land_on_surface() noexcept {
-  if (is_lifted_ && (proxy_.position - lifted_.from).norm() <= 2.0 * lifted_.by) return false;
+  if (tries_.lifted && (proxy_.position - tries_.lifted->from).norm() <= 2.0 * tries_.lifted->by) return false;
   const auto active = proxy_.active();
   if (active.empty() || active.size() > 2) return false;
   for (const ProxyContact& contact : active) {

@@ -109,10 +109,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   ball_.reset();
   carried_from_.reset();
   unconverged_ = false;
-  sweeps_finish_ = false;
   is_close_ = false;
-  failures_ = sweep_carries_ = 0;
-  is_lifted_ = false;
   touched_object_ = -1;
   has_sample_ = p_SP.allFinite();
   proxy_.settle_at(within_limits(geometry_.to_local(p_SP)));
@@ -173,11 +170,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
 Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexcept {
   if (!input.is_correction || counters_.skipped != sample_skipped_) sample_from_ = last;
   sample_skipped_ = counters_.skipped;
-  if (!carried_from_) {
-    sweeps_finish_ = false;
-    failures_ = sweep_carries_ = 0;
-    is_lifted_ = false;
-  }
+  if (!carried_from_) tries_ = {};
   work_left_ = StepWork::kMax;
   return std::exchange(carried_from_, std::nullopt).value_or(last);
 }

@@ -138,13 +138,21 @@ class ProxyMethod final : public ForceMethod {
   void clear_start() noexcept;
   std::optional<std::uint32_t> find_nearest(const Vec3& p, double reach, Separation& at) const noexcept;
   bool is_beside_surface(const Vec3& p) const noexcept;
+  void lift_off_surface() noexcept;
+  bool land_on_surface() noexcept;
+  void hold_by_surface(const Vec3& device) noexcept;
+
   struct Lifted {
     Vec3 from = Vec3::Zero();
     double by = 0.0;
   };
-  void lift_off_surface() noexcept;
-  bool land_on_surface() noexcept;
-  void hold_by_surface(const Vec3& device) noexcept;
+  // In the motion to one sample, over all steps that it takes.
+  struct Tries {
+    int failures = 0;              // of the sphere follower
+    int sweep_carries = 0;         // after a sweep without work left, with the device at its end
+    bool sweeps_finish = false;    // a flight among too many triangles has given up: none starts again while the sphere touches nothing
+    std::optional<Lifted> lifted;  // off the surface, the last time
+  };
 
   TouchGeometry geometry_;
   std::vector<Material> materials_;  // by object
@@ -167,13 +175,9 @@ class ProxyMethod final : public ForceMethod {
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
   bool unconverged_ = false;          // the last step ran out of work
-  Lifted lifted_;                     // the last time
-  bool is_lifted_ = false;            // in the motion that is carried
-  int failures_ = 0;                  // of the sphere follower in this motion, over all steps that it takes
-  int sweep_carries_ = 0;             // after a sweep without work left, with the device at its end; likewise
-  bool is_close_ = false;             // in a slit, a sweep has left a point only as far from surfaces as the sphere follower keeps it
-  bool sweeps_finish_ = false;        // a flight among too many triangles has given up: none starts again while the sphere touches nothing
-  int touched_object_ = -1;           // that of the last contact, until the proxy is free; -1: none
+  Tries tries_;
+  bool is_close_ = false;    // in a slit, a sweep has left a point only as far from surfaces as the sphere follower keeps it
+  int touched_object_ = -1;  // that of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;
 };
 

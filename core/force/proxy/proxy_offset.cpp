@@ -13,15 +13,15 @@ bool ProxyMethod::follow_offset(const Vec3& last, const Vec3& device, double& ti
   } else if (!sphere_.is_tracking()) {
     const bool has_started = sphere_.start(proxy_.position, false, clearance_.slop, proxy_.slides);
     work_left_ -= sphere_.work();
-    failures_ += has_started ? 0 : 1;
+    tries_.failures += has_started ? 0 : 1;
     if (!has_started) return false;
   }
   const SphereFollower::Outcome outcome = sphere_.follow(last, device, time, work_left_);
   work_left_ -= sphere_.work();
   if (outcome == SphereFollower::Outcome::failed) {
-    sweeps_finish_ |= sphere_.has_given_up_flight();
-    failures_ += sphere_.is_in_slit() ? 0 : 1;
-    copy_sphere_state(time < 1.0 ? Vec3(last + time * (device - last)) : device);
+    tries_.sweeps_finish |= sphere_.has_given_up_flight();
+    tries_.failures += sphere_.is_in_slit() ? 0 : 1;
+    copy_sphere_state(on_path(last, device, time));
     if (!sphere_.is_in_slit()) sphere_.stop_tracking();
     active_offset_ = kContactOffset;
     if (is_point_) clear_start();
