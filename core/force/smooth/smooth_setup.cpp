@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "core/force/smooth/smooth_method.h"
-#include "core/force/unrendered_notes.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/triangle_distance.h"
 
@@ -20,6 +19,19 @@ constexpr double kLargestRadius = 0.01;
 // A distance within which a set of this size is complete nearly everywhere, with half of the set left as a margin for motion.
 double make_radius(const SmoothScene& scene, std::uint32_t set_size) {
   return std::min(kLargestRadius * scene.diagonal(), scene.compute_typical_radius(std::max(1U, set_size / 2)));
+}
+
+// What is not rendered as the scene has it where the force builds up in a layer outside the surface: a line for describe(), or nothing.
+std::string note_bare_layer(const TouchScene& scene) {
+  const auto has_effects = [](const TouchObject& object) {
+    return object.effects.any() || object.material.friction_static > 0.0 || object.material.damping_ns_per_m > 0.0;
+  };
+  const auto count = std::ranges::count_if(scene.objects, has_effects);
+  if (count == 0) return {};
+  return fmt::format(
+      "note: {} of {} object{}: their effects, damping and friction begin at the surface, and not in the layer outside of "
+      "it; choose --layer 0\n",
+      count, scene.objects.size(), scene.objects.size() == 1 ? "" : "s");
 }
 
 }  // namespace

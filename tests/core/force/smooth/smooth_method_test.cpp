@@ -169,6 +169,27 @@ TEST(SmoothMethod, DescribesWhatItDid) {
     EXPECT_NE(text.find(word), std::string::npos) << word;
 }
 
+// The line about what a method with a layer leaves out; empty: there is none.
+std::string note_of_layer(const std::vector<TouchObject>& objects) {
+  TouchScene scene{.objects = objects};
+  for (TouchObject& object : scene.objects) object.mesh = made::shared(make_icosphere(0.05, 0));
+  const std::string text = make(scene, with_size(64, 1.0))->describe();
+  const std::size_t begin = text.find("note: ");
+  if (begin == std::string::npos) return {};
+  EXPECT_EQ(text.find("note: ", begin + 1), std::string::npos) << text;
+  return text.substr(begin, text.find('\n', begin) - begin);
+}
+
+TEST(SmoothMethod, CountsObjectsWithEffectsFrictionOrDampingForALayer) {
+  EXPECT_EQ(note_of_layer({TouchObject{}}), "");
+  for (const Material& material : {Material{.damping_ns_per_m = 0.1}, Material{.friction_static = 0.1, .friction_dynamic = 0.1}}) {
+    const std::string note = note_of_layer({{}, {.mesh = {}, .material = material}});
+    EXPECT_EQ(note.find("note: 1 of 2 objects: their effects, damping and friction begin at the surface"), 0U) << note;
+  }
+  const std::string text = note_of_layer({{.mesh = {}, .material = {}, .effects = {.viscosity = {.damping_ns_per_m = 4}}}});
+  EXPECT_EQ(text.find("note: 1 of 1 object: their effects, damping and friction begin at the surface"), 0U) << text;
+}
+
 TEST(SmoothMethod, LeavesDampingAndFrictionOfTheMaterialsInUseToItsStep) {
   const auto method = make(scene_of(make_icosphere(0.05, 1), {.friction_static = 0.5}));
   ASSERT_EQ(method->unrendered_drag().size(), 1U);
