@@ -4,7 +4,6 @@
 #include <map>
 #include <utility>
 
-#include "core/force/mapped_surface.h"
 #include "patch/to_frame.h"
 
 namespace hapton {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/effects/effect_step.h"
-#include "core/force/map_finder.h"
+#include "core/force/mapped_surface.h"
 #include "core/force/touch_step.h"
 #include "patch/effect_codec.h"
 #include "patch/patch_touch.h"

@@ -32,13 +32,6 @@ MappedSurface::MappedSurface(std::shared_ptr<const std::vector<MappedTriangle>> 
   });
 }
 
-MapPlace MappedSurface::place_on(const Face& face, const Vec3& point) noexcept {
-  MapPlace place = face.place;
-  const Vec3 off = point - face.shape.corner[0];
-  place.texcoord += Eigen::Vector2d(place.du.dot(off), place.dv.dot(off));
-  return place;
-}
-
 MapPlace MappedSurface::find(const Vec3& p, std::size_t& last) const noexcept {
   const Vec3 local = p - origin_;
   ClosestPoint nearest = closest_point(faces_[last].shape, local);
@@ -53,7 +46,10 @@ MapPlace MappedSurface::find(const Vec3& p, std::size_t& last) const noexcept {
       return std::min(bound_squared, nearest.distance * nearest.distance);
     });
   }
-  return place_on(faces_[last], nearest.point);
+  MapPlace place = faces_[last].place;
+  const Vec3 off = nearest.point - faces_[last].shape.corner[0];
+  place.texcoord += Eigen::Vector2d(place.du.dot(off), place.dv.dot(off));
+  return place;
 }
 
 }  // namespace hapton

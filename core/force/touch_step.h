@@ -9,7 +9,7 @@
 #include "core/effects/effect_step.h"
 #include "core/force/effect_frames.h"
 #include "core/force/force_method.h"
-#include "core/force/map_finder.h"
+#include "core/force/mapped_surface.h"
 #include "core/math/commanded_motion.h"
 
 namespace hapton {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/force/map_finder.h"
+#include "core/force/mapped_surface.h"
 #include "core/geometry/mesh_shapes.h"
 #include "scene/annotations_file.h"
 #include "tests/support/log_of.h"

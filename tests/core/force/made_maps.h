@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/force/map_finder.h"
+#include "core/force/mapped_surface.h"
 #include "core/geometry/triangle_mesh.h"
 
 namespace hapton {

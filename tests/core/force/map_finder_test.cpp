@@ -1,4 +1,4 @@
-#include "core/force/map_finder.h"
+#include "core/force/mapped_surface.h"
 
 #include <gtest/gtest.h>
 

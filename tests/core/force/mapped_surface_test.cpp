@@ -7,7 +7,6 @@
 #include <random>
 
 #include "core/force/force_method.h"
-#include "core/force/map_finder.h"
 #include "core/force/touch_step.h"
 #include "core/geometry/mesh_shapes.h"
 #include "tests/core/force/made_maps.h"
