@@ -173,7 +173,8 @@ std::size_t DeformingGeometry::part_at(double time_s) const noexcept {
 
 void DeformingGeometry::shape(double time_s) noexcept {
   ObjectGeometry& object = geometry_.deforming_object();
-  move_vertices(deformation_->weights_at(time_s));
+  weights_ = deformation_->weights_at(time_s);
+  move_vertices(weights_);
   const std::size_t part = part_at(time_s);
   if (part == part_) return;
   object.swap_tree(trees_[part_]);

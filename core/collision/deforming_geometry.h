@@ -49,6 +49,10 @@ class DeformingGeometry {
   DeformingGeometry(TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, std::shared_ptr<const MeshDeformation> deformation);
 
   void shape(double time_s) noexcept;
+  // As those of StreamedGeometry (shape_stage.h).
+  double travel_to(double time_s) const noexcept { return deformation_->most_displacement(weights_, deformation_->weights_at(time_s)); }
+  bool is_due(double /*time_s*/) const noexcept { return false; }
+  void skip_to(double /*time_s*/) noexcept {}
 
   // Of a vertex of the object, local: where it is at rest, and how far it moves from one time to another.
   Vec3 rest_of(std::uint32_t vertex) const noexcept;
@@ -76,6 +80,7 @@ class DeformingGeometry {
   std::vector<double> displacements_;
   std::vector<WideBvh> trees_;  // by part; that of part_ is in the geometry, whose first one is here
   std::size_t part_ = 0;
+  MeshDeformation::Weights weights_ = {};  // of the present shape
 };
 
 }  // namespace hapton

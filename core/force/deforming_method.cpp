@@ -30,7 +30,7 @@ DeformingMethod::DeformingMethod(std::unique_ptr<ForceMethod> method, const Touc
     : carried_(std::move(method), object.mesh, object.deformation) {}
 
 std::string DeformingMethod::describe() const {
-  const DeformingGeometry& surface = carried_.surface().geometry();
+  const DeformingGeometry& surface = carried_.surface();
   return fmt::format("deforms for {:g} s{}: {} vertices move, {} trees of {:.3g} MB\n", surface.deformation().duration_s(),
                      surface.deformation().loops() ? ", repeated" : "", surface.deformation().moved().size(), surface.tree_count(),
                      static_cast<double>(surface.bytes()) * 1e-6) +

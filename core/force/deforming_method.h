@@ -11,33 +11,6 @@
 
 namespace hapton {
 
-// A deformation that is known beforehand, as CarriedProxy takes it.
-class PresetSurface {
- public:
-  PresetSurface(TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, std::shared_ptr<const MeshDeformation> deformation)
-      : geometry_(geometry, std::move(mesh), std::move(deformation)) {}
-
-  double travel_to(double time_s) const noexcept {
-    return geometry_.deformation().most_displacement(weights_, geometry_.deformation().weights_at(time_s));
-  }
-  bool is_due(double /*time_s*/) const noexcept { return false; }
-  void shape(double time_s) noexcept {
-    weights_ = geometry_.deformation().weights_at(time_s);
-    geometry_.shape(time_s);
-  }
-  void skip_to(double /*time_s*/) noexcept {}
-
-  Vec3 rest_of(std::uint32_t vertex) const noexcept { return geometry_.rest_of(vertex); }
-  Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
-    return geometry_.moved_between(vertex, from_s, to_s);
-  }
-  const DeformingGeometry& geometry() const noexcept { return geometry_; }
-
- private:
-  DeformingGeometry geometry_;
-  MeshDeformation::Weights weights_ = {};  // of the present shape
-};
-
 // The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample,
 // and takes the probe along (CarriedProxy).
 //
@@ -60,7 +33,7 @@ class DeformingMethod final : public ForceMethod {
  private:
   DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object);
 
-  CarriedProxy<PresetSurface> carried_;
+  CarriedProxy<DeformingGeometry> carried_;
 };
 
 // ProxyMethod of one object whose vertices will move within all_shapes. Pre: the object has a deformation. Error: as DeformingMethod::make.
