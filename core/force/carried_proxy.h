@@ -101,7 +101,6 @@ class CarriedProxy {
 
   ForceMethod& method() noexcept { return *method_; }
   const ForceMethod& method() const noexcept { return *method_; }
-  const ProxyMethod& proxy() const noexcept { return proxy_; }
   Surface& surface() noexcept { return surface_; }
   const Surface& surface() const noexcept { return surface_; }
   double last_time_s() const noexcept { return last_time_s_; }

@@ -30,7 +30,9 @@ Result<std::unique_ptr<StreamedMethod>> StreamedMethod::make(const MethodSetting
 }
 
 StreamedMethod::StreamedMethod(std::unique_ptr<ForceMethod> method, std::shared_ptr<const ShapeStager> stager)
-    : stager_(std::move(stager)), carried_(std::make_unique<CarriedProxy<StreamedGeometry>>(std::move(method), stager_->make_rest())) {}
+    : stager_(std::move(stager)),
+      carried_(std::make_unique<CarriedProxy<StreamedGeometry>>(std::move(method), stager_->make_rest())),
+      surface_(carried_->surface()) {}
 
 StreamedMethod::~StreamedMethod() = default;
 
@@ -44,21 +46,9 @@ void StreamedMethod::set_materials(std::span<const Material> materials) noexcept
 
 std::optional<SurfacePlace> StreamedMethod::find_place(int /*object*/) const noexcept { return carried_->find_place(); }
 
-const ShapeStage& StreamedMethod::current_stage() const noexcept { return carried_->surface().present(); }
-
-std::uint64_t StreamedMethod::serial() const noexcept { return carried_->surface().serial(); }
-
-std::size_t StreamedMethod::waiting() const noexcept { return carried_->surface().waiting(); }
-
-const ShapeStage& StreamedMethod::newest_stage() const noexcept { return carried_->surface().newest(); }
-
-double StreamedMethod::end_s() const noexcept { return carried_->surface().end_s(); }
-
 double StreamedMethod::last_time_s() const noexcept { return carried_->last_time_s(); }
 
 std::optional<Vec3> StreamedMethod::held_at() const noexcept { return carried_->held_at(); }
-
-std::vector<Vec3> StreamedMethod::vertices() const { return carried_->surface().vertices_at(carried_->last_time_s()); }
 
 double StreamedMethod::compute_time_s(const ShapeStage& stage, double over_s) noexcept {
   return std::max(over_s, stage.most_m / kMaxSurfaceSpeed);
@@ -66,16 +56,12 @@ double StreamedMethod::compute_time_s(const ShapeStage& stage, double over_s) no
 
 StreamedGeometry::Released StreamedMethod::offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept {
   const double seconds = compute_time_s(*stage, over_s);
-  return carried_->surface().offer(std::move(stage), seconds, carried_->last_time_s());
-}
-
-std::unique_ptr<ShapeStage> StreamedMethod::offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
-  return carried_->surface().append(std::move(stage), over_s, start_s);
+  return surface_.offer(std::move(stage), seconds, last_time_s());
 }
 
 std::string StreamedMethod::describe() const {
   return fmt::format("a program gives its shapes: {} vertices, {:.3g} MB\n", stager_->rest().size(),
-                     static_cast<double>(carried_->surface().bytes()) * 1e-6) +
+                     static_cast<double>(surface_.bytes()) * 1e-6) +
          carried_->method().describe();
 }
 

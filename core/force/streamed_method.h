@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/collision/shape_stage.h"
@@ -44,32 +45,35 @@ class StreamedMethod final : public ForceMethod {
   // It may be used by others, also after the method is gone.
   std::shared_ptr<const ShapeStager> share_stager() const { return stager_; }
   // The stage that moves at the time of the last step, or has ended.
-  const ShapeStage& current_stage() const noexcept;
-  std::uint64_t serial() const noexcept;
+  const ShapeStage& current_stage() const noexcept { return surface_.present(); }
+  std::uint64_t serial() const noexcept { return surface_.serial(); }
   // The stage follows the current one, and replaces one that waits. over_s: how long it is to take. Returned: stages that are no longer
   // used, to be destroyed outside of the loop. Pre: it begins where the current stage ends; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
   // The same after all others, at a given time: the stage begins at start_s and takes over_s. Returned: one that is no longer used; null:
   // none. Pre: fewer than kMaxWaiting wait; it begins where newest_stage() ends; start_s is after the last step, and not before end_s();
   // over_s is not below compute_time_s.
-  std::unique_ptr<ShapeStage> offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept;
+  std::unique_ptr<ShapeStage> offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
+    return surface_.append(std::move(stage), over_s, start_s);
+  }
   static constexpr std::size_t kMaxWaiting = StreamedGeometry::kMaxWaiting;
   // How many stages wait for their start; the last of them, else the current one; and when that will have ended.
-  std::size_t waiting() const noexcept;
-  const ShapeStage& newest_stage() const noexcept;
-  double end_s() const noexcept;
+  std::size_t waiting() const noexcept { return surface_.waiting(); }
+  const ShapeStage& newest_stage() const noexcept { return surface_.newest(); }
+  double end_s() const noexcept { return surface_.end_s(); }
   double last_time_s() const noexcept;
   // How long a stage takes: over_s, or longer where a vertex would be faster than kMaxSurfaceSpeed.
   static double compute_time_s(const ShapeStage& stage, double over_s) noexcept;
 
   // The shape at the time of the last step. RT: no.
-  std::vector<Vec3> vertices() const;
+  std::vector<Vec3> vertices() const { return surface_.vertices_at(last_time_s()); }
 
  private:
   StreamedMethod(std::unique_ptr<ForceMethod> method, std::shared_ptr<const ShapeStager> stager);
 
   std::shared_ptr<const ShapeStager> stager_;
   std::unique_ptr<CarriedProxy<StreamedGeometry>> carried_;
+  StreamedGeometry& surface_;  // of carried_
 };
 
 }  // namespace hapton
