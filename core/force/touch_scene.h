@@ -63,24 +63,20 @@ struct TouchScene {
   std::vector<std::shared_ptr<const MappedSurface>> mapped = {};
 
   bool has_effects() const {
-    return !effects.empty() || std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.effects.any(); });
+    return !effects.empty() || std::ranges::any_of(objects, [](const TouchObject& object) { return object.effects.any(); });
   }
-  bool has_deformation() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.deforms(); });
-  }
+  bool has_deformation() const { return std::ranges::any_of(objects, &TouchObject::deforms); }
   bool has_streamed() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.stream_reach_m.has_value(); });
+    return std::ranges::any_of(objects, [](const TouchObject& object) { return object.stream_reach_m.has_value(); });
   }
   bool has_commanded() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.command_pivot.has_value(); });
+    return std::ranges::any_of(objects, [](const TouchObject& object) { return object.command_pivot.has_value(); });
   }
   bool has_sculpt() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.sculpt.has_value(); });
+    return std::ranges::any_of(objects, [](const TouchObject& object) { return object.sculpt.has_value(); });
   }
   // An object moves by keyframes or by commands, or deforms.
-  bool has_motion() const {
-    return std::any_of(objects.begin(), objects.end(), [](const TouchObject& object) { return object.moves(); });
-  }
+  bool has_motion() const { return std::ranges::any_of(objects, &TouchObject::moves); }
 };
 
 }  // namespace hapton
