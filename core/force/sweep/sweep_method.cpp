@@ -9,37 +9,6 @@
 namespace hapton {
 namespace {
 
-using Corners = std::array<Vec3, 3>;
-
-// The scene's triangles that have a plane, with their objects.
-struct Triangles {
-  std::vector<Corners> corners;
-  std::vector<TrianglePlane> planes;
-  std::vector<std::uint32_t> object_of;
-  std::vector<Material> materials;
-  std::size_t degenerate = 0;
-};
-
-Triangles gather(const TouchScene& scene) {
-  Triangles all;
-  for (const TouchObject& object : scene.objects) {
-    const auto id = static_cast<std::uint32_t>(all.materials.size());
-    all.materials.push_back(object.material);
-    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
-      const Corners corners = {object.mesh->corner(t, 0), object.mesh->corner(t, 1), object.mesh->corner(t, 2)};
-      const auto plane = compute_triangle_plane(corners[0], corners[1], corners[2]);
-      if (!plane) {
-        ++all.degenerate;
-        continue;
-      }
-      all.corners.push_back(corners);
-      all.planes.push_back(*plane);
-      all.object_of.push_back(id);
-    }
-  }
-  return all;
-}
-
 // The offset must be much larger than the rounding of coordinates: 64 times is a choice.
 Result<void> check_offset(double offset_m, const UniformGrid& grid) {
   const double coordinate = std::max(grid.low().cwiseAbs().maxCoeff(), grid.high().cwiseAbs().maxCoeff());
@@ -57,17 +26,24 @@ double percent_of(std::uint64_t part, std::uint64_t whole) {
 
 }  // namespace
 
-SweepCounters& SweepCounters::operator+=(const SweepCounters& other) noexcept {
-  cells_visited += other.cells_visited;
-  empty_cells += other.empty_cells;
-  repeated_triangles += other.repeated_triangles;
-  triangles_tested += other.triangles_tested;
-  parallel += other.parallel;
-  out_of_length += other.out_of_length;
-  out_of_triangle += other.out_of_triangle;
-  from_behind += other.from_behind;
-  collisions += other.collisions;
-  return *this;
+SweepMethod::Triangles SweepMethod::gather(const TouchScene& scene, std::vector<std::array<Vec3, 3>>& corners) {
+  Triangles all;
+  for (const TouchObject& object : scene.objects) {
+    const auto id = static_cast<std::uint32_t>(all.materials.size());
+    all.materials.push_back(object.material);
+    for (std::size_t t = 0; t < object.mesh->triangles.size(); ++t) {
+      const std::array<Vec3, 3> at = {object.mesh->corner(t, 0), object.mesh->corner(t, 1), object.mesh->corner(t, 2)};
+      const auto plane = compute_triangle_plane(at[0], at[1], at[2]);
+      if (!plane) {
+        ++all.degenerate;
+        continue;
+      }
+      corners.push_back(at);
+      all.planes.push_back(*plane);
+      all.object_of.push_back(id);
+    }
+  }
+  return all;
 }
 
 Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& settings, const TouchScene& scene) {
@@ -75,31 +51,20 @@ Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& set
     return fail("sweep: its probe is a point and cannot have a radius of {} m; leave the radius at 0 or choose another method",
                 settings.probe_radius_m);
   }
-  Triangles all = gather(scene);
+  std::vector<std::array<Vec3, 3>> corners;
+  Triangles all = gather(scene, corners);
   if (all.planes.empty()) {
     return fail("sweep: the scene has no triangle with an area ({} without one); give a mesh that can be touched", all.degenerate);
   }
-  auto grid = UniformGrid::make(all.corners, settings.grid_division);
+  auto grid = UniformGrid::make(corners, settings.grid_division);
   if (!grid) {
     return tl::unexpected(grid.error());
   }
   if (auto checked = check_offset(settings.offset_m, *grid); !checked) {
     return tl::unexpected(checked.error());
   }
-  std::unique_ptr<SweepMethod> method(new SweepMethod(std::move(*grid), std::move(all.planes), std::move(all.object_of),
-                                                      std::move(all.materials), all.degenerate, settings.offset_m));
-  return std::unique_ptr<ForceMethod>(std::move(method));
+  return std::unique_ptr<ForceMethod>(new SweepMethod(std::move(*grid), std::move(all), settings.offset_m));
 }
-
-SweepMethod::SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, std::vector<std::uint32_t> object_of,
-                         std::vector<Material> materials, std::size_t degenerate, double offset_m)
-    : grid_(std::move(grid)),
-      planes_(std::move(planes)),
-      object_of_(std::move(object_of)),
-      materials_(std::move(materials)),
-      degenerate_(degenerate),
-      offset_m_(offset_m),
-      stamps_(planes_.size()) {}
 
 // Clamps a device farther out than a billion scene sizes to that distance, so that products stay finite.
 Vec3 SweepMethod::within_limits(const Vec3& p_SD) const noexcept {
@@ -117,7 +82,6 @@ void SweepMethod::reset(const Vec3& p_SD) noexcept {
 }
 
 MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
-  step_ = {};
   if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = p_last_, .contact = false};
   MethodOutput output;
   output.p_SP = input.p_SD;
@@ -128,7 +92,6 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   const Vec3 p_SD = within_limits(input.p_SD);
   const Deepest deepest = find_deepest({.last = p_last_, .current = p_SD});
   ++steps_;
-  total_ += step_;
   if (!deepest.found) {
     p_last_ = p_SD;
     return output;
@@ -138,8 +101,8 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   // point, on the side that the probe came from, so that the next line crosses the surface again as long as the probe stays below.
   const SweepCollision& hit = deepest.collision;
   p_last_ = hit.point + offset_m_ * hit.normal;
-  const std::uint32_t object = object_of_[deepest.triangle];
-  output.force_n = materials_[object].stiffness_n_per_m * hit.depth * hit.normal;
+  const std::uint32_t object = triangles_.object_of[deepest.triangle];
+  output.force_n = triangles_.materials[object].stiffness_n_per_m * hit.depth * hit.normal;
   output.p_SP = hit.point;
   output.contact = output.force_n != Vec3::Zero();
   if (output.contact) output.object = static_cast<int>(object);
@@ -147,7 +110,7 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
 }
 
 void SweepMethod::set_materials(std::span<const Material> materials) noexcept {
-  std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
+  std::copy_n(materials.begin(), std::min(materials.size(), triangles_.materials.size()), triangles_.materials.begin());
 }
 
 SweepMethod::Deepest SweepMethod::find_deepest(const SweepLine& line) noexcept {
@@ -165,41 +128,41 @@ SweepMethod::Deepest SweepMethod::find_deepest(const SweepLine& line) noexcept {
 }
 
 void SweepMethod::test_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept {
-  ++step_.cells_visited;
+  ++counters_.cells_visited;
   if (triangles.empty()) {
-    ++step_.empty_cells;
+    ++counters_.empty_cells;
     return;
   }
   for (const std::uint32_t triangle : triangles) {
     if (stamps_.first_visit(triangle)) {
       test_triangle(line, triangle, deepest);
     } else {
-      ++step_.repeated_triangles;
+      ++counters_.repeated_triangles;
     }
   }
 }
 
 void SweepMethod::test_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept {
-  ++step_.triangles_tested;
+  ++counters_.triangles_tested;
   SweepCollision collision;
-  switch (compute_collision(line, planes_[triangle], collision)) {
+  switch (compute_collision(line, triangles_.planes[triangle], collision)) {
     case SweepOutcome::parallel:
-      ++step_.parallel;
+      ++counters_.parallel;
       return;
     case SweepOutcome::out_of_length:
-      ++step_.out_of_length;
+      ++counters_.out_of_length;
       return;
     case SweepOutcome::out_of_triangle:
-      ++step_.out_of_triangle;
+      ++counters_.out_of_triangle;
       return;
     case SweepOutcome::collision:
       break;
   }
-  if (collision.from_behind && !materials_[object_of_[triangle]].two_sided) {
-    ++step_.from_behind;
+  if (collision.from_behind && !triangles_.materials[triangles_.object_of[triangle]].two_sided) {
+    ++counters_.from_behind;
     return;
   }
-  ++step_.collisions;
+  ++counters_.collisions;
   // The greatest depth beyond the collision point along the line is the first collision on it. Triangles that share the point (an edge, a
   // vertex) are ordered by depth along the normal, then by number, so the order of the cells does not matter.
   const auto rank = [](const SweepCollision& c, std::uint32_t id) { return std::tuple(c.t, -c.depth, id); };
@@ -214,21 +177,21 @@ std::string SweepMethod::describe() const {
       "sweep: {} triangles of {} object{}, {} degenerate left out, offset {:.4g} m\n"
       "grid: {} x {} x {} cells of {:.4g} x {:.4g} x {:.4g} m, {:.2f} % occupied, {:.2f} triangles an occupied cell on average, {} at "
       "most\n",
-      planes_.size(), materials_.size(), materials_.size() == 1 ? "" : "s", degenerate_, offset_m_, grid_.division()[0],
-      grid_.division()[1], grid_.division()[2], (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0],
+      triangles_.planes.size(), triangles_.materials.size(), triangles_.materials.size() == 1 ? "" : "s", triangles_.degenerate, offset_m_,
+      grid_.division()[0], grid_.division()[1], grid_.division()[2], (grid_.high()[0] - grid_.low()[0]) / grid_.division()[0],
       (grid_.high()[1] - grid_.low()[1]) / grid_.division()[1], (grid_.high()[2] - grid_.low()[2]) / grid_.division()[2],
       100.0 * full.occupied_share(), full.mean_triangles_a_cell(), full.max_triangles_a_cell);
   if (steps_ > 0) {
     const double n = static_cast<double>(steps_);
     text += fmt::format("steps: {}, {:.2f} cells and {:.2f} triangles tested a step\n", steps_,
-                        static_cast<double>(total_.cells_visited) / n, static_cast<double>(total_.triangles_tested) / n);
+                        static_cast<double>(counters_.cells_visited) / n, static_cast<double>(counters_.triangles_tested) / n);
     text += fmt::format(
         "early ends: step 1 {:.1f} % of cells empty; of triangles tested: step 2 {:.1f} % parallel, step 3 {:.1f} % out of the line's "
         "length, step 4 {:.1f} % out of the triangle, step 5 {} collisions{}\n",
-        percent_of(total_.empty_cells, total_.cells_visited), percent_of(total_.parallel, total_.triangles_tested),
-        percent_of(total_.out_of_length, total_.triangles_tested), percent_of(total_.out_of_triangle, total_.triangles_tested),
-        total_.collisions,
-        total_.from_behind > 0 ? fmt::format(", {} more rejected: with the back of a one-sided triangle", total_.from_behind) : "");
+        percent_of(counters_.empty_cells, counters_.cells_visited), percent_of(counters_.parallel, counters_.triangles_tested),
+        percent_of(counters_.out_of_length, counters_.triangles_tested), percent_of(counters_.out_of_triangle, counters_.triangles_tested),
+        counters_.collisions,
+        counters_.from_behind > 0 ? fmt::format(", {} more rejected: with the back of a one-sided triangle", counters_.from_behind) : "");
   }
   return text;
 }

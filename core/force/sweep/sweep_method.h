@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/collision/sweep_line.h"
@@ -12,7 +13,7 @@
 
 namespace hapton {
 
-// Counters of one step or of all steps; the early exits are those of the memo's steps 1 to 5.
+// Counters of all steps; the early exits are those of the memo's steps 1 to 5.
 struct SweepCounters {
   std::uint64_t cells_visited = 0;
   std::uint64_t empty_cells = 0;         // ended at step 1
@@ -23,8 +24,6 @@ struct SweepCounters {
   std::uint64_t out_of_triangle = 0;     // ended at step 4
   std::uint64_t from_behind = 0;         // collisions rejected: with the back of a one-sided triangle
   std::uint64_t collisions = 0;          // stored at step 5: the memo's M
-
-  SweepCounters& operator+=(const SweepCounters& other) noexcept;
 };
 
 // The complete method of the HP memo: tests the line between two samples against the triangles in the grid cells around it. The collision
@@ -41,12 +40,11 @@ class SweepMethod final : public ForceMethod {
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;
   void set_materials(std::span<const Material> materials) noexcept override;
-  std::span<const Material> unrendered_drag() const noexcept override { return materials_; }
+  std::span<const Material> unrendered_drag() const noexcept override { return triangles_.materials; }
   std::string describe() const override;
 
   const UniformGrid& grid() const { return grid_; }
-  const SweepCounters& step_counters() const { return step_; }    // of the last step
-  const SweepCounters& total_counters() const { return total_; }  // of all steps
+  const SweepCounters& counters() const { return counters_; }
   std::uint64_t steps() const { return steps_; }
 
  private:
@@ -57,24 +55,29 @@ class SweepMethod final : public ForceMethod {
     bool found = false;
   };
 
-  SweepMethod(UniformGrid grid, std::vector<TrianglePlane> planes, std::vector<std::uint32_t> object_of, std::vector<Material> materials,
-              std::size_t degenerate, double offset_m);
+  // The scene's triangles that have a plane, with their objects.
+  struct Triangles {
+    std::vector<TrianglePlane> planes;
+    std::vector<std::uint32_t> object_of;
+    std::vector<Material> materials;  // of each object
+    std::size_t degenerate = 0;       // left out
+  };
+
+  SweepMethod(UniformGrid grid, Triangles triangles, double offset_m)
+      : grid_(std::move(grid)), triangles_(std::move(triangles)), offset_m_(offset_m), stamps_(triangles_.planes.size()) {}
+  static Triangles gather(const TouchScene& scene, std::vector<std::array<Vec3, 3>>& corners);
   Vec3 within_limits(const Vec3& p_SD) const noexcept;
   Deepest find_deepest(const SweepLine& line) noexcept;
   void test_cell(const SweepLine& line, std::span<const std::uint32_t> triangles, Deepest& deepest) noexcept;
   void test_triangle(const SweepLine& line, std::uint32_t triangle, Deepest& deepest) noexcept;
 
   UniformGrid grid_;
-  std::vector<TrianglePlane> planes_;
-  std::vector<std::uint32_t> object_of_;  // of each triangle
-  std::vector<Material> materials_;       // of each object
-  std::size_t degenerate_ = 0;
-  double offset_m_ = 0.0;
+  Triangles triangles_;
+  double offset_m_;
   VisitStamps stamps_;
   bool started_ = false;
   Vec3 p_last_ = Vec3::Zero();  // start of the next sweep line, frame S
-  SweepCounters step_;
-  SweepCounters total_;
+  SweepCounters counters_;
   std::uint64_t steps_ = 0;
 };
 
