@@ -188,17 +188,16 @@ void smooth_select(benchmark::State& state) {
 
 // The fast task, selecting for itself when it must: 1.5 mm inside, sliding.
 void smooth_step(benchmark::State& state) {
-  SmoothMethod::Settings settings;
-  settings.set_size = static_cast<std::uint32_t>(state.range(1));
-  const auto method = SmoothMethod::make_with(settings, touch_scene(state.range(0)));
+  const auto made = SmoothMethod::make({.set_size = static_cast<int>(state.range(1))}, touch_scene(state.range(0)));
+  auto* const method = static_cast<SmoothMethod*>(made->get());
   const auto& walk = walk_over(state.range(0));
   std::size_t i = 0;
-  (*method)->reset(walk[0] * 1.1);
+  method->reset(walk[0] * 1.1);
   for (auto _ : state) {
-    benchmark::DoNotOptimize((*method)->step({.p_SD = walk[i]}));
+    benchmark::DoNotOptimize(method->step({.p_SD = walk[i]}));
     if (++i == walk.size()) i = 0;
   }
-  const SmoothCounters& counters = (*method)->counters();
+  const SmoothCounters& counters = method->counters();
   state.counters["selections"] = static_cast<double>(counters.selections) / static_cast<double>(counters.steps);
   state.counters["overflows"] = static_cast<double>(counters.overflows) / static_cast<double>(counters.steps);
 }

@@ -16,12 +16,9 @@ double mean_of(const std::vector<double>& ns) {
   return ns.empty() ? 0.0 : std::accumulate(ns.begin(), ns.end(), 0.0) / static_cast<double>(ns.size());
 }
 
-SmoothMethod::Settings method_settings(const SmoothTasksSettings& settings) {
-  SmoothMethod::Settings own;
-  own.set_size = settings.set_size;
-  own.layer = settings.layer;
-  own.scene.directions = settings.directions;
-  return own;
+Result<std::unique_ptr<ForceMethod>> make_smooth(const SmoothTasksSettings& settings, const TouchScene& scene) {
+  return SmoothMethod::make(
+      {.set_size = static_cast<int>(settings.set_size), .smooth_layer = settings.layer, .hull_directions = settings.directions}, scene);
 }
 
 // Counts of a step besides its force; the same in every repetition.
@@ -82,9 +79,9 @@ struct Runs {
 // A new method each time, so that no repetition inherits state.
 Result<StepFacts> run_once(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                            const TouchTrajectory& trajectory, double rate_hz, Runs& runs) {
-  auto made = SmoothMethod::make_with(method_settings(settings), scene);
+  auto made = make_smooth(settings, scene);
   if (!made) return tl::unexpected(made.error());
-  SmoothMethod& method = **made;
+  auto& method = static_cast<SmoothMethod&>(**made);
   const auto period = std::max<std::size_t>(1, static_cast<std::size_t>(std::llround(settings.slow_period_s * rate_hz)));
   const CpuPin pin;
   StepFacts facts;
@@ -115,9 +112,9 @@ Result<StepFacts> run_once(const SmoothTasksSettings& settings, const Stopwatch&
 // taken.
 Result<std::vector<double>> time_swaps(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                                        const TouchTrajectory& trajectory) {
-  auto made = SmoothMethod::make_with(method_settings(settings), scene);
+  auto made = make_smooth(settings, scene);
   if (!made) return tl::unexpected(made.error());
-  SmoothMethod& method = **made;
+  auto& method = static_cast<SmoothMethod&>(**made);
   const auto set = std::make_unique<LocalSet>();
   const std::size_t stride = std::max<std::size_t>(1, trajectory.p_SD.size() / 1000);
   const CpuPin pin;

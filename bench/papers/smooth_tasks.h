@@ -48,7 +48,7 @@ struct SmoothTasks {
 };
 
 // Runs both tasks along a slide over the scene's first object, in one thread: every slow period the slow task runs between two steps, so
-// that each is timed alone and every repetition does the same. Error: as SmoothMethod::make_with; a mesh without area; no set was ever
+// that each is timed alone and every repetition does the same. Error: as SmoothMethod::make; a mesh without area; no set was ever
 // offered; repetitions that disagree. RT: set-up only.
 Result<SmoothTasks> measure_smooth_tasks(const SmoothTasksSettings& settings, const Stopwatch& watch, const TouchScene& scene,
                                          double rate_hz);

@@ -41,16 +41,8 @@ struct SmoothCounters {
 // any thread while no vertices move. RT: step, reset, request, offer yes; bounded time while counters().overflows does not change.
 class SmoothMethod final : public ForceMethod {
  public:
-  struct Settings {
-    std::uint32_t set_size = 64;  // triangles, 16..256
-    double radius_m = 0.0;        // RADIUS; 0: from the data, see make_radius in smooth_setup.cpp
-    double layer = 0.0;           // share of RADIUS, 0..1: distance from the surface at which f begins
-    SmoothSceneSettings scene;
-  };
-
   // RT: set-up only. Error: an impossible setting; see SmoothScene::build.
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
-  static Result<std::unique_ptr<SmoothMethod>> make_with(const Settings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
   void reset(const Vec3& p_SD) noexcept override;

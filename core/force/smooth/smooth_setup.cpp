@@ -37,7 +37,6 @@ std::string note_bare_layer(const TouchScene& scene) {
 }  // namespace
 
 Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& settings, const TouchScene& scene) {
-  Settings own;
   if (settings.set_size < 16 || settings.set_size > static_cast<int>(LocalSet::kCapacity)) {
     return fail("smooth: a set of {} triangles; give 16 to {}", settings.set_size, LocalSet::kCapacity);
   }
@@ -47,37 +46,25 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
   if (!(settings.crease_deg >= 0.0 && settings.crease_deg <= 180.0)) {
     return fail("smooth: a crease angle of {:g} degrees; give 0 to 180", settings.crease_deg);
   }
-  own.set_size = static_cast<std::uint32_t>(settings.set_size);
-  own.radius_m = settings.smooth_radius_m;
-  own.layer = settings.smooth_layer;
-  own.scene.directions = settings.hull_directions;
-  own.scene.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
-  own.scene.surface.simplify_error_m = settings.simplify_m;
-  auto method = make_with(own, scene);
-  if (!method) return tl::unexpected(method.error());
-  return std::unique_ptr<ForceMethod>(std::move(*method));
-}
-
-Result<std::unique_ptr<SmoothMethod>> SmoothMethod::make_with(const Settings& settings, const TouchScene& scene) {
-  if (settings.set_size < 1 || settings.set_size > LocalSet::kCapacity) {
-    return fail("smooth: a set of {} triangles; give 1 to {}", settings.set_size, LocalSet::kCapacity);
+  if (!(settings.smooth_radius_m >= 0.0) || !std::isfinite(settings.smooth_radius_m)) {
+    return fail("smooth: the radius {:g} m is not 0 or more", settings.smooth_radius_m);
   }
-  if (!(settings.radius_m >= 0.0) || !std::isfinite(settings.radius_m)) {
-    return fail("smooth: the radius {:g} m is not 0 or more", settings.radius_m);
-  }
-  if (!(settings.layer >= 0.0 && settings.layer <= 1.0))
-    return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.layer);
-  auto prepared = SmoothScene::build(scene, settings.scene);
+  if (!(settings.smooth_layer >= 0.0 && settings.smooth_layer <= 1.0))
+    return fail("smooth: the layer {:g} is a share of the radius; give 0 to 1", settings.smooth_layer);
+  SmoothSceneSettings own{.surface = {}, .directions = settings.hull_directions};
+  own.surface.crease_angle_rad = settings.crease_deg * std::numbers::pi / 180.0;
+  own.surface.simplify_error_m = settings.simplify_m;
+  auto prepared = SmoothScene::build(scene, own);
   if (!prepared) return fail("smooth: {}", prepared.error().what);
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
   for (const TouchObject& object : scene.objects) method->materials_.push_back(object.material);
   for (const Material& material : method->materials_) method->stiffness_n_per_m_.push_back(material.stiffness_n_per_m);
-  if (settings.layer > 0.0) method->left_out_ = note_bare_layer(scene);
-  method->set_size_ = settings.set_size;
-  method->radius_ = settings.radius_m > 0.0 ? settings.radius_m : make_radius(*method->scene_, settings.set_size);
-  method->layer_ = settings.layer * method->radius_;
-  return method;
+  if (settings.smooth_layer > 0.0) method->left_out_ = note_bare_layer(scene);
+  method->set_size_ = static_cast<std::uint32_t>(settings.set_size);
+  method->radius_ = settings.smooth_radius_m > 0.0 ? settings.smooth_radius_m : make_radius(*method->scene_, method->set_size_);
+  method->layer_ = settings.smooth_layer * method->radius_;
+  return std::unique_ptr<ForceMethod>(std::move(method));
 }
 
 // The scene that the slow task reads keeps the materials it was built with: it needs only their sides.

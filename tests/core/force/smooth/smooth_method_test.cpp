@@ -114,9 +114,7 @@ TEST(SmoothMethod, InsideASphereTheForceIsRadialAndEven) {
 // With a layer the force builds up before the surface and continues behind it, without a discontinuity on the surface.
 TEST(SmoothMethod, TheLayerIsContinuousThroughTheSurface) {
   for (const TriangleMesh& mesh : {make_icosphere(0.05, 3), make_box(Vec3(0.07, 0.07, 0.07), 3)}) {
-    SmoothMethod::Settings settings;
-    settings.layer = 1.0;
-    const auto method = make(scene_of(mesh), settings);
+    const auto method = make(scene_of(mesh), {.smooth_layer = 1.0});
     const Vec3 inward = -Vec3(0.3, 0.25, 1.0).normalized();
     const double from = 0.053;
     method->reset(-from * inward);

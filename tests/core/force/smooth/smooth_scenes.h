@@ -24,17 +24,14 @@ constexpr double kOffsetForce = 1e-6;
 constexpr double kContactOffset = 1e-9;
 constexpr double kPi = 3.14159265358979323846;
 
-inline std::unique_ptr<SmoothMethod> make(const TouchScene& scene, SmoothMethod::Settings settings = {}) {
-  auto method = SmoothMethod::make_with(settings, scene);
+inline std::unique_ptr<SmoothMethod> make(const TouchScene& scene, const MethodSettings& settings = {}) {
+  auto method = SmoothMethod::make(settings, scene);
   EXPECT_TRUE(method) << (method ? "" : method.error().what);
-  return method ? std::move(*method) : nullptr;
+  return method ? std::unique_ptr<SmoothMethod>(static_cast<SmoothMethod*>(method->release())) : nullptr;
 }
 
-inline SmoothMethod::Settings with_size(std::uint32_t set_size, double layer = 0.0) {
-  SmoothMethod::Settings settings;
-  settings.set_size = set_size;
-  settings.layer = layer;
-  return settings;
+inline MethodSettings with_size(std::uint32_t set_size, double layer = 0.0) {
+  return {.set_size = static_cast<int>(set_size), .smooth_layer = layer};
 }
 
 inline double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }

@@ -30,8 +30,8 @@ TEST(SmoothMethod, ASetGivesTheForceOfAllTrianglesToTheLastBit) {
     }
     EXPECT_GT(contacts, 150);
     for (const std::uint32_t size : {24U, 64U, 256U}) {
-      SmoothMethod::Settings settings = with_size(size, cases[c].layer);
-      settings.radius_m = twin->radius_m();
+      MethodSettings settings = with_size(size, cases[c].layer);
+      settings.smooth_radius_m = twin->radius_m();
       const auto method = make(scene, settings);
       method->reset(way[0]);
       for (std::size_t i = 0; i < way.size(); ++i) {
@@ -48,8 +48,8 @@ TEST(SmoothMethod, CorrectnessDoesNotDependOnTheSetsSize) {
   const TriangleMesh mesh = scaled_and_moved(made::obj_mesh("car_front_3300.obj"), 5e-5, Vec3::Zero());
   ASSERT_EQ(mesh.triangles.size(), 3300U);
   const TouchScene scene = scene_of(mesh);
-  SmoothMethod::Settings settings = with_size(64);
-  settings.radius_m = 0.003;
+  MethodSettings settings = with_size(64);
+  settings.smooth_radius_m = 0.003;
   const auto twin = make(scene, settings);
   twin->use_all_triangles();
   settings.set_size = 16;
