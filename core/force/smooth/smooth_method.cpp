@@ -61,13 +61,9 @@ double nearest_on_path(const Vec3& from, const Vec3& to, const SetTriangle& t) {
 
 template <class Visit>
 void SmoothMethod::visit_near(const Vec3& centre, double radius, Visit&& visit) noexcept {
-  if (all_triangles_) {
-    for (const SetTriangle& t : all_) visit(t);
-    return;
-  }
-  if (!is_fresh() || (set_.radius_at(centre) <= radius && would_help(centre, radius))) select_at(centre);
-  if (set_.radius_at(centre) > radius) {
-    for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
+  if (!all_triangles_ && (!is_fresh() || (set_.radius_at(centre) <= radius && would_help(centre, radius)))) select_at(centre);
+  if (all_triangles_ || set_.radius_at(centre) > radius) {
+    for (const SetTriangle& t : known()) visit(t);
     return;
   }
   ++counters_.overflows;
@@ -76,15 +72,12 @@ void SmoothMethod::visit_near(const Vec3& centre, double radius, Visit&& visit) 
 
 template <class Visit>
 void SmoothMethod::visit_along(const Vec3& from, const Vec3& to, Visit&& visit) noexcept {
-  if (all_triangles_) {
-    for (const SetTriangle& t : all_) visit(t);
-    return;
-  }
   const double tolerance = 2.0 * scene_->tolerance();
-  const auto is_covered = [&] { return set_.radius_at(from) > tolerance && set_.radius_at(to) > tolerance; };
-  if (!is_fresh() || !is_covered()) select_at(to);
-  if (is_covered()) {  // a set's radius is concave along a line: if it covers both ends, it covers all between
-    for (std::uint32_t i = 0; i < set_.count; ++i) visit(set_.triangles[i]);
+  // A set's radius is concave along a line: if it covers both ends, it covers all between.
+  const auto is_covered = [&] { return all_triangles_ || (set_.radius_at(from) > tolerance && set_.radius_at(to) > tolerance); };
+  if (!all_triangles_ && (!is_fresh() || !is_covered())) select_at(to);
+  if (is_covered()) {
+    for (const SetTriangle& t : known()) visit(t);
     return;
   }
   ++counters_.overflows;
@@ -169,21 +162,21 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
     at = std::clamp(at, 0.0, 1.0);
     if (at <= last && best.is_worse_than(at, t)) best = {t, from + at * (to - from), at, side_, true};
   };
-  if (!all_triangles_) {
-    const double wanted = std::min(length, radius_) + scene_->tolerance();
-    if (!is_fresh() || (set_.radius_at(from) <= wanted && would_help(from, wanted))) select_at(from);
-    const double radius = set_.radius_at(from) - scene_->tolerance();
-    if (radius > 0.0) {
-      last = length > radius ? radius / length : 1.0;
-      for (std::uint32_t i = 0; i < set_.count; ++i) test(set_.triangles[i]);
-      if (best.found || last >= 1.0) return best;
-      last = 1.0;
-    }
-    ++counters_.overflows;
-    scene_->for_each_along(from, to, scene_->tolerance(), test);
+  if (all_triangles_) {
+    for (const SetTriangle& t : all_) test(t);
     return best;
   }
-  for (const SetTriangle& t : all_) test(t);
+  const double wanted = std::min(length, radius_) + scene_->tolerance();
+  if (!is_fresh() || (set_.radius_at(from) <= wanted && would_help(from, wanted))) select_at(from);
+  const double radius = set_.radius_at(from) - scene_->tolerance();
+  if (radius > 0.0) {
+    last = length > radius ? radius / length : 1.0;
+    for (const SetTriangle& t : known()) test(t);
+    if (best.found || last >= 1.0) return best;
+    last = 1.0;
+  }
+  ++counters_.overflows;
+  scene_->for_each_along(from, to, scene_->tolerance(), test);
   return best;
 }
 
@@ -257,6 +250,10 @@ Vec3 SmoothMethod::outward_at(const Vec3& p) noexcept {
 
 void SmoothMethod::enter(const Hit& hit) noexcept {
   inside_ = true;
+  stay_at(hit);
+}
+
+void SmoothMethod::stay_at(const Hit& hit) noexcept {
   V_ = hit.X;
   T_ = hit.triangle;
   side_ = hit.side;
@@ -335,11 +332,7 @@ bool SmoothMethod::track(const Vec3& P) noexcept {
   outward = points_out ? Vec3(outward / depth) : Vec3(side_ * smooth_normal_at(T_, V_));
   const Hit on_line = find_on_line(P, outward, W, radius);
   const bool stays = on_line.found && on_line.triangle.object == T_.object && on_line.triangle.triangle == T_.triangle;
-  if (stays || (on_line.found && !find_obstacle(on_line.triangle, on_line.X).found)) {
-    V_ = on_line.X;
-    T_ = on_line.triangle;
-    side_ = on_line.side;
-  }
+  if (stays || (on_line.found && !find_obstacle(on_line.triangle, on_line.X).found)) stay_at(on_line);
   counters_.astray += on_line.found ? 0 : 1;  // the current VCP stays
   return settle(P);
 }
@@ -354,18 +347,13 @@ bool SmoothMethod::settle(const Vec3& P) noexcept {
   for (int i = 0; i < 4; ++i) {
     const Hit block = find_block(V_ + 2.0 * tolerance * outward_at(V_), P);
     if (!block.found) break;
-    V_ = block.X;
-    T_ = block.triangle;
+    stay_at(block);
     if (descend(P) && side_ * T_.face.dot(P - V_) <= tolerance) return true;
     if (i == 3) return true;
   }
   const Hit touched = find_nearest_face(P, tolerance);
-  if (touched.found) {
-    V_ = touched.X;
-    T_ = touched.triangle;
-    return true;
-  }
-  return false;
+  if (touched.found) stay_at(touched);
+  return touched.found;
 }
 
 // ---- force -----------------------------------------------------------------------------------------------------------
@@ -381,11 +369,8 @@ Vec3 SmoothMethod::outside_force(const Vec3& p) noexcept {
 }
 
 MethodOutput SmoothMethod::compute_outside(const Vec3& P) noexcept {
-  MethodOutput output;
-  output.p_SP = P;
-  output.force_n = outside_force(P);
-  output.contact = !output.force_n.isZero(0.0);
-  return output;
+  const Vec3 force_n = outside_force(P);
+  return {.force_n = force_n, .p_SP = P, .contact = !force_n.isZero(0.0)};
 }
 
 MethodOutput SmoothMethod::compute_inside(const Vec3& P) noexcept {
@@ -411,11 +396,7 @@ Vec3 SmoothMethod::within_limits(const Vec3& p) const noexcept {
 }
 
 MethodOutput SmoothMethod::step(const MethodInput& input) noexcept {
-  if (!input.p_SD.allFinite()) {
-    MethodOutput nothing;
-    nothing.p_SP = P_;
-    return nothing;
-  }
+  if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = P_};
   if (!started_) reset(input.p_SD);
   MethodOutput output = step_at(within_limits(input.p_SD), input.dt_s);
   if (!output.contact) output.p_SP = input.p_SD;
@@ -440,9 +421,7 @@ MethodOutput SmoothMethod::step_at(const Vec3& P, double dt_s) noexcept {
       ++counters_.skipped;
       P_ = P;
       request_ahead();
-      MethodOutput nothing;
-      nothing.p_SP = P;
-      return nothing;
+      return {.force_n = Vec3::Zero(), .p_SP = P};
     }
     const Hit entry = find_entry(P_, P);
     if (entry.found) {

@@ -89,6 +89,10 @@ class SmoothMethod final : public ForceMethod {
     }
   };
 
+  // What a query visits: the set, or all.
+  std::span<const SetTriangle> known() const {
+    return all_triangles_ ? std::span<const SetTriangle>(all_) : std::span(set_.triangles).first(set_.count);
+  }
   bool is_fresh() const { return set_.version == scene_->version(); }
   bool would_help(const Vec3& p, double radius) const;
   void select_at(const Vec3& p) noexcept;
@@ -106,6 +110,7 @@ class SmoothMethod final : public ForceMethod {
   Vec3 outward_at(const Vec3& p) noexcept;
 
   void enter(const Hit& hit) noexcept;
+  void stay_at(const Hit& hit) noexcept;
   bool track(const Vec3& P) noexcept;
   bool settle(const Vec3& P) noexcept;
   Hit find_obstacle(const SetTriangle& face, const Vec3& X) noexcept;
