@@ -58,7 +58,7 @@ struct Contact {
 std::vector<Contact> find_contacts(const SmoothScene& scene, const TeachProbe& probe) {
   const double within = probe.radius_m + kContactShare * scene.diagonal();
   std::vector<Contact> found;
-  scene.for_each_near(probe.p_SP, within, [&](const SetTriangle& triangle) {
+  scene.for_each_near(FdhBall{probe.p_SP, within}, [&](const SetTriangle& triangle) {
     if (!is_face(triangle)) return;
     const ClosestPoint closest = closest_point(triangle.corner[0], triangle.corner[1], triangle.corner[2], probe.p_SP);
     if (closest.distance <= within) found.push_back({triangle, closest});

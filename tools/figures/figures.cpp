@@ -83,7 +83,7 @@ Result<Figure> draw_algorithm_1() {
   for (double degree = 48; degree <= 132; degree += 4) {
     const Vec3 P(0.0235 * std::cos(degree * kPi / 180), 0.0235 * std::sin(degree * kPi / 180) - 0.008, kSlice);
     SmoothForceSum sum(P, kRadius);
-    scene->for_each_near(P, kRadius, [&](const SetTriangle& t) { sum.add(t); });
+    scene->for_each_near(FdhBall{P, kRadius}, [&](const SetTriangle& t) { sum.add(t); });
     const SmoothForce force = sum.combine(kRadius, std::array{Material{}.stiffness_n_per_m});
     if (force.away.isZero(0.0)) continue;
     probes.add(P);
@@ -92,7 +92,7 @@ Result<Figure> draw_algorithm_1() {
     const SetTriangle* nearest = nullptr;
     double least = 1.0;
     std::vector<SetTriangle> kept;
-    scene->for_each_near(P, kRadius, [&](const SetTriangle& t) { kept.push_back(t); });
+    scene->for_each_near(FdhBall{P, kRadius}, [&](const SetTriangle& t) { kept.push_back(t); });
     for (const SetTriangle& t : kept) {
       const Separation s = separation_from_triangle(P, t.corner[0], t.corner[1], t.corner[2]);
       if (t.kind != SurfaceKind::face || s.distance >= least) continue;

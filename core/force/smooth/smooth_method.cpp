@@ -67,7 +67,7 @@ void SmoothMethod::visit_near(const Vec3& centre, double radius, Visit&& visit) 
     return;
   }
   ++counters_.overflows;
-  scene_->for_each_near(centre, radius, visit);
+  scene_->for_each_near(FdhBall{centre, radius}, visit);
 }
 
 template <class Visit>
@@ -81,7 +81,7 @@ void SmoothMethod::visit_along(const Vec3& from, const Vec3& to, Visit&& visit) 
     return;
   }
   ++counters_.overflows;
-  scene_->for_each_along(from, to, tolerance, visit);
+  scene_->for_each_near(FdhSweep{from, to, tolerance}, visit);
 }
 
 // The first face on the path of a free probe: one that it passes through, or one that it comes within the tolerance of at an edge or
@@ -176,7 +176,7 @@ SmoothMethod::Hit SmoothMethod::find_block(const Vec3& from, const Vec3& to) noe
     last = 1.0;
   }
   ++counters_.overflows;
-  scene_->for_each_along(from, to, scene_->tolerance(), test);
+  scene_->for_each_near(FdhSweep{from, to, scene_->tolerance()}, test);
   return best;
 }
 

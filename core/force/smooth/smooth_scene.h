@@ -35,23 +35,12 @@ class SmoothScene {
   // and makes it faster; it never changes the result. Pre: 1 <= count <= LocalSet::kCapacity.
   FdhVisits select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept;
 
-  // Calls visit(SetTriangle) for every triangle within `radius` of the centre, and perhaps for others.
-  template <class Visit>
-  void for_each_near(const Vec3& centre, double radius, Visit&& visit) const noexcept {
+  // Calls visit(SetTriangle) for every triangle in a ball (FdhBall) or on the way of one (FdhSweep), and perhaps for others.
+  template <class Query, class Visit>
+  void for_each_near(const Query& query, Visit&& visit) const noexcept {
     std::visit(
         [&](const auto& tree) {
-          tree.for_each_overlapping(FdhBall{centre, radius},
-                                    [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
-        },
-        tree_);
-  }
-  // Calls visit(SetTriangle) for every triangle within `radius` of the segment.
-  template <class Visit>
-  void for_each_along(const Vec3& from, const Vec3& to, double radius, Visit&& visit) const noexcept {
-    std::visit(
-        [&](const auto& tree) {
-          tree.for_each_overlapping(FdhSweep{from, to, radius},
-                                    [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
+          tree.for_each_overlapping(query, [&](std::uint32_t object, std::uint32_t triangle) { visit(triangle_at(object, triangle)); });
         },
         tree_);
   }
