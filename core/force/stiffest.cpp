@@ -79,46 +79,38 @@ double stiffest_by_place(const Material& material, const SurfaceEffects& effects
   return on_relief + spring.added_n_per_m(maps.stiffness, *maps.triangles, relief.slope);
 }
 
-// One for each type: an effect that is new has to say how stiff it is.
-struct StiffnessOf {
-  Stiffest operator()(const SpringEffect& spring) const { return {spring.stiffness_n_per_m, StiffCause::spring_effect}; }
-  Stiffest operator()(const SnapEffect& snap) const { return {snap.stiffness_n_per_m(), StiffCause::snap_effect}; }
+struct SpaceGains {
+  Stiffest stiffest = {};
+  double viscosity_ns_per_m = 0.0;
+};
+
+// One for each type: an effect that is new has to say how stiff and how viscous it is.
+struct SpaceGainsOf {
+  SpaceGains operator()(const SpringEffect& spring) const { return {{spring.stiffness_n_per_m, StiffCause::spring_effect}}; }
+  SpaceGains operator()(const SnapEffect& snap) const { return {{snap.stiffness_n_per_m(), StiffCause::snap_effect}}; }
   // At the centre, where dx/dr is 1 / (sqrt(2) radius): its force is -max_force c x (1 + x^2)^(-3/2).
-  Stiffest operator()(const GravityWellEffect& well) const {
+  SpaceGains operator()(const GravityWellEffect& well) const {
     const double c = 1.5 * std::sqrt(3.0);
-    return {well.max_force_n * c / (std::sqrt(2.0) * well.radius_m), StiffCause::gravity_well};
+    return {{well.max_force_n * c / (std::sqrt(2.0) * well.radius_m), StiffCause::gravity_well}};
   }
   // No function of the position, but for its step at the border of a volume, whose energy passivity() states.
-  Stiffest operator()(const ConstantEffect&) const { return {}; }
-  Stiffest operator()(const WaveEffect&) const { return {}; }
-  Stiffest operator()(const BurstEffect&) const { return {}; }
+  SpaceGains operator()(const ConstantEffect&) const { return {}; }
+  SpaceGains operator()(const WaveEffect&) const { return {}; }
+  SpaceGains operator()(const BurstEffect&) const { return {}; }
   // Of the velocity.
-  Stiffest operator()(const ViscousEffect&) const { return {}; }
-  Stiffest operator()(const MassEffect&) const { return {}; }
+  SpaceGains operator()(const ViscousEffect& viscous) const { return {{}, viscous.damping_ns_per_m}; }
+  // It has a limit of its own (find_stable_mass).
+  SpaceGains operator()(const MassEffect&) const { return {}; }
 };
 
-// A mass has a limit of its own (find_stable_mass).
-struct ViscosityOf {
-  double operator()(const ViscousEffect& viscous) const { return viscous.damping_ns_per_m; }
-  double operator()(const MassEffect&) const { return 0.0; }
-  double operator()(const SpringEffect&) const { return 0.0; }
-  double operator()(const SnapEffect&) const { return 0.0; }
-  double operator()(const GravityWellEffect&) const { return 0.0; }
-  double operator()(const ConstantEffect&) const { return 0.0; }
-  double operator()(const WaveEffect&) const { return 0.0; }
-  double operator()(const BurstEffect&) const { return 0.0; }
-};
-
-Stiffest find_stiffest_in_space(const TouchScene& scene) {
+LargestGains find_gains_in_space(const TouchScene& scene) {
   Stiffest stiffest;
-  for (const SwitchedEffect& one : scene.effects) stiffest = stiffer_of(stiffest, stiffest_of(one.effect));
-  return stiffest;
-}
-
-double find_viscosity_in_space(const TouchScene& scene) {
   double most_ns_per_m = 0.0;
-  for (const SwitchedEffect& one : scene.effects) most_ns_per_m = std::max(most_ns_per_m, viscosity_of(one.effect));
-  return most_ns_per_m;
+  for (const SwitchedEffect& one : scene.effects) {
+    stiffest = stiffer_of(stiffest, stiffest_of(one.effect));
+    most_ns_per_m = std::max(most_ns_per_m, viscosity_of(one.effect));
+  }
+  return {.stiffness_n_per_m = stiffest.n_per_m, .cause = stiffest.cause, .viscosity_ns_per_m = most_ns_per_m};
 }
 
 }  // namespace
@@ -147,7 +139,7 @@ Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& ef
   return {n_per_m, 2.0 * stiffest_by_place(material, alone, pressed_n) >= n_per_m ? StiffCause::bumps : StiffCause::stiffness_map};
 }
 
-Stiffest stiffest_of(const SpaceEffect& effect) { return std::visit(StiffnessOf(), effect); }
+Stiffest stiffest_of(const SpaceEffect& effect) { return std::visit(SpaceGainsOf(), effect).stiffest; }
 
 double find_stiffest_surface(const TouchScene& scene) {
   double stiffest_n_per_m = 0.0;
@@ -156,7 +148,9 @@ double find_stiffest_surface(const TouchScene& scene) {
   return stiffest_n_per_m;
 }
 
-double find_stiffest(const TouchScene& scene) { return std::max(find_stiffest_surface(scene), find_stiffest_in_space(scene).n_per_m); }
+double find_stiffest(const TouchScene& scene) {
+  return std::max(find_stiffest_surface(scene), find_gains_in_space(scene).stiffness_n_per_m);
+}
 
 double viscosity_of(const SurfaceEffects& effects) {
   const ImageMap& map = effects.maps.viscosity;
@@ -175,7 +169,7 @@ double drag_of(const SurfaceEffects& effects) {
   return relief.is_on() ? relief.largest(drag_ns_per_m, viscosity_of(effects), 0.0) : drag_ns_per_m;
 }
 
-double viscosity_of(const SpaceEffect& effect) { return std::visit(ViscosityOf(), effect); }
+double viscosity_of(const SpaceEffect& effect) { return std::visit(SpaceGainsOf(), effect).viscosity_ns_per_m; }
 
 // Convex in the force that a surface is pressed with, so below kMaxPressedN the chord is not less. In layers it is not: what pressing adds
 // counts in full.
@@ -197,8 +191,7 @@ LargestGains LargestGains::largest_of(const LargestGains& other) const noexcept 
 }
 
 LargestGains find_largest_gains(const TouchScene& scene) {
-  const Stiffest in_space = find_stiffest_in_space(scene);
-  LargestGains gains{.stiffness_n_per_m = in_space.n_per_m, .cause = in_space.cause, .viscosity_ns_per_m = find_viscosity_in_space(scene)};
+  LargestGains gains = find_gains_in_space(scene);
   for (const TouchObject& object : scene.objects) {
     const Stiffest spring = stiffest_spring_of(object.material, object.effects);
     const Stiffest pressed = stiffest_by_place_of(object.material, object.effects);
@@ -215,8 +208,7 @@ LargestGains find_largest_gains(const TouchScene& scene) {
 }
 
 LargestGains find_tool_gains(const TouchScene& scene) {
-  const Stiffest in_space = find_stiffest_in_space(scene);
-  LargestGains gains{.stiffness_n_per_m = in_space.n_per_m, .cause = in_space.cause, .viscosity_ns_per_m = find_viscosity_in_space(scene)};
+  LargestGains gains = find_gains_in_space(scene);
   for (const TouchObject& object : scene.objects) {
     const Stiffest spring = stiffest_spring_of(object.material, object.effects);
     gains = gains.largest_of({.stiffness_n_per_m = spring.n_per_m,
