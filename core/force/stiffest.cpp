@@ -148,10 +148,6 @@ double find_stiffest_surface(const TouchScene& scene) {
   return stiffest_n_per_m;
 }
 
-double find_stiffest(const TouchScene& scene) {
-  return std::max(find_stiffest_surface(scene), find_gains_in_space(scene).stiffness_n_per_m);
-}
-
 double viscosity_of(const SurfaceEffects& effects) {
   const ImageMap& map = effects.maps.viscosity;
   const double most_of_map = map.is_on() ? std::max(map.at_black, map.at_white) : 0.0;

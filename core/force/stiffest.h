@@ -40,8 +40,6 @@ Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& ef
 Stiffest stiffest_of(const SpaceEffect& effect);
 // Of all springs of the surfaces of a scene: of stiffest_spring_of.
 double find_stiffest_surface(const TouchScene& scene);
-// Of the springs of surfaces and in free space.
-double find_stiffest(const TouchScene& scene);
 
 // What a scene makes of position and velocity at most: the gains of the loop that the hand closes.
 struct LargestGains {
