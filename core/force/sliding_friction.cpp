@@ -10,30 +10,28 @@ namespace {
 constexpr double kOnCone = 1e-9;  // share of the cone's radius: a sliding proxy's pull equals the radius up to rounding
 constexpr int kMaxPhases = 16;    // each is one stick and one slip; a straight motion needs two, the rest allows for rounding
 
-// The time at which the pull on a sticking proxy leaves the cone; infinite: never. Root of |pull + t motion|^2 - (radius + t growth)^2 = a
-// t^2 + 2 b t + c.
-double find_slip(const Vec3& pull, const Vec3& motion, double radius, double growth) {
-  const double a = motion.squaredNorm() - growth * growth;
-  const double b = pull.dot(motion) - radius * growth;
-  const double c = std::min(0.0, pull.squaredNorm() - radius * radius);
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+// The first time at which a t^2 + 2 b t + c has risen to zero. Pre: c <= 0.
+double time_of_zero_of(double a, double b, double c) {
   const double discriminant = b * b - a * c;
-  if (!(discriminant >= 0.0)) return std::numeric_limits<double>::infinity();
+  if (!(discriminant >= 0.0)) return kNever;
   const double root = std::sqrt(discriminant);
   if (b > 0.0) return -c / (b + root);
-  return a > 0.0 ? (root - b) / a : std::numeric_limits<double>::infinity();
+  return a > 0.0 ? (root - b) / a : kNever;
+}
+
+// The time at which the pull on a sticking proxy leaves the cone; infinite: never. Root of |pull + t motion|^2 - (radius + t growth)^2.
+double find_slip(const Vec3& pull, const Vec3& motion, double radius, double growth) {
+  return time_of_zero_of(motion.squaredNorm() - growth * growth, pull.dot(motion) - radius * growth,
+                         std::min(0.0, pull.squaredNorm() - radius * radius));
 }
 
 // The time at which the pull on a stopped proxy has become shorter than the cone's radius; infinite: never.
 double find_restick(const Vec3& pull, const Vec3& motion, double radius, double growth) {
-  const double a = growth * growth - motion.squaredNorm();
-  const double b = radius * growth - pull.dot(motion);
   const double c = radius * radius - pull.squaredNorm();
   if (c >= 0.0) return 0.0;
-  const double discriminant = b * b - a * c;
-  if (!(discriminant >= 0.0)) return std::numeric_limits<double>::infinity();
-  const double root = std::sqrt(discriminant);
-  if (b > 0.0) return -c / (b + root);
-  return a > 0.0 ? (root - b) / a : std::numeric_limits<double>::infinity();
+  return time_of_zero_of(growth * growth - motion.squaredNorm(), radius * growth - pull.dot(motion), c);
 }
 
 }  // namespace
@@ -84,7 +82,6 @@ double SlidingPull::speed_at(double time) const noexcept {
 }
 
 double SlidingPull::time_across(const Vec3& normal) const noexcept {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
   const double along = normal.dot(ahead_);
   const double beside = normal.dot(sideways_);
   if (!(distance_ > 0.0) || along == 0.0) return kNever;
