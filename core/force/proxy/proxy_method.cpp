@@ -198,7 +198,7 @@ double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept
 
 MethodOutput ProxyMethod::render_contact(const MethodInput& input, const Vec3& device) noexcept {
   ++counters_.contact_steps;
-  if (proxy_.contact_count > 0) touched_object_ = static_cast<int>(geometry_.mesh_of(surfaces_.strongest_triangle(proxy_)));
+  if (proxy_.contact_count > 0) touched_object_ = static_cast<int>(geometry_.mesh_of(proxy_.strongest_triangle()));
   const double speed_m_per_s = input.dt_s > 0.0 ? geometry_.unit_m() / input.dt_s : 0.0;
   // The surface is one contact offset nearer to the device than the proxy.
   const Vec3 extension = proxy_.position - device;

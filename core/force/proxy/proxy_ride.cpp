@@ -87,7 +87,7 @@ ProxyMethod::Anchor ProxyMethod::anchor(double reach_m) noexcept {
 
 std::optional<ProxyMethod::HeldPlace> ProxyMethod::find_held_place() const noexcept {
   if (proxy_.is_free || ball_.exists() || proxy_.contact_count == 0) return std::nullopt;
-  const std::uint32_t triangle = surfaces_.strongest_triangle(proxy_);
+  const std::uint32_t triangle = proxy_.strongest_triangle();
   const ContactTriangle shape = surfaces_.shape_of(triangle);
   return HeldPlace{triangle, weights_on(shape, shape.separation(proxy_.position).nearest)};
 }

@@ -27,12 +27,4 @@ Material ProxySurfaces::mean_material(const ProxyState& state) const noexcept {
   return material.mean();
 }
 
-std::uint32_t ProxySurfaces::strongest_of_several(const ProxyState& state) const noexcept {
-  std::size_t strongest = 0;
-  for (std::size_t i = 1; i < state.active().size(); ++i) {
-    if (state.multipliers[i] > state.multipliers[strongest]) strongest = i;
-  }
-  return state.contacts[strongest].triangle;
-}
-
 }  // namespace hapton

@@ -32,6 +32,14 @@ struct ProxyState {
   std::span<const ProxyContact> active() const {
     return {contacts.data(), static_cast<std::size_t>(active_count < contact_count ? active_count : contact_count)};
   }
+  // That of the active constraint with the largest multiplier. Pre: a contact.
+  std::uint32_t strongest_triangle() const noexcept {
+    std::size_t strongest = 0;
+    for (std::size_t i = 1; i < active().size(); ++i) {
+      if (multipliers[i] > multipliers[strongest]) strongest = i;
+    }
+    return contacts[strongest].triangle;
+  }
   void settle_at(const Vec3& p) noexcept {
     position = p;
     is_free = true;
@@ -61,14 +69,8 @@ class ProxySurfaces {
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
   // The mean material of all active constraints (ContactMaterial).
   Material mean_material(const ProxyState& state) const noexcept;
-  // The triangle of the active constraint with the largest multiplier. Pre: a contact.
-  std::uint32_t strongest_triangle(const ProxyState& state) const noexcept {
-    return state.active_count > 1 ? strongest_of_several(state) : state.contacts[0].triangle;
-  }
 
  private:
-  std::uint32_t strongest_of_several(const ProxyState& state) const noexcept;
-
   const TouchGeometry& geometry_;
   const std::vector<Material>& materials_;
   bool has_one_sided_ = false;
