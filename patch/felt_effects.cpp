@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "patch/to_frame.h"
+#include "core/math/rigid_pose.h"
 
 namespace hapton {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/math/rigid_pose.h"
 #include "link/commanded_move.h"
-#include "patch/to_frame.h"
 
 namespace hapton {
 

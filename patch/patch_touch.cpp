@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/force/motion_groups.h"
+#include "core/math/rigid_pose.h"
 
 namespace hapton {
 
@@ -115,7 +116,7 @@ bool PatchTouch::is_place(const Vec3& p_SD) const noexcept {
 }
 
 std::optional<PatchOutput> PatchTouch::step(const TouchInput& input) noexcept {
-  const Vec3 p_SD = input.X_WS.linear().transpose() * (input.p_WD - input.X_WS.translation());
+  const Vec3 p_SD = to_frame(input.X_WS, input.p_WD);
   if (!is_place(p_SD)) return std::nullopt;
   if (input.is_correction && is_placed_) return correct(input, p_SD);
   // A hand that enters the surface before its tiles have come is held by it once they are there.

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/effects/effect_step.h"
+#include "core/math/rigid_pose.h"
 
 namespace hapton {
 
@@ -25,9 +26,7 @@ std::span<const Pose> EffectFrames::place(const MethodInput& input) noexcept {
 
 Vec3 EffectFrames::at_rest(int object, const Vec3& p_S) const noexcept {
   const int frame = of_objects_[static_cast<std::size_t>(object)];
-  if (frame == EffectStep::kStill) return p_S;
-  const Pose& X_SF = X_SF_[static_cast<std::size_t>(frame)];
-  return X_SF.linear().transpose() * (p_S - X_SF.translation());
+  return frame == EffectStep::kStill ? p_S : to_frame(X_SF_[static_cast<std::size_t>(frame)], p_S);
 }
 
 }  // namespace hapton

@@ -7,13 +7,9 @@
 
 #include "core/force/deforming_method.h"
 #include "core/force/streamed_method.h"
+#include "core/math/rigid_pose.h"
 
 namespace hapton {
-namespace {
-
-Vec3 to_frame(const Pose& X_SO, const Vec3& p_S) { return X_SO.linear().transpose() * (p_S - X_SO.translation()); }
-
-}  // namespace
 
 void SceneParts::Group::note_materials() noexcept {
   const auto [least, most] = std::ranges::minmax_element(materials, {}, &Material::stiffness_n_per_m);

@@ -5,6 +5,7 @@
 
 #include "core/effects/effect_step.h"
 #include "core/force/touch_step.h"
+#include "core/math/rigid_pose.h"
 
 namespace hapton {
 
@@ -17,16 +18,14 @@ class SpaceStep {
   // Force on the device, frame W. A sample that is not finite gives zero force and changes nothing.
   Vec3 step(const TouchInput& input) noexcept {
     if (!input.p_WD.allFinite()) return Vec3::Zero();
-    if (X_WS_.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(find_p_SD(last_p_WD_, input.X_WS));
+    if (X_WS_.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_p_WD_));
     last_p_WD_ = input.p_WD;
     X_WS_ = input.X_WS;
-    return input.X_WS.linear() * effects_.step_in_space(find_p_SD(input.p_WD, input.X_WS), input.dt_s, input.buttons);
+    return input.X_WS.linear() * effects_.step_in_space(to_frame(input.X_WS, input.p_WD), input.dt_s, input.buttons);
   }
   void reset() noexcept { effects_.reset(); }
 
  private:
-  static Vec3 find_p_SD(const Vec3& p_WD, const Pose& X_WS) noexcept { return X_WS.linear().transpose() * (p_WD - X_WS.translation()); }
-
   EffectStep effects_;
   Vec3 last_p_WD_ = Vec3::Zero();  // of the last step, as the next
   Pose X_WS_ = Pose::Identity();

@@ -22,4 +22,7 @@ bool is_rigid(const std::array<float, 12>& X) noexcept;
 // The pose, with its rotation orthonormal in double precision; empty if it is not rigid.
 std::optional<Pose> find_rigid_pose(const std::array<float, 12>& X) noexcept;
 
+// A point given in frame A, in the frame B of a rigid pose X_AB. RT: yes.
+inline Vec3 to_frame(const Pose& X_AB, const Vec3& p_A) noexcept { return X_AB.linear().transpose() * (p_A - X_AB.translation()); }
+
 }  // namespace hapton

@@ -21,6 +21,15 @@ std::array<float, 12> numbers_of(const Mat3& rotation, const Vec3& translation) 
 
 const Mat3 kTurned = Eigen::AngleAxisd(0.7, Vec3(1, 2, -2).normalized()).toRotationMatrix();
 
+TEST(RigidPose, APointInItsFrameIsThatPointAgain) {
+  Pose pose = Pose::Identity();
+  pose.linear() = kTurned;
+  pose.translation() = Vec3(0.5, -0.25, 2);
+  const Vec3 point(0.1, 0.2, -0.3);
+  EXPECT_NEAR((to_frame(pose, pose * point) - point).norm(), 0.0, 1e-15);
+  EXPECT_EQ(to_frame(Pose::Identity(), point), point);
+}
+
 TEST(RigidPose, TakesRotationAndTranslation) {
   const auto pose = find_rigid_pose(numbers_of(kTurned, {0.5, -0.25, 2}));
   ASSERT_TRUE(pose);
