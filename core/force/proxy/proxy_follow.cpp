@@ -218,24 +218,25 @@ void ProxyMethod::lift_off_surface() noexcept {
   // From 512 contact offsets (kBeside) in five tries to 2^21 of them, 2^-9 of the scene.
   constexpr double kFarther = 8.0;
   constexpr int kMaxTries = 5;
-  const auto is_in_the_way = [&](const Vec3& p, const Vec3& to, std::uint32_t own) {
+  const SurfacePoint::Facet face = surface_.at().a();
+  const Vec3 normal = face.normal();
+  const auto is_in_the_way = [&](const Vec3& p, const Vec3& to) {
     bool any = false;
     geometry_.for_each_overlapping(Box::around(p, to), [&](std::uint32_t id) {
-      any = any || (id != own && geometry_.pierce(id, p, to).time <= 1.0 && surfaces_.can_touch(id, p));
+      any = any || (id != face.id && geometry_.pierce(id, p, to).time <= 1.0 && surfaces_.can_touch(id, p));
     });
     return any;
   };
-  const ContactTriangle shape = surfaces_.shape_of(surface_.at().a().id);
   double beside = kBeside * kContactOffset;
-  SurfacePoint::Inside from;
+  Vec3 from;
   Vec3 lifted;
   for (int i = 0; i < kMaxTries; ++i, beside *= kFarther) {
     from = surface_.at().inside(beside);
     double room = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) room = std::min(room, shape.inside(k, from.point) / shape.length(k));
-    lifted = from.point + clearance_.offset * from.normal;
+    for (int k = 0; k < 3; ++k) room = std::min(room, face.shape.inside(k, from) / face.shape.length(k));
+    lifted = from + clearance_.offset * normal;
     if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
-    if (!is_in_the_way(from.point, lifted, from.triangle)) break;
+    if (!is_in_the_way(from, lifted)) break;
   }
   is_close_ = false;
   const bool slides = surface_.slides();
@@ -247,9 +248,7 @@ void ProxyMethod::lift_off_surface() noexcept {
   proxy_.is_free = false;
   proxy_.slides = slides;
   ProxyContact& contact = proxy_.contacts[proxy_.contact_count++];
-  contact.triangle = from.triangle;
-  contact.shape = shape;
-  contact.separation = {clearance_.offset, from.normal, from.point, Feature::face};
+  contact = {face.id, face.shape, {clearance_.offset, normal, from, Feature::face}};
 }
 
 // Puts a proxy that sweeps have settled on walkable faces back onto the surface. Not near where this motion has lifted it off and was then

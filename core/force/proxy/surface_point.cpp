@@ -294,12 +294,12 @@ SurfaceNext SurfacePoint::release(const Vec3& device, const Vec3& to) noexcept {
   return SurfaceNext::released;
 }
 
-SurfacePoint::Inside SurfacePoint::inside(double off_edges) const noexcept {
+Vec3 SurfacePoint::inside(double off_edges) const noexcept {
   const ContactTriangle& face = a().shape;
   const Vec3 to_middle = (face.corner(0) + face.corner(1) + face.corner(2)) / 3.0 - p_;
   const double length = to_middle.norm();
   const double share = length > 2.0 * off_edges ? off_edges / length : 0.5;
-  return {a().id, p_ + share * to_middle, a().normal()};
+  return p_ + share * to_middle;
 }
 
 Vec3 SurfacePoint::lifted(double height) const noexcept {

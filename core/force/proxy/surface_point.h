@@ -67,12 +67,6 @@ class SurfacePoint {
     Vec3 normal = Vec3::Zero();  // unit, towards the point
     double multiplier = 0.0;     // point - device = sum of multiplier * normal, without friction
   };
-  // A point of the face that the point is on, at a distance from all edges and vertices, and the face's normal.
-  struct Inside {
-    std::uint32_t triangle;
-    Vec3 point;
-    Vec3 normal;  // unit
-  };
 
   // materials: one for each object; they say which sides can hold a point. Both outlive this object.
   SurfacePoint(const TouchGeometry& geometry, std::span<const Material> materials) : geometry_(geometry), materials_(materials) {}
@@ -145,7 +139,8 @@ class SurfacePoint {
   // The device comes to the free side of the face a() at `device`, on its path to `to`: the point goes there.
   SurfaceNext release(const Vec3& device, const Vec3& to) noexcept;
 
-  Inside inside(double off_edges) const noexcept;
+  // A point of the face a(), at that distance from all its edges and vertices.
+  Vec3 inside(double off_edges) const noexcept;
   // The point lifted off the surface: `height` above the faces that it is on, and above the faces beyond concave edges nearby, so that it
   // never enters a face it only approaches. At a vertex the result may lie beside it.
   Vec3 lifted(double height) const noexcept;

@@ -244,9 +244,9 @@ TEST(SurfaceFollower, ItStopsBeforeATriangleThatIsNotWalkable) {
   double time = 0.0;
   EXPECT_EQ(stage.follower.follow(stage.local(-0.3, 0.1, 0.0), stage.local(0.4, 0.1, -0.1), time), Outcome::unwalkable);
   EXPECT_LT(time, 0.8);
-  const SurfacePoint::Inside inside = stage.follower.at().inside(1e-6);
-  EXPECT_TRUE(stage.geometry.is_walkable(inside.triangle));
-  EXPECT_GT(inside.normal.z(), 0.99);
+  const SurfacePoint::Facet& face = stage.follower.at().a();
+  EXPECT_TRUE(stage.geometry.is_walkable(face.id));
+  EXPECT_GT(face.normal().z(), 0.99);
 }
 
 TEST(SurfaceFollower, LiftedItClearsBothFacesOfAConcaveEdge) {
