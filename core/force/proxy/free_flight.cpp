@@ -8,12 +8,6 @@ namespace hapton {
 
 FreeFlight::Met FreeFlight::fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept {
   tests_ = 0;
-  const Met met = find_first(from, to, slides, surface, time);
-  work_ = std::max(kMinWork, tests_ / SurfaceFollower::kFacetsPerUnit);
-  return met;
-}
-
-FreeFlight::Met FreeFlight::find_first(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept {
   const TouchGeometry& geometry = surfaces_.geometry();
   Met met = Met::nothing;
   std::uint32_t first = 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 
 #include "core/collision/swept_sphere.h"
@@ -24,7 +25,8 @@ class FreeFlight {
   // Moves the point from `from` to `to`. Met::walkable: it has reached a walkable triangle, is on `surface` now, and `time` is the time of
   // the contact. Met::other: the path first comes to a triangle that is not walkable, as near as sweeps allow.
   Met fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
-  int work() const { return work_; }  // units (step_work.h), of the last flight
+  // Units (step_work.h), of the last flight.
+  int work() const { return std::max(kMinWork, tests_ / SurfaceFollower::kFacetsPerUnit); }
 
   // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on its own side that is far enough from them; p
   // itself if that would be farther than `farthest`.
@@ -34,7 +36,6 @@ class FreeFlight {
   Vec3 off_surface(const Vec3& p, double least) const noexcept;
 
  private:
-  Met find_first(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
   bool is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, const Vec3& hit) noexcept;
   bool is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept;
 
@@ -43,7 +44,6 @@ class FreeFlight {
   SurfacePoint vertex_;  // scratch: the vertex that a flight reaches
   std::array<ContactPlane, ProxyState::kMaxContacts> planes_;
   int tests_ = 0;  // triangles that the last flight tested
-  int work_ = 0;
 };
 
 }  // namespace hapton

@@ -34,12 +34,7 @@ void SurfaceFollower::spend() noexcept {
 }
 
 SurfaceFollower::Outcome SurfaceFollower::descend(const Vec3& device, int most_work) noexcept {
-  work_left_ = most_work;
-  return descend_on(device);
-}
-
-SurfaceFollower::Outcome SurfaceFollower::descend_on(const Vec3& device) noexcept {
-  for (; work_left_ > 0; spend()) {
+  for (work_left_ = most_work; work_left_ > 0; spend()) {
     ++events_;
     const Next next = next_descent(device);
     if (next != Next::again) return next;
@@ -53,7 +48,7 @@ SurfaceFollower::Outcome SurfaceFollower::follow(const Vec3& from, const Vec3& t
     const Next next = next_event(from, to, time);
     if (next == Next::again) continue;
     if (next != Next::descend) return next;
-    const Outcome outcome = descend_on(on_path(from, to, time));
+    const Outcome outcome = descend(on_path(from, to, time), work_left_);
     if (outcome != Outcome::settled) return outcome;
   }
   return Outcome::exhausted;

@@ -61,7 +61,6 @@ class SurfaceFollower {
   // however small, leaves it (decision 90). A quarter of it is the contact offset of the sweeps.
   static constexpr double kBalance = 0x1p-28;
 
-  Outcome descend_on(const Vec3& device) noexcept;
   void spend() noexcept;
   Next next_descent(const Vec3& device) noexcept;
   Next next_event(const Vec3& from, const Vec3& to, double& time) noexcept;
