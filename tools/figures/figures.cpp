@@ -84,7 +84,7 @@ Result<Figure> draw_algorithm_1() {
     const Vec3 P(0.0235 * std::cos(degree * kPi / 180), 0.0235 * std::sin(degree * kPi / 180) - 0.008, kSlice);
     SmoothForceSum sum(P, kRadius);
     scene->for_each_near(FdhBall{P, kRadius}, [&](const SetTriangle& t) { sum.add(t); });
-    const SmoothForce force = sum.combine(kRadius, std::array{Material{}.stiffness_n_per_m});
+    const SmoothForce force = sum.combine(kRadius, std::array{Material{}});
     if (force.away.isZero(0.0)) continue;
     probes.add(P);
     vcps.add(force.D);

@@ -204,7 +204,7 @@ bool SmoothForceSum::is_hidden(std::size_t i) const noexcept {
   return false;
 }
 
-SmoothForce SmoothForceSum::combine(double layer, std::span<const double> stiffness_n_per_m) noexcept {
+SmoothForce SmoothForceSum::combine(double layer, std::span<const Material> materials) noexcept {
   SmoothForce result;
   result.vcps = static_cast<std::uint32_t>(count_);
   result.over_capacity = over_capacity_;
@@ -220,7 +220,7 @@ SmoothForce SmoothForceSum::combine(double layer, std::span<const double> stiffn
       continue;
     }
     const SmoothVcp& vcp = kept_[i].vcp;
-    const double s = smooth_f(stiffness_n_per_m[vcp.object], layer, vcp.distance);
+    const double s = smooth_f(materials[vcp.object].stiffness_n_per_m, layer, vcp.distance);
     force += (vcp.sign * s) * vcp.away;
     if (vcp.sign < 0) continue;
     max_force = std::max(max_force, s);

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/force/smooth/local_set.h"
+#include "core/force/touch_scene.h"
 
 namespace hapton {
 
@@ -62,9 +63,8 @@ class SmoothForceSum {
 
   void add(const SetTriangle& triangle) noexcept;
 
-  // Removes the VCPs hidden by another triangle that has a VCP, and sums the rest: force / |force| * maxforce. stiffness_n_per_m: by
-  // object.
-  SmoothForce combine(double layer, std::span<const double> stiffness_n_per_m) noexcept;
+  // Removes the VCPs hidden by another triangle that has a VCP, and sums the rest: force / |force| * maxforce. materials: by object.
+  SmoothForce combine(double layer, std::span<const Material> materials) noexcept;
 
  private:
   struct Kept {

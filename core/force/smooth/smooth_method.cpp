@@ -362,7 +362,7 @@ Vec3 SmoothMethod::outside_force(const Vec3& p) noexcept {
   if (!(layer_ > 0.0)) return Vec3::Zero();
   SmoothForceSum sum(p, radius_);
   visit_near(p, radius_, [&sum](const SetTriangle& t) { sum.add(t); });
-  const SmoothForce sum_force = sum.combine(layer_, stiffness_n_per_m_);
+  const SmoothForce sum_force = sum.combine(layer_, materials_);
   counters_.hidden += sum_force.hidden;
   counters_.over_capacity += sum_force.over_capacity;
   return sum_force.force_n;
@@ -381,7 +381,7 @@ MethodOutput SmoothMethod::compute_inside(const Vec3& P) noexcept {
   const Vec3 pull = V - P;
   output.force_n = outside_force(V + 2.0 * scene_->tolerance() * n);
   // Within the tolerance the probe may still be on the outer side.
-  if (pull.dot(n) > 0.0) output.force_n += stiffness_n_per_m_[T_.object] * pull;
+  if (pull.dot(n) > 0.0) output.force_n += materials_[T_.object].stiffness_n_per_m * pull;
   output.contact = !output.force_n.isZero(0.0);
   output.p_SP = output.contact ? V : P;
   if (output.contact) output.object = static_cast<int>(T_.object);

@@ -123,8 +123,7 @@ class SmoothMethod final : public ForceMethod {
   MethodOutput compute_inside(const Vec3& P) noexcept;
 
   std::unique_ptr<SmoothScene> scene_;
-  std::vector<Material> materials_;        // by object
-  std::vector<double> stiffness_n_per_m_;  // of these
+  std::vector<Material> materials_;  // by object
   std::uint32_t set_size_ = 64;
   double radius_ = 0.0;
   double layer_ = 0.0;  // metres

@@ -59,7 +59,6 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
   std::unique_ptr<SmoothMethod> method(new SmoothMethod());
   method->scene_ = std::make_unique<SmoothScene>(std::move(*prepared));
   for (const TouchObject& object : scene.objects) method->materials_.push_back(object.material);
-  for (const Material& material : method->materials_) method->stiffness_n_per_m_.push_back(material.stiffness_n_per_m);
   if (settings.smooth_layer > 0.0) method->left_out_ = note_bare_layer(scene);
   method->set_size_ = static_cast<std::uint32_t>(settings.set_size);
   method->radius_ = settings.smooth_radius_m > 0.0 ? settings.smooth_radius_m : make_radius(*method->scene_, method->set_size_);
@@ -69,10 +68,7 @@ Result<std::unique_ptr<ForceMethod>> SmoothMethod::make(const MethodSettings& se
 
 // The scene that the slow task reads keeps the materials it was built with: it needs only their sides.
 void SmoothMethod::set_materials(std::span<const Material> materials) noexcept {
-  for (std::size_t i = 0; i < std::min(materials.size(), materials_.size()); ++i) {
-    materials_[i] = materials[i];
-    stiffness_n_per_m_[i] = materials[i].stiffness_n_per_m;
-  }
+  std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
 }
 
 // ---- sets ------------------------------------------------------------------------------------------------------------

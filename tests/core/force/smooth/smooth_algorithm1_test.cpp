@@ -134,7 +134,7 @@ void expect_as_transcribed(const TriangleMesh& mesh, double RADIUS, double layer
     const Transcribed expected = algorithm1(triangles, P, RADIUS, layer);
     SmoothForceSum sum(P, RADIUS);
     for (const SetTriangle& t : triangles) sum.add(t);
-    const SmoothForce felt = sum.combine(layer, std::array{kStiffnessNPerM});
+    const SmoothForce felt = sum.combine(layer, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}});
     ASSERT_EQ(felt.over_capacity, 0U);
     EXPECT_EQ(felt.vcps, static_cast<std::uint32_t>(expected.vcps)) << i;
     EXPECT_EQ(felt.hidden, static_cast<std::uint32_t>(expected.hidden)) << i;
@@ -206,8 +206,8 @@ TEST(Algorithm1, DegenerateTrianglesTurnTheForceRoundAnEdge) {
       all.add(t);
       if (t.kind == SurfaceKind::face) faces.add(t);
     }
-    const Vec3 force = all.combine(kRadius, std::array{kStiffnessNPerM}).force_n;
-    empty_without = empty_without || faces.combine(kRadius, std::array{kStiffnessNPerM}).force_n.isZero(0.0);
+    const Vec3 force = all.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n;
+    empty_without = empty_without || faces.combine(kRadius, std::array{Material{.stiffness_n_per_m = kStiffnessNPerM}}).force_n.isZero(0.0);
     EXPECT_NEAR(force.norm(), kStiffnessNPerM * (kRadius - kHeight), 1e-6 * kStiffnessNPerM * kRadius) << i;
     const Vec3 away(P.x(), 0, P.z());  // from the convex edge
     EXPECT_LT(std::atan2(force.cross(away).norm(), force.dot(away)), 1e-6) << i;

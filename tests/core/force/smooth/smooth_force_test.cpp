@@ -27,7 +27,7 @@ std::vector<SetTriangle> set_of(const TriangleMesh& mesh, bool two_sided = true)
 SmoothForce force_at(const std::vector<SetTriangle>& triangles, const Vec3& P, double radius, double layer) {
   SmoothForceSum sum(P, radius);
   for (const SetTriangle& t : triangles) sum.add(t);
-  return sum.combine(layer, std::array{kStiffness});
+  return sum.combine(layer, std::array{Material{.stiffness_n_per_m = kStiffness}});
 }
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
