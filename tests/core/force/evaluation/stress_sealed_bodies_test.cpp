@@ -1,12 +1,12 @@
-#include "core/force/evaluation/stress_sealed_bodies.h"
-
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
 #include <random>
+#include <string>
 
+#include "core/force/evaluation/stress_body.h"
 #include "core/force/force_method.h"
 #include "core/geometry/closest_point.h"
 #include "core/geometry/cracked_shapes.h"
@@ -121,7 +121,7 @@ TEST(SealedTouch, SlidesAcrossSealedSeamsStayInContact) {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     std::mt19937_64 random(seed);
     std::normal_distribution<double> normal;
-    const StressBody body = make_sealed_ball(0.9e-4);
+    const StressBody body = make_stress_body("sealed-ball");
     const auto method = make_proxy(body.touched);
     const PointInMesh solid(body.solid);
     std::size_t inside = 0;
@@ -149,12 +149,12 @@ TEST(SealedTouch, SlidesAcrossSealedSeamsStayInContact) {
 }
 
 TEST(StressSealedBodies, AreClosed) {
-  for (const double width : {1e-5, 0.9e-4}) {
-    for (const StressBody& body :
-         {make_sealed_tears(width), make_sealed_star(width), make_sealed_box(width), make_sealed_ball(width), make_sealed_waves(width)}) {
-      EXPECT_TRUE(count_edges(body.touched).closed());
-      EXPECT_NEAR(compute_bounds(body.touched).extent(), 0.1, 0.01);
-      EXPECT_GT(compute_volume(body.touched), 0.0);
+  for (const std::string shape : {"tears", "star", "box", "ball", "waves"}) {
+    for (const char* const width : {"-fine", ""}) {
+      const StressBody body = make_stress_body("sealed-" + shape + width);
+      EXPECT_TRUE(count_edges(body.touched).closed()) << body.name;
+      EXPECT_NEAR(compute_bounds(body.touched).extent(), 0.1, 0.01) << body.name;
+      EXPECT_GT(compute_volume(body.touched), 0.0) << body.name;
     }
   }
 }
