@@ -14,6 +14,7 @@
 #include "core/geometry/closest_point.h"
 #include "core/geometry/mesh_measures.h"
 #include "core/geometry/point_in_mesh.h"
+#include "core/geometry/shared_edges.h"
 #include "core/geometry/surface_walk.h"
 #include "core/geometry/winding_number.h"
 
@@ -123,17 +124,9 @@ struct StressRun::Impl {
 
   void find_boundary_edges() {
     if (solid) return;
-    const TriangleMesh& mesh = body.touched;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-    for (const Triangle& triangle : mesh.triangles) {
-      for (int k = 0; k < 3; ++k) edges.push_back(std::minmax(triangle[k], triangle[(k + 1) % 3]));
-    }
-    std::sort(edges.begin(), edges.end());
-    for (std::size_t first = 0; first < edges.size();) {
-      std::size_t last = first;
-      while (last < edges.size() && edges[last] == edges[first]) ++last;
-      if (last - first == 1) boundary_edges.push_back(edges[first]);
-      first = last;
+    const SharedEdges edges(body.touched.triangles);
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      if (edges[e].size() == 1) boundary_edges.emplace_back(edges[e][0].low, edges[e][0].high);
     }
   }
 
@@ -236,8 +229,7 @@ struct StressRun::Impl {
   }
 
   // Checks with the reference whether p is a local minimum for the device, which was at `before` one sample ago.
-  template <class Note>
-  void check_minimum(const Vec3& p, const Vec3& device, const Vec3& before, const Note& note) const {
+  void check_minimum(const Vec3& p, const Vec3& device, const Vec3& before, const auto& note) const {
     const double length = (p - device).norm();
     const Vec3 start = clear_start(p);
     if (is_minimum_close_up(p, start, device)) return;  // first, as its few triangles cost the least
@@ -257,8 +249,7 @@ struct StressRun::Impl {
   }
 
   // Force, contact and proxy have to agree.
-  template <class Note>
-  void check_consistency(const MethodOutput& output, const Vec3& device, const Note& note) const {
+  void check_consistency(const MethodOutput& output, const Vec3& device, const auto& note) const {
     const double stiffness = settings.material.stiffness_n_per_m;
     const Vec3 extension = output.p_SP - device;
     const double length = extension.norm();
@@ -270,8 +261,7 @@ struct StressRun::Impl {
   }
 
   // Neither device without a force nor proxy may be inside. first: the output before a carried motion was finished. Pre: solid.
-  template <class Note>
-  void check_sides(const MethodOutput& first, const MethodOutput& output, const Vec3& device, const Note& note) const {
+  void check_sides(const MethodOutput& first, const MethodOutput& output, const Vec3& device, const auto& note) const {
     if (!(first.contact && output.contact) && is_wrong(device)) {
       const double depth = solid->compute_distance(device);
       if (depth > kFallThroughShare * extent) note(StressFault::fall_through, depth);
@@ -286,8 +276,7 @@ struct StressRun::Impl {
 
   // Where the touched body is no solid, a probe that was free before and after a step has not gone through a surface. False: one of both
   // positions is on the surface up to rounding, which has no side.
-  template <class Note>
-  bool check_through(const MethodOutput& output_before, const MethodOutput& output, double moved, const Note& note) const {
+  bool check_through(const MethodOutput& output_before, const MethodOutput& output, double moved, const auto& note) const {
     if (output.contact || output_before.contact || probe_radius > 0.0 || !goes_through(output_before.p_SP, output.p_SP)) return true;
     if (leads_round(output_before.p_SP, output.p_SP)) return true;
     if (is_on_surface(output.p_SP, slop()) || is_on_surface(output_before.p_SP, slop())) return false;
@@ -296,8 +285,7 @@ struct StressRun::Impl {
   }
 
   // The force changes by no more than stiffness times the device's motion. Pre: shows_discontinuities().
-  template <class Note>
-  void check_discontinuity(const MethodOutput& output_before, const MethodOutput& output, double moved, const Note& note) const {
+  void check_discontinuity(const MethodOutput& output_before, const MethodOutput& output, double moved, const auto& note) const {
     const double jump = (output.force_n - output_before.force_n).norm() / settings.material.stiffness_n_per_m;
     const double above = jump - moved * (1.0 + 1e-6) - 10.0 * slop();
     if (above > 0.0) note(StressFault::discontinuity, above);
