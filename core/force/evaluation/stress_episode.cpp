@@ -71,7 +71,7 @@ void StressEpisode::draw(const std::function<bool(const Vec3&)>& is_free, std::v
       creep(positions);
       break;
     default:
-      walk_near(positions);
+      random_walk(positions, kWalkSteps);
       break;
   }
   if (positions.size() > kLongestEpisode) positions.resize(kLongestEpisode);
@@ -189,8 +189,6 @@ void StressEpisode::creep(std::vector<Vec3>& positions) {
   positions.push_back(at_ - deep * up_);
   for (int i = 0; i < 100; ++i) positions.push_back(positions.back() + step * direction());
 }
-
-void StressEpisode::walk_near(std::vector<Vec3>& positions) { random_walk(positions, kWalkSteps); }
 
 void StressEpisode::walk_over_body(std::vector<Vec3>& positions) {
   for (int leg = 0; leg < kLongWalkLegs; ++leg) {

@@ -60,7 +60,6 @@ class StressEpisode {
   void graze(std::vector<Vec3>& positions);
   void jump(std::vector<Vec3>& positions);
   void creep(std::vector<Vec3>& positions);
-  void walk_near(std::vector<Vec3>& positions);
   // Random walks near one point of the body after the other, each at its own speed.
   void walk_over_body(std::vector<Vec3>& positions);
   // A random walk (Ornstein-Uhlenbeck velocity) at a random speed, attracted gently to at_.
