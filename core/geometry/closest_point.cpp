@@ -90,11 +90,11 @@ ClosestPoint closest_on_boundary(const PreparedTriangle& triangle, const Vec3& p
   found.barycentric[best] = 1.0 - nearest.t;
   found.barycentric[(best + 1) % 3] = nearest.t;
   if (nearest.t <= 0.0) {
-    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::vertex0) + best);
+    found.feature = vertex_feature(best);
   } else if (nearest.t >= 1.0) {
-    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::vertex0) + (best + 1) % 3);
+    found.feature = vertex_feature((best + 1) % 3);
   } else {
-    found.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + best);
+    found.feature = edge_feature(best);
   }
   return found;
 }

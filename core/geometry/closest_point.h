@@ -12,6 +12,10 @@ enum class TriangleFeature : std::uint8_t { face, edge0, edge1, edge2, vertex0, 
 
 inline bool is_edge(TriangleFeature feature) { return feature >= TriangleFeature::edge0 && feature <= TriangleFeature::edge2; }
 inline bool is_vertex(TriangleFeature feature) { return feature >= TriangleFeature::vertex0; }
+inline TriangleFeature edge_feature(int k) { return static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + k); }
+inline TriangleFeature vertex_feature(int k) { return static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::vertex0) + k); }
+inline int edge_number(TriangleFeature edge) { return static_cast<int>(edge) - static_cast<int>(TriangleFeature::edge0); }
+inline int vertex_number(TriangleFeature vertex) { return static_cast<int>(vertex) - static_cast<int>(TriangleFeature::vertex0); }
 
 // A triangle prepared for distance queries: corners, unit normal and inward edge directions. Any triangle is allowed: needles, caps, zero
 // area, three equal corners. A triangle of exactly zero area has no face, only its edges. Pre: finite corners whose squared lengths neither

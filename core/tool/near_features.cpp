@@ -17,9 +17,6 @@ constexpr std::uint16_t kVertexBits = 0x3F;
 std::uint16_t vertex_bit(int corner, bool is_of_tool) { return static_cast<std::uint16_t>(1U << (2 * corner + (is_of_tool ? 0 : 1))); }
 std::uint16_t edge_bit(int tool_edge, int scene_edge) { return static_cast<std::uint16_t>(1U << (6 + 3 * tool_edge + scene_edge)); }
 
-int edge_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::edge0); }
-int vertex_number(TriangleFeature feature) { return static_cast<int>(feature) - static_cast<int>(TriangleFeature::vertex0); }
-
 // Whether the closest feature belongs to this triangle and is a local maximum of the surface along `outward`; a face always is.
 bool is_local_maximum_of(const SurfaceFeatures& surface, std::uint32_t t, TriangleFeature feature, const Vec3& outward) {
   if (is_edge(feature)) {

@@ -12,13 +12,6 @@ constexpr int kMaxRounds = 400;
 // at most this many roundings.
 constexpr double kLongestStep = 256.0;
 
-// Speed of the point perpendicular to the feature; along an edge the direction is exact.
-double speed_perpendicular(const PreparedTriangle& triangle, TriangleFeature feature, const Vec3& motion) {
-  if (!is_edge(feature)) return motion.norm();
-  const Vec3& edge = triangle.edge[static_cast<int>(feature) - static_cast<int>(TriangleFeature::edge0)];
-  return (motion - (motion.dot(edge) / edge.squaredNorm()) * edge).norm();
-}
-
 }  // namespace
 
 SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const Vec3& motion, double until, double limit, double slop,
@@ -36,7 +29,8 @@ SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const V
       if (above <= slop) return {t, true, false};
       t += above / approach;
     } else {
-      const double perpendicular = speed_perpendicular(triangle, near.feature, motion);
+      // Along an edge the direction is exact.
+      const double perpendicular = perpendicular_to(triangle, near.feature, motion).norm();
       const double doubt = perpendicular * rounding / near.distance;
       if (approach <= -doubt) return {until, false, false};
       if (above <= slop && approach > 0.0) return {t, true, false};

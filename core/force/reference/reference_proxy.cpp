@@ -283,10 +283,11 @@ double ReferenceProxy::share_on_feature(const Contact& contact, const Vec3& moti
   const PreparedTriangle& shape = contact.face.shape;
   if (contact.near.feature == TriangleFeature::face) return share_on_plane(contact, motion);
   if (!is_edge(contact.near.feature)) return 0.0;
-  const Vec3 direction = edge_of(contact).normalized();
+  const int edge = edge_number(contact.near.feature);
+  const Vec3 direction = shape.edge[edge].normalized();
   const double along = direction.dot(motion);
   const double sideways = (motion - along * direction).norm();
-  const Vec3& end = shape.corner[(static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0) + (along > 0.0)) % 3];
+  const Vec3& end = shape.corner[(edge + (along > 0.0)) % 3];
   const double until = along != 0.0 ? std::max(0.0, direction.dot(end - state_.position) / along) : 1.0;
   return sideways * until > rest_offset_ ? rest_offset_ / sideways : until;
 }

@@ -196,8 +196,6 @@ class ReferenceProxy {
   bool tip_over(const Vec3& device, const Pull& pull) noexcept;
   bool tip_over(const Vec3& device, const Contact& contact) noexcept;
   Vec3 pivot_of(const Contact& contact) const noexcept;
-  static Vec3 edge_of(const Contact& contact) noexcept;
-  static Vec3 perpendicular_to_feature(const Contact& contact, const Vec3& v) noexcept;
   bool go_round(const Contact& contact, const Vec3& tangent, double angle) noexcept;
   bool advance(const Vec3& motion) noexcept;
   void meet(const Face& face) noexcept;

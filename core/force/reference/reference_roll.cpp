@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/force/reference/convex_sweep.h"
 #include "core/force/reference/reference_proxy.h"
 
 namespace hapton {
@@ -20,7 +21,7 @@ bool ReferenceProxy::roll(const Vec3& device, const Pull& pull) noexcept {
   if (pull.motion.count != 1 || !is_sphere() || has_friction()) return false;
   const Contact& contact = *pull.strongest;
   if (contact.near.feature == TriangleFeature::face || contact.near.distance < rest_offset_ - 2.0 * kTolerance) return false;
-  const Vec3 aim = perpendicular_to_feature(contact, device - pivot_of(contact));
+  const Vec3 aim = perpendicular_to(contact.face.shape, contact.near.feature, device - pivot_of(contact));
   const Vec3 sideways = aim - aim.dot(contact.near.direction) * contact.near.direction;
   const double side = sideways.norm();
   const double angle = std::min(std::atan2(side, aim.dot(contact.near.direction)), kLongestRoll);
@@ -42,7 +43,7 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Pull& pull) noexcept {
     for (int k = 0; k < 3 && rules_.tips_at_boundaries; ++k) {
       const PreparedTriangle& shape = contact.face.shape;
       if (shape.inward[k].dot(state_.position - shape.corner[k]) > kNearBoundary * rest_offset_ * shape.edge[k].norm()) continue;
-      contact.near.feature = static_cast<TriangleFeature>(static_cast<int>(TriangleFeature::edge0) + k);
+      contact.near.feature = edge_feature(k);
       if (tip_over(device, contact)) return true;
     }
   }
@@ -53,7 +54,8 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexce
   const Vec3& normal = contact.near.direction;
   if ((device - pivot_of(contact)).dot(normal) >= 0.0) return false;
   // Along an edge as well, because the edge may end here.
-  const Vec3 first = is_edge(contact.near.feature) ? Vec3(normal.cross(edge_of(contact)).normalized()) : normal.unitOrthogonal();
+  const TriangleFeature at = contact.near.feature;
+  const Vec3 first = is_edge(at) ? Vec3(normal.cross(contact.face.shape.edge[edge_number(at)]).normalized()) : normal.unitOrthogonal();
   const Vec3 second = normal.cross(first);
   const Vec3 start = state_.position;
   const double tip = std::min(
@@ -69,16 +71,6 @@ bool ReferenceProxy::tip_over(const Vec3& device, const Contact& contact) noexce
 // The point the sphere touches.
 Vec3 ReferenceProxy::pivot_of(const Contact& contact) const noexcept {
   return state_.position - contact.near.distance * contact.near.direction;
-}
-
-Vec3 ReferenceProxy::edge_of(const Contact& contact) noexcept {
-  return contact.face.shape.edge[static_cast<int>(contact.near.feature) - static_cast<int>(TriangleFeature::edge0)];
-}
-
-Vec3 ReferenceProxy::perpendicular_to_feature(const Contact& contact, const Vec3& v) noexcept {
-  if (!is_edge(contact.near.feature)) return v;
-  const Vec3 edge = edge_of(contact);
-  return v - (v.dot(edge) / edge.squaredNorm()) * edge;
 }
 
 // Moves round the touched edge or vertex by an angle, along the tangents at the ends of the arc. Returns false, and moves nothing, if
