@@ -1,5 +1,6 @@
 #include "core/force/reference/half_space_projection.h"
 
+#include <bit>
 #include <limits>
 
 namespace hapton {
@@ -70,18 +71,13 @@ bool exchange(const Wide& goal, std::span<const HalfSpace> all, std::size_t newc
   Basis best;
   long double best2 = std::numeric_limits<long double>::infinity();
   for (int subset = 0; subset < (1 << old); ++subset) {
+    if (std::popcount(static_cast<unsigned>(subset)) > 2) continue;  // three planes at most
     Basis trial;
     trial.planes[trial.count++] = newcomer;
-    for (int i = 0; i < old && trial.count < 4; ++i) {
-      if ((subset >> i & 1) == 0) continue;
-      if (trial.count == 3) {
-        trial.count = 4;
-        break;
-      }
-      trial.planes[trial.count++] = among[i];
+    for (int i = 0; i < old; ++i) {
+      if ((subset >> i & 1) != 0) trial.planes[trial.count++] = among[i];
     }
-    if (trial.count > 3 || !meet_planes(goal, all, trial)) continue;
-    if (!holds(trial, all, among, old + 1, tolerance)) continue;
+    if (!meet_planes(goal, all, trial) || !holds(trial, all, among, old + 1, tolerance)) continue;
     const long double distance2 = (trial.point - goal).squaredNorm();
     if (distance2 < best2) {
       best2 = distance2;

@@ -79,11 +79,16 @@ void ReferenceProxy::collect_near(const Vec3& p, double within) noexcept {
   }
 }
 
-// Moves the proxy by the shortest vector that puts it `height` above the planes of all nearby faces. False if there is none.
-bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
+// The motion nearest to `goal` after which the proxy is at least `height` above the planes of all nearby faces.
+HalfSpaceProjection ReferenceProxy::project_above_near(const Vec3& goal, double height) noexcept {
   half_spaces_.clear();
   for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, height - contact.near.distance});
-  const HalfSpaceProjection up = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  return project_onto_half_spaces(goal, half_spaces_, kFeasible);
+}
+
+// Moves the proxy by the shortest vector that puts it `height` above the planes of all nearby faces. False if there is none.
+bool ReferenceProxy::lift(const Vec3& start, double height) noexcept {
+  const HalfSpaceProjection up = project_above_near(Vec3::Zero(), height);
   if (!up.feasible || up.point.norm() > 64.0 * height) return false;
   state_.position = start;
   advance(up.point);
@@ -95,11 +100,9 @@ void ReferenceProxy::place_clear(const Vec3& p) noexcept {
   place_held(p, false);
   if (rest_offset_ != kPointRadius) return;
   collect_near(p, 2.0 * rest_offset_);
-  const auto overlap_of = [&](const Contact& contact) { return rest_offset_ - contact.near.distance; };
-  if (std::none_of(near_.begin(), near_.end(), [&](const Contact& contact) { return overlap_of(contact) > 2.0 * kTolerance; })) return;
-  half_spaces_.clear();
-  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, overlap_of(contact)});
-  const HalfSpaceProjection out = project_onto_half_spaces(Vec3::Zero(), half_spaces_, kFeasible);
+  const auto overlaps = [&](const Contact& contact) { return rest_offset_ - contact.near.distance > 2.0 * kTolerance; };
+  if (std::none_of(near_.begin(), near_.end(), overlaps)) return;
+  const HalfSpaceProjection out = project_above_near(Vec3::Zero(), rest_offset_);
   if (out.feasible && out.point.norm() <= rest_offset_) state_.position += out.point;
 }
 
@@ -116,9 +119,7 @@ bool ReferenceProxy::place_on_surface(const Vec3& p, bool sliding) noexcept {
     if (contact.near.distance <= least * (1.0 + kSameHeight)) sum += contact.near.direction;
   }
   if (!(least > 0.5 * rest_offset_) || !(sum.norm() > 0.5)) return false;
-  half_spaces_.clear();
-  for (const Contact& contact : near_) half_spaces_.push_back({contact.near.direction, rest_offset_ - contact.near.distance});
-  const HalfSpaceProjection down = project_onto_half_spaces(-4.0 * least * sum.normalized(), half_spaces_, kFeasible);
+  const HalfSpaceProjection down = project_above_near(-4.0 * least * sum.normalized(), rest_offset_);
   if (!down.feasible || down.count == 0 || down.point.norm() > kFarthestHeld * rest_offset_) return false;
   state_.position = p + down.point;
   for (const Contact& contact : near_) meet(contact.face);

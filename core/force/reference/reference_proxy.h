@@ -163,6 +163,7 @@ class ReferenceProxy {
   bool escape(const Vec3& device) noexcept;
   bool is_on_open_face() const noexcept;
   void collect_near(const Vec3& p, double within) noexcept;
+  HalfSpaceProjection project_above_near(const Vec3& goal, double height) noexcept;
   bool lift(const Vec3& start, double height) noexcept;
   const std::vector<Vec3>& directions_out(const Vec3& start, const Vec3& pull, double within) noexcept;
   bool cross_free_space(const Vec3& device) noexcept;
