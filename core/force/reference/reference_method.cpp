@@ -2,10 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
-
-#include "core/geometry/mesh_measures.h"
 
 namespace hapton {
 namespace {
@@ -20,15 +17,11 @@ constexpr int kMaxHalvings = 1024;    // in one pass over a step
 constexpr std::size_t kMaxPrepared = std::size_t{1} << 17;  // 40 MB; triangles of larger scenes are prepared when they are gathered
 
 // Of the vertices that triangles name.
-MeshBounds bounds_of(const TouchScene& scene) {
-  MeshBounds box{.low = Vec3::Constant(std::numeric_limits<double>::infinity()), .high = {}};
-  box.high = -box.low;
+Box bounds_of(const TouchScene& scene) {
+  Box box;
   for (const TouchObject& object : scene.objects) {
     for (const Triangle& triangle : object.mesh->triangles) {
-      for (const std::uint32_t index : triangle) {
-        box.low = box.low.cwiseMin(object.mesh->vertices[index]);
-        box.high = box.high.cwiseMax(object.mesh->vertices[index]);
-      }
+      for (const std::uint32_t index : triangle) box.grow(object.mesh->vertices[index]);
     }
   }
   return box;
@@ -80,7 +73,7 @@ Result<std::unique_ptr<ReferenceMethod>> ReferenceMethod::make_reference(const M
 
 ReferenceMethod::ReferenceMethod(const MethodSettings& settings, const TouchScene& scene, bool prefilter)
     : substeps_(settings.reference_substeps), substep_limit_(settings.reference_substep_limit), prefilter_(prefilter) {
-  const MeshBounds box = bounds_of(scene);
+  const Box box = bounds_of(scene);
   centre_ = 0.5 * box.low + 0.5 * box.high;
   const double size = std::max(box.diagonal(), settings.probe_radius_m);
   unit_m_ = size > 0.0 ? power_of_two_above(size) : 1.0;
