@@ -73,12 +73,6 @@ struct FdhHull {
       high[i] = along[i] > high[i] ? along[i] : high[i];
     }
   }
-  bool overlaps(const FdhHull& other) const {
-    for (int i = 0; i < kAxes; ++i) {
-      if (!(low[i] <= other.high[i] && other.low[i] <= high[i])) return false;
-    }
-    return true;
-  }
 
  private:
   static constexpr std::array<double, kAxes> filled(double sign) {

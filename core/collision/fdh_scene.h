@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -29,13 +28,9 @@ class FdhScene {
   // Updates the tree and the upper level after one object's vertices have moved. Error: see FdhTree::refit; nothing changes then.
   Result<void> refit(std::uint32_t object, std::span<const Vec3> vertices);
 
-  // Calls visit(object, triangle) for every triangle that the query touches, as FdhTree does. Query: FdhBall, FdhBox, FdhSweep or
-  // FdhHull<K>.
+  // Calls visit(object, triangle) for every triangle that the query touches, as FdhTree does. Query: FdhBall or FdhSweep.
   template <class Query, class Visit>
   FdhVisits for_each_overlapping(const Query& query, Visit&& visit) const;
-
-  // The triangle nearest to p, if one is at most max_distance away; otherwise an infinite distance.
-  FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
 
   // Adds the triangles nearest to the segment between two points (or to one point, if they are equal) to those collected.
   FdhVisits collect_nearest(const Vec3& from, const Vec3& to, FdhNearest& nearest) const;
@@ -162,19 +157,6 @@ namespace detail {
 
 // The hull of a query: objects that do not overlap it are skipped.
 template <int K>
-FdhHull<K> hull_around(const FdhBox& box) {
-  FdhHull<K> hull;
-  for (int corner = 0; corner < 8; ++corner) {
-    hull.add({(corner & 1) != 0 ? box.high.x() : box.low.x(), (corner & 2) != 0 ? box.high.y() : box.low.y(),
-              (corner & 4) != 0 ? box.high.z() : box.low.z()});
-  }
-  return hull;
-}
-template <int K>
-FdhHull<K> hull_around(const FdhHull<K>& hull) {
-  return hull;
-}
-template <int K>
 FdhHull<K> hull_around(const FdhSweep& sweep) {
   FdhHull<K> hull;
   hull.add(sweep.from);
@@ -208,29 +190,6 @@ FdhVisits FdhScene<K>::for_each_overlapping(const Query& query, Visit&& visit) c
     }
   });
   return visits += below;
-}
-
-template <int K>
-FdhNear FdhScene<K>::find_nearest(const Vec3& p, double max_distance) const {
-  FdhNear best = kNothingNear;
-  if (!p.allFinite() || !(max_distance >= 0.0)) return best;
-  double bound = max_distance;
-  FdhHull<K> point;
-  point.add(p);
-  upper_.walk_nearest(
-      interval(point), [&bound] { return bound * bound * (1.0 + kOutward); },
-      [&](std::uint32_t first, std::uint32_t count) {
-        for (std::uint32_t i = first; i < first + count; ++i) {
-          FdhNear near = trees_[order_[i]].find_nearest(p, bound * (1.0 + kOutward));
-          near.object = order_[i];
-          if (near.distance_squared < best.distance_squared ||
-              (near.distance_squared == best.distance_squared && near.object < best.object)) {
-            best = near;
-            bound = std::min(bound, std::sqrt(near.distance_squared));
-          }
-        }
-      });
-  return best;
 }
 
 template <int K>

@@ -28,10 +28,6 @@ struct FdhBall {
   Vec3 centre;
   double radius;
 };
-struct FdhBox {
-  Vec3 low;
-  Vec3 high;
-};
 // A ball moved from one point to another: a segment if the radius is 0; a ball if the points are equal.
 struct FdhSweep {
   Vec3 from;
@@ -129,18 +125,13 @@ class FdhTree {
   // vertices as before; they outlive the tree. Error: see build; the tree is then unchanged.
   Result<void> refit(std::span<const Vec3> vertices);
 
-  // Each calls visit(triangle) once for every triangle that the query touches. ball: exactly those at most the radius away. box, hull:
-  // those whose own hull of K planes overlaps the query's. sweep: those whose leaf's hull it meets (radius 0), otherwise those at most the
-  // radius away; all, if it reaches beyond kFarthestSweep. Rounding only adds triangles, never drops one. A query that is not finite visits
-  // nothing.
+  // Each calls visit(triangle) once for every triangle that the query touches. ball: exactly those at most the radius away. sweep: those
+  // whose leaf's hull it meets (radius 0), otherwise those at most the radius away; all, if it reaches beyond kFarthestSweep. Rounding only
+  // adds triangles, never drops one. A query that is not finite visits nothing.
   template <class Visit>
   FdhVisits for_each_overlapping(const FdhBall& ball, Visit&& visit) const;
   template <class Visit>
-  FdhVisits for_each_overlapping(const FdhBox& box, Visit&& visit) const;
-  template <class Visit>
   FdhVisits for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const;
-  template <class Visit>
-  FdhVisits for_each_overlapping(const FdhHull<K>& hull, Visit&& visit) const;
 
   // The triangle nearest to p, if one is at most max_distance away; otherwise an infinite distance.
   FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
@@ -333,39 +324,6 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) c
   };
   return hierarchy_.walk_nearest(
       interval(ball.centre, ball.centre, 0.0), [limit] { return limit; }, leaf);
-}
-
-template <int K>
-template <class Visit>
-FdhVisits FdhTree<K>::for_each_overlapping(const FdhBox& box, Visit&& visit) const {
-  if (!box.low.allFinite() || !box.high.allFinite() || (box.low.array() > box.high.array()).any()) return {};
-  FdhHull<K> hull;
-  for (int corner = 0; corner < 8; ++corner) {
-    hull.add({(corner & 1) != 0 ? box.high.x() : box.low.x(), (corner & 2) != 0 ? box.high.y() : box.low.y(),
-              (corner & 4) != 0 ? box.high.z() : box.low.z()});
-  }
-  return for_each_overlapping(hull, visit);
-}
-
-template <int K>
-template <class Visit>
-FdhVisits FdhTree<K>::for_each_overlapping(const FdhHull<K>& hull, Visit&& visit) const {
-  const auto middle = fdh_project<K>(centre_);
-  FdhHull<K> grown;
-  FdhInterval<K> q;
-  for (int i = 0; i < K / 2; ++i) {
-    if (!std::isfinite(hull.low[i]) || !std::isfinite(hull.high[i])) return {};
-    const double pad = 4.0 * rounding_ + 0x1p-49 * (std::fabs(hull.low[i]) + std::fabs(hull.high[i]));
-    grown.low[i] = hull.low[i] - pad;
-    grown.high[i] = hull.high[i] + pad;
-    q.low[i] = detail::float_below(grown.low[i] - middle[i]);
-    q.high[i] = detail::float_above(grown.high[i] - middle[i]);
-  }
-  return hierarchy_.walk_overlapping(q, [&](std::uint32_t first, std::uint32_t count) {
-    for (std::uint32_t i = first; i < first + count; ++i) {
-      if (hull_of(i, 1, Vec3::Zero()).overlaps(grown)) visit(order_[i]);
-    }
-  });
 }
 
 template <int K>

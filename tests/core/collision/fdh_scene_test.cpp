@@ -61,7 +61,11 @@ void check_queries(const Objects& objects, const FdhScene<K>& scene, Objects& dr
         EXPECT_FALSE(visited.count({o, t}));
       }
     });
-    const FdhNear found = scene.find_nearest(p);
+    FdhNearest first(1, std::numeric_limits<double>::infinity());
+    scene.collect_nearest(p, p, first);
+    const auto one = first.finish();
+    ASSERT_EQ(one.size(), 1U);
+    const FdhNear& found = one[0];
     EXPECT_EQ(found.distance_squared, best.distance_squared);
     EXPECT_EQ(found.object, best.object);
     EXPECT_EQ(found.triangle, best.triangle);
@@ -116,7 +120,12 @@ TEST(FdhScene, FindsWhatBruteForceFinds) {
 TEST(FdhScene, WithoutObjectsFindsNothing) {
   const auto scene = FdhScene<14>::build({});
   ASSERT_TRUE(scene);
-  EXPECT_FALSE(std::isfinite(scene->find_nearest(Vec3::Zero()).distance_squared));
+  FdhNearest nearest(1, std::numeric_limits<double>::infinity());
+  scene->collect_nearest(Vec3::Zero(), Vec3::Zero(), nearest);
+  EXPECT_TRUE(nearest.finish().empty());
+  int visited = 0;
+  scene->for_each_overlapping(FdhBall{Vec3::Zero(), 1.0}, [&](std::uint32_t, std::uint32_t) { ++visited; });
+  EXPECT_EQ(visited, 0);
 }
 
 TEST(FdhScene, QueriesWithoutBoundsFindEverythingOnce) {

@@ -139,41 +139,6 @@ TYPED_TEST(FdhTreeOf, SweptBallFindsWhatBruteForceFinds) {
   }
 }
 
-TYPED_TEST(FdhTreeOf, BoxAndHullFindWhatBruteForceFinds) {
-  constexpr int kCount = TypeParam::kCount;
-  for (const auto& [name, mesh] : meshes()) {
-    const auto tree = FdhTree<kCount>::build(mesh.vertices, mesh.triangles);
-    ASSERT_TRUE(tree);
-    Points points(mesh);
-    for (int i = 0; i < 40; ++i) {
-      const Vec3 p = points.make(i);
-      const Vec3 half = 0.1 * points.size * points.direction().cwiseAbs();
-      FdhHull<kCount> box;
-      for (int c = 0; c < 8; ++c) {
-        box.add({p.x() + ((c & 1) != 0 ? half.x() : -half.x()), p.y() + ((c & 2) != 0 ? half.y() : -half.y()),
-                 p.z() + ((c & 4) != 0 ? half.z() : -half.z())});
-      }
-      FdhHull<kCount> hull;
-      for (int k = 0; k < 4; ++k) hull.add(p + 0.1 * points.size * points.direction());
-      const auto overlaps = [&](const FdhHull<kCount>& query, double grow) {
-        return [&mesh, query, grow](std::uint32_t t) {
-          FdhHull<kCount> own;
-          for (int k = 0; k < 3; ++k) own.add(mesh.corner(t, k));
-          FdhHull<kCount> grown = query;
-          for (int a = 0; a < kCount / 2; ++a) {
-            grown.low[a] -= grow;
-            grown.high[a] += grow;
-          }
-          return own.overlaps(grown);
-        };
-      };
-      const double tolerance = 1e-12 * (points.size + p.norm());
-      expect_twin(*tree, mesh, FdhBox{p - half, p + half}, name + " box", overlaps(box, 0.0), overlaps(box, tolerance));
-      expect_twin(*tree, mesh, hull, name + " hull", overlaps(hull, 0.0), overlaps(hull, tolerance));
-    }
-  }
-}
-
 TYPED_TEST(FdhTreeOf, NearestIsTheNearest) {
   for (const auto& [name, mesh] : meshes()) {
     const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
@@ -264,8 +229,6 @@ TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteGetAReply) {
   tree->for_each_overlapping(FdhBall{Vec3(nan, 0, 0), 1.0}, count);
   tree->for_each_overlapping(FdhBall{Vec3(0, 0, 0), nan}, count);
   tree->for_each_overlapping(FdhSweep{Vec3(0, 0, 0), Vec3(infinity, 0, 0), 0.0}, count);
-  tree->for_each_overlapping(FdhBox{Vec3(0, nan, 0), Vec3(1, 1, 1)}, count);
-  tree->for_each_overlapping(FdhHull<TypeParam::kCount>(), count);
   EXPECT_EQ(visited, 0);
   EXPECT_FALSE(std::isfinite(tree->find_nearest(Vec3(nan, nan, nan)).distance_squared));
 }
@@ -273,10 +236,6 @@ TYPED_TEST(FdhTreeOf, EmptyAndNotFiniteGetAReply) {
 TYPED_TEST(FdhTreeOf, QueriesWithoutBoundsFindEverythingOnce) {
   const TriangleMesh mesh = made::sphere(1.0, 8);
   const auto tree = FdhTree<TypeParam::kCount>::build(mesh.vertices, mesh.triangles);
-  const double far = 1e300;
-  FdhHull<TypeParam::kCount> hull;
-  hull.low.fill(-far);
-  hull.high.fill(far);
   const auto expect_all = [&](const auto& query, const char* what) {
     std::multiset<std::uint32_t> visited;
     tree->for_each_overlapping(query, [&](std::uint32_t t) { visited.insert(t); });
@@ -285,8 +244,6 @@ TYPED_TEST(FdhTreeOf, QueriesWithoutBoundsFindEverythingOnce) {
   };
   expect_all(FdhBall{Vec3(0, 0, 0), 1e200}, "ball");
   expect_all(FdhBall{Vec3(1e100, 0, 0), 1e150}, "far ball");
-  expect_all(FdhBox{Vec3(-far, -far, -far), Vec3(far, far, far)}, "box");
-  expect_all(hull, "hull");
   expect_all(FdhSweep{Vec3(-1e30, 0, 0), Vec3(1e30, 0, 0), 1e31}, "sweep");
   EXPECT_TRUE(std::isfinite(tree->find_nearest(Vec3(1e100, 0, 0)).distance_squared));
 }
