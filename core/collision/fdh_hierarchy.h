@@ -61,7 +61,6 @@ class FdhHierarchy {
   static constexpr int kAxes = K / 2;
   static constexpr int kWidth = FdhTopology::kWidth;
 
-  // Pre: rounding covers the rounding of the hulls given to refit and of the queries (absolute, per axis).
   void adopt(const FdhTopology& topology) {
     depth_ = topology.depth;
     nodes_.resize(topology.nodes.size());
@@ -69,7 +68,7 @@ class FdhHierarchy {
   }
 
   // Recomputes every plane, bottom-up; hull_of(first, count) is the hull of that run of items in tree order, relative to the centre;
-  // `rounding` (absolute, >= 0) is its rounding. RT: no heap, but visits everything.
+  // `rounding` (absolute, >= 0, per axis) covers that of the hulls and of the queries. RT: no heap, but visits everything.
   template <class HullOf>
   void refit(double rounding, HullOf&& hull_of) {
     for (std::size_t n = nodes_.size(); n-- > 0;) {  // children come after their parents

@@ -165,10 +165,12 @@ class FdhTree {
  private:
   using Three = detail::Of3<Lanes4>;
 
-  const Vec3& vertex(std::uint32_t i) const { return vertices_[i]; }
-  FdhInterval<K> interval(const Vec3& low_point, const Vec3& high_point, double grow) const;
-  // Corners of a leaf's triangles in lanes; lanes beyond count repeat the last triangle.
-  void load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const;
+  FdhInterval<K> interval(const Vec3& p, const Vec3& q) const;
+  // Calls use(id, squared distance) for each triangle of a leaf. distance_of: of four triangles at once, given their corners in lanes.
+  template <class DistanceOf, class Use>
+  void measure_leaf(std::uint32_t first, std::uint32_t count, DistanceOf&& distance_of, Use&& use) const;
+  template <class DistanceOf>
+  FdhVisits collect(const FdhInterval<K>& q, const DistanceOf& distance_of, std::uint32_t object, FdhNearest& nearest) const;
   FdhHull<K> hull_of(std::uint32_t first, std::uint32_t count, const Vec3& origin) const;
   Result<void> measure(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
   void set_planes();
@@ -272,13 +274,12 @@ FdhHull<K> FdhTree<K>::hull_of(std::uint32_t first, std::uint32_t count, const V
 }
 
 template <int K>
-FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_point, double grow) const {
-  const auto a = fdh_project<K>(low_point - centre_);
-  const auto b = fdh_project<K>(high_point - centre_);
+FdhInterval<K> FdhTree<K>::interval(const Vec3& p, const Vec3& q) const {
+  const auto a = fdh_project<K>(p - centre_);
+  const auto b = fdh_project<K>(q - centre_);
   FdhInterval<K> out;
   for (int i = 0; i < K / 2; ++i) {
-    const double pad = grow * (i < 3 ? 1.0 : std::sqrt(static_cast<double>(FdhDirections<K>::length_squared(i)))) * (1.0 + kOutward) +
-                       0x1p-50 * (std::fabs(a[i]) + std::fabs(b[i]));
+    const double pad = 0x1p-50 * (std::fabs(a[i]) + std::fabs(b[i]));
     out.low[i] = detail::float_below(std::min(a[i], b[i]) - pad);
     out.high[i] = detail::float_above(std::max(a[i], b[i]) + pad);
   }
@@ -286,8 +287,10 @@ FdhInterval<K> FdhTree<K>::interval(const Vec3& low_point, const Vec3& high_poin
 }
 
 template <int K>
-void FdhTree<K>::load(std::uint32_t first, std::uint32_t count, Three& a, Three& b, Three& c) const {
-  // All lanes at once: stores lane by lane would stall the vector load that follows (store forwarding).
+template <class DistanceOf, class Use>
+void FdhTree<K>::measure_leaf(std::uint32_t first, std::uint32_t count, DistanceOf&& distance_of, Use&& use) const {
+  // All lanes at once: stores lane by lane would stall the vector load that follows (store forwarding). Lanes beyond count repeat the last
+  // triangle.
   const std::array<const Triangle*, 4> t = {&corners_[first], &corners_[first + std::min(1U, count - 1)],
                                             &corners_[first + std::min(2U, count - 1)], &corners_[first + count - 1]};
   const auto gather = [&](std::size_t k) {
@@ -297,13 +300,24 @@ void FdhTree<K>::load(std::uint32_t first, std::uint32_t count, Three& a, Three&
     const double* p3 = vertices_[(*t[3])[k]].data();
     return Three{Lanes4{p0[0], p1[0], p2[0], p3[0]}, Lanes4{p0[1], p1[1], p2[1], p3[1]}, Lanes4{p0[2], p1[2], p2[2], p3[2]}};
   };
-  a = gather(0);
-  b = gather(1);
-  c = gather(2);
+  const Lanes4 d = distance_of(gather(0), gather(1), gather(2));
+  for (std::uint32_t i = 0; i < count; ++i) use(order_[first + i], d[i]);
 }
 
 namespace detail {
 inline Of3<Lanes4> lanes_of(const Vec3& p) { return {Lanes4{} + p.x(), Lanes4{} + p.y(), Lanes4{} + p.z()}; }
+
+// For FdhTree::measure_leaf: the squared distances of four triangles from a point, and from a segment.
+inline auto distance_from(const Vec3& p) {
+  return [p = lanes_of(p)](const Of3<Lanes4>& a, const Of3<Lanes4>& b, const Of3<Lanes4>& c) {
+    return triangle_distance_squared<Lanes4>(p, a, b, c);
+  };
+}
+inline auto distance_from(const Vec3& p, const Vec3& q) {
+  return [p = lanes_of(p), q = lanes_of(q)](const Of3<Lanes4>& a, const Of3<Lanes4>& b, const Of3<Lanes4>& c) {
+    return segment_triangle_distance_squared<Lanes4>(p, q, a, b, c);
+  };
+}
 }  // namespace detail
 
 template <int K>
@@ -311,19 +325,14 @@ template <class Visit>
 FdhVisits FdhTree<K>::for_each_overlapping(const FdhBall& ball, Visit&& visit) const {
   if (!ball.centre.allFinite() || !(ball.radius >= 0.0)) return {};
   const double limit = bound_squared_at(ball.radius, ball.centre);
-  const Three p = detail::lanes_of(ball.centre);
+  const auto distance_of = detail::distance_from(ball.centre);
   const auto leaf = [&](std::uint32_t first, std::uint32_t count) {
-    Three a;
-    Three b;
-    Three c;
-    load(first, count, a, b, c);
-    const Lanes4 d = triangle_distance_squared<Lanes4>(p, a, b, c);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if (d[i] <= limit) visit(order_[first + i]);
-    }
+    measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) {
+      if (squared <= limit) visit(id);
+    });
   };
   return hierarchy_.walk_nearest(
-      interval(ball.centre, ball.centre, 0.0), [limit] { return limit; }, leaf);
+      interval(ball.centre, ball.centre), [limit] { return limit; }, leaf);
 }
 
 template <int K>
@@ -343,17 +352,11 @@ FdhVisits FdhTree<K>::for_each_overlapping(const FdhSweep& sweep, Visit&& visit)
       for (std::uint32_t i = first; i < first + count; ++i) visit(order_[i]);
     });
   }
-  const Three from = detail::lanes_of(sweep.from);
-  const Three to = detail::lanes_of(sweep.to);
+  const auto distance_of = detail::distance_from(sweep.from, sweep.to);
   return hierarchy_.walk_swept(q, [&](std::uint32_t first, std::uint32_t count) {
-    Three a;
-    Three b;
-    Three c;
-    load(first, count, a, b, c);
-    const Lanes4 d = segment_triangle_distance_squared<Lanes4>(from, to, a, b, c);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if (d[i] <= bound) visit(order_[first + i]);
-    }
+    measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) {
+      if (squared <= bound) visit(id);
+    });
   });
 }
 
@@ -363,42 +366,35 @@ FdhNear FdhTree<K>::find_nearest(const Vec3& p, double max_distance) const {
   if (!p.allFinite() || !(max_distance >= 0.0)) return best;
   double bound = max_distance * max_distance;
   bool found = false;
-  const Three lanes = detail::lanes_of(p);
+  const auto distance_of = detail::distance_from(p);
   hierarchy_.walk_nearest(
-      interval(p, p, 0.0), [&bound] { return bound; },
+      interval(p, p), [&bound] { return bound; },
       [&](std::uint32_t first, std::uint32_t count) {
-        Three a;
-        Three b;
-        Three c;
-        load(first, count, a, b, c);
-        const Lanes4 d = triangle_distance_squared<Lanes4>(lanes, a, b, c);
-        for (std::uint32_t i = 0; i < count; ++i) {
-          const std::uint32_t id = order_[first + i];
-          if (d[i] < bound || (d[i] == bound && (!found || id < best.triangle))) {
-            bound = d[i];
-            best = {bound, id, 0};
-            found = true;
-          }
-        }
+        measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) {
+          if (!(squared < bound || (squared == bound && (!found || id < best.triangle)))) return;
+          bound = squared;
+          best = {bound, id, 0};
+          found = true;
+        });
       });
   return best;
+}
+
+template <int K>
+template <class DistanceOf>
+FdhVisits FdhTree<K>::collect(const FdhInterval<K>& q, const DistanceOf& distance_of, std::uint32_t object, FdhNearest& nearest) const {
+  return hierarchy_.walk_nearest(
+      q, [&nearest] { return nearest.bound_squared(); },
+      [&](std::uint32_t first, std::uint32_t count) {
+        measure_leaf(first, count, distance_of, [&](std::uint32_t id, double squared) { nearest.add(squared, object, id); });
+      });
 }
 
 template <int K>
 FdhVisits FdhTree<K>::collect_nearest(const Vec3& p, std::uint32_t object, FdhNearest& nearest) const {
   if (!p.allFinite()) return {};
   nearest.allow_rounding(rounding_at(p));
-  const Three lanes = detail::lanes_of(p);
-  return hierarchy_.walk_nearest(
-      interval(p, p, 0.0), [&nearest] { return nearest.bound_squared(); },
-      [&](std::uint32_t first, std::uint32_t count) {
-        Three a;
-        Three b;
-        Three c;
-        load(first, count, a, b, c);
-        const Lanes4 d = triangle_distance_squared<Lanes4>(lanes, a, b, c);
-        for (std::uint32_t i = 0; i < count; ++i) nearest.add(d[i], object, order_[first + i]);
-      });
+  return collect(interval(p, p), detail::distance_from(p), object, nearest);
 }
 
 template <int K>
@@ -406,18 +402,7 @@ FdhVisits FdhTree<K>::collect_nearest(const Vec3& from, const Vec3& to, std::uin
   if (from == to) return collect_nearest(from, object, nearest);
   if (!from.allFinite() || !to.allFinite()) return {};
   nearest.allow_rounding(std::max(rounding_at(from), rounding_at(to)));
-  const Three lanes_from = detail::lanes_of(from);
-  const Three lanes_to = detail::lanes_of(to);
-  return hierarchy_.walk_nearest(
-      interval(from, to, 0.0), [&nearest] { return nearest.bound_squared(); },
-      [&](std::uint32_t first, std::uint32_t count) {
-        Three a;
-        Three b;
-        Three c;
-        load(first, count, a, b, c);
-        const Lanes4 d = segment_triangle_distance_squared<Lanes4>(lanes_from, lanes_to, a, b, c);
-        for (std::uint32_t i = 0; i < count; ++i) nearest.add(d[i], object, order_[first + i]);
-      });
+  return collect(interval(from, to), detail::distance_from(from, to), object, nearest);
 }
 
 }  // namespace hapton
