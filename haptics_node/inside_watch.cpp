@@ -16,17 +16,11 @@ constexpr double kMinWinding = 0.9;
 constexpr auto kInsideCheckPeriod = std::chrono::milliseconds(50);
 constexpr int kLooksBetween = 6;  // periods between two checks while the hand is inside, since a check may take 0.1 s
 
-Box box_of(const TriangleMesh& mesh) {
-  Box box;
-  for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
-  return box;
-}
-
 }  // namespace
 
 Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S) {
   for (const TouchObject& object : scene.objects) {
-    if (object.motion != nullptr || object.command_pivot || box_of(*object.mesh).distance_squared(p_S) > 0.0) continue;
+    if (object.motion != nullptr || object.command_pivot || Box::of(object.mesh->vertices).distance_squared(p_S) > 0.0) continue;
     if (compute_winding_number(*object.mesh, p_S) > kMinWinding) return {true, object.material.two_sided && !object.sculpt};
   }
   return {};

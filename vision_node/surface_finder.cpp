@@ -10,8 +10,7 @@ namespace hapton {
 namespace {
 
 Vec3 find_middle(const TriangleMesh& mesh) {
-  Box box;
-  for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
+  const Box box = Box::of(mesh.vertices);
   return box.is_empty() ? Vec3(Vec3::Zero()) : box.centre();
 }
 

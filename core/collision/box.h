@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 #include "core/math/types.h"
 
@@ -29,6 +30,12 @@ struct Box {
   double diagonal() const { return (high - low).norm(); }
 
   static Box around(const Vec3& p, const Vec3& q) { return {p.cwiseMin(q), p.cwiseMax(q)}; }
+  static Box around(const Vec3& a, const Vec3& b, const Vec3& c) { return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)}; }
+  static Box of(std::span<const Vec3> points) {
+    Box box;
+    for (const Vec3& p : points) box.grow(p);
+    return box;
+  }
 };
 
 }  // namespace hapton

@@ -53,19 +53,15 @@ Result<void> check_shape(const TriangleMesh& shape, const LocalFrame& frame, std
 
 // Vertices move straight between keys, so the box of the keys' shapes holds all others.
 Box bounds_of_all_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation) {
-  Box box;
-  for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
+  Box box = Box::of(mesh.vertices);
   for (const MorphKey& key : deformation.keys()) {
-    for (const Vec3& vertex : deformation.vertices_at(mesh.vertices, deformation.weights_at(key.time_s))) box.grow(vertex);
+    box.grow(Box::of(deformation.vertices_at(mesh.vertices, deformation.weights_at(key.time_s))));
   }
   return with_room_for_rounding(box);
 }
 
 Result<void> check_shapes(const TriangleMesh& mesh, const MeshDeformation& deformation) {
-  LocalFrame frame;
-  const Box box = bounds_of_all_shapes(mesh, deformation);
-  frame.origin = box.centre();
-  if (box.diagonal() > 0.0) frame.unit_m = std::ldexp(1.0, std::ilogb(box.diagonal()));
+  const LocalFrame frame = TouchGeometry::frame_of(bounds_of_all_shapes(mesh, deformation));
   TriangleMesh shape{.vertices = mesh.vertices, .triangles = mesh.triangles};
   if (auto checked = check_shape(shape, frame, "at rest"); !checked) return checked;
   const std::size_t count = std::clamp(kMaxCheckedTriangles / std::max<std::size_t>(1, mesh.triangles.size()), kMinShapes, kMaxShapes);

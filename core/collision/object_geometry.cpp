@@ -10,13 +10,6 @@
 namespace hapton {
 namespace {
 
-Box box_of(std::span<const Vec3> vertices, const Triangle& triangle) {
-  const Vec3& a = vertices[triangle[0]];
-  const Vec3& b = vertices[triangle[1]];
-  const Vec3& c = vertices[triangle[2]];
-  return {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
-}
-
 constexpr double kGrid = 0x1p-51;  // local units: two coordinates subtract exactly (decision 4)
 
 Vec3 on_grid(const Vec3& p) { return (p / kGrid).array().round() * kGrid; }
@@ -29,7 +22,10 @@ ObjectGeometry::ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame
   vertices.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) vertices.push_back(on_grid(frame.to_local(v)));
   auto surface = std::make_shared<Surface>();
-  surface->tree = WideBvh(mesh.triangles.size(), [&](std::size_t t) { return box_of(vertices, mesh.triangles[t]); });
+  surface->tree = WideBvh(mesh.triangles.size(), [&](std::size_t t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    return Box::around(vertices[a], vertices[b], vertices[c]);
+  });
 
   // Triangles in tree order, vertices in the order of their first use: what is near in space is near in memory.
   const LargeVector<std::uint32_t> order = surface->tree.items_in_tree_order();
@@ -80,12 +76,6 @@ ObjectGeometry ObjectGeometry::make(const TriangleMesh& mesh, const LocalFrame& 
   return fits ? ObjectGeometry(*resolved, frame, shading_crease_rad) : std::move(geometry);
 }
 
-Box ObjectGeometry::bounds() const {
-  Box box;
-  for (const Vec3& v : vertices()) box.grow(v);
-  return box;
-}
-
 ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
   auto surface = std::make_shared<Surface>();
   const Vec3 origin = on_grid(p);
@@ -117,12 +107,10 @@ std::vector<std::uint32_t> ObjectGeometry::find_near(const ObjectGeometry& other
   const double size = std::max({1.0, bounds.low.cwiseAbs().maxCoeff(), bounds.high.cwiseAbs().maxCoeff()});
   std::vector<bool> is_near(triangle_count());
   other.tree().for_each_overlapping(bounds.inflated(kWalkableMargin + kTreeRounding * size), [&](std::uint32_t t) {
-    tree().for_each_overlapping(box_of(other.vertices(), other.triangle(t)).inflated(kWalkableMargin), [&](std::uint32_t u) {
+    const Corners near_to = other.corners(t);
+    tree().for_each_overlapping(Box::around(near_to.a, near_to.b, near_to.c).inflated(kWalkableMargin), [&](std::uint32_t u) {
       if (!adjacency_.is_walkable(u) || is_near[u]) return;
-      if (are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {other.corner(t, 0), other.corner(t, 1), other.corner(t, 2)},
-                    kWalkableMargin)) {
-        return;
-      }
+      if (are_apart({corner(u, 0), corner(u, 1), corner(u, 2)}, {near_to.a, near_to.b, near_to.c}, kWalkableMargin)) return;
       is_near[u] = true;
       near.push_back(u);
     });

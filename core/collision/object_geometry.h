@@ -60,7 +60,7 @@ class ObjectGeometry {
   const WideBvh& tree() const { return surface_->tree; }
   const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
   std::span<const Vec3> vertices() const { return surface_->vertices; }
-  Box bounds() const;  // of the vertices; computed by each call
+  Box bounds() const { return Box::of(vertices()); }  // computed by each call
   const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
   struct Corners {
     const Vec3& a;
@@ -85,8 +85,7 @@ class ObjectGeometry {
   bool is_walkable() const;  // every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve
 
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
-  // Makes triangles near another object unwalkable, or near its box if it is not built. The objects may overlap.
-  void mark_unwalkable_near(const ObjectGeometry& other) { mark_unwalkable(find_near(other, bounds())); }
+  // Makes triangles near the box of another object, which is not built, unwalkable. The objects may overlap.
   void mark_unwalkable_near(const Box& other);
   // The walkable triangles that another object makes unwalkable, in any order. bounds: of this object, or a larger box. Work: that of the
   // other's triangles near these bounds.

@@ -17,8 +17,7 @@ double to_grid(double local) { return std::ldexp(std::rint(std::ldexp(local, 51)
 }  // namespace
 
 Box bounds_with_reach(const TriangleMesh& mesh, double reach_m) {
-  Box box;
-  for (const Vec3& vertex : mesh.vertices) box.grow(vertex);
+  const Box box = Box::of(mesh.vertices);
   if (box.is_empty()) return box;
   return with_room_for_rounding(box.inflated(reach_m));
 }

@@ -16,12 +16,6 @@ std::vector<std::shared_ptr<const TriangleMesh>> borrowed(const std::vector<cons
   return shared;
 }
 
-Box bounds_of(const TriangleMesh& mesh) {
-  Box box;
-  for (const Vec3& v : mesh.vertices) box.grow(v);
-  return box;
-}
-
 std::size_t most_triangles_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   std::size_t most = 1;
   for (const auto& mesh : meshes) most = std::max(most, mesh->triangles.size());
@@ -103,7 +97,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
   std::vector<Box> bounds;
   Box scene;
   for (const auto& mesh : meshes) {
-    bounds.push_back(policy == BuildPolicy::to_deform ? part_of : bounds_of(*mesh));
+    bounds.push_back(policy == BuildPolicy::to_deform ? part_of : Box::of(mesh->vertices));
     scene.grow(bounds.back());
   }
   frame_ = frame_of(part_of.is_empty() ? scene : part_of);

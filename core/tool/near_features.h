@@ -80,7 +80,7 @@ class NearFeatures {
         : corner{a, b, c},
           normal((b - a).cross(c - a)),
           length(normal.norm()),
-          box{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)},
+          box(Box::around(a, b, c)),
           normal_error(0x1p-48 * box.diagonal()) {}
 
     std::array<Vec3, 3> corner;

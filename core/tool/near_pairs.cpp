@@ -42,7 +42,7 @@ bool NearPairs::collect_cluster(std::uint32_t cluster, const Box& box, const Pla
   const std::size_t first = count_;
   scene_->for_each_overlapping(box, [&](std::uint32_t id) {
     const ObjectGeometry::Corners c = scene_->corners(id);
-    const Box other{c.a.cwiseMin(c.b).cwiseMin(c.c), c.a.cwiseMax(c.b).cwiseMax(c.c)};
+    const Box other = Box::around(c.a, c.b, c.c);
     for (std::uint32_t t = begin; t < end && fits; ++t) {
       if (!around[t - begin].overlaps(other)) continue;
       if (count_ == most_) fits = false;

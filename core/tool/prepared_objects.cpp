@@ -11,15 +11,9 @@ constexpr double kFarthest = 1.0;
 // And its diagonal is at least this; in a new frame it is 1 to 2. Tolerances are in proportion to it.
 constexpr double kMinDiagonal = 0.5;
 
-Box bounds_of(const TriangleMesh& mesh) {
-  Box bounds;
-  for (const Vec3& v : mesh.vertices) bounds.grow(v);
-  return bounds;
-}
-
 std::vector<Box> bounds_of(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes) {
   std::vector<Box> bounds;
-  for (const auto& mesh : meshes) bounds.push_back(bounds_of(*mesh));
+  for (const auto& mesh : meshes) bounds.push_back(Box::of(mesh->vertices));
   return bounds;
 }
 
@@ -49,7 +43,7 @@ bool PreparedObjects::suits_frame(const Box& bounds) const {
 
 void PreparedObjects::replace(std::size_t object, std::shared_ptr<const TriangleMesh> mesh) {
   meshes_[object] = std::move(mesh);
-  bounds_[object] = bounds_of(*meshes_[object]);
+  bounds_[object] = Box::of(meshes_[object]->vertices);
   geometries_[object].reset();
   prepared_[object].reset();
   const Box bounds = scene_bounds();

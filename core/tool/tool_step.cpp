@@ -97,9 +97,7 @@ Result<std::unique_ptr<ToolStep>> ToolStep::make(const TriangleMesh& tool, std::
   Box box;
   for (std::size_t o = 0; o < scene.size(); ++o) {
     Objects& part = objects[part_of_object(parts, o)];
-    for (const Vec3& v : scene[o]->vertices) {
-      if (*moving > 0) box.grow(v);
-    }
+    if (*moving > 0) box.grow(Box::of(scene[o]->vertices));
     part.meshes.push_back(std::move(scene[o]));
     part.friction.push_back(o < friction.size() ? friction[o] : CoulombFriction());
   }

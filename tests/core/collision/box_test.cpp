@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 namespace hapton {
 namespace {
 
@@ -14,6 +16,17 @@ TEST(Box, StartsEmptyAndGrows) {
   EXPECT_EQ(box.high, Vec3(1, 2, 5));
   EXPECT_EQ(box.centre(), Vec3(0, 1, 4));
   EXPECT_DOUBLE_EQ(box.diagonal(), std::sqrt(12.0));
+}
+
+TEST(Box, OfPointsIsTheSmallestThatHoldsThem) {
+  const std::vector<Vec3> points = {{1, 2, 3}, {-1, 0, 5}, {0, 7, 4}};
+  const Box box = Box::of(points);
+  EXPECT_EQ(box.low, Vec3(-1, 0, 3));
+  EXPECT_EQ(box.high, Vec3(1, 7, 5));
+  const Box around = Box::around(points[0], points[1], points[2]);
+  EXPECT_EQ(around.low, box.low);
+  EXPECT_EQ(around.high, box.high);
+  EXPECT_TRUE(Box::of({}).is_empty());
 }
 
 TEST(Box, TouchingBoxesOverlapAndPartedOnesDoNot) {

@@ -79,7 +79,7 @@ TEST(ObjectGeometry, FindsTheTrianglesThatAreNearAnotherObject) {
       most = std::max(most, found.size());
       empty += found.empty() ? 1 : 0;
       ObjectGeometry marked = *own;
-      marked.mark_unwalkable_near(*of);
+      marked.mark_unwalkable(found);
       for (std::uint32_t u = 0; u < own->triangle_count(); ++u)
         ASSERT_EQ(marked.adjacency().is_walkable(u), !std::ranges::binary_search(expected, u)) << n;
     }
