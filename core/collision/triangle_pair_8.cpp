@@ -21,13 +21,7 @@ struct Vec8 {
 
 const Float8 kSign = Float8(-0.0F);
 
-Float8 set8(float x) { return Float8(x); }
 Float8 magnitude(Float8 x) { return and_not(kSign, x); }
-Float8 larger(Float8 a, Float8 b) { return max(a, b); }
-Float8 times(Float8 a, Float8 b) { return a * b; }
-Float8 plus(Float8 a, Float8 b) { return a + b; }
-Float8 flipped(Float8 a, Float8 sign) { return a ^ sign; }
-Float8 is_above(Float8 a, Float8 b) { return a > b; }
 
 Vec8 load(const float from[3][8]) { return {Float8::load(from[0]), Float8::load(from[1]), Float8::load(from[2])}; }
 void store(const Vec8& v, float into[3][8]) {
@@ -68,8 +62,8 @@ Turned8 turn(const Vec8 corner[3], const Float8 height[3]) {
 
 // The bound on a determinant's error, above, including the rounding of the bound itself. Pre: k, l, m already one eta longer.
 Float8 determinant_error(Float8 eta, Float8 k, Float8 l, Float8 m) {
-  const Float8 pairs = plus(times(k, l), times(m, plus(k, l)));
-  return plus(times(times(set8(1.01F), eta), pairs), times(times(set8(5.1F * 0x1p-24F), k), times(l, m)));
+  const Float8 pairs = k * l + m * (k + l);
+  return 1.01F * eta * pairs + 5.1F * 0x1p-24F * k * (l * m);
 }
 
 struct Heights {
@@ -80,12 +74,12 @@ struct Heights {
 
 Heights heights_over(const Vec8& normal, const Vec8& on_plane, const Vec8 corner[3], Float8 error) {
   Heights h;
-  Float8 least = set8(__builtin_huge_valf());
+  Float8 least = __builtin_huge_valf();
   for (int i = 0; i < 3; ++i) {
     h.height[i] = dot(normal, minus(corner[i], on_plane));
     least = min(least, magnitude(h.height[i]));
   }
-  h.all_clear = is_above(least, error);
+  h.all_clear = least > error;
   const Float8 differ = (h.height[0] ^ h.height[1]) | (h.height[0] ^ h.height[2]);
   h.beside = and_not(differ, h.all_clear);
   return h;
@@ -97,9 +91,9 @@ struct Pierced {
 };
 
 Pierced pierce(const Vec8& base, const Vec8& direction, Float8 d0, Float8 d1, Float8 error) {
-  const Float8 one_over = set8(1.0F) / (d0 - d1);
-  const Float8 t = times(d0, one_over);
-  return {{fma(t, direction.x, base.x), fma(t, direction.y, base.y), fma(t, direction.z, base.z)}, times(error, magnitude(one_over))};
+  const Float8 one_over = 1.0F / (d0 - d1);
+  const Float8 t = d0 * one_over;
+  return {{fma(t, direction.x, base.x), fma(t, direction.y, base.y), fma(t, direction.z, base.z)}, error * magnitude(one_over)};
 }
 
 }  // namespace
@@ -113,16 +107,16 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 df = minus(b[2], b[0]);
 
   // Bounds on lengths: of edges, of the distance between the triangles, of corners.
-  const Float8 edge_a = sqrt(larger(larger(squared(ab), squared(ac)), squared(minus(a[2], a[1]))));
-  const Float8 edge_b = sqrt(larger(larger(squared(de), squared(df)), squared(minus(b[2], b[1]))));
-  const Float8 bound = plus(sqrt(larger(squared(a[0]), squared(b[0]))), larger(edge_a, edge_b));
-  const Float8 eta = times(set8(4.1F * 0x1p-24F), bound);
-  const Float8 two_eta = plus(eta, times(set8(1.1F), eta));
-  const Float8 k = plus(edge_a, two_eta);
-  const Float8 l = plus(edge_b, two_eta);
-  const Float8 between = plus(sqrt(squared(minus(b[0], a[0]))), two_eta);
-  const Float8 error_a = determinant_error(eta, l, l, plus(between, k));  // of a's heights over b
-  const Float8 error_b = determinant_error(eta, k, k, plus(between, l));
+  const Float8 edge_a = sqrt(max(max(squared(ab), squared(ac)), squared(minus(a[2], a[1]))));
+  const Float8 edge_b = sqrt(max(max(squared(de), squared(df)), squared(minus(b[2], b[1]))));
+  const Float8 bound = sqrt(max(squared(a[0]), squared(b[0]))) + max(edge_a, edge_b);
+  const Float8 eta = 4.1F * 0x1p-24F * bound;
+  const Float8 two_eta = eta + 1.1F * eta;
+  const Float8 k = edge_a + two_eta;
+  const Float8 l = edge_b + two_eta;
+  const Float8 between = sqrt(squared(minus(b[0], a[0]))) + two_eta;
+  const Float8 error_a = determinant_error(eta, l, l, between + k);  // of a's heights over b
+  const Float8 error_b = determinant_error(eta, k, k, between + l);
 
   const Heights over_b = heights_over(cross(de, df), b[0], a, error_a);
   const Heights over_a = heights_over(cross(ab, ac), a[0], b, error_b);
@@ -141,18 +135,18 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Vec8 high_turn = cross(high_a, firsts);
   const Float8 turned = (a_below ^ b_below) & kSign;
   // > 0: b's crossing point is later than a's.
-  const Float8 low_high = flipped(dot(high_b, low_turn), turned);
-  const Float8 high_low = flipped(dot(low_b, high_turn), turned);
-  const Float8 low_low = flipped(dot(low_b, low_turn), turned);
-  const Float8 high_high = flipped(dot(high_b, high_turn), turned);
-  const Float8 order_error = determinant_error(eta, k, l, plus(between, plus(k, l)));
-  const Float8 apart = is_above(flipped(low_high, kSign), order_error) | is_above(high_low, order_error);
-  Float8 clear = is_above(min(min(magnitude(low_high), magnitude(high_low)), min(magnitude(low_low), magnitude(high_high))), order_error);
+  const Float8 low_high = dot(high_b, low_turn) ^ turned;
+  const Float8 high_low = dot(low_b, high_turn) ^ turned;
+  const Float8 low_low = dot(low_b, low_turn) ^ turned;
+  const Float8 high_high = dot(high_b, high_turn) ^ turned;
+  const Float8 order_error = determinant_error(eta, k, l, between + (k + l));
+  const Float8 apart = ((low_high ^ kSign) > order_error) | (high_low > order_error);
+  const Float8 least_order = min(min(magnitude(low_high), magnitude(high_low)), min(magnitude(low_low), magnitude(high_high)));
   const Float8 heights_clear = over_b.all_clear & over_a.all_clear;
-  clear = clear & heights_clear;
+  const Float8 clear = (least_order > order_error) & heights_clear;
 
   // begin: the later of the low ends; end: the earlier of the high ones. Masks by sign bit.
-  const Float8 begin_on_b = flipped(low_low, kSign);
+  const Float8 begin_on_b = low_low ^ kSign;
   const Float8 end_on_b = high_high;
   const Float8 low_height_a = choose(p.height[2], p.height[1], a_below);
   const Float8 high_height_a = choose(p.height[1], p.height[2], a_below);
@@ -164,10 +158,9 @@ void intersect_8(const TrianglePairs8& pairs, TriangleContacts8& contacts) noexc
   const Pierced end =
       pierce(choose(p.first, q.first, end_on_b), choose(high_a, high_b, end_on_b), choose(p.height[0], q.height[0], end_on_b),
              choose(high_height_a, high_height_b, end_on_b), choose(error_a, error_b, end_on_b));
-  const Float8 shift =
-      plus(times(larger(k, l), plus(larger(begin.loose, end.loose), set8(4.0F * 0x1p-24F))), times(set8(8.0F * 0x1p-24F), bound));
-  const Float8 error = times(set8(1.75F), shift);  // sqrt(3): of components to length
-  const Float8 located = is_above(times(set8(0.00099F), min(edge_a, edge_b)), error);
+  const Float8 shift = max(k, l) * (max(begin.loose, end.loose) + 4.0F * 0x1p-24F) + 8.0F * 0x1p-24F * bound;
+  const Float8 error = 1.75F * shift;  // sqrt(3): of components to length
+  const Float8 located = 0.00099F * min(edge_a, edge_b) > error;
 
   const Float8 beside = over_b.beside | over_a.beside;
   const Float8 misses = beside | (apart & heights_clear);
