@@ -92,13 +92,6 @@ ObjectGeometry ObjectGeometry::about(const Vec3& p) const {
 // In [2, 4) doubles are the multiples of 2^-51.
 void ObjectGeometry::move_vertex(std::uint32_t vertex, const Vec3& local) noexcept { vertices_[vertex] = (local.array() + 3.0) - 3.0; }
 
-bool ObjectGeometry::is_walkable() const {
-  for (std::uint32_t t = 0; t < triangle_count(); ++t) {
-    if (!adjacency_.is_walkable(t)) return false;
-  }
-  return true;
-}
-
 // The margin of the search is above that of the pairs by far more than the trees' single precision, so no pair is missed.
 std::vector<std::uint32_t> ObjectGeometry::find_near(const ObjectGeometry& other, const Box& bounds) const {
   constexpr double kTreeRounding = 0x1p-18;  // 64 times the 2^-24 of single precision

@@ -82,7 +82,8 @@ class ObjectGeometry {
   void move_vertex(std::uint32_t vertex, const Vec3& local) noexcept;
   // Exchanges the tree for one of the same items with other boxes.
   void swap_tree(WideBvh& other) noexcept { std::swap(surface_->tree, other); }
-  bool is_walkable() const;  // every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve
+  // Every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve.
+  bool is_walkable() const { return adjacency_.walkable_count() == triangle_count(); }
 
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
   // Makes triangles near the box of another object, which is not built, unwalkable. The objects may overlap.

@@ -125,10 +125,9 @@ std::unique_ptr<ShapeStage> StreamedGeometry::take_used() noexcept {
 }
 
 StreamedGeometry::Released StreamedGeometry::offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept {
-  Released released{take_used(), nullptr};
+  Released released;
   if (waiting_count_ > 0) released.replaced = std::move(waiting_[--waiting_count_].stage);
-  waiting_[waiting_count_] = {std::move(stage), std::max(now_s, end_s()), over_s};
-  ++waiting_count_;
+  released.ended = append(std::move(stage), over_s, now_s);
   return released;
 }
 
