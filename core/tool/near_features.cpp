@@ -79,7 +79,7 @@ void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, cons
 }
 
 bool NearFeatures::any_intersect(const Placement& placement) noexcept {
-  return !pairs_.collect(placement, 0.0, kMaxTrianglePairs) || pairs_.any_intersect(placement);
+  return !pairs_.collect(placement, 0.0) || pairs_.any_intersect(placement);
 }
 
 bool NearFeatures::collect(const Placement& placement, double distance, double turn) noexcept {

@@ -45,7 +45,7 @@ bool NearPairs::collect_cluster(std::uint32_t cluster, const Box& box, const Pla
     const Box other = Box::around(c.a, c.b, c.c);
     for (std::uint32_t t = begin; t < end && fits; ++t) {
       if (!around[t - begin].overlaps(other)) continue;
-      if (count_ == most_) fits = false;
+      if (count_ == pairs_.size()) fits = false;
       if (fits) pairs_[count_++] = {t, id};
     }
     return fits;
@@ -63,9 +63,8 @@ bool NearPairs::any_intersect(const Placement& placement) const noexcept {
   });
 }
 
-bool NearPairs::collect(const Placement& placement, double margin, std::size_t most) noexcept {
+bool NearPairs::collect(const Placement& placement, double margin) noexcept {
   count_ = 0;
-  most_ = std::min(most, pairs_.size());
   const Mat3 turn = placement.orientation.toRotationMatrix();
   std::array<std::uint32_t, 64> stack;
   int top = 0;

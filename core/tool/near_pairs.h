@@ -26,9 +26,9 @@ class NearPairs {
  public:
   NearPairs(const ObjectGeometry& tool, const TouchGeometry& scene, std::size_t most_pairs);
 
-  // Finds all pairs that come within `margin` along each axis, and some that nearly do. False if there are more than `most`; the pairs are
-  // then incomplete.
-  bool collect(const Placement& placement, double margin, std::size_t most) noexcept;
+  // Finds all pairs that come within `margin` along each axis, and some that nearly do. False if there are more than most_pairs; the pairs
+  // are then incomplete.
+  bool collect(const Placement& placement, double margin) noexcept;
   // Ordered by the tool's triangle.
   std::span<const TrianglePairIds> pairs() const { return {pairs_.data(), count_}; }
   // True if the triangles of one of these pairs intersect at a placement (exact signs).
@@ -47,7 +47,6 @@ class NearPairs {
   std::vector<Box> nodes_;        // tool axes; empty past the last cluster
   std::vector<TrianglePairIds> pairs_;
   std::size_t count_ = 0;
-  std::size_t most_ = 0;
 };
 
 }  // namespace hapton

@@ -5,14 +5,6 @@
 
 namespace hapton {
 
-PenetrationCheck::PenetrationCheck(const ObjectGeometry& tool, const TouchGeometry& scene)
-    : pairs_(tool, scene, NearFeatures::kMaxTrianglePairs), near_(tool, scene) {}
-
-bool PenetrationCheck::penetrates(const Placement& at) {
-  if (!pairs_.collect(at, 0.0, NearFeatures::kMaxTrianglePairs)) return true;
-  return pairs_.any_intersect(at);
-}
-
 double PenetrationCheck::find_gap(const Placement& at, double distance) {
   // A search that was aborted restarts at the roots of the trees the next time, and may then need fewer tests.
   if (!near_.collect(at, distance, 0.0) && !near_.collect(at, distance, 0.0)) return 0.0;

@@ -9,16 +9,15 @@ namespace hapton {
 // triangles near the tool). Pre: the geometries outlive this; the scene is built at once.
 class PenetrationCheck {
  public:
-  PenetrationCheck(const ObjectGeometry& tool, const TouchGeometry& scene);
+  PenetrationCheck(const ObjectGeometry& tool, const TouchGeometry& scene) : near_(tool, scene) {}
 
   // True if a triangle of the tool intersects one of the scene, or if too many pairs are near each other to be tested.
-  bool penetrates(const Placement& at);
+  bool penetrates(const Placement& at) { return near_.any_intersect(at); }
   // The distance of tool and scene, if it is at most `distance`; otherwise infinity. 0 if too many pairs are within it. Not meaningful
   // while the surfaces intersect: call penetrates() first.
   double find_gap(const Placement& at, double distance);
 
  private:
-  NearPairs pairs_;
   NearFeatures near_;
 };
 
