@@ -9,10 +9,6 @@ namespace {
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
-RigidMotion motion_between(const Placement& from, const Placement& to) noexcept {
-  return {from, to.position - from.position, turn_between(from.orientation, to.orientation)};
-}
-
 }  // namespace
 
 HeldTool::HeldTool(std::unique_ptr<ToolStep> tool)

@@ -3,11 +3,9 @@
 #include <array>
 #include <span>
 
-#include <Eigen/Core>
+#include "core/tool/placement.h"
 
 namespace hapton {
-
-using Vec6 = Eigen::Matrix<double, 6, 1>;
 
 // The half-space row . y >= least, for a motion y of six coordinates.
 struct MotionBound {

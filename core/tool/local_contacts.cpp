@@ -65,8 +65,7 @@ LocalContacts::Solution LocalContacts::solve(const Placement& device) const noex
   Solution solution;
   solution.at = is_blocked ? device : proxy;
   if (is_blocked || is_held) return solution;
-  Vec6 wanted;
-  wanted << device.position - proxy.position, turn_between(proxy.orientation, device.orientation);
+  const Vec6 wanted = motion_between(proxy, device).shift_and_turn();
   const bool is_free = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
                                    [&](const MotionBound& bound) { return bound.row.dot(wanted) >= bound.least - tolerance; });
   if (is_free) {

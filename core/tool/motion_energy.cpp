@@ -43,11 +43,7 @@ double MotionEnergy::length(const RigidMotion& motion) const noexcept {
   return std::sqrt(motion.shift.squaredNorm() + turn_length_ * turn_length_ * motion.turn.squaredNorm());
 }
 
-Vec6 MotionEnergy::to_coordinates(const RigidMotion& motion) const noexcept {
-  Vec6 y;
-  y << motion.shift, motion.turn;
-  return root_ * y;
-}
+Vec6 MotionEnergy::to_coordinates(const RigidMotion& motion) const noexcept { return root_ * motion.shift_and_turn(); }
 
 RigidMotion MotionEnergy::to_motion(const Placement& from, const Vec6& y) const noexcept {
   const Vec6 motion = inverse_root_ * y;

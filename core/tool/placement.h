@@ -5,7 +5,9 @@
 
 namespace hapton {
 
-using Mat6 = Eigen::Matrix<double, 6, 6>;  // rows and columns: translation (shift), then rotation vector (turn)
+// Rows, and columns: translation (shift), then rotation vector (turn).
+using Vec6 = Eigen::Matrix<double, 6, 1>;
+using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 // Pose of the tool: position of its grip point, and orientation, in the frame of the contact computation (local units of the scene). A
 // point r of the tool, relative to the grip point in the tool's axes, is at position + orientation * r.
@@ -47,6 +49,11 @@ struct RigidMotion {
   // No point within `radius` of the grip point moves farther than this.
   double length(double radius) const noexcept { return shift.norm() + turn.norm() * radius; }
   RigidMotion scaled(double share) const noexcept { return {from, share * shift, share * turn}; }
+  Vec6 shift_and_turn() const noexcept { return (Vec6() << shift, turn).finished(); }
 };
+
+inline RigidMotion motion_between(const Placement& from, const Placement& to) noexcept {
+  return {from, to.position - from.position, turn_between(from.orientation, to.orientation)};
+}
 
 }  // namespace hapton

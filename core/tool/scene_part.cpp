@@ -32,8 +32,7 @@ void ScenePart::put_at_target() noexcept {
 void ScenePart::aim(double share) noexcept {
   is_moving_ = !is_arrived();
   if (!is_moving_) return;
-  next_ = share < 1.0 ? RigidMotion{at_, target_.position - at_.position, turn_between(at_.orientation, target_.orientation)}.at(share)
-                      : target_;
+  next_ = share < 1.0 ? motion_between(at_, target_).at(share) : target_;
 }
 
 void ScenePart::advance(const RigidMotion& motion, double share, const Placement& tool) noexcept {
@@ -46,8 +45,7 @@ RigidMotion ScenePart::own(const RigidMotion& motion) const noexcept {
   if (!moves_) return motion;
   const Placement from = own(motion.from);
   if (!is_moving_) return {from, turn_.transpose() * motion.shift, turn_.transpose() * motion.turn};
-  const Placement to = own_end(motion);
-  return {from, to.position - from.position, turn_between(from.orientation, to.orientation)};
+  return motion_between(from, own_end(motion));
 }
 
 Placement ScenePart::own_end(const RigidMotion& motion) const noexcept {

@@ -19,12 +19,6 @@ constexpr double kLeftSlip = 0x1p-16;
 // rad/s at 1 kHz, twice what a hand turns at.
 constexpr double kMaxTurn = 0.1;
 
-Vec6 motion_between(const Placement& from, const Placement& to) {
-  Vec6 motion;
-  motion << to.position - from.position, turn_between(from.orientation, to.orientation);
-  return motion;
-}
-
 Placement displaced(const Placement& from, const Vec6& by) {
   return {from.position + by.head<3>(), (turn_by(by.tail<3>()) * from.orientation).normalized()};
 }
@@ -69,10 +63,10 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
   carry_along(parts);
   const LocalContacts::Solution solution = local.solve(device);
   choose_carrier(local, solution, parts);
-  const Vec6 moved = motion_between(std::exchange(device_, device), device);
+  const Vec6 moved = motion_between(std::exchange(device_, device), device).shift_and_turn();
   const bool was_held = is_placed_ && cones_.holds() && !local.is_blocked;
   if (solution.active_count == 0 && was_held && turn_between(at_.orientation, solution.at.orientation).norm() > kMaxTurn) {
-    const Vec6 back = motion_between(at_, solution.at);
+    const Vec6 back = motion_between(at_, solution.at).shift_and_turn();
     at_ = displaced(at_, (kMaxTurn / back.tail<3>().norm()) * back);
     return {at_, at_, solution};
   }
@@ -80,8 +74,8 @@ ToolFriction::Step ToolFriction::step(const LocalContacts& local, const Placemen
     reset(solution.at);
     return {solution.at, device, solution};
   }
-  const Vec6 here = motion_between(local.proxy, at_);
-  const Vec6 wanted = motion_between(local.proxy, device);
+  const Vec6 here = motion_between(local.proxy, at_).shift_and_turn();
+  const Vec6 wanted = motion_between(local.proxy, device).shift_and_turn();
   const Vec6 slide = solution.motion - here;
   cones_.solve(local, wanted, here, solution, sticks_);
   const double moved_length = moved.head<3>().norm() + std::sqrt(local.stiffness[3]) * moved.tail<3>().norm();

@@ -117,10 +117,6 @@ void ToolProxy::place(const Placement& device) noexcept {
   is_blocked_ = overlaps(device);
 }
 
-RigidMotion ToolProxy::wanted_motion(const Placement& device) const noexcept {
-  return {proxy_, device.position - proxy_.position, turn_between(proxy_.orientation, device.orientation)};
-}
-
 void ToolProxy::update_curvature() noexcept {
   Mat6 curvature = energy_.coupling_curvature();
   for (int k = 0; k < least_.active_count; ++k) {
@@ -137,11 +133,7 @@ void ToolProxy::make_bounds() noexcept {
   for (std::uint32_t p = 0; p < parts_.size(); ++p) {
     const ScenePart& part = *parts_[p];
     // What the part's own motion is to the tool.
-    Vec6 passing = Vec6::Zero();
-    if (part.is_moving()) {
-      const RigidMotion own = part.own(RigidMotion{proxy_});
-      passing << own.shift, own.turn;
-    }
+    const Vec6 passing = part.is_moving() ? part.own(RigidMotion{proxy_}).shift_and_turn() : Vec6(Vec6::Zero());
     const std::span<const NearFeature> features = part.near().features();
     for (std::uint32_t i = 0; i < features.size(); ++i) {
       const FeatureGap& gap = features[i].gap;
@@ -296,14 +288,12 @@ bool ToolProxy::extend_until_clear(const RigidMotion& wanted, double reach, doub
 
 // True if there is more to do.
 bool ToolProxy::round(const Placement& device, ToolProxyStep& report) noexcept {
-  const RigidMotion wanted = wanted_motion(device);
+  const RigidMotion wanted = motion_between(proxy_, device);
   const double radius = this->radius();
   const double left = wanted.length(radius);
   if (left > 0.0 && progress_.is_stalled(proxy_, energy_.length(wanted))) {
     // Gaps differ by less than an offset from round to round, and so does the distance.
-    const Placement& best = progress_.best();
-    const RigidMotion from_best{best, device.position - best.position, turn_between(best.orientation, device.orientation)};
-    if (energy_.length(from_best) < energy_.length(wanted) - kOffset) return_to_best();
+    if (energy_.length(motion_between(progress_.best(), device)) < energy_.length(wanted) - kOffset) return_to_best();
     report.converged = false;
     return false;
   }
@@ -455,10 +445,8 @@ ToolProxyStep ToolProxy::step(const Placement& device, std::span<const Placement
   }
   if (parts_.size() > 1) carry_all(report);
   // In contact the proxy moves about as far as in the step before, and mostly less than the device.
-  reach_ =
-      1.5 * RigidMotion{last_, proxy_.position - last_.position, turn_between(last_.orientation, proxy_.orientation)}.length(radius()) +
-      16.0 * kOffset;
-  if (contacts_.count == 0) reach_ = std::max(reach_, wanted_motion(device).length(radius()));
+  reach_ = 1.5 * motion_between(last_, proxy_).length(radius()) + 16.0 * kOffset;
+  if (contacts_.count == 0) reach_ = std::max(reach_, motion_between(proxy_, device).length(radius()));
   tried_ = reach_;
   last_ = proxy_;
   progress_.restart();

@@ -134,7 +134,6 @@ class ToolProxy {
   // True if some pair is nearer than kMinGap, or some triangles intersect.
   bool overlaps(const Placement& placement) noexcept;
   void place(const Placement& device) noexcept;
-  RigidMotion wanted_motion(const Placement& device) const noexcept;
   // To that of the active contacts (sequential quadratic programming).
   void update_curvature() noexcept;
   void make_bounds() noexcept;

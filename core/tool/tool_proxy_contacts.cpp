@@ -94,7 +94,7 @@ LocalContact ToolProxy::local_contact(const BoundPair& pair) const noexcept {
 void ToolProxy::choose_local_contacts(const Placement& device, std::span<const Placement> parts, double reach,
                                       LocalContacts& local) noexcept {
   std::array<Vec6, 13> goals;
-  goals[0] << device.position - proxy_.position, turn_between(proxy_.orientation, device.orientation);
+  goals[0] = motion_between(proxy_, device).shift_and_turn();
   for (std::size_t g = 1; g < goals.size(); ++g) {
     const auto axis = static_cast<int>(g - 1) / 2;
     const double length = axis < 3 ? reach : reach / radius();

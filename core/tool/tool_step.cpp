@@ -290,9 +290,9 @@ void ToolStep::add_drag(const ToolInput& input, ToolOutput& output) noexcept {
 
 // Friction is found from the contacts where the proxy is, then the proxy follows to where it holds the tool.
 ToolProxyStep ToolStep::follow(const Placement& device) noexcept {
-  const RigidMotion moved{last_, device.position - last_.position, turn_between(last_.orientation, device.orientation)};
+  const double moved = motion_between(last_, device).length(proxy_.radius());
   last_ = device;
-  proxy_.find_local_contacts(device, parts_, proxy_.local_reach(moved.length(proxy_.radius()) + proxy_.travel_to(parts_)), local_);
+  proxy_.find_local_contacts(device, parts_, proxy_.local_reach(moved + proxy_.travel_to(parts_)), local_);
   local_.follow(parts_);
   const ToolFriction::Step rubbed = friction_.step(local_, device, parts_);
   solution_ = rubbed.solution;
