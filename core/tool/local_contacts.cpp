@@ -53,10 +53,13 @@ void LocalContacts::follow(std::span<const Placement> parts) noexcept {
   for (std::size_t i = 0; i < count; ++i) bounds[i].least = moved_least(bounds[i], contacts[i], parts);
 }
 
+bool LocalContacts::allows(const Vec6& motion) const noexcept {
+  return std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
+                     [&](const MotionBound& bound) { return bound.row.dot(motion) >= bound.least - tolerance; });
+}
+
 Vec6 LocalContacts::project(const Vec6& motion) const noexcept {
-  const bool is_allowed = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
-                                      [&](const MotionBound& bound) { return bound.row.dot(motion) >= bound.least - tolerance; });
-  if (is_allowed) return motion;
+  if (allows(motion)) return motion;
   Solution solution;
   return find_motion(*this, motion, plain_inverse_root.asDiagonal(), solution) ? solution.motion : Vec6(Vec6::Zero());
 }
@@ -66,9 +69,7 @@ LocalContacts::Solution LocalContacts::solve(const Placement& device) const noex
   solution.at = is_blocked ? device : proxy;
   if (is_blocked || is_held) return solution;
   const Vec6 wanted = motion_between(proxy, device).shift_and_turn();
-  const bool is_free = std::all_of(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count),
-                                   [&](const MotionBound& bound) { return bound.row.dot(wanted) >= bound.least - tolerance; });
-  if (is_free) {
+  if (allows(wanted)) {
     solution.at = device;
     solution.motion = wanted;
     return solution;

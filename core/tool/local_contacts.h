@@ -61,6 +61,8 @@ struct LocalContacts {
   // find_least_motion.
   Placement constrain(const Placement& device) const noexcept { return solve(device).at; }
 
+  // No bound is violated by this motion from `proxy`.
+  bool allows(const Vec6& motion) const noexcept;
   // The motion from `proxy` nearest to this one that the bounds allow, in the metric of the coupling alone: the motion itself if they allow
   // it, and zero if they contradict each other. RT: as constrain.
   Vec6 project(const Vec6& motion) const noexcept;
