@@ -7,6 +7,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/effects/bounded_force.h"
+#include "core/math/cross_matrix.h"
 
 namespace hapton {
 namespace {
@@ -94,10 +95,8 @@ void ContactDamping::add(const Contact& contact, double along_n, Touched& touche
   touched.largest = std::max(touched.largest, larger);
   touched.upper_bound += weight * larger;
   const Vec3 arm = unit_m_ * contact.arm;
-  Mat3 cross;  // cross * w = w x arm
-  cross << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
   Eigen::Matrix<double, 3, 6> jacobian;
-  jacobian << Mat3::Identity(), cross;
+  jacobian << Mat3::Identity(), cross_matrix(arm).transpose();  // shift + turn x arm
   const Vec3 velocity = jacobian * velocity_past(contact.part);
   const double normal_speed = contact.normal.dot(velocity);
   const Vec6 row = jacobian.transpose() * contact.normal;

@@ -226,7 +226,7 @@ void HeldTool::add_drag(const LocalContacts& contacts, const LocalContacts::Solu
 }
 
 // In the energy norm of the coupling: how far the device is from the proxy, local units.
-double HeldTool::coupling_extension(const FeltWrench& felt) const noexcept {
+double HeldTool::coupling_extension(const ContactDamping::Wrench& felt) const noexcept {
   const ToolCoupling& coupling = tool_->coupling();
   const double k = coupling.stiffness_n_per_m;
   return std::sqrt(felt.force_n.squaredNorm() / (k * k) + felt.torque_nm.squaredNorm() / (k * coupling.rotational_stiffness_nm_per_rad)) /
@@ -237,10 +237,10 @@ double HeldTool::coupling_extension(const FeltWrench& felt) const noexcept {
 // set does. Twice that leaves room for the curvature of the contacts.
 void HeldTool::blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept {
   fading_share_ = std::max(0.0, fading_share_ - std::clamp(seconds(time_ns - felt_ns_), 0.0, kMaxFadeStepS) / kContactFadeS);
-  const FeltWrench plain{output.force_n, output.torque_nm};
+  const ContactDamping::Wrench plain{output.force_n, output.torque_nm};
   if (are_late) {
-    const FeltWrench jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
-                          felt_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
+    const ContactDamping::Wrench jump{felt_.force_n - plain.force_n - fading_share_ * fading_wrench_.force_n,
+                                      felt_.torque_nm - plain.torque_nm - fading_share_ * fading_wrench_.torque_nm};
     const ToolCoupling& coupling = tool_->coupling();
     const Vec3 turn = turn_between(felt_at_.orientation, device.orientation);
     const double lever_squared = coupling.rotational_stiffness_nm_per_rad / coupling.stiffness_n_per_m;

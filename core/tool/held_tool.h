@@ -73,16 +73,12 @@ class HeldTool final : public StylusTool {
 
  private:
   struct FoundContacts;
-  struct FeltWrench {
-    Vec3 force_n = Vec3::Zero();
-    Vec3 torque_nm = Vec3::Zero();
-  };
   bool take_found_contacts(std::int64_t time_ns) noexcept;
   void note_frozen(const FoundContacts& found, std::int64_t time_ns) noexcept;
   void count_lateness() noexcept;
   void release(const Placement& device, std::int64_t time_ns) noexcept;
   void blend(ToolOutput& output, const Placement& device, std::int64_t time_ns, bool are_late) noexcept;
-  double coupling_extension(const FeltWrench& felt) const noexcept;
+  double coupling_extension(const ContactDamping::Wrench& felt) const noexcept;
   void place_objects();
   void set_friction(LocalContacts& contacts) const noexcept;
   void move_drag(const ToolInput& input, const Placement& device, double dt_s) noexcept;
@@ -133,8 +129,8 @@ class HeldTool final : public StylusTool {
   std::vector<Placement> last_parts_;  // at the one before
   std::vector<ToolPush> pushes_;
   // The fast task's last step, and the change of force that late contacts brought, of which fading_share_ has not faded yet.
-  FeltWrench felt_;
-  FeltWrench fading_wrench_;
+  ContactDamping::Wrench felt_;
+  ContactDamping::Wrench fading_wrench_;
   double fading_share_ = 0.0;
   Placement felt_at_;
   std::int64_t felt_ns_ = 0;
