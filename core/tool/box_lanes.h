@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstring>
 
 #include "core/geometry/triangle_distance.h"
@@ -23,5 +24,9 @@ inline Lanes4 absolute(const Lanes4& x) { return detail::lane_max(x, -x); }
 
 // The components of v along axes that are given by coordinate.
 inline Lanes4 along(const Lanes4 (&axes)[3], const Vec3& v) { return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2]; }
+
+// At most and at least x, by a relative 2^-22, for distances that are kept in single precision.
+inline float float_at_most(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
+inline float float_at_least(double x) { return -float_at_most(-x); }
 
 }  // namespace hapton

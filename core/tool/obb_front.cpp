@@ -16,8 +16,6 @@ Lanes4 approach(const Lanes4& at, const Lanes4& motion) {
   return detail::lane_min(away, Lanes4{});
 }
 
-float rounded_down(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
-
 // Of the positive ones of three lengths.
 double squared(const Lanes4& lengths) {
   const Lanes4 positive = detail::lane_max(lengths, Lanes4{});
@@ -140,7 +138,7 @@ void ObbFront::begin(const ToolSweep& motion, double distance) noexcept {
   const bool is_at_roots = count_ == 0 || count_ > 2 * first_count_ + 64;
   if (is_at_roots) begin_at_roots(motion, distance);
   planes_.begin(motion, turned + 0x1p-45);
-  find_places(-rounded_down(-(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding)), -rounded_down(-distance));
+  find_places(float_at_least(travelled_ + motion.shift.norm() + radius_ * motion.angle + distance + rounding), float_at_least(distance));
 }
 
 // A front has tens of thousands of pairs, and a walk begins at few of them: not where the tool has not come as far, nor where a plane is
@@ -148,7 +146,7 @@ void ObbFront::begin(const ToolSweep& motion, double distance) noexcept {
 void ObbFront::find_places(float enough, float clearance) noexcept {
   constexpr std::size_t kLanes = SeparatingPlanes::kTogether;
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  const Float8 travelled(rounded_down(travelled_));
+  const Float8 travelled(float_at_most(travelled_));
   places_.clear();
   enough_ = enough;
   for (std::size_t block = 0; block * kBlock < count_; ++block) {
@@ -205,7 +203,7 @@ void ObbFront::begin_at_roots(const ToolSweep& motion, double distance) noexcept
 
 ObbFront::End ObbFront::end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept {
   constexpr double kFar = 0x1p100;  // a visitor to whom a pair does not matter gives an infinite distance; bounds are finite
-  return {pair, rounded_down(travelled_ + std::min(distance, kFar)), rounded_down(travelled_ + std::min(rest, kFar)), place, visited_in};
+  return {pair, float_at_most(travelled_ + std::min(distance, kFar)), float_at_most(travelled_ + std::min(rest, kFar)), place, visited_in};
 }
 
 void ObbFront::put(std::size_t i, const End& end) noexcept {

@@ -1,16 +1,10 @@
 #include "core/tool/separating_planes.h"
 
-#include <cmath>
-
 #include "core/math/rounded_to_float.h"
 #include "core/tool/box_lanes.h"
 
 namespace hapton {
 namespace {
-
-// At least and at most x, by a relative 2^-22.
-float float_below(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
-float float_above(double x) { return -float_below(-x); }
 
 // How far a box reaches from its centre along a normal that is given along the axes of its coordinates.
 double reach_along(const ObbTree::Node& box, const Vec3& normal) {
@@ -53,11 +47,11 @@ void SeparatingPlanes::begin(const ToolSweep& motion, double turned) noexcept {
   constexpr double kRounding = 0x1p-19;
   const double coordinates = 0x1p-45 * (1.0 + radius_ + at_.position.cwiseAbs().sum() + reference_.position.cwiseAbs().sum());
   const double start_error = kRounding * moved_.size(radius_) + coordinates;
-  turned_float_ = float_above(turned_ * (1.0 + kRounding));
-  angle_float_ = float_above((motion.angle + motion.sagitta) * (1.0 + kRounding));
-  start_error_ = float_above(start_error);
+  turned_float_ = float_at_least(turned_ * (1.0 + kRounding));
+  angle_float_ = float_at_least((motion.angle + motion.sagitta) * (1.0 + kRounding));
+  start_error_ = float_at_least(start_error);
   // Of the path of the centre, too.
-  over_error_ = float_above(start_error + kRounding * path.size(radius_) + 2.0 * radius_ * motion.sagitta);
+  over_error_ = float_at_least(start_error + kRounding * path.size(radius_) + 2.0 * radius_ * motion.sagitta);
 }
 
 // No longer than 1 once it is rounded, so that a gap along it is no larger than the distance.
@@ -82,8 +76,8 @@ void SeparatingPlanes::put(std::size_t i, const Vec3& normal, double gap, const 
     group.normal[k][lane] = static_cast<float>(normal[k]);
     group.arm[k][lane] = tool.centre[k];
   }
-  group.radius[lane] = float_above(radius);
-  group.gap[lane] = float_below(gap - rounding - normal.dot(moved_.shift + moved_.turn * arm) + group.radius[lane] * turned_);
+  group.radius[lane] = float_at_least(radius);
+  group.gap[lane] = float_at_most(gap - rounding - normal.dot(moved_.shift + moved_.turn * arm) + group.radius[lane] * turned_);
 }
 
 }  // namespace hapton
