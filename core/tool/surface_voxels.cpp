@@ -32,11 +32,6 @@ bool meets(const std::array<Vec3, 3>& corner, const Reach& reach_along) {
   return !is_apart(edge[0].cross(edge[1]));
 }
 
-// Of a cube of half side h.
-bool meets_cube(const std::array<Vec3, 3>& corner, double h) {
-  return meets(corner, [h](const Vec3& axis) { return h * axis.lpNorm<1>(); });
-}
-
 // From one cell to another, both included.
 struct VoxelRange {
   Cell first;
@@ -69,11 +64,12 @@ bool for_each_met(const std::array<Vec3, 3>& corner, const VoxelRange& cells, co
     high.first[axis] = low.last[axis] + 1;
     return for_each_met(corner, low, use) && for_each_met(corner, high, use);
   }
+  const auto reach_of_cell = [](const Vec3& axis) { return 0.5 * axis.lpNorm<1>(); };
   for (int z = cells.first.z(); z <= cells.last.z(); ++z) {
     for (int y = cells.first.y(); y <= cells.last.y(); ++y) {
       for (int x = cells.first.x(); x <= cells.last.x(); ++x) {
         const Vec3 middle = Vec3(x, y, z).array() + 0.5;
-        if (meets_cube({corner[0] - middle, corner[1] - middle, corner[2] - middle}, 0.5) && !use(Cell(x, y, z))) return false;
+        if (meets({corner[0] - middle, corner[1] - middle, corner[2] - middle}, reach_of_cell) && !use(Cell(x, y, z))) return false;
       }
     }
   }

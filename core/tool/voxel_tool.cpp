@@ -78,10 +78,10 @@ bool VoxelTool::is_surface(const Eigen::Vector3i& cell) const noexcept {
 
 // Sums up the springs that act on the proxy: for a small displacement x (translation and rotation) their energy is
 // 1/2 x^T hessian x - pull^T x. Returns the number of points in contact.
-int VoxelTool::gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& pull) const noexcept {
+int VoxelTool::gather(const Placement& device, Mat6& hessian, Vec6& pull) const noexcept {
   const Mat3 R = proxy_.orientation.toRotationMatrix();
-  Eigen::Matrix<double, 6, 6> contacts = Eigen::Matrix<double, 6, 6>::Zero();
-  Eigen::Matrix<double, 6, 1> push = Eigen::Matrix<double, 6, 1>::Zero();
+  Mat6 contacts = Mat6::Zero();
+  Vec6 push = Vec6::Zero();
   int count = 0;
   for (const Point& point : points_) {
     const Vec3 r = R * point.r_m;
@@ -94,7 +94,7 @@ int VoxelTool::gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hess
     const double depth_m = (grid_.centre_m(cell) - p).dot(n);
     if (!(depth_m > 0.0)) continue;
     ++count;
-    Eigen::Matrix<double, 6, 1> motion;
+    Vec6 motion;
     motion << n, r.cross(n);
     contacts += motion * motion.transpose();
     push += depth_m * motion;
@@ -119,10 +119,10 @@ ToolOutput VoxelTool::step(const ToolInput& input) noexcept {
   output.X_WP = input.X_WD;
   if (!input.X_WD.matrix().allFinite() || !input.X_WS.matrix().allFinite()) return output;
   const Placement device = in_scene(input);
-  Eigen::Matrix<double, 6, 6> hessian;
-  Eigen::Matrix<double, 6, 1> pull;
+  Mat6 hessian;
+  Vec6 pull;
   const int contacts = gather(device, hessian, pull);
-  const Eigen::Matrix<double, 6, 1> balance = Eigen::LDLT<Eigen::Matrix<double, 6, 6>>(hessian).solve(pull);
+  const Vec6 balance = Eigen::LDLT<Mat6>(hessian).solve(pull);
   RigidMotion motion{proxy_, balance.head<3>(), balance.tail<3>()};
   if (const double length = motion.length(radius_m_), most = 0.5 * grid_.voxel_m; length > most) motion = motion.scaled(most / length);
   proxy_ = motion.at(1.0);

@@ -56,7 +56,7 @@ class VoxelTool {
 
   VoxelTool() = default;
   bool is_surface(const Eigen::Vector3i& cell) const noexcept;  // Pre: within the grid
-  int gather(const Placement& device, Eigen::Matrix<double, 6, 6>& hessian, Eigen::Matrix<double, 6, 1>& pull) const noexcept;
+  int gather(const Placement& device, Mat6& hessian, Vec6& pull) const noexcept;
 
   ToolCoupling coupling_;
   double squared_lever_m2_ = 0.0;  // rotational stiffness over stiffness
