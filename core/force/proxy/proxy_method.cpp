@@ -170,7 +170,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
 Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexcept {
   if (!input.is_correction || counters_.skipped != sample_skipped_) sample_from_ = last;
   sample_skipped_ = counters_.skipped;
-  if (!carried_from_) tries_ = {};
+  if (!carried_from_) tries_.forget();
   work_left_ = StepWork::kMax;
   return std::exchange(carried_from_, std::nullopt).value_or(last);
 }

@@ -152,6 +152,12 @@ class ProxyMethod final : public ForceMethod {
     int sweep_carries = 0;         // after a sweep without work left, with the device at its end
     bool sweeps_finish = false;    // a flight among too many triangles has given up: none starts again while the sphere touches nothing
     std::optional<Lifted> lifted;  // off the surface, the last time
+
+    void forget() noexcept {
+      failures = sweep_carries = 0;
+      sweeps_finish = false;
+      lifted.reset();
+    }
   };
 
   TouchGeometry geometry_;
