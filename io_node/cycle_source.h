@@ -10,10 +10,10 @@
 
 namespace hapton {
 
-// Cycle timing of the servo: waits for the device side's next cycle and receives datagrams meanwhile. The device side has
+// Cycle timing of the network side: waits for the device side's next cycle and receives datagrams meanwhile. The device side has
 // its own thread, or (tests on simulated time) runs its cycles here. While the device side works out its forces itself, nobody waits
 // for this one: it then rests over several cycles and reads them together, which saves most of its CPU time at high rates.
-// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class CycleSource {
  public:
   // How long to spin for a cycle of the device side that is due: it is made on another CPU, or it displaces this thread.

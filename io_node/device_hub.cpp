@@ -56,7 +56,7 @@ Result<std::unique_ptr<MetricsEndpoint>> open_metrics(const IoOptions& options) 
   return metrics;
 }
 
-// A device's own thread gets the same real-time priority. The servo thread makes the settings of the whole process.
+// A device's own thread gets the same real-time priority. The network side's thread makes the settings of the whole process.
 DeviceSettings device_settings(const IoOptions& options) {
   DeviceSettings settings = options.device;
   if (options.realtime.mode == RealtimeMode::off) return settings;
@@ -140,20 +140,20 @@ struct DeviceHub::Parts {
         sealed(budget, steady, key, AgreementWorker::Where::own_thread),
         recorder(recording_of(options), make_session_header(options, session_id, steady), steady),
         peers(sealed, steady, session_id, options.rate_hz),
-        servo(std::make_unique<Servo>(*device, peers, steady, servo_options(), echo.probe.get(), tap())),
+        network(std::make_unique<NetworkLoop>(*device, peers, steady, network_options(), echo.probe.get(), tap())),
         hops(metered),
         latch_file(find_latch_file(options.device.name + options.device.id, options.bind)),
-        session(*servo, steady, options) {
-    servo->set_hop_meter(&hops);
-    servo->set_budget(&budget);
-    servo->set_report_server(&report_server);
-    servo->set_vrpn_feed(vrpn_output.feed.get());
+        session(*network, steady, options) {
+    network->set_hop_meter(&hops);
+    network->set_budget(&budget);
+    network->set_report_server(&report_server);
+    network->set_vrpn_feed(vrpn_output.feed.get());
     if (options.touch != TouchChoice::remote) use_patches();
     session.set_report_server(&report_server);
     session.set_metrics(metrics.get());
   }
 
-  Servo::Options servo_options() const {
+  NetworkLoop::Options network_options() const {
     return {.rate_hz = options.rate_hz,
             .vision_rate_hz = options.vision_rate_hz,
             .tighter = tighter_limits(options.device),
@@ -170,8 +170,8 @@ struct DeviceHub::Parts {
     local_patch = std::make_unique<LocalPatch>();
     patch_builder = std::make_unique<PatchBuilder>(*local_patch);
     patch_link = std::make_unique<PatchLink>(peers, *local_patch, *patch_builder, options.touch);
-    servo->device_loop().set_local_touch(local_patch.get());
-    servo->set_patch_link(patch_link.get());
+    network->device_loop().set_local_touch(local_patch.get());
+    network->set_patch_link(patch_link.get());
   }
   ServoTap* tap() { return options.record.empty() && find_flight_folder(options).empty() ? nullptr : &recorder; }
 
@@ -192,7 +192,7 @@ struct DeviceHub::Parts {
   std::unique_ptr<LocalPatch> local_patch;  // null if all forces come from the haptics node
   std::unique_ptr<PatchBuilder> patch_builder;
   std::unique_ptr<PatchLink> patch_link;
-  std::unique_ptr<Servo> servo;
+  std::unique_ptr<NetworkLoop> network;
   HopMeter hops;
   ReportServer report_server;
   WatchdogSupervisor watchdog;
@@ -231,7 +231,7 @@ const IoOptions& DeviceHub::options() const { return parts_->options; }
 std::string DeviceHub::describe() const {
   const IoOptions& options = parts_->options;
   return fmt::format("{}hub on {}, device {}, {:g} Hz, at most {:.2f} N, seed {}", name_prefix(options), to_string(address()),
-                     parts_->device->name(), options.rate_hz, parts_->servo->limits().max_force_n, options.device.seed);
+                     parts_->device->name(), options.rate_hz, parts_->network->limits().max_force_n, options.device.seed);
 }
 
 // Starts the process that releases the force when this one cannot. Without it only this process itself releases the force.
@@ -241,7 +241,7 @@ Result<void> DeviceHub::start_watchdog() {
   Result<void> started = parts_->heartbeat.make();
   if (started) {
     parts_->device->use_heartbeat_page(parts_->heartbeat.page());
-    parts_->servo->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
+    parts_->network->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
     const int priority = is_realtime ? std::min(options.realtime.priority + 2, kMaxRealtimePriority) : 0;
     started = parts_->watchdog.start(parts_->heartbeat, WatchdogSupervisor::find_program(), priority);
@@ -257,7 +257,7 @@ void DeviceHub::restore_latched_fault() {
   const SafetyFault fault = parts_->latch_file.read();
   parts_->session.set_latch_file(&parts_->latch_file);
   if (fault == SafetyFault::none) return;
-  parts_->servo->device_loop().restore_latched_fault(fault);
+  parts_->network->device_loop().restore_latched_fault(fault);
   log_warning(
       "{}no force: a fault latched before this start has not been reset: {}; fix the cause, then: hapton set --reset-faults "
       "(docs/safety.md)",

@@ -14,8 +14,8 @@ namespace hapton {
 
 class ServiceLiveness;
 
-// One device with its hub address, servo, watchdog, recorder and reports. Several hubs in one process are independent of each other.
-// RT: no, except the threads of servo and device. Threads: one caller for each hub.
+// One device with its hub address, device and network side, watchdog, recorder and reports. Several hubs in one process are independent of
+// each other. RT: no, except the threads of device and network side. Threads: one caller for each hub.
 class DeviceHub {
  public:
   // Error, one line: the device cannot be opened, the address is in use, a key or folder is missing. Pre: clock outlives it.

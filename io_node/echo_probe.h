@@ -11,8 +11,8 @@
 namespace hapton {
 
 // Measures the bare echo of the same machine in the same run: sends a datagram of a DeviceState's length to a responder that returns it
-// (hapton echo), and waits for it as the servo waits for its force. The ratio of the force round trip to the echo is the cost of the system
-// itself. RT: probe yes; making one is set-up only. Threads: the servo's.
+// (hapton echo), and waits for it as the network side waits for its force. The ratio of the force round trip to the echo is the cost of the
+// system itself. RT: probe yes; making one is set-up only. Threads: the network side's.
 class EchoProbe {
  public:
   struct Counts {

@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// An event for the log, from the servo loop.
+// An event for the log, of the device side or the network side.
 struct ServoEvent {
   enum class Kind : std::uint8_t {
     joined,
@@ -51,7 +51,7 @@ struct ServoEvent {
   double round_trip_s = -1.0;              // of parts_requested and force_from_haptics; below 0: not known
 };
 
-// From the servo loop to a thread without deadlines. A full ring drops new events and counts them; the last places are kept for latched
+// From the network side to a thread without deadlines. A full ring drops new events and counts them; the last places are kept for latched
 // faults and resets, which a flood of requests must not hide. RT: push yes, wait-free. Threads: one
 // pushes, one pops.
 class EventRing {

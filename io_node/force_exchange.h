@@ -16,7 +16,7 @@
 namespace hapton {
 
 // Exchanges samples for forces with the haptics node: sends each device sample, posts the newest force to the device side, which governs
-// and writes it, and measures how long that took. Frames: world. Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// and writes it, and measures how long that took. Frames: world. Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class ForceExchange {
  public:
   // Pre: all outlive this. Measurements go into stats.

@@ -33,7 +33,7 @@ struct HopStats {
 
 // Measures them from the times in the datagrams and those of the endpoint. One-way times between
 // hosts use ClockOffset and have its error bound; on one host they are exact. RT: yes. Threads: the
-// servo's.
+// network side's.
 class HopMeter {
  public:
   // Pre: the endpoint, the one that carries the hub's datagrams, outlives this.

@@ -18,8 +18,8 @@ class PeerEventHandler {
   ~PeerEventHandler() = default;
 };
 
-// Waits on the hub's socket for the servo and hands over each event as it arrives.
-// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// Waits on the hub's socket for the network side and hands over each event as it arrives.
+// Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class HubReceiver {
  public:
   // Pre: all outlive this; handler may be under construction.

@@ -147,17 +147,17 @@ std::string_view main_cause(const ServoStats& stats) {
 
 }  // namespace
 
-IoSession::IoSession(Servo& servo, const Clock& clock, const IoOptions& options)
-    : servo_(servo),
+IoSession::IoSession(NetworkLoop& network, const Clock& clock, const IoOptions& options)
+    : network_(network),
       clock_(clock),
       options_(options),
       prefix_(name_prefix(options)),
-      device_(servo.device_loop(), clock),
-      stale_force_watchdog_(servo.device_loop(), clock),
+      device_(network.device_loop(), clock),
+      stale_force_watchdog_(network.device_loop(), clock),
       watch_(options.spin_share + find_reply_share(options), read_realtime_share()) {}
 
-void IoSession::servo_thread() {
-  servo_thread_ = current_thread_id();
+void IoSession::network_thread() {
+  network_thread_ = current_thread_id();
   ::pthread_setname_np(::pthread_self(), "hapton-network");
   const auto realtime = enter_realtime(options_.realtime);
   if (realtime) {
@@ -166,11 +166,11 @@ void IoSession::servo_thread() {
   } else {
     started_ = tl::unexpected(realtime.error());
   }
-  if (realtime) servo_.start();
+  if (realtime) network_.start();
   is_started_.store(true, std::memory_order_release);
   if (realtime) {
-    while (!ends_.load(std::memory_order_relaxed) && has_future(servo_.device_status()) && !servo_.has_overrun()) servo_.step();
-    servo_.finish();
+    while (!ends_.load(std::memory_order_relaxed) && has_future(network_.device_status()) && !network_.has_overrun()) network_.step();
+    network_.finish();
   }
   has_ended_.store(true, std::memory_order_release);
 }
@@ -180,27 +180,27 @@ bool IoSession::is_over(const StopSignal& stop) const {
 }
 
 Result<void> IoSession::run(const StopSignal& stop) {
-  servo_.use_device_thread();
+  network_.use_device_thread();
   if (auto begun = device_.start(options_.realtime); !begun) return begun;
   stale_force_watchdog_.start(options_.realtime.mode != RealtimeMode::off);
-  std::thread servo = start_thread([this] { servo_thread(); });
+  std::thread network = start_thread([this] { network_thread(); });
   while (!is_started_.load(std::memory_order_acquire)) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   end_ns_ = options_.seconds > 0.0 ? clock_.now_ns() + static_cast<std::int64_t>(1e9 * options_.seconds)
                                    : std::numeric_limits<std::int64_t>::max();
   Result<void> reported = started_ ? supervise(stop) : started_;
   ends_.store(true, std::memory_order_relaxed);
-  servo.join();
+  network.join();
   device_.stop();
-  servo_.record_rest();
+  network_.record_rest();
   stale_force_watchdog_.stop();
   print_events();
   if (!started_) return started_;
-  const ServoStats& stats = servo_.collect_stats();
+  const ServoStats& stats = network_.collect_stats();
   print_text("{}", described(stats));
   if (const auto last = write_report_of(stats); reported && !last) reported = last;
-  if (servo_.device_status() == DeviceStatus::fault)
+  if (network_.device_status() == DeviceStatus::fault)
     return fail("the device{} stopped replying; check its cable and power", name_plugin(options_));
-  if (servo_.has_overrun()) {
+  if (network_.has_overrun()) {
     return fail("a cycle was missed ({}) and --overrun is stop; allow the loop real time (--rt), or set a lower --rate", main_cause(stats));
   }
   return reported;
@@ -217,8 +217,8 @@ Result<void> IoSession::supervise(const StopSignal& stop) {
     watch_scheduling(clock_.now_ns() >= next_watch_ns_);
     notify_service();
     note_requests(stop);
-    if (!servo_.take_snapshot()) continue;
-    if (const auto granted = serve_requests(servo_.snapshot()); !granted && reported) reported = granted;
+    if (!network_.take_snapshot()) continue;
+    if (const auto granted = serve_requests(network_.snapshot()); !granted && reported) reported = granted;
   }
   // Its end may take seconds, in which the other devices' loops live.
   if (service_ != nullptr) service_->leave(service_number_);
@@ -231,7 +231,7 @@ void IoSession::watch_scheduling(bool now) {
   next_watch_ns_ = clock_.now_ns() + kWatchEveryNs;
   check_watchdog();
   // Both together: the kernel counts real-time threads by CPU, and they may share one.
-  auto usage = read_thread_usage(servo_thread_);
+  auto usage = read_thread_usage(network_thread_);
   const auto device = read_thread_usage(device_.id());
   if (!usage || !device) return;
   usage->run_s += device->run_s;
@@ -239,10 +239,10 @@ void IoSession::watch_scheduling(bool now) {
   usage->voluntary_switches += device->voluntary_switches;
   usage->involuntary_switches += device->involuntary_switches;
   const bool was_near = watch_.figures().near_throttling > 0;
-  const double limit = watch_.update(*usage, servo_.spin().spun_ns() + servo_.reply_spin().spun_ns(), clock_.now_ns());
+  const double limit = watch_.update(*usage, network_.spin().spun_ns() + network_.reply_spin().spun_ns(), clock_.now_ns());
   // First what keeps the ticks on time.
-  servo_.spin().set_limit(std::min(limit, options_.spin_share));
-  servo_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
+  network_.spin().set_limit(std::min(limit, options_.spin_share));
+  network_.reply_spin().set_limit(std::max(0.0, limit - options_.spin_share));
   if (!was_near && watch_.figures().near_throttling > 0) {
     log_warning("{}the servo loop uses nearly all the CPU time that the kernel allows real-time threads ({:.0f} %); lower --rate", prefix_,
                 100.0 * watch_.figures().realtime_share);
@@ -265,12 +265,12 @@ void IoSession::notify_service() {
   if (service_ == nullptr || !service_->has_manager() || clock_.now_ns() < next_sign_ns_) return;
   const std::int64_t timeout_ns = service_->manager_timeout_ns();
   next_sign_ns_ = clock_.now_ns() + (timeout_ns > 0 ? std::min(kWatchEveryNs, timeout_ns / 2) : kWatchEveryNs);
-  const bool lives = clock_.now_ns() - servo_.device_loop().heartbeat_ns() < kWatchEveryNs;
+  const bool lives = clock_.now_ns() - network_.device_loop().heartbeat_ns() < kWatchEveryNs;
   service_->note(service_number_, lives, clock_.now_ns());
 }
 
 void IoSession::note_requests(const StopSignal& stop) {
-  const bool requested_by_tool = servo_.take_report_request();
+  const bool requested_by_tool = network_.take_report_request();
   const bool requested_by_reader = report_server_ != nullptr && report_server_->take_request();
   is_scraped_ = is_scraped_ || (metrics_ != nullptr && metrics_->take_request());
   const bool metrics_due = is_scraped_ && clock_.now_ns() >= next_metrics_ns_;
@@ -284,7 +284,7 @@ void IoSession::note_requests(const StopSignal& stop) {
     is_scraped_ = false;
     next_metrics_ns_ = clock_.now_ns() + kMetricsLeastNs;
   }
-  servo_.request_snapshot();
+  network_.request_snapshot();
 }
 
 Result<void> IoSession::serve_requests(const ServoStats& stats) {
@@ -304,7 +304,7 @@ Result<void> IoSession::serve_requests(const ServoStats& stats) {
 }
 
 void IoSession::print_events() {
-  for (ServoEvent event; servo_.events().pop(event);) {
+  for (ServoEvent event; network_.events().pop(event);) {
     log_info("{}{}", prefix_, describe(event, options_));
     if (latch_file_ != nullptr) keep_latch(event);
   }

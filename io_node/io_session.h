@@ -8,10 +8,10 @@
 #include "io_node/device_thread.h"
 #include "io_node/io_options.h"
 #include "io_node/latch_file.h"
+#include "io_node/network_loop.h"
 #include "io_node/report_server.h"
 #include "io_node/scheduling_monitor.h"
 #include "io_node/service_liveness.h"
-#include "io_node/servo.h"
 #include "io_node/stale_force_watchdog.h"
 #include "link/metrics_endpoint.h"
 #include "runtime/stop_signal.h"
@@ -19,12 +19,12 @@
 
 namespace hapton {
 
-// Runs a servo in a real-time thread, and does everything without deadlines meanwhile: logs who joins and leaves, writes reports, checks
-// for the end. RT: no; the servo's thread is. Threads: call from one.
+// Runs device side and network side in real-time threads, and does everything without deadlines meanwhile: logs who joins and leaves,
+// writes reports, checks for the end. RT: no; those threads are. Threads: call from one.
 class IoSession {
  public:
   // Pre: all outlive the session.
-  IoSession(Servo& servo, const Clock& clock, const IoOptions& options);
+  IoSession(NetworkLoop& network, const Clock& clock, const IoOptions& options);
 
   // Set up before run: serves the report to tools, and as metrics. Pre: they outlive the session.
   void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
@@ -47,7 +47,7 @@ class IoSession {
   const std::string& realtime() const noexcept { return realtime_; }
 
  private:
-  void servo_thread();
+  void network_thread();
   bool is_over(const StopSignal& stop) const;
   Result<void> supervise(const StopSignal& stop);
   void note_requests(const StopSignal& stop);
@@ -60,7 +60,7 @@ class IoSession {
   void notify_service();
   Result<void> write_report_of(const ServoStats& stats);
 
-  Servo& servo_;
+  NetworkLoop& network_;
   const Clock& clock_;
   const IoOptions& options_;
   const std::string prefix_;  // of every line for people
@@ -86,7 +86,7 @@ class IoSession {
   std::atomic<bool> ends_{false};
   std::atomic<bool> has_ended_{false};
   std::int64_t end_ns_ = 0;
-  pid_t servo_thread_ = 0;
+  pid_t network_thread_ = 0;
   DeviceThread device_;
   StaleForceWatchdog stale_force_watchdog_;
   SchedulingMonitor watch_;

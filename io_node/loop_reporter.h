@@ -11,7 +11,7 @@
 namespace hapton {
 
 // Reports device, rate and round trip to the haptics node once a second, so that it can warn of a scene that is too stiff for them.
-// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class LoopReporter {
  public:
   static constexpr std::int64_t kEveryNs = kNanosecondsPerSecond;

@@ -13,7 +13,7 @@
 namespace hapton {
 
 // Records the markers that nodes send, each once, at the newest sample, and replies to each. A node gets kPerSecond in the long run and
-// kBurst at once; beyond that its markers are counted and not recorded. RT: yes. Threads: the servo's.
+// kBurst at once; beyond that its markers are counted and not recorded. RT: yes. Threads: the network side's.
 class MarkerLog {
  public:
   // A choice: people look at markers one by one. A flood adds at most 50 a second of each node to a recording.

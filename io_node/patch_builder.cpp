@@ -11,7 +11,7 @@
 namespace hapton {
 namespace {
 
-// Polls, since to wake it would be a system call in the servo. While parts come a patch is due every few milliseconds.
+// Polls, since to wake it would be a system call of the network side. While parts come a patch is due every few milliseconds.
 constexpr auto kBuilderPollPeriod = std::chrono::milliseconds(2);
 constexpr auto kIdleBuilderPollPeriod = std::chrono::milliseconds(50);
 // A stage of fewer vertices counts as one of so many: a moment without the CPU would say nothing about the large ones.

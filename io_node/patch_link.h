@@ -26,7 +26,7 @@ namespace hapton {
 // An epoch replies to one request: after the parts were dropped, one that was made before is not used any more, however late it comes
 // (PatchStatus::request). Where an object was put down, the first patch waits for the probe as a haptics node has it that knows of that
 // (PatchBegin::method_serial). A haptics node that sends a beginning where parts are not wanted is told so. Units: ns of the hub's
-// clock. RT: yes. Threads: the servo's.
+// clock. RT: yes. Threads: the network side's.
 class PatchLink {
  public:
   // A choice: a network may be silent for so long without an end of touch, and a force from a scene that nobody owns lasts no longer.

@@ -8,8 +8,9 @@
 
 namespace hapton {
 
-// How long the servo spins on its socket for the force of a sample before it sleeps there. It spins only while SpinTrial finds that forces
-// arrive meanwhile: a sleeping thread needs 10 to 30 us to wake up. Units: ns. RT: yes. Threads: the servo's; set_limit and spun_ns any.
+// How long the network side spins on its socket for the force of a sample before it sleeps there. It spins only while SpinTrial finds that
+// forces arrive meanwhile: a sleeping thread needs 10 to 30 us to wake up. Units: ns. RT: yes. Threads: the network side's; set_limit and
+// spun_ns any.
 class ReplySpin {
  public:
   // Share of a period. The rest is for other threads on this CPU; SchedulingMonitor lowers the limit further.

@@ -12,14 +12,14 @@
 
 namespace hapton {
 
-// Serves the hub's report to tools: they request it, a thread without deadlines writes it, and the servo sends it, one part per datagram
-// and at most one datagram per cycle. RT: accept and serve yes, no heap; publish no. Threads: the servo calls accept and serve, one other
-// take_request and publish.
+// Serves the hub's report to tools: they request it, a thread without deadlines writes it, and the network side sends it, one part per
+// datagram and at most one datagram per cycle. RT: accept and serve yes, no heap; publish no. Threads: the network side's calls accept and
+// serve, one other take_request and publish.
 class ReportServer {
  public:
-  // The servo: this peer requests a part; an earlier request of it is dropped.
+  // The network side: this peer requests a part; an earlier request of it is dropped.
   void accept(std::size_t peer, const ReportRequest& wanted) noexcept;
-  // The servo, once a cycle: replies to one pending request, if its part is there.
+  // The network side, once a cycle: replies to one pending request, if its part is there.
   void serve(HubPeers& peers) noexcept;
 
   // The other thread: true once when a fresh report was requested.

@@ -16,10 +16,10 @@
 namespace hapton {
 
 // Carries out what tools and vision nodes request: servo rate, force method, material, moves and shapes of objects, report, reset of a
-// latched fault, hand target. RT: yes. Threads: all the servo's, except take_report_request, which one other thread calls.
+// latched fault, hand target. RT: yes. Threads: all the network side's, except take_report_request, which one other thread calls.
 class RequestHandler {
  public:
-  // Pre: all outlive this. rate_hz: the initial rate of the servo.
+  // Pre: all outlive this. rate_hz: the initial servo rate.
   RequestHandler(DeviceLoop& loop, HubPeers& peers, const Clock& clock, EventRing& events, ServoStats& stats, double rate_hz) noexcept
       : loop_(loop), peers_(peers), clock_(clock), events_(events), stats_(stats), rate_hz_(rate_hz) {
     move_rates_.fill(TokenBucket(kMovesPerSecond, kMovesAtOnce));

@@ -13,7 +13,7 @@ namespace hapton {
 
 // Relays what the haptics node and the vision nodes state about their scenes, so that each compares them, and checks whether the device can
 // reach the scene where it is posed; the simulated hand gets points of it to go to.
-// RT: yes. Threads: the servo's.
+// RT: yes. Threads: the network side's.
 class SceneRelay {
  public:
   // Pre: all outlive this.

@@ -29,7 +29,8 @@ struct PeerStats {
   SequenceCounts sequence;
 };
 
-// All that a servo loop has measured since its start; times in ns on its own clock. A plain value: share it by copy.
+// All that the device side and the network side have measured since the start; times in ns of the hub's clock. A plain value: share it by
+// copy.
 struct ServoStats {
   std::int64_t start_ns = 0;  // first tick
   std::int64_t end_ns = 0;    // end of the newest cycle: the time between is whole cycles

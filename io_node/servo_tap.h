@@ -7,8 +7,8 @@
 
 namespace hapton {
 
-// Receives a copy of everything a servo does: datagrams, cycles and faults. Units: the servo's clock, ns. RT: yes. Threads: the
-// servo's.
+// Receives a copy of everything that device side and network side do: datagrams, cycles and faults. Units: ns of the hub's clock. RT: yes.
+// Threads: the network side's.
 class ServoTap : public DatagramTap {
  public:
   virtual void on_cycle(const CycleNote& note, std::int64_t time_ns) noexcept = 0;

@@ -20,10 +20,11 @@
 
 namespace hapton {
 
-// Records everything a servo does, at full rate, in its own thread: the whole session in one file and, after a fault, the last two seconds
-// in a flight record named after the fault. The servo only copies into a ring; entries that do not fit are counted, also in the file.
-// Flight records are limited: one of a kind in kFlightEveryNs, kMaxFlights in a session; a folder keeps the newest kMaxKept. RT: the
-// on_ functions yes, wait-free; the rest set-up only. Threads: the servo's calls on_..., one other the rest.
+// Records everything that device side and network side do, at full rate, in its own thread: the whole session in one file and, after a
+// fault, the last two seconds in a flight record named after the fault. The network side only copies into a ring; entries that do not fit
+// are counted, also in the file. Flight records are limited: one of a kind in kFlightEveryNs, kMaxFlights in a session; a folder keeps the
+// newest kMaxKept. RT: the on_ functions yes, wait-free; the rest set-up only. Threads: the network side's calls on_..., one other the
+// rest.
 class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;

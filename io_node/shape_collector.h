@@ -15,7 +15,7 @@ namespace hapton {
 
 // While the session is recorded: requests from the haptics node the newest shape of each object that a program deforms, as far as it was
 // sent before the recording began or lost on the way, as a vision node does. So a recording has the shapes with which it begins. Units: ns
-// of the hub's clock. RT: yes. Threads: the servo's.
+// of the hub's clock. RT: yes. Threads: the network side's.
 class ShapeCollector {
  public:
   static constexpr std::int64_t kPartTimeoutNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Hands a copy of the servo's stats to another thread on request.
-// RT: yes. Threads: the servo's calls publish_if_requested, one other the rest.
+// Hands a copy of ServoStats to another thread on request.
+// RT: yes. Threads: the network side's calls publish_if_requested, one other the rest.
 class StatsPublisher {
  public:
   // The other thread: requests a copy, and takes it when it is there (within a few cycles).
@@ -17,7 +17,8 @@ class StatsPublisher {
   bool take() noexcept { return copies_.take(); }
   const ServoStats& copy() const noexcept { return copies_.value(); }
 
-  // The servo, once a cycle. A device side in a thread of its own sends its part with its next cycle. fill(device_stats) returns the whole.
+  // The network side, once a cycle. A device side in a thread of its own sends its part with its next cycle. fill(device_stats) returns the
+  // whole.
   template <class Fill>
   void publish_if_requested(DeviceLoop& loop, bool has_device_thread, Fill&& fill) noexcept {
     if (is_requested_.exchange(false, std::memory_order_acq_rel)) {

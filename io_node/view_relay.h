@@ -17,7 +17,7 @@ namespace hapton {
 // Several vision nodes may turn the scene. The node whose view is in use sets any; a view of another one counts only if its revision is
 // ahead, so it must know the view in use: a node that has just joined does not turn the scene under the hand. Otherwise it is sent the view
 // in use. Once the node whose view is in use has left, the next one sets any.
-// Units: ns of the hub's clock. RT: yes. Threads: the servo's.
+// Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class ViewRelay {
  public:
   static constexpr std::int64_t kRepeatNs = 250 * kNanosecondsPerMillisecond;  // longest use of an old pose after a lost datagram

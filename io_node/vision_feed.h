@@ -13,8 +13,8 @@
 
 namespace hapton {
 
-// Sends the probe to the vision nodes, each at its own rate, and evaluates their frame acknowledgements. Measurements go into the servo's
-// stats. Units: ns of the hub's clock. RT: yes. Threads: one.
+// Sends the probe to the vision nodes, each at its own rate, and evaluates their frame acknowledgements. Measurements go into
+// ServoStats. Units: ns of the hub's clock. RT: yes. Threads: one.
 class VisionFeed {
  public:
   // Pre: peers and stats outlive this. rate_hz, ignored_buttons: as VisionPace has them.

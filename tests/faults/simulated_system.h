@@ -19,9 +19,9 @@
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/reply_loop.h"
 #include "io_node/local_patch.h"
+#include "io_node/network_loop.h"
 #include "io_node/patch_builder.h"
 #include "io_node/patch_link.h"
-#include "io_node/servo.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
@@ -224,7 +224,7 @@ class SimulatedVision {
   int seen_ = 0;
 };
 
-// The hub, its servo and a haptics node over a network with given faults; all product code, except for the clock.
+// The hub with device side and network side, and a haptics node over a network with given faults; all product code, except for the clock.
 class SimulatedSystem {
  public:
   static constexpr std::int64_t kMs = 1'000'000;
@@ -245,11 +245,11 @@ class SimulatedSystem {
 
   // Starts the hub, or restarts it as a new session at the same address.
   void start_hub() {
-    servo.reset();
+    network_loop.reset();
     peers_.reset();
     sealed_.emplace(*hub_endpoint_, clock, key_);
     peers_.emplace(*sealed_, clock, ++session_, rate_hz_);
-    servo = std::make_unique<Servo>(device, *peers_, clock, Servo::Options{.rate_hz = rate_hz_});
+    network_loop = std::make_unique<NetworkLoop>(device, *peers_, clock, NetworkLoop::Options{.rate_hz = rate_hz_});
     if (touch_ == TouchChoice::remote) return;
     patch_link_.reset();
     builder_.reset();
@@ -257,8 +257,8 @@ class SimulatedSystem {
     builder_ = std::make_unique<PatchBuilder>(*local_);
     patch_link_ = std::make_unique<PatchLink>(*peers_, *local_, *builder_, touch_);
     touch_tap_.emplace(*local_, touched);
-    servo->device_loop().set_local_touch(&*touch_tap_);
-    servo->set_patch_link(patch_link_.get());
+    network_loop->device_loop().set_local_touch(&*touch_tap_);
+    network_loop->set_patch_link(patch_link_.get());
   }
 
   void start_haptics(const SealedClient::Options& sealing = {}) {
@@ -303,7 +303,7 @@ class SimulatedSystem {
 
   void run_for_ns(std::int64_t duration_ns) {
     const std::int64_t end_ns = clock.now_ns() + duration_ns;
-    while (clock.now_ns() < end_ns) servo->step();
+    while (clock.now_ns() < end_ns) network_loop->step();
   }
 
   // As run_for_ns, but pauses in real time every 5 ms, so that the threads that send and build patches keep up on a busy machine: for 1 ms,
@@ -319,7 +319,7 @@ class SimulatedSystem {
 
   bool wants_patches() const { return patch_link_ != nullptr && patch_link_->is_wanted(); }
   const LinkKey& key() const { return key_; }
-  const ServoStats& stats() { return servo->collect_stats(); }
+  const ServoStats& stats() { return network_loop->collect_stats(); }
   Vec3 force_n() const { return device.written.empty() ? Vec3(Vec3::Zero()) : device.written.back().force_n; }
 
   // Since when the force has been zero, until the newest write; none: it is not zero, or none was written.
@@ -353,7 +353,7 @@ class SimulatedSystem {
       100'000'000'000'000'000};  // 3.2 years: later than this machine's CLOCK_MONOTONIC, which threads that build patches read
   SimulatedNetwork network;
   PressingDevice device;
-  std::unique_ptr<Servo> servo;
+  std::unique_ptr<NetworkLoop> network_loop;
   std::unique_ptr<SimulatedHaptics> haptics;
   Scene scene;                      // of haptics nodes that are started from now on; no objects: a box
   bool builds_on_approach = false;  // likewise

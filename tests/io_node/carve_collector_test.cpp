@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
@@ -13,7 +13,7 @@ Carves carves_from(std::uint32_t source, std::uint32_t newest, std::uint32_t fir
   return carves;
 }
 
-TEST_F(Servos, ARecordingRequestsTheCarvesThatWereMadeBeforeIt) {
+TEST_F(NetworkLoops, ARecordingRequestsTheCarvesThatWereMadeBeforeIt) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -39,7 +39,7 @@ TEST_F(Servos, ARecordingRequestsTheCarvesThatWereMadeBeforeIt) {
   EXPECT_EQ(carve_statuses.back().second.complete, 0U);
 }
 
-TEST_F(Servos, WithoutARecordingNoCarvesAreRequested) {
+TEST_F(NetworkLoops, WithoutARecordingNoCarvesAreRequested) {
   RecordingTap tap;
   tap.marker_status = MarkerStatus::no_recording;
   make({}, nullptr, &tap);

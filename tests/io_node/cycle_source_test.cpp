@@ -6,13 +6,13 @@
 #include <utility>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 #include "tests/support/ticking_clock.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, ACycleThatComesTooLateSkipsWholePeriodsAndCountsThem) {
+TEST_F(NetworkLoops, ACycleThatComesTooLateSkipsWholePeriodsAndCountsThem) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(100);
@@ -28,7 +28,7 @@ TEST_F(Servos, ACycleThatComesTooLateSkipsWholePeriodsAndCountsThem) {
   EXPECT_NEAR(stats().seconds(), 0.111, 1e-12);
 }
 
-TEST_F(Servos, EveryMissedCycleHasItsCause) {
+TEST_F(NetworkLoops, EveryMissedCycleHasItsCause) {
   make();
   device.clock = &clock;
   join(kHaptics, NodeRole::haptics);
@@ -45,7 +45,7 @@ TEST_F(Servos, EveryMissedCycleHasItsCause) {
   EXPECT_EQ(stats().missed_cycles, 33U);
 }
 
-TEST_F(Servos, OfAFloodNoMoreIsHandledThanTheBudgetOfACycle) {
+TEST_F(NetworkLoops, OfAFloodNoMoreIsHandledThanTheBudgetOfACycle) {
   class Flood final : public Endpoint {
    public:
     explicit Flood(SimulatedClock& c) : clock(c) {}
@@ -63,7 +63,7 @@ TEST_F(Servos, OfAFloodNoMoreIsHandledThanTheBudgetOfACycle) {
     Flood flood(clock);
     BudgetedEndpoint budget(flood, clock);
     HubPeers nobody(budget, clock, kSession, rate_hz);
-    Servo alone(device, nobody, clock, {.rate_hz = static_cast<double>(rate_hz)});
+    NetworkLoop alone(device, nobody, clock, {.rate_hz = static_cast<double>(rate_hz)});
     alone.set_budget(&budget);
     constexpr int kCycles = 20;
     for (int n = 0; n < kCycles; ++n) alone.step();
@@ -72,7 +72,7 @@ TEST_F(Servos, OfAFloodNoMoreIsHandledThanTheBudgetOfACycle) {
   }
 }
 
-TEST_F(Servos, AWaitThatEndsLateIsALateWakeUp) {
+TEST_F(NetworkLoops, AWaitThatEndsLateIsALateWakeUp) {
   class Oversleeping final : public Endpoint {
    public:
     explicit Oversleeping(SimulatedClock& c) : clock(c) {}
@@ -87,7 +87,7 @@ TEST_F(Servos, AWaitThatEndsLateIsALateWakeUp) {
   };
   Oversleeping sleepy(clock);
   HubPeers nobody(sleepy, clock, kSession, 1000.0);
-  Servo alone(device, nobody, clock, {});
+  NetworkLoop alone(device, nobody, clock, {});
   for (int n = 0; n < 10; ++n) alone.step();
   sleepy.too_long_ns = 2 * kMs + 1;
   for (int n = 0; n < 10; ++n) alone.step();
@@ -95,7 +95,7 @@ TEST_F(Servos, AWaitThatEndsLateIsALateWakeUp) {
   EXPECT_EQ(alone.collect_stats().missed_cycles, 2U);
 }
 
-TEST_F(Servos, AWaitForTheEchoThatEndsLateIsALateWakeUp) {
+TEST_F(NetworkLoops, AWaitForTheEchoThatEndsLateIsALateWakeUp) {
   ScriptedEndpoint echo_endpoint(clock);
   std::int64_t late_ns = 0;
   echo_endpoint.on_send_raw = [&](const Address& to, std::span<const std::byte> bytes) {
@@ -112,7 +112,7 @@ TEST_F(Servos, AWaitForTheEchoThatEndsLateIsALateWakeUp) {
   EXPECT_GT(stats().missed_cycles, 1U);
 }
 
-TEST_F(Servos, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
+TEST_F(NetworkLoops, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
   class Late final : public Endpoint {
    public:
     explicit Late(SimulatedClock& c) : clock(c) {}
@@ -127,7 +127,7 @@ TEST_F(Servos, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
   Late late(clock);
   TickingClock ticking(clock);
   HubPeers nobody(late, ticking, kSession, 1000.0);
-  Servo alone(device, nobody, ticking, {.spin_share = 0.1});
+  NetworkLoop alone(device, nobody, ticking, {.spin_share = 0.1});
   for (int n = 0; n < 3000; ++n) alone.step();
   const ServoStats& measured = alone.collect_stats();
   EXPECT_LT(measured.wake_lateness.quantile_ns(0.5), 1000.0);
@@ -137,7 +137,7 @@ TEST_F(Servos, ALoopThatWakesLateLearnsToWakeEarlyAndBeginsOnTime) {
   EXPECT_EQ(measured.missed_cycles, 0U);
 }
 
-TEST_F(Servos, CatchingUpRunsEveryMissedCycleAtOnce) {
+TEST_F(NetworkLoops, CatchingUpRunsEveryMissedCycleAtOnce) {
   make({.overrun = OverrunPolicy::catch_up});
   join(kHaptics, NodeRole::haptics);
   run(100);
@@ -152,7 +152,7 @@ TEST_F(Servos, CatchingUpRunsEveryMissedCycleAtOnce) {
   EXPECT_EQ(device.reads.back(), next_tick_ns + static_cast<std::int64_t>(device.reads.size() - 1 - before) * kMs);
 }
 
-TEST_F(Servos, CatchingUpHasAnEnd) {
+TEST_F(NetworkLoops, CatchingUpHasAnEnd) {
   make({.overrun = OverrunPolicy::catch_up});
   run(10);
   clock.advance_ns(1000 * kMs);
@@ -161,16 +161,16 @@ TEST_F(Servos, CatchingUpHasAnEnd) {
   EXPECT_LE(stats().caught_up_cycles, 11U);
 }
 
-TEST_F(Servos, AMissedCycleStopsTheSessionIfRequested) {
+TEST_F(NetworkLoops, AMissedCycleStopsTheSessionIfRequested) {
   make({.overrun = OverrunPolicy::stop});
   run(100);
-  EXPECT_FALSE(servo->has_overrun());
+  EXPECT_FALSE(network->has_overrun());
   clock.advance_ns(3 * kMs);
   run(1);
-  EXPECT_TRUE(servo->has_overrun());
+  EXPECT_TRUE(network->has_overrun());
 }
 
-TEST_F(Servos, AFloodOfRubbishDoesNotHoldUpTheLoop) {
+TEST_F(NetworkLoops, AFloodOfRubbishDoesNotHoldUpTheLoop) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -180,7 +180,7 @@ TEST_F(Servos, AFloodOfRubbishDoesNotHoldUpTheLoop) {
   for (int n = 0; n < 500; ++n) endpoint.arrive_raw(clock.now_ns(), at(66), rubbish);
   const std::size_t reads = device.reads.size();
   const std::uint64_t received = stats().hub.undecodable;
-  servo->step();
+  network->step();
   EXPECT_EQ(device.reads.size(), reads + 1);
   run(100);
   EXPECT_EQ(stats().hub.undecodable, received + 500);

@@ -6,33 +6,33 @@
 #include <limits>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, ForceBeginsWithARamp) {
+TEST_F(NetworkLoops, ForceBeginsWithARamp) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(52);
   EXPECT_NEAR(device.written.back().force_n.z(), 1.0, 0.1);
 }
 
-TEST_F(Servos, TheWholeSlewOfACycleIsThereForItsForce) {
+TEST_F(NetworkLoops, TheWholeSlewOfACycleIsThereForItsForce) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
   force_reply.force_n = Vec3(0, 0, 3.9);  // 1.9 N in a cycle; the device bears 2 N
-  servo->step();
+  network->step();
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   EXPECT_EQ(stats().governor.counters.slewed, 0U);
   force_reply.force_n = Vec3(0, 0, 6.5);
-  servo->step();
+  network->step();
   EXPECT_NEAR(device.written.back().force_n.z(), 5.9, 1e-9);
   EXPECT_EQ(stats().governor.counters.slewed, 1U);
 }
 
-TEST_F(Servos, LateForcesAreCountedAndTheNewestWins) {
+TEST_F(NetworkLoops, LateForcesAreCountedAndTheNewestWins) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -44,7 +44,7 @@ TEST_F(Servos, LateForcesAreCountedAndTheNewestWins) {
   EXPECT_EQ(stats().responses.lost, 0U);
 }
 
-TEST_F(Servos, AForceThatIsTooOldToBeWrittenHasNoAge) {
+TEST_F(NetworkLoops, AForceThatIsTooOldToBeWrittenHasNoAge) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -56,14 +56,14 @@ TEST_F(Servos, AForceThatIsTooOldToBeWrittenHasNoAge) {
   EXPECT_GT(stats().force_age.count(), 150U);
 }
 
-TEST_F(Servos, AnOvertakenForceIsNotWritten) {
+TEST_F(NetworkLoops, AnOvertakenForceIsNotWritten) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
   reply_delay_ns = -1;
-  servo->step();
+  network->step();
   const DeviceState slow = states.back();
-  servo->step();
+  network->step();
   force(states.back(), 0);
   force_reply.force_n = Vec3(7, 0, 0);
   force(slow, 100);
@@ -74,7 +74,7 @@ TEST_F(Servos, AnOvertakenForceIsNotWritten) {
 
 // Where the device side's force ends, the haptics node goes on from its probe: what it replied before knows nothing of that, and the reply
 // after it may be another force altogether.
-TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
+TEST_F(NetworkLoops, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   class Touching final : public LocalTouch {
    public:
     std::optional<LocalForce> step(const DeviceSample&) noexcept override {
@@ -85,7 +85,7 @@ TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   };
   Touching local;
   make();
-  servo->device_loop().set_local_touch(&local);
+  network->device_loop().set_local_touch(&local);
   join(kHaptics, NodeRole::haptics);
   run(300);
   reply_delay_ns = -1;
@@ -95,7 +95,7 @@ TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
   const DeviceState before = states.back();
   EXPECT_FALSE(before.is_resumed);
   local.is_touching = false;
-  servo->step();
+  network->step();
   const DeviceState resumed = states.back();
   EXPECT_TRUE(resumed.is_resumed) << "with the first sample that has no local force";
   force_reply.force_n = Vec3(0, 0, 3);
@@ -108,7 +108,7 @@ TEST_F(Servos, WhereALocalForceEndsOnlyRepliesFromItsProbeOnAreWritten) {
 }
 
 // The haptics node saw 20 samples a second: its probe may be where the hand was before it went around an edge.
-TEST_F(Servos, WhereALocalForceEndsTheHapticsNodeLearnsThatTheHandIsFree) {
+TEST_F(NetworkLoops, WhereALocalForceEndsTheHapticsNodeLearnsThatTheHandIsFree) {
   struct Free final : LocalTouch {
     std::optional<LocalForce> step(const DeviceSample&) noexcept override {
       return is_local ? std::optional<LocalForce>(LocalForce()) : std::nullopt;
@@ -117,17 +117,17 @@ TEST_F(Servos, WhereALocalForceEndsTheHapticsNodeLearnsThatTheHandIsFree) {
   };
   Free local;
   make();
-  servo->device_loop().set_local_touch(&local);
+  network->device_loop().set_local_touch(&local);
   join(kHaptics, NodeRole::haptics);
   run(200);
   reply_delay_ns = -1;
   local.is_local = false;
-  servo->step();
+  network->step();
   EXPECT_TRUE(states.back().is_resumed);
   EXPECT_LT((states.back().p_WP - states.back().p_WD).norm(), 1e-3);
 }
 
-TEST_F(Servos, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
+TEST_F(NetworkLoops, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
@@ -147,7 +147,7 @@ TEST_F(Servos, ACommandTimeoutReleasesTheForceWhichRampsBackIn) {
   EXPECT_NEAR(static_cast<double>(stats().responses.lost), 22.0, 1.0);
 }
 
-TEST_F(Servos, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
+TEST_F(NetworkLoops, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -155,7 +155,7 @@ TEST_F(Servos, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
   run(4);
   reply_delay_ns = 100 * kUs;
   force_reply.skipped_samples = 4;
-  servo->step();
+  network->step();
   force_reply.skipped_samples = 0;
   run(400);
   EXPECT_EQ(stats().responses.superseded, 4U);
@@ -163,17 +163,17 @@ TEST_F(Servos, ASlowHapticsNodeThatSkipsSamplesSupersedesThem) {
 }
 
 // The device side is ahead of the network side by three cycles, twice; between the two the haptics node falls behind by a sample.
-TEST_F(Servos, SamplesThatALateNetworkSideNeverSentAreNotLost) {
+TEST_F(NetworkLoops, SamplesThatALateNetworkSideNeverSentAreNotLost) {
   make();
   join(kHaptics, NodeRole::haptics);
-  servo->use_device_thread();
+  network->use_device_thread();
   const auto cycles = [&](int count) {
     for (int n = 0; n < count; ++n) {
-      clock.sleep_until_ns(servo->device_loop().tick_ns());
-      servo->device_loop().begin_cycle();
-      ASSERT_TRUE(servo->device_loop().run_cycle());
+      clock.sleep_until_ns(network->device_loop().tick_ns());
+      network->device_loop().begin_cycle();
+      ASSERT_TRUE(network->device_loop().run_cycle());
     }
-    servo->step();
+    network->step();
   };
   for (int n = 0; n < 200; ++n) {
     if (n % 100 == 50) say(kHaptics, Hello{NodeRole::haptics});
@@ -194,7 +194,7 @@ TEST_F(Servos, SamplesThatALateNetworkSideNeverSentAreNotLost) {
   EXPECT_EQ(stats().responses.lost, 0U);
 }
 
-TEST_F(Servos, HostileForcesNeverReachTheMotorsAsTheyAre) {
+TEST_F(NetworkLoops, HostileForcesNeverReachTheMotorsAsTheyAre) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -216,7 +216,7 @@ TEST_F(Servos, HostileForcesNeverReachTheMotorsAsTheyAre) {
   EXPECT_GT(stats().governor.counters.slewed, 0U);
 }
 
-TEST_F(Servos, DuplicatesAndForgedEchoesAreIgnored) {
+TEST_F(NetworkLoops, DuplicatesAndForgedEchoesAreIgnored) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(200);
@@ -231,7 +231,7 @@ TEST_F(Servos, DuplicatesAndForgedEchoesAreIgnored) {
   forged.echo_sample_time_ns = kMaxWireTimeNs;
   say(kHaptics, forged);
   reply_delay_ns = -1;
-  servo->step();
+  network->step();
   EXPECT_EQ(device.written.size(), written);
   EXPECT_EQ(stats().responses.duplicate, 1U);
   EXPECT_EQ(stats().responses.unknown, 2U);

@@ -1,4 +1,4 @@
-// The servo in its own thread, over real sockets, with a haptics node in this one's stead.
+// Both sides in their threads, over real sockets, with a haptics node in this one's stead.
 #include "io_node/io_session.h"
 
 #include <gtest/gtest.h>
@@ -61,14 +61,14 @@ struct Sessions : testing::Test {
     options.out = folder.string();
   }
 
-  Result<void> run(Device& device, const Servo::Options& servo_options = {}) {
+  Result<void> run(Device& device, const NetworkLoop::Options& network_options = {}) {
     const auto endpoint = open_udp_endpoint("127.0.0.1:0");
     HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
-    const auto servo = std::make_unique<Servo>(device, peers, clock, servo_options);
+    const auto network = std::make_unique<NetworkLoop>(device, peers, clock, network_options);
     Replier haptics((*endpoint)->local_address());
-    IoSession session(*servo, clock, options);
+    IoSession session(*network, clock, options);
     const auto ended = session.run(stop);
-    forces = servo->collect_stats().forces;
+    forces = network->collect_stats().forces;
     return ended;
   }
   std::string report() {

@@ -7,7 +7,7 @@
 
 #include "core/force/force_method.h"
 #include "io_node/device_loop.h"
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_meshes.h"
 

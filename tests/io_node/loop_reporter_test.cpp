@@ -4,12 +4,12 @@
 
 #include <string>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-using LoopReports = Servos;
+using LoopReports = NetworkLoops;
 
 TEST_F(LoopReports, ComeOnceASecondWhenEnoughIsMeasured) {
   make();

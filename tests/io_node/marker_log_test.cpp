@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
@@ -16,7 +16,7 @@ Marker marker_of(std::uint32_t request, std::string_view text) {
   return marker;
 }
 
-TEST_F(Servos, AMarkerOfAnyNodeIsRecordedAtTheNewestSampleAndGetsAReply) {
+TEST_F(NetworkLoops, AMarkerOfAnyNodeIsRecordedAtTheNewestSampleAndGetsAReply) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -43,7 +43,7 @@ TEST_F(Servos, AMarkerOfAnyNodeIsRecordedAtTheNewestSampleAndGetsAReply) {
   EXPECT_EQ(stats().markers, 3U);
 }
 
-TEST_F(Servos, AMarkerThatIsRepeatedIsRecordedOnceAndGetsAnotherReply) {
+TEST_F(NetworkLoops, AMarkerThatIsRepeatedIsRecordedOnceAndGetsAnotherReply) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kTool, NodeRole::tool);
@@ -57,7 +57,7 @@ TEST_F(Servos, AMarkerThatIsRepeatedIsRecordedOnceAndGetsAnotherReply) {
   EXPECT_EQ(marker_replies[2].second.sample, tap.markers[0].first);
 }
 
-TEST_F(Servos, AFloodOfMarkersIsCountedAndTheOthersAreRecorded) {
+TEST_F(NetworkLoops, AFloodOfMarkersIsCountedAndTheOthersAreRecorded) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kTool, NodeRole::tool);
@@ -78,7 +78,7 @@ TEST_F(Servos, AFloodOfMarkersIsCountedAndTheOthersAreRecorded) {
   run(2);
 }
 
-TEST_F(Servos, ANodeLearnsThatNothingIsRecorded) {
+TEST_F(NetworkLoops, ANodeLearnsThatNothingIsRecorded) {
   make();
   join(kTool, NodeRole::tool);
   run(5);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/force/force_method.h"
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/made_scene.h"
 #include "tests/support/patience.h"
@@ -23,8 +23,8 @@ std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
   return patch;
 }
 
-// A servo that may work with patches, and what it tells the haptics node of them.
-struct PatchLinks : Servos {
+// A network loop that may work with patches, and what it tells the haptics node of them.
+struct PatchLinks : NetworkLoops {
   LocalPatch local;
   PatchBuilder builder{local};
   std::unique_ptr<PatchLink> link;
@@ -32,7 +32,7 @@ struct PatchLinks : Servos {
   void start(TouchChoice choice) {
     link = std::make_unique<PatchLink>(peers, local, builder, choice);
     make();
-    servo->set_patch_link(link.get());
+    network->set_patch_link(link.get());
     join(kHaptics, NodeRole::haptics);
     run(100);
   }
@@ -43,7 +43,7 @@ struct PatchLinks : Servos {
     force_reply.force_n = Vec3::Zero();
     force_reply.contact = false;
     start(choice);
-    servo->device_loop().set_local_touch(&local);
+    network->device_loop().set_local_touch(&local);
   }
   // The builder has seen to all that it was told up to now, such as that a node joined: it takes everything in order, and counts a part of
   // no epoch, which changes nothing, as rejected.
@@ -104,7 +104,7 @@ TEST_F(PatchLinks, AutomaticGoesByTheRoundTrip) {
 TEST_F(PatchLinks, TheLogHasOneLineForEachChangeOfTheSource) {
   const auto take = [&] {
     std::vector<std::pair<ServoEvent::Kind, double>> events;
-    for (ServoEvent event; servo->events().pop(event);) {
+    for (ServoEvent event; network->events().pop(event);) {
       const bool is_of_touch = event.kind == ServoEvent::Kind::parts_requested || event.kind == ServoEvent::Kind::force_from_parts ||
                                event.kind == ServoEvent::Kind::force_from_haptics;
       if (is_of_touch) events.emplace_back(event.kind, event.round_trip_s);
@@ -268,7 +268,7 @@ TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
   EXPECT_GT(peers.haptics_timeout_ns(), HubPeers::kHapticsTimeoutNs) << "it gets few states meanwhile";
   const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
   EXPECT_TRUE(local.step(sample));
-  servo->finish();
+  network->finish();
   EXPECT_FALSE(local.step(sample));
 }
 
@@ -312,7 +312,7 @@ TEST_F(PatchLinks, APatchOfAHapticsNodeThatHasNotRepliedIsNotFelt) {
   force_reply.contact = true;
   reply_delay_ns = -1;
   start(TouchChoice::patch);
-  servo->device_loop().set_local_touch(&local);
+  network->device_loop().set_local_touch(&local);
   offer_floor(7);
   run(300);
   EXPECT_EQ(stats().local_forces, 0U);
@@ -402,7 +402,7 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   force_reply.contact = true;
   force_reply.method_serial = 4;
   start(TouchChoice::patch);
-  servo->device_loop().set_local_touch(&local);
+  network->device_loop().set_local_touch(&local);
   run(300);
   // Bodies are never announced: the builder makes nothing.
   EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
@@ -432,7 +432,7 @@ TEST_F(PatchRequests, AButtonIsKnownToTheHapticsNodeAtOnce) {
   floor_z_m = 0.0;
   device.down = 0;
   start(TouchChoice::patch);
-  servo->device_loop().set_local_touch(&local);
+  network->device_loop().set_local_touch(&local);
   offer_floor(7);
   run(300);
   ASSERT_GT(stats().local_forces, 200U);
@@ -457,7 +457,7 @@ TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
   force_reply.contact = true;
   force_reply.method_serial = 9;
   start(TouchChoice::patch);
-  servo->device_loop().set_local_touch(&local);
+  network->device_loop().set_local_touch(&local);
   run(300);
   say(kHaptics, Bye{});
   sequences.erase(kHaptics);

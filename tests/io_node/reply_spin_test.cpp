@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 #include "tests/support/ticking_clock.h"
 
 namespace hapton {
@@ -19,29 +19,29 @@ TEST(ReplySpin, LastsAsLongAsAskedAndNoLongerThanItsShareOfAPeriod) {
   EXPECT_EQ(ReplySpin().find_end_ns(7, kMs), 7);
 }
 
-struct SpinningServos : Servos {
+struct SpinningNetworkLoops : NetworkLoops {
   TickingClock ticking{clock};
 
   void run_with(std::int64_t reply_ns, int cycles) {
     reply_delay_ns = reply_ns;
-    servo = std::make_unique<Servo>(device, peers, ticking, Servo::Options{.reply_spin_ns = 150 * kUs});
+    network = std::make_unique<NetworkLoop>(device, peers, ticking, NetworkLoop::Options{.reply_spin_ns = 150 * kUs});
     join(kHaptics, NodeRole::haptics);
     run(cycles);
   }
 };
 
-TEST_F(SpinningServos, SpinUntilTheForceIsThere) {
+TEST_F(SpinningNetworkLoops, SpinUntilTheForceIsThere) {
   run_with(100 * kUs, 500);
-  EXPECT_GT(servo->collect_stats().forces, 450U);
-  EXPECT_GT(servo->reply_spin().spun_ns(), 450 * 90 * kUs);
-  EXPECT_LT(servo->reply_spin().spun_ns(), 500 * 110 * kUs);
+  EXPECT_GT(network->collect_stats().forces, 450U);
+  EXPECT_GT(network->reply_spin().spun_ns(), 450 * 90 * kUs);
+  EXPECT_LT(network->reply_spin().spun_ns(), 500 * 110 * kUs);
 }
 
-TEST_F(SpinningServos, SleepForAForceThatComesLaterThanThat) {
+TEST_F(SpinningNetworkLoops, SleepForAForceThatComesLaterThanThat) {
   run_with(300 * kUs, 500);
-  EXPECT_GT(servo->collect_stats().forces, 450U);
-  EXPECT_GT(servo->reply_spin().spun_ns(), SpinTrial::kWaits * 140 * kUs);
-  EXPECT_LT(servo->reply_spin().spun_ns(), SpinTrial::kWaits * 160 * kUs);
+  EXPECT_GT(network->collect_stats().forces, 450U);
+  EXPECT_GT(network->reply_spin().spun_ns(), SpinTrial::kWaits * 140 * kUs);
+  EXPECT_LT(network->reply_spin().spun_ns(), SpinTrial::kWaits * 160 * kUs);
 }
 
 }  // namespace

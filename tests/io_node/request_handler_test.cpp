@@ -5,33 +5,33 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, RateChangesWhileRunningAndInvalidOnesAreRejected) {
+TEST_F(NetworkLoops, RateChangesWhileRunningAndInvalidOnesAreRejected) {
   make();
   join(kTool, NodeRole::tool);
   run(10);
   for (const double rate : {249.0, 10'001.0, -1.0, 1e300}) say(kTool, Settings{rate, {}, false});
-  servo->step();
-  EXPECT_EQ(servo->rate_hz(), 1000.0);
+  network->step();
+  EXPECT_EQ(network->rate_hz(), 1000.0);
   EXPECT_GE(stats().bad_settings + stats().hub.undecodable, 4U);
   say(kTool, Settings{4000.0, {}, false});
   run(3);
-  EXPECT_EQ(servo->rate_hz(), 4000.0);
+  EXPECT_EQ(network->rate_hz(), 4000.0);
   device.reads.clear();
   run(20);
   for (std::size_t n = 1; n < device.reads.size(); ++n) ASSERT_EQ(device.reads[n] - device.reads[n - 1], 250 * kUs);
   ServoEvent event;
-  ASSERT_TRUE(servo->events().pop(event));
+  ASSERT_TRUE(network->events().pop(event));
   EXPECT_EQ(event.kind, ServoEvent::Kind::joined);
-  ASSERT_TRUE(servo->events().pop(event));
+  ASSERT_TRUE(network->events().pop(event));
   EXPECT_EQ(event.rate_hz, 4000.0);
 }
 
-TEST_F(Servos, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
+TEST_F(NetworkLoops, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -47,16 +47,16 @@ TEST_F(Servos, AMethodGoesOnToHapticsAndAReportRequestToTheOtherThread) {
   EXPECT_EQ(settings[0].servo_rate_hz, 0.0);
   EXPECT_EQ(settings[0].method_request, 77U);
   EXPECT_FALSE(settings[0].report_now);
-  EXPECT_TRUE(servo->take_report_request());
-  EXPECT_FALSE(servo->take_report_request());
-  servo->request_snapshot();
-  EXPECT_FALSE(servo->take_snapshot());
-  servo->step();
-  ASSERT_TRUE(servo->take_snapshot());
-  EXPECT_EQ(servo->snapshot().samples, 8U);
+  EXPECT_TRUE(network->take_report_request());
+  EXPECT_FALSE(network->take_report_request());
+  network->request_snapshot();
+  EXPECT_FALSE(network->take_snapshot());
+  network->step();
+  ASSERT_TRUE(network->take_snapshot());
+  EXPECT_EQ(network->snapshot().samples, 8U);
 }
 
-TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToToolsAndVision) {
+TEST_F(NetworkLoops, AChangeOfMaterialGoesOnToHapticsAndItsResultToToolsAndVision) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -79,7 +79,7 @@ TEST_F(Servos, AChangeOfMaterialGoesOnToHapticsAndItsResultToToolsAndVision) {
   for (const auto& [to, each] : material_states) EXPECT_EQ(each.request, 7U);
 }
 
-TEST_F(Servos, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics) {
+TEST_F(NetworkLoops, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -101,7 +101,7 @@ TEST_F(Servos, PosesOfObjectsGoToToolsAndVisionAndRequestsForOneToHaptics) {
 
 MoveRequest request_to_move(std::uint32_t request) { return {.request = request, .object = {"lid"}, .p_m = Vec3(0.1, 0, 0)}; }
 
-TEST_F(Servos, ARequestToMoveGoesOnToHapticsAndItsReplyToWhoSentIt) {
+TEST_F(NetworkLoops, ARequestToMoveGoesOnToHapticsAndItsReplyToWhoSentIt) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -131,7 +131,7 @@ TEST_F(Servos, ARequestToMoveGoesOnToHapticsAndItsReplyToWhoSentIt) {
 }
 
 // One sender's flood neither crowds out another sender nor reaches the haptics node.
-TEST_F(Servos, AFloodOfRequestsToMoveIsCutOffAndCounted) {
+TEST_F(NetworkLoops, AFloodOfRequestsToMoveIsCutOffAndCounted) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -152,7 +152,7 @@ TEST_F(Servos, AFloodOfRequestsToMoveIsCutOffAndCounted) {
   EXPECT_EQ(stats().moves_rejected, 4000U - static_cast<std::uint64_t>(from_flood));
 }
 
-TEST_F(Servos, AReplyGoesToNobodyWhoTookTheSendersPlace) {
+TEST_F(NetworkLoops, AReplyGoesToNobodyWhoTookTheSendersPlace) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -168,7 +168,7 @@ TEST_F(Servos, AReplyGoesToNobodyWhoTookTheSendersPlace) {
   EXPECT_TRUE(move_replies.empty());
 }
 
-TEST_F(Servos, WhoLeadsTheHandHoldsItsButtons) {
+TEST_F(NetworkLoops, WhoLeadsTheHandHoldsItsButtons) {
   make();
   join(kVision, NodeRole::vision);
   run(5);
@@ -180,7 +180,7 @@ TEST_F(Servos, WhoLeadsTheHandHoldsItsButtons) {
   EXPECT_EQ(device.buttons, 0U) << "released";
 }
 
-TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
+TEST_F(NetworkLoops, TheHapticsSetupGoesToToolsAndVision) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -200,7 +200,7 @@ TEST_F(Servos, TheHapticsSetupGoesToToolsAndVision) {
   }
 }
 
-TEST_F(Servos, TheMouseLeadsTheHandUntilItReleasesOrLeaves) {
+TEST_F(NetworkLoops, TheMouseLeadsTheHandUntilItReleasesOrLeaves) {
   make();
   join(kVision, NodeRole::vision);
   run(2);
@@ -223,7 +223,7 @@ TEST_F(Servos, TheMouseLeadsTheHandUntilItReleasesOrLeaves) {
   EXPECT_EQ(device.turn_rad, Vec3::Zero());
 }
 
-TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {
+TEST_F(NetworkLoops, AnotherVisionNodeDoesNotReleaseTheHand) {
   make();
   join(kVision, NodeRole::vision);
   constexpr std::uint16_t kOther = 9;
@@ -242,7 +242,7 @@ TEST_F(Servos, AnotherVisionNodeDoesNotReleaseTheHand) {
   EXPECT_TRUE(device.hand);
 }
 
-TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
+TEST_F(NetworkLoops, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   RecordingTap tap;
   make({.dead_mans_switch = 3}, nullptr, &tap);  // held: someone is at the device
   join(kHaptics, NodeRole::haptics);
@@ -253,7 +253,7 @@ TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   run(20);
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
   EXPECT_EQ(tap.faults, std::vector{SessionFault::jump});
-  const auto latched = events_of(*servo, {ServoEvent::Kind::latched});
+  const auto latched = events_of(*network, {ServoEvent::Kind::latched});
   ASSERT_EQ(latched.size(), 1U);
   EXPECT_EQ(latched[0].fault, SafetyFault::jump);
   EXPECT_EQ(stats().governor.fault, SafetyFault::jump);
@@ -263,10 +263,10 @@ TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   say(kVision, reset);
   run(300);
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
-  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::reset}).empty());
+  EXPECT_TRUE(events_of(*network, {ServoEvent::Kind::reset}).empty());
   say(kTool, reset);
   run(20);
-  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset}).size(), 1U);
+  EXPECT_EQ(events_of(*network, {ServoEvent::Kind::reset}).size(), 1U);
   EXPECT_LT(device.written.back().force_n.z(), 0.6);
   run(150);
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
@@ -274,7 +274,7 @@ TEST_F(Servos, ALatchedFaultIsReportedRecordedAndResetByAToolAlone) {
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, AResetIsRejectedWhileTheCauseIsThere) {
+TEST_F(NetworkLoops, AResetIsRejectedWhileTheCauseIsThere) {
   make({.dead_mans_switch = 3});
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);
@@ -287,7 +287,7 @@ TEST_F(Servos, AResetIsRejectedWhileTheCauseIsThere) {
   reset.reset_faults = true;
   say(kTool, reset);
   run(10);
-  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::reset_rejected}).size(), 1U);
+  EXPECT_EQ(events_of(*network, {ServoEvent::Kind::reset_rejected}).size(), 1U);
   device.condition_now.motor_temperature = 0.5;
   run(600);
   say(kTool, reset);
@@ -295,7 +295,7 @@ TEST_F(Servos, AResetIsRejectedWhileTheCauseIsThere) {
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
 }
 
-TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
+TEST_F(NetworkLoops, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
   KeyRole tools_key = KeyRole::tool;
   endpoint.key_role_of = [&](const Address& from) {
     return from.port == kTool ? tools_key : from.port == kVision ? KeyRole::vision : KeyRole::haptics;
@@ -311,11 +311,11 @@ TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
     device.place.x() = -device.place.x() + 0.05;
     run(20);
     EXPECT_NE(stats().governor.fault, SafetyFault::none);
-    events_of(*servo, {});
+    events_of(*network, {});
     say(kTool, reset);
     run(20);
     const auto reported =
-        events_of(*servo, {ServoEvent::Kind::reset, ServoEvent::Kind::reset_without_right, ServoEvent::Kind::reset_without_person});
+        events_of(*network, {ServoEvent::Kind::reset, ServoEvent::Kind::reset_without_right, ServoEvent::Kind::reset_without_person});
     EXPECT_EQ(reported.size(), 1U);
     const bool is_reset = !reported.empty() && reported[0].kind == ServoEvent::Kind::reset;
     EXPECT_EQ(stats().governor.fault == SafetyFault::none, is_reset);
@@ -331,7 +331,7 @@ TEST_F(Servos, AResetTakesAnOperatorsKeyAndAPersonAtTheDevice) {
   EXPECT_EQ(reset_by(KeyRole::operator_role, 3), ServoEvent::Kind::reset);
 }
 
-TEST_F(Servos, DeniedResetsAreAllCountedAndReportedOnceASecond) {
+TEST_F(NetworkLoops, DeniedResetsAreAllCountedAndReportedOnceASecond) {
   endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::tool : KeyRole::haptics; };
   make();
   join(kHaptics, NodeRole::haptics);
@@ -345,7 +345,7 @@ TEST_F(Servos, DeniedResetsAreAllCountedAndReportedOnceASecond) {
   for (int n = 0; n < 1500; ++n) {
     say(kTool, reset);
     run(1);
-    reported += events_of(*servo, {ServoEvent::Kind::reset_without_right}).size();
+    reported += events_of(*network, {ServoEvent::Kind::reset_without_right}).size();
   }
   EXPECT_GE(stats().resets_denied, 1499U);
   EXPECT_EQ(reported, 2U);

@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, HapticsAndVisionGetEachOthersScene) {
+TEST_F(NetworkLoops, HapticsAndVisionGetEachOthersScene) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -30,7 +30,7 @@ TEST_F(Servos, HapticsAndVisionGetEachOthersScene) {
   EXPECT_EQ(scenes[1].second.given_hash, 2U);
 }
 
-TEST_F(Servos, TheHandGetsThePoseOfTheSceneAndItsChanges) {
+TEST_F(NetworkLoops, TheHandGetsThePoseOfTheSceneAndItsChanges) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -40,16 +40,16 @@ TEST_F(Servos, TheHandGetsThePoseOfTheSceneAndItsChanges) {
   run(3);
   ASSERT_EQ(device.aims.size(), 1U);
   EXPECT_LT((device.aims[0] - Vec3(0.08, 0, 0)).norm(), 1e-6);
-  EXPECT_EQ(servo->collect_stats().reach, SceneReach::in_reach);
+  EXPECT_EQ(network->collect_stats().reach, SceneReach::in_reach);
   say(kVision, ViewTransform{.revision = 1, .X_WS = {0, -1, 0, 0, 1, 0, 0, 0.5F, 0, 0, 1, 0}});
   run(3);
   EXPECT_LT((device.aims[0] - Vec3(0, 0.58, 0)).norm(), 1e-6);
-  EXPECT_EQ(servo->collect_stats().reach, SceneReach::out_of_reach);
+  EXPECT_EQ(network->collect_stats().reach, SceneReach::out_of_reach);
   ASSERT_FALSE(probes.empty());
   EXPECT_EQ(probes.back().status, ProbeStatus::out_of_reach);
 }
 
-TEST_F(Servos, WhetherTheSceneCanBeTouchedIsReportedWhenItChanges) {
+TEST_F(NetworkLoops, WhetherTheSceneCanBeTouchedIsReportedWhenItChanges) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(5);
@@ -65,11 +65,11 @@ TEST_F(Servos, WhetherTheSceneCanBeTouchedIsReportedWhenItChanges) {
   }
   std::vector<ServoEvent::Kind> kinds;
   using Kind = ServoEvent::Kind;
-  for (const ServoEvent& event : events_of(*servo, {Kind::out_of_reach, Kind::too_small, Kind::in_reach})) kinds.push_back(event.kind);
+  for (const ServoEvent& event : events_of(*network, {Kind::out_of_reach, Kind::too_small, Kind::in_reach})) kinds.push_back(event.kind);
   EXPECT_EQ(kinds, (std::vector{Kind::out_of_reach, Kind::in_reach, Kind::too_small, Kind::in_reach}));
 }
 
-TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {
+TEST_F(NetworkLoops, VisionIsNotifiedWhyThereIsNoForce) {
   make();
   join(kVision, NodeRole::vision);
   run(200);
@@ -100,12 +100,12 @@ TEST_F(Servos, VisionIsNotifiedWhyThereIsNoForce) {
   EXPECT_EQ(probes.back().status, ProbeStatus::no_haptics);
   reply_delay_ns = 100 * kUs;
   run(500);
-  servo->device_loop().restore_latched_fault(SafetyFault::speed);
+  network->device_loop().restore_latched_fault(SafetyFault::speed);
   run(200);
   EXPECT_EQ(probes.back().status, ProbeStatus::fault_latched);
 }
 
-TEST_F(Servos, RemembersWhatTheHapticsNodeWorksWith) {
+TEST_F(NetworkLoops, RemembersWhatTheHapticsNodeWorksWith) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(5);
@@ -113,12 +113,12 @@ TEST_F(Servos, RemembersWhatTheHapticsNodeWorksWith) {
   std::copy_n("car.toml", 8, setup.scene.begin());
   say(kHaptics, setup);
   run(2);
-  EXPECT_EQ(servo->collect_stats().setup.scene_hash, 0xABCDU);
-  EXPECT_STREQ(servo->collect_stats().setup.scene.data(), "car.toml");
-  EXPECT_EQ(servo->collect_stats().scene_given_hash, 0U);
+  EXPECT_EQ(network->collect_stats().setup.scene_hash, 0xABCDU);
+  EXPECT_STREQ(network->collect_stats().setup.scene.data(), "car.toml");
+  EXPECT_EQ(network->collect_stats().scene_given_hash, 0U);
   say(kHaptics, SceneFacts{.given_hash = 0xFACADE});
   run(2);
-  EXPECT_EQ(servo->collect_stats().scene_given_hash, 0xFACADEU);
+  EXPECT_EQ(network->collect_stats().scene_given_hash, 0xFACADEU);
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST_F(Recorders, CountSamplesWhoseCycleNeverCame) {
   EXPECT_EQ(recorder.counts().lost_samples, 2U + 3U);
 }
 
-TEST_F(Recorders, UseNoHeapOnTheServosThread) {
+TEST_F(Recorders, UseNoHeapOnTheNetworkThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   auto recorder = make({file, flights});
   ASSERT_TRUE(recorder.start());

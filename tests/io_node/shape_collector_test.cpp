@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
@@ -11,7 +11,7 @@ ObjectShape part_of(std::uint32_t source, std::uint32_t serial, std::uint32_t to
   return {.source = source, .serial = serial, .object = object, .part = {.total = total, .first = first}};
 }
 
-TEST_F(Servos, ARecordingRequestsTheShapeWithWhichItBegins) {
+TEST_F(NetworkLoops, ARecordingRequestsTheShapeWithWhichItBegins) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -39,7 +39,7 @@ TEST_F(Servos, ARecordingRequestsTheShapeWithWhichItBegins) {
   EXPECT_EQ(shape_statuses.size(), 3U) << "it is whole";
 }
 
-TEST_F(Servos, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
+TEST_F(NetworkLoops, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -67,7 +67,7 @@ TEST_F(Servos, ARecordingRequestsTheNewestShapeOfEachObjectAndProcess) {
   EXPECT_LE(shape_statuses.size(), 2U + ShapePart::kMaxObjects);
 }
 
-TEST_F(Servos, WithoutARecordingNoShapesAreRequested) {
+TEST_F(NetworkLoops, WithoutARecordingNoShapesAreRequested) {
   RecordingTap tap;
   tap.marker_status = MarkerStatus::no_recording;
   make({}, nullptr, &tap);

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, ConfirmsTheViewThatTheForcesAreComputedWith) {
+TEST_F(NetworkLoops, ConfirmsTheViewThatTheForcesAreComputedWith) {
   make();
   join(kVision, NodeRole::vision);
   say(kVision, ViewTransform{.revision = 3});
@@ -32,7 +32,7 @@ TEST_F(Servos, ConfirmsTheViewThatTheForcesAreComputedWith) {
   EXPECT_EQ(probes.back().view_revision, 4U);
 }
 
-TEST_F(Servos, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView) {
+TEST_F(NetworkLoops, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -53,16 +53,16 @@ TEST_F(Servos, AHapticsNodeThatDiedLosesNothingAndItsSuccessorGetsTheView) {
   reply_delay_ns = 100 * kUs;
   sequences[kHaptics] = 0;
   endpoint.arrive(clock.now_ns(), at(kHaptics), {{0, 2000, 1, 0}, Hello{NodeRole::haptics}});
-  servo->step();
+  network->step();
   EXPECT_EQ(views.size(), 1U);
   run(300);
-  servo->finish();
+  network->finish();
   EXPECT_EQ(stats().responses.lost, 0U);
   EXPECT_GT(stats().responses.excused, 1000U);
 }
 
 // The haptics node dies in contact, a vision node joins with this view, and the next haptics node comes.
-struct ContactAcrossAView : Servos {
+struct ContactAcrossAView : NetworkLoops {
   bool resumes_after(const ViewTransform& view) {
     make();
     join(kHaptics, NodeRole::haptics);
@@ -95,13 +95,13 @@ TEST_F(ContactAcrossAView, IsForgottenWhereTheSceneMoves) {
 }
 
 // A second vision node, which joins with the pose of its own start.
-struct TwoViewers : Servos {
+struct TwoViewers : NetworkLoops {
   static constexpr std::uint16_t kSecond = 4;
   ViewTransform turned{.revision = 41};
   std::vector<ViewTransform> of_haptics, of_first, of_second;
 
   void SetUp() override {
-    Servos::SetUp();
+    NetworkLoops::SetUp();
     turned.X_WS[3] = 0.05F;
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) {
       receive(to, datagram);
@@ -173,7 +173,7 @@ TEST_F(TwoViewers, AfterTheFirstHasLeftTheNextSetsAny) {
 }
 
 // The hub was restarted, and no vision node is there.
-TEST_F(Servos, AHubWithoutAViewTakesThatOfTheHapticsNode) {
+TEST_F(NetworkLoops, AHubWithoutAViewTakesThatOfTheHapticsNode) {
   make();
   join(kHaptics, NodeRole::haptics);
   HapticsSetup setup;

@@ -404,9 +404,10 @@ TEST(Checks, FindWhatIsWrong) {
 }
 
 TEST(Checks, SeeAnIncludeHoweverItIsWritten) {
-  const SourceFile file = read_source("haptics_node/main.cpp",
-                                      "#include \"io_node/servo.h\"\n#include <io_node/servo.h>\n  #  include  <core/../io_node/servo.h>\n"
-                                      "#include <core/math/types.h>\n#include \"core/math/types.h\"\n#include <vector>\n");
+  const SourceFile file =
+      read_source("haptics_node/main.cpp",
+                  "#include \"io_node/network_loop.h\"\n#include <io_node/network_loop.h>\n  #  include  <core/../io_node/network_loop.h>\n"
+                  "#include <core/math/types.h>\n#include \"core/math/types.h\"\n#include <vector>\n");
   ASSERT_EQ(file.includes.size(), 6U);
   const auto count = [&](auto&& is_wrong) { return std::ranges::count_if(file.includes, is_wrong); };
   EXPECT_EQ(count([&](const Include& include) { return breaks_the_table(file.path, include); }), 3);

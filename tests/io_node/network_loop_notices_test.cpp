@@ -3,23 +3,23 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, UnknownPeersAreReportedAtALimitedRate) {
+TEST_F(NetworkLoops, UnknownPeersAreReportedAtALimitedRate) {
   make();
   run(1000);
   ServoEvent event;
-  EXPECT_FALSE(servo->events().pop(event));
+  EXPECT_FALSE(network->events().pop(event));
   int reports_of_key = 0;
   int reports_of_version = 0;
   for (int second = 0; second < 30; ++second) {
     endpoint.seal.wrong_key += 20;
     endpoint.seal.wrong_version += second == 0 ? 1 : 0;
     run(1000);
-    while (servo->events().pop(event)) {
+    while (network->events().pop(event)) {
       reports_of_key += event.kind == ServoEvent::Kind::wrong_key ? 1 : 0;
       reports_of_version += event.kind == ServoEvent::Kind::wrong_version ? 1 : 0;
     }
@@ -28,7 +28,7 @@ TEST_F(Servos, UnknownPeersAreReportedAtALimitedRate) {
   EXPECT_EQ(reports_of_version, 1);
 }
 
-TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
+TEST_F(NetworkLoops, ATapReceivesDatagramsAndCycles) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -49,7 +49,7 @@ TEST_F(Servos, ATapReceivesDatagramsAndCycles) {
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, ATapReceivesEachFaultOnce) {
+TEST_F(NetworkLoops, ATapReceivesEachFaultOnce) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
@@ -71,44 +71,44 @@ TEST_F(Servos, ATapReceivesEachFaultOnce) {
   EXPECT_EQ(tap.faults.back(), SessionFault::stalled);
   tap.faults.clear();
   device.state = DeviceStatus::fault;
-  servo->finish();
+  network->finish();
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, ADeviceThatFailsIsRecordedOnceThoughThatEndsTheSession) {
+TEST_F(NetworkLoops, ADeviceThatFailsIsRecordedOnceThoughThatEndsTheSession) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   run(10);
   device.state = DeviceStatus::fault;
   run(10);
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
-  servo->finish();
+  network->finish();
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, AKeyThatDoesNotAllowARoleIsReported) {
+TEST_F(NetworkLoops, AKeyThatDoesNotAllowARoleIsReported) {
   endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
-  EXPECT_TRUE(events_of(*servo, {ServoEvent::Kind::role_violation}).empty());
+  EXPECT_TRUE(events_of(*network, {ServoEvent::Kind::role_violation}).empty());
   for (int n = 0; n < 500; ++n) {
     say(kTool, Hello{.role = NodeRole::haptics});
     run(1);
   }
   run(300);
-  EXPECT_EQ(events_of(*servo, {ServoEvent::Kind::role_violation}).size(), 1U);
+  EXPECT_EQ(events_of(*network, {ServoEvent::Kind::role_violation}).size(), 1U);
   EXPECT_GE(stats().hub.role_violations, 499U);
 }
 
-TEST_F(Servos, AFloodIsReportedWithItsSource) {
+TEST_F(NetworkLoops, AFloodIsReportedWithItsSource) {
   make();
   run(100);
   endpoint.flood = Flood{Rejection::replayed_handshake, at(66), true, 200'000.0};
   run(300);
-  const auto reported = events_of(*servo, {ServoEvent::Kind::flood});
+  const auto reported = events_of(*network, {ServoEvent::Kind::flood});
   ASSERT_EQ(reported.size(), 1U);
   EXPECT_EQ(reported[0].flood, Rejection::replayed_handshake);
   EXPECT_EQ(reported[0].address, at(66));
@@ -116,19 +116,19 @@ TEST_F(Servos, AFloodIsReportedWithItsSource) {
   EXPECT_EQ(reported[0].rate_hz, 200'000.0);
 }
 
-TEST_F(Servos, AHapticsNodeThatSaysGoodbyeInContactIsNoFault) {
+TEST_F(NetworkLoops, AHapticsNodeThatSaysGoodbyeInContactIsNoFault) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);
   run(200);
   say(kHaptics, Bye{});
-  for (int n = 0; n < 40; ++n) servo->step();
+  for (int n = 0; n < 40; ++n) network->step();
   EXPECT_EQ(stats().governor.counters.command_timeouts, 1U);
   EXPECT_TRUE(tap.faults.empty());
   peers.set_tap(nullptr);
 }
 
-TEST_F(Servos, ACommandTimeoutInFreeSpaceIsNoFault) {
+TEST_F(NetworkLoops, ACommandTimeoutInFreeSpaceIsNoFault) {
   RecordingTap tap;
   make({}, nullptr, &tap);
   join(kHaptics, NodeRole::haptics);

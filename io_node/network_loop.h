@@ -45,7 +45,7 @@ namespace hapton {
 // (patches), this side wakes kRestedHz times a second, or as often as vision nodes get states, and reads the cycles since together.
 // Units: ns of the hub's clock. RT: step and finish yes; making one is set-up only. Threads: one, but for request_snapshot, take_snapshot,
 // snapshot, take_report_request and events (one other), and for device_loop, see there.
-class Servo final : private PeerEventHandler {
+class NetworkLoop final : private PeerEventHandler {
  public:
   // At 10 kHz ten cycles together; nothing that people or nodes see is more frequent.
   static constexpr double kRestedHz = 1000.0;
@@ -64,12 +64,13 @@ class Servo final : private PeerEventHandler {
     std::int64_t reply_spin_ns = 0;  // the longest time to spin for a force before this side sleeps (ReplySpin)
   };
 
-  // Pre: all outlive the servo; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
-  Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr, ServoTap* tap = nullptr);
+  // Pre: all outlive this; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
+  NetworkLoop(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr,
+              ServoTap* tap = nullptr);
   // The hub's farewells come after this, and perhaps after the tap.
-  ~Servo() { peers_.set_tap(nullptr); }
+  ~NetworkLoop() { peers_.set_tap(nullptr); }
 
-  // Set up before start. Pre: each outlives the servo.
+  // Set up before start. Pre: each outlives this.
   void set_hop_meter(HopMeter* hops) noexcept;
   void set_report_server(ReportServer* server) noexcept { report_server_ = server; }
   void set_budget(BudgetedEndpoint* budget) noexcept;
@@ -85,10 +86,10 @@ class Servo final : private PeerEventHandler {
   void step() noexcept;
   // Receives the last replies and releases the force as the governor does after a command timeout; about 22 ms.
   void finish() noexcept;
-  // Records the cycles that the device side has made since. Threads: any, once the servo's and the device side's have ended.
+  // Records the cycles that the device side has made since. Threads: any, once the threads of both sides have ended.
   void record_rest() noexcept;
 
-  // The statistics so far. Threads: the servo's only.
+  // The statistics so far. Threads: the network side's only.
   const ServoStats& collect_stats() noexcept { return fill_stats(loop_.collect_stats()); }
   DeviceStatus device_status() const noexcept { return loop_.status(); }
   // A cycle was missed under OverrunPolicy::stop.

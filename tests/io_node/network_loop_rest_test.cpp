@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
@@ -55,53 +55,53 @@ class CycleTap final : public ServoTap {
   std::vector<SessionFault> faults;
 };
 
-struct ServoRest : testing::Test {
+struct NetworkLoopRest : testing::Test {
   SimulatedClock clock{1'000'000'000};
   SleepingEndpoint endpoint{clock};
   HubPeers peers{endpoint, clock, kSession, kRestRateHz};
   BenchDevice device;
   LocalFloor floor;
   CycleTap tap;
-  std::unique_ptr<Servo> servo;
+  std::unique_ptr<NetworkLoop> network;
 
   void make(double vision_rate_hz = 240.0) {
-    servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{.rate_hz = kRestRateHz, .vision_rate_hz = vision_rate_hz}, nullptr,
-                                    &tap);
-    servo->device_loop().set_local_touch(&floor);
-    servo->use_device_thread();
-    servo->device_loop().start();
-    servo->start();
-    endpoint.loop = &servo->device_loop();
+    network = std::make_unique<NetworkLoop>(device, peers, clock,
+                                            NetworkLoop::Options{.rate_hz = kRestRateHz, .vision_rate_hz = vision_rate_hz}, nullptr, &tap);
+    network->device_loop().set_local_touch(&floor);
+    network->use_device_thread();
+    network->device_loop().start();
+    network->start();
+    endpoint.loop = &network->device_loop();
   }
   // How often the network side wakes in so many cycles of the device side.
   int count_steps(int cycles) {
     const std::size_t before = device.reads.size();
     int steps = 0;
-    for (; device.reads.size() < before + static_cast<std::size_t>(cycles); ++steps) servo->step();
+    for (; device.reads.size() < before + static_cast<std::size_t>(cycles); ++steps) network->step();
     return steps;
   }
 };
 
-TEST_F(ServoRest, WakesOnceInAMillisecondAndMissesNoCycle) {
+TEST_F(NetworkLoopRest, WakesOnceInAMillisecondAndMissesNoCycle) {
   make();
   count_steps(100);
   EXPECT_NEAR(count_steps(10'000), 1000, 10);
-  servo->step();
+  network->step();
   ASSERT_FALSE(tap.samples.empty());
   for (std::size_t n = 0; n < tap.samples.size(); ++n) ASSERT_EQ(tap.samples[n], n + 1);
   EXPECT_GE(tap.samples.size(), 10'090U);
-  EXPECT_EQ(servo->collect_stats().missed_cycles, 0U);
+  EXPECT_EQ(network->collect_stats().missed_cycles, 0U);
   EXPECT_TRUE(tap.faults.empty());
 }
 
-TEST_F(ServoRest, AsOftenAsAVisionNodeMayHaveStates) {
+TEST_F(NetworkLoopRest, AsOftenAsAVisionNodeMayHaveStates) {
   make(4000.0);
   count_steps(100);
   // The rest ends in the middle of a period.
   EXPECT_NEAR(count_steps(10'000), 3333, 40);
 }
 
-TEST_F(ServoRest, NotWhileForcesComeFromTheNetwork) {
+TEST_F(NetworkLoopRest, NotWhileForcesComeFromTheNetwork) {
   make();
   floor.is_there = false;
   count_steps(100);
@@ -114,13 +114,13 @@ TEST_F(ServoRest, NotWhileForcesComeFromTheNetwork) {
   EXPECT_NEAR(count_steps(1000), 1000, 10) << "the network side is back within a rest";
 }
 
-TEST_F(ServoRest, AStallIsAFaultAlsoWhereNewerCyclesFollowedBeforeItWoke) {
+TEST_F(NetworkLoopRest, AStallIsAFaultAlsoWhereNewerCyclesFollowedBeforeItWoke) {
   make();
   count_steps(1000);
   EXPECT_TRUE(tap.faults.empty());
   endpoint.late_ns = kCommandTimeoutNs + kRestPeriodNs;
-  servo->step();
-  servo->step();
+  network->step();
+  network->step();
   EXPECT_EQ(tap.faults, std::vector{SessionFault::stalled});
   count_steps(1000);
   EXPECT_EQ(tap.faults.size(), 1U);

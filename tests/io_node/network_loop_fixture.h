@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "devices/device.h"
-#include "io_node/servo.h"
+#include "io_node/network_loop.h"
 #include "link/bare_echo_endpoint.h"
 #include "tests/io_node/scripted_endpoint.h"
 #include "tests/support/time_units.h"
@@ -56,7 +56,7 @@ class BenchDevice final : public Device {
     turn_rad = turn;
     return true;
   }
-  // Before the servo is made: motors turn the stylus, too.
+  // Before the network loop is made: motors turn the stylus, too.
   void give_torque(double most_nm) noexcept { limits_.max_torque_nm = limits_.max_torque_slew_nm_per_s = most_nm; }
   Vec3 turn_rad = Vec3::Zero();
   std::uint32_t buttons = 0;  // of the hand, pressed by who leads it
@@ -81,13 +81,13 @@ class BenchDevice final : public Device {
   DeviceLimits limits_;
 };
 
-// A servo on simulated time with a device, and the three kinds of nodes as a script.
-struct Servos : testing::Test {
+// A network loop on simulated time with a device, and the three kinds of nodes as a script.
+struct NetworkLoops : testing::Test {
   SimulatedClock clock{1'000'000'000};
   ScriptedEndpoint endpoint{clock};
   BenchDevice device;
   HubPeers peers{endpoint, clock, kSession, 1000.0};
-  std::unique_ptr<Servo> servo;
+  std::unique_ptr<NetworkLoop> network;
   std::map<std::uint16_t, std::uint64_t> sequences;
   // Messages received by the nodes.
   std::vector<DeviceState> states;
@@ -133,8 +133,8 @@ struct Servos : testing::Test {
     endpoint.on_send = [this](const Address& to, const Datagram& datagram) { receive(to, datagram); };
   }
 
-  void make(Servo::Options options = {}, EchoProbe* echo = nullptr, ServoTap* tap = nullptr) {
-    servo = std::make_unique<Servo>(device, peers, clock, options, echo, tap);
+  void make(NetworkLoop::Options options = {}, EchoProbe* echo = nullptr, ServoTap* tap = nullptr) {
+    network = std::make_unique<NetworkLoop>(device, peers, clock, options, echo, tap);
   }
 
   void receive(const Address& to, const Datagram& datagram) {
@@ -196,11 +196,11 @@ struct Servos : testing::Test {
         for (const auto& [port, unused] : std::map(sequences)) say(port, Hello{roles.at(port)});
       }
       for (; !drawing.empty() && drawing.front().first <= clock.now_ns(); drawing.pop_front()) say(kVision, drawing.front().second);
-      servo->step();
+      network->step();
     }
   }
   std::map<std::uint16_t, NodeRole> roles = {{kHaptics, NodeRole::haptics}, {kVision, NodeRole::vision}, {kTool, NodeRole::tool}};
-  const ServoStats& stats() { return servo->collect_stats(); }
+  const ServoStats& stats() { return network->collect_stats(); }
 };
 
 // Records what it receives.
@@ -224,9 +224,9 @@ class RecordingTap final : public ServoTap {
 };
 
 // The events that came since, of these kinds.
-inline std::vector<ServoEvent> events_of(Servo& servo, std::initializer_list<ServoEvent::Kind> kinds) {
+inline std::vector<ServoEvent> events_of(NetworkLoop& network, std::initializer_list<ServoEvent::Kind> kinds) {
   std::vector<ServoEvent> events;
-  for (ServoEvent event; servo.events().pop(event);) {
+  for (ServoEvent event; network.events().pop(event);) {
     if (std::find(kinds.begin(), kinds.end(), event.kind) != kinds.end()) events.push_back(event);
   }
   return events;

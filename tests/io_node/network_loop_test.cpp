@@ -1,4 +1,4 @@
-#include "io_node/servo.h"
+#include "io_node/network_loop.h"
 
 #include <gtest/gtest.h>
 
@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "link/bare_echo_endpoint.h"
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, TicksOnAbsoluteTimeAndWritesTheMatchingForceAtOnce) {
+TEST_F(NetworkLoops, TicksOnAbsoluteTimeAndWritesTheMatchingForceAtOnce) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(500);
@@ -34,7 +34,7 @@ TEST_F(Servos, TicksOnAbsoluteTimeAndWritesTheMatchingForceAtOnce) {
   EXPECT_NEAR(stats().seconds(), 0.5, 1e-12);
 }
 
-TEST_F(Servos, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
+TEST_F(NetworkLoops, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
@@ -50,14 +50,14 @@ TEST_F(Servos, ADeviceThatIsAwayIsReportedAndItsForceRampsUpOnReturn) {
     EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
   }
   std::vector<ServoEvent::Kind> kinds;
-  for (const ServoEvent& event : events_of(*servo, {ServoEvent::Kind::away, ServoEvent::Kind::calibrating, ServoEvent::Kind::back})) {
+  for (const ServoEvent& event : events_of(*network, {ServoEvent::Kind::away, ServoEvent::Kind::calibrating, ServoEvent::Kind::back})) {
     kinds.push_back(event.kind);
   }
   EXPECT_EQ(kinds, (std::vector{ServoEvent::Kind::away, ServoEvent::Kind::back, ServoEvent::Kind::calibrating, ServoEvent::Kind::back}));
   EXPECT_EQ(stats().governor.fault, SafetyFault::none);
 }
 
-TEST_F(Servos, TheDeadMansSwitchReleasesTheForce) {
+TEST_F(NetworkLoops, TheDeadMansSwitchReleasesTheForce) {
   make({.dead_mans_switch = 2});
   join(kHaptics, NodeRole::haptics);
   run(300);  // the device holds buttons 0 and 2
@@ -70,7 +70,7 @@ TEST_F(Servos, TheDeadMansSwitchReleasesTheForce) {
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
 }
 
-TEST_F(Servos, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
+TEST_F(NetworkLoops, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
   ScriptedEndpoint echo_endpoint(clock);
   const Address responder{{5}, 5};
   std::vector<std::int64_t> sent;
@@ -93,19 +93,19 @@ TEST_F(Servos, EchoIsMeasuredHalfwayAndLeavesTheForcePathAlone) {
   EXPECT_EQ(stats().bare_echo.max_ns(), 30 * kUs);
 }
 
-TEST_F(Servos, FinishReleasesTheForce) {
+TEST_F(NetworkLoops, FinishReleasesTheForce) {
   make();
   join(kHaptics, NodeRole::haptics);
   run(300);
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
-  servo->finish();
+  network->finish();
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
   EXPECT_EQ(stats().responses.lost, 0U);
   EXPECT_EQ(stats().governor.counters.command_timeouts, 0U);
   EXPECT_NEAR(stats().seconds(), 0.3, 1e-12);
 }
 
-TEST_F(Servos, ALimitOfZeroGivesNoForceAndAllTheRest) {
+TEST_F(NetworkLoops, ALimitOfZeroGivesNoForceAndAllTheRest) {
   make({.forbids_force = true});
   join(kHaptics, NodeRole::haptics);
   run(300);
@@ -114,7 +114,7 @@ TEST_F(Servos, ALimitOfZeroGivesNoForceAndAllTheRest) {
   EXPECT_EQ(device.written.back().force_n, Vec3::Zero());
 }
 
-TEST_F(Servos, TighterLimitsHold) {
+TEST_F(NetworkLoops, TighterLimitsHold) {
   make({.tighter = {.max_force_n = 1.5}});
   join(kHaptics, NodeRole::haptics);
   run(300);
@@ -122,7 +122,7 @@ TEST_F(Servos, TighterLimitsHold) {
 }
 
 // Datagrams overtake each other: what a node said before is not what it wants now, whatever the kind.
-TEST_F(Servos, WhatWasOvertakenByItsSuccessorChangesNothing) {
+TEST_F(NetworkLoops, WhatWasOvertakenByItsSuccessorChangesNothing) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -165,7 +165,7 @@ TEST_F(Servos, WhatWasOvertakenByItsSuccessorChangesNothing) {
 }
 
 // Those that were overtaken as well: a vision node would request them again.
-TEST_F(Servos, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
+TEST_F(NetworkLoops, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -195,7 +195,7 @@ TEST_F(Servos, CarvesGoToVisionNodesAndRequestsForThemToHaptics) {
 }
 
 // Parts of a shape go to the haptics node, its shapes to who draws them; those that were overtaken as well, as each is another part.
-TEST_F(Servos, PartsOfShapesGoOnInBothDirections) {
+TEST_F(NetworkLoops, PartsOfShapesGoOnInBothDirections) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);
@@ -233,7 +233,7 @@ TEST_F(Servos, PartsOfShapesGoOnInBothDirections) {
 }
 
 // One sender's flood neither crowds out another sender nor slows the haptics node.
-TEST_F(Servos, AFloodOfPartsIsCutOffAndCounted) {
+TEST_F(NetworkLoops, AFloodOfPartsIsCutOffAndCounted) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kTool, NodeRole::tool);

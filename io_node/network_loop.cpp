@@ -1,4 +1,4 @@
-#include "io_node/servo.h"
+#include "io_node/network_loop.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ constexpr std::int64_t kStatisticsNs = 250 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
-Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo, ServoTap* tap)
+NetworkLoop::NetworkLoop(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo, ServoTap* tap)
     : loop_(device, clock,
             {.rate_hz = options.rate_hz,
              .tighter = options.tighter,
@@ -49,18 +49,18 @@ Servo::Servo(Device& device, HubPeers& peers, const Clock& clock, const Options&
   start();
 }
 
-void Servo::set_hop_meter(HopMeter* hops) noexcept {
+void NetworkLoop::set_hop_meter(HopMeter* hops) noexcept {
   hops_ = hops;
   forces_.set_hop_meter(hops);
   vision_.set_hop_meter(hops);
 }
 
-void Servo::set_budget(BudgetedEndpoint* budget) noexcept {
+void NetworkLoop::set_budget(BudgetedEndpoint* budget) noexcept {
   budget_ = budget;
   cycles_.set_budget(budget);
 }
 
-void Servo::start() noexcept {
+void NetworkLoop::start() noexcept {
   if (!cycles_.has_device_thread()) loop_.start();
   stats_.start_ns = clock_.now_ns() + std::llround(1e9 / rate_hz());
   cycle_.next_wake_ns = cycle_.next_tick_ns = stats_.start_ns;
@@ -71,7 +71,7 @@ void Servo::start() noexcept {
   next_statistics_ns_ = stats_.start_ns + kStatisticsNs;
 }
 
-void Servo::step() noexcept {
+void NetworkLoop::step() noexcept {
   if (!read_cycles()) return;
   forces_.send(cycle_);
   const std::int64_t middle_ns = cycle_.tick_ns + (cycle_.next_tick_ns - cycle_.tick_ns) / 2;
@@ -82,7 +82,7 @@ void Servo::step() noexcept {
 }
 
 // Up to the cycle that is newest now: its sample is sent, whatever the device side does meanwhile. False: the next cycle is late.
-bool Servo::read_cycles() noexcept {
+bool NetworkLoop::read_cycles() noexcept {
   if (!cycles_.await(cycle_, rate_hz(), rest_ns())) return false;
   bool is_newest = false;
   while (!is_newest && loop_.take_cycle(cycle_)) {
@@ -94,14 +94,14 @@ bool Servo::read_cycles() noexcept {
   return true;
 }
 
-void Servo::await_force(std::int64_t deadline_ns) noexcept {
+void NetworkLoop::await_force(std::int64_t deadline_ns) noexcept {
   const auto is_needed = [this] { return forces_.is_awaited() && !forces_.is_local(); };
   if (is_needed()) spin_for_force(is_needed, deadline_ns);
   receiver_.receive_while(is_needed, deadline_ns);
 }
 
 template <class IsNeeded>
-void Servo::spin_for_force(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept {
+void NetworkLoop::spin_for_force(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept {
   const std::int64_t begin_ns = clock_.now_ns();
   const std::int64_t end_ns = std::min(deadline_ns, reply_spin_.find_end_ns(begin_ns, cycle_.next_tick_ns - cycle_.tick_ns));
   if (end_ns <= begin_ns) return;
@@ -110,7 +110,7 @@ void Servo::spin_for_force(IsNeeded&& is_needed, std::int64_t deadline_ns) noexc
 }
 
 // Once a cycle, when the force path is done.
-void Servo::do_housekeeping() noexcept {
+void NetworkLoop::do_housekeeping() noexcept {
   const std::int64_t now_ns = clock_.now_ns();
   forces_.settle(now_ns);
   if (patches_ != nullptr) {
@@ -140,14 +140,14 @@ void Servo::do_housekeeping() noexcept {
                                   [this](const DeviceLoopStats& device) -> const ServoStats& { return fill_stats(device); });
 }
 
-void Servo::show_proxy() noexcept {
+void NetworkLoop::show_proxy() noexcept {
   if (vrpn_feed_ == nullptr || !vrpn_feed_->is_wanted()) return;
   ProbeState probe;
   forces_.history().show(loop_.latest().has_timed_out, probe);
   vrpn_feed_->show_proxy({probe.p_WD + probe.visual_offset_m, turn_by(probe.visual_turn) * probe.q_WT, probe.contact});
 }
 
-void Servo::probe_echo(std::int64_t middle_ns) noexcept {
+void NetworkLoop::probe_echo(std::int64_t middle_ns) noexcept {
   if (echo_ == nullptr || forces_.is_awaited()) return;
   receiver_.receive_until(middle_ns);
   const std::int64_t end_ns = cycle_.next_tick_ns - (cycle_.next_tick_ns - cycle_.tick_ns) / 8;
@@ -155,14 +155,14 @@ void Servo::probe_echo(std::int64_t middle_ns) noexcept {
   receiver_.note_waited(end_ns, clock_.now_ns());
 }
 
-void Servo::handle(const PeerEvent& event, const Datagram& datagram) noexcept {
+void NetworkLoop::handle(const PeerEvent& event, const Datagram& datagram) noexcept {
   if (event.kind == PeerEvent::Kind::message) return on_message(event, datagram);
   peer_notices_.note(event);
   if (event.kind == PeerEvent::Kind::joined) on_joined(event);
   if (event.kind == PeerEvent::Kind::left) on_left(event);
 }
 
-void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcept {
+void NetworkLoop::on_message(const PeerEvent& event, const Datagram& datagram) noexcept {
   const Message& message = datagram.message;
   if (const auto* force = std::get_if<ForceCommand>(&message)) return forces_.accept(datagram.header, *force);
   if (patches_ != nullptr && is_scene_part(message)) return patches_->accept(message);
@@ -203,7 +203,7 @@ void Servo::on_message(const PeerEvent& event, const Datagram& datagram) noexcep
 }
 
 // Of these kinds the newest wins (KindOrder).
-void Servo::on_newest(const PeerEvent& event, const Datagram& datagram) noexcept {
+void NetworkLoop::on_newest(const PeerEvent& event, const Datagram& datagram) noexcept {
   const Message& message = datagram.message;
   if (const auto* view = std::get_if<ViewTransform>(&message)) return on_view(*view, event.peer);
   if (const auto* drawn = std::get_if<FrameAck>(&message)) {
@@ -243,7 +243,7 @@ void Servo::on_newest(const PeerEvent& event, const Datagram& datagram) noexcept
   }
 }
 
-void Servo::on_joined(const PeerEvent& event) noexcept {
+void NetworkLoop::on_joined(const PeerEvent& event) noexcept {
   if (hops_ != nullptr) hops_->on_joined(event.peer, peers_.peer(event.peer).address);
   requests_.on_peer_gone(event.peer);
   markers_.on_peer_gone(event.peer);
@@ -254,27 +254,27 @@ void Servo::on_joined(const PeerEvent& event) noexcept {
   if (patches_ != nullptr) patches_->on_haptics_joined();
 }
 
-void Servo::on_left(const PeerEvent& event) noexcept {
+void NetworkLoop::on_left(const PeerEvent& event) noexcept {
   requests_.on_peer_gone(event.peer);
   markers_.on_peer_gone(event.peer);
   view_.on_left(event.peer);
   if (event.role == NodeRole::haptics) forces_.on_haptics_left();
 }
 
-void Servo::on_view(const ViewTransform& view, std::size_t peer) noexcept {
+void NetworkLoop::on_view(const ViewTransform& view, std::size_t peer) noexcept {
   if (!view_.accept(view, peer, clock_.now_ns())) return;
   forces_.forget_rest();
   scene_.place(view_.view());
 }
 
-void Servo::on_setup(const HapticsSetup& setup) noexcept {
+void NetworkLoop::on_setup(const HapticsSetup& setup) noexcept {
   stats_.setup = setup;
   if (view_.accept(setup)) scene_.place(view_.view());
   peers_.send_to_role(NodeRole::tool, setup);
   peers_.send_to_role(NodeRole::vision, setup);  // it draws the probe at its true size
 }
 
-void Servo::finish() noexcept {
+void NetworkLoop::finish() noexcept {
   constexpr std::int64_t kStepNs = kNanosecondsPerMillisecond;
   const bool runs_device = !cycles_.has_device_thread();
   loop_.end();
@@ -291,11 +291,11 @@ void Servo::finish() noexcept {
   forces_.close(cycle_.sample.time_ns);
 }
 
-void Servo::record_rest() noexcept {
+void NetworkLoop::record_rest() noexcept {
   for (DeviceCycle cycle; loop_.take_cycle(cycle);) safety_.note_overtaken(cycle, cycle.sample.time_ns);
 }
 
-const ServoStats& Servo::fill_stats(const DeviceLoopStats& device) noexcept {
+const ServoStats& NetworkLoop::fill_stats(const DeviceLoopStats& device) noexcept {
   add_device_stats(device, stats_);
   add_peer_stats(peers_, stats_);
   stats_.resets_denied += requests_.resets_denied();

@@ -1,11 +1,11 @@
-// A cycle of the servo loop allocates nothing from the heap.
+// A cycle of the network loop allocates nothing from the heap.
 #include <gtest/gtest.h>
 
 #include <memory>
 
 #include "devices/replay_device.h"
 #include "devices/simulated_phantom.h"
-#include "io_node/servo.h"
+#include "io_node/network_loop.h"
 #include "io_node/session_recorder.h"
 #include "tests/io_node/fixed_endpoint.h"
 #include "tests/support/allocation_guard.h"
@@ -22,9 +22,9 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
   ReportServer report_server;
   report_server.publish(std::string(5000, 'j'), "csv");
   HubPeers peers(metered, clock, 5, 1000.0);
-  const auto servo = std::make_unique<Servo>(device, peers, clock, Servo::Options{}, nullptr, tap);
-  servo->set_hop_meter(&ways);
-  servo->set_report_server(&report_server);
+  const auto network = std::make_unique<NetworkLoop>(device, peers, clock, NetworkLoop::Options{}, nullptr, tap);
+  network->set_hop_meter(&ways);
+  network->set_report_server(&report_server);
   Settings settings{2000.0, {'p', 'r', 'o', 'x', 'y'}, true};
   AllocationGuard guard;
   for (int n = 0; n < 3000; ++n) {
@@ -54,32 +54,32 @@ std::uint64_t allocations_of_a_session(Device& device, ServoTap* tap = nullptr) 
       default:
         break;
     }
-    if (n % 500 == 0) servo->request_snapshot();
-    servo->step();
+    if (n % 500 == 0) network->request_snapshot();
+    network->step();
   }
-  servo->finish();
+  network->finish();
   const std::uint64_t taken = guard.count();
-  EXPECT_GT(servo->collect_stats().forces, 2000U);
-  EXPECT_EQ(servo->rate_hz(), 2000.0);
-  EXPECT_GT(servo->collect_stats().hops.encode.count(), 2000U);
-  EXPECT_TRUE(servo->take_snapshot());
+  EXPECT_GT(network->collect_stats().forces, 2000U);
+  EXPECT_EQ(network->rate_hz(), 2000.0);
+  EXPECT_GT(network->collect_stats().hops.encode.count(), 2000U);
+  EXPECT_TRUE(network->take_snapshot());
   peers.set_tap(nullptr);
   return taken;
 }
 
-TEST(ServoHeap, ASessionWithTheSimulatedDeviceAllocatesNothing) {
+TEST(NetworkLoopHeap, ASessionWithTheSimulatedDeviceAllocatesNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   SimulatedPhantom device({});
   EXPECT_EQ(allocations_of_a_session(device), 0U);
 }
 
-TEST(ServoHeap, ASessionWithAReplayAllocatesNothing) {
+TEST(NetworkLoopHeap, ASessionWithAReplayAllocatesNothing) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ReplayDevice device({{0.0, Vec3::Zero(), Quat::Identity()}, {0.1, Vec3::UnitX(), Quat::Identity()}}, {.loop = true});
   EXPECT_EQ(allocations_of_a_session(device), 0U);
 }
 
-TEST(ServoHeap, ARecordedSessionAllocatesNothingInTheServosThread) {
+TEST(NetworkLoopHeap, ARecordedSessionAllocatesNothingInTheNetworkThread) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   ScratchFolder scratch;
   const SteadyClock clock;
@@ -91,7 +91,7 @@ TEST(ServoHeap, ARecordedSessionAllocatesNothingInTheServosThread) {
   EXPECT_GT(recorder.counts().entries, 9000U);
 }
 
-TEST(ServoHeap, TheGuardSeesAnAllocation) {
+TEST(NetworkLoopHeap, TheGuardSeesAnAllocation) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   AllocationGuard guard;
   ::operator delete(::operator new(100));

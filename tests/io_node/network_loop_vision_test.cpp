@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, VisionReceivesTheProbeAtItsRateWithOffsetAndStatistics) {
+TEST_F(NetworkLoops, VisionReceivesTheProbeAtItsRateWithOffsetAndStatistics) {
   make({.vision_rate_hz = 50.0});
   device.drift.x() = 1e-6;
   join(kHaptics, NodeRole::haptics);
@@ -26,7 +26,7 @@ TEST_F(Servos, VisionReceivesTheProbeAtItsRateWithOffsetAndStatistics) {
 
 // 0.5 m/s into a floor, each reply 1.3 ms late: an offset combined with another sample's pose would be wrong by the device's motion in
 // between.
-TEST_F(Servos, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
+TEST_F(NetworkLoops, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
   make();
   device.drift.z() = -0.5e-3;
   floor_z_m = 0.0;
@@ -51,7 +51,7 @@ TEST_F(Servos, VisionReceivesAPoseAndTheOffsetOfTheSameSample) {
   EXPECT_LE(most_m, 1e-12) << "the probe is drawn beside the surface";
 }
 
-TEST_F(Servos, VisionReceivesTheNewestSampleWithoutHapticsReplies) {
+TEST_F(NetworkLoops, VisionReceivesTheNewestSampleWithoutHapticsReplies) {
   make();
   device.drift.z() = -0.5e-3;
   join(kHaptics, NodeRole::haptics);
@@ -64,7 +64,7 @@ TEST_F(Servos, VisionReceivesTheNewestSampleWithoutHapticsReplies) {
   EXPECT_LE(states.back().sample - probes.back().sample, 10U) << "the picture stands still";
 }
 
-TEST_F(Servos, VisionIsServedWithoutHapticsToo) {
+TEST_F(NetworkLoops, VisionIsServedWithoutHapticsToo) {
   make();
   device.drift.x() = 1e-6;
   join(kVision, NodeRole::vision);
@@ -73,7 +73,7 @@ TEST_F(Servos, VisionIsServedWithoutHapticsToo) {
   EXPECT_FALSE(probes.back().contact);
 }
 
-TEST_F(Servos, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
+TEST_F(NetworkLoops, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
   make();
   join(kVision, NodeRole::vision);
   run(1000);
@@ -86,7 +86,7 @@ TEST_F(Servos, VisionGetsUnchangedStateTenTimesASecondAndChangesAtOnce) {
   EXPECT_EQ(probes.back().p_WD, device.place);
 }
 
-TEST_F(Servos, VisionGetsNoMoreThanItDraws) {
+TEST_F(NetworkLoops, VisionGetsNoMoreThanItDraws) {
   make();
   device.drift.x() = 1e-6;
   device.down = 0;
@@ -98,7 +98,7 @@ TEST_F(Servos, VisionGetsNoMoreThanItDraws) {
   EXPECT_LE(stats().device_to_drawn.max_ns(), 21 * kMs);
 }
 
-TEST_F(Servos, FrameAckGivesTheAgeOfTheFrame) {
+TEST_F(NetworkLoops, FrameAckGivesTheAgeOfTheFrame) {
   make();
   draw_ns = -1;
   join(kVision, NodeRole::vision);

@@ -1,14 +1,14 @@
-// What a servo is given reaches the device side.
+// What a network loop is given reaches the device side.
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAway) {
+TEST_F(NetworkLoops, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAway) {
   device.down = 0;
   make({.clutch_button = 2});
   join(kHaptics, NodeRole::haptics);
@@ -24,7 +24,7 @@ TEST_F(Servos, TheClutchOfItsOptionsHoldsTheDevicePointAndTakesTheForceAway) {
 }
 
 // The hand goes where the force pushes it, so it would get energy all the time.
-TEST_F(Servos, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
+TEST_F(NetworkLoops, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
   device.drift = Vec3(0, 0, 1e-4);
   make({.passive = PassivityController::Mechanics{.mass_kg = 0.1}});
   join(kHaptics, NodeRole::haptics);
@@ -34,7 +34,7 @@ TEST_F(Servos, ThePassivityControllerIsOnWhereItsMechanicsAreGiven) {
   EXPECT_LT(stats().max_force_n, 0.1);
 }
 
-TEST_F(Servos, ATorqueReachesTheMotorsWithinItsOwnLimitOrNotAtAll) {
+TEST_F(NetworkLoops, ATorqueReachesTheMotorsWithinItsOwnLimitOrNotAtAll) {
   device.give_torque(0.2);
   force_reply.torque_nm = Vec3(0.1, 0, 0);
   make({.tighter = {.max_torque_nm = 0.05}});
@@ -47,7 +47,7 @@ TEST_F(Servos, ATorqueReachesTheMotorsWithinItsOwnLimitOrNotAtAll) {
   EXPECT_EQ(device.written.back().force_n, force_reply.force_n);
 }
 
-TEST_F(Servos, AMissedCycleThatStopsTheSessionIsRecordedAsItsFault) {
+TEST_F(NetworkLoops, AMissedCycleThatStopsTheSessionIsRecordedAsItsFault) {
   RecordingTap tap;
   make({.overrun = OverrunPolicy::stop}, nullptr, &tap);
   run(100);

@@ -1,4 +1,4 @@
-// A cycle of the servo loop makes no system call: the waiting and the datagrams are the endpoint's.
+// A cycle of the network loop makes no system call: the waiting and the datagrams are the endpoint's.
 #include <gtest/gtest.h>
 
 #include <sys/syscall.h>
@@ -8,7 +8,7 @@
 #include <string>
 
 #include "devices/simulated_phantom.h"
-#include "io_node/servo.h"
+#include "io_node/network_loop.h"
 #include "io_node/session_recorder.h"
 #include "tests/io_node/fixed_endpoint.h"
 #include "tests/support/system_call_guard.h"
@@ -23,7 +23,7 @@ struct Session {
   SimulatedPhantom device{{}};
   SessionRecorder recorder{{}, {}, clock};
   HubPeers peers{endpoint, clock, 5, 1000.0};
-  Servo servo{device, peers, clock, {.spin_share = 0.1}, nullptr, &recorder};
+  NetworkLoop network{device, peers, clock, {.spin_share = 0.1}, nullptr, &recorder};
 
   void run() {
     for (int n = 0; n < 3000; ++n) {
@@ -31,25 +31,25 @@ struct Session {
       if (n % 50 == 0) endpoint.say(1, Hello{NodeRole::haptics}, now);
       if (n % 50 == 10) endpoint.say(2, Hello{NodeRole::vision}, now);
       if (n % 50 == 20) endpoint.say(2, ViewTransform{}, now);
-      if (n % 500 == 0) servo.request_snapshot();
-      servo.step();
+      if (n % 500 == 0) network.request_snapshot();
+      network.step();
     }
-    servo.finish();
+    network.finish();
   }
 };
 
-TEST(ServoSystemCalls, ARecordedSessionMakesNone) {
+TEST(NetworkLoopSystemCalls, ARecordedSessionMakesNone) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<Session> session;
   EXPECT_EQ(SystemCallGuard::run([&] { session = std::make_unique<Session>(); },
                                  [&] {
                                    session->run();
-                                   if (session->servo.collect_stats().forces < 2000) _exit(9);
+                                   if (session->network.collect_stats().forces < 2000) _exit(9);
                                  }),
             "");
 }
 
-TEST(ServoSystemCalls, TheGuardSeesOne) {
+TEST(NetworkLoopSystemCalls, TheGuardSeesOne) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   EXPECT_EQ(SystemCallGuard::run([] {}, [] { (void)getppid(); }), "system call " + std::to_string(SYS_getppid));
 }
