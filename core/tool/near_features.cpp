@@ -58,7 +58,7 @@ NearFeatures::NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const Too
   }
 }
 
-void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, const ToolSweep& motion, double within) {
+void NearFeatures::SweptTriangle::place(const ObjectGeometry::Corners& own, const LinearizedMotion& motion, double within) {
   const std::array<Vec3, 3> arm = {motion.orientation * own.a, motion.orientation * own.b, motion.orientation * own.c};
   PlacedTriangle& placed = *this;
   placed = PlacedTriangle(motion.from.position + arm[0], motion.from.position + arm[1], motion.from.position + arm[2]);
@@ -109,7 +109,7 @@ bool NearFeatures::extend(const RigidMotion& motion, double distance) noexcept {
   const double length = motion.length(radius_);
   reached_ = std::max(distance, within_ - length);
   if (length + distance <= within_) return true;
-  const ToolSweep path(motion);
+  const LinearizedMotion path(motion);
   ++walk_;
   for (Worker& worker : workers_) worker.found.clear();
   const bool is_whole =
@@ -160,7 +160,7 @@ bool NearFeatures::merge_found() noexcept {
   return true;
 }
 
-const NearFeatures::SweptTriangle& NearFeatures::swept(Worker& worker, std::uint32_t triangle, const ToolSweep& motion,
+const NearFeatures::SweptTriangle& NearFeatures::swept(Worker& worker, std::uint32_t triangle, const LinearizedMotion& motion,
                                                        double distance) const noexcept {
   SweptTriangle& tool = worker.swept[triangle % kSwept];
   if (tool.walk != walk_ || tool.triangle != triangle) {

@@ -91,7 +91,7 @@ class NearFeatures {
   };
   // A triangle of the tool at the start of a motion, and the box that it sweeps.
   struct SweptTriangle : PlacedTriangle {
-    void place(const ObjectGeometry::Corners& own, const ToolSweep& motion, double within);
+    void place(const ObjectGeometry::Corners& own, const LinearizedMotion& motion, double within);
 
     std::uint64_t walk = 0;  // the traversal that it was made for
     std::uint32_t triangle = 0;
@@ -124,7 +124,7 @@ class NearFeatures {
     double rest_squared = std::numeric_limits<double>::infinity();
   };
 
-  const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const ToolSweep& motion, double distance) const noexcept;
+  const SweptTriangle& swept(Worker& worker, std::uint32_t triangle, const LinearizedMotion& motion, double distance) const noexcept;
   // Lower bound of the distance of two triangles at the start of the motion; `apart`: a fixed plane separates them over the whole motion.
   struct PlaneGap {
     double gap = 0.0;

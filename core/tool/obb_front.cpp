@@ -62,7 +62,7 @@ ObbFront::ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, Wor
   }
 }
 
-void ObbFront::ToolBox::place(const ObbTree::Node& tool, const ToolSweep& motion) {
+void ObbFront::ToolBox::place(const ObbTree::Node& tool, const LinearizedMotion& motion) {
   const Vec3 arm = motion.orientation * tool.at();
   half = tool.half_size();
   half_lanes = lanes_of(half);
@@ -77,7 +77,7 @@ void ObbFront::ToolBox::place(const ObbTree::Node& tool, const ToolSweep& motion
   slack = still_slack + motion.angle * radius + motion.sagitta * (length + radius);
 }
 
-const ObbFront::ToolBox& ObbFront::placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept {
+const ObbFront::ToolBox& ObbFront::placed(Walker& walker, std::uint32_t node, const LinearizedMotion& motion) const noexcept {
   ToolBox& box = walker.boxes[node % kBoxes];
   if (box.walk != walk_ || box.node != node) {
     box.place(tool_->nodes()[node], motion);
@@ -125,7 +125,7 @@ ObbFront::Apart ObbFront::test(const ToolBox& tool, const ObbTree::Node& scene, 
   return apart;
 }
 
-void ObbFront::begin(const ToolSweep& motion, double distance) noexcept {
+void ObbFront::begin(const LinearizedMotion& motion, double distance) noexcept {
   const double rounding = 0x1p-45 * (1.0 + radius_);
   const double turned = turn_between(at_.orientation, motion.from.orientation).norm();
   travelled_ += (motion.from.position - at_.position).norm() + radius_ * turned + rounding;
@@ -180,7 +180,7 @@ void ObbFront::find_places(float enough, float clearance) noexcept {
 }
 
 // The pairs a few levels below the roots, as if a walk had ended there.
-void ObbFront::begin_at_roots(const ToolSweep& motion, double distance) noexcept {
+void ObbFront::begin_at_roots(const LinearizedMotion& motion, double distance) noexcept {
   travelled_ = 0.0;
   first_count_ = 0;
   planes_.restart(motion.from);

@@ -9,9 +9,9 @@
 
 #include "core/base/worker_team.h"
 #include "core/geometry/triangle_distance.h"
+#include "core/tool/linearized_motion.h"
 #include "core/tool/obb_tree.h"
 #include "core/tool/separating_planes.h"
-#include "core/tool/tool_sweep.h"
 
 namespace hapton {
 
@@ -65,7 +65,7 @@ class ObbFront {
   // distance; a visitor that finds that none does considers all, and so tells more. False: a visitor ended the walk, or it took more than
   // kMaxTests, and pairs are missing. Threads: workers visit concurrently.
   template <class Visit>
-  bool for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept;
+  bool for_each_near(const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
 
   // Merges the results of the workers: calls use(item) for the items of all lists in the order of their places. list_of returns the list of
   // a worker; its items have a `place`, in ascending order.
@@ -78,7 +78,7 @@ class ObbFront {
     std::uint32_t scene;
   };
   struct ToolBox {
-    void place(const ObbTree::Node& tool, const ToolSweep& motion);
+    void place(const ObbTree::Node& tool, const LinearizedMotion& motion);
 
     std::uint64_t walk = 0;  // that it was made for
     std::uint32_t node = 0;
@@ -126,11 +126,11 @@ class ObbFront {
   };
 
   static Apart test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
-  const ToolBox& placed(Walker& walker, std::uint32_t node, const ToolSweep& motion) const noexcept;
+  const ToolBox& placed(Walker& walker, std::uint32_t node, const LinearizedMotion& motion) const noexcept;
   // Prepares a walk: which pairs it begins at.
-  void begin(const ToolSweep& motion, double distance) noexcept;
+  void begin(const LinearizedMotion& motion, double distance) noexcept;
   void find_places(float enough, float clearance) noexcept;
-  void begin_at_roots(const ToolSweep& motion, double distance) noexcept;
+  void begin_at_roots(const LinearizedMotion& motion, double distance) noexcept;
   // Puts the walkers' ends together. False if there is no room, or there were too many tests.
   bool finish() noexcept;
   End end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept;
@@ -142,10 +142,10 @@ class ObbFront {
   bool is_end(Pair pair) const noexcept;  // two leaves
   // Visits the pair at a place, which a visitor has seen: that tells more than a test of its boxes. False if the walk has to end.
   template <class Visit>
-  bool visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept;
+  bool visit_again(Turn turn, const LinearizedMotion& motion, Visit&& visit) noexcept;
   // Walks from the pair at a place down. False if the walk has to end.
   template <class Visit>
-  bool descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept;
+  bool descend(Turn turn, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
 
   static constexpr std::size_t kMaxEnded = 1U << 17;
   static constexpr std::size_t kBlock = 64;  // pairs that share a bound
@@ -180,7 +180,7 @@ class ObbFront {
 // ---------------------------------------------------------------------------------------------------------------------
 
 template <class Visit>
-bool ObbFront::for_each_near(const ToolSweep& motion, double distance, Visit&& visit) noexcept {
+bool ObbFront::for_each_near(const LinearizedMotion& motion, double distance, Visit&& visit) noexcept {
   if (tool_->nodes().empty() || scene_->nodes().empty()) return true;
   begin(motion, distance);
   std::atomic<std::size_t> next = 0;
@@ -211,7 +211,7 @@ bool ObbFront::for_each_near(const ToolSweep& motion, double distance, Visit&& v
 }
 
 template <class Visit>
-bool ObbFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) noexcept {
+bool ObbFront::visit_again(Turn turn, const LinearizedMotion& motion, Visit&& visit) noexcept {
   if (++walkers_[static_cast<std::size_t>(turn.worker)].tests > kMaxTests) return false;
   const std::uint32_t at = places_[turn.place];
   const Pair pair = ended_[at];
@@ -233,7 +233,7 @@ bool ObbFront::visit_again(Turn turn, const ToolSweep& motion, Visit&& visit) no
 }
 
 template <class Visit>
-bool ObbFront::descend(Turn turn, const ToolSweep& motion, double distance, Visit&& visit) noexcept {
+bool ObbFront::descend(Turn turn, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept {
   Walker& walker = walkers_[static_cast<std::size_t>(turn.worker)];
   const std::uint32_t from = places_[turn.place];
   const bool wants_plane = motion.angle < kFastTurn;

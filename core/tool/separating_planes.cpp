@@ -36,7 +36,7 @@ void SeparatingPlanes::FloatMap::set(const Map& map) {
 // sqrt(3) radii of the grip point), along_normals differs from its exact value by 2^-21 M at most: each product passes up to seven
 // roundings of 2^-24, and the map was rounded. The terms that follow are rounded by 2^-24 of each up to five times: of the result, of M,
 // and of radius times turned. The factors here are twice that or more.
-void SeparatingPlanes::begin(const ToolSweep& motion, double turned) noexcept {
+void SeparatingPlanes::begin(const LinearizedMotion& motion, double turned) noexcept {
   at_ = motion.from;
   turn_ = motion.orientation;
   turned_ += turned;

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/math/float8.h"
+#include "core/tool/linearized_motion.h"
 #include "core/tool/obb_tree.h"
-#include "core/tool/tool_sweep.h"
 
 namespace hapton {
 
@@ -31,7 +31,7 @@ class SeparatingPlanes {
   void restart(const Placement& reference) noexcept;
   // What follows is about this motion, and the placement at its start. turned: no less than the angle between that and the placement at
   // the start of the last motion, or since restart the reference placement.
-  void begin(const ToolSweep& motion, double turned) noexcept;
+  void begin(const LinearizedMotion& motion, double turned) noexcept;
 
   // The normal of a plane about this direction, as it is stored. Pre: it is not zero, and its squared length is finite and not zero.
   static Vec3 normal_along(const Vec3& direction) noexcept;

@@ -65,11 +65,12 @@ TEST_F(ObbFrontTest, VisitsEveryPairThatABruteForceSearchFinds) {
     const RigidMotion motion{at, is_still ? Vec3::Zero() : Vec3(length * vector()), is_still ? Vec3::Zero() : Vec3(length * vector())};
     const double distance = 0.03 * std::abs(uniform(random));
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-      pairs.insert({t, id});
-      const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
-      return ObbFront::Visited{gap, gap, true};
-    }));
+    ASSERT_TRUE(
+        front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+          pairs.insert({t, id});
+          const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
+          return ObbFront::Visited{gap, gap, true};
+        }));
     visited += pairs.size();
     for (std::uint32_t t = 0; t < tool.triangle_count(); ++t) {
       for (const std::uint32_t id : scene_ids) {
@@ -96,11 +97,12 @@ TEST_F(ObbFrontTest, PairsThatDoNotMatterHideNoOthers) {
     const Placement at{vector().normalized() * 0.6, turn_by(3.0 * vector())};
     const auto walk = [&](const RigidMotion& motion, double distance) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-      EXPECT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-        pairs.insert({t, id});
-        const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
-        return ObbFront::Visited{gap, gap, true};
-      }));
+      EXPECT_TRUE(
+          front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+            pairs.insert({t, id});
+            const double gap = matters(t, id) ? triangle_gap(tool_at(t, at), scene_at(id)) * 0.999 : kInfinity;
+            return ObbFront::Visited{gap, gap, true};
+          }));
       return pairs;
     };
     front.restart();
@@ -134,11 +136,12 @@ TEST_F(ObbFrontTest, ALongSlideLosesNoPair) {
       const RigidMotion motion{at, n % 2 == 0 ? Vec3::Zero() : shift, n % 2 == 0 ? Vec3::Zero() : turn};
       const double distance = 0.3 * step * std::abs(uniform(random));
       std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-      ASSERT_TRUE(front.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-        pairs.insert({t, id});
-        const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
-        return ObbFront::Visited{gap, gap, true};
-      }));
+      ASSERT_TRUE(
+          front.for_each_near(LinearizedMotion(motion), distance, [&](ObbFront::Turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+            pairs.insert({t, id});
+            const double gap = triangle_gap(tool_at(t, at), scene_at(id)) * 0.999;
+            return ObbFront::Visited{gap, gap, true};
+          }));
       found += pairs.size();
       for (std::uint32_t t = 0; t < tool.triangle_count() && n % 15 == 14; ++t) {
         for (const std::uint32_t id : scene_ids) {
@@ -157,9 +160,10 @@ TEST_F(ObbFrontTest, AWalkThatIsEndedIsMadeAgainInFull) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&](std::size_t most) {
     std::size_t visits = 0;
-    const bool complete = front.for_each_near(ToolSweep(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
-      return ObbFront::Visited{0.0, 0.0, ++visits != most};
-    });
+    const bool complete =
+        front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+          return ObbFront::Visited{0.0, 0.0, ++visits != most};
+        });
     EXPECT_EQ(complete, visits < most);
     return visits;
   };
@@ -175,7 +179,7 @@ TEST_F(ObbFrontTest, APairThatIsKnownIsVisitedAgainWhenItIsForgotten) {
   const RigidMotion motion{{Vec3(0.0, 0.0, 0.4), Quat::Identity()}, Vec3::Zero(), Vec3::Zero()};
   const auto walk = [&] {
     std::size_t visits = 0;
-    EXPECT_TRUE(front.for_each_near(ToolSweep(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
+    EXPECT_TRUE(front.for_each_near(LinearizedMotion(motion), 0.2, [&](ObbFront::Turn, std::uint32_t, std::uint32_t, std::uint16_t) {
       ++visits;
       return ObbFront::Visited{0.0, 1.0, true};
     }));
@@ -197,12 +201,12 @@ TEST_F(ObbFrontTest, WorkersFindTogetherWhatOneFindsAlone) {
   const auto walk = [&](ObbFront& shared, const RigidMotion& motion, double distance, std::size_t most, int workers) {
     std::vector<Visits> by_worker(static_cast<std::size_t>(workers));
     std::atomic<std::size_t> count = 0;
-    const bool is_whole =
-        shared.for_each_near(ToolSweep(motion), distance, [&](ObbFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
-          by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
-          const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
-          return ObbFront::Visited{gap, gap, ++count <= most};
-        });
+    const bool is_whole = shared.for_each_near(LinearizedMotion(motion), distance,
+                                               [&](ObbFront::Turn turn, std::uint32_t t, std::uint32_t id, std::uint16_t) {
+                                                 by_worker[static_cast<std::size_t>(turn.worker)].push_back({turn.place, t, id});
+                                                 const double gap = triangle_gap(tool_at(t, motion.from), scene_at(id)) * 0.999;
+                                                 return ObbFront::Visited{gap, gap, ++count <= most};
+                                               });
     Visits all;
     for (const Visits& visits : by_worker) {
       EXPECT_TRUE(std::is_sorted(visits.begin(), visits.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; }));
@@ -245,9 +249,9 @@ TEST_F(ObbFrontTest, SlidingAlongAPlaneVisitsWhatIsNearIt) {
     ++visits;
     return ObbFront::Visited{0.0, 0.0, true};
   };
-  ASSERT_TRUE(sliding.for_each_near(ToolSweep({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
+  ASSERT_TRUE(sliding.for_each_near(LinearizedMotion({above, Vec3(0.2, 0.1, 0.0), Vec3::Zero()}), 0x1p-20, count));
   EXPECT_EQ(visits, 0U);
-  ASSERT_TRUE(sliding.for_each_near(ToolSweep({above, Vec3(0.2, 0.1, -0.02), Vec3::Zero()}), 0x1p-20, count));
+  ASSERT_TRUE(sliding.for_each_near(LinearizedMotion({above, Vec3(0.2, 0.1, -0.02), Vec3::Zero()}), 0x1p-20, count));
   EXPECT_GT(visits, 0U);
 }
 

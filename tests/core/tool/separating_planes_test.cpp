@@ -130,7 +130,7 @@ TEST_F(SeparatingPlanesTest, NoGapIsLargerThanTheDistanceOfTheBoxes) {
       Pairs pairs;
       for (int k = 0; k < 12; ++k) {
         const RigidMotion motion{at, scale * step * draw(), step * draw()};
-        planes.begin(ToolSweep(motion), turned);
+        planes.begin(LinearizedMotion(motion), turned);
         if (k == 0 || k == 6) {
           pairs = draw_pairs(at, scale);
           put(planes, pairs, at);
@@ -163,7 +163,7 @@ TEST_F(SeparatingPlanesTest, TheGapOfATurnIsNoLargerThanTheDistanceInItsMiddle) 
     SeparatingPlanes planes(kPairs, 1.001);
     const RigidMotion motion{{Vec3::Zero(), turn_by(-0.5 * angle * Vec3::UnitZ())}, Vec3::Zero(), angle * Vec3::UnitZ()};
     planes.restart(motion.from);
-    planes.begin(ToolSweep(motion), 0.0);
+    planes.begin(LinearizedMotion(motion), 0.0);
     Node tool = draw_box(Vec3::UnitX(), 0.0);
     for (float& half : tool.half) half = 1e-6F;
     const double sagitta = 1.0 - std::cos(0.5 * angle);
@@ -185,12 +185,12 @@ TEST_F(SeparatingPlanesTest, AGapIsTheDistanceAlongTheNormal) {
     SeparatingPlanes planes(kPairs, 1.0);
     const Placement at{draw(), turn_by(3.0 * draw())};
     planes.restart(at);
-    planes.begin(ToolSweep(RigidMotion{at}), 0.0);
+    planes.begin(LinearizedMotion(RigidMotion{at}), 0.0);
     const Pairs pairs = draw_pairs(at, 1.0);
     const std::vector<bool> has_plane = put(planes, pairs, at);
     // To and fro by as much as a turn of 1e-3 and a shift of 1e-2.
     const RigidMotion motion{{at.position + 0.005 * draw(), turn_by(0.0005 * draw()) * at.orientation}, 0.005 * draw(), 0.0005 * draw()};
-    planes.begin(ToolSweep(motion), turn_between(at.orientation, motion.from.orientation).norm());
+    planes.begin(LinearizedMotion(motion), turn_between(at.orientation, motion.from.orientation).norm());
     for (std::size_t i = 0; i < kPairs; ++i) {
       if (!has_plane[i]) continue;
       const BoxInScene scene(pairs.scene[i], {});
@@ -210,7 +210,7 @@ TEST_F(SeparatingPlanesTest, APlaneThatIsClearedGivesNoGap) {
   SeparatingPlanes planes(kPairs, 1.0);
   const Placement at;
   planes.restart(at);
-  planes.begin(ToolSweep(RigidMotion{at}), 0.0);
+  planes.begin(LinearizedMotion(RigidMotion{at}), 0.0);
   const Node tool = draw_box({0.0, 0.0, 1.0}, 0.1);
   const Node scene = draw_box({0.0, 0.0, 0.0}, 0.1);
   EXPECT_LT(gap_of(planes.find_gaps(1).start, 9), -1e30F);

@@ -1,4 +1,4 @@
-#include "core/tool/tool_sweep.h"
+#include "core/tool/linearized_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-TEST(ToolSweep, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
+TEST(LinearizedMotion, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
   constexpr unsigned kSeed = 11;
   SCOPED_TRACE(testing::Message() << "seed " << kSeed);
   std::mt19937_64 random(kSeed);
@@ -15,15 +15,15 @@ TEST(ToolSweep, EveryPathStaysNearTheLineFromItsStartToItsEnd) {
   const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
   for (int n = 0; n < 300; ++n) {
     const RigidMotion motion{{vector(), turn_by(3.0 * vector())}, 0.3 * vector(), 0.4 * vector()};
-    const ToolSweep swept(motion);
+    const LinearizedMotion linear(motion);
     const Vec3 r = vector();
-    const Vec3 arm = swept.orientation * r;
+    const Vec3 arm = linear.orientation * r;
     const Vec3 start = motion.from.at(r);
-    EXPECT_LT((start - (swept.from.position + arm)).norm(), 1e-14);
-    EXPECT_LT((motion.at(1.0).at(r) - (start + swept.displacement(arm))).norm(), 1e-13);
+    EXPECT_LT((start - (linear.from.position + arm)).norm(), 1e-14);
+    EXPECT_LT((motion.at(1.0).at(r) - (start + linear.displacement(arm))).norm(), 1e-13);
     for (double t = 0.0; t <= 1.0; t += 0.125) {
-      const Vec3 on_line = start + t * swept.displacement(arm);
-      EXPECT_LE((motion.at(t).at(r) - on_line).norm(), swept.sagitta * arm.norm() + 1e-14);
+      const Vec3 on_line = start + t * linear.displacement(arm);
+      EXPECT_LE((motion.at(t).at(r) - on_line).norm(), linear.sagitta * arm.norm() + 1e-14);
     }
   }
 }

@@ -4,9 +4,9 @@
 
 namespace hapton {
 
-// A motion of the tool, with what bounds the paths of its points: each is its straight line from start to end, to within the sagitta of its
-// arc. Frame and units: TouchGeometry's local ones; rad. RT: yes.
-struct ToolSweep {
+// A rigid motion with the paths of its points taken as straight lines from start to end. A path stays within the sagitta of its arc of that
+// line. Frame and units: TouchGeometry's local ones; rad. RT: yes.
+struct LinearizedMotion {
   Placement from;
   Mat3 orientation;  // at the start
   Vec3 shift;
@@ -14,7 +14,7 @@ struct ToolSweep {
   double angle = 0.0;    // of the turn
   double sagitta = 0.0;  // of an arm of length 1
 
-  explicit ToolSweep(const RigidMotion& motion)
+  explicit LinearizedMotion(const RigidMotion& motion)
       : from(motion.from),
         orientation(motion.from.orientation.toRotationMatrix()),
         shift(motion.shift),
