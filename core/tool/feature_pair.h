@@ -43,13 +43,4 @@ double gap_along(const FeaturePair& pair, const FeatureGap& gap, const Placement
 // rounding: zero. RT: yes. Pre: gap is the pair's at the placement.
 Mat6 gap_curvature(const FeaturePair& pair, const FeatureGap& gap, const Placement& placement) noexcept;
 
-// The time until which the pair certainly stays at least `floor` apart over the motion, up to `until`. A lower bound: each part of the
-// motion is covered by a bound of second order (conservative advancement, Mirtich 1996; we differ in bounding a vertex against a triangle
-// in the triangle's frame, where the distance is a convex function of the point, and edge pairs by the triple product w . (d x e)), and
-// after kMaxParts of them the time reached is returned. Edges that are parallel to within floor / 4 over their length may come to 3/4 of
-// the floor: their ends, pairs of a vertex and a face, keep the floor. RT: yes. Pre: gap is the pair's at motion.from; floor > 0.
-double find_safe_time(const FeaturePair& pair, const FeatureGap& gap, const RigidMotion& motion, double floor, double until) noexcept;
-
-constexpr int kMaxParts = 32;  // of a motion; a choice that bounds the work of a pair
-
 }  // namespace hapton

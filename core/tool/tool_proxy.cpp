@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/tool/time_of_impact.h"
+
 namespace hapton {
 namespace {
 
@@ -240,7 +242,7 @@ double ToolProxy::find_safe_share(const RigidMotion& motion) const noexcept {
     for (const NearFeature& near : part->near().features()) {
       const double d = near.gap.distance;
       const double floor = std::min(d, std::max(kMinGap * kOffset, std::min(kFloor * kOffset, d - kOffset * 0x1p-8)));
-      until = find_safe_time(near.pair, near.gap, own, floor, until);
+      until = bound_time_of_impact(near.pair, near.gap, own, floor, until);
       if (!(until > 0.0)) return 0.0;
     }
   }

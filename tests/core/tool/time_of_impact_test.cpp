@@ -1,0 +1,63 @@
+#include "core/tool/time_of_impact.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/core/tool/feature_pair_fixture.h"
+
+namespace hapton {
+namespace {
+
+using TimeOfImpact = FeaturePairTest;
+
+bool is_left_to_its_ends(const FeaturePair& pair, const RigidMotion& motion, double floor) {
+  const Vec3 d = motion.from.orientation * (pair.tool[1] - pair.tool[0]);
+  const Vec3 e = pair.scene[1] - pair.scene[0];
+  const double sine = d.normalized().cross(e.normalized()).norm();
+  return std::min(d.norm(), e.norm()) * (sine + motion.turn.norm()) <= 0.26 * floor;
+}
+
+// Until the bound, dense samples of the motion keep the floor. And it is of use: most motions that keep it are found to.
+TEST_F(TimeOfImpact, NoMotionComesBelowItsFloorBeforeTheBound) {
+  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  int keeps = 0;
+  int found = 0;
+  int shortened = 0;
+  for (int n = 0; n < 6000; ++n) {
+    const FeaturePair pair = draw_pair(kKinds[n % 3]);
+    const RigidMotion motion{draw_placement(), draw(0.2), draw(n % 2 == 0 ? 0.5 : 0.02)};
+    const FeatureGap gap = measure_gap(pair, motion.from);
+    const double floor = gap.distance * (0.05 + 0.9 * std::abs(uniform(random)));
+    if (pair.kind == Kind::edge_edge && is_left_to_its_ends(pair, motion, floor)) continue;
+    const double time = bound_time_of_impact(pair, gap, motion, floor, 1.0);
+    ASSERT_GE(time, 0.0);
+    ASSERT_LE(time, 1.0);
+    double least = gap.distance;
+    for (int i = 0; i <= 50; ++i) {
+      const double distance = measure_gap(pair, motion.at(time * i / 50.0)).distance;
+      ASSERT_GE(distance, floor * (1.0 - 1e-6)) << "case " << n << " kind " << static_cast<int>(pair.kind) << " at " << i / 50.0;
+    }
+    for (int i = 0; i <= 200; ++i) least = std::min(least, measure_gap(pair, motion.at(i / 200.0)).distance);
+    if (least > 1.01 * floor) {
+      ++keeps;
+      found += time >= 1.0 ? 1 : 0;
+    } else {
+      shortened += time < 1.0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(shortened, 500);
+  EXPECT_GT(found, keeps * 98 / 100) << "of " << keeps;
+}
+
+TEST_F(TimeOfImpact, ParallelEdgesAreLeftToTheirEnds) {
+  FeaturePair pair;
+  pair.kind = Kind::edge_edge;
+  pair.tool = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3::Zero()};
+  pair.scene = {Vec3(0.5, 0, -1e-6), Vec3(1.5, 0, -1e-6), Vec3::Zero()};
+  const RigidMotion motion{{}, {0.0, 1e-3, 0.0}, Vec3::Zero()};
+  EXPECT_EQ(bound_time_of_impact(pair, measure_gap(pair, motion.from), motion, 7.5e-7, 1.0), 1.0);
+}
+
+}  // namespace
+}  // namespace hapton
