@@ -168,8 +168,8 @@ struct DeviceHub::Parts {
   }
   void use_patches() {
     local_patch = std::make_unique<LocalPatch>();
-    patch_builder = std::make_unique<PatchBuilder>(*local_patch);
-    patch_link = std::make_unique<PatchLink>(peers, *local_patch, *patch_builder, options.touch);
+    patch_thread = std::make_unique<PatchThread>(*local_patch);
+    patch_link = std::make_unique<PatchLink>(peers, *local_patch, *patch_thread, options.touch);
     network->device_loop().set_local_touch(local_patch.get());
     network->set_patch_link(patch_link.get());
   }
@@ -190,7 +190,7 @@ struct DeviceHub::Parts {
   SessionRecorder recorder;
   HubPeers peers;
   std::unique_ptr<LocalPatch> local_patch;  // null if all forces come from the haptics node
-  std::unique_ptr<PatchBuilder> patch_builder;
+  std::unique_ptr<PatchThread> patch_thread;
   std::unique_ptr<PatchLink> patch_link;
   std::unique_ptr<NetworkLoop> network;
   HopMeter hops;

@@ -112,8 +112,8 @@ Counters count_requests(const ServoStats& s) {
 // Forces from patches, and the bare echo.
 Counters count_patches(const ServoStats& s) {
   return {{"local_forces", whole(s.local_forces)},
-          {"patch_parts", whole(s.patch_builder.store.parts)},
-          {"patches_built", whole(s.patch_builder.built)},
+          {"patch_parts", whole(s.patch_thread.store.parts)},
+          {"patches_built", whole(s.patch_thread.built)},
           {"patches_taken_over", whole(s.patch_touch.handed_over)},
           {"beyond_patch", whole(s.patch_touch.beyond)},
           {"beyond_patch_steps", whole(s.patch_touch.beyond_steps)},

@@ -88,7 +88,8 @@ std::optional<LocalForce> LocalPatch::step(const DeviceSample& sample) noexcept 
     if (touch_.is_placed() && !is_path_known(last_p_WD_, sample.p_WD, sample.time_ns - last_ns_)) touch_.forget();
     last_p_WD_ = sample.p_WD;
   }
-  // Just after another haptics node has joined, the patches here are still those of the previous one, until the builder has cleared them.
+  // Just after another haptics node has joined, the patches here are still those of the previous one, until the patch thread has cleared
+  // them.
   const bool is_cleared = cleared_.load(std::memory_order_acquire) == orders.clears;
   touch_.set_generation(is_cleared && orders.may_begin ? generation_.load(std::memory_order_acquire) : kNoGeneration);
   const Pose X_SW = orders.X_WS.inverse(Eigen::Isometry);

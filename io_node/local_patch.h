@@ -31,7 +31,8 @@ struct PatchOrders {
   // A sample and its scene time, of the newest force: until patches reach the hand, scene time goes on from there.
   std::int64_t anchor_ns = 0;
   std::int64_t anchor_scene_ns = 0;
-  // How many haptics nodes have joined whose parts are kept apart: patches are used once the builder has dropped those of the node before.
+  // How many haptics nodes have joined whose parts are kept apart: patches are used once the patch thread has dropped those of the node
+  // before.
   std::uint32_t clears = 0;
 };
 
@@ -42,7 +43,7 @@ struct PatchOrders {
 // no force is given it stands still.
 //
 // Frames: W and S as named. RT: step, publish, hand and so on yes; making one and ending it is set-up only.
-// Threads: one calls step, one the network side, one the builder's side.
+// Threads: one calls step, one the network side, one the patch thread.
 class LocalPatch final : public LocalTouch {
  public:
   static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;  // as HapticsStep
@@ -63,7 +64,7 @@ class LocalPatch final : public LocalTouch {
     return counts_.value();
   }
 
-  // --- the builder
+  // --- the patch thread
   // The newest place of the hand in the frame of a link (PatchChain); false: none came since the last call.
   bool read_hand_state(PatchHandState& hand, std::size_t link = 0) noexcept;
   // Replaces one that was not taken yet. Pre: the bodies of its generation were offered before.

@@ -307,7 +307,7 @@ const ServoStats& NetworkLoop::fill_stats(const DeviceLoopStats& device) noexcep
     stats_.budget_spent = budget_->spent();
   }
   if (patches_ != nullptr) {
-    stats_.patch_builder = patches_->builder_counts();
+    stats_.patch_thread = patches_->thread_counts();
     stats_.patch_touch = patches_->touch_counts();
   }
   if (hops_ != nullptr) stats_.hops = hops_->collect(clock_.now_ns());

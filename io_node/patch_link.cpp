@@ -24,7 +24,7 @@ void PatchLink::accept(const Message& part) noexcept {
   if (const auto* begin = std::get_if<PatchBegin>(&part); begin != nullptr && !note_begin(*begin)) return;
   // Of the node before, or not asked for.
   if (must_clear_ || state_ == State::remote) return;
-  builder_.push(part);
+  thread_.push(part);
 }
 
 // False: it is of no use.
@@ -34,7 +34,7 @@ bool PatchLink::note_begin(const PatchBegin& begin) noexcept {
   if (begin_epoch_ != 0 && static_cast<std::int32_t>(begin.epoch - begin_epoch_) <= 0) return true;
   begin_epoch_ = begin.epoch;
   least_method_ = begin.method_serial;
-  // Before the builder has it, whose patches the device side takes at once.
+  // Before the patch thread has it, whose patches the device side takes at once.
   if (needs_start() && std::exchange(orders_.may_begin, false)) local_.publish(orders_);
   return true;
 }
@@ -57,7 +57,7 @@ void PatchLink::accept(const ObjectMove& move) noexcept {
 }
 
 void PatchLink::accept_shape(const Message& shape, Arrival arrival) noexcept {
-  if (!must_clear_ && state_ != State::remote) builder_.push_shape(shape, arrival);
+  if (!must_clear_ && state_ != State::remote) thread_.push_shape(shape, arrival);
 }
 
 // What came so far is not used any more.
@@ -74,7 +74,7 @@ void PatchLink::on_haptics_joined() noexcept {
 }
 
 void PatchLink::update(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept {
-  if (must_clear_) must_clear_ = !builder_.clear();
+  if (must_clear_) must_clear_ = !thread_.clear();
   choose(forces, now_ns);
   if (state_ == State::remote) {
     if (is_reply_due_ && now_ns - status_ns_ >= kSoonNs) send_status(round_trip_s_, now_ns);
@@ -89,8 +89,8 @@ void PatchLink::update(ForceExchange& forces, const std::optional<ViewTransform>
   orders_.anchor_scene_ns = forces.history().last_reply().scene_time_ns;
   orders_.until_ns = peers_.has_haptics() ? peers_.peer(HubPeers::kHapticsSlot).last_received_ns + kAloneNs : 0;
   local_.publish(orders_);
-  if (const auto missing = builder_.take_shape_request()) peers_.send_to_role(NodeRole::haptics, *missing);
-  has_news_ = builder_.take_status() || has_news_;
+  if (const auto missing = thread_.take_shape_request()) peers_.send_to_role(NodeRole::haptics, *missing);
+  has_news_ = thread_.take_status() || has_news_;
   if (now_ns - status_ns_ >= (has_news_ ? kSoonNs : kStatusNs)) send_status(round_trip_s_, now_ns);
 }
 
@@ -169,7 +169,7 @@ void PatchLink::note_probe(const ForceExchange& forces, std::uint32_t view_revis
 }
 
 void PatchLink::send_status(double round_trip_s, std::int64_t now_ns) noexcept {
-  PatchStatus status = must_clear_ ? PatchStatus() : builder_.status();
+  PatchStatus status = must_clear_ ? PatchStatus() : thread_.status();
   status.is_wanted = state_ != State::remote;
   status.newest_move = moves_.newest();
   status.moves_received = moves_.received();

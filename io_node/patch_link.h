@@ -5,7 +5,7 @@
 
 #include "io_node/force_exchange.h"
 #include "io_node/local_patch.h"
-#include "io_node/patch_builder.h"
+#include "io_node/patch_thread.h"
 #include "io_node/touch_chooser.h"
 #include "link/hub_peers.h"
 #include "link/messages.h"
@@ -36,8 +36,8 @@ class PatchLink {
   static constexpr std::int64_t kSoonNs = 50 * kNanosecondsPerMillisecond;    // when there is news
 
   // Pre: all outlive this.
-  PatchLink(HubPeers& peers, LocalPatch& local, PatchBuilder& builder, TouchChoice choice) noexcept
-      : peers_(peers), local_(local), builder_(builder), chooser_(choice) {}
+  PatchLink(HubPeers& peers, LocalPatch& local, PatchThread& thread, TouchChoice choice) noexcept
+      : peers_(peers), local_(local), thread_(thread), chooser_(choice) {}
 
   // A part of the scene.
   void accept(const Message& part) noexcept;
@@ -54,7 +54,7 @@ class PatchLink {
   void finish() noexcept;
   // The median by which that was chosen; below 0: not known.
   double round_trip_s() const noexcept { return round_trip_s_; }
-  const PatchBuilderCounts& builder_counts() noexcept { return builder_.counts(); }
+  const PatchThreadCounts& thread_counts() noexcept { return thread_.counts(); }
   const PatchTouch::Counts& touch_counts() noexcept { return local_.counts(); }
 
  private:
@@ -74,7 +74,7 @@ class PatchLink {
 
   HubPeers& peers_;
   LocalPatch& local_;
-  PatchBuilder& builder_;
+  PatchThread& thread_;
   TouchChooser chooser_;
   State state_ = State::remote;
   PatchOrders orders_;

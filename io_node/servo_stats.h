@@ -7,7 +7,7 @@
 #include "io_node/device_loop.h"
 #include "io_node/echo_probe.h"
 #include "io_node/hop_meter.h"
-#include "io_node/patch_builder.h"
+#include "io_node/patch_thread.h"
 #include "io_node/response_tracker.h"
 #include "io_node/scene_reach.h"
 #include "link/hub_peers.h"
@@ -68,7 +68,7 @@ struct ServoStats {
   std::int64_t longest_release_ns = 0;     // sample of the last force accepted -> zero on the device, of all silences
   std::uint64_t cuts = 0;                  // times the device side cut the device, as the network side was stuck in the middle of a write
   std::uint64_t local_forces = 0;          // computed on the device side, from patches of the scene
-  PatchBuilderCounts patch_builder;
+  PatchThreadCounts patch_thread;
   PatchTouch::Counts patch_touch;
   std::uint64_t cycles_unreported = 0;  // of the device side, which the network side was too late to receive
 

@@ -98,7 +98,7 @@ void RemotePatch::take_parts(std::int64_t now_ns) {
   }
 }
 
-// As the hub's builder: one at a time.
+// As the hub's patch thread: one at a time.
 void RemotePatch::make_patches(const Vec3& p_WD, std::int64_t now_ns) {
   (void)touch_.take_retired();
   maker_.note_hand(touch_.hand_at(p_WD, now_ns));

@@ -20,8 +20,8 @@
 #include "haptics_node/reply_loop.h"
 #include "io_node/local_patch.h"
 #include "io_node/network_loop.h"
-#include "io_node/patch_builder.h"
 #include "io_node/patch_link.h"
+#include "io_node/patch_thread.h"
 #include "link/link_key.h"
 #include "link/sealed_client.h"
 #include "link/sealed_hub.h"
@@ -252,10 +252,10 @@ class SimulatedSystem {
     network_loop = std::make_unique<NetworkLoop>(device, *peers_, clock, NetworkLoop::Options{.rate_hz = rate_hz_});
     if (touch_ == TouchChoice::remote) return;
     patch_link_.reset();
-    builder_.reset();
+    patch_thread_.reset();
     local_ = std::make_unique<LocalPatch>();
-    builder_ = std::make_unique<PatchBuilder>(*local_);
-    patch_link_ = std::make_unique<PatchLink>(*peers_, *local_, *builder_, touch_);
+    patch_thread_ = std::make_unique<PatchThread>(*local_);
+    patch_link_ = std::make_unique<PatchLink>(*peers_, *local_, *patch_thread_, touch_);
     touch_tap_.emplace(*local_, touched);
     network_loop->device_loop().set_local_touch(&*touch_tap_);
     network_loop->set_patch_link(patch_link_.get());
@@ -387,7 +387,7 @@ class SimulatedSystem {
   double rate_hz_;
   std::unique_ptr<LocalPatch> local_;
   std::optional<TouchTap> touch_tap_;
-  std::unique_ptr<PatchBuilder> builder_;
+  std::unique_ptr<PatchThread> patch_thread_;
   std::unique_ptr<PatchLink> patch_link_;
 };
 

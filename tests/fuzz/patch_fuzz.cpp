@@ -19,7 +19,7 @@ namespace {
 constexpr double kStepS = 1e-3;
 constexpr int kSteps = 12;
 
-// As the hub has it: PatchBuilder's store and makers, and the chain of its device loop.
+// As the hub has it: PatchThread's store and makers, and the chain of its device loop.
 class PatchHub {
  public:
   PatchHub() {

@@ -31,8 +31,8 @@ std::unique_ptr<ServoStats> two_seconds() {
   stats->hub.undecodable = 2;
   stats->hub.unknown_peers = 5;
   stats->local_forces = 40;
-  stats->patch_builder.store.parts = 12;
-  stats->patch_builder.built = 6;
+  stats->patch_thread.store.parts = 12;
+  stats->patch_thread.built = 6;
   stats->patch_touch.handed_over = 4;
   stats->patch_touch.beyond = 2;
   stats->patch_touch.beyond_steps = 30;

@@ -26,11 +26,11 @@ std::unique_ptr<Patch> floor_patch(std::uint32_t generation) {
 // A network loop that may work with patches, and what it tells the haptics node of them.
 struct PatchLinks : NetworkLoops {
   LocalPatch local;
-  PatchBuilder builder{local};
+  PatchThread thread{local};
   std::unique_ptr<PatchLink> link;
 
   void start(TouchChoice choice) {
-    link = std::make_unique<PatchLink>(peers, local, builder, choice);
+    link = std::make_unique<PatchLink>(peers, local, thread, choice);
     make();
     network->set_patch_link(link.get());
     join(kHaptics, NodeRole::haptics);
@@ -45,15 +45,15 @@ struct PatchLinks : NetworkLoops {
     start(choice);
     network->device_loop().set_local_touch(&local);
   }
-  // The builder has seen to all that it was told up to now, such as that a node joined: it takes everything in order, and counts a part of
-  // no epoch, which changes nothing, as rejected.
-  bool builder_has_caught_up() {
-    const std::uint64_t before = builder.counts().store.rejected;
-    builder.push(PatchTile{});
-    return wait_until([&] { return builder.counts().store.rejected > before; });
+  // The patch thread has seen to all that it was told up to now, such as that a node joined: it takes everything in order, and counts a
+  // part of no epoch, which changes nothing, as rejected.
+  bool thread_has_caught_up() {
+    const std::uint64_t before = thread.counts().store.rejected;
+    thread.push(PatchTile{});
+    return wait_until([&] { return thread.counts().store.rejected > before; });
   }
   void offer_floor(std::uint32_t generation) {
-    ASSERT_TRUE(builder_has_caught_up());
+    ASSERT_TRUE(thread_has_caught_up());
     local.set_generation(generation);
     local.offer(floor_patch(generation));
   }
@@ -66,7 +66,7 @@ TEST_F(PatchLinks, RemoteForceWantsNoParts) {
   EXPECT_FALSE(link->is_wanted());
 }
 
-// Sooner where the builder has news: at first that it has nothing.
+// Sooner where the patch thread has news: at first that it has nothing.
 TEST_F(PatchLinks, PatchesAreRequestedEvery100Ms) {
   start(TouchChoice::patch);
   patch_statuses.clear();
@@ -200,7 +200,7 @@ TEST_F(PatchLinks, WithoutPatchesTheHapticsNodeLearnsOfTheRoundTrip) {
 // start again.
 TEST_F(PatchLinks, TheRemoteForceGoesOnUntilAPatchIsThere) {
   start_above_floor(TouchChoice::patch);
-  ASSERT_TRUE(builder_has_caught_up());
+  ASSERT_TRUE(thread_has_caught_up());
   local.set_generation(7);
   run(300);
   device.place.z() = -0.002;
@@ -250,7 +250,7 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   run(3000);
   ASSERT_TRUE(link->is_wanted());
   EXPECT_EQ(stats().local_forces, before);
-  ASSERT_TRUE(builder_has_caught_up());
+  ASSERT_TRUE(thread_has_caught_up());
   local.free_retired();
   local.set_generation(78);
   local.offer(floor_patch(78));
@@ -292,8 +292,8 @@ TEST_F(PatchLinks, ContactOutlivesAHapticsNodeWhosePatchesWereFelt) {
   states.clear();
   join(kHaptics, NodeRole::haptics);
   run(20);
-  // The builder has dropped what it had, and one patch of the new node is there before its first reply.
-  ASSERT_TRUE(builder_has_caught_up());
+  // The patch thread has dropped what it had, and one patch of the new node is there before its first reply.
+  ASSERT_TRUE(thread_has_caught_up());
   local.set_generation(9);
   local.free_retired();
   local.offer(floor_patch(9));
@@ -337,18 +337,18 @@ TEST_F(PatchLinks, PartsThatWereNotRequestedAreDropped) {
   tile.epoch = tile.serial = 1;
   for (int n = 0; n < 50; ++n) say(kHaptics, tile);
   run(100);
-  EXPECT_EQ(link->builder_counts().store.parts, 0U);
-  EXPECT_EQ(link->builder_counts().store.rejected, 0U);
+  EXPECT_EQ(link->thread_counts().store.parts, 0U);
+  EXPECT_EQ(link->thread_counts().store.rejected, 0U);
 }
 
-// What the builder has taken of it, once it has caught up.
+// What the patch thread has taken of it, once it has caught up.
 struct PatchRequests : PatchLinks {
   std::uint32_t request() const { return patch_statuses.back().second.request; }
   std::uint64_t parts_after(const PatchBegin& begin) {
     say(kHaptics, begin);
     run(10);
-    EXPECT_TRUE(builder_has_caught_up());
-    return builder.counts().store.parts;
+    EXPECT_TRUE(thread_has_caught_up());
+    return thread.counts().store.parts;
   }
 };
 
@@ -366,7 +366,7 @@ TEST_F(PatchRequests, AnEpochForAnEarlierRequestIsNotUsed) {
   join(kHaptics, NodeRole::haptics);
   run(200);
   EXPECT_NE(request(), before);
-  ASSERT_TRUE(builder_has_caught_up());
+  ASSERT_TRUE(thread_has_caught_up());
   begin.epoch = 7;
   EXPECT_EQ(parts_after(begin), 1U);
   begin.request = request();
@@ -404,7 +404,7 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   start(TouchChoice::patch);
   network->device_loop().set_local_touch(&local);
   run(300);
-  // Bodies are never announced: the builder makes nothing.
+  // Bodies are never announced: the patch thread makes nothing.
   EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
   local.set_generation(7);
   local.offer(floor_patch(7));
@@ -419,7 +419,7 @@ TEST_F(PatchRequests, TheFirstPatchWaitsForAReplyThatKnowsOfTheScene) {
   const std::uint64_t before = stats().local_forces;
   run(300);
   EXPECT_GE(stats().local_forces, before + 299);
-  // A newer one is known to the device side at once, before the builder can make anything of it.
+  // A newer one is known to the device side at once, before the patch thread can make anything of it.
   const DeviceSample sample{.time_ns = clock.now_ns(), .p_WD = device.place};
   EXPECT_TRUE(local.step(sample));
   link->accept(PatchBegin{.epoch = 2, .serial = 1, .step_m = 1e-6, .request = request(), .method_serial = 6});
@@ -465,7 +465,7 @@ TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
   reply_delay_ns = -1;
   join(kHaptics, NodeRole::haptics);
   run(20);
-  ASSERT_TRUE(builder_has_caught_up());
+  ASSERT_TRUE(thread_has_caught_up());
   EXPECT_EQ(parts_after({.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2, .request = request(), .method_serial = 5}), 1U);
   local.set_generation(7);
   local.offer(floor_patch(7));
@@ -484,7 +484,7 @@ TEST_F(PatchRequests, APlaceOfTheHapticsNodeBeforeIsNoReplyOfTheNewOne) {
 TEST_F(PatchRequests, ABeginningUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   start(TouchChoice::patch);
-  ASSERT_TRUE(builder_has_caught_up());
+  ASSERT_TRUE(thread_has_caught_up());
   Message message = PatchBegin{.serial = 1, .step_m = 1e-6};
   auto& begin = std::get<PatchBegin>(message);
   const AllocationGuard guard;

@@ -150,7 +150,7 @@ class ChainStage {
     }
   }
 
-  // As LocalPatch and PatchBuilder exchange them: one waits to be taken.
+  // As LocalPatch and PatchThread exchange them: one waits to be taken.
   void make_stages(std::size_t link) {
     std::unique_ptr<PatchShape>& stage = stages_[link];
     for (bool is_taken = true; is_taken;) {

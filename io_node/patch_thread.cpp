@@ -1,4 +1,4 @@
-#include "io_node/patch_builder.h"
+#include "io_node/patch_thread.h"
 
 #include <algorithm>
 #include <chrono>
@@ -12,27 +12,27 @@ namespace hapton {
 namespace {
 
 // Polls, since to wake it would be a system call of the network side. While parts come a patch is due every few milliseconds.
-constexpr auto kBuilderPollPeriod = std::chrono::milliseconds(2);
-constexpr auto kIdleBuilderPollPeriod = std::chrono::milliseconds(50);
+constexpr auto kPatchPollPeriod = std::chrono::milliseconds(2);
+constexpr auto kIdlePatchPollPeriod = std::chrono::milliseconds(50);
 // A stage of fewer vertices counts as one of so many: a moment without the CPU would say nothing about the large ones.
 constexpr std::uint32_t kFewVertices = 1000;
 constexpr float kForgetShare = 0.125F;  // of the difference, with each stage that takes less time
 
 }  // namespace
 
-PatchBuilder::PatchBuilder(LocalPatch& local) : local_(local) {
+PatchThread::PatchThread(LocalPatch& local) : local_(local) {
   for (std::uint32_t body = 0; body < PatchBody::kMaxBodies; ++body) makers_.emplace_back(PatchMaker::kFewTriangles, body);
   failed_work_.assign(makers_.size(), WorkShare(kFailureShare, kFailureBurstNs));
   thread_ = start_thread([this] { run(); });
 }
 
-PatchBuilder::~PatchBuilder() {
+PatchThread::~PatchThread() {
   stop_.store(true);
   thread_.join();
   local_.free_retired();
 }
 
-bool PatchBuilder::write(const Message* part, Arrival arrival) noexcept {
+bool PatchThread::write(const Message* part, Arrival arrival) noexcept {
   const std::size_t end = end_.load(std::memory_order_relaxed);
   if (end - begin_.load(std::memory_order_acquire) == kRing) return false;
   Slot& slot = ring_[end % kRing];
@@ -43,18 +43,18 @@ bool PatchBuilder::write(const Message* part, Arrival arrival) noexcept {
   return true;
 }
 
-bool PatchBuilder::clear() noexcept {
+bool PatchThread::clear() noexcept {
   const bool is_written = write(nullptr, Arrival::newest);
   clears_ += is_written ? 1 : 0;
   return is_written;
 }
 
-std::optional<ShapeStatus> PatchBuilder::take_shape_request() noexcept {
+std::optional<ShapeStatus> PatchThread::take_shape_request() noexcept {
   ShapeStatus request;
   return shape_requests_.pop(request) ? std::optional(request) : std::nullopt;
 }
 
-void PatchBuilder::run() {
+void PatchThread::run() {
   while (!stop_.load()) {
     local_.free_retired();
     const bool has_parts = drain();
@@ -67,11 +67,11 @@ void PatchBuilder::run() {
       told_.store = store_.counts();
       counts_.publish(told_);
     }
-    std::this_thread::sleep_for(has_hand || has_parts ? kBuilderPollPeriod : kIdleBuilderPollPeriod);
+    std::this_thread::sleep_for(has_hand || has_parts ? kPatchPollPeriod : kIdlePatchPollPeriod);
   }
 }
 
-bool PatchBuilder::drain() {
+bool PatchThread::drain() {
   const std::size_t first = begin_.load(std::memory_order_relaxed);
   const std::size_t end = end_.load(std::memory_order_acquire);
   for (std::size_t at = first; at != end; ++at) {
@@ -89,7 +89,7 @@ bool PatchBuilder::drain() {
   return first != end;
 }
 
-void PatchBuilder::begin_epoch(bool is_cleared) {
+void PatchThread::begin_epoch(bool is_cleared) {
   epoch_ = is_cleared ? 0 : store_.status().epoch;
   for (PatchMaker& maker : makers_) maker.forget();
   are_bodies_offered_ = false;
@@ -97,7 +97,7 @@ void PatchBuilder::begin_epoch(bool is_cleared) {
 }
 
 // Bodies come before all patches of them.
-void PatchBuilder::offer_news() {
+void PatchThread::offer_news() {
   if (!are_bodies_offered_ && store_.has_bodies()) {
     local_.offer(store_.make_bodies(generation_));
     are_bodies_offered_ = true;
@@ -109,13 +109,13 @@ void PatchBuilder::offer_news() {
   local_.offer(std::move(materials));
 }
 
-bool PatchBuilder::is_in_use(std::size_t link) const noexcept {
+bool PatchThread::is_in_use(std::size_t link) const noexcept {
   if (!are_bodies_offered_) return link == 0;
   return link < store_.begin().body_count;
 }
 
 // True: a sample of the hand has come.
-bool PatchBuilder::build_where_due() {
+bool PatchThread::build_where_due() {
   bool has_hand = false;
   for (std::size_t link = 0; link < makers_.size(); ++link) {
     PatchHandState hand;
@@ -130,7 +130,7 @@ bool PatchBuilder::build_where_due() {
   return has_hand;
 }
 
-void PatchBuilder::look_after_shapes() {
+void PatchThread::look_after_shapes() {
   const std::int64_t now_ns = SteadyClock().now_ns();
   if (const auto newest = store_.take_shape_request(now_ns)) (void)shape_requests_.push(*newest);
   requests_.clear();
@@ -138,7 +138,7 @@ void PatchBuilder::look_after_shapes() {
   for (const ShapeStatus& ahead : requests_) (void)shape_requests_.push(ahead);
 }
 
-void PatchBuilder::make_stage_if_due(std::size_t link) {
+void PatchThread::make_stage_if_due(std::size_t link) {
   const SteadyClock clock;
   const std::int64_t began_ns = clock.now_ns();
   if (!stage_work_.may_begin(began_ns)) return;
@@ -152,14 +152,14 @@ void PatchBuilder::make_stage_if_due(std::size_t link) {
 }
 
 // The time that it takes here includes what other programs take of the CPU. It rises at once, as one that comes late is felt.
-void PatchBuilder::note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept {
+void PatchThread::note_stage(std::int64_t took_ns, std::uint32_t vertices) noexcept {
   const float newest_s = 1e-9F * static_cast<float>(took_ns) / static_cast<float>(std::max(vertices, kFewVertices));
   shape_s_per_vertex_ = std::max(newest_s, shape_s_per_vertex_ + kForgetShare * (newest_s - shape_s_per_vertex_));
   has_made_stage_ = true;
   ++told_.stages;
 }
 
-void PatchBuilder::build_if_due(std::size_t link) {
+void PatchThread::build_if_due(std::size_t link) {
   PatchMaker& maker = makers_[link];
   const SteadyClock clock;
   const std::int64_t began_ns = clock.now_ns();

@@ -17,8 +17,8 @@
 
 namespace hapton {
 
-// What the builder has done, for reports.
-struct PatchBuilderCounts {
+// What the patch thread has done, for reports.
+struct PatchThreadCounts {
   PatchStore::Counts store;
   std::uint64_t built = 0;
   std::uint64_t triangles = 0;  // of the newest
@@ -28,14 +28,15 @@ struct PatchBuilderCounts {
   double stages_s = 0.0;        // in which they were made, those that failed included
 };
 
-// Builds patches from the parts of the scene that have come, around the hand, in a thread of its own, which also stores the parts.
+// The thread that stores the parts of the scene that have come and runs a PatchMaker for each body, which makes patches of them around the
+// hand.
 //
 // The haptics node decides how many shapes come, and which patches fail. So stages to shapes take at most kStageShare of the time, and what
 // gives no patch of one body at most kFailureShare, beyond a burst; work beyond that waits. To see that none is due counts as well: it
 // takes microseconds, but the parts decide how many.
 // RT: push, push_shape, take_shape_request, clear, take_status, status and counts yes; making one and ending it is set-up only. Threads:
 // one, the network side's.
-class PatchBuilder {
+class PatchThread {
  public:
   static constexpr double kStageShare = 0.5;
   static constexpr std::int64_t kStageBurstNs = 1'000'000'000;  // several of the largest in a row
@@ -43,10 +44,10 @@ class PatchBuilder {
   static constexpr std::int64_t kFailureBurstNs = 250'000'000;
 
   // Pre: outlives this.
-  explicit PatchBuilder(LocalPatch& local);
-  ~PatchBuilder();
-  PatchBuilder(const PatchBuilder&) = delete;
-  PatchBuilder& operator=(const PatchBuilder&) = delete;
+  explicit PatchThread(LocalPatch& local);
+  ~PatchThread();
+  PatchThread(const PatchThread&) = delete;
+  PatchThread& operator=(const PatchThread&) = delete;
 
   // A part that came. One that finds no room is dropped, and comes again as it is never confirmed.
   void push(const Message& part) noexcept { (void)write(&part, Arrival::newest); }
@@ -59,7 +60,7 @@ class PatchBuilder {
   // What has come since the last clear(). True: there is a new status.
   bool take_status() noexcept { return statuses_.take(); }
   PatchStatus status() const noexcept { return statuses_.value().cleared == clears_ ? statuses_.value().status : PatchStatus(); }
-  const PatchBuilderCounts& counts() noexcept {
+  const PatchThreadCounts& counts() noexcept {
     counts_.take();
     return counts_.value();
   }
@@ -96,10 +97,10 @@ class PatchBuilder {
   alignas(64) std::atomic<std::size_t> end_{0};
   std::uint32_t clears_ = 0;
   Mailbox<Status> statuses_;
-  Mailbox<PatchBuilderCounts> counts_;
+  Mailbox<PatchThreadCounts> counts_;
   HandoffRing<ShapeStatus, 64> shape_requests_;  // of a full one the newest shape is requested again
 
-  // The builder's thread.
+  // The thread's own.
   PatchStore store_;
   std::uint32_t generation_ = 0;
   std::uint32_t cleared_ = 0;
@@ -108,7 +109,7 @@ class PatchBuilder {
   bool are_bodies_offered_ = false;     // of this epoch
   std::uint32_t material_version_ = 0;  // as offered
   std::vector<ShapeStatus> requests_;
-  PatchBuilderCounts told_;
+  PatchThreadCounts told_;
   WorkShare stage_work_{kStageShare, kStageBurstNs};
   std::vector<WorkShare> failed_work_;  // by body
   float shape_s_per_vertex_ = 0.0F;     // PatchStatus

@@ -1,4 +1,4 @@
-#include "io_node/patch_builder.h"
+#include "io_node/patch_thread.h"
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ struct BuilderStage {
           }
         },
         part);
-    builder.push(part);
+    thread.push(part);
   }
   void send_all(std::uint32_t epoch = kEpoch) {
     serial = 0;
@@ -60,40 +60,40 @@ struct BuilderStage {
 
   TiledScene tiled;
   LocalPatch local;
-  PatchBuilder builder{local};
+  PatchThread thread{local};
   std::uint32_t serial = 0;
   std::int64_t time_ns = 0;
 };
 
 bool is_felt(const std::optional<LocalForce>& force) { return force.has_value(); }
 
-TEST(PatchBuilder, MakesAPatchOfWhatCameAndConfirmsIt) {
+TEST(PatchThread, MakesAPatchOfWhatCameAndConfirmsIt) {
   BuilderStage stage;
   stage.send_all();
   // The first patch may be of a part of what came.
   ASSERT_TRUE(stage.step_until([&](const std::optional<LocalForce>& force) {
-    const PatchBuilderCounts now = stage.builder.counts();
-    stage.builder.take_status();
-    return force && now.triangles == 2U * 20U * 20U && stage.builder.status().newest_serial == stage.serial;
+    const PatchThreadCounts now = stage.thread.counts();
+    stage.thread.take_status();
+    return force && now.triangles == 2U * 20U * 20U && stage.thread.status().newest_serial == stage.serial;
   }));
-  EXPECT_EQ(stage.builder.status().epoch, kEpoch);
-  EXPECT_EQ(stage.builder.status().newest_serial, stage.serial);
-  const PatchBuilderCounts counts = stage.builder.counts();
+  EXPECT_EQ(stage.thread.status().epoch, kEpoch);
+  EXPECT_EQ(stage.thread.status().newest_serial, stage.serial);
+  const PatchThreadCounts counts = stage.thread.counts();
   EXPECT_EQ(counts.store.parts, stage.serial);
   EXPECT_GE(counts.built, 1U);
   EXPECT_EQ(counts.triangles, 2U * 20U * 20U);
 }
 
 // The cell that says where the tile is has not come: that nothing is there is not known.
-TEST(PatchBuilder, GivesNoForceWhereOnlyAPartHasCome) {
+TEST(PatchThread, GivesNoForceWhereOnlyAPartHasCome) {
   BuilderStage stage;
   stage.send(PatchBegin{0, 0, stage.tiled.grid.origin_m, stage.tiled.grid.step_m, 0.0, 7});
   stage.send(stage.tiled.tiles.front());
   ASSERT_TRUE(stage.step_until([&](const auto&) {
-    (void)stage.builder.take_status();
-    return stage.builder.status().newest_serial == 2;
+    (void)stage.thread.take_status();
+    return stage.thread.status().newest_serial == 2;
   }));
-  // A few times as long as the builder sleeps when it is idle: it makes patches of what it has.
+  // A few times as long as the patch thread sleeps when it is idle: it makes patches of what it has.
   int cycles = 0;
   bool has_force = false;
   EXPECT_TRUE(stage.step_until([&](const std::optional<LocalForce>& force) {
@@ -103,23 +103,23 @@ TEST(PatchBuilder, GivesNoForceWhereOnlyAPartHasCome) {
   EXPECT_FALSE(has_force);
 }
 
-TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
+TEST(PatchThread, AfterAClearNothingOfBeforeIsUsed) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
-  // The request alone ends the force, before the builder has cleared.
+  // The request alone ends the force, before the patch thread has cleared.
   stage.local.publish({.is_wanted = true, .until_ns = 1'000'000 * kMs, .clears = 1});
   stage.time_ns += kMs;
   EXPECT_FALSE(stage.local.step({stage.time_ns, Vec3(0, 0, -0.001), Quat::Identity(), 0, true}));
   EXPECT_TRUE(stage.step_until([&](const auto&) {
-    (void)stage.builder.take_status();
-    return stage.builder.status().epoch == kEpoch;
+    (void)stage.thread.take_status();
+    return stage.thread.status().epoch == kEpoch;
   }));
-  ASSERT_TRUE(stage.builder.clear());
-  EXPECT_EQ(stage.builder.status().epoch, 0U) << "at once: the next haptics node may have an epoch of that number";
+  ASSERT_TRUE(stage.thread.clear());
+  EXPECT_EQ(stage.thread.status().epoch, 0U) << "at once: the next haptics node may have an epoch of that number";
   EXPECT_TRUE(stage.step_until([&](const auto&) {
-    const bool is_new = stage.builder.take_status();
-    EXPECT_EQ(stage.builder.status().epoch, 0U);
+    const bool is_new = stage.thread.take_status();
+    EXPECT_EQ(stage.thread.status().epoch, 0U);
     return is_new;
   }));
   // Another haptics node, whose epochs start again.
@@ -127,14 +127,14 @@ TEST(PatchBuilder, AfterAClearNothingOfBeforeIsUsed) {
   EXPECT_TRUE(stage.step_until(is_felt));
 }
 
-TEST(PatchBuilder, ANewEpochReplacesTheOneBefore) {
+TEST(PatchThread, ANewEpochReplacesTheOneBefore) {
   BuilderStage stage;
   stage.send_all();
   ASSERT_TRUE(stage.step_until(is_felt));
   stage.send_all(kEpoch + 1);
   EXPECT_TRUE(stage.step_until([&](const auto& force) {
-    (void)stage.builder.take_status();
-    return stage.builder.status().epoch == kEpoch + 1 && force.has_value();
+    (void)stage.thread.take_status();
+    return stage.thread.status().epoch == kEpoch + 1 && force.has_value();
   }));
 }
 
@@ -150,7 +150,7 @@ struct ShapedStage {
     for (std::int64_t now_ns = 1000 * kMs; now_ns < 2000 * kMs; now_ns += kMs) {
       const auto part = source.take(now_ns);
       if (!part) continue;
-      builder.push(*part);
+      thread.push(*part);
       (void)received.accept_part(*part);
       PatchStatus status = received.status();
       status.is_wanted = true;
@@ -169,9 +169,9 @@ struct ShapedStage {
     ++serial;
     const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, serial % 2 == 0 ? 0.0F : 1e-6F});
     for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) {
-      builder.push_shape(ObjectShape{.source = 5, .serial = serial, .object = 0, .part = make_shape_part(shape, first)}, Arrival::newest);
+      thread.push_shape(ObjectShape{.source = 5, .serial = serial, .object = 0, .part = make_shape_part(shape, first)}, Arrival::newest);
     }
-    builder.push_shape(
+    thread.push_shape(
         ShapeStart{.source = 5, .serial = serial, .before = serial - 1, .total = total, .start_ns = time_ns, .end_ns = time_ns},
         Arrival::newest);
   }
@@ -180,7 +180,7 @@ struct ShapedStage {
   SteadyClock clock;
   std::int64_t began_ns = clock.now_ns();
   LocalPatch local;
-  PatchBuilder builder{local};
+  PatchThread thread{local};
   std::uint32_t total = 0;
   std::uint32_t serial = 0;
   int sent = 0;
@@ -188,53 +188,53 @@ struct ShapedStage {
   std::int64_t time_ns = 0;
 };
 
-TEST(PatchBuilder, SaysHowLongShapesTake) {
+TEST(PatchThread, SaysHowLongShapesTake) {
   ShapedStage stage;
-  for (int n = 0; n < 15000 && stage.builder.counts().stages < 3; ++n) {
+  for (int n = 0; n < 15000 && stage.thread.counts().stages < 3; ++n) {
     if (n % 100 == 0) stage.send_shape();
     stage.cycle();
   }
-  ASSERT_GE(stage.builder.counts().stages, 3U);
-  for (int n = 0; n < 5000 && stage.builder.status().shape_s_per_vertex == 0.0F; ++n) {
+  ASSERT_GE(stage.thread.counts().stages, 3U);
+  for (int n = 0; n < 5000 && stage.thread.status().shape_s_per_vertex == 0.0F; ++n) {
     stage.cycle();
-    (void)stage.builder.take_status();
+    (void)stage.thread.take_status();
   }
-  const auto per_vertex_s = static_cast<double>(stage.builder.status().shape_s_per_vertex);
+  const auto per_vertex_s = static_cast<double>(stage.thread.status().shape_s_per_vertex);
   EXPECT_GT(per_vertex_s, 1e-8);
-  EXPECT_LE(per_vertex_s, stage.builder.counts().stages_s / stage.total) << "no single one took longer than all of them";
-  ASSERT_TRUE(stage.builder.clear());
-  EXPECT_EQ(stage.builder.status().shape_s_per_vertex, 0.0F);
+  EXPECT_LE(per_vertex_s, stage.thread.counts().stages_s / stage.total) << "no single one took longer than all of them";
+  ASSERT_TRUE(stage.thread.clear());
+  EXPECT_EQ(stage.thread.status().shape_s_per_vertex, 0.0F);
 }
 
 // However many shapes a haptics node sends.
-TEST(PatchBuilder, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
+TEST(PatchThread, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
   ShapedStage stage;
-  for (int n = 0; n < 15000 && stage.builder.counts().stages < 1; ++n) {
+  for (int n = 0; n < 15000 && stage.thread.counts().stages < 1; ++n) {
     if (n % 100 == 0) stage.send_shape();
     stage.cycle();
   }
-  ASSERT_GE(stage.builder.counts().stages, 1U);
+  ASSERT_GE(stage.thread.counts().stages, 1U);
   stage.began_ns = stage.clock.now_ns();
-  const double before_s = stage.builder.counts().stages_s;
+  const double before_s = stage.thread.counts().stages_s;
   double sum_s = 0.0;
   double longest_s = 0.0;
   double worst_s = 0.0;
   std::uint64_t made = 0;
   for (int idle = 0; stage.seconds() < 5.0; ++idle) {
     // One at a time: the ring holds little more than one shape.
-    const std::uint64_t stages = stage.builder.counts().stages;
+    const std::uint64_t stages = stage.thread.counts().stages;
     if (std::exchange(made, stages) != stages || idle > 200) {
       stage.send_shape();
       idle = 0;
     }
     stage.cycle(std::chrono::milliseconds(1));
     // Before the time, so that no stage ends between the two.
-    const double now_s = stage.builder.counts().stages_s - before_s;
+    const double now_s = stage.thread.counts().stages_s - before_s;
     longest_s = std::max(longest_s, now_s - std::exchange(sum_s, now_s));
-    const double most_s = 1e-9 * static_cast<double>(PatchBuilder::kStageBurstNs) + PatchBuilder::kStageShare * stage.seconds();
+    const double most_s = 1e-9 * static_cast<double>(PatchThread::kStageBurstNs) + PatchThread::kStageShare * stage.seconds();
     worst_s = std::max(worst_s, now_s - most_s);
   }
-  const PatchBuilderCounts counts = stage.builder.counts();
+  const PatchThreadCounts counts = stage.thread.counts();
   EXPECT_GT(counts.stages, 3U) << "it goes on";
   // Two: one that was being made at the beginning counts as well. The bound is in stages and not in seconds, so it holds on any machine.
   EXPECT_LE(worst_s, 2.0 * longest_s) << "above its share by no more than the stages that were being made";
@@ -242,13 +242,13 @@ TEST(PatchBuilder, AFloodOfShapesTakesItsShareOfTheTimeAtMost) {
   RecordProperty("stages_ms", static_cast<int>(1e3 * (counts.stages_s - before_s)));
 }
 
-TEST(PatchBuilder, TakesPartsWithoutHeap) {
+TEST(PatchThread, TakesPartsWithoutHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   BuilderStage stage;
   const Message part = stage.tiled.tiles.front();
   const AllocationGuard guard;
   // More than there is room for: the rest is dropped, and comes again as it is never confirmed.
-  for (int n = 0; n < 1000; ++n) stage.builder.push(part);
+  for (int n = 0; n < 1000; ++n) stage.thread.push(part);
   EXPECT_EQ(guard.count(), 0U);
 }
 
