@@ -54,7 +54,7 @@ hapton_component(runtime FOLDERS runtime TARGETS hapton_runtime)
 hapton_component(link FOLDERS link TARGETS hapton_proto hapton_link)
 hapton_component(scene FOLDERS scene TARGETS hapton_scene)
 hapton_component(safety FOLDERS safety TARGETS hapton_safety)
-hapton_component(devices FOLDERS devices hid watchdog plugin TARGETS hapton_hid hapton_guard hapton_plugin_host hapton_devices)
+hapton_component(devices FOLDERS devices hid watchdog plugin TARGETS hapton_hid hapton_watchdog_library hapton_plugin_host hapton_devices)
 # For plug-ins, which need no other component, nor CMake.
 hapton_component(plugin TARGETS hapton_plugin)
 install(FILES plugin/hapton_plugin.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/hapton/plugin COMPONENT dev)

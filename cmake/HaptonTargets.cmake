@@ -105,7 +105,7 @@ endfunction()
 
 # The libraries that find_package(hapton) finds (HaptonPackage.cmake), which may be shared ones.
 set(hapton_package_libraries hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_sculpt hapton_core_collision hapton_core_force
-  hapton_core_tool hapton_runtime hapton_proto hapton_link hapton_scene hapton_safety hapton_hid hapton_guard hapton_plugin_host hapton_devices)
+  hapton_core_tool hapton_runtime hapton_proto hapton_link hapton_scene hapton_safety hapton_hid hapton_watchdog_library hapton_plugin_host hapton_devices)
 
 # hapton_add_library(NAME SOURCES ...): as add_library, of the kind that is asked for.
 function(hapton_add_library name)
