@@ -7,11 +7,11 @@
 
 #include "link/session_reader.h"
 #include "python/bindings.h"
+#include "recording/cycle_table.h"
+#include "recording/object_changes.h"
+#include "recording/recording_entries.h"
+#include "recording/recording_shape_collector.h"
 #include "scene/scene_loading.h"
-#include "session/cycle_table.h"
-#include "session/object_changes.h"
-#include "session/session_entries.h"
-#include "session/session_shape_collector.h"
 
 namespace hapton::python {
 namespace {
@@ -86,11 +86,11 @@ class Shapes {
     for (const ShapePart::Displacement& one : shape.displacements_m) array.numbers.insert(array.numbers.end(), one.begin(), one.end());
   }
 
-  SessionShapeCollector collector_;
+  RecordingShapeCollector collector_;
   bool has_vertices_;
   std::vector<RecordedShape> rows_;
   std::map<std::pair<std::uint32_t, std::int32_t>, Array> arrays_;  // by process and object
-  const SessionShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
+  const RecordingShapeCollector::Take take_ = [this](const RecordedShape& shape) { take(shape); };
 };
 
 // One array for each column.

@@ -16,8 +16,8 @@
 #include "core/sculpt/carve_list.h"
 #include "link/known_carves.h"
 #include "link/messages.h"
+#include "recording/recording_index.h"
 #include "scene/scene_file.h"
-#include "session/session_index.h"
 #include "vision_node/carved_surface.h"
 #include "vision_node/stereo_view.h"
 

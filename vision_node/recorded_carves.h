@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "session/session_index.h"
+#include "recording/recording_index.h"
 #include "vision_node/carved_objects.h"
 
 namespace hapton {
@@ -11,14 +11,14 @@ namespace hapton {
 class RecordedCarves {
  public:
   // Pre: both outlive this; nothing else carves the objects.
-  RecordedCarves(const SessionIndex& index, CarvedObjects& carved) : index_(index), carved_(carved) {}
+  RecordedCarves(const RecordingIndex& index, CarvedObjects& carved) : index_(index), carved_(carved) {}
 
   void show(double t_s);
 
  private:
-  const SessionIndex& index_;
+  const RecordingIndex& index_;
   CarvedObjects& carved_;
-  std::size_t carves_ = 0;  // number of SessionIndex::carves() that were applied
+  std::size_t carves_ = 0;  // number of RecordingIndex::carves() that were applied
 };
 
 }  // namespace hapton

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "session/session_index.h"
+#include "recording/recording_index.h"
 #include "vision_node/moved_objects.h"
 
 namespace hapton {
@@ -14,15 +14,15 @@ class RecordedObjects {
   static constexpr double kAheadS = 0.2;
 
   // Pre: both outlive this; nothing else moves the objects.
-  RecordedObjects(const SessionIndex& index, MovedObjects& moved) : index_(index), moved_(moved) {}
+  RecordedObjects(const RecordingIndex& index, MovedObjects& moved) : index_(index), moved_(moved) {}
 
   // scene_time_ns: of the sample that is shown. True: an object has moved.
   bool show(double t_s, std::int64_t scene_time_ns);
 
  private:
-  const SessionIndex& index_;
+  const RecordingIndex& index_;
   MovedObjects& moved_;
-  std::size_t poses_ = 0;  // number of SessionIndex::poses() that were applied
+  std::size_t poses_ = 0;  // number of RecordingIndex::poses() that were applied
   std::size_t moves_ = 0;  // ... and of moves()
 };
 

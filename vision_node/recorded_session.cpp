@@ -19,7 +19,8 @@ constexpr std::int64_t kRecordedClockNs = 100 * kNanosecondsPerMillisecond;
 
 }  // namespace
 
-RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const SessionIndex& index, SessionRows& rows)
+RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const RecordingIndex& index,
+                                 RecordingRows& rows)
     : view_(view),
       clock_(clock),
       options_(options),
@@ -37,7 +38,7 @@ RecordedSession::RecordedSession(StereoView& view, Clock& clock, const VisionOpt
   player_.pause();
 }
 
-void RecordedSession::set_moved_objects(MovedObjects* moved, SessionShapes* shapes) {
+void RecordedSession::set_moved_objects(MovedObjects* moved, RecordingShapes* shapes) {
   moved_ = moved;
   objects_.emplace(index_, *moved);
   if (shapes != nullptr) surfaces_.emplace(index_, *shapes, *moved);

@@ -5,10 +5,10 @@
 #include <string>
 
 #include "core/base/result.h"
+#include "recording/recording_index.h"
+#include "recording/recording_rows.h"
 #include "runtime/clock.h"
 #include "runtime/stop_signal.h"
-#include "session/session_index.h"
-#include "session/session_rows.h"
 #include "vision_node/recorded_carves.h"
 #include "vision_node/recorded_marks.h"
 #include "vision_node/recorded_objects.h"
@@ -26,7 +26,7 @@ namespace hapton {
 class RecordedSession {
  public:
   // Pre: all outlive the session; rows and index are of the same file.
-  RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const SessionIndex& index, SessionRows& rows);
+  RecordedSession(StereoView& view, Clock& clock, const VisionOptions& options, const RecordingIndex& index, RecordingRows& rows);
 
   void set_head_tracker(HeadTracker* tracker) { window_.set_head_tracker(tracker); }
   void set_space_head(SpaceHead* head) { window_.set_space_head(head); }
@@ -35,7 +35,7 @@ class RecordedSession {
   void set_scene(std::uint64_t given_hash) { scene_hash_ = given_hash; }
   // Draws the objects that move. shapes: of those that programs deform, of the same file; null: they are at rest. Pre: both outlive the
   // session.
-  void set_moved_objects(MovedObjects* moved, SessionShapes* shapes = nullptr);
+  void set_moved_objects(MovedObjects* moved, RecordingShapes* shapes = nullptr);
   // Draws the objects that were carved. Pre: it outlives the session.
   void set_carved_objects(CarvedObjects* carved);
   // Strokes and measures to show, and to export with what is carved. Pre: set_moved_objects() was called with the objects that they are on;
@@ -67,8 +67,8 @@ class RecordedSession {
   StereoView& view_;
   Clock& clock_;
   const VisionOptions& options_;
-  const SessionIndex& index_;
-  SessionRows& rows_;
+  const RecordingIndex& index_;
+  RecordingRows& rows_;
   SessionPlayer player_;
   SessionControl control_;
   ViewerWindow window_;

@@ -37,10 +37,10 @@ ProbeState make_state(const CycleRow& row) {
   return state;
 }
 
-std::vector<CurvePoint> make_curve(std::span<const SessionSpan> spans, double t_s, double (*value)(const SessionSpan&)) {
+std::vector<CurvePoint> make_curve(std::span<const RecordingSpan> spans, double t_s, double (*value)(const RecordingSpan&)) {
   std::vector<CurvePoint> points;
-  for (const SessionSpan& span : spans) {
-    const double age_s = t_s - SessionIndex::kSpanS * static_cast<double>(span.number);
+  for (const RecordingSpan& span : spans) {
+    const double age_s = t_s - RecordingIndex::kSpanS * static_cast<double>(span.number);
     if (value(span) >= 0.0 && age_s <= RecentCurve::kSeconds) points.push_back({std::max(0.0, age_s), value(span)});
   }
   return points;
@@ -48,7 +48,7 @@ std::vector<CurvePoint> make_curve(std::span<const SessionSpan> spans, double t_
 
 }  // namespace
 
-std::optional<RecordedState> find_recorded_state(const SessionIndex& index, SessionRows& rows, double t_s) {
+std::optional<RecordedState> find_recorded_state(const RecordingIndex& index, RecordingRows& rows, double t_s) {
   const CycleRow* newest = rows.at(t_s);
   if (newest == nullptr) return std::nullopt;
   const Vec3 written_n = newest->written_n;
@@ -80,23 +80,23 @@ std::optional<RecordedState> find_recorded_state(const SessionIndex& index, Sess
   return recorded;
 }
 
-double find_recorded_rate_hz(const SessionIndex& index, double t_s) {
+double find_recorded_rate_hz(const RecordingIndex& index, double t_s) {
   // Whole spans only; within the first second of the recording, those that follow.
-  const double to_s = std::max(t_s, std::min(index.begin_s() + 1.0, index.end_s())) - SessionIndex::kSpanS;
-  const double from_s = std::max(to_s - 1.0 + SessionIndex::kSpanS, index.begin_s() + SessionIndex::kSpanS);
+  const double to_s = std::max(t_s, std::min(index.begin_s() + 1.0, index.end_s())) - RecordingIndex::kSpanS;
+  const double from_s = std::max(to_s - 1.0 + RecordingIndex::kSpanS, index.begin_s() + RecordingIndex::kSpanS);
   const auto spans = index.spans_between(from_s, to_s);
   if (spans.empty()) return 0.0;
   double samples = 0.0;
-  for (const SessionSpan& span : spans) samples += span.samples;
-  return samples / (SessionIndex::kSpanS * static_cast<double>(spans.back().number - spans.front().number + 1));
+  for (const RecordingSpan& span : spans) samples += span.samples;
+  return samples / (RecordingIndex::kSpanS * static_cast<double>(spans.back().number - spans.front().number + 1));
 }
 
-std::vector<PlotContent> make_recorded_plots(const SessionIndex& index, double t_s) {
+std::vector<PlotContent> make_recorded_plots(const RecordingIndex& index, double t_s) {
   const auto spans = index.spans_between(t_s - RecentCurve::kSeconds, t_s);
   const DeviceNotice* notice = index.find_notice(t_s);
   const double limit_n = notice != nullptr && std::isfinite(notice->force_limit_n) ? std::max(0.0F, notice->force_limit_n) : 0.0;
-  const auto force = make_curve(spans, t_s, [](const SessionSpan& span) { return static_cast<double>(span.written_n); });
-  const auto trip = make_curve(spans, t_s, [](const SessionSpan& span) { return 1e3 * static_cast<double>(span.round_trip_s); });
+  const auto force = make_curve(spans, t_s, [](const RecordingSpan& span) { return static_cast<double>(span.written_n); });
+  const auto trip = make_curve(spans, t_s, [](const RecordingSpan& span) { return 1e3 * static_cast<double>(span.round_trip_s); });
   return {make_plot(force, "force", "N", limit_n, kMinAxisMostN), make_plot(trip, "round trip", "ms", 0.0, 1.0)};
 }
 
@@ -105,10 +105,10 @@ std::string describe_recording(const std::string& name, const SessionPlayer& pla
                      describe_time(player.end_s(), 3), sample, player.speed(), player.is_paused() ? ", paused" : "");
 }
 
-std::string describe_mark(const SessionIndex& index, double t_s) {
-  const auto after = std::ranges::upper_bound(index.marks(), t_s + 1e-6, {}, &SessionMark::t_s);
+std::string describe_mark(const RecordingIndex& index, double t_s) {
+  const auto after = std::ranges::upper_bound(index.marks(), t_s + 1e-6, {}, &RecordingMark::t_s);
   if (after == index.marks().begin()) return {};
-  const SessionMark& mark = *std::prev(after);
+  const RecordingMark& mark = *std::prev(after);
   if (t_s - mark.t_s > kMarkShownS) return {};
   return (mark.is_fault ? "FAULT: " : "marker: ") + mark.text;
 }

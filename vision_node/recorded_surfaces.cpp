@@ -15,7 +15,7 @@ bool is_next(const IndexedShape* shown, const IndexedShape* wanted) {
 
 }  // namespace
 
-RecordedSurfaces::RecordedSurfaces(const SessionIndex& index, SessionShapes& shapes, MovedObjects& moved)
+RecordedSurfaces::RecordedSurfaces(const RecordingIndex& index, RecordingShapes& shapes, MovedObjects& moved)
     : index_(index), shapes_(shapes), moved_(moved), shown_(moved.count_objects()) {}
 
 void RecordedSurfaces::show(double t_s, std::int64_t scene_time_ns) {

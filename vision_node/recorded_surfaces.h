@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "session/session_index.h"
-#include "session/session_shapes.h"
+#include "recording/recording_index.h"
+#include "recording/recording_shapes.h"
 #include "vision_node/moved_objects.h"
 
 namespace hapton {
@@ -14,7 +14,7 @@ namespace hapton {
 class RecordedSurfaces {
  public:
   // Pre: all outlive this; nothing else gives the objects their shapes; index and shapes are of the same file.
-  RecordedSurfaces(const SessionIndex& index, SessionShapes& shapes, MovedObjects& moved);
+  RecordedSurfaces(const RecordingIndex& index, RecordingShapes& shapes, MovedObjects& moved);
 
   // To be called before MovedObjects::set_time() with the scene time of the sample that is shown.
   void show(double t_s, std::int64_t scene_time_ns);
@@ -22,8 +22,8 @@ class RecordedSurfaces {
  private:
   void load(const IndexedShape& shape);
 
-  const SessionIndex& index_;
-  SessionShapes& shapes_;
+  const RecordingIndex& index_;
+  RecordingShapes& shapes_;
   MovedObjects& moved_;
   std::vector<const IndexedShape*> shown_;  // by object; null: at rest
 };

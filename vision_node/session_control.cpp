@@ -30,10 +30,10 @@ bool SessionControl::press_key(char key) {
       return true;
     }
     case 'n':
-      if (const SessionMark* mark = find_next_mark(index_, moment_s)) player_.seek(mark->t_s);
+      if (const RecordingMark* mark = find_next_mark(index_, moment_s)) player_.seek(mark->t_s);
       return true;
     case 'N':
-      if (const SessionMark* mark = find_previous_mark(index_, moment_s)) player_.seek(mark->t_s);
+      if (const RecordingMark* mark = find_previous_mark(index_, moment_s)) player_.seek(mark->t_s);
       return true;
     case '[':
       player_.slower();

@@ -3,8 +3,8 @@
 #include <array>
 #include <optional>
 
-#include "session/session_index.h"
-#include "session/session_rows.h"
+#include "recording/recording_index.h"
+#include "recording/recording_rows.h"
 #include "vision_node/interaction.h"
 #include "vision_node/session_player.h"
 
@@ -16,7 +16,7 @@ namespace hapton {
 class SessionControl {
  public:
   // Pre: all outlive this.
-  SessionControl(const SessionIndex& index, SessionRows& rows, SessionPlayer& player) : index_(index), rows_(rows), player_(player) {}
+  SessionControl(const RecordingIndex& index, RecordingRows& rows, SessionPlayer& player) : index_(index), rows_(rows), player_(player) {}
 
   // True: the event is used up. pixel: where it is in an eye's picture of that size; none: beside it.
   bool handle(const WindowEvent& event, const std::optional<std::array<int, 2>>& pixel, PictureSize size);
@@ -28,8 +28,8 @@ class SessionControl {
   bool drag(const WindowEvent& event, PictureSize size);
   void step(std::optional<double> to_s);
 
-  const SessionIndex& index_;
-  SessionRows& rows_;
+  const RecordingIndex& index_;
+  RecordingRows& rows_;
   SessionPlayer& player_;
   std::optional<int> dragged_from_px_;  // the picture's left edge in the window; none: the line is not dragged
   bool has_changed_ = false;

@@ -1,12 +1,12 @@
 #include "vision_node/show_recording.h"
 
 #include "hid/hidapi_transport.h"
+#include "recording/recording_rows.h"
+#include "recording/recording_shapes.h"
 #include "runtime/log.h"
 #include "runtime/standard_streams.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
-#include "session/session_rows.h"
-#include "session/session_shapes.h"
 #include "vision_node/carved_objects.h"
 #include "vision_node/moved_objects.h"
 #include "vision_node/recorded_session.h"
@@ -16,7 +16,7 @@ namespace hapton {
 namespace {
 
 // The scene that the recording names, with the unit and fit that haptics_node used, unless the command line gives others.
-Result<Scene> load_recorded_scene(const VisionOptions& options, const SessionIndex& index) {
+Result<Scene> load_recorded_scene(const VisionOptions& options, const RecordingIndex& index) {
   const HapticsSetup* setup = index.find_setup(index.begin_s());
   if (!options.is_scene_given && setup == nullptr) {
     return fail("{}: no haptics node says in it which scene was touched; name it with --scene FILE", options.session.string());
@@ -32,15 +32,15 @@ Result<Scene> load_recorded_scene(const VisionOptions& options, const SessionInd
   return scene;
 }
 
-Result<void> check_moment(const VisionOptions& options, const SessionIndex& index) {
+Result<void> check_moment(const VisionOptions& options, const RecordingIndex& index) {
   if (!options.at_s || (*options.at_s >= index.begin_s() && *options.at_s <= index.end_s())) return {};
   return fail("--at {:g}: {} has samples from {:.3f} s to {:.3f} s", *options.at_s, options.session.string(), index.begin_s(),
               index.end_s());
 }
 
-Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker* head, Clock& clock, const StopSignal& stop) {
+Result<void> show(VisionOptions& options, const RecordingIndex& index, HeadTracker* head, Clock& clock, const StopSignal& stop) {
   if (const auto possible = check_moment(options, index); !possible) return possible;
-  auto rows = SessionRows::open(options.session, index);
+  auto rows = RecordingRows::open(options.session, index);
   if (!rows) return tl::unexpected(rows.error());
   const auto scene = load_recorded_scene(options, index);
   if (!scene) return tl::unexpected(scene.error());
@@ -53,7 +53,7 @@ Result<void> show(VisionOptions& options, const SessionIndex& index, HeadTracker
   if (!view) return tl::unexpected(view.error());
   if (*tool) (*view)->set_tool(**tool);
   MovedObjects moved(**view, *scene);
-  auto shapes = SessionShapes::open(options.session);
+  auto shapes = RecordingShapes::open(options.session);
   if (!shapes) return tl::unexpected(shapes.error());
   CarvedObjects carved(**view, *scene);
   const auto marks = RecordedMarks::open(**view, *scene, options.scene_radius_m, options.annotations.file, moved);
@@ -81,7 +81,7 @@ int show_recording(VisionOptions& options, HeadTracker* head, Clock& clock, cons
     log_error("--session {}", reader.error().what);
     return 1;
   }
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   if (!index) {
     log_error("--session {}: {}", options.session.string(), index.error().what);
     return 1;

@@ -11,19 +11,19 @@ namespace {
 // More than a double's rounding of a time of days, less than the time between two samples.
 constexpr double kSameMomentS = 1e-6;
 
-int column_of(const SessionIndex& index, double t_s) {
+int column_of(const RecordingIndex& index, double t_s) {
   return std::min(kTimeLineColumns - 1, static_cast<int>(find_time_line_share(index, t_s) * kTimeLineColumns));
 }
 
-std::vector<TimeLineShown::Band> make_bands(const SessionIndex& index) {
+std::vector<TimeLineShown::Band> make_bands(const RecordingIndex& index) {
   std::vector<TimeLineShown::Band> bands;
   int last = -2;
   constexpr double kWidth = 1.0 / kTimeLineColumns;  // of a column, as a share of the line
-  for (const SessionSpan& span : index.spans()) {
+  for (const RecordingSpan& span : index.spans()) {
     if (!span.is_contact) continue;
-    const double from_s = SessionIndex::kSpanS * static_cast<double>(span.number);
+    const double from_s = RecordingIndex::kSpanS * static_cast<double>(span.number);
     const int from = column_of(index, from_s);
-    const int to = column_of(index, from_s + SessionIndex::kSpanS);
+    const int to = column_of(index, from_s + RecordingIndex::kSpanS);
     if (from > last + 1 || bands.empty()) bands.push_back({kWidth * from, 0.0});
     last = std::max(last, to);
     bands.back().to = kWidth * (last + 1);
@@ -31,10 +31,10 @@ std::vector<TimeLineShown::Band> make_bands(const SessionIndex& index) {
   return bands;
 }
 
-std::vector<TimeLineShown::Tick> make_ticks(const SessionIndex& index) {
+std::vector<TimeLineShown::Tick> make_ticks(const RecordingIndex& index) {
   std::vector<TimeLineShown::Tick> ticks;
   int last[2] = {-1, -1};
-  for (const SessionMark& mark : index.marks()) {
+  for (const RecordingMark& mark : index.marks()) {
     const int column = column_of(index, mark.t_s);
     if (column == last[mark.is_fault ? 1 : 0]) continue;
     last[mark.is_fault ? 1 : 0] = column;
@@ -45,16 +45,16 @@ std::vector<TimeLineShown::Tick> make_ticks(const SessionIndex& index) {
 
 }  // namespace
 
-TimeLineShown make_time_line(const SessionIndex& index) {
+TimeLineShown make_time_line(const RecordingIndex& index) {
   return {make_bands(index), make_ticks(index), describe_time(index.begin_s()), describe_time(index.end_s())};
 }
 
-double find_time_line_share(const SessionIndex& index, double t_s) {
+double find_time_line_share(const RecordingIndex& index, double t_s) {
   const double length_s = index.end_s() - index.begin_s();
   return length_s > 0.0 ? std::clamp((t_s - index.begin_s()) / length_s, 0.0, 1.0) : 0.0;
 }
 
-double find_time_line_moment(const SessionIndex& index, double share) {
+double find_time_line_moment(const RecordingIndex& index, double share) {
   return index.begin_s() + std::clamp(share, 0.0, 1.0) * (index.end_s() - index.begin_s());
 }
 
@@ -82,13 +82,13 @@ std::string describe_time(double t_s, int decimals) {
   return fmt::format("{}{}:{:02}:{:0{}.{}f}", sign, minutes / 60, minutes % 60, seconds, width, decimals);
 }
 
-const SessionMark* find_next_mark(const SessionIndex& index, double t_s) {
-  const auto found = std::ranges::upper_bound(index.marks(), t_s + kSameMomentS, {}, &SessionMark::t_s);
+const RecordingMark* find_next_mark(const RecordingIndex& index, double t_s) {
+  const auto found = std::ranges::upper_bound(index.marks(), t_s + kSameMomentS, {}, &RecordingMark::t_s);
   return found != index.marks().end() ? &*found : nullptr;
 }
 
-const SessionMark* find_previous_mark(const SessionIndex& index, double t_s) {
-  const auto found = std::ranges::lower_bound(index.marks(), t_s - kSameMomentS, {}, &SessionMark::t_s);
+const RecordingMark* find_previous_mark(const RecordingIndex& index, double t_s) {
+  const auto found = std::ranges::lower_bound(index.marks(), t_s - kSameMomentS, {}, &RecordingMark::t_s);
   return found != index.marks().begin() ? &*std::prev(found) : nullptr;
 }
 

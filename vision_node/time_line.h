@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "session/session_index.h"
+#include "recording/recording_index.h"
 #include "vision_node/stereo_camera.h"
 
 namespace hapton {
@@ -30,11 +30,11 @@ struct TimeLineShown {
 
 // The largest number of bands, and of ticks of each kind, for any duration: more would be nearer to each other than a pixel.
 constexpr int kTimeLineColumns = 2000;
-TimeLineShown make_time_line(const SessionIndex& index);
+TimeLineShown make_time_line(const RecordingIndex& index);
 
 // Share of the line at a moment, 0 to 1; 0 where the recording has no duration.
-double find_time_line_share(const SessionIndex& index, double t_s);
-double find_time_line_moment(const SessionIndex& index, double share);
+double find_time_line_share(const RecordingIndex& index, double t_s);
+double find_time_line_moment(const RecordingIndex& index, double share);
 
 // Where the line is in one eye's picture, pixels from the lower left corner.
 struct TimeLinePlace {
@@ -51,7 +51,7 @@ TimeLinePlace place_time_line(PictureSize size);
 std::string describe_time(double t_s, int decimals = 1);
 
 // The marks after and before a moment. Null: none. A mark within 1 us of the moment is at it.
-const SessionMark* find_next_mark(const SessionIndex& index, double t_s);
-const SessionMark* find_previous_mark(const SessionIndex& index, double t_s);
+const RecordingMark* find_next_mark(const RecordingIndex& index, double t_s);
+const RecordingMark* find_previous_mark(const RecordingIndex& index, double t_s);
 
 }  // namespace hapton

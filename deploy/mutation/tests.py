@@ -25,7 +25,7 @@ PROGRAMS = {
     "runtime": ["runtime_test", "io_node_test", "tools_test"],
     "plugin": ["plugin_test", "haptic_step_test", "tools_test"],
     "link": ["link_test", "devices_test", "io_node_test", "haptics_node_test", "tools_test"],
-    "session": ["session_test", "tools_test", "vision_node_test"],
+    "recording": ["recording_test", "tools_test", "vision_node_test"],
     "vrpn": ["vrpn_test", "io_node_test", "vision_node_test"],
     "hid": ["hid_test", "devices_test"],
     "scene": ["scene_test", "haptics_node_test", "tools_test"],

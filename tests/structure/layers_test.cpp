@@ -18,7 +18,7 @@ namespace {
 const std::vector<std::string> kFolders = {"core",        "runtime", "link",         "hid",         "scene", "bench",
                                            "watchdog",    "devices", "safety",       "closed_loop", "patch", "remote_touch",
                                            "haptic_step", "io_node", "haptics_node", "vision_node", "tools", "python",
-                                           "plugin",      "vrpn",    "session"};
+                                           "plugin",      "vrpn",    "recording"};
 
 // Which folders, or single headers, a folder's files may include. Its own are always allowed.
 const std::map<std::string, std::vector<std::string>> kMayInclude = {
@@ -32,7 +32,7 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"core/tool", {"core/base", "core/math", "core/effects", "core/geometry", "core/collision"}},
     {"runtime", {"core/base", "core/math"}},
     {"link", {"core/base", "core/math", "runtime"}},
-    {"session", {"core/base", "core/math", "runtime", "link"}},
+    {"recording", {"core/base", "core/math", "runtime", "link"}},
     {"hid", {"core/base", "core/math", "runtime"}},
     {"vrpn", {"core/base", "core/math", "runtime", "link"}},
     {"scene", {"core"}},
@@ -49,10 +49,10 @@ const std::map<std::string, std::vector<std::string>> kMayInclude = {
     {"haptic_step", {"core", "link", "runtime", "scene", "plugin"}},
     {"io_node", {"core", "runtime", "link", "hid", "vrpn", "watchdog", "devices", "safety", "patch"}},
     {"haptics_node", {"core", "runtime", "link", "scene", "patch", "closed_loop", "haptic_step", "plugin"}},
-    {"vision_node", {"core", "runtime", "link", "session", "hid", "vrpn", "scene"}},
-    {"python", {"core", "runtime", "link", "session", "scene"}},
+    {"vision_node", {"core", "runtime", "link", "recording", "hid", "vrpn", "scene"}},
+    {"python", {"core", "runtime", "link", "recording", "scene"}},
     {"tools",
-     {"core", "runtime", "link", "session", "hid", "vrpn", "scene", "bench", "haptic_step", "devices", "safety", "closed_loop", "patch",
+     {"core", "runtime", "link", "recording", "hid", "vrpn", "scene", "bench", "haptic_step", "devices", "safety", "closed_loop", "patch",
       "remote_touch", "plugin"}},
 };
 

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "core/geometry/mesh_shapes.h"
-#include "tests/session/made_recording.h"
+#include "tests/recording/made_recording.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/recorded_carves.h"
 
@@ -163,7 +163,7 @@ TEST_F(CarvedObjectsTest, ARecordingShowsWhatWasCarvedUntilThen) {
   const ScratchFolder scratch;
   auto reader = SessionReader::open(MadeRecording().write(scratch));
   ASSERT_TRUE(reader);
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   ASSERT_TRUE(index);
   open();
   ASSERT_TRUE(view);

@@ -18,7 +18,7 @@
 #include "core/geometry/mesh_shapes.h"
 #include "scene/mesh_file.h"
 #include "scene/object_reader.h"
-#include "tests/session/opened_recording.h"
+#include "tests/recording/opened_recording.h"
 #include "tests/vision_node/gone_folder.h"
 #include "tests/vision_node/made_views.h"
 #include "vision_node/recorded_surfaces.h"
@@ -245,7 +245,7 @@ struct RecordedSurfacesTest : testing::Test {
     window = std::make_unique<RecordedWindow>(options, std::move(made.recording));
     window->scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
     moved.emplace(*window->view, window->scene);
-    auto opened = SessionShapes::open(window->file);
+    auto opened = RecordingShapes::open(window->file);
     ASSERT_TRUE(opened) << opened.error().what;
     shapes.emplace(std::move(*opened));
     surfaces.emplace(window->index, *shapes, *moved);
@@ -264,7 +264,7 @@ struct RecordedSurfacesTest : testing::Test {
 
   std::unique_ptr<RecordedWindow> window;
   std::optional<MovedObjects> moved;
-  std::optional<SessionShapes> shapes;
+  std::optional<RecordingShapes> shapes;
   std::optional<RecordedSurfaces> surfaces;
 };
 
@@ -322,7 +322,7 @@ TEST_F(RecordedSurfacesTest, AreInTheSessionThatIsShown) {
     RecordedWindow shown(options, std::move(own.recording));
     shown.scene.objects[0].program_shape = std::make_shared<const ProgramShape>(ProgramShape{.reach_m = 0.1});
     MovedObjects objects(*shown.view, shown.scene);
-    auto read = SessionShapes::open(shown.file);
+    auto read = RecordingShapes::open(shown.file);
     shown.session->set_moved_objects(&objects, is_read ? &*read : nullptr);
     EXPECT_TRUE(shown.session->run(shown.stop));
     const Picture picture = shown.view->read_picture();

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/session/opened_recording.h"
+#include "tests/recording/opened_recording.h"
 
 namespace hapton {
 namespace {
@@ -111,9 +111,9 @@ TEST(RecordedState, ATurnedToolIsShownTurned) {
   ScratchFolder scratch;
   const auto file = made.write(scratch);
   auto reader = SessionReader::open(file);
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   ASSERT_TRUE(index);
-  auto rows = SessionRows::open(file, *index);
+  auto rows = RecordingRows::open(file, *index);
   ASSERT_TRUE(rows);
   const auto state = find_recorded_state(*index, *rows, 1.0);
   ASSERT_TRUE(state);
@@ -141,7 +141,7 @@ TEST(RecordedState, PlotsHaveTheLastFiveSecondsAndTheLimit) {
   };
   const auto file = made.write(scratch);
   auto reader = SessionReader::open(file);
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   ASSERT_TRUE(index);
   const std::vector<PlotContent> plots = make_recorded_plots(*index, 6.9);
   ASSERT_EQ(plots.size(), 2U);
@@ -198,9 +198,9 @@ TEST(RecordedState, HasTheEnergyAndTheLargestForceThatTheHubReported) {
   };
   const auto file = made.write(scratch);
   auto reader = SessionReader::open(file);
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   ASSERT_TRUE(index);
-  auto rows = SessionRows::open(file, *index);
+  auto rows = RecordingRows::open(file, *index);
   ASSERT_TRUE(rows);
   const auto before = find_recorded_state(*index, *rows, 1.4);
   ASSERT_TRUE(before);

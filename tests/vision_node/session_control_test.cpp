@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/session/opened_recording.h"
+#include "tests/recording/opened_recording.h"
 #include "vision_node/time_line.h"
 
 namespace hapton {

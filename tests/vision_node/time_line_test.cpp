@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/session/opened_recording.h"
+#include "tests/recording/opened_recording.h"
 
 namespace hapton {
 namespace {
@@ -35,7 +35,7 @@ TEST(TimeLine, EachContactIsABandOfItsOwn) {
   };
   const ScratchFolder scratch;
   auto reader = SessionReader::open(made.write(scratch));
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   ASSERT_TRUE(index);
   const std::vector<TimeLineShown::Band> bands = make_time_line(*index).contact;
   ASSERT_EQ(bands.size(), 3U);
@@ -113,7 +113,7 @@ TEST(TimeLine, TimesAreReadable) {
 
 TEST(TimeLine, MarksAreFoundFromOneToTheNext) {
   const OpenedRecording recording;
-  const SessionMark* mark = find_next_mark(recording.index, 0.0);
+  const RecordingMark* mark = find_next_mark(recording.index, 0.0);
   ASSERT_NE(mark, nullptr);
   EXPECT_EQ(mark->text, "trial 7");
   mark = find_next_mark(recording.index, mark->t_s);

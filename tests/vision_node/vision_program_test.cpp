@@ -9,7 +9,7 @@
 
 #include "scene/scene_file.h"
 #include "scene/scene_loading.h"
-#include "tests/session/made_recording.h"
+#include "tests/recording/made_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace {

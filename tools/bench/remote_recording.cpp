@@ -4,10 +4,10 @@
 #include <cmath>
 #include <variant>
 
+#include "recording/recording_entries.h"
 #include "remote_touch/packet_size.h"
 #include "remote_touch/whole_scene.h"
 #include "safety/vector_limit.h"
-#include "session/session_entries.h"
 
 namespace hapton {
 namespace {

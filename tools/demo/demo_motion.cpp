@@ -3,7 +3,7 @@
 #include <unordered_map>
 #include <variant>
 
-#include "session/session_entries.h"
+#include "recording/recording_entries.h"
 
 namespace hapton {
 namespace {

@@ -1,6 +1,6 @@
 #include "tools/session/cycle_files.h"
 
-#include "session/session_entries.h"
+#include "recording/recording_entries.h"
 
 namespace hapton {
 

@@ -7,9 +7,9 @@
 
 #include "core/base/result.h"
 #include "link/session_reader.h"
+#include "recording/cycle_table.h"
+#include "recording/object_changes.h"
 #include "scene/object_names.h"
-#include "session/cycle_table.h"
-#include "session/object_changes.h"
 
 namespace hapton {
 

@@ -5,9 +5,9 @@
 #include <map>
 #include <utility>
 
+#include "recording/recording_shape_collector.h"
 #include "runtime/part_file.h"
 #include "scene/scene_loading.h"
-#include "session/session_shape_collector.h"
 #include "tools/session/csv_names.h"
 #include "tools/session/cycle_files.h"
 
@@ -286,8 +286,8 @@ Result<CycleCounts> write_joined_hdf5(SessionReader& reader, const std::filesyst
   file.describe(reader.header());
   file.add_names(names);
   CycleTable table(reader.header().start_ns, [&](const CycleRow& row) { file.add(row); });
-  SessionShapeCollector shapes(reader.header().start_ns);
-  const SessionShapeCollector::Take take = [&](const RecordedShape& shape) { file.add_shape(shape); };
+  RecordingShapeCollector shapes(reader.header().start_ns);
+  const RecordingShapeCollector::Take take = [&](const RecordedShape& shape) { file.add_shape(shape); };
   const ObjectChanges changes =
       add_all(reader, table, [&](const SessionEntry& entry, const Datagram* datagram) { shapes.add(entry, datagram, take); });
   shapes.finish(take);

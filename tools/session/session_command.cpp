@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "link/session_reader.h"
-#include "session/session_entries.h"
+#include "recording/recording_entries.h"
 #include "tools/commands.h"
 #include "tools/session/cycle_files.h"
 #include "tools/session/recorded_scenes.h"

@@ -9,8 +9,8 @@
 
 #include "link/message_payload.h"
 #include "link/wire_schema.h"
-#include "session/session_entries.h"
-#include "session/session_shape_collector.h"
+#include "recording/recording_entries.h"
+#include "recording/recording_shape_collector.h"
 #include "tools/session/csv_names.h"
 #include "tools/session/mcap_writer.h"
 
@@ -139,7 +139,7 @@ class McapMessages {
 
   McapWriter& writer_;
   const SessionHeader& header_;
-  SessionShapeCollector shapes_;
+  RecordingShapeCollector shapes_;
   SessionCodec codec_;
   std::string buffer_;
   std::uint64_t sample_ = 0;

@@ -14,7 +14,7 @@
 #include "core/base/result.h"
 #include "haptic_step/haptics_step.h"
 #include "link/messages.h"
-#include "session/object_changes.h"
+#include "recording/object_changes.h"
 #include "tools/session/recorded_shapes.h"
 
 namespace hapton {

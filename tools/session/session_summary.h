@@ -11,8 +11,8 @@
 #include "core/base/ns_between.h"
 #include "link/codec.h"
 #include "link/session_entry.h"
+#include "recording/object_changes.h"
 #include "runtime/latency_histogram.h"
-#include "session/object_changes.h"
 #include "tools/session/session_replay.h"
 
 namespace hapton {

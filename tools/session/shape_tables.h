@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "recording/recording_shape_collector.h"
 #include "scene/object_names.h"
-#include "session/session_shape_collector.h"
 #include "tools/session/npy_file.h"
 
 namespace hapton {
@@ -38,7 +38,7 @@ class ShapeTables {
 
   std::filesystem::path folder_;
   std::vector<ObjectName> names_;
-  SessionShapeCollector collector_;
+  RecordingShapeCollector collector_;
   std::optional<PartFile> table_;
   std::map<std::string, NpyFile> arrays_;  // by file name
   std::uint64_t rows_ = 0;

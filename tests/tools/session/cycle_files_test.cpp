@@ -14,10 +14,10 @@
 
 #include "haptic_step/haptics_setup.h"
 #include "link/session_codec.h"
+#include "recording/cycle_table.h"
 #include "scene/scene_file.h"
 #include "scene/scene_hash.h"
-#include "session/cycle_table.h"
-#include "tests/session/made_entries.h"
+#include "tests/recording/made_entries.h"
 #include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/tools/command_run.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/session/made_entries.h"
+#include "tests/recording/made_entries.h"
 #include "tests/support/file_size_limit.h"
 #include "tests/support/scratch_folder.h"
 

@@ -1,4 +1,4 @@
-#include "session/session_index.h"
+#include "recording/recording_index.h"
 
 #include <gtest/gtest.h>
 
@@ -10,29 +10,29 @@
 #include <string>
 #include <vector>
 
-#include "tests/session/made_recording.h"
+#include "tests/recording/made_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
 
-SessionIndex index_of(const std::filesystem::path& file) {
+RecordingIndex index_of(const std::filesystem::path& file) {
   auto reader = SessionReader::open(file);
   EXPECT_TRUE(reader) << reader.error().what;
-  auto index = SessionIndex::read(*reader);
+  auto index = RecordingIndex::read(*reader);
   EXPECT_TRUE(index) << index.error().what;
   return std::move(*index);
 }
 
-TEST(SessionIndex, HasContactForceAndMarksAtTheirTimes) {
+TEST(RecordingIndex, HasContactForceAndMarksAtTheirTimes) {
   const ScratchFolder scratch;
-  const SessionIndex index = index_of(MadeRecording().write(scratch));
+  const RecordingIndex index = index_of(MadeRecording().write(scratch));
   EXPECT_DOUBLE_EQ(index.begin_s(), 1e-3);
   EXPECT_DOUBLE_EQ(index.end_s(), 4.0);
   std::uint64_t samples = 0;
-  for (const SessionSpan& span : index.spans()) {
+  for (const RecordingSpan& span : index.spans()) {
     samples += span.samples;
-    const double from_s = SessionIndex::kSpanS * static_cast<double>(span.number);
+    const double from_s = RecordingIndex::kSpanS * static_cast<double>(span.number);
     EXPECT_EQ(span.is_contact, from_s >= 2.0 - 1e-9 && from_s < 3.0 - 1e-9) << from_s;
     EXPECT_FLOAT_EQ(span.written_n, 0.5F);
   }
@@ -46,9 +46,9 @@ TEST(SessionIndex, HasContactForceAndMarksAtTheirTimes) {
   EXPECT_EQ(index.marks()[2].text, "trial 8");
 }
 
-TEST(SessionIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
+TEST(RecordingIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
   const ScratchFolder scratch;
-  const SessionIndex index = index_of(MadeRecording().write(scratch));
+  const RecordingIndex index = index_of(MadeRecording().write(scratch));
   EXPECT_EQ(index.find_view({}, 0.5).translation().x(), 0.0);
   EXPECT_FLOAT_EQ(static_cast<float>(index.find_view({}, 2.0).translation().x()), 0.25F);
   EXPECT_EQ(index.find_view(0U, 2.0).translation().x(), 0.0) << "a force that was computed with the pose before";
@@ -73,11 +73,11 @@ TEST(SessionIndex, WhatWasSaidHoldsUntilSomethingElseIs) {
 }
 
 // They come when the hub has requested them, and show from the beginning.
-TEST(SessionIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
+TEST(RecordingIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.is_carved_before = true;
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.carves().size(), 2U);
   EXPECT_NEAR(index.carves()[0].t_s, 0.05, 0.002);
   EXPECT_TRUE(index.carves()[0].message.starts_anew);
@@ -87,7 +87,7 @@ TEST(SessionIndex, WhatWasCarvedBeforeTheRecordingIsThereFromTheBeginning) {
 }
 
 // As where the hub began to record while the stylus carved: the first message has a carve already.
-TEST(SessionIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginning) {
+TEST(RecordingIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginning) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
@@ -96,7 +96,7 @@ TEST(SessionIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginni
     carves.newest = 3;
     recording.receive(MadeRecording::kHaptics, carves, sample);
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.carves().size(), 3U) << "the recording's own first carve belongs to the beginning, the third one does not";
   EXPECT_NEAR(index.carves()[0].t_s, 0.1, 0.001);
   ASSERT_EQ(index.carves()[0].message.carves.size(), 2U);
@@ -110,7 +110,7 @@ TEST(SessionIndex, WhatWasCarvedBeforeTheFirstCarveThatCameIsThereFromTheBeginni
 }
 
 // Serials are those of one haptics process: another one begins with 1 again.
-TEST(SessionIndex, WhatAnotherProcessSaysIsNoRepetition) {
+TEST(RecordingIndex, WhatAnotherProcessSaysIsNoRepetition) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.is_carved_before = true;
@@ -118,7 +118,7 @@ TEST(SessionIndex, WhatAnotherProcessSaysIsNoRepetition) {
     if (sample == 2300) recording.receive(MadeRecording::kHaptics, ObjectMove{.source = 7, .serial = 1, .object = 2, .end_ns = 5}, sample);
     if (sample == 3500) recording.receive(MadeRecording::kHaptics, MadeRecording::through_middle(9, 1), sample);
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.moves().size(), 2U);
   EXPECT_NEAR(index.moves()[1].t_s, 2.3, 0.001);
   ASSERT_EQ(index.carves().size(), 3U);
@@ -127,7 +127,7 @@ TEST(SessionIndex, WhatAnotherProcessSaysIsNoRepetition) {
   EXPECT_EQ(index.carves()[2].message.carves.size(), 1U);
 }
 
-TEST(SessionIndex, APoseOfAnotherProcessIsNoRepetition) {
+TEST(RecordingIndex, APoseOfAnotherProcessIsNoRepetition) {
   const ScratchFolder scratch;
   constexpr std::uint64_t kOtherHaptics = 4;
   MadeRecording recording;
@@ -136,16 +136,16 @@ TEST(SessionIndex, APoseOfAnotherProcessIsNoRepetition) {
     if (sample != 3100 && sample != 3200) return;
     recording.receive(kOtherHaptics, ObjectPose{.serial = 2, .object = 1, .p_m = Vec3(0.0, 0.2, 0.0)}, sample);
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.poses().size(), 3U) << "the pose before has the same serial, of the other process";
   EXPECT_NEAR(index.poses()[2].t_s, 3.1, 0.001);
   EXPECT_EQ(index.poses()[2].message.p_m.y(), 0.2);
 }
 
-TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
+TEST(RecordingIndex, APositionIsNotFarBeforeItsTime) {
   const ScratchFolder scratch;
   const auto file = MadeRecording().write(scratch);
-  const SessionIndex index = index_of(file);
+  const RecordingIndex index = index_of(file);
   for (const double t_s : {-5.0, 0.0, 0.7, 2.3, 3.999, 99.0}) {
     auto reader = SessionReader::open(file);
     reader->seek(index.find_position(t_s));
@@ -157,37 +157,37 @@ TEST(SessionIndex, APositionIsNotFarBeforeItsTime) {
   }
 }
 
-TEST(SessionIndex, ASpanHasTheLargestForceAndTheLongestRoundTrip) {
+TEST(RecordingIndex, ASpanHasTheLargestForceAndTheLongestRoundTrip) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.slower_ns = 150'000;
   recording.lost_from = 1000;
   recording.lost_to = 1100;
-  const SessionIndex index = index_of(recording.write(scratch));
-  for (const SessionSpan& span : index.spans()) {
+  const RecordingIndex index = index_of(recording.write(scratch));
+  for (const RecordingSpan& span : index.spans()) {
     if (span.samples == 1) continue;
     EXPECT_FLOAT_EQ(span.round_trip_s, 4.5e-4F) << span.number;
   }
   EXPECT_EQ(index.spans().front().samples, 19U) << "the samples 1 to 19";
   EXPECT_EQ(index.spans().back().samples, 1U) << "that of the last millisecond";
-  for (const SessionSpan& span : index.spans()) EXPECT_FALSE(span.number >= 50 && span.number < 55) << "nothing was recorded there";
+  for (const RecordingSpan& span : index.spans()) EXPECT_FALSE(span.number >= 50 && span.number < 55) << "nothing was recorded there";
 }
 
-TEST(SessionIndex, WithoutAReplyASpanHasNoRoundTrip) {
+TEST(RecordingIndex, WithoutAReplyASpanHasNoRoundTrip) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.samples = 1;
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.spans().size(), 1U);
   EXPECT_LT(index.spans()[0].round_trip_s, 0.0F);
 }
 
-TEST(SessionIndex, SpansAreFoundByTheTimesTheyOverlap) {
+TEST(RecordingIndex, SpansAreFoundByTheTimesTheyOverlap) {
   const ScratchFolder scratch;
-  const SessionIndex index = index_of(MadeRecording().write(scratch));
+  const RecordingIndex index = index_of(MadeRecording().write(scratch));
   const auto numbers = [&](double from_s, double to_s) {
     std::vector<std::int64_t> found;
-    for (const SessionSpan& span : index.spans_between(from_s, to_s)) found.push_back(span.number);
+    for (const RecordingSpan& span : index.spans_between(from_s, to_s)) found.push_back(span.number);
     return found;
   };
   EXPECT_EQ(numbers(1.01, 1.05), (std::vector<std::int64_t>{50, 51, 52}));
@@ -200,7 +200,7 @@ TEST(SessionIndex, SpansAreFoundByTheTimesTheyOverlap) {
 }
 
 // A method, a scene, other meshes in the same file, another unit: each is another set-up.
-TEST(SessionIndex, EachChangeOfTheSetupIsKnownFromItsTimeOn) {
+TEST(RecordingIndex, EachChangeOfTheSetupIsKnownFromItsTimeOn) {
   const ScratchFolder scratch;
   MadeRecording recording;
   HapticsSetup setup{.method_serial = 1, .scene_hash = 5};
@@ -215,7 +215,7 @@ TEST(SessionIndex, EachChangeOfTheSetupIsKnownFromItsTimeOn) {
     ++setup.method_serial;
     recording.receive(MadeRecording::kHaptics, setup, sample);
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   EXPECT_STREQ(index.find_setup(0.49)->method.data(), "name=proxy probe_radius_m=0.004");
   EXPECT_STREQ(index.find_setup(0.51)->method.data(), "name=smooth");
   EXPECT_STREQ(index.find_setup(0.99)->scene.data(), "made.toml");
@@ -227,7 +227,7 @@ TEST(SessionIndex, EachChangeOfTheSetupIsKnownFromItsTimeOn) {
   EXPECT_EQ(index.find_setup(3.9), index.find_setup(2.1)) << "what is said again changes nothing";
 }
 
-TEST(SessionIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
+TEST(RecordingIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
@@ -238,7 +238,7 @@ TEST(SessionIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
                         sample);
     }
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.poses().size(), 6U);
   for (std::size_t n = 2; n < 6; ++n) {
     EXPECT_EQ(index.poses()[n].message.object, n % 2 == 0 ? 3 : 4);
@@ -248,7 +248,7 @@ TEST(SessionIndex, RepetitionsOfOneObjectAreKnownAlsoBetweenThoseOfAnother) {
 }
 
 // The pose of the scene of a revision: the newest of that number until then; the newest of all where none has it.
-TEST(SessionIndex, AViewIsFoundByItsRevision) {
+TEST(RecordingIndex, AViewIsFoundByItsRevision) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
@@ -259,7 +259,7 @@ TEST(SessionIndex, AViewIsFoundByItsRevision) {
     if (sample == 2500) shifted(4, 0.75F);  // of a vision node that was started again
     if (sample == 3000) shifted(6, 1.0F);
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   const auto x_of = [&](std::optional<std::uint32_t> revision, double t_s) {
     return static_cast<float>(index.find_view(revision, t_s).translation().x());
   };
@@ -275,7 +275,7 @@ TEST(SessionIndex, AViewIsFoundByItsRevision) {
 }
 
 // As from a file whose times were changed.
-TEST(SessionIndex, WhatWasSaidLaterInTheFileIsNotEarlierInTime) {
+TEST(RecordingIndex, WhatWasSaidLaterInTheFileIsNotEarlierInTime) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
@@ -283,21 +283,21 @@ TEST(SessionIndex, WhatWasSaidLaterInTheFileIsNotEarlierInTime) {
     recording.receive(MadeRecording::kHaptics, ObjectPose{.serial = 8, .object = 3}, sample);
     recording.receive(MadeRecording::kHaptics, ObjectPose{.serial = 9, .object = 3}, sample, -2'500'000'000);
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_EQ(index.poses().size(), 4U);
   EXPECT_EQ(index.poses()[3].message.serial, 9U);
   EXPECT_EQ(index.poses()[3].t_s, index.poses()[2].t_s);
   EXPECT_EQ(count_until(index.poses(), 2.9), 2U);
 }
 
-TEST(SessionIndex, NoticesOfTheDeviceAreThoseThatChanged) {
+TEST(RecordingIndex, NoticesOfTheDeviceAreThoseThatChanged) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
     if (sample == 200 || sample == 300) recording.notice({.energy_percent = 40, .force_limit_n = 8.0F}, sample);
     if (sample == 300) recording.receive(MadeRecording::kVision, ProbeState{.energy_percent = 99}, sample);  // said by nobody who knows
   };
-  const SessionIndex index = index_of(recording.write(scratch));
+  const RecordingIndex index = index_of(recording.write(scratch));
   ASSERT_NE(index.find_notice(0.15), nullptr);
   EXPECT_EQ(index.find_notice(0.15)->energy_percent, 0U);
   ASSERT_NE(index.find_notice(0.25), nullptr);
@@ -309,7 +309,7 @@ TEST(SessionIndex, NoticesOfTheDeviceAreThoseThatChanged) {
 }
 
 // A megabyte a quarter of a second: a jump into it reads on from within the last one.
-TEST(SessionIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
+TEST(RecordingIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.samples = 400;
@@ -320,7 +320,7 @@ TEST(SessionIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
   };
   const auto file = recording.write(scratch);
   ASSERT_GT(std::filesystem::file_size(file), 16U << 20);
-  const SessionIndex index = index_of(file);
+  const RecordingIndex index = index_of(file);
   for (const double t_s : {0.1, 0.2, 0.24, 0.39}) {
     auto reader = SessionReader::open(file);
     reader->seek(index.find_position(t_s));
@@ -332,24 +332,24 @@ TEST(SessionIndex, APositionIsNotFarBeforeItsTimeAlsoWhereMuchWasSaid) {
   }
 }
 
-TEST(SessionIndex, ARecordingWithoutSamplesIsAnErrorInOneLine) {
+TEST(RecordingIndex, ARecordingWithoutSamplesIsAnErrorInOneLine) {
   const ScratchFolder scratch;
   MadeRecording empty;
   empty.samples = 0;
   auto reader = SessionReader::open(empty.write(scratch));
-  auto index = SessionIndex::read(*reader);
+  auto index = RecordingIndex::read(*reader);
   ASSERT_FALSE(index);
   EXPECT_NE(index.error().what.find("no sample"), std::string::npos);
   MadeRecording old;
   old.has_device = false;
   reader = SessionReader::open(old.write(scratch));
-  index = SessionIndex::read(*reader);
+  index = RecordingIndex::read(*reader);
   ASSERT_FALSE(index);
   EXPECT_NE(index.error().what.find("older recording"), std::string::npos);
 }
 
 // Any number may stand where a time is.
-TEST(SessionIndex, TimesOfAHostileFileDoNoHarm) {
+TEST(RecordingIndex, TimesOfAHostileFileDoNoHarm) {
   const ScratchFolder scratch;
   SessionCodec codec;
   std::string bytes(kSessionMagic);
@@ -361,7 +361,7 @@ TEST(SessionIndex, TimesOfAHostileFileDoNoHarm) {
     entry.cycle.device->time_ns = -time_ns;
     codec.append(entry, bytes);
   }
-  const SessionIndex index = index_of(scratch.write("hostile.hapton", bytes));
+  const RecordingIndex index = index_of(scratch.write("hostile.hapton", bytes));
   EXPECT_LE(index.spans().size(), 4U);
   EXPECT_LE(index.begin_s(), index.end_s());
 }

@@ -1,4 +1,4 @@
-#include "session/session_rows.h"
+#include "recording/recording_rows.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,16 +15,16 @@ bool has_reply(const CycleRow& row) { return row.p_WP.allFinite(); }
 
 }  // namespace
 
-SessionRows::SessionRows(SessionReader reader, const SessionIndex& index)
+RecordingRows::RecordingRows(SessionReader reader, const RecordingIndex& index)
     : index_(&index), reader_(std::make_unique<SessionReader>(std::move(reader))), rows_(std::make_unique<std::deque<CycleRow>>()) {}
 
-Result<SessionRows> SessionRows::open(const std::filesystem::path& file, const SessionIndex& index) {
+Result<RecordingRows> RecordingRows::open(const std::filesystem::path& file, const RecordingIndex& index) {
   auto reader = SessionReader::open(file);
   if (!reader) return tl::unexpected(reader.error());
-  return SessionRows(std::move(*reader), index);
+  return RecordingRows(std::move(*reader), index);
 }
 
-void SessionRows::jump(double t_s) {
+void RecordingRows::jump(double t_s) {
   rows_->clear();
   from_s_ = t_s - 2.0 * kBeforeS;
   is_at_end_ = false;
@@ -38,7 +38,7 @@ void SessionRows::jump(double t_s) {
       kLatestS);
 }
 
-bool SessionRows::read_entry() {
+bool RecordingRows::read_entry() {
   SessionEntry entry;
   if (is_at_end_ || !reader_->next(entry)) {
     if (!is_at_end_) table_->finish();
@@ -52,7 +52,7 @@ bool SessionRows::read_entry() {
 }
 
 // Reads until there is a row later than t_s, or the file ends; those of kBeforeS before t_s are there, too, unless the file has none.
-void SessionRows::go_to(double t_s) {
+void RecordingRows::go_to(double t_s) {
   const bool is_near = table_ != nullptr && t_s - kBeforeS >= from_s_ && (rows_->empty() || t_s <= rows_->back().sample_t_s + kReadOnS);
   if (!is_near) jump(t_s);
   while ((rows_->empty() || rows_->back().sample_t_s <= t_s) && read_entry()) {
@@ -63,18 +63,18 @@ void SessionRows::go_to(double t_s) {
   }
 }
 
-std::deque<CycleRow>::const_iterator SessionRows::find_after(double t_s) const {
+std::deque<CycleRow>::const_iterator RecordingRows::find_after(double t_s) const {
   return std::upper_bound(rows_->begin(), rows_->end(), t_s, [](double t, const CycleRow& row) { return t < row.sample_t_s; });
 }
 
-const CycleRow* SessionRows::at(double t_s) {
+const CycleRow* RecordingRows::at(double t_s) {
   go_to(t_s);
   const auto after = find_after(t_s);
   // A gap in the recording, or other entries after its last sample: the sample before may be farther back.
   if (after == rows_->begin() && t_s > index_->begin_s()) {
     const auto spans = index_->spans_between(index_->begin_s(), t_s);
     if (!spans.empty()) {
-      const double before_s = SessionIndex::kSpanS * static_cast<double>(spans.back().number);
+      const double before_s = RecordingIndex::kSpanS * static_cast<double>(spans.back().number);
       jump(before_s);
       while ((rows_->empty() || rows_->back().sample_t_s <= t_s) && read_entry()) {
       }
@@ -85,7 +85,7 @@ const CycleRow* SessionRows::at(double t_s) {
   return found == rows_->begin() ? &*found : &*std::prev(found);
 }
 
-const CycleRow* SessionRows::replied_at(double t_s, double most_age_s) {
+const CycleRow* RecordingRows::replied_at(double t_s, double most_age_s) {
   go_to(t_s);
   for (auto one = find_after(t_s); one != rows_->begin();) {
     --one;
@@ -95,13 +95,13 @@ const CycleRow* SessionRows::replied_at(double t_s, double most_age_s) {
   return nullptr;
 }
 
-std::optional<double> SessionRows::next_s(double t_s) {
+std::optional<double> RecordingRows::next_s(double t_s) {
   go_to(t_s);
   const auto after = find_after(t_s);
   return after != rows_->end() ? std::optional(after->sample_t_s) : std::nullopt;
 }
 
-std::optional<double> SessionRows::previous_s(double t_s) {
+std::optional<double> RecordingRows::previous_s(double t_s) {
   // The newest row at the next smaller double is the one before.
   const double before_s = std::nextafter(t_s, -std::numeric_limits<double>::infinity());
   if (before_s < index_->begin_s()) return std::nullopt;
@@ -109,7 +109,7 @@ std::optional<double> SessionRows::previous_s(double t_s) {
   return row != nullptr && row->sample_t_s < t_s ? std::optional(row->sample_t_s) : std::nullopt;
 }
 
-std::vector<double> SessionRows::round_trips(double t_s) {
+std::vector<double> RecordingRows::round_trips(double t_s) {
   go_to(t_s);
   std::vector<double> trips;
   for (auto one = find_after(t_s); one != rows_->begin();) {

@@ -10,7 +10,7 @@
 #include "link/codec.h"
 #include "link/session_entry.h"
 #include "link/shape_parts.h"
-#include "session/object_changes.h"
+#include "recording/object_changes.h"
 
 namespace hapton {
 
@@ -30,12 +30,12 @@ struct RecordedShape {
 
 // The shapes of objects that programs deform, from what haptics nodes announced: each once, as soon as all of it has come, or without its
 // vertices if these do not come. Those of an hour do not fit into memory, so they are handed on. RT: no. Threads: one.
-class SessionShapeCollector {
+class RecordingShapeCollector {
  public:
   using Take = std::function<void(const RecordedShape& shape)>;
 
   // start_ns: of the recording.
-  explicit SessionShapeCollector(std::int64_t start_ns) : start_ns_(start_ns) {}
+  explicit RecordingShapeCollector(std::int64_t start_ns) : start_ns_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram, const Take& take);
   // At the end: what is left.

@@ -11,14 +11,14 @@
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_reader.h"
-#include "session/cycle_table.h"
-#include "session/session_index.h"
+#include "recording/cycle_table.h"
+#include "recording/recording_index.h"
 
 namespace hapton {
 
 // The samples of a recording around a moment. Only the rows near that moment are in memory: a later moment reads on, any other seeks to a
-// place shortly before it. Times as in SessionIndex, never decreasing from one row to the next. RT: no. Threads: one.
-class SessionRows {
+// place shortly before it. Times as in RecordingIndex, never decreasing from one row to the next. RT: no. Threads: one.
+class RecordingRows {
  public:
   // How long rows are kept after their time has passed, for statistics and for single steps backwards.
   static constexpr double kBeforeS = 1.0;
@@ -26,7 +26,7 @@ class SessionRows {
   static constexpr double kLatestS = 0.5;
 
   // Pre: the index, of the same file, outlives it. Error: see SessionReader::open.
-  static Result<SessionRows> open(const std::filesystem::path& file, const SessionIndex& index);
+  static Result<RecordingRows> open(const std::filesystem::path& file, const RecordingIndex& index);
 
   // The newest sample until that time, or else the first of all. Null only if the file has changed. Valid until the next call.
   const CycleRow* at(double t_s);
@@ -39,14 +39,14 @@ class SessionRows {
   std::vector<double> round_trips(double t_s);
 
  private:
-  SessionRows(SessionReader reader, const SessionIndex& index);
+  RecordingRows(SessionReader reader, const RecordingIndex& index);
   void go_to(double t_s);
   void jump(double t_s);
   bool read_entry();
   // The first row later than t_s. Pre: go_to(t_s).
   std::deque<CycleRow>::const_iterator find_after(double t_s) const;
 
-  const SessionIndex* index_;
+  const RecordingIndex* index_;
   std::unique_ptr<SessionReader> reader_;
   Codec codec_;
   std::unique_ptr<CycleTable> table_;

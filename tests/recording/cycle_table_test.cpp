@@ -1,4 +1,4 @@
-#include "session/cycle_table.h"
+#include "recording/cycle_table.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/session/made_entries.h"
+#include "tests/recording/made_entries.h"
 
 namespace hapton {
 namespace {

@@ -1,4 +1,4 @@
-#include "session/session_index.h"
+#include "recording/recording_index.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "core/base/ns_between.h"
 #include "core/math/rigid_pose.h"
-#include "session/session_entries.h"
+#include "recording/recording_entries.h"
 
 namespace hapton {
 namespace {
@@ -46,20 +46,20 @@ bool is_same(const HapticsSetup& a, const HapticsSetup& b) {
 
 }  // namespace
 
-bool SessionIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
+bool RecordingIndex::is_haptics(std::uint64_t sender) const { return std::ranges::find(haptics_, sender) != haptics_.end(); }
 
-bool SessionIndex::note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said) {
+bool RecordingIndex::note_said(std::map<std::int32_t, Said>& last, std::int32_t object, const Said& said) {
   const auto [at, is_first] = last.try_emplace(object, said);
   return is_first || std::exchange(at->second, said) != said;
 }
 
-void SessionIndex::add_row(const CycleRow& row) {
+void RecordingIndex::add_row(const CycleRow& row) {
   const double t_s = std::clamp(row.sample_t_s, spans_.empty() ? -kMaxSeconds : end_s_, kMaxSeconds);
   if (spans_.empty()) begin_s_ = t_s;
   end_s_ = t_s;
   const auto number = static_cast<std::int64_t>(std::floor(t_s / kSpanS));
   if (spans_.empty() || spans_.back().number != number) spans_.push_back({.number = number});
-  SessionSpan& span = spans_.back();
+  RecordingSpan& span = spans_.back();
   ++span.samples;
   const double written_n = row.written_n.norm();
   if (std::isfinite(written_n)) span.written_n = std::max(span.written_n, static_cast<float>(written_n));
@@ -68,12 +68,12 @@ void SessionIndex::add_row(const CycleRow& row) {
   for_each_event(row, [&](const CycleEvent& event) { marks_.push_back({t_s, event.name, event.kind == "fault"}); });
 }
 
-void SessionIndex::add_view(const View& view, double t_s) {
+void RecordingIndex::add_view(const View& view, double t_s) {
   if (!views_.empty() && views_.back().message == view) return;
   add_later(views_, t_s, view);
 }
 
-void SessionIndex::add_carves(const Carves& carves, double t_s) {
+void RecordingIndex::add_carves(const Carves& carves, double t_s) {
   const KnownCarves::News news = known_carves_.take(carves, Arrival::newest);
   if (!news.starts_anew && news.carves.empty()) return;
   const bool is_first = carves_.empty();
@@ -92,7 +92,7 @@ void SessionIndex::add_carves(const Carves& carves, double t_s) {
   add_later(carves_, t_s, CarveNews{news.starts_anew, std::move(fresh)});
 }
 
-void SessionIndex::add_received(const Datagram& datagram, double t_s, std::uint64_t position) {
+void RecordingIndex::add_received(const Datagram& datagram, double t_s, std::uint64_t position) {
   const Message& message = datagram.message;
   const std::uint64_t sender = datagram.header.sender;
   const auto* setup = std::get_if<HapticsSetup>(&message);
@@ -120,8 +120,8 @@ void SessionIndex::add_received(const Datagram& datagram, double t_s, std::uint6
   }
 }
 
-Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
-  SessionIndex index;
+Result<RecordingIndex> RecordingIndex::read(SessionReader& reader) {
+  RecordingIndex index;
   const std::int64_t start_ns = reader.header().start_ns;
   CycleTable table(start_ns, [&](const CycleRow& row) { index.add_row(row); });
   std::uint64_t position = reader.position();
@@ -152,19 +152,19 @@ Result<SessionIndex> SessionIndex::read(SessionReader& reader) {
   return index;
 }
 
-std::span<const SessionSpan> SessionIndex::spans_between(double from_s, double to_s) const {
+std::span<const RecordingSpan> RecordingIndex::spans_between(double from_s, double to_s) const {
   const auto number = [](double t_s) { return static_cast<std::int64_t>(std::floor(std::clamp(t_s, -kMaxSeconds, kMaxSeconds) / kSpanS)); };
-  const auto from = std::ranges::lower_bound(spans_, number(from_s), {}, &SessionSpan::number);
-  const auto to = std::ranges::upper_bound(spans_, number(to_s), {}, &SessionSpan::number);
-  return from < to ? std::span(from, to) : std::span<const SessionSpan>();
+  const auto from = std::ranges::lower_bound(spans_, number(from_s), {}, &RecordingSpan::number);
+  const auto to = std::ranges::upper_bound(spans_, number(to_s), {}, &RecordingSpan::number);
+  return from < to ? std::span(from, to) : std::span<const RecordingSpan>();
 }
 
-std::uint64_t SessionIndex::find_position(double t_s) const {
+std::uint64_t RecordingIndex::find_position(double t_s) const {
   const auto after = find_after(places_, t_s);
   return after == places_.begin() ? places_.front().position : std::prev(after)->position;
 }
 
-Pose SessionIndex::find_view(std::optional<std::uint32_t> revision, double t_s) const {
+Pose RecordingIndex::find_view(std::optional<std::uint32_t> revision, double t_s) const {
   if (views_.empty()) return Pose::Identity();
   auto found = find_after(views_, t_s);
   if (found != views_.begin()) --found;
@@ -176,14 +176,14 @@ Pose SessionIndex::find_view(std::optional<std::uint32_t> revision, double t_s) 
   return find_rigid_pose(found->message.X_WS).value_or(Pose::Identity());
 }
 
-const HapticsSetup* SessionIndex::find_setup(double t_s) const { return newest_or_first(setups_, t_s); }
+const HapticsSetup* RecordingIndex::find_setup(double t_s) const { return newest_or_first(setups_, t_s); }
 
-const DeviceNotice* SessionIndex::find_notice(double t_s) const {
+const DeviceNotice* RecordingIndex::find_notice(double t_s) const {
   const auto after = find_after(notices_, t_s);
   return after == notices_.begin() ? nullptr : &std::prev(after)->message;
 }
 
-std::uint64_t SessionIndex::find_scene_hash(double t_s) const {
+std::uint64_t RecordingIndex::find_scene_hash(double t_s) const {
   const std::uint64_t* hash = newest_or_first(scene_hashes_, t_s);
   return hash != nullptr ? *hash : 0;
 }

@@ -1,4 +1,4 @@
-#include "session/object_changes.h"
+#include "recording/object_changes.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <string>
 
-#include "tests/session/made_entries.h"
+#include "tests/recording/made_entries.h"
 
 namespace hapton {
 namespace {

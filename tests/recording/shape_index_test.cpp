@@ -1,4 +1,4 @@
-#include "session/shape_index.h"
+#include "recording/shape_index.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "session/session_index.h"
-#include "session/session_shapes.h"
-#include "tests/session/made_recording.h"
+#include "recording/recording_index.h"
+#include "recording/recording_shapes.h"
+#include "tests/recording/made_recording.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -124,7 +124,7 @@ TEST(ShapeIndex, PartsThatAreSentAgainAreLeftOut) {
 }
 
 // Among the samples, with those of another shape between them.
-TEST(SessionShapes, ReadsThePartsOfAShapeWhereTheyAre) {
+TEST(RecordingShapes, ReadsThePartsOfAShapeWhereTheyAre) {
   const ScratchFolder scratch;
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
@@ -138,10 +138,10 @@ TEST(SessionShapes, ReadsThePartsOfAShapeWhereTheyAre) {
   };
   const auto file = recording.write(scratch);
   auto reader = SessionReader::open(file);
-  const auto index = SessionIndex::read(*reader);
+  const auto index = RecordingIndex::read(*reader);
   ASSERT_TRUE(index) << index.error().what;
   ASSERT_EQ(index->shapes().all().size(), 3U);
-  auto shapes = SessionShapes::open(file);
+  auto shapes = RecordingShapes::open(file);
   ASSERT_TRUE(shapes) << shapes.error().what;
   for (const std::size_t n : {1U, 0U, 1U}) {
     const IndexedShape& shape = index->shapes().all()[n].message;
@@ -155,7 +155,7 @@ TEST(SessionShapes, ReadsThePartsOfAShapeWhereTheyAre) {
     EXPECT_LT(shape.last_position - *shape.first_position, 40'000U) << "only the entries of these milliseconds are read";
   }
   EXPECT_TRUE(shapes->read(index->shapes().all()[2].message).empty()) << "none of its parts was recorded";
-  EXPECT_FALSE(SessionShapes::open(scratch.path() / "nowhere.hapton"));
+  EXPECT_FALSE(RecordingShapes::open(scratch.path() / "nowhere.hapton"));
 }
 
 }  // namespace

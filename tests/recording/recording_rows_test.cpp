@@ -1,4 +1,4 @@
-#include "session/session_rows.h"
+#include "recording/recording_rows.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/session/opened_recording.h"
+#include "tests/recording/opened_recording.h"
 
 namespace hapton {
 namespace {
@@ -29,7 +29,7 @@ std::vector<CycleRow> read_all(const std::filesystem::path& file) {
   return all;
 }
 
-TEST(SessionRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
+TEST(RecordingRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
   OpenedRecording opened;
   const std::vector<CycleRow> all = read_all(opened.file);
   std::mt19937 random(7);
@@ -43,7 +43,7 @@ TEST(SessionRows, AnyJumpFindsTheSampleThatAReadingOfAllFinds) {
   }
 }
 
-TEST(SessionRows, PlayingOnFindsThemAll) {
+TEST(RecordingRows, PlayingOnFindsThemAll) {
   OpenedRecording opened;
   for (std::uint64_t sample = 1; sample <= 4000; sample += 16) {
     const CycleRow* row = opened.rows->at(1e-3 * (static_cast<double>(sample) + 0.5));
@@ -52,7 +52,7 @@ TEST(SessionRows, PlayingOnFindsThemAll) {
   }
 }
 
-TEST(SessionRows, StepsGoFromSampleToSampleBothWays) {
+TEST(RecordingRows, StepsGoFromSampleToSampleBothWays) {
   OpenedRecording opened;
   double t_s = opened.rows->at(2.5)->sample_t_s;
   for (std::uint64_t sample = 2501; sample < 2510; ++sample) {
@@ -71,7 +71,7 @@ TEST(SessionRows, StepsGoFromSampleToSampleBothWays) {
   EXPECT_FALSE(opened.rows->previous_s(opened.index.begin_s()));
 }
 
-TEST(SessionRows, TheNewestSampleWithAReplyIsFound) {
+TEST(RecordingRows, TheNewestSampleWithAReplyIsFound) {
   OpenedRecording opened;
   const CycleRow* replied = opened.rows->replied_at(2.0015, 0.02);
   ASSERT_NE(replied, nullptr);
@@ -84,7 +84,7 @@ TEST(SessionRows, TheNewestSampleWithAReplyIsFound) {
   EXPECT_NEAR(trips.front(), 3e-4, 1e-9);
 }
 
-TEST(SessionRows, RoundTripsAreSortedAndCoverTheLastSecond) {
+TEST(RecordingRows, RoundTripsAreSortedAndCoverTheLastSecond) {
   MadeRecording recording;
   recording.slower_ns = 200'000;
   OpenedRecording opened(std::move(recording));
@@ -96,7 +96,7 @@ TEST(SessionRows, RoundTripsAreSortedAndCoverTheLastSecond) {
 }
 
 // Goes back after rows were dropped. 1.3005 s itself is still in memory then, but not all of the second before it that round_trips() needs.
-TEST(SessionRows, GoingBackReadsDroppedRowsAgain) {
+TEST(RecordingRows, GoingBackReadsDroppedRowsAgain) {
   OpenedRecording opened;
   for (const double t_s : {0.1005, 1.5005, 2.9005, 3.9005}) ASSERT_EQ(opened.rows->at(t_s)->sample, static_cast<std::uint64_t>(1e3 * t_s));
   for (const double t_s : {1.2005, 0.3005, 3.2005, 2.2005, 1.3005, 0.1005}) {
@@ -105,7 +105,7 @@ TEST(SessionRows, GoingBackReadsDroppedRowsAgain) {
   }
 }
 
-TEST(SessionRows, BeforeTheFirstSampleTheFirstIsShown) {
+TEST(RecordingRows, BeforeTheFirstSampleTheFirstIsShown) {
   OpenedRecording opened;
   for (const double t_s : {-7.0, 0.0, 0.0005}) {
     ASSERT_NE(opened.rows->at(t_s), nullptr);
@@ -117,7 +117,7 @@ TEST(SessionRows, BeforeTheFirstSampleTheFirstIsShown) {
   EXPECT_EQ(opened.rows->at(99.0)->sample, 4000U) << "after the last, the last";
 }
 
-TEST(SessionRows, AReplyAsOldAsAskedForIsOne) {
+TEST(RecordingRows, AReplyAsOldAsAskedForIsOne) {
   OpenedRecording opened;
   const double at_s = opened.rows->at(2.0005)->sample_t_s;
   ASSERT_NE(opened.rows->replied_at(at_s + 0.0009, 0.001), nullptr);
@@ -125,7 +125,7 @@ TEST(SessionRows, AReplyAsOldAsAskedForIsOne) {
 }
 
 // As of a device that was unplugged.
-TEST(SessionRows, AfterTheLastSampleItIsShownAlsoWhereMoreWasRecorded) {
+TEST(RecordingRows, AfterTheLastSampleItIsShownAlsoWhereMoreWasRecorded) {
   MadeRecording recording;
   recording.also = [&](std::uint64_t sample) {
     for (std::uint64_t later = 5000; sample == 4000 && later <= 9000; later += 100) {
@@ -140,7 +140,7 @@ TEST(SessionRows, AfterTheLastSampleItIsShownAlsoWhereMoreWasRecorded) {
   }
 }
 
-TEST(SessionRows, InAGapTheSampleBeforeItIsShown) {
+TEST(RecordingRows, InAGapTheSampleBeforeItIsShown) {
   MadeRecording recording;
   recording.lost_from = 200;
   recording.lost_to = 3800;

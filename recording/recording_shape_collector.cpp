@@ -1,4 +1,4 @@
-#include "session/session_shape_collector.h"
+#include "recording/recording_shape_collector.h"
 
 #include <algorithm>
 #include <limits>
@@ -25,7 +25,7 @@ constexpr ChangeColumn<RecordedShape> kShapeColumns[] = {
 
 std::span<const ChangeColumn<RecordedShape>> shape_columns() noexcept { return kShapeColumns; }
 
-void SessionShapeCollector::add(const SessionEntry& entry, const Datagram* datagram, const Take& take) {
+void RecordingShapeCollector::add(const SessionEntry& entry, const Datagram* datagram, const Take& take) {
   if (datagram == nullptr || entry.kind != SessionEntry::Kind::received) return;
   if (const auto* part = std::get_if<ObjectShape>(&datagram->message)) {
     begin_process(part->source, take);
@@ -49,7 +49,7 @@ void SessionShapeCollector::add(const SessionEntry& entry, const Datagram* datag
   hand_on_whole(take);
 }
 
-void SessionShapeCollector::begin_process(std::uint32_t source, const Take& take) {
+void RecordingShapeCollector::begin_process(std::uint32_t source, const Take& take) {
   if (source == source_) return;
   finish(take);
   process_ += source_ != 0 ? 1 : 0;
@@ -59,7 +59,8 @@ void SessionShapeCollector::begin_process(std::uint32_t source, const Take& take
   rows_.clear();
 }
 
-SessionShapeCollector::Open& SessionShapeCollector::open(std::int32_t object, std::uint32_t serial, std::uint32_t total, const Take& take) {
+RecordingShapeCollector::Open& RecordingShapeCollector::open(std::int32_t object, std::uint32_t serial, std::uint32_t total,
+                                                             const Take& take) {
   const auto found = std::ranges::find_if(open_, [&](const Open& one) { return one.object == object && one.serial == serial; });
   if (found != open_.end()) return *found;
   if (open_.size() == kMaxOpen) close_first(take);
@@ -68,7 +69,7 @@ SessionShapeCollector::Open& SessionShapeCollector::open(std::int32_t object, st
 }
 
 // A shape without a ShapeStart was never applied, and is dropped.
-void SessionShapeCollector::close_first(const Take& take) {
+void RecordingShapeCollector::close_first(const Take& take) {
   Open& one = open_.front();
   if (one.is_started) {
     const bool is_whole = one.parts.total() == one.shape.start.total && one.parts.is_whole();
@@ -81,7 +82,7 @@ void SessionShapeCollector::close_first(const Take& take) {
   open_.pop_front();
 }
 
-std::optional<std::uint64_t> SessionShapeCollector::take_row(const RecordedShape& shape) {
+std::optional<std::uint64_t> RecordingShapeCollector::take_row(const RecordedShape& shape) {
   if (shape.displacements_m.empty()) return std::nullopt;
   Rows& rows = rows_[shape.start.object];
   if (rows.count == 0) rows.vertices = shape.displacements_m.size();
@@ -89,11 +90,11 @@ std::optional<std::uint64_t> SessionShapeCollector::take_row(const RecordedShape
 }
 
 // In order: a shape that is not complete holds back later ones.
-void SessionShapeCollector::hand_on_whole(const Take& take) {
+void RecordingShapeCollector::hand_on_whole(const Take& take) {
   while (!open_.empty() && open_.front().is_started && open_.front().parts.is_whole()) close_first(take);
 }
 
-void SessionShapeCollector::finish(const Take& take) {
+void RecordingShapeCollector::finish(const Take& take) {
   while (!open_.empty()) close_first(take);
 }
 

@@ -1,16 +1,16 @@
-#include "session/session_shapes.h"
+#include "recording/recording_shapes.h"
 
 #include <utility>
 
 namespace hapton {
 
-Result<SessionShapes> SessionShapes::open(const std::filesystem::path& file) {
+Result<RecordingShapes> RecordingShapes::open(const std::filesystem::path& file) {
   auto reader = SessionReader::open(file);
   if (!reader) return tl::unexpected(reader.error());
-  return SessionShapes(std::move(*reader));
+  return RecordingShapes(std::move(*reader));
 }
 
-std::vector<ObjectShape> SessionShapes::read(const IndexedShape& shape) {
+std::vector<ObjectShape> RecordingShapes::read(const IndexedShape& shape) {
   std::vector<ObjectShape> parts;
   if (!shape.first_position) return parts;
   reader_->seek(*shape.first_position);

@@ -1,4 +1,4 @@
-#include "session/shape_index.h"
+#include "recording/shape_index.h"
 
 #include <algorithm>
 #include <limits>

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "link/messages.h"
-#include "session/timed.h"
+#include "recording/timed.h"
 
 namespace hapton {
 
@@ -21,7 +21,7 @@ struct IndexedShape {
 };
 
 // The shapes of objects that programs deform, by time, without their vertices: those of an hour do not fit into memory. A shape that an
-// object had when the recording began, which is announced a moment later, is there from before its beginning. Times as in SessionIndex.
+// object had when the recording began, which is announced a moment later, is there from before its beginning. Times as in RecordingIndex.
 // RT: no. Threads: const calls from any number.
 class ShapeIndex {
  public:

@@ -12,14 +12,14 @@
 #include "link/known_carves.h"
 #include "link/messages.h"
 #include "link/session_reader.h"
-#include "session/cycle_table.h"
-#include "session/shape_index.h"
-#include "session/timed.h"
+#include "recording/cycle_table.h"
+#include "recording/shape_index.h"
+#include "recording/timed.h"
 
 namespace hapton {
 
-// Summary of SessionIndex::kSpanS of a recording.
-struct SessionSpan {
+// Summary of RecordingIndex::kSpanS of a recording.
+struct RecordingSpan {
   std::int64_t number = 0;     // the span begins number * kSpanS after the start of the recording
   std::uint32_t samples = 0;   // of the device
   float written_n = 0.0F;      // largest force on the motors
@@ -28,7 +28,7 @@ struct SessionSpan {
 };
 
 // A marker, or the faults, at a sample.
-struct SessionMark {
+struct RecordingMark {
   double t_s = 0.0;
   std::string text;
   bool is_fault = false;
@@ -85,23 +85,23 @@ struct DeviceNotice {
 // The time line of a recording: spans, marks, and the messages that set a state until the next one of their kind. Its size grows by 1.2 kB
 // a second and with the number of these messages, not with the samples. Times: seconds since the beginning of the recording
 // (SessionHeader::start_ns), as in the tables that `hapton session export` writes. RT: no. Threads: const calls from any number.
-class SessionIndex {
+class RecordingIndex {
  public:
   static constexpr double kSpanS = 0.02;  // resolution of plots and time line: about a frame
 
   // Reads everything that can be read; SessionReader::problem() then says whether the file was complete. Error, one line: the recording has
   // no sample of the device.
-  static Result<SessionIndex> read(SessionReader& reader);
+  static Result<RecordingIndex> read(SessionReader& reader);
 
   // Times of the first and the last sample.
   double begin_s() const { return begin_s_; }
   double end_s() const { return end_s_; }
   // Sorted by number. There is no span for times without a sample.
-  std::span<const SessionSpan> spans() const { return spans_; }
+  std::span<const RecordingSpan> spans() const { return spans_; }
   // The spans that overlap [from_s, to_s].
-  std::span<const SessionSpan> spans_between(double from_s, double to_s) const;
+  std::span<const RecordingSpan> spans_between(double from_s, double to_s) const;
   // In ascending order of time.
-  std::span<const SessionMark> marks() const { return marks_; }
+  std::span<const RecordingMark> marks() const { return marks_; }
   // The position (SessionReader::seek) at which to begin reading in order to get the samples from that time on.
   std::uint64_t find_position(double t_s) const;
 
@@ -152,8 +152,8 @@ class SessionIndex {
 
   double begin_s_ = 0.0;
   double end_s_ = 0.0;
-  std::vector<SessionSpan> spans_;
-  std::vector<SessionMark> marks_;
+  std::vector<RecordingSpan> spans_;
+  std::vector<RecordingMark> marks_;
   std::vector<Place> places_;
   std::vector<Timed<View>> views_;
   std::vector<Timed<HapticsSetup>> setups_;

@@ -1,4 +1,4 @@
-#include "session/session_shape_collector.h"
+#include "recording/recording_shape_collector.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/session/made_entries.h"
+#include "tests/recording/made_entries.h"
 
 namespace hapton {
 namespace {
@@ -37,7 +37,7 @@ struct ShapeCollectorTest : testing::Test {
   // "process.serial" of each; with a question mark without vertices.
   std::vector<std::string> taken;
   std::vector<double> times_s;
-  SessionShapeCollector::Take take = [this](const RecordedShape& shape) {
+  RecordingShapeCollector::Take take = [this](const RecordedShape& shape) {
     taken.push_back(std::to_string(shape.process) + "." + std::to_string(shape.start.serial) + (shape.displacements_m.empty() ? "?" : ""));
     times_s.push_back(shape.t_s);
     if (shape.displacements_m.empty()) return;
@@ -47,7 +47,7 @@ struct ShapeCollectorTest : testing::Test {
       EXPECT_EQ(shape.displacements_m[v], expected) << v;
     }
   };
-  SessionShapeCollector collector{kCyclesStartNs};
+  RecordingShapeCollector collector{kCyclesStartNs};
 };
 
 TEST_F(ShapeCollectorTest, EachShapeIsHandedOnOnceItIsThere) {

@@ -1,4 +1,4 @@
-#include "session/object_changes.h"
+#include "recording/object_changes.h"
 
 #include <algorithm>
 #include <limits>

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "link/session_codec.h"
-#include "tests/session/made_entries.h"
+#include "tests/recording/made_entries.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {

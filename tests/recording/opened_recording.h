@@ -5,27 +5,27 @@
 #include <optional>
 #include <utility>
 
-#include "session/session_rows.h"
-#include "tests/session/made_recording.h"
+#include "recording/recording_rows.h"
+#include "tests/recording/made_recording.h"
 
 namespace hapton {
 
 // A made recording with its index and rows.
 struct OpenedRecording {
   explicit OpenedRecording(MadeRecording&& recording = MadeRecording()) : file(recording.write(scratch)), index(read()) {
-    auto opened = SessionRows::open(file, index);
+    auto opened = RecordingRows::open(file, index);
     EXPECT_TRUE(opened) << opened.error().what;
     rows.emplace(std::move(*opened));
   }
-  SessionIndex read() const {
+  RecordingIndex read() const {
     auto reader = SessionReader::open(file);
-    return *SessionIndex::read(*reader);
+    return *RecordingIndex::read(*reader);
   }
 
   ScratchFolder scratch;
   std::filesystem::path file;
-  SessionIndex index;
-  std::optional<SessionRows> rows;
+  RecordingIndex index;
+  std::optional<RecordingRows> rows;
 };
 
 }  // namespace hapton

@@ -7,22 +7,22 @@
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_reader.h"
-#include "session/shape_index.h"
+#include "recording/shape_index.h"
 
 namespace hapton {
 
 // Reads the vertices of shapes from a recording when they are shown: a shape of 10,000 vertices is spread over 40 ms of it. RT: no.
 // Threads: one.
-class SessionShapes {
+class RecordingShapes {
  public:
   // Error: see SessionReader::open.
-  static Result<SessionShapes> open(const std::filesystem::path& file);
+  static Result<RecordingShapes> open(const std::filesystem::path& file);
 
   // Its parts, as far as the recording has them. Pre: of an index of that file.
   std::vector<ObjectShape> read(const IndexedShape& shape);
 
  private:
-  explicit SessionShapes(SessionReader reader) : reader_(std::make_unique<SessionReader>(std::move(reader))) {}
+  explicit RecordingShapes(SessionReader reader) : reader_(std::make_unique<SessionReader>(std::move(reader))) {}
 
   std::unique_ptr<SessionReader> reader_;
   Codec codec_;

@@ -1,4 +1,4 @@
-#include "session/cycle_table.h"
+#include "recording/cycle_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include "core/base/ns_between.h"
 #include "core/math/rotation_vector.h"
-#include "session/session_entries.h"
+#include "recording/recording_entries.h"
 
 namespace hapton {
 namespace {
