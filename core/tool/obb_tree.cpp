@@ -13,8 +13,8 @@
 namespace hapton {
 namespace {
 
-struct PatchItem {
-  PatchItem(const ObjectGeometry& surface, std::uint32_t t, std::uint32_t first_id)
+struct TreeTriangle {
+  TreeTriangle(const ObjectGeometry& surface, std::uint32_t t, std::uint32_t first_id)
       : corner{surface.corner(t, 0), surface.corner(t, 1), surface.corner(t, 2)},
         normal((corner[1] - corner[0]).cross(corner[2] - corner[0])),
         centre((corner[0] + corner[1] + corner[2]) / 3.0),
@@ -41,28 +41,28 @@ struct PatchItem {
 };
 
 // A piece of a surface: the numbers of its triangles.
-struct PatchPiece {
-  std::span<const PatchItem> items;  // of the whole surface
+struct SurfacePiece {
+  std::span<const TreeTriangle> items;  // of the whole surface
   std::span<std::uint32_t> numbers;
 
   std::size_t size() const { return numbers.size(); }
-  const PatchItem& operator[](std::size_t i) const { return items[numbers[i]]; }
+  const TreeTriangle& operator[](std::size_t i) const { return items[numbers[i]]; }
 };
 
 // Sort key of a triangle.
-struct PatchKey {
+struct SortKey {
   double key;
   std::uint32_t id;
   std::uint32_t number;  // of the triangle
 
-  bool operator<(const PatchKey& other) const { return key != other.key ? key < other.key : id < other.id; }
+  bool operator<(const SortKey& other) const { return key != other.key ? key < other.key : id < other.id; }
 };
 
 // The axes of the second moments of a piece of surface (Gottschalk et al., section 4). Of one triangle: its normal and its longest edge.
-struct PatchAxes {
+struct PieceAxes {
   Mat3 axes = Mat3::Identity();  // columns, from the shortest extent to the longest
 
-  explicit PatchAxes(const PatchPiece& piece) {
+  explicit PieceAxes(const SurfacePiece& piece) {
     if (piece.size() == 1) {
       set(piece[0].direction(), piece[0].longest_edge());
       return;
@@ -72,7 +72,7 @@ struct PatchAxes {
     Vec3 first = Vec3::Zero();
     Mat3 second = Mat3::Zero();
     for (std::size_t i = 0; i < piece.size(); ++i) {
-      const PatchItem& item = piece[i];
+      const TreeTriangle& item = piece[i];
       const Vec3 from = item.centre - origin;
       const Vec3 weighted = item.area * from;
       area += item.area;
@@ -97,7 +97,7 @@ struct PatchAxes {
 float to_float(double x) { return static_cast<float>(rounded_to_float(x)); }
 float rounded_up(double x) { return std::nextafter(static_cast<float>(x * (1.0 + 0x1p-40)), std::numeric_limits<float>::infinity()); }
 
-ObbTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
+ObbTree::Node box_around(const SurfacePiece& piece, const Mat3& axes) {
   ObbTree::Node node;
   Mat3 stored;
   for (int i = 0; i < 3; ++i) {
@@ -127,11 +127,11 @@ ObbTree::Node box_around(const PatchPiece& piece, const Mat3& axes) {
 }
 
 // How far the normals of a piece are from parallel: its area less the length of the sum of the normals, both doubled.
-struct PatchBend {
+struct PieceBend {
   double area = 0.0;
   Vec3 sum = Vec3::Zero();
 
-  void add(const PatchItem& item) {
+  void add(const TreeTriangle& item) {
     area += item.area;
     sum += item.normal;
   }
@@ -139,9 +139,9 @@ struct PatchBend {
   double relative() const { return area > 0.0 ? value() / area : 0.0; }
 };
 
-class PatchBuilder {
+class TreeBuilder {
  public:
-  std::vector<PatchItem> items;
+  std::vector<TreeTriangle> items;
   std::vector<std::uint32_t> numbers;  // of the items, leaf by leaf
   LargeVector<ObbTree::Node> nodes;
 
@@ -157,21 +157,21 @@ class PatchBuilder {
 
  private:
   void build(std::uint32_t at, std::size_t begin, std::size_t end) {
-    const PatchPiece own{items, std::span(numbers).subspan(begin, end - begin)};
-    const PatchAxes patch(own);
-    ObbTree::Node node = box_around(own, patch.axes);
+    const SurfacePiece own{items, std::span(numbers).subspan(begin, end - begin)};
+    const PieceAxes along(own);
+    ObbTree::Node node = box_around(own, along.axes);
     if (own.size() == 1) {
       node.link = ~static_cast<std::uint32_t>(begin);
       nodes[at] = node;
       return;
     }
-    PatchBend bend;
+    PieceBend bend;
     for (std::size_t i = 0; i < own.size(); ++i) bend.add(own[i]);
     std::size_t half = own.size() / 2;
     if (own.size() <= kLargestBent && bend.relative() > kBent) {
-      half = split_by_bend(own, patch.axes);
+      half = split_by_bend(own, along.axes);
     } else {
-      const std::span<PatchKey> keys = keys_of(own, Along{patch.axes.col(2), false});
+      const std::span<SortKey> keys = keys_of(own, Along{along.axes.col(2), false});
       std::nth_element(keys.begin(), keys.begin() + static_cast<std::ptrdiff_t>(half), keys.end());
       arrange(own, keys);
     }
@@ -187,25 +187,25 @@ class PatchBuilder {
     Vec3 axis;
     bool is_by_normal;
 
-    double value(const PatchItem& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre); }
+    double value(const TreeTriangle& item) const { return axis.dot(is_by_normal ? item.direction() : item.centre); }
   };
 
   // The keys of a piece's triangles, in the order of the piece.
-  std::span<PatchKey> keys_of(const PatchPiece& own, const Along& along) {
+  std::span<SortKey> keys_of(const SurfacePiece& own, const Along& along) {
     for (std::size_t i = 0; i < own.size(); ++i) keys_[i] = {along.value(own[i]), own[i].id, own.numbers[i]};
     return std::span(keys_).first(own.size());
   }
-  static void arrange(const PatchPiece& own, std::span<const PatchKey> keys) {
+  static void arrange(const SurfacePiece& own, std::span<const SortKey> keys) {
     for (std::size_t i = 0; i < own.size(); ++i) own.numbers[i] = keys[i].number;
   }
 
   // Orders a piece with a corner or a sharp edge so that its halves are as flat as possible, each with at least an eighth of the triangles.
   // Returns the size of the first half.
-  std::size_t split_by_bend(const PatchPiece& own, const Mat3& axes) {
+  std::size_t split_by_bend(const SurfacePiece& own, const Mat3& axes) {
     double least = std::numeric_limits<double>::infinity();
     std::size_t best = own.size() / 2;
     for (int order = 0; order < 6; ++order) {
-      const std::span<PatchKey> keys = keys_of(own, {axes.col(2 - order % 3), order >= 3});
+      const std::span<SortKey> keys = keys_of(own, {axes.col(2 - order % 3), order >= 3});
       std::sort(keys.begin(), keys.end());
       const auto [at, bend] = find_flattest_split(keys);
       const bool is_flatter = bend < least * (1.0 - 0x1p-10);
@@ -219,14 +219,14 @@ class PatchBuilder {
     return best;
   }
 
-  std::pair<std::size_t, double> find_flattest_split(std::span<const PatchKey> keys) {
+  std::pair<std::size_t, double> find_flattest_split(std::span<const SortKey> keys) {
     bends_.assign(keys.size(), 0.0);
-    PatchBend before;
+    PieceBend before;
     for (std::size_t i = 0; i + 1 < keys.size(); ++i) {
       before.add(items[keys[i].number]);
       bends_[i + 1] = before.value();
     }
-    PatchBend after;
+    PieceBend after;
     for (std::size_t i = keys.size() - 1; i > 0; --i) {
       after.add(items[keys[i].number]);
       bends_[i] += after.value();
@@ -237,20 +237,20 @@ class PatchBuilder {
     return {static_cast<std::size_t>(least - bends_.begin()), *least};
   }
 
-  static constexpr double kBent = 0.02;              // PatchBend::relative() above which split_by_bend is used
+  static constexpr double kBent = 0.02;              // PieceBend::relative() above which split_by_bend is used
   static constexpr std::size_t kLargestBent = 1024;  // triangles; larger pieces are split in the middle
   std::vector<double> bends_;
-  std::vector<PatchKey> keys_;
-  std::vector<PatchKey> best_keys_;
+  std::vector<SortKey> keys_;
+  std::vector<SortKey> best_keys_;
 };
 
 // Puts the trees of objects under one root.
-class PatchJoiner {
+class TreeJoiner {
  public:
   LargeVector<ObbTree::Node> nodes;
   std::vector<std::uint32_t> triangles;
 
-  PatchJoiner(std::span<const ObbTree* const> trees, const TouchGeometry& scene) {
+  TreeJoiner(std::span<const ObbTree* const> trees, const TouchGeometry& scene) {
     const std::uint32_t step = object_step(scene);
     std::size_t node_count = 0;
     for (std::uint32_t o = 0; o < trees.size(); ++o) {
@@ -331,7 +331,7 @@ class PatchJoiner {
   std::vector<Object> objects_;
 };
 
-void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vector<PatchItem>& items) {
+void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vector<TreeTriangle>& items) {
   for (std::uint32_t t = 0; t < surface.triangle_count(); ++t) {
     items.emplace_back(surface, t, first_id);
   }
@@ -340,7 +340,7 @@ void add_surface(const ObjectGeometry& surface, std::uint32_t first_id, std::vec
 }  // namespace
 
 ObbTree::ObbTree(const ObjectGeometry& surface) {
-  PatchBuilder builder;
+  TreeBuilder builder;
   add_surface(surface, 0, builder.items);
   builder.run();
   nodes_ = std::move(builder.nodes);
@@ -348,8 +348,8 @@ ObbTree::ObbTree(const ObjectGeometry& surface) {
 }
 
 ObbTree::ObbTree(const TouchGeometry& scene) {
-  PatchBuilder builder;
-  const std::uint32_t step = PatchJoiner::object_step(scene);
+  TreeBuilder builder;
+  const std::uint32_t step = TreeJoiner::object_step(scene);
   for (std::uint32_t o = 0; o < scene.object_count(); ++o) add_surface(scene.object_geometry(o), o * step, builder.items);
   builder.run();
   nodes_ = std::move(builder.nodes);
@@ -357,7 +357,7 @@ ObbTree::ObbTree(const TouchGeometry& scene) {
 }
 
 ObbTree::ObbTree(std::span<const ObbTree* const> objects, const TouchGeometry& scene) {
-  PatchJoiner joiner(objects, scene);
+  TreeJoiner joiner(objects, scene);
   nodes_ = std::move(joiner.nodes);
   triangles_ = std::move(joiner.triangles);
 }
