@@ -49,7 +49,7 @@ install(FILES deploy/desktop/hapton.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/ico
 install(FILES deploy/systemd/hapton-io.service deploy/systemd/hapton-haptics.service DESTINATION lib/systemd/system COMPONENT hapton)
 install(FILES deploy/systemd/hapton-vision.service DESTINATION lib/systemd/user COMPONENT vision)
 install(FILES deploy/systemd/hapton.sysusers DESTINATION lib/sysusers.d RENAME hapton.conf COMPONENT hapton)
-install(FILES deploy/systemd/60-hapton.rules deploy/udev/70-hapton.rules DESTINATION lib/udev/rules.d COMPONENT hapton)
+install(FILES deploy/udev/60-hapton.rules deploy/udev/70-hapton.rules DESTINATION lib/udev/rules.d COMPONENT hapton)
 install(FILES deploy/etc/limits.conf DESTINATION ${hapton_etc}/security/limits.d RENAME hapton.conf COMPONENT hapton)
 
 # --- find_package(hapton) ---
