@@ -156,7 +156,7 @@ void EffectStep::carry_into(int frame) noexcept {
 
 Vec3 EffectStep::moving_force(SurfaceFrame& frame, const EffectSample& sample, double dt_s, const SurfaceContact& contact,
                               Vec3& p_SP) noexcept {
-  if (contact.place != nullptr) frame.ride(contact.place->moved, dt_s);
+  if (contact.place != nullptr) frame.follow_deformation(contact.place->moved, dt_s);
   SurfaceContact touched = contact;
   touched.force_n = frame.axes().transpose() * contact.force_n;
   touched.p_SP = frame.to_frame(contact.p_SP);

@@ -9,7 +9,7 @@
 namespace hapton {
 
 // The frame F of surfaces that move together, and the motion of the device as they see it: a hand that they carry along rests. Where they
-// deform as well, ride() takes the motion of the touched point within F into account.
+// deform as well, follow_deformation() takes the motion of the touched point within F into account.
 //
 // A frame that takes the last device point along faster than kMaxMPerS has jumped. That is no motion of the device: its velocity goes on
 // as that of the hand alone. Frame: S but for what is named F. Units: m, s, m/s. RT: yes. Threads: one.
@@ -32,20 +32,20 @@ class SurfaceFrame {
     }
     motion_ = has_point_ ? Vec3(p_FD - last_p_FD_) : Vec3(Vec3::Zero());
     velocity_.add(p_FD, dt_s);
-    not_ridden_ = std::min(not_ridden_ + 1, SmoothVelocity::kSamples);
+    not_followed_ = std::min(not_followed_ + 1, SmoothVelocity::kSamples);
     last_p_SD_ = p_SD;
     last_p_FD_ = p_FD;
     has_point_ = true;
   }
   // The touched point of the surface moved by so much within F since the sample before, and as fast before the contact. Once after
   // advance(). One faster than kMaxMPerS has jumped.
-  void ride(const Vec3& moved_F, double dt_s) noexcept {
+  void follow_deformation(const Vec3& moved_F, double dt_s) noexcept {
     const bool is_known = dt_s > 0.0 && moved_F.norm() <= kMaxMPerS * dt_s;
     if (is_known) {
       motion_ -= moved_F;
-      velocity_.shift(not_ridden_, moved_F / dt_s);
+      velocity_.shift(not_followed_, moved_F / dt_s);
     }
-    not_ridden_ = 0;
+    not_followed_ = 0;
   }
   // The scene has moved, so that the last device point has other coordinates in S.
   void move_last(const Vec3& p_SD) noexcept {
@@ -59,7 +59,7 @@ class SurfaceFrame {
     if (!has_point_ || !other.has_point_) return;
     velocity_ = other.velocity_;
     velocity_.move_last(last_p_FD_);
-    not_ridden_ = other.not_ridden_;
+    not_followed_ = other.not_followed_;
   }
 
   Vec3 to_frame(const Vec3& p_S) const noexcept { return X_SF_.linear().transpose() * (p_S - X_SF_.translation()); }
@@ -81,7 +81,7 @@ class SurfaceFrame {
   Vec3 motion_ = Vec3::Zero();
   Vec3 last_p_SD_ = Vec3::Zero();
   Vec3 last_p_FD_ = Vec3::Zero();
-  std::size_t not_ridden_ = 0;  // samples
+  std::size_t not_followed_ = 0;  // samples
   bool has_point_ = false;
   bool has_jumped_ = false;
 };

@@ -131,7 +131,7 @@ class CarriedProxy {
   void deform(double time_s, double reach_m) noexcept {
     const ProxyMethod::Anchor anchor = proxy_.anchor(reach_m);
     surface_.shape(time_s);
-    proxy_.ride(anchor);
+    proxy_.move_with_surface(anchor);
   }
 
   // Pre: the probe is free, at the device.

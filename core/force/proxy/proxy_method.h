@@ -75,7 +75,7 @@ class ProxyMethod final : public ForceMethod {
   Anchor anchor(double reach_m) noexcept;
   // Call after it: puts the probe at the anchor, and moves the last device position by as much as the anchor, so that the next step goes
   // from there to the device.
-  void ride(const Anchor& anchor) noexcept;
+  void move_with_surface(const Anchor& anchor) noexcept;
   // The next sample is the correction of one that it did not get. p_SD: the device in the sample before that one, for damping.
   void note_sample_before(const Vec3& p_SD) noexcept;
   // The place that holds the probe most: of a triangle's corners. None: the probe is free.

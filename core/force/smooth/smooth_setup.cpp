@@ -122,8 +122,8 @@ void SmoothMethod::select_at(const Vec3& p) noexcept {
 Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const Vec3> vertices) {
   if (object >= scene_->object_count()) return scene_->move_vertices(object, vertices);
   const SmoothSurface& surface = scene_->surface(object);
-  const bool rides = inside_ && T_.object == object;
-  const Vec3 weights = rides ? closest_point(T_.corner[0], T_.corner[1], T_.corner[2], V_).barycentric : Vec3(Vec3::Zero());
+  const bool is_moved = inside_ && T_.object == object;
+  const Vec3 weights = is_moved ? closest_point(T_.corner[0], T_.corner[1], T_.corner[2], V_).barycentric : Vec3(Vec3::Zero());
   std::vector<std::array<Vec3, 3>> before(started_ && !inside_ ? surface.face_count : 0);
   for (std::size_t t = 0; t < before.size(); ++t)
     before[t] = {surface.mesh.corner(t, 0), surface.mesh.corner(t, 1), surface.mesh.corner(t, 2)};
@@ -131,7 +131,7 @@ Result<void> SmoothMethod::move_vertices(std::uint32_t object, std::span<const V
   const auto moved = scene_->move_vertices(object, vertices);
   if (!moved) return moved;
   if (all_triangles_) use_all_triangles();
-  if (rides) {
+  if (is_moved) {
     T_ = scene_->triangle_at(object, T_.triangle);
     V_ = weights[0] * T_.corner[0] + weights[1] * T_.corner[1] + weights[2] * T_.corner[2];
   }

@@ -91,13 +91,13 @@ TEST(SurfaceFrame, RidesOnAPointThatMovesWithinIt) {
       }
       continue;
     }
-    frame.ride(kFrameStepS * v_F, kFrameStepS);
+    frame.follow_deformation(kFrameStepS * v_F, kFrameStepS);
     EXPECT_LT(frame.velocity().mean().norm(), 1e-12) << i;
     EXPECT_LT(frame.velocity().newest().norm(), 1e-12) << i;
     EXPECT_LT(frame.motion().norm(), 1e-15) << i;
   }
   frame.advance(Pose::Identity(), kFrameStepS * 30 * v_F, kFrameStepS);
-  frame.ride({0.0, 0.02, 0.0}, kFrameStepS);
+  frame.follow_deformation({0.0, 0.02, 0.0}, kFrameStepS);
   EXPECT_LT((frame.motion() - kFrameStepS * v_F).norm(), 1e-15) << "20 m/s: a jump";
 }
 
@@ -109,7 +109,7 @@ TEST(SurfaceFrame, StaysFiniteForAnyPose) {
     Pose X_SF = moving_pose(anywhere(random));
     X_SF.translation() *= std::pow(10.0, 150.0 * anywhere(random));
     frame.advance(X_SF, {anywhere(random), anywhere(random), anywhere(random)}, i % 7 == 0 ? 0.0 : kFrameStepS);
-    frame.ride(Vec3::Constant(i % 5 == 0 ? std::numeric_limits<double>::quiet_NaN() : 1e-4), i % 3 == 0 ? 0.0 : kFrameStepS);
+    frame.follow_deformation(Vec3::Constant(i % 5 == 0 ? std::numeric_limits<double>::quiet_NaN() : 1e-4), i % 3 == 0 ? 0.0 : kFrameStepS);
     ASSERT_TRUE(frame.velocity().mean().allFinite()) << i;
     ASSERT_TRUE(frame.motion().allFinite()) << i;
   }

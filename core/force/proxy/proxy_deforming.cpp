@@ -92,7 +92,7 @@ std::optional<ProxyMethod::HeldPlace> ProxyMethod::find_held_place() const noexc
   return HeldPlace{triangle, weights_on(shape, shape.separation(proxy_.position).nearest)};
 }
 
-void ProxyMethod::ride(const Anchor& anchor) noexcept {
+void ProxyMethod::move_with_surface(const Anchor& anchor) noexcept {
   swept_.drop_motion();
   sphere_.forget_near();
   if (!anchor.exists) return;
