@@ -20,8 +20,9 @@ struct Enclosure {
 };
 Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S);
 
-// Notices that the hand is inside a body where contact begins with nothing known from before. The side that it came in by is unknown then,
-// so it is felt from within or not at all (docs/faults.md), which looks like a broken system. Warns once, until the hand has been out.
+// Warns where a contact begins while the hand is inside a body already, such as in a new session. Where the hand came in is unknown then,
+// so the body is felt from within or not at all (docs/faults.md), which looks like a broken system. Warns once, until the hand has been
+// outside.
 // Frame S. RT: note_start, note_hand, is_watching and is_inside yes; all else set-up only. Threads: one notes; the work is done in a
 // thread of its own, and set_scene comes from any.
 class InsideWatch {

@@ -13,7 +13,7 @@ namespace hapton {
 // A scene that takes the place of another one while it is felt.
 struct NewScene {
   TouchScene touch;
-  std::vector<Material> materials;  // coupled, for ForceMethod::set_materials
+  std::vector<Material> materials;  // in series with the virtual coupling, for ForceMethod::set_materials
   std::uint64_t hash = 0;           // hash_scene of touch; not used where an object was put down, like the facts: PlacedScene has them
   SceneFacts facts;
   std::uint32_t revision = 0;  // counts the scenes that replaced another, from 1

@@ -26,7 +26,7 @@ class SceneWatcher {
     SceneLoading loading;
     double coupling_n_per_m = 0.0;
     bool has_tool = false;  // the stylus holds a rigid tool, of the scene or of the command line
-    // Called after another scene is in use: with what is felt now, coupled.
+    // Called after another scene is in use: with the scene that is felt now, its materials in series with the virtual coupling.
     std::function<void(const TouchScene&)> on_scene = {};
     // Reads the file. Pre: it may outlive the watcher.
     std::function<Result<Scene>(const std::filesystem::path& path, const SceneLoading& loading)> read = load_scene;

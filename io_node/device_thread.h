@@ -15,8 +15,8 @@
 
 namespace hapton {
 
-// The thread of a device loop. Its SCHED_FIFO priority is one above that of the network side, so that it never waits for
-// that on a CPU that both use. RT: start and stop set-up only; the thread itself is real-time. Threads: one.
+// The thread of a device loop. Its SCHED_FIFO priority is one above that of the network side's thread, so that it never
+// waits for that thread where both use one CPU. RT: start and stop set-up only; the thread itself is real-time. Threads: one.
 class DeviceThread {
  public:
   // Pre: both outlive this.
@@ -25,7 +25,8 @@ class DeviceThread {
   DeviceThread(const DeviceThread&) = delete;
   DeviceThread& operator=(const DeviceThread&) = delete;
 
-  // Starts the cycles. network: the settings of its thread. Error: real time is required and was denied, or there is no timer.
+  // Starts the cycles. network: the settings of the network side's thread. Error: real time is required and was denied, or there is no
+  // timer.
   Result<void> start(const RealtimeSettings& network);
   // Writes zero force to the motors and ends the cycles. Has no effect if the thread does not run.
   void stop();

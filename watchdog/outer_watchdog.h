@@ -31,7 +31,7 @@ class OuterWatchdog {
   // As of now; is_gone: the process has ended.
   Verdict check(const HeartbeatPage& page, bool is_gone, std::int64_t now_ns) noexcept;
 
-  // At the last check.
+  // At the last check: the age of the force, counted from its sample, and the time since the newest heartbeat.
   std::int64_t force_age_ns() const noexcept { return force_age_ns_; }
   std::int64_t silence_ns() const noexcept { return silence_ns_; }
 
@@ -55,7 +55,7 @@ class ForceCutter {
   void prepare() noexcept;
   // True: the force is off, as far as this process can see.
   bool cut() noexcept;
-  // What the last cut did, or the next one does, by the means of now.
+  // What the last cut did, or the next one does, by the means that the page names at present.
   std::string describe() const;
 
  private:

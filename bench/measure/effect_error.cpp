@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "bench/measure/effect_form.h"
+#include "bench/measure/effect_formula.h"
 #include "core/force/force_method.h"
 #include "core/force/touch_step.h"
 #include "core/geometry/mesh_shapes.h"
@@ -42,8 +42,8 @@ class SmoothMotion {
     } while (at(0.0).p.z() < kFirstHeightM);
   }
 
-  FormMoment at(double time_s) const {
-    FormMoment moment = {.time_s = time_s, .p = mean_, .v = Vec3::Zero()};
+  FormulaMoment at(double time_s) const {
+    FormulaMoment moment = {.time_s = time_s, .p = mean_, .v = Vec3::Zero()};
     for (int axis = 0; axis < 3; ++axis) {
       for (const Wave& wave : waves_[static_cast<std::size_t>(axis)]) {
         const double turn = 2.0 * std::numbers::pi * wave.hz;
@@ -97,7 +97,7 @@ Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effect
   if (!felt) return tl::unexpected(felt.error());
 
   const bool is_plain = !effects.surface.any() && effects.space.empty();
-  EffectForm form(effects);
+  EffectFormula form(effects);
   double error = 0.0;
   double whole = 0.0;
   double worst = 0.0;

@@ -30,9 +30,9 @@ struct FdhVisits {
 
 namespace detail {
 
-// A float below / above x, at least half a unit in the last place away. (float)x lies within half a unit u of x; what is taken
-// off is between u and 2u, and rounding the difference gives back at most u/2... so x - result >= 0; the constant covers subnormals.
-// Beyond the largest float, that float or infinity, whichever is on the right side.
+// A float below / above x, by half a unit in the last place, u, or more: (float)x is within u / 2 of x, what is subtracted is between 2 u
+// and 4 u, and rounding the difference changes it by u / 2 at most. The constant is for subnormal numbers. For x beyond the largest float:
+// that float or infinity, whichever is on the right side.
 inline float float_below(double x) {
   const auto f = static_cast<float>(x < 3e38 ? x : 3e38);
   return f - (std::fabs(f) * 0x1p-22F + 0x1p-140F);

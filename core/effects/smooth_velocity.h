@@ -13,11 +13,12 @@ namespace hapton {
 // Why these weights: for samples at equal intervals the sum of v_k . (mean at k) is never negative for any motion, because the real part of
 // the filter's frequency response is half a Fejer kernel plus a constant. So a damper on this velocity never gives energy. The memory ends
 // after kSamples: two steps with the same last samples agree to the last bit. The mean lags the newest difference by (kSamples - 1) / 3
-// samples, and reduces the noise of single differences to 0.40 of its value. Each interval counts by its length, as its
-// motion does. So the sum, with v dt for v, is not negative where intervals differ up to 16 times, either (searched: long and short ones
-// in any order). A damper may give 6 % of b v^2 dt where they differ a hundred times, and 12 % however they differ; on a mean of the
-// quotients 13 times b v^2 dt. In that mean the noise of a sample 0.1 ms after a late one would count ten times. After a gap the mean is
-// about that of the gap for kSamples samples, and then that of the samples since. Units: m, s, m/s. RT: yes. Threads: one.
+// samples, and reduces the noise of single differences to 0.40 of its value. Intervals of different
+// length: motion and time are averaged separately, so a long interval counts more. Then the sum (of v_k dt_k . mean) is not negative as
+// long as no interval is more than 16 times another (found by a search over orders of long and short ones). Beyond that a damper can give
+// energy: at most 6 % of b v^2 dt where intervals differ a hundredfold, and at most 12 % for any intervals. With the mean of the single
+// differences it would be 13 times b v^2 dt, and the noise of a sample 0.1 ms after a late one would count ten times. After a gap the mean
+// is about that of the gap for kSamples samples, and then that of the samples since. Units: m, s, m/s. RT: yes. Threads: one.
 class SmoothVelocity {
  public:
   static constexpr std::size_t kSamples = 8;
@@ -33,7 +34,7 @@ class SmoothVelocity {
     if (p.allFinite()) last_ = p;
   }
 
-  // What the last `count` samples moved past had this velocity itself: from now on they count relative to it.
+  // The last `count` intervals were measured against something that itself moved with this velocity: subtracts it from them.
   void shift(std::size_t count, const Vec3& velocity) noexcept;
 
   // Zero before the second sample.

@@ -31,8 +31,8 @@ using MaterialStates = std::map<std::pair<std::uint64_t, std::uint32_t>, Materia
 // The moves of objects that programs requested, by sender, serial and object. Serial 0 has one entry for each object; others have one.
 using ObjectMoves = std::map<std::tuple<std::uint64_t, std::uint32_t, std::int32_t>, ObjectMove>;
 
-// The carves and undos that haptics nodes announced, by sender and serial. A sender that has another scene counts anew, and such a session
-// cannot be replayed anyway: of each only the first process counts.
+// The carves and undos that haptics nodes announced, by sender and serial. A sender with another scene starts its serials anew; such a
+// session cannot be replayed anyway, so only the first process of each sender is kept.
 class ReplayedCarves {
  public:
   void add(const RecordedCarve& carve);

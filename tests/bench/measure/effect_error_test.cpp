@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure/effect_form.h"
+#include "bench/measure/effect_formula.h"
 
 namespace hapton {
 namespace {
@@ -57,9 +57,9 @@ TEST(EffectErrorOf, WhatDependsOnTimeFallsWithTheRate) {
 TEST(EffectErrorOf, AWrongParameterShows) {
   const auto cases = make_effect_cases(effect_plane());
   EffectCase bumps = named(cases, "bumps, ridges");
-  const auto right = EffectForm(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}});
+  const auto right = EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}});
   bumps.surface.bumps.height_m *= 1.01;
-  EXPECT_GT((EffectForm(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - right).norm(), 1e-4);
+  EXPECT_GT((EffectFormula(bumps).force_at({.time_s = 0.001, .p = {0.0003, 0, -0.001}}) - right).norm(), 1e-4);
 }
 
 TEST(EffectErrorOf, ARecordedTextureIsNone) {

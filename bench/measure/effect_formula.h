@@ -10,7 +10,7 @@
 namespace hapton {
 
 // A moment of a smooth motion. Frame S, SI.
-struct FormMoment {
+struct FormulaMoment {
   double time_s = 0.0;  // since the touch began
   Vec3 p = Vec3::Zero();
   Vec3 v = Vec3::Zero();
@@ -22,12 +22,12 @@ Vec3 plane_spring(const Vec3& p);
 // The force on the plane z = 0 with effects, N, by the formulas of docs/effects.md: a twin of core/effects that shares its parameters, not
 // its code. Images show brightness_at. What has a memory (contact, punctures, slip, a towed mass) goes on from moment to moment, so the
 // moments must be close. Not for recorded textures, nor for layers together with bumps. RT: no.
-class EffectForm {
+class EffectFormula {
  public:
   // effects: must last.
-  explicit EffectForm(const EffectCase& effects) : effects_(effects), space_(effects.space.size()) {}
+  explicit EffectFormula(const EffectCase& effects) : effects_(effects), space_(effects.space.size()) {}
 
-  Vec3 force_at(const FormMoment& moment);
+  Vec3 force_at(const FormulaMoment& moment);
 
  private:
   struct SpaceState {
@@ -40,11 +40,11 @@ class EffectForm {
     double amplitude_n = 0.0;
   };
 
-  Vec3 touched(const FormMoment& moment, bool begins);
+  Vec3 touched(const FormulaMoment& moment, bool begins);
   double layers_n(double depth_m, double inward_m_per_s);
   Vec3 friction(const Vec3& p, double coefficient, double normal_n, bool begins);
   Vec3 held_above(const Vec3& p);
-  Vec3 in_space(const FormMoment& moment);
+  Vec3 in_space(const FormulaMoment& moment);
 
   const EffectCase& effects_;
   std::vector<SpaceState> space_;

@@ -1,4 +1,4 @@
-#include "bench/measure/effect_form.h"
+#include "bench/measure/effect_formula.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,13 +16,13 @@ Vec3 along_plane(const Vec3& v) { return {v.x(), v.y(), 0.0}; }
 
 Vec3 at_most(const Vec3& v, double length) { return v.norm() > length ? Vec3(v.normalized() * length) : v; }
 
-// A height and its gradient along the plane.
-struct Relief {
-  double height_m = 0.0;
-  Vec3 slope = Vec3::Zero();
+// A height, or another number that changes from place to place, and its gradient along the plane.
+struct ValueOnPlane {
+  double value = 0.0;
+  Vec3 gradient = Vec3::Zero();
 };
 
-Relief relief_of(const SurfaceBumps& bumps, const Vec3& p) {
+ValueOnPlane height_of(const SurfaceBumps& bumps, const Vec3& p) {
   if (!(bumps.height_m > 0.0)) return {};
   const double k = kTurn / bumps.length_m;
   const double half = 0.5 * bumps.height_m;
@@ -34,8 +34,8 @@ Relief relief_of(const SurfaceBumps& bumps, const Vec3& p) {
           -half * k / 3.0 * Vec3(std::sin(k * p.x()), std::sin(k * p.y()), 0.0)};
 }
 
-// A number by an image, and its gradient.
-Relief value_of(const ImageMap& map, const Vec3& p, double where_off) {
+// The number that an image gives.
+ValueOnPlane value_of(const ImageMap& map, const Vec3& p, double where_off) {
   if (!map.is_on()) return {where_off, Vec3::Zero()};
   const double range = map.at_white - map.at_black;
   const double u = kImagesPerM * p.x();
@@ -79,7 +79,7 @@ Vec3 from_target(const SnapEffect& snap, const Vec3& p) {
 
 Vec3 plane_spring(const Vec3& p) { return {0.0, 0.0, Material().stiffness_n_per_m * std::max(0.0, -p.z())}; }
 
-Vec3 EffectForm::force_at(const FormMoment& moment) {
+Vec3 EffectFormula::force_at(const FormulaMoment& moment) {
   Vec3 force_n = in_space(moment);
   if (moment.p.z() < 0.0) {
     force_n += touched(moment, !in_contact_);
@@ -93,7 +93,7 @@ Vec3 EffectForm::force_at(const FormMoment& moment) {
   return force_n;
 }
 
-Vec3 EffectForm::touched(const FormMoment& moment, bool begins) {
+Vec3 EffectFormula::touched(const FormulaMoment& moment, bool begins) {
   const SurfaceEffects& surface = effects_.surface;
   const double k = Material().stiffness_n_per_m;
   const double depth_m = -moment.p.z();
@@ -102,23 +102,24 @@ Vec3 EffectForm::touched(const FormMoment& moment, bool begins) {
     resists_from_m_ = 0.0;
     ring_ = {moment.time_s, std::clamp(-moment.v.z() * surface.tap.ns_per_m, 0.0, surface.tap.max_force_n)};
   }
-  const Relief bumps = surface.maps.height.is_on() ? value_of(surface.maps.height, moment.p, 0.0) : relief_of(surface.bumps, moment.p);
-  const Relief share = value_of(surface.maps.stiffness, moment.p, 1.0);
-  const double pressed_m = std::max(0.0, depth_m + bumps.height_m);
-  double normal_n = share.height_m * k * pressed_m + surface.progressive.n_per_m2 * pressed_m * pressed_m;
+  const ValueOnPlane bumps =
+      surface.maps.height.is_on() ? value_of(surface.maps.height, moment.p, 0.0) : height_of(surface.bumps, moment.p);
+  const ValueOnPlane share = value_of(surface.maps.stiffness, moment.p, 1.0);
+  const double pressed_m = std::max(0.0, depth_m + bumps.value);
+  double normal_n = share.value * k * pressed_m + surface.progressive.n_per_m2 * pressed_m * pressed_m;
   if (surface.layers.is_on()) normal_n = layers_n(depth_m, -moment.v.z());
 
-  Vec3 force_n = normal_n * (Vec3::UnitZ() - bumps.slope) - 0.5 * k * pressed_m * pressed_m * share.slope;
+  Vec3 force_n = normal_n * (Vec3::UnitZ() - bumps.gradient) - 0.5 * k * pressed_m * pressed_m * share.gradient;
   const double bound_n = std::abs(normal_n);
-  force_n += friction(moment.p, value_of(surface.maps.friction, moment.p, 0.0).height_m, bound_n, begins);
+  force_n += friction(moment.p, value_of(surface.maps.friction, moment.p, 0.0).value, bound_n, begins);
   const Vec3 along = along_plane(moment.v);
   force_n += at_most(-surface.viscosity.damping_ns_per_m * along, bound_n);
-  force_n += at_most(-value_of(surface.maps.viscosity, moment.p, 0.0).height_m * along, bound_n);
+  force_n += at_most(-value_of(surface.maps.viscosity, moment.p, 0.0).value * along, bound_n);
   force_n.z() += ring_.amplitude_n * ring(moment.time_s - ring_.since_s, surface.tap.frequency_hz, surface.tap.decay_s);
   return force_n;
 }
 
-double EffectForm::layers_n(double depth_m, double inward_m_per_s) {
+double EffectFormula::layers_n(double depth_m, double inward_m_per_s) {
   const TissueLayers& layers = effects_.surface.layers;
   const auto resistance = [&] {
     return punctured_ < layers.count() ? layers[punctured_].stiffness_n_per_m * std::max(0.0, depth_m - resists_from_m_) : 0.0;
@@ -131,7 +132,7 @@ double EffectForm::layers_n(double depth_m, double inward_m_per_s) {
 }
 
 // A spring to a point of the plane, which is drawn along where the cone ends.
-Vec3 EffectForm::friction(const Vec3& p, double coefficient, double normal_n, bool begins) {
+Vec3 EffectFormula::friction(const Vec3& p, double coefficient, double normal_n, bool begins) {
   const Vec3 here = along_plane(p);
   if (begins) sticks_at_ = here;
   const double k = Material().stiffness_n_per_m;
@@ -139,7 +140,7 @@ Vec3 EffectForm::friction(const Vec3& p, double coefficient, double normal_n, bo
   return -k * (here - sticks_at_);
 }
 
-Vec3 EffectForm::held_above(const Vec3& p) {
+Vec3 EffectFormula::held_above(const Vec3& p) {
   const SurfaceSnap& snap = effects_.surface.snap;
   if (!left_at_) return Vec3::Zero();
   const bool is_far = p.z() > snap.range_m || (along_plane(p) - *left_at_).norm() > 4.0 * snap.range_m;
@@ -147,7 +148,7 @@ Vec3 EffectForm::held_above(const Vec3& p) {
   return is_far ? Vec3(Vec3::Zero()) : Vec3(0.0, 0.0, -snap.stiffness_n_per_m * p.z());
 }
 
-Vec3 EffectForm::in_space(const FormMoment& moment) {
+Vec3 EffectFormula::in_space(const FormulaMoment& moment) {
   const double dt_s = last_s_ ? moment.time_s - *last_s_ : 0.0;
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < space_.size(); ++i) {
