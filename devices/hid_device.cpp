@@ -66,7 +66,7 @@ Result<void> HidDevice::on_opened(HidTransport& transport) {
   reading_.sample.time_ns = clock_.now_ns();
   is_first_report_ = true;
   exchange_.publish(reading_);
-  show_guard(transport.description().path);
+  show_in_heartbeat_page(transport.description().path);
   return {};
 }
 
@@ -99,16 +99,16 @@ void HidDevice::log_status() noexcept {
 void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
   const auto transport = port_.transport();
   const std::lock_guard lock(driver_mutex_);
-  guard_ = &page;
-  if (transport) show_guard(transport->description().path);
+  heartbeat_page_ = &page;
+  if (transport) show_in_heartbeat_page(transport->description().path);
 }
 
 // Pre: the mutex is held. What the watchdog would write: the motors off.
-void HidDevice::show_guard(const std::string& path) noexcept {
-  if (guard_ == nullptr) return;
+void HidDevice::show_in_heartbeat_page(const std::string& path) noexcept {
+  if (heartbeat_page_ == nullptr) return;
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   const std::size_t size = backend_->encode({}, false, clock_.now_ns(), report);
-  guard_->set_hid(path, std::span(report).first(size));
+  heartbeat_page_->set_hid(path, std::span(report).first(size));
 }
 
 void HidDevice::on_gone() noexcept {

@@ -63,7 +63,7 @@ class HidDevice final : public Device, private HidListener {
   void write_newest() noexcept;
   bool may_exert(std::int64_t now_ns) noexcept;
   void release_force() noexcept;
-  void show_guard(const std::string& path) noexcept;
+  void show_in_heartbeat_page(const std::string& path) noexcept;
 
   std::unique_ptr<HidBackend> backend_;
   std::optional<RealtimeSettings> realtime_;
@@ -75,7 +75,7 @@ class HidDevice final : public Device, private HidListener {
   bool has_news_ = false;
   bool is_first_report_ = true;                       // to the device, since it was opened
   DeviceStatus logged_status_ = DeviceStatus::ready;  // the last one logged
-  HeartbeatPage* guard_ = nullptr;
+  HeartbeatPage* heartbeat_page_ = nullptr;
   int rejected_ = 0;  // of the writer
   sem_t commands_;    // posted by the servo: a wrench is there
   std::atomic<bool> has_received_{false};

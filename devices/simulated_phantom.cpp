@@ -82,7 +82,7 @@ void SimulatedPhantom::advance_to(std::int64_t now_ns) noexcept {
     begin_hand_step();
     turn_.begin_at(wanted_turn());
   }
-  const bool is_cut = is_cut_.load(std::memory_order_acquire) || (guard_ != nullptr && guard_->is_cut.load() != 0);
+  const bool is_cut = is_cut_.load(std::memory_order_acquire) || (heartbeat_page_ != nullptr && heartbeat_page_->is_cut.load() != 0);
   force_n_ = is_cut ? Vec3(Vec3::Zero()) : written_n_;
   torque_nm_ = is_cut ? Vec3(Vec3::Zero()) : written_nm_;
   zero_ns_ += std::max<std::int64_t>(0, now_ns - zero_ns_ - device_ns_ - kLongestPauseNs);
@@ -116,8 +116,8 @@ void SimulatedPhantom::write(const Wrench& wrench, std::int64_t now_ns) noexcept
   advance_to(now_ns);
   written_n_ = wrench.force_n;
   written_nm_ = has_torque_ ? wrench.torque_nm : Vec3(Vec3::Zero());
-  for (std::size_t axis = 0; guard_ != nullptr && axis < 3; ++axis)
-    guard_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
+  for (std::size_t axis = 0; heartbeat_page_ != nullptr && axis < 3; ++axis)
+    heartbeat_page_->motors_n[axis].store(written_n_[static_cast<Eigen::Index>(axis)]);
 }
 
 }  // namespace hapton

@@ -39,16 +39,16 @@ class SimulatedPhantom final : public Device {
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   bool cut() noexcept override {
     is_cut_.store(true, std::memory_order_release);
-    if (guard_ != nullptr) guard_->is_cut_within.store(1, std::memory_order_release);
+    if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut_within.store(1, std::memory_order_release);
     return true;
   }
   void restore() noexcept override {
     is_cut_.store(false, std::memory_order_release);
-    if (guard_ != nullptr) guard_->is_cut_within.store(0, std::memory_order_release);
+    if (heartbeat_page_ != nullptr) heartbeat_page_->is_cut_within.store(0, std::memory_order_release);
   }
   void use_heartbeat_page(HeartbeatPage& page) noexcept override {
     page.set_means(CutMeans::simulated);
-    guard_ = &page;
+    heartbeat_page_ = &page;
   }
   DeviceStatus status() const noexcept override { return DeviceStatus::ready; }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
@@ -72,8 +72,8 @@ class SimulatedPhantom final : public Device {
   Vec3 written_n_ = Vec3::Zero();
   Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
   std::atomic<bool> is_cut_{false};
-  HeartbeatPage* guard_ = nullptr;  // where its motors are seen, and cut, from outside
-  Vec3 hand_m_;                     // intention at device_ns_
+  HeartbeatPage* heartbeat_page_ = nullptr;  // where its motors are seen, and cut, from outside
+  Vec3 hand_m_;                              // intention at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
   std::uint32_t buttons_ = 0;          // that the path holds down

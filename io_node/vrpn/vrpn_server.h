@@ -19,7 +19,7 @@ namespace hapton::vrpn {
 constexpr std::uint16_t kPort = 3883;  // of VRPN, assigned by IANA
 
 // Reports one device to VRPN clients, as NAME@host: Tracker (stylus and proxy), Button, Analog and ForceDevice. Forces that a client
-// requests are rejected. It reads samples from a Feed in a thread of low priority, for which the network side never waits. Frame W, SI
+// requests are rejected. It reads samples from a Feed in a thread of low priority, for which no real-time thread waits. Frame W, SI
 // units. RT: no. Threads: constructor and destructor from one.
 class Server {
  public:

@@ -74,7 +74,7 @@ void serve(Device& device) {
   }
 }
 
-TEST(VrpnFeed, TheNetworkSideUsesNoHeap) {
+TEST(VrpnFeed, TheDeviceSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   Feed feed;
   feed.set_wanted(true);
@@ -84,7 +84,7 @@ TEST(VrpnFeed, TheNetworkSideUsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-TEST(VrpnFeed, TheNetworkSideMakesNoSystemCall) {
+TEST(VrpnFeed, TheDeviceSideMakesNoSystemCall) {
   if (!SystemCallGuard::is_available()) GTEST_SKIP() << "system calls cannot be forbidden in this build or on this kernel";
   std::unique_ptr<Feed> feed;
   std::unique_ptr<WatchedDevice> device;
