@@ -66,7 +66,8 @@ Result<void> HidDevice::on_opened(HidTransport& transport) {
   reading_.sample.time_ns = clock_.now_ns();
   is_first_report_ = true;
   exchange_.publish(reading_);
-  show_in_heartbeat_page(transport.description().path);
+  path_ = transport.description().path;
+  show_in_heartbeat_page();
   return {};
 }
 
@@ -97,22 +98,22 @@ void HidDevice::log_status() noexcept {
 }
 
 void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
-  const auto transport = port_.transport();
   const std::lock_guard lock(driver_mutex_);
   heartbeat_page_ = &page;
-  if (transport) show_in_heartbeat_page(transport->description().path);
+  show_in_heartbeat_page();
 }
 
 // Pre: the mutex is held. What the watchdog would write: the motors off.
-void HidDevice::show_in_heartbeat_page(const std::string& path) noexcept {
-  if (heartbeat_page_ == nullptr) return;
+void HidDevice::show_in_heartbeat_page() noexcept {
+  if (heartbeat_page_ == nullptr || path_.empty()) return;
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   const std::size_t size = backend_->encode({}, false, clock_.now_ns(), report);
-  heartbeat_page_->set_hid(path, std::span(report).first(size));
+  heartbeat_page_->set_hid(path_, std::span(report).first(size));
 }
 
 void HidDevice::on_gone() noexcept {
   const std::lock_guard lock(driver_mutex_);
+  path_.clear();
   reading_.status = DeviceStatus::away;
   reading_.sample.time_ns = clock_.now_ns();
   exchange_.publish(reading_);
@@ -144,15 +145,17 @@ void HidDevice::await_command() noexcept {
 }
 
 void HidDevice::write_newest() noexcept {
-  const auto transport = port_.transport();
-  if (!transport) {
-    rejected_ = 0;
-    return;
-  }
+  std::shared_ptr<HidTransport> transport;
   std::array<std::uint8_t, HidTransport::kMaxBytes> report = {};
   std::size_t size = 0;
   {
+    // The transport within the lock: what is encoded for a device that is opened meanwhile must not go to the one before it.
     const std::lock_guard lock(driver_mutex_);
+    transport = port_.transport();
+    if (!transport) {
+      rejected_ = 0;
+      return;
+    }
     const std::int64_t now_ns = clock_.now_ns();
     const Wrench wrench = exchange_.wrench(now_ns);
     size = backend_->encode(wrench, may_exert(now_ns), now_ns, report);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "devices/device.h"
@@ -63,7 +64,7 @@ class HidDevice final : public Device, private HidListener {
   void write_newest() noexcept;
   bool may_exert(std::int64_t now_ns) noexcept;
   void release_force() noexcept;
-  void show_in_heartbeat_page(const std::string& path) noexcept;
+  void show_in_heartbeat_page() noexcept;
 
   std::unique_ptr<HidBackend> backend_;
   std::optional<RealtimeSettings> realtime_;
@@ -76,6 +77,7 @@ class HidDevice final : public Device, private HidListener {
   bool is_first_report_ = true;                       // to the device, since it was opened
   DeviceStatus logged_status_ = DeviceStatus::ready;  // the last one logged
   HeartbeatPage* heartbeat_page_ = nullptr;
+  std::string path_;  // of the device; empty while it is unplugged
   int rejected_ = 0;  // of the writer
   sem_t commands_;    // posted by the servo: a wrench is there
   std::atomic<bool> has_received_{false};

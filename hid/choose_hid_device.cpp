@@ -83,7 +83,11 @@ Result<HidDescription> find_hid_device_again(std::span<const HidDescription> dev
     return fail("no {} is plugged in that is the one from before ({}), among {} HID devices; plug it in again", to_string(kind),
                 chosen.serial.empty() ? "no serial number" : chosen.serial, devices.size());
   }
-  return choose_hid_device(same, kind, same.size() > 1 || had_twin ? chosen.path : "");
+  if (same.size() == 1 && !had_twin) return choose_hid_device(same, kind, "");
+  const bool is_at_its_node = std::ranges::any_of(same, [&](const HidDescription& device) { return device.path == chosen.path; });
+  if (is_at_its_node) return choose_hid_device(same, kind, chosen.path);
+  return fail("the {} from before was {}; what looks the same may be the other one: {}; start this program again to use it",
+              to_string(kind), chosen.path, list(same));
 }
 
 Result<HidDescription> HidChoice::choose(std::span<const HidDescription> devices) const {
@@ -95,12 +99,14 @@ void HidChoice::note_opened(const HidDescription& device, std::span<const HidDes
   had_twin_ = had_twin_ || has_twin(devices, device);
 }
 
+void HidChoice::note_gone(std::span<const HidDescription> devices) { had_twin_ = had_twin_ || (opened_ && has_twin(devices, *opened_)); }
+
 bool is_listed_before(const HidDescription& a, const HidDescription& b) noexcept {
   return a.path.size() != b.path.size() ? a.path.size() < b.path.size() : a.path < b.path;
 }
 
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept {
-  return a.vid == b.vid && a.pid == b.pid && a.serial == b.serial;
+  return a.vid == b.vid && a.pid == b.pid && a.serial == b.serial && a.usage_page == b.usage_page && a.usage == b.usage;
 }
 
 }  // namespace hapton

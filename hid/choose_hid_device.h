@@ -29,8 +29,8 @@ bool has_twin(std::span<const HidDescription> devices, const HidDescription& cho
 Result<HidDescription> find_hid_device_again(std::span<const HidDescription> devices, const HidDescription& chosen, HidKind kind,
                                              bool had_twin);
 
-// What a program opens again and again: at first the device with that id, and once it could be opened only the same one. RT: no.
-// Threads: one.
+// What a program opens again and again: at first the device with that id, and once it could be opened only the same one. One that looks the
+// same and was there beside it, when it was opened or when it went, is not taken for it. RT: no. Threads: one.
 class HidChoice {
  public:
   HidChoice(HidKind kind, std::string id) : kind_(kind), id_(std::move(id)) {}
@@ -39,6 +39,8 @@ class HidChoice {
   Result<HidDescription> choose(std::span<const HidDescription> devices) const;
   // It could be opened, when these were plugged in.
   void note_opened(const HidDescription& device, std::span<const HidDescription> devices);
+  // It has just gone, and these are plugged in still: it cannot be one of them so soon.
+  void note_gone(std::span<const HidDescription> devices);
 
  private:
   HidKind kind_;
@@ -50,7 +52,8 @@ class HidChoice {
 // By the number of its node, from which a device without a name has its place: hidraw10 follows hidraw9.
 bool is_listed_before(const HidDescription& a, const HidDescription& b) noexcept;
 
-// Whether both describe the same piece of hardware, as far as the descriptions show; its node may have changed after it was unplugged.
+// Whether both describe the same interface of the same piece of hardware, as far as the descriptions show; its node may have changed after
+// it was unplugged.
 bool is_same_device(const HidDescription& a, const HidDescription& b) noexcept;
 
 }  // namespace hapton

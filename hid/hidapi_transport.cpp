@@ -46,15 +46,21 @@ using HidHandle = std::unique_ptr<hid_device, CloseHid>;
 // Two handles, because one of hidapi's is for one thread; each has a queue of its own in the kernel, and the second one's is never read.
 class HidapiTransport final : public HidTransport {
  public:
-  HidapiTransport(HidDescription description, DeviceLock lock, HidHandle reading, HidHandle writing)
-      : description_(std::move(description)), lock_(std::move(lock)), reading_(std::move(reading)), writing_(std::move(writing)) {}
+  HidapiTransport(HidDescription description, DeviceLock lock, HidHandle reading, HidHandle writing, std::function<void()> on_gone)
+      : description_(std::move(description)),
+        lock_(std::move(lock)),
+        reading_(std::move(reading)),
+        writing_(std::move(writing)),
+        on_gone_(std::move(on_gone)) {}
 
   const HidDescription& description() const noexcept override { return description_; }
 
   HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept override {
     errno = 0;
-    const int read = hid_read_timeout(reading_.get(), into.data(), into.size(), wait_ms);
-    return to_hid_read(read, errno);
+    const int size = hid_read_timeout(reading_.get(), into.data(), into.size(), wait_ms);
+    const HidRead read = to_hid_read(size, errno);
+    if (read.outcome == HidIo::gone && on_gone_) on_gone_();
+    return read;
   }
 
   bool write(std::span<const std::uint8_t> report) noexcept override {
@@ -73,6 +79,7 @@ class HidapiTransport final : public HidTransport {
   DeviceLock lock_;
   HidHandle reading_;
   HidHandle writing_;
+  std::function<void()> on_gone_;
 };
 
 bool is_refused(const std::string& path) {
@@ -125,23 +132,24 @@ std::vector<HidDescription> list_hid_devices() {
   return devices;
 }
 
-Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing) {
+Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing, std::function<void()> on_gone) {
   auto reading = open_handle(device.path);
   if (!reading) return tl::unexpected(reading.error());
   auto lock = sharing == HidSharing::exclusive ? DeviceLock::take(device.path) : DeviceLock();
   if (!lock) return tl::unexpected(lock.error());
   auto writing = open_handle(device.path);
   if (!writing) return tl::unexpected(writing.error());
-  return std::make_unique<HidapiTransport>(device, std::move(*lock), std::move(*reading), std::move(*writing));
+  return std::make_unique<HidapiTransport>(device, std::move(*lock), std::move(*reading), std::move(*writing), std::move(on_gone));
 }
 
 HidOpener make_hid_opener(HidKind kind, std::string id) {
-  return [kind, choice = HidChoice(kind, std::move(id))]() mutable -> Result<std::unique_ptr<HidTransport>> {
+  return [kind, choice = std::make_shared<HidChoice>(kind, std::move(id))]() -> Result<std::unique_ptr<HidTransport>> {
     const std::vector<HidDescription> devices = list_hid_devices();
-    const auto device = choice.choose(devices);
+    const auto device = choice->choose(devices);
     if (!device) return tl::unexpected(device.error());
-    auto opened = open_hid_device(*device, kind == HidKind::space_mouse ? HidSharing::shared : HidSharing::exclusive);
-    if (opened) choice.note_opened(*device, devices);
+    auto opened = open_hid_device(*device, kind == HidKind::space_mouse ? HidSharing::shared : HidSharing::exclusive,
+                                  [choice] { choice->note_gone(list_hid_devices()); });
+    if (opened) choice->note_opened(*device, devices);
     return opened;
   };
 }

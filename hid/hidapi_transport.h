@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,8 +26,9 @@ HidRead to_hid_read(int returned, int error) noexcept;
 // (device_lock.h).
 enum class HidSharing : std::uint8_t { shared, exclusive };
 // Opens a node. The system creates it before it grants access: a denied access is retried for a second. Error: one line with the remedy.
-// RT: set-up only.
-Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing = HidSharing::exclusive);
+// on_gone: called in the reading thread when a read finds the device unplugged. RT: set-up only.
+Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing = HidSharing::exclusive,
+                                                      std::function<void()> on_gone = {});
 
 // Opens the device that choose_hid_device finds, and after that only the same one again.
 HidOpener make_hid_opener(HidKind kind, std::string id);

@@ -286,7 +286,7 @@ void NetworkLoop::finish() noexcept {
     record_rest();
   }
   if (runs_device) loop_.finish();
-  safety_.finish(loop_.status(), clock_.now_ns());
+  safety_.finish(loop_.latest(), loop_.status(), clock_.now_ns());
   forces_.note_written();
   forces_.close(cycle_.sample.time_ns);
 }

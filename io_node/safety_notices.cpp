@@ -10,17 +10,34 @@ namespace hapton {
 void SafetyNotices::notify(ServoEvent::Kind kind, SafetyFault fault) noexcept { events_.push({kind, NodeRole::tool, {}, 0.0, {}, fault}); }
 void SafetyNotices::notify_status(ServoEvent::Kind kind) noexcept { events_.push({kind, NodeRole::io, {}, 0.0, {}, {}}); }
 
+// Each kind of fault that was latched since the last look, also if it was reset since. visit(fault, how often)
+template <class Visit>
+void SafetyNotices::for_each_latched(const GovernorStats& governor, Visit&& visit) const noexcept {
+  for (std::size_t n = 1; n < kSafetyFaults; ++n) {
+    const std::uint64_t times = governor.counters.faults[n] - governor_noted_.faults[n];
+    if (times > 0) visit(static_cast<SafetyFault>(n), times);
+  }
+}
+
+// Of a reset and a new fault since the last look, the fault is what holds: it must be the last to be known.
+void SafetyNotices::notify_faults(const GovernorStats& governor) noexcept {
+  const GovernorCounters& counters = governor.counters;
+  SafetyFault reset = fault_noted_;
+  for_each_latched(governor, [&](SafetyFault fault, std::uint64_t times) {
+    if (fault == governor.fault && times == 1) return;
+    notify(ServoEvent::Kind::latched, fault);
+    reset = fault;
+  });
+  if (counters.resets > governor_noted_.resets) notify(ServoEvent::Kind::reset, reset);
+  const bool has_latched = counters.latched > governor_noted_.latched;
+  if (has_latched && governor.fault != SafetyFault::none) notify(ServoEvent::Kind::latched, governor.fault);
+  if (counters.resets_rejected > governor_noted_.resets_rejected) notify(ServoEvent::Kind::reset_rejected, governor.fault);
+  fault_noted_ = governor.fault;
+}
+
 // People first: they may have to do something about it.
 void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept {
-  const GovernorCounters& governor = side.governor.counters;
-  // Of a reset and a new fault since the last look, the fault is what holds: it must be the last to be known.
-  const bool has_latched = governor.latched > governor_noted_.latched;
-  const bool is_latched = side.governor.fault != SafetyFault::none;
-  if (has_latched && !is_latched) notify(ServoEvent::Kind::latched, side.governor.fault);
-  if (governor.resets > governor_noted_.resets) notify(ServoEvent::Kind::reset, fault_noted_);
-  if (has_latched && is_latched) notify(ServoEvent::Kind::latched, side.governor.fault);
-  if (governor.resets_rejected > governor_noted_.resets_rejected) notify(ServoEvent::Kind::reset_rejected, side.governor.fault);
-  fault_noted_ = side.governor.fault;
+  notify_faults(side.governor);
   if (side.status == status_noted_) status_since_ns_ = now_ns;
   if (now_ns - status_since_ns_ >= kStatusNs) {
     if (side.status == DeviceStatus::away) notify_status(ServoEvent::Kind::away);
@@ -29,7 +46,7 @@ void SafetyNotices::check(const DeviceSide& side, const DeviceCycle& cycle, bool
     status_noted_ = side.status;
   }
   if (tap_ != nullptr) record(side, cycle, is_missed, now_ns);
-  governor_noted_ = governor;
+  governor_noted_ = side.governor.counters;
 }
 
 void SafetyNotices::note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept {
@@ -37,7 +54,10 @@ void SafetyNotices::note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns
   if (tap_ != nullptr) note_cycle({}, cycle, false, now_ns);
 }
 
-void SafetyNotices::finish(DeviceStatus status, std::int64_t now_ns) noexcept {
+void SafetyNotices::finish(const DeviceSide& side, DeviceStatus status, std::int64_t now_ns) noexcept {
+  notify_faults(side.governor);
+  if (tap_ != nullptr) record_latched(side.governor, now_ns);
+  governor_noted_ = side.governor.counters;
   if (tap_ != nullptr && status == DeviceStatus::fault && !is_failure_recorded_) tap_->on_fault(SessionFault::device, now_ns);
 }
 
@@ -66,9 +86,13 @@ void SafetyNotices::record(const DeviceSide& side, const DeviceCycle& cycle, boo
   record_fault(SessionFault::stalled, std::max(cycle.late_ns, std::exchange(latest_ns_, 0)) >= kCommandTimeoutNs, now_ns);
   record_fault(SessionFault::overrun, side.has_overrun, now_ns);
   record_fault(SessionFault::energy, side.is_energy_gone, now_ns);
-  const bool has_latched = governor.latched > governor_noted_.latched;
-  if (has_latched) tap_->on_fault(session_fault_of(side.governor.fault), now_ns);
-  is_failure_recorded_ = side.governor.fault == SafetyFault::device && (has_latched || is_failure_recorded_);
+  record_latched(side.governor, now_ns);
+}
+
+void SafetyNotices::record_latched(const GovernorStats& governor, std::int64_t now_ns) noexcept {
+  for_each_latched(governor, [&](SafetyFault fault, std::uint64_t) { tap_->on_fault(session_fault_of(fault), now_ns); });
+  const bool has_latched = governor.counters.latched > governor_noted_.latched;
+  is_failure_recorded_ = governor.fault == SafetyFault::device && (has_latched || is_failure_recorded_);
 }
 
 // Once when it begins: a force that stays above the limit is one fault.

@@ -27,11 +27,15 @@ class SafetyNotices {
   void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
   // A cycle that a newer one has overtaken: for the recording, and for the faults of the next check.
   void note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
-  // At the end: a device that has failed is recorded, where no check has seen that fault latched.
-  void finish(DeviceStatus status, std::int64_t now_ns) noexcept;
+  // At the end: faults that were latched since the last check, and a device that has failed, where no check has seen that fault latched.
+  void finish(const DeviceSide& side, DeviceStatus status, std::int64_t now_ns) noexcept;
 
  private:
   void note_cycle(const DeviceSide& side, const DeviceCycle& cycle, bool is_newest, std::int64_t now_ns) noexcept;
+  template <class Visit>
+  void for_each_latched(const GovernorStats& governor, Visit&& visit) const noexcept;
+  void notify_faults(const GovernorStats& governor) noexcept;
+  void record_latched(const GovernorStats& governor, std::int64_t now_ns) noexcept;
   void notify(ServoEvent::Kind kind, SafetyFault fault) noexcept;
   void notify_status(ServoEvent::Kind kind) noexcept;
   void record(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;

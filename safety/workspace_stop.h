@@ -19,7 +19,9 @@ class WorkspaceStop {
     const double low = limits.workspace_min_m[axis];
     const double high = limits.workspace_max_m[axis];
     const double left_m = outward > 0.0 ? high - p_WD[axis] : p_WD[axis] - low;
-    return std::clamp(left_m / std::min(kMarginM, 0.1 * (high - low)), 0.0, 1.0);
+    const double margin_m = std::min(kMarginM, 0.1 * (high - low));
+    if (!(left_m > 0.0)) return 0.0;
+    return left_m < margin_m ? left_m / margin_m : 1.0;  // the margin of a tiny axis may be zero
   }
 
   static Vec3 shape(const DeviceLimits& limits, const Vec3& force_n, const Vec3& p_WD) noexcept {

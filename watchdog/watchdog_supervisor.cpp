@@ -53,15 +53,31 @@ Result<void> WatchdogSupervisor::spawn() {
   return {};
 }
 
+// Kills a watchdog that hangs. One that is in an uninterruptible sleep ends when that does, which must not hold this process up. False:
+// another one is in the same state already.
+bool WatchdogSupervisor::end() {
+  ::kill(process_, SIGKILL);
+  SteadyClock clock;
+  const std::int64_t until_ns = clock.now_ns() + kEndNs;
+  bool has_ended = ::waitpid(process_, nullptr, WNOHANG) != 0;
+  for (; !has_ended && clock.now_ns() < until_ns; has_ended = ::waitpid(process_, nullptr, WNOHANG) != 0)
+    clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+  if (has_ended) return true;
+  if (killed_ != 0) return false;
+  killed_ = process_;
+  return true;
+}
+
 std::optional<Result<void>> WatchdogSupervisor::restart_if_dead(std::int64_t now_ns) {
+  if (killed_ != 0 && ::waitpid(killed_, nullptr, WNOHANG) != 0) killed_ = 0;
   if (started_ns_ == 0 || now_ns - started_ns_ < kPeerTimeoutNs) return std::nullopt;
   if (process_ > 0) {
     const bool has_ended = ::waitpid(process_, nullptr, WNOHANG) != 0;
     const bool has_timed_out = now_ns - memory_->page().watchdog_beat_ns.load() > kPeerTimeoutNs;
     if (!has_ended && !has_timed_out) return std::nullopt;
-    if (!has_ended) {
-      ::kill(process_, SIGKILL);
-      ::waitpid(process_, nullptr, 0);
+    if (!has_ended && !end()) {
+      started_ns_ = now_ns;  // again in a while
+      return Result<void>(fail("the kernel does not let the watchdog process {} end; the device may not answer: check its cable", process_));
     }
     // Its id may soon be another process's.
     process_ = 0;

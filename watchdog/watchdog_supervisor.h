@@ -12,10 +12,13 @@
 namespace hapton {
 
 // The watchdog as a child process of this one: started, monitored, restarted when it has died. It ends by itself when this process
-// does. RT: no. Threads: one.
+// does. One that hangs is killed; where the kernel keeps it nevertheless (a write to a device that does not return), another takes its
+// place, but no third one. RT: no. Threads: one.
 class WatchdogSupervisor {
  public:
   static constexpr std::int64_t kPeerTimeoutNs = 1'000'000'000;  // without a heartbeat of the watchdog; then it is restarted
+  // How long the end of one that was killed is waited for: a hundred times what it takes.
+  static constexpr std::int64_t kEndNs = 100'000'000;
 
   // The program hapton_watchdog in the folder of this executable.
   static std::filesystem::path find_program();
@@ -36,11 +39,13 @@ class WatchdogSupervisor {
 
  private:
   Result<void> spawn();
+  bool end();
 
   const HeartbeatMemory* memory_ = nullptr;
   std::filesystem::path program_;
   int priority_ = 0;
   pid_t process_ = 0;
+  pid_t killed_ = 0;  // one before, which has not ended yet; 0: none
   std::int64_t started_ns_ = 0;
   std::uint64_t restarts_ = 0;
 };

@@ -14,10 +14,21 @@
 namespace hapton {
 namespace {
 
+// How the test holds a device up while it is being opened.
+struct Opening {
+  std::atomic<bool> waits = false, has_begun = false;
+};
+
 // In: {temperature in hundredths, whether it is calibrated}; out: {7, whether it may exert force, 9}.
 class WarmBackend final : public HidBackend {
  public:
-  Result<void> on_open(HidTransport&) override { return {}; }
+  explicit WarmBackend(Opening& opening) : opening_(opening) {}
+  Result<void> on_open(HidTransport&) override {
+    opening_.has_begun = true;
+    SteadyClock clock;
+    while (opening_.waits) clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
+    return {};
+  }
   bool decode(std::span<const std::uint8_t> report, std::int64_t, DeviceExchange::Reading& reading) noexcept override {
     if (report.size() != 2) return false;
     reading.status = DeviceStatus::ready;
@@ -36,6 +47,7 @@ class WarmBackend final : public HidBackend {
   DeviceCondition condition() const noexcept override { return {}; }
 
  private:
+  Opening& opening_;
   DeviceLimits limits_;
 };
 
@@ -54,7 +66,7 @@ struct GuardedHid : testing::Test {
         clock.sleep_until_ns(clock.now_ns() + kNanosecondsPerMillisecond);
       }
     });
-    auto opened = HidDevice::open(std::make_unique<WarmBackend>(), hid.opener());
+    auto opened = HidDevice::open(std::make_unique<WarmBackend>(opening), hid.opener());
     ASSERT_TRUE(opened) << opened.error().what;
     device = std::move(*opened);
   }
@@ -84,6 +96,7 @@ struct GuardedHid : testing::Test {
   }
 
   FakeHid hid{warm_description()};
+  Opening opening;
   std::atomic<std::uint8_t> temperature_percent = 20, is_calibrated = 1;
   std::atomic<bool> ends = false;
   std::thread reporter;
@@ -104,6 +117,21 @@ TEST_F(GuardedHid, ThePageGetsThemAnewWhenItIsPluggedInAgain) {
   hid.unplug();
   hid.plug_in();
   ASSERT_TRUE(wait_until([&] { return page->generation.load() > before && page->generation.load() % 2 == 0; }));
+  expect_the_means_to_turn_it_off();
+}
+
+// A device that is unplugged and plugged in while io_node starts would otherwise stay without the watchdog process.
+TEST_F(GuardedHid, APageThatComesWhileItIsOpenedAgainGetsThemToo) {
+  opening.has_begun = false;
+  opening.waits = true;
+  hid.unplug();
+  hid.plug_in();
+  EXPECT_TRUE(wait_until([&] { return opening.has_begun.load(); }));
+  std::thread owner([&] { device->use_heartbeat_page(*page); });
+  SteadyClock clock;
+  clock.sleep_until_ns(clock.now_ns() + 50 * kNanosecondsPerMillisecond);  // the owner waits by then, until it is open
+  opening.waits = false;
+  owner.join();
   expect_the_means_to_turn_it_off();
 }
 

@@ -149,6 +149,38 @@ TEST(ChooseHidDevice, ATwinThatWasThereOnceIsRemembered) {
   EXPECT_EQ(alone.choose(std::vector{twins[0]})->path, "/dev/hidraw1");
 }
 
+// It was plugged in while the other one was in use, and is what is left when that one goes.
+TEST(ChooseHidDevice, ATwinThatWasPluggedInLaterIsNotTakenForTheOneThatIsGone) {
+  const std::vector twins = {wooden("/dev/hidraw1"), wooden("/dev/hidraw4")};
+  HidChoice choice(HidKind::wooden_haptics, "");
+  choice.note_gone(twins);  // none was opened yet
+  choice.note_opened(twins[0], std::vector{twins[0]});
+  choice.note_gone(std::vector{device("/dev/hidraw0", 0x046d, 0xc077), twins[1]});
+  EXPECT_EQ(rejection(choice.choose(std::vector{twins[1]})),
+            "the WoodenHaptics from before was /dev/hidraw1; what looks the same may be the other one: /dev/hidraw4 (no serial number); "
+            "start this program again to use it");
+  EXPECT_EQ(choice.choose(twins)->path, "/dev/hidraw1");
+  HidChoice alone(HidKind::wooden_haptics, "");
+  alone.note_opened(twins[0], std::vector{twins[0]});
+  alone.note_gone(std::vector{twins[0]});  // the system still lists it
+  EXPECT_EQ(alone.choose(std::vector{twins[1]})->path, "/dev/hidraw4") << "it is back at another node";
+}
+
+// Its interfaces have nodes of their own, and all its ids.
+TEST(ChooseHidDevice, AnotherInterfaceOfADeviceIsNoTwin) {
+  HidDescription keys = wooden("/dev/hidraw1", "A");
+  keys.usage_page = 1;
+  keys.usage = 6;
+  HidDescription arm = wooden("/dev/hidraw2", "A");
+  arm.usage_page = 0xFF00;
+  arm.usage = 1;
+  HidChoice choice(HidKind::wooden_haptics, "/dev/hidraw2");
+  choice.note_opened(arm, std::vector{keys, arm});
+  keys.path = "/dev/hidraw3";
+  arm.path = "/dev/hidraw4";
+  EXPECT_EQ(choice.choose(std::vector{keys, arm})->path, "/dev/hidraw4");
+}
+
 TEST(ChooseHidDevice, PlacesAreInTheOrderOfTheNodesNumbers) {
   std::vector devices = {wooden("/dev/hidraw10"), wooden("/dev/hidraw9"), wooden("/dev/hidraw2")};
   std::sort(devices.begin(), devices.end(), is_listed_before);

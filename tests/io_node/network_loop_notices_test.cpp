@@ -88,6 +88,20 @@ TEST_F(NetworkLoops, ADeviceThatFailsIsRecordedOnceThoughThatEndsTheSession) {
   peers.set_tap(nullptr);
 }
 
+// While the force is released: whoever keeps the fault for the next start must hear of it.
+TEST_F(NetworkLoops, AFaultThatIsLatchedAtTheEndIsReportedAndRecorded) {
+  RecordingTap tap;
+  make({}, nullptr, &tap);
+  run(240);
+  device.condition_now.motor_temperature = 1.0;  // read every 250 ms
+  network->finish();
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::thermal});
+  const auto latched = events_of(*network, {ServoEvent::Kind::latched});
+  ASSERT_EQ(latched.size(), 1U);
+  EXPECT_EQ(latched[0].fault, SafetyFault::thermal);
+  peers.set_tap(nullptr);
+}
+
 TEST_F(NetworkLoops, AKeyThatDoesNotAllowARoleIsReported) {
   endpoint.key_role_of = [](const Address& from) { return from.port == kTool ? KeyRole::vision : KeyRole::haptics; };
   make();

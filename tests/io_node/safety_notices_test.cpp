@@ -36,6 +36,16 @@ struct SafetyNoticesTest : testing::Test {
   DeviceCycle cycle;
   std::int64_t now_ns = 0;
 
+  // As the governor does.
+  void latch(SafetyFault fault) {
+    side.governor.fault = fault;
+    ++side.governor.counters.latched;
+    ++side.governor.counters.faults[static_cast<std::size_t>(fault)];
+  }
+  void reset() {
+    side.governor.fault = SafetyFault::none;
+    ++side.governor.counters.resets;
+  }
   void check(bool is_missed = true) {
     now_ns += kMs;
     ++cycle.number;
@@ -50,8 +60,7 @@ struct SafetyNoticesTest : testing::Test {
 
 TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
   check();
-  side.governor.fault = SafetyFault::jump;
-  ++side.governor.counters.latched;
+  latch(SafetyFault::jump);
   check();
   check();
   EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::latched});
@@ -70,21 +79,47 @@ TEST_F(SafetyNoticesTest, ALatchedFaultAndItsResetAreReportedOnce) {
 // Whoever keeps the latched fault for the next start must hear of the one that is there last.
 TEST_F(SafetyNoticesTest, AFaultThatFollowsAResetAtOnceIsReportedAfterIt) {
   check();
-  side.governor.fault = SafetyFault::jump;
-  ++side.governor.counters.latched;
+  latch(SafetyFault::jump);
   check();
   (void)reported();
-  ++side.governor.counters.resets;
-  ++side.governor.counters.latched;
-  side.governor.fault = SafetyFault::speed;
+  reset();
+  latch(SafetyFault::speed);
   check();
   EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::reset, ServoEvent::Kind::latched}));
-  ++side.governor.counters.resets;
-  ++side.governor.counters.latched;
-  ++side.governor.counters.resets;
-  side.governor.fault = SafetyFault::none;
+  reset();
+  latch(SafetyFault::jump);
+  reset();
   check();
   EXPECT_EQ(reported(), (std::vector{ServoEvent::Kind::latched, ServoEvent::Kind::reset})) << "it is over";
+}
+
+// Where the network side was late: people and the recording would have had a fault without a name.
+TEST_F(SafetyNoticesTest, AFaultThatIsResetBeforeTheNextLookIsReportedByItsName) {
+  const auto named = [&] {
+    std::vector<std::pair<ServoEvent::Kind, SafetyFault>> all;
+    for (ServoEvent event; events.pop(event);) all.emplace_back(event.kind, event.fault);
+    return all;
+  };
+  using Kind = ServoEvent::Kind;
+  check();
+  latch(SafetyFault::speed);
+  reset();
+  check();
+  EXPECT_EQ(named(), (std::vector{std::pair(Kind::latched, SafetyFault::speed), std::pair(Kind::reset, SafetyFault::speed)}));
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::speed});
+  latch(SafetyFault::jump);
+  reset();
+  latch(SafetyFault::thermal);
+  check();
+  EXPECT_EQ(named(), (std::vector{std::pair(Kind::latched, SafetyFault::jump), std::pair(Kind::reset, SafetyFault::jump),
+                                  std::pair(Kind::latched, SafetyFault::thermal)}));
+  EXPECT_EQ(tap.faults, (std::vector{SessionFault::speed, SessionFault::jump, SessionFault::thermal}));
+  reset();
+  latch(SafetyFault::thermal);
+  check();
+  EXPECT_EQ(named(), (std::vector{std::pair(Kind::reset, SafetyFault::thermal), std::pair(Kind::latched, SafetyFault::thermal)}));
+  check();
+  EXPECT_TRUE(named().empty());
 }
 
 // A stalled network side records all at once what was on the motors cycle by cycle.
@@ -156,21 +191,35 @@ TEST_F(SafetyNoticesTest, AShortGapIsNoFaultAndACommandTimeoutIs) {
 }
 
 TEST_F(SafetyNoticesTest, ADeviceThatHasFailedAtTheEndIsRecordedOnce) {
-  notices.finish(DeviceStatus::ready, now_ns);
+  notices.finish(side, DeviceStatus::ready, now_ns);
   EXPECT_TRUE(tap.faults.empty());
   side.governor.fault = SafetyFault::device;  // as an earlier process left it: it is not counted
   check();
-  notices.finish(DeviceStatus::fault, now_ns);
+  notices.finish(side, DeviceStatus::fault, now_ns);
   EXPECT_EQ(tap.faults, std::vector{SessionFault::device});
-  ++side.governor.counters.latched;
+  latch(SafetyFault::device);
   check();
   check();
-  notices.finish(DeviceStatus::fault, now_ns);
+  notices.finish(side, DeviceStatus::fault, now_ns);
   EXPECT_EQ(tap.faults, (std::vector{SessionFault::device, SessionFault::device})) << "latched, and not recorded again";
   side.governor.fault = SafetyFault::none;
   check();
-  notices.finish(DeviceStatus::fault, now_ns);
+  notices.finish(side, DeviceStatus::fault, now_ns);
   EXPECT_EQ(tap.faults.size(), 3U) << "another failure";
+}
+
+// Else it would not be kept for the next start.
+TEST_F(SafetyNoticesTest, WhatWasLatchedSinceTheLastCheckIsReportedAtTheEnd) {
+  check();
+  latch(SafetyFault::speed);
+  notices.finish(side, DeviceStatus::ready, now_ns);
+  EXPECT_EQ(reported(), std::vector{ServoEvent::Kind::latched});
+  EXPECT_EQ(tap.faults, std::vector{SessionFault::speed});
+  latch(SafetyFault::device);
+  notices.finish(side, DeviceStatus::fault, now_ns);
+  EXPECT_EQ(tap.faults, (std::vector{SessionFault::speed, SessionFault::device})) << "once";
+  SafetyNotices untapped(events, nullptr);
+  untapped.finish(side, DeviceStatus::ready, now_ns);
 }
 
 TEST_F(SafetyNoticesTest, EachKindOfFaultIsRecordedWhenItBegins) {

@@ -164,6 +164,20 @@ TEST(WorkspaceStop, OutwardForceFadesOverTheMarginOfEachAxis) {
   }
 }
 
+// A tenth of it is less than the smallest number: 0 / 0 would be the force.
+TEST(WorkspaceStop, AnAxisOfTheSmallestNumbersEndsTheForceAndIsFinite) {
+  constexpr double kSmallest = std::numeric_limits<double>::denorm_min();
+  for (const double length_m : {kSmallest, 20.0 * kSmallest, std::numeric_limits<double>::min()}) {
+    DeviceLimits limits;
+    limits.workspace_min_m = Vec3(0.0, -1.0, -1.0);
+    limits.workspace_max_m = Vec3(length_m, 1.0, 1.0);
+    EXPECT_EQ(WorkspaceStop::share(limits, 0, -1.0, Vec3::Zero()), 0.0) << length_m;
+    EXPECT_EQ(WorkspaceStop::share(limits, 0, 1.0, Vec3(length_m, 0.0, 0.0)), 0.0) << length_m;
+    EXPECT_EQ(WorkspaceStop::share(limits, 0, 1.0, Vec3::Zero()), 1.0) << length_m;
+    EXPECT_EQ(WorkspaceStop::shape(limits, Vec3(-3.0, 2.0, 0.0), Vec3::Zero()), Vec3(0.0, 2.0, 0.0)) << length_m;
+  }
+}
+
 TEST(SafetyFault, EachHasANameAndAReasonOfItsOwn) {
   std::set<std::string_view> names;
   std::set<std::string_view> reasons;

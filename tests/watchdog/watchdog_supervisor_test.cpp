@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/ptrace.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "runtime/clock.h"
@@ -55,6 +58,78 @@ TEST_F(WatchdogProcessTest, AStalledOneIsReplaced) {
   EXPECT_EQ(::kill(stalled, 0), -1) << "it is gone, and no zombie";
   const std::int64_t replaced_ns = clock.now_ns();
   EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > replaced_ns; }));
+  ::kill(watchdog.id(), SIGKILL);
+}
+
+// A process whose end is not seen by its parent, as in an uninterruptible sleep: another process traces it and does not look at it.
+class KeptProcess {
+ public:
+  explicit KeptProcess(pid_t process) {
+    std::array<int, 2> pipe = {};
+    if (::pipe(pipe.data()) != 0) return;
+    tracer_ = ::fork();
+    if (tracer_ == 0) {
+      ::alarm(30);  // in case the test never lets go
+      const char is_kept = ::ptrace(PTRACE_SEIZE, process, nullptr, nullptr) == 0 ? 1 : 0;
+      if (::write(pipe[1], &is_kept, 1) != 1) ::_exit(1);
+      while (true) ::pause();
+    }
+    char is_kept = 0;
+    is_kept_ = tracer_ > 0 && ::read(pipe[0], &is_kept, 1) == 1 && is_kept != 0;
+    for (const int end : pipe) ::close(end);
+  }
+  ~KeptProcess() { let_go(); }
+  KeptProcess(const KeptProcess&) = delete;
+  KeptProcess& operator=(const KeptProcess&) = delete;
+
+  bool is_kept() const { return is_kept_; }
+  void let_go() {
+    if (tracer_ <= 0) return;
+    ::kill(tracer_, SIGKILL);
+    ::waitpid(tracer_, nullptr, 0);
+    tracer_ = 0;
+  }
+
+ private:
+  pid_t tracer_ = 0;
+  bool is_kept_ = false;
+};
+
+TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  std::optional<Result<void>> restarted;
+  const auto is_tried = [&] {
+    restarted = watchdog.restart_if_dead(clock.now_ns());
+    return restarted.has_value();
+  };
+  const auto stall = [&] {
+    const std::int64_t since_ns = clock.now_ns();
+    EXPECT_TRUE(wait_until([&] { return memory.page().watchdog_beat_ns.load() > since_ns; }));
+    ::kill(watchdog.id(), SIGSTOP);
+    EXPECT_EQ(::waitpid(watchdog.id(), nullptr, WUNTRACED), watchdog.id());  // a tracer would be asked first
+    return watchdog.id();
+  };
+  const pid_t first = stall();
+  KeptProcess kept_first(first);
+  if (!kept_first.is_kept()) {
+    ::kill(first, SIGKILL);
+    GTEST_SKIP() << "here a process may not trace another one";
+  }
+  ASSERT_TRUE(wait_until(is_tried));
+  EXPECT_TRUE(restarted->has_value());
+  EXPECT_EQ(::kill(first, 0), 0) << "it is there still, and nobody waited for it";
+  const pid_t second = stall();
+  EXPECT_NE(second, first);
+  KeptProcess kept_second(second);
+  ASSERT_TRUE(wait_until(is_tried));
+  ASSERT_FALSE(restarted->has_value()) << "there would be more and more";
+  EXPECT_NE(restarted->error().what.find("does not let"), std::string::npos) << restarted->error().what;
+  EXPECT_EQ(watchdog.id(), second);
+  kept_first.let_go();
+  kept_second.let_go();
+  ASSERT_TRUE(wait_until([&] { return is_tried() && restarted->has_value(); }));
+  EXPECT_EQ(watchdog.restarts(), 2U);
+  for (const pid_t before : {first, second}) EXPECT_EQ(::kill(before, 0), -1) << "it is gone, and no zombie";
   ::kill(watchdog.id(), SIGKILL);
 }
 

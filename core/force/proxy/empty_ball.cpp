@@ -26,10 +26,11 @@ double EmptyBall::find(const TouchGeometry& geometry, const Vec3& device, double
   return std::max(radius, 0.0);
 }
 
-void EmptyBall::enter(const TouchGeometry& geometry, const Vec3& p_SD, double radius) noexcept {
+void EmptyBall::enter(const TouchGeometry& geometry, const Vec3& p_SD, const Vec3& before_S, double radius) noexcept {
   const double radius_m = radius * geometry.unit_m();
   centre_S_ = p_SD;
   last_S_ = p_SD;
+  before_S_ = before_S;
   radius_squared_m2_ = std::min(radius_m * radius_m, std::numeric_limits<double>::max());
 }
 

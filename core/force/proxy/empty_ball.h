@@ -10,9 +10,14 @@ class EmptyBall {
  public:
   // False for samples that are not finite, and without a ball.
   bool contains(const Vec3& p_SD) const noexcept { return (p_SD - centre_S_).squaredNorm() < radius_squared_m2_; }
-  void note_sample(const Vec3& p_SD) noexcept { last_S_ = p_SD; }
+  // is_correction: as MethodInput has it.
+  void note_sample(const Vec3& p_SD, bool is_correction = false) noexcept {
+    if (!is_correction) before_S_ = last_S_;
+    last_S_ = p_SD;
+  }
   bool exists() const noexcept { return radius_squared_m2_ > 0.0; }
-  const Vec3& last_sample() const noexcept { return last_S_; }  // in the ball; frame S
+  const Vec3& last_sample() const noexcept { return last_S_; }      // in the ball; frame S
+  const Vec3& sample_before() const noexcept { return before_S_; }  // the one before it, maybe outside; likewise
 
   // Counts the distance that the device has moved outside the ball.
   void note_motion(double distance) noexcept { to_travel_ -= distance; }
@@ -22,7 +27,8 @@ class EmptyBall {
   // displacement: that of the device in this step; the search is limited to about 64 of them. may_go: largest radius.
   double find(const TouchGeometry& geometry, const Vec3& device, double displacement, double rest, double may_go) noexcept;
   int work() const noexcept { return work_; }  // units (step_work.h), of the last search
-  void enter(const TouchGeometry& geometry, const Vec3& p_SD, double radius) noexcept;
+  // before_S: the device in the sample before.
+  void enter(const TouchGeometry& geometry, const Vec3& p_SD, const Vec3& before_S, double radius) noexcept;
   void leave(const TouchGeometry& geometry) noexcept;
   void reset() noexcept { *this = EmptyBall(); }
 
@@ -30,6 +36,7 @@ class EmptyBall {
   Vec3 centre_S_ = Vec3::Zero();    // m
   double radius_squared_m2_ = 0.0;  // 0: no ball known
   Vec3 last_S_ = Vec3::Zero();      // m
+  Vec3 before_S_ = Vec3::Zero();    // m
   double to_travel_ = 0.0;          // distance before the next search
   int work_ = 0;
 };

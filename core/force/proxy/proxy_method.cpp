@@ -106,6 +106,7 @@ void ProxyMethod::resume(const Vec3& p_SP) noexcept {
   surface_.leave();
   sphere_.forget();
   swept_.forget();
+  leave_ball();
   ball_.reset();
   carried_from_.reset();
   unconverged_ = false;
@@ -140,7 +141,7 @@ MethodOutput ProxyMethod::step(const MethodInput& input) noexcept {
   if (!ball_.contains(input.p_SD)) return step_outside(input);
   ++counters_.steps;
   ++counters_.skipped;
-  ball_.note_sample(input.p_SD);
+  ball_.note_sample(input.p_SD, input.is_correction);
   return {.force_n = Vec3::Zero(), .p_SP = input.p_SD, .contact = false};
 }
 
@@ -155,7 +156,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
   const double clear = find_clear(device, (device - last).norm());
   if ((device - proxy_.position).norm() < clear) {
     proxy_.settle_at(device);
-    ball_.enter(geometry_, input.p_SD, clear);
+    ball_.enter(geometry_, input.p_SD, geometry_.to_scene(sample_from_), clear);
   } else {
     const std::uint64_t events = surface_.events();
     follow(from, device);
@@ -168,8 +169,7 @@ MethodOutput ProxyMethod::step_outside(const MethodInput& input) noexcept {
 }
 
 Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexcept {
-  if (!input.is_correction || counters_.skipped != sample_skipped_) sample_from_ = last;
-  sample_skipped_ = counters_.skipped;
+  if (!input.is_correction) sample_from_ = last;
   if (!carried_from_) tries_.forget();
   work_left_ = StepWork::kMax;
   return std::exchange(carried_from_, std::nullopt).value_or(last);
@@ -177,7 +177,6 @@ Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexc
 
 void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept {
   sample_from_ = within_limits(geometry_.to_local(p_SD));
-  sample_skipped_ = counters_.skipped;
 }
 
 double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept {
@@ -258,6 +257,7 @@ void ProxyMethod::leave_ball() noexcept {
   if (!ball_.exists()) return;
   proxy_.position = within_limits(geometry_.to_local(ball_.last_sample()));
   last_device_ = proxy_.position;
+  note_sample_before(ball_.sample_before());
   ball_.leave(geometry_);
 }
 

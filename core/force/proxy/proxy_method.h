@@ -171,12 +171,11 @@ class ProxyMethod final : public ForceMethod {
   SphereFollower sphere_;    // follows a probe with a radius, and a point on triangles that are not walkable
   FreeFlight flight_;
   SweptMotion swept_;
-  EmptyBall ball_;  // proxy_ and last_device_ are not updated while one is known
+  EmptyBall ball_;  // proxy_, last_device_ and sample_from_ are not updated while one is known
 
   ProxyState proxy_;
   Vec3 last_device_ = Vec3::Zero();   // local
   Vec3 sample_from_ = Vec3::Zero();   // local: the device before this sample, whose motion is damped
-  std::uint64_t sample_skipped_ = 0;  // counters_.skipped then
   std::optional<Vec3> carried_from_;  // out of work: the device's position, on its way, from which the next step goes on; local
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived

@@ -243,13 +243,12 @@ MethodOutput ReferenceMethod::compute_output(const Vec3& p_SD, const Vec3& posit
   const Vec3 extension = (position - device_) * unit_m_;
   const double length = extension.norm();
   if (!(length > 0.0)) return output;
+  output.contact = true;
+  output.object = proxy_->state().object;
   const Material& material = proxy_->state().material;
   const double along = velocity_m_per_s.dot(extension) / length;
   const double strength = material.stiffness_n_per_m * length - material.damping_ns_per_m * along;
-  if (!(strength > 0.0)) return output;
-  output.force_n = extension * (strength / length);
-  output.contact = true;
-  output.object = proxy_->state().object;
+  if (strength > 0.0) output.force_n = extension * (strength / length);
   return output;
 }
 

@@ -121,8 +121,7 @@ MethodOutput SculptMethod::feel(std::size_t body, const MethodInput& input, cons
   own.extension_m = felt.p_SP - goal;
   const Vec3 force = force_of(material, own.extension_m, own.extension_m - own.extension_before_m, input.dt_s);
   if (!felt.contact) return {.force_n = Vec3::Zero(), .p_SP = goal};
-  const bool pushes = !force.isZero(0.0);
-  return {.force_n = force, .p_SP = felt.p_SP, .contact = pushes, .object = pushes ? sculpture_->bodies()[body].object : -1};
+  return {.force_n = force, .p_SP = felt.p_SP, .contact = true, .object = sculpture_->bodies()[body].object};
 }
 
 MethodOutput SculptMethod::step(const MethodInput& input) noexcept {

@@ -176,6 +176,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   constexpr std::uint64_t kManyEvents = 24;  // of the 30 to 60 that a step's work is enough for; a choice
   if (!is_carried_) least_distance_ = std::numeric_limits<double>::infinity();
   const Vec3 start = centre_;
+  const bool slid = friction_.slides;
   const double began = time;
   const std::uint64_t events_before = events_;
   const bool has_fans = !is_point_ && fan_.exists();
@@ -196,6 +197,7 @@ SphereFollower::Outcome SphereFollower::follow_near(const Vec3& from, const Vec3
   if (!contacts_.is_empty() && !has_stuck && (is_astray || !near_.is_clear_here(centre_, 2.0 * clearance().slop, work_))) {
     centre_ = start;
     contacts_.clear();
+    friction_ = {.slides = slid, .coefficients = {}};  // a sweep goes on from there with it
     time = began;
     return Outcome::failed;
   }

@@ -235,6 +235,31 @@ TEST(Proxy, DampingIsUsedAndNeverPullsIn) {
   const MethodOutput out = proxy->step({.p_SD = Vec3(0, 0, -0.0002)});  // 1 m/s outward: damping alone would be attractive
   EXPECT_GE(out.force_n.z(), 0.0);
   EXPECT_LE(out.force_n.z(), 1e-9);
+  EXPECT_TRUE(out.contact) << "the surface holds it all the same";
+  EXPECT_EQ(out.object, 0);
+  EXPECT_NEAR(out.p_SP.z(), 0.0, 1e-9);
+}
+
+// The sample may have been found to be in free space without a look at the surface. What the device has done since the sample before it
+// is damped, not the correction alone.
+TEST(Proxy, ACorrectionIsDampedAsItsSample) {
+  Material damped;
+  damped.damping_ns_per_m = 2.0;
+  const auto proxy = proxy_over(scene_of(make_plane_grid(0.1, 4), damped));
+  const auto at = [](double z) { return Vec3(0.0013, 0.0021, z); };
+  for (const bool enters_ball : {false, true}) {
+    proxy->reset(at(0.006));
+    if (!enters_ball) EXPECT_FALSE(proxy->step({.p_SD = at(0.0055)}).contact);
+    const std::uint64_t skipped = proxy->counters().skipped;
+    const double before = enters_ball ? 0.006 : 0.0012;
+    if (!enters_ball) EXPECT_FALSE(proxy->step({.p_SD = at(before)}).contact);
+    EXPECT_FALSE(proxy->step({.p_SD = at(enters_ball ? 0.0055 : 0.001)}).contact);
+    EXPECT_FALSE(proxy->step({.p_SD = at(0.0011), .is_correction = true}).contact);
+    EXPECT_EQ(proxy->counters().skipped - skipped, enters_ball ? 1U : 3U);
+    // 0.5 mm deep, in a millisecond.
+    const double moved_mm = 1e3 * before + 0.5;
+    EXPECT_NEAR(proxy->step({.p_SD = at(-0.0005), .is_correction = true}).force_n.z(), 0.5 + 2.0 * moved_mm, 1e-3) << enters_ball;
+  }
 }
 
 TEST(Proxy, OneSidedSurfacesLetTheBackThrough) {

@@ -232,7 +232,11 @@ TEST(ReferenceMethod, DampingResistsGoingInAndNeverPulls) {
   method->step({.p_SD = Vec3(0.0, 0.0, -0.001)});
   EXPECT_NEAR(method->step({.p_SD = Vec3(0.0, 0.0, -0.0011)}).force_n.z(), 1.1 + 0.2, 1e-6);
   EXPECT_NEAR(method->step({.p_SD = Vec3(0.0, 0.0, -0.0010)}).force_n.z(), 1.0 - 0.2, 1e-6);
-  EXPECT_EQ(method->step({.p_SD = Vec3(0.0, 0.0, -0.00001)}).force_n.z(), 0.0);
+  const MethodOutput out = method->step({.p_SD = Vec3(0.0, 0.0, -0.00001)});
+  EXPECT_EQ(out.force_n.z(), 0.0);
+  EXPECT_TRUE(out.contact) << "the surface holds it all the same";
+  EXPECT_EQ(out.object, 0);
+  EXPECT_NEAR(out.p_SP.z(), 0.0, 1e-9);
 }
 
 TEST(ReferenceMethod, RejectsImpossibleSettings) {

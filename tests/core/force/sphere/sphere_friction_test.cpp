@@ -75,6 +75,39 @@ TEST(SphereFollowerWithFriction, SticksWhereItLandsAfterAGapInOneMotion) {
   EXPECT_LT((in_parts.centre() - stage.follower->centre()).norm(), kNear);
 }
 
+// What it is put back from does not count: a sweep goes on with the coefficient that held it where it was. An object that was built late is
+// there as soon as the centre is out of its bounds, however near.
+TEST(SphereFollowerWithFriction, SticksWhereItIsPutBackBesideALateObject) {
+  const auto sheet = made::shared(made::sheet(0.5, 0.0, 4));
+  const auto late = made::shared(scaled_and_moved(made::sheet(0.02, 0.0, 2), 1.0, Vec3(0.07, 0.0, 0.13)));
+  TouchGeometry geometry({sheet, late}, BuildPolicy::on_approach, std::nullopt, Box{Vec3::Constant(-1.0), Vec3::Constant(1.0)});
+  const std::vector<Material> materials{kRubs, kRubs};
+  SphereFollower follower(geometry, materials, kOffset / geometry.unit_m());
+  const auto build_next = [&](double range) {
+    geometry.request_ahead(follower.centre(), range);
+    ASSERT_TRUE(geometry.build_wanted());
+    geometry.request_ahead(follower.centre(), range);
+    follower.forget_near();
+  };
+  const Vec3 above = geometry.to_local(Vec3(0.0, 0.0, 0.2));
+  const Vec3 below = geometry.to_local(Vec3(0.0, 0.0, 0.02));
+  follower.start_free(above);
+  build_next(0.0);
+  ASSERT_EQ(geometry.waiting_count(), 1U);
+  double time = 0.0;
+  ASSERT_EQ(follower.follow(above, below, time), Outcome::settled);
+  ASSERT_FALSE(follower.is_free());
+  const Vec3 centre = follower.centre();
+  build_next(10.0);
+  ASSERT_EQ(geometry.waiting_count(), 0U);
+  // Out of the static cone, away from the late sheet, and still too near to it.
+  time = 0.0;
+  ASSERT_EQ(follower.follow(below, geometry.to_local(Vec3(-0.06, 0.0, 0.02)), time), Outcome::failed);
+  EXPECT_EQ(follower.centre(), centre);
+  EXPECT_EQ(time, 0.0);
+  EXPECT_FALSE(follower.slides());
+}
+
 TEST(SphereFollowerWithFriction, InACornerOfThreeWallsItStays) {
   TriangleMesh room = made::box(Vec3::Zero(), Vec3::Ones());
   for (Triangle& triangle : room.triangles) std::swap(triangle[1], triangle[2]);
