@@ -236,6 +236,7 @@ void ReplyLoop::change_method() noexcept {
     setup_.rejection = {};
     if (built->scene != nullptr) take_scene(*built->scene);
     if (patches_ != nullptr) patches_->set_offered(PatchSender::can_offer({setup_.method.data(), setup_.method.size()}));
+    show_method_in_use();
     builder_.retire(std::move(built));
     send_setup_soon();
   } else if (const RejectedMethod* rejected = builder_.take_rejection()) {

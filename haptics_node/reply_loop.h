@@ -87,6 +87,7 @@ class ReplyLoop {
   }
   bool has_withdrawn() const noexcept { return patches_ != nullptr && patches_->is_withdrawn(hub_.session()); }
   void show_method(const HapticsSetup::Text& method) noexcept;
+  void show_method_in_use() noexcept;
   void send_setup_soon() noexcept;
   void wait_for_builder() noexcept;
   void send_setup() noexcept;

@@ -43,6 +43,12 @@ void ReplyLoop::send_poses() noexcept {
   }
 }
 
+// A method may come while an object is held: it is felt once that is put down.
+void ReplyLoop::show_method_in_use() noexcept {
+  const bool holds_object = step_.grasp() != nullptr && step_.holds_tool();
+  show_method(holds_object ? step_.grasp()->method() : method_);
+}
+
 // An object that the stylus holds counts as another method. A pose that has changed is sent at once.
 void ReplyLoop::report_grasp() noexcept {
   Grasp* grasp = step_.grasp();

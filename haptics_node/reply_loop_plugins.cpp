@@ -29,8 +29,7 @@ void ReplyLoop::report_plugins() {
 // In the setup, and so in recordings and reports: what depends on the time that calls took cannot be replayed.
 void ReplyLoop::show_plugins() {
   put_text((effects_ != nullptr ? effects_->to_text() : std::string()) + (is_method_cut_off_ ? " cut=method" : ""), effects_text_);
-  const bool holds_object = step_.grasp() != nullptr && step_.holds_tool();
-  show_method(holds_object ? step_.grasp()->method() : method_);
+  show_method_in_use();
 }
 
 }  // namespace hapton

@@ -24,7 +24,7 @@ VisionPace::VisionPace(double rate_hz, std::uint32_t ignored_buttons) noexcept
 
 void VisionPace::on_frame_ack(std::size_t peer, const FrameAck& frame, std::int64_t now_ns) noexcept {
   Place& place = places_[peer];
-  if (frame.echo_sample < place.sent.sample) return;
+  if (frame.echo_sample < place.sent.sample || (frame.unchanged && !place.is_waiting)) return;  // of an older state, or told again
   place.is_waiting = false;
   place.wants_every_sample = frame.every_sample;
   const std::int64_t rest_ns = std::min<std::int64_t>(frame.rest_ns, kRepeatNs);

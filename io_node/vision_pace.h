@@ -11,8 +11,9 @@ namespace hapton {
 
 // Paces the probe states to each vision node, so that it gets no more than it draws: the next one is sent when the node has acknowledged
 // the last with FrameAck and is about to draw again, and only if anything visible has changed. A lost or unchanged state is repeated after
-// kRepeatNs. While a button of the stylus is held down, states do not wait for frames: a vision node that draws strokes has a point of each
-// (docs/vision.md). A node that passes states on (FrameAck::every_sample) gets those in which nothing has changed too. RT: yes.
+// kRepeatNs; an acknowledgement that is told again changes nothing. While a button of the stylus is held down, states do not wait for
+// frames: a vision node that draws strokes has a point of each (docs/vision.md). A node that passes states on (FrameAck::every_sample) gets
+// those in which nothing has changed too. RT: yes.
 class VisionPace {
  public:
   // The picture of a hand that rests is late by no more if a state was lost.

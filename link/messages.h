@@ -137,15 +137,15 @@ struct ProbeState {
   std::optional<std::uint32_t> haptons = {};  // likewise
 };
 
-// vision -> hub, once for a state, after the first frame with it was drawn, or skipped as it would look the same: which sample that is.
-// Requests the next state.
+// vision -> hub, after the first frame with a state was drawn, or skipped as it would look the same: which sample that is. Requests the
+// next state, and is sent again, as `unchanged`, where none comes.
 struct FrameAck {
   std::uint64_t echo_sample = 0;
   std::int64_t echo_sample_time_ns = 0;
   float frame_rate_hz = 0.0F;
   std::uint32_t held_ns = 0;  // from receiving the state to this message, vision's clock; 0: unknown
   std::uint32_t rest_ns = 0;  // from this message until vision can draw again
-  bool unchanged = false;     // no frame was drawn: it would look the same
+  bool unchanged = false;     // no frame to measure: none was drawn, as it would look the same, or the state was acknowledged before
   bool every_sample = false;  // no frame was drawn: the sender passes states on, and wants those in which nothing has changed too
 };
 

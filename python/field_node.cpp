@@ -1,5 +1,9 @@
 #include "python/field_node.h"
 
+#include <algorithm>
+#include <utility>
+
+#include "core/base/ns_between.h"
 #include "runtime/realtime.h"
 #include "runtime/start_thread.h"
 
@@ -72,7 +76,8 @@ void FieldNode::reply(const DeviceState& state) noexcept {
   if (first_ns_ == 0) first_ns_ = last_ns_ = state.sample_time_ns;
   if (take_law()) changed_sample_ = state.sample;
   // However long no sample came: the time of the fields is that of the samples, and a hand that went far meanwhile was not fast.
-  const double dt_s = std::max(1e-9 * static_cast<double>(state.sample_time_ns - last_ns_), 0.0);
+  const double dt_s = seconds_between(last_ns_, state.sample_time_ns);
+  if (dt_s < 0.0) follow_clock_back(state.sample_time_ns);
   last_ns_ = state.sample_time_ns;
   Vec3 wanted_n = law_->step(state.p_WD, dt_s);
   const bool has_expired = has_watch_expired();
@@ -81,6 +86,13 @@ void FieldNode::reply(const DeviceState& state) noexcept {
   const Vec3 force_n = fade_.step(wanted_n, true, std::max(dt_s, 1e-6));
   link_->reply(force_n);
   note(state, force_n);
+}
+
+// Another hub, or one whose machine was started again: the time of the samples goes on from the one before.
+void FieldNode::follow_clock_back(std::int64_t sample_time_ns) noexcept {
+  first_ns_ += ns_between(last_ns_, sample_time_ns);
+  histogram_ns_ = 0;
+  fade_.begin();
 }
 
 // Python holds the lock for as long as a pointer changes hands; otherwise the next sample takes the law.

@@ -16,7 +16,7 @@ namespace hapton::python {
 // State of a field node and its newest sample. Frame W.
 struct FieldNodeState {
   std::uint64_t sample = 0;
-  double t_s = 0.0;  // time of the sample by the hub's clock, since the node's first sample
+  double t_s = 0.0;  // time of the sample by the hub's clock, since the node's first sample; goes on where that clock steps back
   Vec3 p_WD = Vec3::Zero();
   Vec3 v_WD = Vec3::Zero();
   Vec3 force_n = Vec3::Zero();  // requested; the governor limits it
@@ -54,6 +54,7 @@ class FieldNode {
  private:
   void run();
   void reply(const DeviceState& state) noexcept;
+  void follow_clock_back(std::int64_t sample_time_ns) noexcept;
   bool take_law() noexcept;  // true: the fields have changed
   void note(const DeviceState& state, const Vec3& force_n) noexcept;
   // Python is alive.

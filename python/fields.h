@@ -7,7 +7,7 @@
 #include "core/effects/bounded_force.h"
 #include "core/effects/constant_effect.h"
 #include "core/effects/mass_effect.h"
-#include "core/effects/smooth_velocity.h"
+#include "core/effects/sampled_motion.h"
 #include "core/effects/spring_effect.h"
 #include "core/effects/viscous_effect.h"
 #include "core/effects/wave_effect.h"
@@ -75,19 +75,15 @@ class FieldLaw {
   FieldLaw() = default;
   explicit FieldLaw(std::vector<Field> fields) : fields_(std::move(fields)) {}
 
-  // A sample that is not finite gives no force; time goes on. Pre: dt_s >= 0.
+  // A sample that is not finite gives no force; time goes on. dt_s: as SampledMotion has it; where the clock steps back, time stands still.
   Vec3 step(const Vec3& p_WD, double dt_s) noexcept;
-  const Vec3& velocity_m_per_s() const noexcept { return velocity_.mean(); }
+  const Vec3& velocity_m_per_s() const noexcept { return motion_.velocity(); }
   // The motion so far goes on under another law, whose time begins now.
-  void take_motion(const FieldLaw& before) noexcept {
-    velocity_ = before.velocity_;
-    unmoved_s_ = before.unmoved_s_;
-  }
+  void take_motion(const FieldLaw& before) noexcept { motion_ = before.motion_; }
 
  private:
   std::vector<Field> fields_;
-  SmoothVelocity velocity_;
-  double unmoved_s_ = 0.0;  // since the last sample that was finite
+  SampledMotion motion_;
   double time_s_ = 0.0;
 };
 

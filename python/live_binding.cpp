@@ -8,7 +8,8 @@
 #include <string>
 #include <variant>
 
-#include "core/effects/smooth_velocity.h"
+#include "core/base/ns_between.h"
+#include "core/effects/sampled_motion.h"
 #include "core/force/force_method.h"
 #include "core/math/rigid_pose.h"
 #include "core/math/turn_by_degrees.h"
@@ -304,7 +305,7 @@ py::dict run_force_function(const py::function& force, double seconds, const std
   const std::unique_ptr<NodeLink> link = open_or_raise([&] { return NodeLink::open(hub, key_file); });
   const std::int64_t begin_ns = link->clock().now_ns();
   const std::int64_t end_ns = begin_ns + static_cast<std::int64_t>(1e9 * seconds);
-  SmoothVelocity velocity;
+  SampledMotion motion;
   std::int64_t first_ns = 0;
   std::int64_t last_ns = 0;
   try {
@@ -317,9 +318,11 @@ py::dict run_force_function(const py::function& force, double seconds, const std
       if (PyErr_CheckSignals() != 0) throw py::error_already_set();
       if (!state) continue;
       if (first_ns == 0) first_ns = last_ns = state->sample_time_ns;
-      velocity.add(state->p_WD, 1e-9 * static_cast<double>(state->sample_time_ns - last_ns));
+      const std::int64_t passed_ns = ns_between(last_ns, state->sample_time_ns);
+      if (passed_ns < 0) first_ns += passed_ns;  // the hub's clock has stepped back: time goes on from the sample before
+      motion.add(state->p_WD, 1e-9 * static_cast<double>(passed_ns));
       last_ns = state->sample_time_ns;
-      const HandSample hand{state->sample, 1e-9 * static_cast<double>(last_ns - first_ns), state->p_WD, state->q_WT, velocity.mean(),
+      const HandSample hand{state->sample, 1e-9 * static_cast<double>(last_ns - first_ns), state->p_WD, state->q_WT, motion.velocity(),
                             state->buttons};
       link->reply(read_force(force(hand), state->sample));
     }

@@ -22,6 +22,8 @@ class PartPath {
 
   // To be written.
   const std::filesystem::path& part() const noexcept { return part_; }
+  // The file that keep() replaces: as given, or what a symbolic link leads to.
+  const std::filesystem::path& target() const noexcept { return target_; }
   // As given: the name for messages.
   const std::filesystem::path& path() const noexcept { return path_; }
   // Pre: it is closed. Error: one line with its name; nothing is left of it.

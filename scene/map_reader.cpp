@@ -1,6 +1,7 @@
 #include "scene/map_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "scene/grey_image.h"
@@ -140,6 +141,15 @@ Eigen::Vector2d find_image_size(const std::vector<MappedTriangle>& triangles) {
   return area * sum.cwiseInverse();
 }
 
+// Without the last bits: objects that share a mesh differ in them by their poses.
+double to_key(double length_m) {
+  constexpr int kBits = 40;  // of heights, 24 are kept
+  if (!std::isfinite(length_m)) return 0.0;
+  int exponent = 0;
+  const double mantissa = std::frexp(length_m, &exponent);
+  return std::ldexp(std::round(std::ldexp(mantissa, kBits)), exponent - kBits);
+}
+
 // The material whose normal map all triangles of the mesh have. Error: there is none, or not one for all.
 Result<const VisualMaterial*> find_normals(const MeshAppearance& appearance, const std::string& object) {
   const VisualMaterial* found = nullptr;
@@ -208,23 +218,39 @@ Result<ImageMap> MapMaker::make_map(const MapSpec& spec, std::string_view key) {
 
 Result<ImageMap> MapMaker::make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
                                        const std::string& object) {
-  TextureImage image{.name = shown_path(spec).string(), .bytes = {}};
   double scale = *spec.normal_scale;
+  std::size_t number = 0;
   if (spec.is_of_mesh) {
     const auto material = find_normals(*source.appearance, object);
     if (!material) return fail("{}: 'normal_map': {}", spec.where, material.error().what);
-    image = source.appearance->images[*(*material)->normals];
+    number = *(*material)->normals;
     scale *= (*material)->normal_scale;
+  }
+  const Eigen::Vector2d size_m = find_image_size(triangles);
+  const ReliefKey key(shown_path(spec).string(), spec.is_of_mesh ? source.appearance : nullptr, number, to_key(size_m.x()),
+                      to_key(size_m.y()), scale);
+  if (const auto found = reliefs_.find(key); found != reliefs_.end()) return found->second;
+  TextureImage image{.name = shown_path(spec).string(), .bytes = {}};
+  if (spec.is_of_mesh) {
+    image = source.appearance->images[number];
   } else {
     auto bytes = read_image_bytes(shown_path(spec));
     if (!bytes) return fail("{}: 'normal_map': {}", spec.where, bytes.error().what);
     image.bytes = std::move(*bytes);
   }
   auto relief = decode_image(image.bytes, TexelKind::numbers).and_then([&](const ImageTexels& texels) {
-    return relief_of_normals(texels, find_image_size(triangles), scale);
+    return relief_of_normals(texels, size_m, scale);
   });
   if (!relief) return fail("{}: 'normal_map': {}: {}", spec.where, image.name, relief.error().what);
-  return ImageMap{.image = std::make_shared<const SurfaceImage>(std::move(relief->image)), .at_black = -relief->height_m, .at_white = 0.0};
+  const ImageMap made{
+      .image = std::make_shared<const SurfaceImage>(std::move(relief->image)), .at_black = -relief->height_m, .at_white = 0.0};
+  return reliefs_.emplace(key, made).first->second;
+}
+
+std::shared_ptr<const SurfaceImage> MapMaker::halve(const std::shared_ptr<const SurfaceImage>& image) {
+  auto& half = halves_[image];
+  if (half == nullptr) half = std::make_shared<const SurfaceImage>(image->halved());
+  return half;
 }
 
 Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& source, const std::string& object,
@@ -253,7 +279,7 @@ Result<SurfaceMaps> MapMaker::make(const MapSpecs& specs, const MapSource& sourc
   if (!maps.height.is_on()) return maps;
   const double given = maps.height.steepest(*maps.triangles);
   for (double slope = given; slope > SurfaceMaps::kSteepest; slope = maps.height.steepest(*maps.triangles)) {
-    maps.height.image = std::make_shared<const SurfaceImage>(maps.height.image->halved());
+    maps.height.image = halve(maps.height.image);
   }
   if (given > SurfaceMaps::kSteepest) {
     notes.push_back(fmt::format("{}: object '{}': bumps of slope {:.3g}, above {}, are smoothed to {} x {} texels; a lower {} keeps them",

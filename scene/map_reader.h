@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "core/base/result.h"
@@ -58,7 +60,7 @@ struct MapSource {
   std::shared_ptr<const MeshAppearance> appearance;  // one entry for each triangle; null: no texture coordinates
 };
 
-// Makes the maps of objects; each image is read once.
+// Makes the maps of objects. Each image is read once, and what is made of it is shared by all objects that feel it alike.
 class MapMaker {
  public:
   explicit MapMaker(std::filesystem::path folder) : folder_(std::move(folder)) {}
@@ -72,9 +74,15 @@ class MapMaker {
   Result<ImageMap> make_map(const MapSpec& spec, std::string_view key);
   Result<ImageMap> make_relief(const MapSpec& spec, const MapSource& source, const std::vector<MappedTriangle>& triangles,
                                const std::string& object);
+  std::shared_ptr<const SurfaceImage> halve(const std::shared_ptr<const SurfaceImage>& image);
+
+  // The file, or the mesh and the number of its image; the size of the image on the surface, up to rounding, and the scale of its slopes.
+  using ReliefKey = std::tuple<std::string, std::shared_ptr<const MeshAppearance>, std::size_t, double, double, double>;
 
   std::filesystem::path folder_;
   std::map<std::string, std::shared_ptr<const SurfaceImage>> images_;  // by file
+  std::map<ReliefKey, ImageMap> reliefs_;
+  std::map<std::shared_ptr<const SurfaceImage>, std::shared_ptr<const SurfaceImage>> halves_;  // by the image of twice the resolution
 };
 
 }  // namespace hapton

@@ -40,9 +40,10 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
   std::vector<Vec3> vertices = mesh->vertices;
   ready.given_hash = hash_mesh(*mesh);
   if (maps_ != AppearanceReading::off || object.haptic_material) {
+    for (TextureImage& image : maps.images) image.bytes = {};  // the materials have them
     ready.map = {{},
                  std::make_shared<const TriangleMesh>(*mesh),
-                 std::make_shared<const MeshAppearance>(object.haptic_material ? maps : appearance)};
+                 std::make_shared<const MeshAppearance>(object.haptic_material ? std::move(maps) : appearance)};
   }
   ready.sealed = seal_for_touch(*mesh, sealing);
   ready.mesh = std::move(*mesh);
@@ -54,6 +55,24 @@ Result<const MeshCache::ReadyMesh*> MeshCache::load(const std::filesystem::path&
         fmt::format("{}{}: {}", path.string(), object.part.empty() ? "" : " " + printable(object.part), ready.sealed.describe()));
   }
   return &meshes_.emplace(key, std::move(ready)).first->second;
+}
+
+Result<void> MeshCache::count(const std::filesystem::path& folder, const ObjectSpec& object, std::vector<std::string>& notes) {
+  const auto ready = load((folder / object.mesh).lexically_normal(), object, notes);
+  if (!ready) return tl::unexpected(ready.error());
+  object_triangles_ += (*ready)->mesh.triangles.size();
+  if (object_triangles_ <= kMaxMeshTriangles) return {};
+  return fail(
+      "line {}: with '{}' the objects have more than {} triangles together: use fewer objects or instances, or simplify their meshes",
+      object.mesh_line, printable(name_of(object)), kMaxMeshTriangles);
+}
+
+Result<const MaterialSpec*> MeshCache::find_material(const std::filesystem::path& path, const MeshHaptics& haptics, std::uint32_t index) {
+  const auto key = std::make_pair(&haptics, index);
+  if (const auto found = materials_.find(key); found != materials_.end()) return &found->second;
+  Result<MaterialSpec> material = read_material(haptics.materials[index], haptics.maps, path.string());
+  if (!material) return tl::unexpected(material.error());
+  return &materials_.emplace(key, std::move(*material)).first->second;
 }
 
 Result<MeshCache::HapticChoice> MeshCache::find_haptics(const std::filesystem::path& path, const ObjectSpec& object,
@@ -72,6 +91,11 @@ Result<const MeshFile*> MeshCache::load_file(const std::filesystem::path& path, 
   if (const auto found = files_.find(key); found != files_.end()) return &found->second;
   Result<MeshFile> file = load_mesh_file(path, object.unit, std::max(maps_, appearance_));
   if (!file) return fail("line {}: {}", object.mesh_line, file.error().what);
+  file_triangles_ += file->mesh.triangles.size();
+  if (file_triangles_ > kMaxMeshTriangles) {
+    return fail("line {}: with {} the mesh files have more than {} triangles together: simplify them", object.mesh_line, path.string(),
+                kMaxMeshTriangles);
+  }
   for (const std::string& note : file->notes) notes.push_back(fmt::format("{}: {}", path.string(), note));
   return &files_.emplace(key, std::move(*file)).first->second;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -12,14 +13,16 @@
 
 #include "core/base/result.h"
 #include "scene/map_reader.h"
+#include "scene/material_reader.h"
 #include "scene/mesh_file.h"
 #include "scene/object_reader.h"
 #include "scene/touch_mesh.h"
 
 namespace hapton {
 
-// The meshes of a scene file: each mesh file is read once, and each of its parts prepared for touch once, however many objects use it.
-// RT: set-up only. Error, of all functions: one line with the number of the line in the scene file.
+// The meshes of a scene file: each mesh file is read once, and each of its parts prepared for touch once, however many objects use it. All
+// files have kMaxMeshTriangles at most, and so have all objects: as many as a file alone may have. RT: set-up only. Error, of all
+// functions: one line with the number of the line in the scene file.
 class MeshCache {
  public:
   struct ReadyMesh {
@@ -37,6 +40,9 @@ class MeshCache {
 
   // The mesh that the object names: a part of a file, some of its nodes, or all of it. notes: gets lines for the log.
   Result<const ReadyMesh*> load(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
+  // Counts the triangles of one more object, of the mesh that it names: each object has its own. folder: of the scene file. Error: that
+  // mesh cannot be loaded, or all objects so far have too many.
+  Result<void> count(const std::filesystem::path& folder, const ObjectSpec& object, std::vector<std::string>& notes);
   // The whole file.
   Result<const MeshFile*> load_file(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
 
@@ -46,6 +52,8 @@ class MeshCache {
     std::vector<std::uint32_t> materials = {};
   };
   Result<HapticChoice> find_haptics(const std::filesystem::path& path, const ObjectSpec& object, std::vector<std::string>& notes);
+  // One of these materials, read once, so that all objects that have it share its images. path: of its file. Valid as long as this.
+  Result<const MaterialSpec*> find_material(const std::filesystem::path& path, const MeshHaptics& haptics, std::uint32_t index);
 
  private:
   using Key =
@@ -56,6 +64,9 @@ class MeshCache {
   AppearanceReading maps_;
   std::map<std::pair<std::string, std::optional<Unit>>, MeshFile> files_;
   std::map<Key, ReadyMesh> meshes_;
+  std::map<std::pair<const MeshHaptics*, std::uint32_t>, MaterialSpec> materials_;
+  std::size_t file_triangles_ = 0;
+  std::size_t object_triangles_ = 0;
 };
 
 }  // namespace hapton

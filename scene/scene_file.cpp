@@ -20,6 +20,7 @@
 #include "scene/object_deformation.h"
 #include "scene/object_motion.h"
 #include "scene/object_reader.h"
+#include "scene/posed_mesh.h"
 #include "scene/probe_tables.h"
 #include "scene/scene_fit.h"
 #include "scene/scene_hash.h"
@@ -139,50 +140,10 @@ Result<SceneSpec> read_spec(const toml::table& table) {
   return spec;
 }
 
-// A mesh in its pose.
-struct PosedMesh {
-  TriangleMesh mesh;
-  SealReport sealed;
-  Eigen::AlignedBox3d box;       // of the mesh before sealing
-  std::uint64_t given_hash = 0;  // of that mesh and its pose
-  std::shared_ptr<const MeshAppearance> appearance;
-  MapSource map = {};              // if there are maps
-  std::vector<Vec3> in_file = {};  // of one that deforms by an animation: the vertices before the pose
-};
-
-Result<PosedMesh> make_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshCache& cache,
-                            std::vector<std::string>& notes) {
-  const std::filesystem::path path = (folder / object.mesh).lexically_normal();
-  const Result<const MeshCache::ReadyMesh*> loaded = cache.load(path, object, notes);
-  if (!loaded) return tl::unexpected(loaded.error());
-  const auto pose = [&](const Vec3& vertex) { return Vec3(object.p_SM + object.q_SM * (object.scale * vertex)); };
-  PosedMesh posed{.mesh = (*loaded)->mesh, .sealed = (*loaded)->sealed, .box = {}, .given_hash = 0, .appearance = (*loaded)->appearance};
-  if (object.has_colour) posed.appearance.reset();
-  if (object.animated_morphs != nullptr) posed.in_file = posed.mesh.vertices;
-  posed.given_hash = hash_placed((*loaded)->given_hash, object.scale, object.q_SM, object.p_SM);
-  for (const Vec3& vertex : posed.sealed.has_sealed() ? (*loaded)->vertices_before : posed.mesh.vertices) posed.box.extend(pose(vertex));
-  for (Vec3& vertex : posed.mesh.vertices) vertex = pose(vertex);
-  posed.map = (*loaded)->map;
-  if (posed.map.mesh != nullptr) {
-    for (const Vec3& vertex : posed.map.mesh->vertices) posed.map.vertices.push_back(pose(vertex));
-  }
-  const Eigen::Quaternionf turn = object.q_SM.cast<float>();
-  for (auto& normals : posed.mesh.authored_normals) normals = {turn * normals[0], turn * normals[1], turn * normals[2]};
-  scale_widths(posed.sealed, object.scale);
-  return posed;
-}
-
-void apply(const SceneFit& fit, std::vector<PosedMesh>& meshes) {
-  for (PosedMesh& posed : meshes) {
-    fit.apply(posed.mesh, posed.sealed);
-    for (Vec3& vertex : posed.map.vertices) vertex = fit.apply(vertex);
-  }
-}
-
 // Fits all meshes together into the box of spec.fit_m, or the workspace around what it has of them.
 Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std::vector<std::string>& notes) {
   if (spec.workspace) {
-    apply(*spec.workspace, meshes);
+    apply_fit(*spec.workspace, meshes);
     note_scale("[workspace]", *spec.workspace, notes);
     return *spec.workspace;
   }
@@ -190,7 +151,7 @@ Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std:
   for (const PosedMesh& posed : meshes) box.extend(posed.box);
   const Result<SceneFit> fit = find_fit(box, *spec.fit_m);
   if (!fit) return fail("fit_m: {}: leave fit_m out", fit.error().what);
-  apply(*fit, meshes);
+  apply_fit(*fit, meshes);
   if (spec.is_plain) {
     notes.push_back(describe_fit(spec.objects[0].mesh, box, *fit));
   } else {
@@ -201,7 +162,7 @@ Result<SceneFit> fit(std::vector<PosedMesh>& meshes, const SceneSpec& spec, std:
 
 // In its pose from the mesh's origin, then held where its grip is, as large as the scene.
 Result<void> add_tool(const ObjectSpec& spec, const std::filesystem::path& folder, MeshCache& cache, Scene& scene) {
-  Result<PosedMesh> posed = make_mesh(spec, folder, cache, scene.notes);
+  Result<PosedMesh> posed = make_posed_mesh(spec, folder, cache, scene.notes);
   if (!posed) return tl::unexpected(posed.error());
   SceneTool tool;
   tool.name = !spec.name.empty() ? spec.name : !spec.part.empty() ? spec.part : std::filesystem::path(spec.mesh).stem().string();
@@ -286,9 +247,9 @@ Result<std::vector<FeltObject>> find_materials(const SceneSpec& spec, const std:
       part.object.haptic_material = index;
       if (index != TriangleAppearance::kNoMaterial) {
         const HapticMaterial& haptic = choice->haptics->materials[index];
-        auto material = read_material(haptic, choice->haptics->maps, path.string());
+        const auto material = cache.find_material(path, *choice->haptics, index);
         if (!material) return tl::unexpected(material.error());
-        part.material = std::move(*material);
+        part.material = **material;
         const std::string own = haptic.name.empty() ? fmt::format("haptic material {}", index) : haptic.name;
         if (choice->materials.size() > 1) part.object.name = fmt::format("{}/{}", name_of(object), own);
       }
@@ -382,9 +343,12 @@ Result<Scene> make_scene(const SceneSpec& spec, const std::filesystem::path& fol
   TextureCache textures(folder);
   Result<std::vector<FeltObject>> felt = find_materials(spec, folder, cache, scene.notes);
   if (!felt) return tl::unexpected(felt.error());
+  for (const FeltObject& one : *felt) {
+    if (const auto counted = cache.count(folder, one.object, scene.notes); !counted) return tl::unexpected(counted.error());
+  }
   std::vector<PosedMesh> meshes;
   for (const FeltObject& one : *felt) {
-    Result<PosedMesh> mesh = make_mesh(one.object, folder, cache, scene.notes);
+    Result<PosedMesh> mesh = make_posed_mesh(one.object, folder, cache, scene.notes);
     if (!mesh) return tl::unexpected(mesh.error());
     meshes.push_back(std::move(*mesh));
   }

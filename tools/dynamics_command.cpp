@@ -49,21 +49,22 @@ std::string describe(const Scene& scene, const DynamicsDriver& driver) {
 
 // Error: the haptics node has another scene.
 Result<void> take(DynamicsDriver& driver, const Scene& scene, HubClient& client, const Datagram& datagram) {
+  const bool is_overtaken = client.last_arrival() == Arrival::reordered;
   if (const auto* probe = std::get_if<ProbeState>(&datagram.message)) {
-    if (client.last_arrival() == Arrival::reordered) return {};
+    if (is_overtaken) return {};
     // First: it requests the next state.
     client.send(FrameAck{.echo_sample = probe->sample, .echo_sample_time_ns = probe->sample_time_ns, .every_sample = true});
     driver.take(*probe);
   } else if (const auto* setup = std::get_if<HapticsSetup>(&datagram.message)) {
-    driver.take(*setup);
+    if (!is_overtaken) driver.take(*setup);
   } else if (const auto* materials = std::get_if<MaterialState>(&datagram.message)) {
-    driver.take(*materials);
+    if (!is_overtaken) driver.take(*materials);
   } else if (const auto* move = std::get_if<ObjectMove>(&datagram.message)) {
     driver.take(*move, client.last_arrival());
   } else if (const auto* reply = std::get_if<MoveReply>(&datagram.message)) {
     driver.take(*reply);
   } else if (const auto* pose = std::get_if<ObjectPose>(&datagram.message)) {
-    driver.take(*pose);
+    driver.take(*pose, client.last_arrival());
   } else if (const auto* facts = std::get_if<SceneFacts>(&datagram.message)) {
     if (facts->given_hash != scene.given_hash) return fail("haptics_node has another scene; give its scene file by --scene");
   }

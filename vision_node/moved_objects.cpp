@@ -166,6 +166,12 @@ std::vector<Pose> MovedObjects::poses() const {
   return poses;
 }
 
+// Of one that is not known yet any pose is better than none; all are repeated.
+bool MovedObjects::is_overtaken(const ObjectPose& pose, Arrival arrival) const {
+  const auto number = static_cast<std::size_t>(pose.object);
+  return arrival == Arrival::reordered && pose.object >= 0 && number < known_.size() && known_[number].serial != 0;
+}
+
 bool MovedObjects::take(const ObjectPose& pose) {
   if (pose.object < 0 || static_cast<std::size_t>(pose.object) >= known_.size()) return false;
   const auto number = static_cast<std::size_t>(pose.object);

@@ -22,6 +22,8 @@ class MovedObjects {
 
   // True if the picture has changed. A pose of an object that the scene does not have is left out.
   bool take(const ObjectPose& pose);
+  // A newer pose may have come before this one, of which the object may not be held any more. arrival: of the message.
+  bool is_overtaken(const ObjectPose& pose, Arrival arrival) const;
 
   // A program moved an object: set_time() places it from then on. arrival: of the message. False: it is known already, not of an object
   // that programs may move, or of a haptics process that another one has replaced.

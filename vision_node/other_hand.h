@@ -6,6 +6,7 @@
 #include "link/hub_client.h"
 #include "vision_node/knob_box.h"
 #include "vision_node/probe_shown.h"
+#include "vision_node/state_acks.h"
 #include "vision_node/stereo_camera.h"
 
 namespace hapton {
@@ -43,8 +44,8 @@ class OtherHand {
   std::int64_t received_ns_ = 0;
   std::uint64_t joins_ = 0;
   bool was_joined_ = false;
-  bool moved_ = false;   // a state has come since the last check
-  bool untold_ = false;  // no FrameAck was sent for the newest state
+  bool moved_ = false;  // a state has come since the last check
+  StateAcks acks_;
 };
 
 }  // namespace hapton

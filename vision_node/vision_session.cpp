@@ -118,7 +118,9 @@ void VisionSession::take_states(std::int64_t deadline_ns) {
     if (const auto* reply = std::get_if<MarkerReply>(&received.message)) {
       if (const auto line = marks_.accept(*reply)) log_info("{}", *line);
     }
-    if (const auto* scene = std::get_if<SceneFacts>(&received.message)) take_scene(*scene);
+    if (const auto* scene = std::get_if<SceneFacts>(&received.message); scene != nullptr && hub_.last_arrival() == Arrival::newest) {
+      take_scene(*scene);
+    }
     if (const auto* pose = std::get_if<ObjectPose>(&received.message)) take_pose(*pose);
     if (const auto* move = std::get_if<ObjectMove>(&received.message); move != nullptr && moved_ != nullptr) {
       moved_->take(*move, hub_.last_arrival());
@@ -149,7 +151,7 @@ void VisionSession::take_state(const ProbeState& state) {
 }
 
 void VisionSession::take_pose(const ObjectPose& pose) {
-  if (moved_ == nullptr) return;
+  if (moved_ == nullptr || moved_->is_overtaken(pose, hub_.last_arrival())) return;
   if (moved_->take(pose)) step_.set_held_object(moved_->held());
   if (annotator_ != nullptr) annotator_->receive(pose);
 }
@@ -319,7 +321,7 @@ Result<void> VisionSession::draw_if_wanted() {
   const bool is_wanted = is_for_headset_ || step_.wants_picture(begin_ns, window_.where());
   if (!is_wanted) {
     if (const auto same = step_.take_unseen()) {
-      reported_ns_ = received_ns_;
+      (void)acks_.note(received_ns_, begin_ns);
       hub_.send(*same);
     }
     if (!other_wants) return {};
@@ -356,19 +358,24 @@ bool VisionSession::other_wants_picture(std::int64_t now_ns) {
   return other_->wants_picture(at.sizes, at.screen, at.picture);
 }
 
-// A frame with the state of before, as one of a scene that was turned, or of the other hand, says nothing of how old a state becomes; and
-// one that came while the frame was drawn is in it.
+// One that came while the frame was drawn is in it.
 void VisionSession::report_frame(std::int64_t begin_ns, std::int64_t end_ns) {
   const VisionStep::Screen at = window_.where();
-  auto drawn = step_.end_frame(begin_ns, end_ns, at);
-  if (drawn && received_ns_ != reported_ns_) {
-    reported_ns_ = received_ns_;
-    step_.record_motion(end_ns - received_ns_, end_ns);
-    drawn->held_ns =
-        static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
-    hub_.send(*drawn);
-  }
+  if (const auto drawn = step_.end_frame(begin_ns, end_ns, at)) acknowledge(*drawn, end_ns);
   if (other_ != nullptr) other_->end_frame(begin_ns, end_ns, step_.frames().recent_rate_hz(), at.sizes, at.screen, at.picture);
+}
+
+// A frame with the state of before, as one of a scene that was turned, or of the other hand, says nothing of how old a state becomes.
+void VisionSession::acknowledge(FrameAck drawn, std::int64_t end_ns) {
+  const StateAcks::Kind kind = acks_.note(received_ns_, end_ns);
+  if (kind == StateAcks::Kind::none) return;
+  drawn.unchanged = kind == StateAcks::Kind::again;
+  if (kind == StateAcks::Kind::first) {
+    step_.record_motion(end_ns - received_ns_, end_ns);
+    drawn.held_ns =
+        static_cast<std::uint32_t>(std::clamp<std::int64_t>(end_ns - received_ns_, 1, std::numeric_limits<std::uint32_t>::max()));
+  }
+  hub_.send(drawn);
 }
 
 namespace {

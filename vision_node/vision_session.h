@@ -15,6 +15,7 @@
 #include "vision_node/shown_notice.h"
 #include "vision_node/space_head.h"
 #include "vision_node/space_knobs.h"
+#include "vision_node/state_acks.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/viewer_window.h"
 #include "vision_node/vision_options.h"
@@ -101,6 +102,7 @@ class VisionSession {
   void draw();
   bool other_wants_picture(std::int64_t now_ns);
   void report_frame(std::int64_t begin_ns, std::int64_t end_ns);
+  void acknowledge(FrameAck drawn, std::int64_t end_ns);
 
   StereoView& view_;
   SpaceKnobs* knobs_ = nullptr;
@@ -133,7 +135,7 @@ class VisionSession {
   bool absence_reported_ = false;
   std::int64_t start_ns_ = 0;
   std::int64_t received_ns_ = 0;  // when the state came that is drawn next
-  std::int64_t reported_ns_ = 0;  // received_ns_ of the newest state that was acknowledged
+  StateAcks acks_;
 };
 
 // Draws that many frames without pause, the dials turning, once all levels of detail are made, and returns the rate as text.

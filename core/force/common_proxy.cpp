@@ -28,7 +28,7 @@ constexpr double kMaxLifts = 64.0;
 }  // namespace
 
 CommonProxy::CommonProxy(std::size_t most, double extent_m, bool in_series)
-    : parts_(most), planes_(most), plane_of_(most), in_series_(in_series), lift_m_(kLift * extent_m) {}
+    : parts_(most), planes_(most), plane_of_(most), held_(most), in_series_(in_series), lift_m_(kLift * extent_m) {}
 
 void CommonProxy::go_on_from(const Vec3& p_S) noexcept {
   place_ = p_S;
@@ -123,14 +123,26 @@ void CommonProxy::share_out() noexcept {
   }
 }
 
-// Away from everything else that holds the proxy.
+// Away from everything else that holds the proxy: a few parts, however many there are.
 Vec3 CommonProxy::lift_of(std::size_t i) const noexcept {
   Vec3 lift = Vec3::Zero();
-  for (std::size_t j = 0; j < count_; ++j) {
+  for (std::size_t n = 0; n < held_count_; ++n) {
+    const std::size_t j = held_[n];
     const double length = j != i ? parts_[j].held.norm() : 0.0;
     if (length > 0.0) lift -= (lift_m_ / length) * parts_[j].held;
   }
   return lift;
+}
+
+// One that has come to a share since the round began. In order: the sum of lift_of depends on it to the last bit.
+void CommonProxy::note_held(std::size_t i) noexcept {
+  std::size_t n = held_count_;
+  while (n > 0 && held_[n - 1] > i) --n;
+  if (n > 0 && held_[n - 1] == i) return;
+  std::move_backward(held_.begin() + static_cast<std::ptrdiff_t>(n), held_.begin() + static_cast<std::ptrdiff_t>(held_count_),
+                     held_.begin() + static_cast<std::ptrdiff_t>(held_count_ + 1));
+  held_[n] = i;
+  ++held_count_;
 }
 
 // Feels the part, where its device point is another one than the last time in this sample. Returns whether that may matter to others: it
@@ -156,6 +168,7 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   part.lift = lift;
   part.p_SP = part.output.p_SP;
   part.held = follow - part.p_SP;
+  if (!part.held.isZero(0.0)) note_held(i);
   part.is_limited = false;
   holding_ += static_cast<int>(part.holds()) - static_cast<int>(held_before);
   const Vec3 before = common_;
@@ -170,9 +183,9 @@ bool CommonProxy::is_limited() const noexcept {
 }
 
 std::size_t CommonProxy::first_held() const noexcept {
-  std::size_t i = 0;
-  while (i < count_ && !parts_[i].holds()) ++i;
-  return i;
+  std::size_t n = 0;
+  while (n < held_count_ && !parts_[held_[n]].holds()) ++n;
+  return n < held_count_ ? held_[n] : count_;
 }
 
 void CommonProxy::limit_share(Part& part, double whole_m) noexcept {
@@ -189,7 +202,9 @@ void CommonProxy::begin_round() noexcept {
   common_ = goal_;
   largest_m_ = 0.0;
   holding_ = 0;
+  held_count_ = 0;
   for (std::size_t i = 0; i < count_; ++i) {
+    if (!parts_[i].held.isZero(0.0)) held_[held_count_++] = i;
     if (!parts_[i].holds()) continue;
     ++holding_;
     common_ -= parts_[i].held;

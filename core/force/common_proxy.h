@@ -155,6 +155,7 @@ class CommonProxy {
   bool is_limited() const noexcept;
   bool is_exact(const FeltParts& felt) const noexcept;
   std::size_t first_held() const noexcept;
+  void note_held(std::size_t i) noexcept;
   Vec3 lift_of(std::size_t i) const noexcept;
   void share_out() noexcept;
   bool has_met_another() const noexcept;
@@ -167,6 +168,8 @@ class CommonProxy {
   std::vector<Part> parts_;
   std::vector<ContactPlane> planes_;
   std::vector<std::size_t> plane_of_;  // the part of each plane
+  std::vector<std::size_t> held_;      // the first held_count_: in their order, all parts that may have a share in this round
+  std::size_t held_count_ = 0;
   std::size_t count_ = 0;
   bool has_still_ = false;
   bool in_series_;

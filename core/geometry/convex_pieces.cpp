@@ -1,9 +1,13 @@
 #include "core/geometry/convex_pieces.h"
 
 #include <algorithm>
-#include <tuple>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <set>
 #include <utility>
 
+#include "core/geometry/far_points.h"
 #include "core/geometry/point_in_mesh.h"
 
 namespace hapton {
@@ -27,7 +31,7 @@ struct Part {
   Box3 cell;
   std::vector<Face> faces;
   std::vector<Vec3> inner;  // corners of the cell within the solid
-  double concavity = 0.0;   // how far a point is above the plane of a face, at most
+  double concavity = 0.0;   // how far a point is above the plane of a face, at most; 0: no farther than is allowed
   std::size_t worst = 0;    // ... of this face
 
   ConvexPiece points() const {
@@ -66,15 +70,29 @@ Face clip(const Face& face, int axis, double at, double sign) {
   return kept;
 }
 
-void find_concavity(Part& part) {
-  const ConvexPiece points = part.points();
+// The plane of a face, the same for all faces that lie in it but for rounding.
+std::array<std::int64_t, 4> plane_of(const Face& face, const Vec3& origin, double extent) {
+  constexpr double kSteps = 1.0 / FarPoints::kAgree;
+  const double height = face.normal.dot(face.corners.front() - origin) / extent;
+  return {std::llround(kSteps * face.normal.x()), std::llround(kSteps * face.normal.y()), std::llround(kSteps * face.normal.z()),
+          std::llround(kSteps * height)};
+}
+
+// A surface has many faces in one plane: one of them stands for all. Returns how many points and boxes were looked at.
+std::size_t find_concavity(Part& part, double max_concavity) {
+  FarPoints points(part.points());
+  if (!(points.extent() > 0.0)) return 0;
+  std::set<std::array<std::int64_t, 4>> planes;
+  double most = max_concavity;
   for (std::size_t f = 0; f < part.faces.size(); ++f) {
     const Face& face = part.faces[f];
-    for (const Vec3& point : points) {
-      const double above = face.normal.dot(point - face.corners.front());
-      if (above > part.concavity) std::tie(part.concavity, part.worst) = std::pair(above, f);
-    }
+    if (!planes.insert(plane_of(face, part.faces.front().corners.front(), points.extent())).second) continue;
+    const double above = points.find_farthest(face.normal, face.corners.front(), most);
+    if (!(above > most)) continue;
+    most = part.concavity = above;
+    part.worst = f;
   }
+  return points.compared();
 }
 
 struct Cut {
@@ -104,7 +122,7 @@ Cut choose_cut(const Part& part) {
 
 class Splitter {
  public:
-  explicit Splitter(const TriangleMesh& mesh) : solid_(mesh) {
+  Splitter(const TriangleMesh& mesh, double max_concavity) : solid_(mesh), max_concavity_(max_concavity) {
     Part whole;
     for (const Triangle& t : mesh.triangles) {
       const std::vector<Vec3> corners = {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
@@ -117,6 +135,7 @@ class Splitter {
   }
 
   std::vector<Part>& parts() { return parts_; }
+  std::size_t compared() const { return compared_; }
 
   void split(std::size_t index) {
     const Part part = std::exchange(parts_[index], {});
@@ -135,28 +154,31 @@ class Splitter {
   }
 
  private:
-  void finish(Part& part) const {
+  void finish(Part& part) {
     for (int corner = 0; corner < 8; ++corner) {
       const Vec3 point = part.cell.corner(static_cast<Box3::CornerType>(corner));
       if (solid_.is_inside(point)) part.inner.push_back(point);
     }
-    find_concavity(part);
+    compared_ += find_concavity(part, max_concavity_);
   }
 
   PointInMesh solid_;
+  double max_concavity_;
   std::vector<Part> parts_;
+  std::size_t compared_ = 0;
 };
 
 }  // namespace
 
-std::vector<ConvexPiece> split_into_convex(const TriangleMesh& mesh, double max_concavity, std::size_t most_pieces) {
-  Splitter splitter(mesh);
+std::vector<ConvexPiece> split_into_convex(const TriangleMesh& mesh, double max_concavity, std::size_t most_pieces, std::size_t* compared) {
+  Splitter splitter(mesh, max_concavity);
   const auto less = [](const Part& a, const Part& b) { return a.concavity < b.concavity; };
   while (splitter.parts().size() < most_pieces) {
     const auto worst = std::ranges::max_element(splitter.parts(), less);
     if (worst == splitter.parts().end() || !(worst->concavity > max_concavity)) break;
     splitter.split(static_cast<std::size_t>(worst - splitter.parts().begin()));
   }
+  if (compared != nullptr) *compared = splitter.compared();
   std::vector<ConvexPiece> pieces;
   for (const Part& part : splitter.parts()) pieces.push_back(part.points());
   return pieces;

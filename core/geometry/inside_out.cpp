@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/disjoint_sets.h"
+#include "core/geometry/enclosing_boxes.h"
 
 namespace hapton {
 namespace {
@@ -75,16 +77,20 @@ std::vector<Body> find_bodies(const TriangleMesh& mesh) {
 ClosedBodies count_closed_bodies(const TriangleMesh& mesh) {
   std::vector<Body> bodies = find_bodies(mesh);
   const std::size_t others = std::erase_if(bodies, [](const Body& body) { return !is_closed(body); });
-  // The largest first, so that containers come before their contents.
-  std::sort(bodies.begin(), bodies.end(), [](const Body& a, const Body& b) { return a.box.volume() > b.box.volume(); });
-  ClosedBodies result{.count = bodies.size(), .others = others};
-  for (auto body = bodies.begin(); body != bodies.end(); ++body) {
-    if (body->volume > 0.0) continue;
-    const bool is_cavity =
-        std::any_of(bodies.begin(), body, [&](const Body& around) { return around.volume > 0.0 && around.box.contains(body->box); });
-    if (is_cavity) continue;
-    if (result.inside_out++ == 0) result.inside_out_at = body->box.center();
+  std::vector<Eigen::AlignedBox3d> outward;
+  for (const Body& body : bodies) {
+    if (body.volume > 0.0) outward.push_back(body.box);
   }
+  EnclosingBoxes around(std::move(outward));
+  ClosedBodies result{.count = bodies.size(), .others = others};
+  const Body* largest = nullptr;
+  for (const Body& body : bodies) {
+    if (body.volume > 0.0 || around.contain(body.box)) continue;
+    ++result.inside_out;
+    if (largest == nullptr || body.box.volume() > largest->box.volume()) largest = &body;
+  }
+  if (largest != nullptr) result.inside_out_at = largest->box.center();
+  result.compared = around.compared();
   return result;
 }
 

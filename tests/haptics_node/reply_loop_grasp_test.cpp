@@ -115,6 +115,39 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
   EXPECT_EQ(object_, 1) << "felt where it is shown";
 }
 
+// It was requested before the object was picked up, or a scene was saved: the forces are those of the tool, which replays have to know.
+TEST_F(GraspLoopTest, AMethodThatIsBuiltWhileAnObjectIsHeldIsNamedOnceItIsPutDown) {
+  HeldTool tool(std::move(
+      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
+  for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
+  ASSERT_EQ(object_, 1);
+  exchange({0.0, 0.0, 0.0095}, 1);
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
+  const auto hold = [&](int count) {
+    for (int n = 0; n < count; ++n) {
+      exchange({0.0, 0.0, 0.02}, 1);
+      tool.follow();
+    }
+  };
+  hold(50);
+  ASSERT_EQ(method(), "name=tool");
+  const std::uint32_t methods = setup_.method_serial;
+  auto made = std::make_shared<NewScene>();
+  made->touch = two_boxes_of_loop();
+  made->materials.resize(2);
+  made->revision = 1;
+  ASSERT_TRUE(builder_.rebuild_for(made));
+  hold(50);
+  ASSERT_GT(setup_.method_serial, methods);
+  EXPECT_EQ(method(), "name=tool");
+  exchange({0.0, 0.0, 0.02}, 0);
+  ASSERT_TRUE(link_.requests.take());
+  link_.replies.publish({link_.requests.value().serial});
+  for (int n = 0; n < 5; ++n) exchange({0.0, 0.0, 0.02}, 0);
+  EXPECT_TRUE(method().starts_with("name=proxy")) << method();
+}
+
 // What a recording and a report have to know of them.
 TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) {
   PluginEffects effects(clock_);

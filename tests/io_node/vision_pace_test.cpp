@@ -98,6 +98,27 @@ TEST(VisionPaces, MotionTooSmallToSeeCostsAStateAFrame) {
   EXPECT_EQ(pace.decide(0, state_at(3), kMs + VisionPace::kUnseenNs), Decision::send);
 }
 
+// A picture that is drawn all the time tells again of a hand at rest: it does not wait when it moves.
+TEST(VisionPaces, AnAcknowledgementThatIsToldAgainDelaysNothing) {
+  VisionPace pace(240.0);
+  EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
+  pace.on_frame_ack(0, FrameAck{1, 0, 60.0F}, 5 * kMs);
+  ProbeState rests = state_at(1);
+  rests.sample = 9;
+  EXPECT_EQ(pace.decide(0, rests, 20 * kMs), Decision::skip);
+  pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .rest_ns = 12 * kMs, .unchanged = true}, 38 * kMs);
+  EXPECT_EQ(pace.decide(0, state_at(40), 40 * kMs), Decision::send);
+}
+
+// And where the first one is lost, it counts.
+TEST(VisionPaces, AnAcknowledgementThatIsToldAgainCountsWhereTheFirstWasLost) {
+  VisionPace pace(240.0);
+  EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);
+  EXPECT_EQ(pace.decide(0, state_at(30), 37 * kMs), Decision::wait);
+  pace.on_frame_ack(0, FrameAck{.echo_sample = 1, .unchanged = true}, 38 * kMs);
+  EXPECT_EQ(pace.decide(0, state_at(54), 38 * kMs + VisionPace::kUnseenNs), Decision::send);
+}
+
 TEST(VisionPaces, WhatHasNotChangedIsSpared) {
   VisionPace pace(240.0);
   EXPECT_EQ(pace.decide(0, state_at(1), 0), Decision::send);

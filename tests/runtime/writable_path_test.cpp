@@ -5,10 +5,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <string>
+#include <system_error>
 
+#include "runtime/atomic_file.h"
+#include "runtime/part_file.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -47,6 +52,69 @@ TEST(WritablePath, GoesByWhatALinkLeadsTo) {
   std::filesystem::remove(link);
   std::filesystem::create_symlink(folder.write("a.csv", "x").filename(), link);
   EXPECT_EQ(error_of(check_writable_file(link)), "");
+}
+
+// No writer makes a folder through a link: it failed at the end of the run.
+TEST(WritablePath, RejectsALinkIntoAFolderThatIsNotThere) {
+  const ScratchFolder folder;
+  const auto link = folder.path() / "link.csv";
+  std::filesystem::create_symlink("later/a.csv", link);
+  EXPECT_THAT(error_of(check_writable_file(link)), HasSubstr("link.csv cannot be written: it leads into"));
+  EXPECT_FALSE(write_file_atomically(link, "x"));
+  std::filesystem::create_directory(folder.path() / "later");
+  EXPECT_EQ(error_of(check_writable_file(link)), "");
+  EXPECT_TRUE(write_file_atomically(link, "x"));
+}
+
+TEST(WritablePath, RejectsAFolderBehindALinkThatLeadsToNothing) {
+  const ScratchFolder folder;
+  const auto link = folder.path() / "link";
+  std::filesystem::create_symlink("nothing", link);
+  for (const auto& behind : {link, link / "a", link / "a/b"}) {
+    EXPECT_THAT(error_of(check_writable_folder(behind)), HasSubstr("leads to nothing")) << behind;
+    EXPECT_THAT(error_of(check_writable_file(behind / "a.csv")), HasSubstr("leads to nothing")) << behind;
+    std::error_code error;
+    EXPECT_FALSE(std::filesystem::create_directories(behind, error)) << behind;
+  }
+  std::filesystem::create_directory(folder.path() / "nothing");
+  EXPECT_EQ(error_of(check_writable_folder(link / "a")), "");
+}
+
+// Until it is complete a file has a longer name.
+TEST(WritablePath, RejectsANameThatDoesNotFit) {
+  const ScratchFolder folder;
+  const auto most = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
+  ASSERT_LT(most, 4096U);
+  const std::size_t added = PartPath("a").part().string().size() - 1;
+  const auto longest = folder.path() / std::string(most - added, 'a');
+  EXPECT_EQ(error_of(check_writable_file(longest)), "");
+  EXPECT_TRUE(write_file_atomically(longest, "x"));
+  const auto longer = folder.path() / std::string(most - added + 1, 'a');
+  for (const bool is_there : {false, true}) {
+    if (is_there) std::ofstream(longer) << "x";
+    EXPECT_THAT(error_of(check_writable_file(longer)), HasSubstr("give a shorter one")) << is_there;
+    EXPECT_FALSE(write_file_atomically(longer, "x")) << is_there;
+  }
+  std::filesystem::create_symlink(longer.filename(), folder.path() / "link.csv");
+  EXPECT_THAT(error_of(check_writable_file(folder.path() / "link.csv")), HasSubstr("give a shorter one"));
+}
+
+TEST(WritablePath, RejectsAFolderWhoseNameDoesNotFit) {
+  const ScratchFolder folder;
+  const auto most = static_cast<std::size_t>(::pathconf(folder.path().c_str(), _PC_NAME_MAX));
+  ASSERT_LT(most, 4096U);
+  const std::string longest(most, 'a');
+  EXPECT_EQ(error_of(check_writable_folder(folder.path() / longest)), "");
+  EXPECT_EQ(error_of(check_writable_folder(folder.path() / longest / "b" / longest)), "");
+  for (const auto& longer :
+       {folder.path() / (longest + "a"), folder.path() / (longest + "a") / "b", folder.path() / "b" / (longest + "a")}) {
+    EXPECT_THAT(error_of(check_writable_folder(longer)), HasSubstr("give a shorter one"));
+    EXPECT_THAT(error_of(check_writable_file(longer / "a.csv")), HasSubstr("give a shorter one"));
+  }
+  std::filesystem::path deep = folder.path();
+  while (deep.native().size() < 4096) deep /= std::string(100, 'a');
+  EXPECT_THAT(error_of(check_writable_folder(deep)), HasSubstr("give a shorter path"));
+  EXPECT_THAT(error_of(check_writable_file(deep / "a.csv")), HasSubstr("give a shorter path"));
 }
 
 // Its permissions say that root may write there.

@@ -100,6 +100,17 @@ TEST_F(MapReader, TooSteepAReliefIsSmoothedAndSaysSo) {
   EXPECT_THAT(load(scene("bump_map = 'ramp.png'\nbump_height_m = 0.0001"))->notes, IsEmpty());
 }
 
+TEST_F(MapReader, ObjectsShareAnImageThatIsSmoothedForThem) {
+  const auto loaded =
+      load(scene("bump_map = 'steps.png'\nbump_height_m = 0.01\n[[instance]]\nname = 'moved'\nof = 'sheet'\n"
+                 "position_m = [0.5, 0, 0]\n[[instance]]\nname = 'small'\nof = 'sheet'\nscale = 0.001"));
+  ASSERT_TRUE(loaded) << loaded.error().what;
+  ASSERT_EQ(loaded->objects.size(), 3U);
+  const auto image = [&](std::size_t object) { return loaded->objects[object].effects.maps.height.image; };
+  EXPECT_EQ(image(1), image(0));
+  EXPECT_LE(image(2)->width(), image(0)->width()) << "as steep as it is small";
+}
+
 TEST_F(MapReader, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(error_of("bump_height_m = 0.001\nbump_map = 'none.png'"), AllOf(HasSubstr("line 7: 'bump_map'"), HasSubstr("none.png")));
   EXPECT_THAT(error_of("bump_height_m = 0.001\nbump_map = 'sheet.obj'"), HasSubstr("sheet.obj: is neither PNG nor JPEG"));

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "scene/map_reader.h"
 #include "scene/scene_file.h"
@@ -139,6 +142,25 @@ TEST_F(NormalMap, TooSteepAReliefIsSmoothedAndSaysHowToKeepIt) {
   const SurfaceMaps& maps = loaded->objects[0].effects.maps;
   EXPECT_LE(maps.height.steepest(*maps.triangles), SurfaceMaps::kSteepest);
   EXPECT_THAT(loaded->notes.back(), AllOf(HasSubstr("waves.png"), HasSubstr("a lower normal_map_scale keeps them")));
+}
+
+// A relief of 2,048 texels on a side takes 16 MB: hundreds of objects took all memory.
+TEST_F(NormalMap, ObjectsThatFeelItAlikeShareTheRelief) {
+  write_gltf(R"({"normalTexture":{"index":0}})");
+  const std::string instances =
+      "[[instance]]\nname = 'moved'\nof = 'sheet'\nposition_m = [0.7, -0.3, 0.2]\nrotation_deg = [20, 30, 40]\n"
+      "[[instance]]\nname = 'large'\nof = 'sheet'\nscale = 2\n";
+  for (const auto& [lines, mesh] : {std::pair{"normal_map = true\n", "sheet.gltf"},
+                                    {"normal_map = 'waves.png'\n", "sheet.obj"},
+                                    {"normal_map = 'waves.png'\nnormal_map_scale = 10\n", "sheet.obj"}}) {
+    const auto loaded = load(lines + instances, mesh);
+    ASSERT_TRUE(loaded) << loaded.error().what;
+    ASSERT_EQ(loaded->objects.size(), 3U);
+    const auto height = [&](std::size_t object) { return loaded->objects[object].effects.maps.height; };
+    EXPECT_EQ(height(1).image, height(0).image) << lines;
+    EXPECT_EQ(height(1).at_black, height(0).at_black);
+    EXPECT_NEAR(height(2).at_black, 2.0 * height(0).at_black, 1e-6 * std::abs(height(0).at_black)) << "waves of twice the length";
+  }
 }
 
 TEST_F(NormalMap, SaysWhatIsWrongAndWhere) {

@@ -55,6 +55,19 @@ TEST_F(MovedObjectsTest, AnObjectIsDrawnWhereItWasPutDown) {
   EXPECT_LT((*find(0) - expected(kRedAt)).norm(), 0.6);
 }
 
+// That of the pick-up, repeated, after the one that puts it down: it would be shown at the stylus again.
+TEST_F(MovedObjectsTest, APoseThatANewerOneOvertookIsNone) {
+  ASSERT_TRUE(view);
+  MovedObjects moved(*view, scene);
+  const ObjectPose held{.serial = 2, .object = 0, .is_held = true};
+  EXPECT_FALSE(moved.is_overtaken(held, Arrival::reordered)) << "nothing is known of this object";
+  EXPECT_TRUE(moved.take(ObjectPose{.serial = 3, .object = 0, .p_m = Vec3(0.0, 0.02, 0.0)}));
+  EXPECT_TRUE(moved.is_overtaken(held, Arrival::reordered));
+  EXPECT_FALSE(moved.is_overtaken(held, Arrival::newest)) << "of another haptics node";
+  EXPECT_FALSE(moved.is_overtaken({.serial = 2, .object = 1}, Arrival::reordered)) << "of another object";
+  EXPECT_FALSE(moved.is_overtaken({.serial = 2, .object = 7}, Arrival::reordered));
+}
+
 TEST_F(MovedObjectsTest, AnObjectThatIsHeldGoesWithTheStylus) {
   ASSERT_TRUE(view);
   MovedObjects moved(*view, scene);

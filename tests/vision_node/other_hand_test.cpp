@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -169,6 +170,26 @@ TEST_F(OtherHandTest, EachStateIsAcknowledgedOnce) {
   EXPECT_EQ(acks[1].echo_sample, 6U);
   EXPECT_TRUE(acks[1].unchanged);
   EXPECT_FALSE(wants_picture());
+}
+
+// Its first acknowledgement may be lost, and its hub waits for one.
+TEST_F(OtherHandTest, WhereNoNewerStateComesAFrameAcknowledgesAgain) {
+  run(5, turned);
+  say(ProbeState{.sample = 5, .sample_time_ns = 77, .p_WD = Vec3(0.01, 0.0, 0.0), .view_revision = 1});
+  run(1, turned);
+  ASSERT_TRUE(wants_picture());
+  for (int frame = 0; frame < 10; ++frame) {
+    hand.end_frame(clock.now_ns(), clock.now_ns(), 60.0, sizes, screen, kPicture);
+    run(10, turned);
+  }
+  ASSERT_EQ(acks.size(), 3U) << "at 0, 40 and 80 ms";
+  EXPECT_FALSE(acks[0].unchanged);
+  for (const std::size_t n : {1U, 2U}) {
+    EXPECT_EQ(acks[n].echo_sample, 5U);
+    EXPECT_EQ(acks[n].echo_sample_time_ns, 77);
+    EXPECT_TRUE(acks[n].unchanged) << "no frame to measure";
+    EXPECT_EQ(acks[n].held_ns, 0U);
+  }
 }
 
 }  // namespace

@@ -85,9 +85,10 @@ Push DynamicsDriver::find_tool_push(const ProbeState& state, const Pose& X_SW) c
 void DynamicsDriver::advance_to(std::int64_t scene_time_ns) {
   interval_ns_ = scene_time_ns_ < 0 ? 0 : scene_time_ns - scene_time_ns_;
   if (interval_ns_ < 0) {
-    // Scene time went back: another haptics node, which has the bodies where the scene file places them.
+    // Scene time went back: another haptics node, which has the bodies where the scene file places them, with the materials of that file.
     ++counts_.restarts;
     for (Body& body : bodies_) body.is_known = false;
+    materials_ = tuned_materials(scene_->touch_scene(), MaterialState(), 0.0);
   }
   if (scene_time_ns_ < 0 || interval_ns_ < 0) world_time_ns_ = scene_time_ns;
   scene_time_ns_ = scene_time_ns;
@@ -124,9 +125,10 @@ void DynamicsDriver::take(const HapticsSetup& setup) {
   world_->set_gravity(X_WS_.linear().transpose() * settings_.gravity_W);
 }
 
-void DynamicsDriver::take(const ObjectPose& pose) {
+// One that a newer one overtook may be of an object that was put down since; all are repeated.
+void DynamicsDriver::take(const ObjectPose& pose, Arrival arrival) {
   const auto object = static_cast<std::size_t>(pose.object);
-  if (pose.object < 0 || object >= scene_->objects.size() || !scene_->objects[object].is_movable) return;
+  if (arrival == Arrival::reordered || pose.object < 0 || object >= scene_->objects.size() || !scene_->objects[object].is_movable) return;
   if (pose.is_held) return world_->pick_up_obstacle(pose.object);
   Pose X_SO = Pose::Identity();
   X_SO.translation() = pose.p_m;

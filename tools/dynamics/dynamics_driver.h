@@ -57,8 +57,8 @@ class DynamicsDriver {
   // arrival: HubClient::last_arrival of this message.
   void take(const ObjectMove& move, Arrival arrival) { moves_.take(move, arrival); }
   void take(const MoveReply& reply);
-  // An obstacle that the stylus has picked up, or put down.
-  void take(const ObjectPose& pose);
+  // An obstacle that the stylus has picked up, or put down. arrival: as above.
+  void take(const ObjectPose& pose, Arrival arrival = Arrival::newest);
 
   // The next request to send, if one is due. now_ns: any monotonic clock.
   std::optional<MoveRequest> next_request(std::int64_t now_ns);

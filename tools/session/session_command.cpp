@@ -138,7 +138,8 @@ std::string describe(const ReplayCounts& counts, std::uint64_t local) {
     text += fmt::format("{} forces were computed by io_node, from parts of the scene (--touch): not compared; docs/remote.md\n", local);
   }
   if (counts.missing_states > 0) text += fmt::format("{} replies to states that are not in the recording\n", counts.missing_states);
-  if (counts.missing_views > 0) text += fmt::format("{} replies with a view that is not in the recording\n", counts.missing_views);
+  if (counts.missing_views > 0)
+    text += fmt::format("{} replies with a view that is not in the recording, or has several poses in it\n", counts.missing_views);
   return text;
 }
 

@@ -73,7 +73,10 @@ void SessionReplay::on_state(const DeviceState& state) {
   states_[state.sample] = state;
 }
 
-void SessionReplay::on_view(const ViewTransform& view) { views_[view.revision] = view; }
+void SessionReplay::on_view(const ViewTransform& view) {
+  const auto [known, is_new] = views_.emplace(view.revision, view);
+  if (!is_new && known->second.X_WS != view.X_WS) ambiguous_views_.insert(view.revision);
+}
 
 Result<void> SessionReplay::on_reply(std::uint64_t sender, const ForceCommand& command) {
   if (step_ == nullptr || sender != sender_) {
@@ -343,7 +346,9 @@ Result<void> SessionReplay::change_materials(std::uint32_t serial) {
   return {};
 }
 
+// A program may use a revision for two poses: a reply does not tell which of them it is of.
 void SessionReplay::turn(std::uint32_t revision) {
+  if (ambiguous_views_.contains(revision)) return lose_view();
   is_view_known_ = true;
   if (revision == step_->view().revision) return;
   if (const auto sent = views_.find(revision); sent != views_.end()) {
@@ -355,6 +360,10 @@ void SessionReplay::turn(std::uint32_t revision) {
     step_->turn_scene({revision, setup.X_WS});
     return;
   }
+  lose_view();
+}
+
+void SessionReplay::lose_view() {
   ++counts_.missing_views;
   is_view_known_ = is_certain_ = false;
 }

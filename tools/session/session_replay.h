@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -63,7 +64,7 @@ struct ReplayCounts {
   std::uint64_t unknown_method =
       0;  // replies whose method, view, materials, moves, shapes or carves are not in the recording, or not yet: their messages were lost
   std::uint64_t missing_states = 0;  // replies to a DeviceState that is not in the recording
-  std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording
+  std::uint64_t missing_views = 0;   // replies that name a ViewTransform that is not in the recording, or has two of that revision
   double max_difference_n = 0.0;
   std::string first_difference;  // the first step that differs, in one line; empty: none does
 };
@@ -126,6 +127,7 @@ class SessionReplay {
   Result<void> find_certainty(const ForceCommand& command);
   Result<void> rebuild_bodies(const ForceCommand& command);
   void turn(std::uint32_t revision);
+  void lose_view();
   std::optional<ForceCommand> step(std::uint64_t sample);
   void compare(const ForceCommand& recorded, const ForceCommand& replayed);
   Result<void> check_effects(const HapticsSetup& setup) const;
@@ -141,9 +143,10 @@ class SessionReplay {
   std::optional<Sculpture> whole_;    // the bodies before any carve; none: the scene has none
   PluginEffects* effects_ = nullptr;  // null: none
   MakeMaterials make_materials_;
-  std::map<std::uint64_t, DeviceState> states_;    // not replayed yet, by sample
-  std::map<std::uint32_t, ViewTransform> views_;   // by revision
-  std::map<std::uint64_t, ForceCommand> replies_;  // not replayed yet, by sample
+  std::map<std::uint64_t, DeviceState> states_;               // not replayed yet, by sample
+  std::map<std::uint32_t, ViewTransform> views_ = {{0, {}}};  // by revision; 0: as the scene file has it
+  std::set<std::uint32_t> ambiguous_views_;                   // revisions that came with several poses
+  std::map<std::uint64_t, ForceCommand> replies_;             // not replayed yet, by sample
   std::unique_ptr<HapticsStep> step_;
   std::uint64_t sender_ = 0;
   std::uint64_t last_sample_ = 0;  // last replayed sample

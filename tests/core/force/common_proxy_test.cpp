@@ -480,5 +480,17 @@ TEST(CommonProxy, NothingHoldsItOnceItHasForgotten) {
   EXPECT_EQ(parts.feels, 2);
 }
 
+// Wherever in the order of the parts these are.
+TEST(CommonProxy, OfManyPartsEachIsLiftedOffThoseThatHold) {
+  std::vector<MadeSpace> spaces(200, MadeSpace{.height = -1.0});
+  for (const int k : {0, 1, 2}) spaces[static_cast<std::size_t>(139 - 61 * k)] = {.normal = Vec3::Unit(k)};
+  MadeParts parts(spaces);
+  CommonProxy proxy(200, kExtent);
+  proxy.reset(Vec3(0.01, 0.01, 0.01));
+  for (int n = 0; n < 3; ++n) EXPECT_LT(proxy.step(parts, 200, false, Vec3(-0.002, -0.003, -0.001)).p_SP.norm(), kLiftM);
+  for (const std::size_t i : {5U, 100U, 199U}) EXPECT_LT((parts.followed[i] - Vec3::Constant(kLiftM)).norm(), 0.5 * kLiftM) << i;
+  EXPECT_LT((parts.followed[78] + proxy.share_of(78).norm() * Vec3::UnitY() - kLiftM * Vec3(1, 0, 1)).norm(), 0.5 * kLiftM);
+}
+
 }  // namespace
 }  // namespace hapton

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <random>
 
 #include "core/geometry/point_in_mesh.h"
@@ -81,6 +83,39 @@ TEST(ConvexPieces, TheyAreTheSolidUpToTheBound) {
     EXPECT_FALSE(is_covered(p)) << p.transpose();
   }
   EXPECT_GT(outside, 500);
+}
+
+// A cube of the planes of six faces, each of so many squares, that is square to no axis.
+TriangleMesh tilted_cube(int squares) {
+  const Mat3 tilt = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
+  TriangleMesh cube;
+  for (int side = 0; side < 6; ++side) {
+    const auto first = static_cast<std::uint32_t>(cube.vertices.size());
+    const TriangleMesh sheet = made::sheet(1.0, 1.0, squares);
+    const double sign = side < 3 ? 1.0 : -1.0;
+    for (const Vec3& p : sheet.vertices) {
+      Vec3 turned;
+      for (int k = 0; k < 3; ++k) turned[(k + side) % 3] = k == 0 ? p[0] : sign * p[k];
+      cube.vertices.push_back(tilt * turned);
+    }
+    for (const auto& [a, b, c] : sheet.triangles) cube.triangles.push_back({first + a, first + b, first + c});
+  }
+  return cube;
+}
+
+// Points and boxes that are compared with a plane, by triangle: each of all points with each plane were 3 times the triangles.
+double compared_by_triangle(const TriangleMesh& mesh, double max_concavity, std::size_t pieces) {
+  std::size_t compared = 0;
+  EXPECT_EQ(split_into_convex(mesh, max_concavity, 64, &compared).size(), pieces);
+  return static_cast<double>(compared) / static_cast<double>(mesh.triangles.size());
+}
+
+TEST(ConvexPieces, TheWorkIsNearLinearInTheTriangles) {
+  for (const int bands : {12, 24, 48}) {
+    EXPECT_LT(compared_by_triangle(made::sphere(1.0, bands, 0.1), 0.02, 64), 200.0) << bands;
+    EXPECT_LT(compared_by_triangle(made::sphere(1.0, bands), 0.01, 1), 300.0) << bands;
+  }
+  for (const int squares : {8, 16, 32}) EXPECT_LT(compared_by_triangle(tilted_cube(squares), 1e-9, 1), 20.0) << squares;
 }
 
 TEST(ConvexPieces, NoMoreThanAreAllowed) {

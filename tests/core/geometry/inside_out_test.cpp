@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <utility>
+
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {
@@ -90,6 +93,38 @@ TEST(InsideOut, LeavesCavitiesAlone) {
   const TriangleMesh ball = make_icosphere(1.0, 2);
   expect(put_beside(ball, moved(turned(ball), 0.5, Vec3::Zero())), 2, 0);
   expect(put_beside(turned(ball), moved(ball, 0.5, Vec3::Zero())), 2, 1);
+}
+
+// A grid of balls with a cavity each, and of balls between them that are inside out. One by one it were thousands a body.
+TEST(InsideOut, TheWorkIsNearLinearInTheBodies) {
+  const TriangleMesh ball = make_icosphere(1.0, 0);
+  for (const std::size_t side : {8U, 16U, 32U}) {
+    TriangleMesh all;
+    for (std::size_t i = 0; i < side; ++i) {
+      TriangleMesh row;
+      for (std::size_t k = 0; k < side; ++k) {
+        const Vec3 at(4.0 * static_cast<double>(i), 4.0 * static_cast<double>(k), 0.0);
+        row = put_beside(put_beside(row, moved(ball, 1.0, at)), moved(turned(ball), 0.5, at));
+        row = put_beside(row, moved(turned(ball), 0.3, at + Vec3(2, 0, 0)));
+      }
+      all = put_beside(std::move(all), row);
+    }
+    const ClosedBodies bodies = count_closed_bodies(all);
+    EXPECT_EQ(bodies.count, 3 * side * side);
+    EXPECT_EQ(bodies.inside_out, side * side);
+    EXPECT_LT(bodies.compared, 20 * bodies.count) << side;
+  }
+}
+
+// Where none has its front outside there is nothing to be inside of.
+TEST(InsideOut, OfBodiesThatAreAllInsideOutNoneIsCompared) {
+  TriangleMesh all;
+  const TriangleMesh ball = turned(make_icosphere(1.0, 0));
+  for (int i = 0; i < 100; ++i) all = put_beside(std::move(all), moved(ball, 1.0 + 0.01 * i, Vec3(3.0 * i, 0, 0)));
+  const ClosedBodies bodies = count_closed_bodies(all);
+  EXPECT_EQ(bodies.inside_out, 100U);
+  EXPECT_EQ(bodies.compared, 0U);
+  EXPECT_LT((bodies.inside_out_at - Vec3(297, 0, 0)).norm(), 1e-9) << "the largest";
 }
 
 TEST(InsideOut, SaysNothingOfWhatIsNotClosed) {

@@ -193,6 +193,15 @@ TEST(DynamicsDriver, AStiffnessChangedWhileRunningIsDampedToo) {
   }
 }
 
+TEST(DynamicsDriver, AnotherHapticsNodeHasTheStiffnessOfTheScene) {
+  Loop loop(table_scene({.stiffness_n_per_m = 2000}), {.friction = 0.1}, 15);
+  loop.set_stiffness(100, true);
+  for (int i = 0; i < 100; ++i) loop.step(Vec3(-0.1, 0.1, 0));
+  loop.start_haptics();
+  const auto [least, most] = forces_under_way(loop);
+  EXPECT_GT(least, 0.2 * most) << least << " to " << most << " N";
+}
+
 // What presses less than friction holds stays as it is.
 TEST(DynamicsDriver, AtRestTheForceIsSteady) {
   for (const LoopCase& c : std::vector<LoopCase>{{0.2, 300, 1}, {0.2, 2000, 15}, {2.0, 300, 15}, {2.0, 2000, 1}}) {
@@ -257,6 +266,7 @@ TEST(DynamicsDriver, ABodyFollowsAnObstacleThatIsPutDownElsewhere) {
   run_until(250);
   EXPECT_LT(driver.world().place(kBox).p_S.y() - start, -0.005);
   driver.take(ObjectPose{.serial = 3, .object = kTable, .p_m = Vec3(0, -0.05, 0)});
+  driver.take(ObjectPose{.serial = 2, .object = kTable, .is_held = true}, Arrival::reordered);
   run_until(1'000);
   EXPECT_NEAR(driver.world().place(kBox).p_S.y() - start, -0.05, 3e-4);
 }

@@ -1,6 +1,7 @@
 // Recordings that lack something or are damaged: what is uncertain is not compared, and nothing takes for ever.
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 
@@ -26,6 +27,49 @@ TEST_F(SessionReplayTest, WithAViewThatIsMissingNothingIsCompared) {
   EXPECT_EQ(replay.counts().missing_views, 40U);
   EXPECT_EQ(replay.counts().unknown_method, 40U);
   EXPECT_EQ(replay.counts().compared, 60U + 50U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+// A program, or a vision node that was started again, may use a revision twice: a reply does not tell which of the poses it is of.
+TEST_F(SessionReplayTest, ForcesInAViewWhoseRevisionHasTwoPosesAreNotCompared) {
+  slide(60);
+  ViewTransform near{.revision = 3};
+  near.X_WS[3] = 0.0005F;
+  ASSERT_TRUE(live.turn_scene(near));
+  slide(40);
+  ViewTransform away{.revision = 3};
+  away.X_WS[3] = -0.02F;
+  ASSERT_TRUE(live.turn_scene(away));
+  slide(100);
+  ASSERT_FALSE(recorded.back().second->contact);
+  const ViewTransform back{.revision = 4};
+  ASSERT_TRUE(live.turn_scene(back));
+  slide_in_again(200);
+  SessionReplay replay = make_replay();
+  for (std::size_t n = 0; n < recorded.size(); ++n) {
+    if (n == 60 || n == 70) replay.on_view(near);  // the hub repeats it
+    if (n == 100) replay.on_view(away);
+    if (n == 200) replay.on_view(back);
+    replay.on_state(recorded[n].first);
+    ASSERT_TRUE(replay.on_reply(kSender, *recorded[n].second));
+  }
+  ASSERT_TRUE(replay.finish());
+  EXPECT_EQ(replay.counts().missing_views, 140U);
+  EXPECT_EQ(replay.counts().unknown_method, 140U);
+  EXPECT_EQ(replay.counts().compared, 60U + 50U);
+  EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
+}
+
+TEST_F(SessionReplayTest, APoseOfRevisionZeroIsAnotherThanThatOfTheSceneFile) {
+  slide(60);
+  ViewTransform moved;
+  moved.X_WS[3] = 0.0005F;
+  ASSERT_TRUE(live.turn_scene(moved));
+  slide(100);
+  SessionReplay replay = make_replay();
+  replay.on_view(moved);
+  feed(replay);
+  EXPECT_EQ(replay.counts().missing_views, 160U);
   EXPECT_EQ(replay.counts().different, 0U) << replay.counts().first_difference;
 }
 

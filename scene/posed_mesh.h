@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "scene/map_reader.h"
+#include "scene/mesh_cache.h"
+#include "scene/object_reader.h"
+#include "scene/scene_fit.h"
+#include "scene/touch_mesh.h"
+
+namespace hapton {
+
+// A mesh in the pose that a scene file gives it. Frame: S.
+struct PosedMesh {
+  TriangleMesh mesh;
+  SealReport sealed;
+  Eigen::AlignedBox3d box;       // of the mesh before sealing
+  std::uint64_t given_hash = 0;  // of that mesh and its pose
+  std::shared_ptr<const MeshAppearance> appearance;
+  MapSource map = {};              // if there are maps
+  std::vector<Vec3> in_file = {};  // of one that deforms by an animation: the vertices before the pose
+};
+
+// folder: of the scene file. notes: gets lines for the log. Error: as MeshCache::load. RT: set-up only.
+Result<PosedMesh> make_posed_mesh(const ObjectSpec& object, const std::filesystem::path& folder, MeshCache& cache,
+                                  std::vector<std::string>& notes);
+
+void apply_fit(const SceneFit& fit, std::vector<PosedMesh>& meshes);
+
+}  // namespace hapton

@@ -1,0 +1,34 @@
+#include "vision_node/state_acks.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/time_units.h"
+
+namespace hapton {
+namespace {
+
+using Kind = StateAcks::Kind;
+
+TEST(StateAcks, TheFirstFrameWithAStateTellsOfIt) {
+  StateAcks acks;
+  EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
+  EXPECT_EQ(acks.note(5 * kMs, 25 * kMs), Kind::none);
+  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs), Kind::first);
+  EXPECT_EQ(acks.note(26 * kMs, 30 * kMs + StateAcks::kAgainNs - 1), Kind::none) << "counted from the newest";
+}
+
+// What was told may be lost.
+TEST(StateAcks, AFrameLongAfterTellsAgainAndNotEachOne) {
+  StateAcks acks;
+  EXPECT_EQ(acks.note(5 * kMs, 9 * kMs), Kind::first);
+  int again = 0;
+  for (std::int64_t n = 1; n <= 60; ++n) {
+    const Kind kind = acks.note(5 * kMs, 9 * kMs + n * 16'666'667);
+    ASSERT_NE(kind, Kind::first) << n;
+    again += kind == Kind::again ? 1 : 0;
+  }
+  EXPECT_EQ(again, 30) << "each second frame of 60 Hz";
+}
+
+}  // namespace
+}  // namespace hapton

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+namespace hapton {
+
+// Which frames tell the hub of the state that they show: the first one with it, and, until a newer state has come, some of the later ones
+// again. The hub sends no other state for a tenth of a second if what it was told is lost, and a picture that is drawn all the time would
+// stand still for as long. Times: any one monotonic clock, ns.
+class StateAcks {
+ public:
+  // As long as two frames at 60 Hz: on a usual network the next state of a hand that moves is there by then.
+  static constexpr std::int64_t kAgainNs = 33'000'000;
+
+  enum class Kind : std::uint8_t { none, first, again };
+
+  // A frame was drawn with the state that came at received_ns, or skipped as it would look the same. Only the first says how old a state
+  // becomes.
+  Kind note(std::int64_t received_ns, std::int64_t now_ns) noexcept {
+    const bool is_first = std::exchange(received_ns_, received_ns) != received_ns;
+    if (!is_first && now_ns < again_ns_) return Kind::none;
+    again_ns_ = now_ns + kAgainNs;
+    return is_first ? Kind::first : Kind::again;
+  }
+
+ private:
+  std::int64_t received_ns_ = 0;
+  std::int64_t again_ns_ = 0;
+};
+
+}  // namespace hapton
