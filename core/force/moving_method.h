@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -20,9 +21,17 @@ namespace hapton {
 class MovingMethod final : public ForceMethod {
  public:
   // Pre: the scene has motion; MethodOutput::p_SP of the methods that `make` makes is a proxy. Error: that of SceneParts::make.
-  static Result<std::unique_ptr<ForceMethod>> make(SceneParts::Make make, const MethodSettings& settings, const TouchScene& scene);
+  static Result<std::unique_ptr<ForceMethod>> make(SceneParts::Make make, const MethodSettings& settings, const TouchScene& scene) {
+    auto parts = SceneParts::make(make, settings, scene);
+    if (!parts) return tl::unexpected(parts.error());
+    return std::unique_ptr<ForceMethod>(new MovingMethod(std::move(*parts)));
+  }
 
-  MethodOutput step(const MethodInput& input) noexcept override;
+  MethodOutput step(const MethodInput& input) noexcept override {
+    if (!input.p_SD.allFinite() || !std::isfinite(input.time_s)) return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
+    parts_.begin(input);
+    return proxy_.step(parts_, parts_.size(), parts_.has_still(), input.p_SD, input.dt_s);
+  }
   void reset(const Vec3& p_SD) noexcept override { proxy_.reset(p_SD); }
   void set_materials(std::span<const Material> materials) noexcept override { parts_.set_materials(materials); }
   bool prepare() override { return parts_.prepare(); }
