@@ -43,8 +43,7 @@ void ProxyMethod::copy_sphere_state(const Vec3& device) noexcept {
     ProxyContact& contact = proxy_.contacts[proxy_.contact_count++];
     contact.triangle = active.triangle;
     contact.shape = active.shape;
-    const Feature feature = active.part == Feature::face ? Feature::face : active.part == Feature::edge ? Feature::edge : Feature::vertex;
-    contact.separation = {at.distance, at.normal, proxy_.position - at.distance * at.normal, feature};
+    contact.separation = {at.distance, at.normal, proxy_.position - at.distance * at.normal, active.part};
     proxy_.multipliers[proxy_.active_count++] = active.multiplier;
   }
 }

@@ -41,7 +41,7 @@ class SurfacePoint {
   // At a vertex the point stays until the device is this far away: below it, the direction to the device is mostly rounding.
   static constexpr double kMinPull = 0x1p-42;
 
-  enum class On : std::uint8_t { face, edge, vertex };
+  using On = Feature;
 
   struct Facet {
     std::uint32_t id = 0;
