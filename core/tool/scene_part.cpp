@@ -4,9 +4,6 @@
 
 namespace hapton {
 
-ScenePart::ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team)
-    : near_(tool, scene, team), friction_(std::move(friction)) {}
-
 ScenePart::ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
                      std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction, WorkerTeam& team)
     : near_(tool, std::move(tool_surface), scene, std::move(scene_surface), team), friction_(std::move(friction)) {}

@@ -14,9 +14,8 @@ namespace hapton {
 // (RigidMotion). Frame: the scene's local one, where nothing else is said. RT: all but construction.
 class ScenePart {
  public:
-  // friction: by object; empty: none. Pre: the scene, all of whose objects are the part's, outlives this.
-  ScenePart(const ObjectGeometry& tool, const TouchGeometry& scene, std::vector<CoulombFriction> friction, WorkerTeam& team);
-  // The same, of what was made of each of them before.
+  // friction: by object; empty: none. Pre: the scene, all of whose objects are the part's, outlives this; the surfaces are of tool and
+  // scene.
   ScenePart(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
             std::shared_ptr<const SceneSurface> scene_surface, std::vector<CoulombFriction> friction, WorkerTeam& team);
   // Another part of the same scene, which moves, and is at rest where it was built.

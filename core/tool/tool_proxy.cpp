@@ -29,7 +29,14 @@ constexpr double kGrowth = 4.0;  // of the reach, where it has ended a round
 
 }  // namespace
 
-ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team)
+ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<CoulombFriction> friction,
+                     WorkerTeam& team)
+    : ToolProxy(tool, std::make_shared<const ToolSurface>(tool), scene, std::make_shared<const SceneSurface>(scene), turn_length,
+                std::move(friction), team) {}
+
+ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
+                     std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<CoulombFriction> friction,
+                     WorkerTeam& team)
     : energy_(turn_length),
       progress_(kMinGain),
       team_(&team),
@@ -37,18 +44,8 @@ ToolProxy::ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, Worke
       bound_pairs_(NearFeatures::kMaxFeatures),
       yields_(NearFeatures::kMaxFeatures),
       known_(1) {
-  parts_.push_back(std::move(scene));
+  parts_.push_back(std::make_unique<ScenePart>(tool, std::move(tool_surface), scene, std::move(scene_surface), std::move(friction), team));
 }
-
-ToolProxy::ToolProxy(const ObjectGeometry& tool, const TouchGeometry& scene, double turn_length, std::vector<CoulombFriction> friction,
-                     WorkerTeam& team)
-    : ToolProxy(std::make_unique<ScenePart>(tool, scene, std::move(friction), team), turn_length, team) {}
-
-ToolProxy::ToolProxy(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
-                     std::shared_ptr<const SceneSurface> scene_surface, double turn_length, std::vector<CoulombFriction> friction,
-                     WorkerTeam& team)
-    : ToolProxy(std::make_unique<ScenePart>(tool, std::move(tool_surface), scene, std::move(scene_surface), std::move(friction), team),
-                turn_length, team) {}
 
 void ToolProxy::add_part(const TouchGeometry& scene, std::shared_ptr<const SceneSurface> scene_surface,
                          std::vector<CoulombFriction> friction) {

@@ -112,8 +112,6 @@ class ToolProxy {
   std::span<const ToolContact> contacts() const { return {contacts_.all.data(), static_cast<std::size_t>(contacts_.count)}; }
 
  private:
-  ToolProxy(std::unique_ptr<ScenePart> scene, double turn_length, WorkerTeam& team);
-
   static constexpr double kLargestTilt = 0.05;  // rad: of what may become a minimum in a round
   static constexpr double kShrinkage = 0.125;   // of a reach within which there are more pairs than fit
 

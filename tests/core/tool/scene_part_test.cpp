@@ -16,7 +16,8 @@ class ScenePartTest : public testing::Test {
   const TriangleMesh ball = make_icosphere(0.3, 1);
   const TouchGeometry scene{std::vector<const TriangleMesh*>{&ball}};
   const ObjectGeometry tool{make_box({0.1, 0.2, 0.15}), {Vec3::Zero(), scene.unit_m()}};
-  ScenePart still{tool, scene, {}, calling_thread()};
+  ScenePart still{
+      tool, std::make_shared<const ToolSurface>(tool), scene, std::make_shared<const SceneSurface>(scene), {}, calling_thread()};
   ScenePart part{still, scene, std::make_shared<const SceneSurface>(scene), {{0.5, 0.25}}, calling_thread()};
 
   Vec3 draw() {
