@@ -194,7 +194,7 @@ class AnnotationsParser {
     const auto given = node.value_exact<std::int64_t>();
     if (!given || *given < 0 || static_cast<std::size_t>(*given) >= objects_.count()) {
       reject(node, "an object is a number in the list 'objects', from 0 to {}", static_cast<std::int64_t>(objects_.count()) - 1);
-      return -1;
+      return {};  // of a file that is not read
     }
     return objects_[static_cast<std::size_t>(*given)];
   }

@@ -58,7 +58,7 @@ class TextureXml {
     const Element* found = child(parent, name);
     if (found == nullptr) return 0;
     const double value = number(*found);
-    if (value >= 0.0 && value <= kMaxTextureCount && value == std::floor(value)) return static_cast<std::size_t>(value);
+    if (value >= 0.0 && value <= kMaxTextureCount && value == std::trunc(value)) return static_cast<std::size_t>(value);
     set_error(*found, "<{}> is {}: it must be a whole number from 0 to {}", name, value, kMaxTextureCount);
     return 0;
   }
@@ -132,7 +132,7 @@ std::vector<TextureTriangle> read_texture_triangles(TextureXml& xml, const Eleme
     }
     TextureTriangle triangle = {};
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!(corners[k] >= 1.0 && corners[k] <= static_cast<double>(models) && corners[k] == std::floor(corners[k]))) {
+      if (!(corners[k] >= 1.0 && corners[k] <= static_cast<double>(models) && corners[k] == std::trunc(corners[k]))) {
         xml.set_error(*one, "<tri> names model {}: give numbers from 1 to {}", corners[k], models);
         return triangles;
       }

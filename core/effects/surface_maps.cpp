@@ -50,11 +50,11 @@ MapPlace map_gradients(const MappedTriangle& triangle) {
   const double area_squared = m.squaredNorm();
   MapPlace place;
   place.texcoord = triangle.texcoord[0];
-  if (!(area_squared > 0.0)) return place;
   const Eigen::Vector2d d1 = triangle.texcoord[1] - triangle.texcoord[0];
   const Eigen::Vector2d d2 = triangle.texcoord[2] - triangle.texcoord[0];
   place.du = (d1.x() * e2 - d2.x() * e1).cross(m) / area_squared;
   place.dv = (d1.y() * e2 - d2.y() * e1).cross(m) / area_squared;
+  // Without an area there is no gradient.
   if (!place.du.allFinite() || !place.dv.allFinite()) place.du = place.dv = Vec3::Zero();
   return place;
 }

@@ -1,25 +1,23 @@
 #include "core/sculpt/carve_list.h"
 
 #include <algorithm>
+#include <array>
 
 namespace hapton {
 namespace {
 
+using Corner = std::array<int, 3>;
+
+Corner least(const Corner& a, const Corner& b) { return {std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])}; }
+Corner most(const Corner& a, const Corner& b) { return {std::max(a[0], b[0]), std::max(a[1], b[1]), std::max(a[2], b[2])}; }
+
 bool has_common_nodes(const CarvedFieldBox& a, const CarvedFieldBox& b) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (a.low[axis] >= b.high[axis] || b.low[axis] >= a.high[axis]) return false;
-  }
-  return true;
+  return !CarvedFieldBox{most(a.low, b.low), least(a.high, b.high)}.is_empty();
 }
 
 CarvedFieldBox join_boxes(const CarvedFieldBox& a, const CarvedFieldBox& b) {
   if (a.is_empty()) return b;
-  CarvedFieldBox both = a;
-  for (std::size_t axis = 0; axis < 3 && !b.is_empty(); ++axis) {
-    both.low[axis] = std::min(a.low[axis], b.low[axis]);
-    both.high[axis] = std::max(a.high[axis], b.high[axis]);
-  }
-  return both;
+  return b.is_empty() ? a : CarvedFieldBox{least(a.low, b.low), most(a.high, b.high)};
 }
 
 }  // namespace

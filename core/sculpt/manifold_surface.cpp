@@ -149,7 +149,7 @@ class ManifoldSurfaceMaker {
 
   void place_vertices(std::size_t node) {
     const unsigned corners = corners_of(node);
-    if (corners == 0 || corners == 0xFF) return;
+    if (plain_[corners].count == 0) return;
     const unsigned flips = find_flips(node, corners);
     Cell& cell = here_[node - static_cast<std::size_t>(cell_[2]) * step(2)];
     cell.first = static_cast<std::uint32_t>(made_.positions.size());

@@ -57,7 +57,7 @@ void ContactDamping::reset() noexcept {
 void ContactDamping::move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept {
   const bool is_first = !std::exchange(is_placed_, true);
   const Placement last = std::exchange(device_, device);
-  if (dt_s > 0.0) dt_s_ += dt_s;
+  dt_s_ += std::max(0.0, dt_s);
   for (std::size_t p = 0; p < motions_.size(); ++p) {
     Motion& motion = motions_[p];
     if (!motion.has_damping) continue;

@@ -89,6 +89,40 @@ TEST(RemotePlane, PushesOneWayAndEndsWithTheContact) {
   EXPECT_EQ(plane.step(at_depth(0.003), now_ns += kMs).force_n, Vec3(Vec3::Zero())) << "no plane is left of a contact that is over";
 }
 
+// Replies with an offset of the proxy and a force that need not go together.
+class MadeReply final : public ForceMethod {
+ public:
+  MethodOutput output;  // p_SP: from the device
+
+  MethodOutput step(const MethodInput& input) noexcept override {
+    MethodOutput made = output;
+    made.p_SP += input.p_SD;
+    return made;
+  }
+  void reset(const Vec3&) noexcept override {}
+  void set_materials(std::span<const Material>) noexcept override {}
+  std::string describe() const override { return ""; }
+};
+
+TEST(RemotePlane, IsThereOnlyWithContactAndAWayToTheSurface) {
+  const auto method = std::make_shared<MadeReply>();
+  RemotePlane plane(method, {});
+  const Vec3 p_WD(0.01, 0.02, 0.03);
+  std::int64_t now_ns = 100 * kMs;
+  const auto force = [&](bool contact, const Vec3& offset, const Vec3& below = Vec3::Zero()) {
+    method->output = {.force_n = Vec3(0, 0, 2), .p_SP = offset, .contact = contact, .object = contact ? 0 : -1};
+    (void)plane.step(p_WD, now_ns += kMs);
+    method->output = {};
+    return plane.step(p_WD + below, now_ns).force_n;
+  };
+  EXPECT_LT((force(true, Vec3(0, 0, 0.002)) - Vec3(0, 0, 2)).norm(), 1e-9);
+  EXPECT_LT((force(true, Vec3(0, 0, 0.002), Vec3(0.01, 0, -0.001)) - Vec3(0, 0, 3)).norm(), 1e-9) << "the same plane deeper";
+  EXPECT_LT((force(true, Vec3(0.004, 0, 0)) - Vec3(2, 0, 0)).norm(), 1e-9) << "its stiffness is that of the force's magnitude";
+  EXPECT_EQ(force(false, Vec3(0, 0, 0.002)), Vec3(Vec3::Zero()));
+  EXPECT_EQ(force(true, Vec3::Zero()), Vec3(Vec3::Zero()));
+  EXPECT_EQ(force(true, Vec3::Zero(), Vec3(0, 0, -0.001)), Vec3(Vec3::Zero()));
+}
+
 // Packets that a hand needs which moves so for a second, by a fraction of a tenth.
 std::uint64_t packets_up(const std::function<Vec3(double)>& hand) {
   RemoteDeadband touch(sheet_method(), {}, {.fraction = 0.1});

@@ -72,10 +72,20 @@ TEST(TextureFile, SaysInOneLineWhatIsBroken) {
   EXPECT_THAT(texture_error(changed_file("<numMACoeff>18", "<numMACoeff>17")), HasSubstr("there are 18 <value>s, but <numMACoeff> is 17"));
   EXPECT_THAT(texture_error(changed_file("<numMod>9", "<numMod>2.5")), HasSubstr("must be a whole number"));
   EXPECT_THAT(texture_error(changed_file("<numMod>9", "<numMod>1e18")), HasSubstr("must be a whole number"));
+  EXPECT_THAT(texture_error(changed_file("<numMod>9", "<numMod>1001")),
+              AllOf(StartsWith("line 10: "), HasSubstr("<numMod> is 1001: it must be a whole number from 0 to 1000")));
+  EXPECT_THAT(texture_error(changed_file("<numMod>9", "<numMod>1000")), HasSubstr("there are 9 <model>s, but <numMod> is 1000"));
+  EXPECT_THAT(texture_error(changed_file("<numMod>9", "<numMod>0")), HasSubstr("there are 9 <model>s, but <numMod> is 0"));
+  EXPECT_THAT(texture_error(changed_file("<numMod>9", "<numMod>-1")), HasSubstr("<numMod> is -1: it must be a whole number"));
   EXPECT_THAT(texture_error(changed_file("<value>1</value>", "<value>10</value>")),
               HasSubstr("<tri> names model 10: give numbers from 1 to 9"));
   EXPECT_THAT(texture_error(changed_file("<value>1</value>", "<value>1.5</value>")), HasSubstr("<tri> names model 1.5"));
+  EXPECT_THAT(texture_error(changed_file("<value>1</value>", "<value>0</value>")), HasSubstr("<tri> names model 0: give"));
+  EXPECT_THAT(texture_error(changed_file("<value>1</value>", "<value>0.5</value>")), HasSubstr("<tri> names model 0.5"));
+  EXPECT_THAT(texture_error(changed_file("<value>1</value>", "<value>-1</value>")), HasSubstr("<tri> names model -1"));
   EXPECT_THAT(texture_error(changed_file("      <value>1</value>\n", "")), HasSubstr("<tri> has 2 <value>s"));
+  EXPECT_THAT(texture_error(changed_file("      <value>1</value>\n", "<value>1</value><value>1</value>")),
+              HasSubstr("<tri> has 4 <value>s"));
   EXPECT_THAT(texture_error(changed_file("<value>1</value>", "<value>2</value>")), HasSubstr("triangle 1 has no area"));
   EXPECT_THAT(texture_error(changed_file("<var>0.000000000", "<var>nan")), HasSubstr("<var> is 'nan': it must be a finite number"));
   EXPECT_THAT(texture_error(changed_file("<gain>1.0", "<gain>inf")), HasSubstr("it must be a finite number"));

@@ -92,6 +92,104 @@ TEST(MappedSpring, NoPlaceIsMoreCurvedAndTheMostCurvedIsFound) {
   }
 }
 
+// A bump of one texel curves most in its middle, where the weights of the texel across are 3/4: found wherever it lies in the image, along
+// the rows and down the columns, on an image of more columns than rows.
+TEST(MappedSpring, ABumpOfOneTexelIsFoundWhereverItLies) {
+  constexpr int kWidth = 5;
+  constexpr int kHeight = 4;
+  for (const bool is_down : {false, true}) {
+    const Triangles triangles = is_down ? sheet(1.0, 0.01) : sheet(0.01, 1.0);
+    const double per_m = (is_down ? kHeight : kWidth) / 0.01;
+    const double expected = 0.75 * 2.0 * 0.001 * per_m * per_m;
+    for (int bump = 0; bump < kWidth * kHeight; ++bump) {
+      std::vector<float> texels(kWidth * kHeight, 0.0F);
+      texels[static_cast<std::size_t>(bump)] = 1.0F;
+      const auto image = std::make_shared<const SurfaceImage>(kWidth, kHeight, std::move(texels));
+      const double found = largest_curvature({.image = image, .at_black = 0.0, .at_white = -0.001}, triangles);
+      EXPECT_GE(found, (1.0 - 1e-9) * expected) << bump << " " << is_down;
+      EXPECT_LE(found, 1.1 * expected) << bump << " " << is_down;
+    }
+  }
+}
+
+// Black and white in turns along both diagonals of a texel's corner: only the mixed derivative is large, 1/4 of the texels around each
+// corner, and both of its signs count.
+TEST(MappedSpring, ATwistIsFoundWhereverItLies) {
+  constexpr int kSize = 6;
+  for (const double white_m : {-0.001, 0.001}) {
+    for (int corner = 0; corner < kSize * kSize; ++corner) {
+      std::vector<float> texels(kSize * kSize, 0.0F);
+      const int x = corner % kSize, y = corner / kSize;
+      const auto at = [&](int i, int j) -> float& { return texels[static_cast<std::size_t>((y + j) % kSize * kSize + (x + i) % kSize)]; };
+      at(0, 0) = at(1, 1) = 1.0F;
+      const ImageMap map{
+          .image = std::make_shared<const SurfaceImage>(kSize, kSize, std::move(texels)), .at_black = 0.0, .at_white = white_m};
+      const Triangles triangles = sheet(0.01, 0.01);
+      MapPlace place = map_gradients(triangles[0]);
+      double most = 0.0;
+      for (int v = -20; v <= 40; ++v) {
+        for (int u = -20; u <= 40; ++u) {
+          place.texcoord = Eigen::Vector2d(x + 0.5 + 0.05 * u, y + 0.5 + 0.05 * v) / kSize;
+          most = std::max(most, largest_of(second_derivative(map, place, 1e-8)));
+        }
+      }
+      const double found = largest_curvature(map, triangles);
+      EXPECT_GE(found, (1.0 - 1e-3) * most) << corner << " " << white_m;
+      EXPECT_LE(found, 1.1 * most) << corner << " " << white_m;
+    }
+  }
+}
+
+// What it adds is that of the steepest place beside the one texel that differs, where the slope across its edge is 3/4 of the step.
+TEST(MappedSpring, AStepOfOneTexelIsFoundWhereverItLies) {
+  constexpr int kWidth = 5;
+  constexpr int kHeight = 4;
+  for (const bool is_down : {false, true}) {
+    const Triangles triangles = is_down ? sheet(10.0, 0.01) : sheet(0.01, 10.0);
+    for (const bool is_soft : {false, true}) {
+      for (int differs = 0; differs < kWidth * kHeight; ++differs) {
+        std::vector<float> texels(kWidth * kHeight, is_soft ? 1.0F : 0.0F);
+        texels[static_cast<std::size_t>(differs)] = is_soft ? 0.0F : 1.0F;
+        const ImageMap share{
+            .image = std::make_shared<const SurfaceImage>(kWidth, kHeight, std::move(texels)), .at_black = 0.5, .at_white = 1.0};
+        const MappedSpring spring{.spring_n_per_m = 1e15, .pressed_n = 3.0};
+        MapPlace place = map_gradients(triangles[0]);
+        double most = 0.0;
+        for (int along = -100; along <= 100; ++along) {
+          Eigen::Vector2d texel(differs % kWidth + 0.5, differs / kWidth + 0.5);
+          texel[is_down ? 1 : 0] += 0.01 * along;
+          place.texcoord = {texel.x() / kWidth, texel.y() / kHeight};
+          const ImageMap::Value at = share.at(place);
+          most = std::max(most, spring.pressed_n / at.number * at.gradient.norm());
+        }
+        const double found = spring.added_n_per_m(share, triangles, 0.0);
+        EXPECT_GE(found, (1.0 - 1e-3) * most) << differs << " " << is_down << " " << is_soft;
+        EXPECT_LE(found, 1.1 * most) << differs << " " << is_down << " " << is_soft;
+      }
+    }
+  }
+}
+
+// Flat across the image but for one texel: what counts is the stiffest texel, wherever it lies.
+TEST(MappedSpring, TheStiffestTexelIsFoundWhereverItLies) {
+  constexpr int kSize = 4;
+  for (int differs = 0; differs < kSize * kSize; ++differs) {
+    std::vector<float> texels(kSize * kSize, 0.0F);
+    texels[static_cast<std::size_t>(differs)] = 1.0F;
+    const ImageMap share{.image = std::make_shared<const SurfaceImage>(kSize, kSize, std::move(texels)), .at_black = 0.5, .at_white = 1.0};
+    const MappedSpring spring{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .pressed_n = 1e-9};
+    // Nine sixteenths of the texel's own share, in its middle.
+    const double expected = (0.5 + 0.5 * 9.0 / 16.0) * 1000.0 + 300.0;
+    const double found = spring.largest_n_per_m(share, sheet(1.0, 1.0));
+    EXPECT_GE(found, (1.0 - 1e-9) * expected) << differs;
+    EXPECT_LE(found, 1.06 * expected) << differs;
+  }
+  // Friction counts where it is stiffer than the spring.
+  const ImageMap all{.image = image_of(2, 2, [](double, double) { return 1.0; }), .at_black = 0.5, .at_white = 1.0};
+  const MappedSpring rubbed{.spring_n_per_m = 1000.0, .beside_n_per_m = 300.0, .sideways_n_per_m = 5000.0, .pressed_n = 1e-9};
+  EXPECT_NEAR(rubbed.largest_n_per_m(all, sheet(1.0, 1.0)), kMapMargin * 5000.0, 1e-6);
+}
+
 // Where one triangle maps the image more densely, its curvature counts.
 TEST(MappedSpring, TheDensestTriangleCounts) {
   std::mt19937_64 random(5);
