@@ -183,7 +183,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
 }  // namespace
 
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m) {
-  const ValueRange range = {.first = 10.0, .stride = 1.3, .least = 10.0, .most = most_n_per_m};
+  const ValueRange range = {.first = 10.0, .stride = 1.3, .most = most_n_per_m};
   constexpr double kFine = 0.02;  // relative width at which the search ends
   std::optional<Error> error;
   const auto rests = [&](double stiffness_n_per_m) {

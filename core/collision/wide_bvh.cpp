@@ -91,7 +91,7 @@ struct WideBvh::Builder {
     for (std::uint32_t i = 0; i < size; ++i) centres[i] = items[range.begin + i].twice_centre(axis);
     std::array<std::uint32_t, kFew> before;  // how many come before this one
     std::uint32_t candidates = 0;
-    float last = -std::numeric_limits<float>::infinity();  // of those with fewer than `count` before them
+    float last = std::numeric_limits<float>::lowest();  // of those with fewer than `count` before them
     for (std::uint32_t i = 0; i < size; ++i) {
       const Float8 own = Float8(centres[i]);
       Uint32x8 less = Uint32x8(0U);

@@ -2,10 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <numeric>
 #include <string>
+#include <vector>
+
+#ifdef __linux__
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
 
 namespace hapton {
 namespace {
@@ -59,6 +66,27 @@ TEST(LargeVector, LeavesNothingForTheSystemToJoinLater) {
   if (flags.empty()) GTEST_SKIP() << "this system does not say how its memory is used";
   EXPECT_EQ(flags.find(" hg"), std::string::npos) << flags;
 }
+
+#if defined(__linux__) && defined(MADV_POPULATE_WRITE)
+// Whether the system takes this advice at all.
+bool takes_advice(void* memory, std::size_t bytes, int advice) { return ::madvise(memory, bytes, advice) == 0; }
+
+// Filled before it is handed out: whole large pages, of which none is missing.
+TEST(LargeVector, IsThereBeforeItIsWritten) {
+  constexpr std::size_t kBytes = 8 * kLargePage;
+  void* const probe = ::mmap(nullptr, 2 * kLargePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(probe, MAP_FAILED);
+  const bool is_possible = takes_advice(probe, 2 * kLargePage, MADV_HUGEPAGE) && takes_advice(probe, 2 * kLargePage, MADV_POPULATE_WRITE);
+  ::munmap(probe, 2 * kLargePage);
+  if (!is_possible) GTEST_SKIP() << "this system has no large pages for programs";
+  void* const memory = allocate_large(kBytes, 8);
+  const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  std::vector<unsigned char> is_there(kBytes / page);
+  ASSERT_EQ(::mincore(memory, kBytes, is_there.data()), 0);
+  EXPECT_EQ(std::count_if(is_there.begin(), is_there.end(), [](unsigned char one) { return (one & 1U) == 0; }), 0);
+  free_large(memory, kBytes, 8);
+}
+#endif
 
 }  // namespace
 }  // namespace hapton

@@ -280,6 +280,44 @@ TEST(SurfaceAdjacency, IsWalkableAsTheTestOfEveryPairSaysInLargeFans) {
 
 // Two discs that share an edge between their middles, and a fin on an edge opposite the second one's: that fan is even, and one of its
 // edges has no neighbour.
+// Eighty triangles around a tip, counter-clockwise from above, whose rim is that far above it. The tip is corner t % 3 of triangle t.
+TriangleMesh fan_with_rim_at(double z, double first_z) {
+  constexpr std::uint32_t kCount = 80;
+  static_assert(kCount > SurfaceAdjacency::kLargeFan);
+  TriangleMesh fan;
+  fan.vertices.emplace_back(Vec3::Zero());
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kCount;
+    fan.vertices.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), i == 0 ? first_z : z);
+    Triangle triangle = {0, 1 + i, 1 + (i + 1) % kCount};
+    std::rotate(triangle.begin(), triangle.begin() + (3 - i % 3) % 3, triangle.end());
+    fan.triangles.push_back(triangle);
+  }
+  return fan;
+}
+
+TEST(SurfaceAdjacency, ALargeFanIsConvexFromTheSideOfWhichNoFaceIsAboveAnother) {
+  struct Case {
+    double z, first_z;
+    bool from_front, from_back;
+  };
+  for (const Case& one : {Case{0.0, 0.0, true, true}, Case{-0.1, -0.1, true, false}, Case{0.1, 0.1, false, true},
+                          Case{0.0, 0x1p-52, true, true}, Case{0.0, -0x1p-52, true, true}, Case{0.0, 0x1p-40, false, false},
+                          Case{0.0, -0x1p-40, false, false}, Case{-0.1, 0.1, false, false}}) {
+    const TriangleMesh fan = fan_with_rim_at(one.z, one.first_z);
+    const SurfaceAdjacency adjacency = adjacency_of(fan);
+    EXPECT_TRUE(adjacency.has_large_fans());
+    for (std::uint32_t t = 0; t < fan.triangles.size(); ++t) {
+      EXPECT_TRUE(adjacency.is_in_large_fan(t));
+      ASSERT_EQ(adjacency.convex_fan_corner(t, false), one.from_front ? static_cast<int>(t % 3) : -1) << one.z << " " << one.first_z;
+      ASSERT_EQ(adjacency.convex_fan_corner(t, true), one.from_back ? static_cast<int>(t % 3) : -1) << one.z << " " << one.first_z;
+    }
+  }
+  const SurfaceAdjacency sphere = adjacency_of(make_icosphere(0.5, 1));
+  EXPECT_FALSE(sphere.has_large_fans());
+  EXPECT_EQ(sphere.convex_fan_corner(0, false), -1);
+}
+
 TEST(SurfaceAdjacency, LargeFansMayShareTrianglesAndStandBesideAnEdgeOfThree) {
   for (const bool has_fin : {false, true}) {
     TriangleMesh mesh;

@@ -79,6 +79,17 @@ TEST(SurfaceMaps, GradientsAreThoseOfTheTriangle) {
   }
   const MappedTriangle flat = {{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)}, {Eigen::Vector2d(0, 0), {1, 0}, {1, 1}}};
   EXPECT_EQ(map_gradients(flat).du, Vec3(0, 0, 0)) << "without area";
+  EXPECT_EQ(map_gradients(flat).dv, Vec3(0, 0, 0));
+  // Edges whose normal's square is below the least number above 0.
+  const MappedTriangle tiny = {{Vec3(1, 2, 3), Vec3(1, 2, 3) + 0x1p-52 * Vec3(4, 0, 0), Vec3(1, 2, 3) + 0x1p-52 * Vec3(0, 4, 0)},
+                               {Eigen::Vector2d(0.3, 0.4), {1e200, 0}, {0, 1e200}}};
+  for (const double scale : {0.0, 1e-100}) {
+    MappedTriangle small = tiny;
+    for (Vec3& corner : small.corner) corner *= scale;
+    EXPECT_EQ(map_gradients(small).du, Vec3(0, 0, 0)) << scale;
+    EXPECT_EQ(map_gradients(small).dv, Vec3(0, 0, 0)) << scale;
+    EXPECT_EQ(map_gradients(small).texcoord, Eigen::Vector2d(0.3, 0.4)) << scale;
+  }
 }
 
 // Texture coordinates of a file may be any numbers: if one direction overflows there is no gradient, so no force is NaN.

@@ -87,6 +87,33 @@ TEST(TouchTrajectory, TapsEndInsideAndStartOutside) {
   }
 }
 
+// Two blocks a narrow gap apart, narrower than an approach is long: half of one side of each lies in it.
+TEST(TouchTrajectory, TapsBeginWhereTheWayToTheSurfaceIsFree) {
+  const Vec3 size(0.04, 0.1, 0.1);
+  const double aside = 0.5 * 0.04 + 0.5 * 0.002;
+  const TriangleMesh block = make_box(size, 3);
+  const TriangleMesh blocks = joined(scaled_and_moved(block, 1.0, {-aside, 0.0, 0.0}), scaled_and_moved(block, 1.0, {aside, 0.0, 0.0}));
+  const auto is_within = [&](const Vec3& p, double x) { return ((p - Vec3(x, 0, 0)).cwiseAbs().array() < 0.5 * size.array()).all(); };
+  const auto taps = make_tap_trajectory(blocks, {.seed = 4, .rows = 12000});
+  ASSERT_TRUE(taps.has_value());
+  for (std::size_t i = 0; i < taps->p_SD.size(); i += taps->reset_every) {
+    const Vec3& start = taps->p_SD[i];
+    const Vec3& deepest = taps->p_SD[i + 20];
+    EXPECT_FALSE(is_within(start, -aside) || is_within(start, aside)) << i;
+    if (3 * i >= taps->p_SD.size()) continue;  // at vertices and edges
+    EXPECT_NE(is_within(deepest, -aside), is_within(deepest, aside)) << i;
+    // Nowhere on the way there in the other block.
+    const double other = is_within(deepest, aside) ? -aside : aside;
+    for (std::size_t k = 0; k < 20; ++k) EXPECT_FALSE(is_within(taps->p_SD[i + k], other)) << i + k;
+  }
+  const auto slide = make_slide_trajectory(blocks, {.seed = 4, .rows = 40000});
+  ASSERT_TRUE(slide.has_value());
+  for (std::size_t i = 0; i < slide->p_SD.size(); i += slide->reset_every) {
+    const Vec3& start = slide->p_SD[i];
+    EXPECT_FALSE(is_within(start, -aside) || is_within(start, aside)) << i;
+  }
+}
+
 TEST(TouchTrajectory, RandomWalkStaysNearAndVisitsTheInside) {
   const TriangleMesh mesh = make_icosphere(0.05, 3);
   const auto walk = make_random_walk(mesh, {.seed = 2});

@@ -230,6 +230,41 @@ TEST(SurfaceNets, NodesAtTheBorderCountWithTheirValues) {
 }
 
 // The nodes of a block: from one stride before its first cell to the end of its last one.
+// Nodes beyond the grid are outside by 1 at every stride, whatever the border has: as in a grid that goes on with that value on all sides.
+TEST(SurfaceNets, BeyondTheGridEverythingIsOutsideByOne) {
+  const SurfaceNets::Index counts = {14, 15, 16};
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> distance(0.1, 2.0);
+  std::bernoulli_distribution is_inside(0.5);
+  const SampledNodes grid(counts, [&](const Vec3& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] == 0.0 || p[axis] == counts[static_cast<std::size_t>(axis)] - 1) return 3.0;
+    }
+    return (is_inside(random) ? -1.0 : 1.0) * distance(random);
+  });
+  constexpr int kBefore = SurfaceNets::kBlock;
+  const SampledNodes wide({48, 48, 48}, [&](const Vec3& p) {
+    const Eigen::Vector3i node = p.cast<int>() - Eigen::Vector3i::Constant(kBefore);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (node[axis] < 0 || node[axis] >= counts[static_cast<std::size_t>(axis)]) return 1.0;
+    }
+    return static_cast<double>(grid.values[static_cast<std::size_t>(node[0] + counts[0] * (node[1] + counts[1] * node[2]))]);
+  });
+  for (const int stride : {1, 2, 4}) {
+    SurfaceNets nets;
+    SurfaceNet net, expected;
+    nets.compute(grid.view(), {0, 0, 0}, stride, net);
+    nets.compute(wide.view(), {1, 1, 1}, stride, expected);
+    EXPECT_GT(net.quads.size(), 50U) << stride;
+    EXPECT_EQ(net.quads, expected.quads) << stride;
+    ASSERT_EQ(net.positions.size(), expected.positions.size()) << stride;
+    for (std::size_t v = 0; v < net.positions.size(); ++v) {
+      const Eigen::Vector3f there = expected.positions[v] - Eigen::Vector3f::Constant(kBefore);
+      ASSERT_LT((net.positions[v] - there).norm(), 1e-5F) << stride;
+    }
+  }
+}
+
 TEST(SurfaceNets, ABlockChangesWithTheNodesFromAStrideBeforeItToItsEnd) {
   EXPECT_EQ(SurfaceNets::count_blocks({16, 17, 48}), (SurfaceNets::Index{1, 2, 3}));
   constexpr int kNodes = 64;

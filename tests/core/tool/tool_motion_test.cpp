@@ -260,6 +260,34 @@ TEST(ToolAndMotion, AToolThatSticksIsCarriedAlong) {
 }
 
 // The slow task is done each 5 samples; between two of its steps the contacts move with the part.
+// Friction is that of the sample's own force: where the slab rises at once, in that step already.
+TEST(ToolAndMotion, FrictionFollowsASlabThatRisesInTheSameStep) {
+  const CoulombFriction friction = {0.5, 0.3};
+  const auto step = make_moving_step(kCube, {kSlab}, {1}, friction);
+  Pose hand = moved_by({-0.03, 0.004, 0.025});
+  Pose X_SO = Pose::Identity();
+  step->reset({.X_WD = hand});
+  for (int n = 1; n <= 60; ++n) {
+    hand.translation().z() = 0.025 - 1e-4 * n;  // 1 mm deep at the end
+    step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+  }
+  ToolOutput out;
+  for (int n = 0; n < 60; ++n) {
+    hand.translation().x() += 1e-4;
+    out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+  }
+  ASSERT_NEAR(out.force_n.z(), kSpring * 0.001, 2e-3);
+  ASSERT_NEAR(out.force_n.x(), -friction.friction_dynamic * kSpring * 0.001, 5e-3);
+  for (const double rise : {0.0005, -0.0005}) {
+    X_SO.translation().z() += rise;
+    hand.translation().x() += 1e-3;
+    out = step->step({.X_WD = hand, .X_SO = {&X_SO, 1}});
+    const double expected = kSpring * (0.001 + X_SO.translation().z());
+    EXPECT_NEAR(out.force_n.z(), expected, 2e-3) << rise;
+    EXPECT_NEAR(out.force_n.x(), -friction.friction_dynamic * expected, 5e-3) << rise;
+  }
+}
+
 TEST(ToolAndMotion, AHeldToolFeelsAPartThatMovesWithoutADiscontinuity) {
   HeldTool held(make_moving_step(kCube, {kSlab}, {1}));
   const Pose hand = moved_by({0.0, 0.0, 0.025});
