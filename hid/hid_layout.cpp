@@ -90,8 +90,7 @@ class Reader {
         return add(&Bits::feature);
       case kCollection:
         if (depth_++ == 0 && value == kApplication && usage_) applications_.push_back(compute_usage());
-        usage_.reset();
-        return depth_ <= kMaxNested;
+        return depth_ <= kMaxNested;  // its usage is forgotten at its end: those of what is in it are not read
       case kEndCollection:
         usage_.reset();
         return depth_-- > 0;

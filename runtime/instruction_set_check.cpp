@@ -9,10 +9,10 @@ CpuNeeds read_cpu() {
   CpuNeeds cpu;
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  cpu.avx2 = __builtin_cpu_supports("avx2") != 0;
-  cpu.fma = __builtin_cpu_supports("fma") != 0;
-  cpu.bmi2 = __builtin_cpu_supports("bmi2") != 0;
-  cpu.avx512 = __builtin_cpu_supports("avx512f") != 0;
+  cpu.avx2 = static_cast<bool>(__builtin_cpu_supports("avx2"));
+  cpu.fma = static_cast<bool>(__builtin_cpu_supports("fma"));
+  cpu.bmi2 = static_cast<bool>(__builtin_cpu_supports("bmi2"));
+  cpu.avx512 = static_cast<bool>(__builtin_cpu_supports("avx512f"));
 #endif
   return cpu;
 }

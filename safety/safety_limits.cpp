@@ -53,9 +53,10 @@ void SafetyLimits::tighten(const DeviceLimits& wanted) noexcept {
   lower(now_.continuous_force_n, wanted.continuous_force_n);
   lower(now_.max_speed_m_per_s, wanted.max_speed_m_per_s);
   for (int axis = 0; axis < 3; ++axis) {
-    const double low = std::max(now_.workspace_min_m[axis], wanted.workspace_min_m[axis]);
-    const double high = std::min(now_.workspace_max_m[axis], wanted.workspace_max_m[axis]);
-    if (!(wanted.workspace_min_m[axis] < wanted.workspace_max_m[axis]) || !(low < high)) continue;
+    // In this order, in which one that is no number stays none.
+    const double low = std::max(wanted.workspace_min_m[axis], now_.workspace_min_m[axis]);
+    const double high = std::min(wanted.workspace_max_m[axis], now_.workspace_max_m[axis]);
+    if (!(low < high)) continue;
     now_.workspace_min_m[axis] = low;
     now_.workspace_max_m[axis] = high;
   }

@@ -153,6 +153,18 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   EXPECT_THAT(said, HasSubstr("reconnected"));
 }
 
+// At once, the servo might not see that it was away, and its force would go on where it had been.
+TEST_F(Haply, ALostConnectionIsTriedAgainASecondLater) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  const std::uint16_t port = service->port();
+  const std::int64_t ended_ns = SteadyClock().now_ns();
+  service.reset();
+  service = std::make_unique<HaplyService>(port);
+  ASSERT_TRUE(serve_until([&] { return service->connections == 1 && device->status() == DeviceStatus::ready; }));
+  EXPECT_GE(SteadyClock().now_ns() - ended_ns, kNanosecondsPerSecond);
+}
+
 TEST_F(Haply, AServiceThatStopsReplyingIsConnectedAgain) {
   open();
   ASSERT_TRUE(serve_until_ready());

@@ -45,6 +45,42 @@ TEST(HaplyMessages, AStateGivesCursorGripAndCalibration) {
   EXPECT_EQ(state->grip->buttons, 5U);
 }
 
+// The first of a kind is the one in use, and one without a cable before one with.
+TEST(HaplyMessages, TheFirstGripCountsAndAWirelessOneBeforeOneWithACable) {
+  const auto buttons = [](const std::string& text) {
+    const auto state = read_state(text);
+    return state && state->grip ? static_cast<int>(state->grip->buttons) : -1;
+  };
+  const std::string a = R"([{"state":{"buttons":{"a":true}}},{"state":{"buttons":{"b":true}}}])";
+  const std::string c = R"([{"state":{"buttons":{"c":true,"a":false,"b":7}}}])";
+  EXPECT_EQ(buttons(R"({"wireless_verse_grip":)" + a + "}"), 1);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + "}"), 1);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":)" + c + "}"), 4);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":[]})"), 1);
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":{"state":{}}})"), 1) << "no list";
+  EXPECT_EQ(buttons(R"({"verse_grip":)" + a + R"(,"wireless_verse_grip":[{}]})"), 1) << "it says nothing";
+  EXPECT_EQ(buttons(R"({"verse_grip":[{"state":{}}]})"), 0);
+  EXPECT_EQ(buttons(R"({"verse_grip":[{}]})"), -1);
+  EXPECT_EQ(buttons("{}"), -1);
+}
+
+// An arm that does not say so is calibrated, and one may be of no known model.
+TEST(HaplyMessages, AnArmIsCalibratedUnlessItSaysOtherwise) {
+  const auto arm = [](const std::string& more) {
+    const auto state =
+        read_state(R"({"inverse3":[{"device_id":"049D","state":{"cursor_position":{"x":0.01,"y":0.02,"z":0.03}})" + more + "}]}");
+    return state && state->arms.size() == 1 ? state->arms[0] : Arm();
+  };
+  EXPECT_TRUE(arm("").is_calibrated);
+  EXPECT_TRUE(arm(R"(,"status":{})").is_calibrated);
+  EXPECT_TRUE(arm(R"(,"status":{"calibrated":7})").is_calibrated);
+  EXPECT_TRUE(arm(R"(,"status":{"calibrated":true})").is_calibrated);
+  EXPECT_FALSE(arm(R"(,"status":{"calibrated":false})").is_calibrated);
+  EXPECT_EQ(arm("").position_m, Vec3(0.01, 0.02, 0.03));
+  EXPECT_EQ(arm("").model, "");
+  EXPECT_EQ(arm("").firmware, "");
+}
+
 TEST(HaplyMessages, WhatIsMissingOrOfAnotherKindIsLeftOut) {
   for (const char* text : {"{}", R"({"inverse3":7})", R"({"inverse3":[7,null,{}]})", R"({"inverse3":[{"device_id":"a"}]})",
                            R"({"inverse3":[{"device_id":"a","state":{"cursor_position":{"x":"1","y":0,"z":0}}}]})",

@@ -70,6 +70,34 @@ Bytes repeated(const Bytes& item, std::size_t times) {
   return all;
 }
 
+// What was said for a report, or in a collection, is not said of the next one.
+TEST(HidLayout, AUsageHoldsUntilTheNextMainItem) {
+  for (const std::uint8_t report : Bytes{0x81, 0x91, 0xB1}) {
+    EXPECT_TRUE(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, report, 0x02, 0xA1, 0x01, 0xC0}).applications.empty()) << int{report};
+    EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, report, 0x02, 0x09, 0x02, 0xA1, 0x01, 0xC0}).applications,
+                ElementsAre(HidLayout::Usage{1, 2}))
+        << int{report};
+  }
+  // Another collection follows: it has none, or one of its own.
+  const Bytes first = {0x05, 0x01, 0x09, 0x02, 0xA1, 0x01, 0x09, 0x08, 0xC0};
+  EXPECT_THAT(read_hid_layout(Bytes(first) + Bytes{0xA1, 0x01, 0xC0}).applications, ElementsAre(HidLayout::Usage{1, 2}));
+  EXPECT_THAT(read_hid_layout(Bytes(first) + Bytes{0x09, 0x08, 0xA1, 0x01, 0xC0}).applications,
+              ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
+  // A limit is no main item.
+  EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0x15, 0x00, 0xA1, 0x01, 0xC0}).applications,
+              ElementsAre(HidLayout::Usage{1, 8}));
+}
+
+// Of two bytes all are the usage; beyond, the upper two are the page.
+TEST(HidLayout, AUsageOfFourBytesHasItsPage) {
+  EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x0A, 0xFF, 0xFF, 0xA1, 0x01, 0xC0}).applications,
+              ElementsAre(HidLayout::Usage{1, 0xFFFF}));
+  EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x0B, 0x00, 0x00, 0x01, 0x00, 0xA1, 0x01, 0xC0}).applications,
+              ElementsAre(HidLayout::Usage{1, 0}));
+  EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x0B, 0x34, 0x12, 0xCD, 0xAB, 0xA1, 0x01, 0xC0}).applications,
+              ElementsAre(HidLayout::Usage{0xABCD, 0x1234}));
+}
+
 TEST(HidLayout, AReportHasWholeBytes) {
   for (const std::size_t bits : {0U, 1U, 7U, 8U, 9U, 16U, 17U}) {
     const Bytes descriptor = {0x75, static_cast<std::uint8_t>(bits), 0x95, 0x01, 0x81, 0x02, 0x95, 0x02, 0x91, 0x02, 0x95, 0x03, 0xB1,

@@ -1,11 +1,15 @@
 #include "hid/hidapi_transport.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
+#include "runtime/clock.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -50,8 +54,41 @@ TEST(HidapiTransport, ANodeThatIsNotThereIsAnErrorInOneLineAtOnce) {
   device.path = "/dev/hapton-has-no-such-node";
   const auto opened = open_hid_device(device);
   ASSERT_FALSE(opened);
-  EXPECT_NE(opened.error().what.find("/dev/hapton-has-no-such-node"), std::string::npos) << opened.error().what;
+  EXPECT_EQ(opened.error().what.rfind("/dev/hapton-has-no-such-node: it cannot be opened: ", 0), 0U) << opened.error().what;
   EXPECT_EQ(opened.error().what.find('\n'), std::string::npos);
+}
+
+// It may be read and written, but is no device: nothing changes by waiting.
+TEST(HidapiTransport, AFileThatIsNoDeviceIsNotDenied) {
+  const ScratchFolder folder;
+  HidDescription device;
+  device.path = folder.write("file", "no device").string();
+  const auto opened = open_hid_device(device);
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().what.rfind(device.path + ": it cannot be opened: ", 0), 0U) << opened.error().what;
+}
+
+// udev grants access a moment after a device is there: it is awaited for a second, and then the rules are missing.
+TEST(HidapiTransport, ADeniedNodeIsTriedForASecondAndThenNamesTheRules) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  const auto open_as_nobody = [] {
+    const ScratchFolder folder;
+    HidDescription device;
+    device.path = folder.write("denied", "nobody may").string();
+    std::filesystem::permissions(folder.path(), std::filesystem::perms::all);
+    std::filesystem::permissions(device.path, std::filesystem::perms::none);
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && ::seteuid(kNobody) != 0) std::_Exit(2);
+    const std::int64_t begin_ns = SteadyClock().now_ns();
+    const auto opened = open_hid_device(device);
+    const std::int64_t took_ns = SteadyClock().now_ns() - begin_ns;
+    if (opened || took_ns < kNanosecondsPerSecond) std::_Exit(1);
+    std::fprintf(stderr, "%s\n", opened.error().what.c_str());
+    if (::getuid() == 0 && ::seteuid(0) != 0) std::_Exit(2);
+    std::filesystem::remove_all(folder.path());
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(open_as_nobody(), testing::ExitedWithCode(0), "denied: permission denied; install the udev rules");
 }
 
 TEST(HidapiTransport, AnOpenerForAnUnknownIdReportsIt) {

@@ -174,6 +174,43 @@ TEST_F(ResponseTrackerTest, CountsAlwaysAddUp) {
   }
 }
 
+// The device side alone has counted meanwhile. A count through all the numbers would take days.
+TEST_F(ResponseTrackerTest, AJumpOfTheNumbersIsNotCountedThrough) {
+  constexpr std::uint64_t kFar = 1'000'000'000'000'000;
+  take(1, 1);
+  tracker->reply(to(1));
+  take(kFar, kFar + 2);
+  EXPECT_EQ(tracker->reply(to(kFar + 1)), Verdict::late);
+  tracker->close(true);
+  EXPECT_EQ(tracker->counts().taken, 4U);
+  EXPECT_EQ(tracker->counts().in_time, 1U);
+  EXPECT_EQ(tracker->counts().lost, 2U);
+  EXPECT_EQ(tracker->counts().excused, 0U);
+}
+
+// Of the same ones, excused and lost are told apart by whether a newer one has its reply.
+TEST_F(ResponseTrackerTest, AtTheEndOnlyALivingNodeHasLostWhatWaits) {
+  for (const bool is_alive : {true, false}) {
+    tracker = std::make_unique<ResponseTracker>();
+    take(1, 10);
+    tracker->reply(to(4));
+    tracker->close(is_alive);
+    EXPECT_EQ(tracker->counts().lost, is_alive ? 9U : 3U);
+    EXPECT_EQ(tracker->counts().excused, is_alive ? 0U : 6U);
+  }
+}
+
+// Lost is a sample whose time is more than the patience ago.
+TEST_F(ResponseTrackerTest, ThePatienceIsForEachSample) {
+  take(1, 4);
+  tracker->reply(to(4));
+  tracker->settle(ResponseTracker::kReplyTimeoutNs + 2 * kMs);
+  EXPECT_EQ(tracker->counts().lost, 1U);
+  tracker->settle(ResponseTracker::kReplyTimeoutNs + 2 * kMs + 1);
+  EXPECT_EQ(tracker->counts().lost, 2U);
+  EXPECT_EQ(tracker->counts().late + tracker->counts().in_time, 1U);
+}
+
 TEST_F(ResponseTrackerTest, ForgetsWhatIsOlderThanItsCapacity) {
   take(1, 3 * ResponseTracker::kCapacity);
   EXPECT_EQ(tracker->reply(to(1)), Verdict::unknown);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <csignal>
 
 namespace hapton {
@@ -25,6 +26,39 @@ TEST(StopSignalTest, EachUserSignalRequestsAReport) {
   std::raise(SIGUSR1);
   EXPECT_EQ(stop.report_requests(), 2U);
   EXPECT_FALSE(stop.stop_requested());
+}
+
+constexpr std::array<int, 3> kHandled = {SIGINT, SIGTERM, SIGUSR1};
+std::array<int, 3> handled = {};  // signals that came when no StopSignal was there
+
+// A library's handlers go on after a command that could be stopped.
+TEST(StopSignalTest, WhatHandledASignalBeforeHandlesItAfterwards) {
+  std::array<struct sigaction, 3> before = {};
+  struct sigaction own = {};
+  own.sa_handler = [](int signal) {
+    for (std::size_t i = 0; i < kHandled.size(); ++i) handled[i] += signal == kHandled[i] ? 1 : 0;
+  };
+  for (std::size_t i = 0; i < kHandled.size(); ++i) ASSERT_EQ(sigaction(kHandled[i], &own, &before[i]), 0);
+  handled = {};
+  {
+    const StopSignal stop;
+    for (const int signal : {SIGINT, SIGUSR1}) std::raise(signal);
+    EXPECT_EQ(handled, (std::array<int, 3>{0, 0, 0}));
+  }
+  for (const int signal : kHandled) std::raise(signal);
+  EXPECT_EQ(handled, (std::array<int, 3>{1, 1, 1}));
+  for (std::size_t i = 0; i < kHandled.size(); ++i) ASSERT_EQ(sigaction(kHandled[i], &before[i], nullptr), 0);
+}
+
+TEST(StopSignalTest, ANewOneKnowsNothingOfTheLast) {
+  {
+    StopSignal stop;
+    stop.request_stop();
+    std::raise(SIGUSR1);
+  }
+  const StopSignal stop;
+  EXPECT_FALSE(stop.stop_requested());
+  EXPECT_EQ(stop.report_requests(), 0U);
 }
 
 TEST(StopSignalTest, TheProgramMayRequestItself) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "tools/governor/hostile_program.h"
@@ -77,6 +78,42 @@ TEST(SafetyLimits, WorkspacesShrinkToWhatBothHave) {
   limits.tighten(wanted);
   EXPECT_EQ(limits.now().workspace_min_m, Vec3(-0.05, -0.1, -0.1));
   EXPECT_EQ(limits.now().workspace_max_m, Vec3(0.1, 0.02, 0.1));  // z: they have nothing in common
+}
+
+// Empty, the wrong way round or not numbers: that axis stays as it is, and the others shrink.
+TEST(SafetyLimits, AnAxisThatMakesNoSenseIsNotShrunk) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const auto& [low, high] : {std::pair(0.05, 0.05), std::pair(0.05, -0.05), std::pair(kNan, 0.05), std::pair(-0.05, kNan),
+                                    std::pair(kNan, kNan), std::pair(0.1, 0.2), std::pair(-0.2, -0.1)}) {
+      SafetyLimits limits(full());
+      DeviceLimits wanted;
+      wanted.workspace_min_m = Vec3::Constant(-0.05);
+      wanted.workspace_max_m = Vec3::Constant(0.06);
+      wanted.workspace_min_m[axis] = low;
+      wanted.workspace_max_m[axis] = high;
+      limits.tighten(wanted);
+      for (int other = 0; other < 3; ++other) {
+        EXPECT_EQ(limits.now().workspace_min_m[other], other == axis ? -0.1 : -0.05) << low << " to " << high;
+        EXPECT_EQ(limits.now().workspace_max_m[other], other == axis ? 0.1 : 0.06) << low << " to " << high;
+      }
+    }
+  }
+}
+
+// Above 1e-9 and below 1e9: beyond is no limit of a device.
+TEST(SafetyLimits, AUsableLimitIsBetweenTheBounds) {
+  for (const auto& [most_n, usable] : {std::pair(1e-9, false), std::pair(1.1e-9, true), std::pair(1e9, false), std::pair(0.9e9, true)}) {
+    DeviceLimits device = full();
+    device.max_force_n = most_n;
+    EXPECT_EQ(SafetyLimits(device).now().max_force_n, usable ? most_n : 0.0);
+  }
+  DeviceLimits device = full();
+  device.max_stiffness_n_per_m = kNan;
+  EXPECT_EQ(SafetyLimits(device).now().max_stiffness_n_per_m, 0.0);
+  device.max_stiffness_n_per_m = 300.0;
+  EXPECT_EQ(SafetyLimits(device).now().max_stiffness_n_per_m, 300.0);
+  device.continuous_force_n = 9.0;
+  EXPECT_EQ(SafetyLimits(device).now().continuous_force_n, 8.0) << "no more than the largest";
 }
 
 TEST(SafetyLimits, NoSequenceOfRequestsLoosensAnything) {

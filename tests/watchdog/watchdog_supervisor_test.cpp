@@ -133,6 +133,37 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
   ::kill(watchdog.id(), SIGKILL);
 }
 
+// It stands still and its heartbeats are written by hand: a second without one is not too much, a nanosecond more is. One that ended is
+// replaced however new its heartbeat is.
+TEST_F(WatchdogProcessTest, OneThatBeatsIsLeftAlone) {
+  constexpr std::int64_t kPeerTimeoutNs = WatchdogSupervisor::kPeerTimeoutNs;
+  ASSERT_TRUE(watchdog.start(memory, program(), 0));
+  const pid_t first = watchdog.id();
+  ::kill(first, SIGSTOP);
+  ASSERT_EQ(::waitpid(first, nullptr, WUNTRACED), first);
+  const std::int64_t later_ns = clock.now_ns() + 2 * kPeerTimeoutNs;
+  memory.page().watchdog_beat_ns = later_ns - kPeerTimeoutNs;
+  EXPECT_FALSE(watchdog.restart_if_dead(later_ns));
+  EXPECT_EQ(watchdog.id(), first);
+  EXPECT_EQ(watchdog.restarts(), 0U);
+  EXPECT_EQ(::kill(first, 0), 0);
+  memory.page().watchdog_beat_ns = later_ns - kPeerTimeoutNs - 1;
+  EXPECT_TRUE(watchdog.restart_if_dead(later_ns));
+  const pid_t second = watchdog.id();
+  EXPECT_NE(second, first);
+  EXPECT_EQ(watchdog.restarts(), 1U);
+  EXPECT_EQ(::kill(first, 0), -1) << "it is gone, and no zombie";
+  ::kill(second, SIGKILL);
+  siginfo_t ended = {};
+  ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(second), &ended, WEXITED | WNOWAIT), 0);
+  const std::int64_t last_ns = clock.now_ns() + 2 * kPeerTimeoutNs;
+  memory.page().watchdog_beat_ns = last_ns;
+  EXPECT_TRUE(watchdog.restart_if_dead(last_ns));
+  EXPECT_NE(watchdog.id(), second);
+  EXPECT_EQ(watchdog.restarts(), 2U);
+  ::kill(watchdog.id(), SIGKILL);
+}
+
 // Whatever stood on the stack before.
 [[gnu::noinline]] void soil_the_stack() {
   std::array<volatile unsigned char, 16384> dirt;
