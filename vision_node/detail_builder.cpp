@@ -23,7 +23,6 @@ constexpr std::size_t kCoarsest = 2'000;
 constexpr std::size_t kErrorSamples = 4'000;
 // The servo loop and the haptics node may live on the same cores.
 constexpr int kNiceness = 10;
-constexpr std::chrono::seconds kLongestWait(1);
 
 bool has_texture_or_alpha(const DetailLevel& level) {
   return std::any_of(level.paints.begin(), level.paints.end(),
@@ -34,7 +33,7 @@ bool has_texture_or_alpha(const DetailLevel& level) {
 
 class DetailBuilder::Work {
  public:
-  explicit Work(std::vector<std::shared_ptr<const DetailLevel>> full);
+  Work(std::vector<std::shared_ptr<const DetailLevel>> full, std::chrono::seconds longest_wait);
 
   bool has_any() const { return total_ > 0.0; }
   void run();
@@ -50,6 +49,7 @@ class DetailBuilder::Work {
   void offer(Made made);
 
   std::vector<std::shared_ptr<const DetailLevel>> full_;
+  std::chrono::seconds longest_wait_;
   double total_ = 0.0;  // triangles to work through
   std::atomic<bool> stop_{false};
   std::atomic<double> progress_{0.0};
@@ -59,7 +59,8 @@ class DetailBuilder::Work {
   std::vector<Made> made_;
 };
 
-DetailBuilder::Work::Work(std::vector<std::shared_ptr<const DetailLevel>> full) : full_(std::move(full)) {
+DetailBuilder::Work::Work(std::vector<std::shared_ptr<const DetailLevel>> full, std::chrono::seconds longest_wait)
+    : full_(std::move(full)), longest_wait_(longest_wait) {
   for (const auto& level : full_) {
     if (level->triangles() >= kMinTriangles) total_ += static_cast<double>(level->triangles());
   }
@@ -91,7 +92,7 @@ void DetailBuilder::Work::begin() {
 
 void DetailBuilder::Work::wait_for_begin() {
   std::unique_lock lock(mutex_);
-  begun_.wait_for(lock, kLongestWait, [this] { return has_begun_; });
+  begun_.wait_for(lock, longest_wait_, [this] { return has_begun_; });
 }
 
 void DetailBuilder::Work::run() {
@@ -143,7 +144,8 @@ void DetailBuilder::Work::build(std::size_t object) {
   progress_ = begin + share;
 }
 
-DetailBuilder::DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full) : work_(std::make_shared<Work>(std::move(full))) {
+DetailBuilder::DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full, std::chrono::seconds longest_wait)
+    : work_(std::make_shared<Work>(std::move(full), longest_wait)) {
   // A level of ten million triangles takes many seconds, and meshoptimizer cannot be interrupted: a person who quits does not wait for it.
   if (work_->has_any()) start_thread([work = work_] { work->run(); }).detach();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <vector>
@@ -16,7 +17,8 @@ class DetailBuilder {
   static constexpr std::size_t kMinTriangles = 12'000;
 
   // Full levels, one for each object, in its frame U.
-  explicit DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full);
+  // longest_wait: for begin().
+  explicit DetailBuilder(std::vector<std::shared_ptr<const DetailLevel>> full, std::chrono::seconds longest_wait = std::chrono::seconds(1));
   ~DetailBuilder();
   DetailBuilder(const DetailBuilder&) = delete;
   DetailBuilder& operator=(const DetailBuilder&) = delete;

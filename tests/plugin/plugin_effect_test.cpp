@@ -28,6 +28,42 @@ TEST(PluginEffect, HasItsNameAndForgetsAtAReset) {
   EXPECT_EQ(effect.step(input).force_n, Vec3(0, 0, 0));
 }
 
+// What a plug-in may leave out is not called.
+TEST(PluginEffect, ResetAndDestroyMayBeMissing) {
+  SimulatedClock clock;
+  auto made = PluginEffect::make(*parse_plugin_choice(standin::library("plugins/bare_effect.so") + ":n=0.5"), clock, 1000);
+  ASSERT_TRUE(made) << made.error().what;
+  hapton_effect_input input = {};
+  input.dt_s = 1e-3;
+  EXPECT_EQ((*made)->step(input).force_n, Vec3(0.5, 0, 0));
+  (*made)->reset();
+  EXPECT_FALSE((*made)->guard().cut_off());
+  EXPECT_EQ((*made)->step(input).force_n, Vec3(0.5, 0, 0));
+  made->reset();
+}
+
+// The stand-in aborts where it is destroyed without having been made.
+TEST(PluginEffect, OneThatRejectsItsParametersIsNotDestroyedAndSaysWhyInOneLine) {
+  SimulatedClock clock;
+  const auto rejection = [&](const std::string& does) {
+    const auto made = PluginEffect::make(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=" + does), clock, 1000);
+    return made ? "it was made" : made.error().what;
+  };
+  EXPECT_THAT(rejection("reject_lines"), testing::EndsWith("odd_one does not start: n is odd"));
+  EXPECT_THAT(rejection("blank"), testing::EndsWith("odd_one does not start: it does not say why"));
+  EXPECT_THAT(rejection("silent"), testing::EndsWith("odd_one does not start: it does not say why"));
+}
+
+TEST(PluginEffect, AnExceptionInResetCutsItOff) {
+  SimulatedClock clock;
+  const auto made =
+      PluginEffect::make(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=reset_exception"), clock, 1000);
+  ASSERT_TRUE(made) << made.error().what;
+  EXPECT_FALSE((*made)->guard().cut_off());
+  (*made)->reset();
+  EXPECT_EQ((*made)->guard().cut_off().reason, CutOff::Reason::exception);
+}
+
 // Force and torque along each axis are the plug-in's, and what it writes into its input is its own.
 TEST(PluginEffect, EachAxisIsItsOwn) {
   SimulatedClock clock;

@@ -114,6 +114,42 @@ TEST_F(PluginMethodTest, NonsenseCutsItOffAndItsForceFades) {
   }
 }
 
+// The stand-in aborts where it is called after the cut.
+TEST_F(PluginMethodTest, WhatIsCutOffIsCalledNoMore) {
+  const auto method = make("does=nan");
+  method->step({.p_SD = {0, -0.002, 0}});
+  ASSERT_TRUE(method->guard().cut_off());
+  const Material softer{.stiffness_n_per_m = 100.0};
+  method->set_materials({&softer, 1});
+  method->reset({0, 0.01, 0});
+  EXPECT_EQ(method->step({.p_SD = {0, -0.002, 0}}).force_n, Vec3::Zero());
+}
+
+TEST_F(PluginMethodTest, AnExceptionInResetOrWithMaterialsCutsItOff) {
+  const auto unwilling = make("does=reset_exception");
+  unwilling->reset({0, std::nan(""), 0});
+  EXPECT_FALSE(unwilling->guard().cut_off()) << "a place that is none is not told";
+  unwilling->reset({0, 0.01, 0});
+  EXPECT_EQ(unwilling->guard().cut_off().reason, CutOff::Reason::exception);
+  const auto choosy = make("does=material_exception");
+  choosy->reset({0, 0.01, 0});
+  EXPECT_FALSE(choosy->guard().cut_off());
+  const Material softer{.stiffness_n_per_m = 100.0};
+  choosy->set_materials({&softer, 1});
+  EXPECT_EQ(choosy->guard().cut_off().reason, CutOff::Reason::exception);
+}
+
+// Without set_materials those of its creation stay; without destroy nothing is called at its end.
+TEST_F(PluginMethodTest, MaterialsAndDestroyMayBeMissing) {
+  auto made = PluginMethod::make({.file = standin::library("plugins/bare_method.so")}, one_sheet(), clock);
+  ASSERT_TRUE(made) << made.error().what;
+  const Material softer{.stiffness_n_per_m = 100.0};
+  (*made)->set_materials({&softer, 1});
+  EXPECT_FALSE((*made)->guard().cut_off());
+  EXPECT_NEAR((*made)->step({.p_SD = {0, -0.002, 0}}).force_n.y(), 1.0, 1e-12);
+  made->reset();
+}
+
 TEST_F(PluginMethodTest, AnObjectThatIsNoneIsUnknown) {
   const auto method = make("does=odd_object");
   EXPECT_EQ(method->step({.p_SD = {0, -0.002, 0}}).object, -1);

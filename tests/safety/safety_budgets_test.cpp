@@ -94,6 +94,54 @@ TEST(SafetyGovernor, AFadedLimitCountsAsDampedOnlyWhereItIsReached) {
   EXPECT_EQ(bench.governor.counters().damped, before + 5);
 }
 
+// Each accepted force counts once, in each way that it was limited.
+TEST(SafetyGovernor, EachForceIsCountedOnce) {
+  Bench stopped;
+  stopped.sample.p_WD.z() = 0.15;
+  stopped.press(4.0, 300);
+  const GovernorCounters before = stopped.governor.counters();
+  stopped.press(4.0, 7);
+  EXPECT_EQ(stopped.governor.counters().stopped, before.stopped + 7);
+  EXPECT_EQ(stopped.governor.counters().clamped, before.clamped);
+  EXPECT_EQ(stopped.governor.counters().slewed, before.slewed);
+  stopped.press(9.0, 3);
+  EXPECT_EQ(stopped.governor.counters().clamped, before.clamped + 3);
+  EXPECT_EQ(stopped.governor.counters().stopped, before.stopped + 10);
+
+  Bench braked;
+  braked.sample.p_WD.z() = -0.09;
+  braked.press(1.0, 200);
+  sweep(braked, 1.7, 30);
+  const std::uint64_t slow = braked.governor.counters().braked;
+  sweep(braked, 1.7, 7);
+  EXPECT_EQ(braked.governor.counters().braked, slow + 7);
+
+  Bench slewed;
+  slewed.press(-7.5, 300);
+  ASSERT_EQ(slewed.governor.counters().slewed, 0U);
+  slewed.press(7.5, 5);  // 2 N in a cycle of 1 ms, so 15 N take eight
+  EXPECT_EQ(slewed.governor.counters().slewed, 5U);
+  slewed.press(7.5, 5);
+  EXPECT_EQ(slewed.governor.counters().slewed, 7U) << "the eighth is there";
+}
+
+// The device goes where the force pushes it: all of it would be energy that nobody put in.
+TEST(SafetyGovernor, EachForceThatPassivityLimitsIsCountedOnce) {
+  Bench bench;
+  bench.governor.keep_passive({.mass_kg = 0.1, .damping_ns_per_m = 0.0, .friction_n = 0.0});
+  bench.sample.p_WD.z() = -0.09;
+  sweep(bench, 0.1, 300);
+  const GovernorCounters before = bench.governor.counters();
+  ASSERT_GT(before.kept_passive, 0U);
+  sweep(bench, 0.1, 9);
+  EXPECT_EQ(bench.governor.counters().kept_passive, before.kept_passive + 9);
+  EXPECT_EQ(bench.governor.counters().clamped, 0U);
+  bench.wait(5);
+  EXPECT_EQ(bench.governor.counters().kept_passive, before.kept_passive + 9) << "no force came";
+  bench.press(0.0, 5);
+  EXPECT_EQ(bench.governor.counters().kept_passive, before.kept_passive + 9) << "there is nothing to limit";
+}
+
 TEST(SafetyGovernor, AfterAnInterruptNothingComesBeforeANewCommand) {
   Bench bench;
   bench.press(5.0, 200);

@@ -54,6 +54,19 @@ TEST(DetailBuilder, BeginsByItselfWhenNobodyDraws) {
   EXPECT_FALSE(take_all(builder).empty());
 }
 
+// Which would wait for a day.
+TEST(DetailBuilder, BeginsWhenItIsTold) {
+  const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
+  DetailBuilder builder({mesh}, std::chrono::hours(24));
+  EXPECT_EQ(builder.progress(), 0.0);
+  EXPECT_TRUE(builder.take_made().empty());
+  builder.begin();
+  const auto made = take_all(builder);
+  ASSERT_FALSE(made.empty());
+  EXPECT_TRUE(made.back().is_full);
+  EXPECT_TRUE(builder.take_made().empty()) << "each is given once";
+}
+
 TEST(DetailBuilder, CanBeEndedBeforeItHasBegun) {
   const auto mesh = level_of(make_bumpy_sphere(0.05, 0.25, 20'000, 1));
   for (int i = 0; i < 20; ++i) {

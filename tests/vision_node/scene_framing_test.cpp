@@ -123,6 +123,25 @@ TEST(SceneFraming, ASceneThatLiesApartIsShownWithTheWorkspace) {
   EXPECT_GT(width_of_ball(framing, p_W, 0.3), 0.2) << "not lost in a picture of the way there";
 }
 
+// The two together reach from the far side of the workspace to that of the scene, or the other way round where the scene is large.
+TEST(SceneFraming, TheMiddleIsThatOfTheSceneAndTheWorkspaceTogether) {
+  const double workspace_m = 0.5 * workspace_size_m().norm();
+  for (const auto& [p_WO, radius_m] :
+       {std::pair(Vec3(1.2, 0.3, -0.4), 0.3), std::pair(Vec3(-0.3, 0.0, 0.0), 0.1), std::pair(Vec3(0, 3, 0), 1.4)}) {
+    const Framing framing = frame_scene(ball_at(p_WO, radius_m), in_window());
+    const double radius = bound_scene(ball_at(p_WO, radius_m)).radius_m;
+    const double from_m = std::min(-workspace_m, p_WO.norm() - radius);
+    const double to_m = std::max(workspace_m, p_WO.norm() + radius);
+    EXPECT_LT((framing.p_WC - 0.5 * (from_m + to_m) * p_WO.normalized()).norm(), 1e-6) << p_WO.transpose();
+    EXPECT_TRUE(shows(framing, -workspace_m * p_WO.normalized())) << p_WO.transpose();
+    EXPECT_TRUE(shows(framing, p_WO + radius_m * p_WO.normalized())) << p_WO.transpose();
+  }
+  // Just two radii away, or within the workspace, a scene does not lie apart.
+  for (const auto& [x_m, radius_m] : {std::pair(0.59, 0.3), std::pair(0.24, 0.01)}) {
+    EXPECT_EQ(frame_scene(ball_at({x_m, 0, 0}, radius_m), in_window()).p_WC, Vec3::Zero()) << x_m;
+  }
+}
+
 TEST(SceneFraming, ASceneInAnotherPlaceAltogetherIsShownAlone) {
   const Vec3 p_W(4.5e5, 12.0, 5.4e6);
   const Framing framing = frame_scene(ball_at(p_W, 30.0), in_window());

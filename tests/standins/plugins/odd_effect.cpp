@@ -1,6 +1,7 @@
 // An effect that does what its parameters say: does=push|nan|torque_nan|huge|strong|sleep|forever|abort|exception|copy|lean, after=CALLS,
-// ms=MILLISECONDS, n=NEWTONS. In create: does=reject|silent|create_exception. Compiled with another version or size, it is one of another
-// release.
+// ms=MILLISECONDS, n=NEWTONS. In create: does=reject|reject_lines|blank|silent|create_exception; in reset: does=reset_exception. It aborts
+// when it is destroyed without having been created, and when it is reset after it gave NaN. Compiled with another version or size, it is
+// one of another release.
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -36,6 +37,8 @@ struct OddEffect {
     if (key == "n") made.n = std::atof(value.c_str());
   }
   if (made.does == "silent") return nullptr;
+  if (made.does == "blank") return std::snprintf(request->why, request->why_size, " \n "), nullptr;
+  if (made.does == "reject_lines") return std::snprintf(request->why, request->why_size, "n is\nodd\t \n"), nullptr;
   if (made.does == "create_exception") throw std::runtime_error("not today");
   if (made.does == "reject") {
     std::snprintf(request->why, request->why_size, "n must be\nless than %g", made.n);
@@ -44,7 +47,12 @@ struct OddEffect {
   return new OddEffect(made);
 }
 
-[[maybe_unused]] void reset(void* effect) { static_cast<OddEffect*>(effect)->calls = 0; }
+[[maybe_unused]] void reset(void* effect) {
+  OddEffect& odd = *static_cast<OddEffect*>(effect);
+  if (odd.does == "nan" && odd.calls > odd.after) std::abort();
+  if (odd.does == "reset_exception") throw std::runtime_error("not now");
+  odd.calls = 0;
+}
 
 [[maybe_unused]] void step(void* effect, const hapton_effect_input* input, hapton_effect_output* output) {
   OddEffect& odd = *static_cast<OddEffect*>(effect);
@@ -66,7 +74,10 @@ struct OddEffect {
   }
 }
 
-[[maybe_unused]] void destroy(void* effect) { delete static_cast<OddEffect*>(effect); }
+[[maybe_unused]] void destroy(void* effect) {
+  if (effect == nullptr) std::abort();
+  delete static_cast<OddEffect*>(effect);
+}
 
 }  // namespace
 
@@ -82,8 +93,14 @@ struct OddEffect {
 #ifndef ODD_MAX_N
 #define ODD_MAX_N 2.0
 #endif
+#ifndef ODD_RESET
+#define ODD_RESET reset
+#endif
+#ifndef ODD_DESTROY
+#define ODD_DESTROY destroy
+#endif
 #ifndef ODD_IS_NOTHING
 const hapton_effect_api hapton_effect = {
-    ODD_ABI, sizeof(hapton_effect_api), ODD_SIZE, sizeof(hapton_effect_output), "odd one", ODD_MAX_N, 0.5, create, reset, ODD_STEP,
-    destroy};
+    ODD_ABI,    sizeof(hapton_effect_api), ODD_SIZE, sizeof(hapton_effect_output), "odd one", ODD_MAX_N, 0.5, create, ODD_RESET, ODD_STEP,
+    ODD_DESTROY};
 #endif

@@ -1,6 +1,8 @@
 // A method: a floor at y = 0 with the stiffness of the first object's material, drawn at y = 0. Parameters: does=nan|nan_proxy|odd_object|
 // exception, from call after=CALLS on; does=reject; does=tell: the force is the velocity, and the proxy's x, y and z are the time, the
-// buttons and the x component of the stylus's axis y.
+// buttons and the x component of the stylus's axis y; does=reset_exception|material_exception, in these calls. It aborts when it is
+// destroyed without having been created, and when it is called after it gave NaN. Compiled with ODD_IS_BARE it has only what a method must
+// have.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -40,7 +42,16 @@ void* create(const hapton_request* request, const hapton_object* objects, std::s
   return new Floor(made);
 }
 
-void reset(void*, const double*) {}
+// After NaN it is cut off.
+void refuse_after_nan(const Floor& floor) {
+  if (floor.does == "nan" && floor.calls > floor.after) std::abort();
+}
+
+void reset(void* method, const double*) {
+  Floor& floor = *static_cast<Floor*>(method);
+  refuse_after_nan(floor);
+  if (floor.does == "reset_exception") throw std::runtime_error("not now");
+}
 
 void step(void* method, const hapton_method_input* input, hapton_method_output* output) {
   Floor& floor = *static_cast<Floor*>(method);
@@ -64,12 +75,22 @@ void step(void* method, const hapton_method_input* input, hapton_method_output* 
   output->proxy_m[2] = 2.0 * (q[1] * q[2] - q[0] * q[3]);
 }
 
-void set_materials(void* method, const hapton_material* materials, std::size_t) {
-  static_cast<Floor*>(method)->stiffness_n_per_m = materials[0].stiffness_n_per_m;
+[[maybe_unused]] void set_materials(void* method, const hapton_material* materials, std::size_t) {
+  Floor& floor = *static_cast<Floor*>(method);
+  refuse_after_nan(floor);
+  if (floor.does == "material_exception") throw std::runtime_error("not these");
+  floor.stiffness_n_per_m = materials[0].stiffness_n_per_m;
 }
 
-void destroy(void* method) { delete static_cast<Floor*>(method); }
+[[maybe_unused]] void destroy(void* method) {
+  if (method == nullptr) std::abort();
+  delete static_cast<Floor*>(method);
+}
 
 }  // namespace
 
+#ifdef ODD_IS_BARE
+HAPTON_METHOD("floor", 50.0, create, reset, step, nullptr, nullptr);
+#else
 HAPTON_METHOD("floor", 50.0, create, reset, step, set_materials, destroy);
+#endif

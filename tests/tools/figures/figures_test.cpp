@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <regex>
+#include <sstream>
+#include <string>
 
 namespace hapton {
 namespace {
@@ -48,6 +52,29 @@ TEST_F(FiguresTest, HullsWithMoreDirectionsCoverLess) {
   ASSERT_TRUE(std::regex_search(script, box, std::regex("6 directions, ([0-9]+) mm")));
   ASSERT_TRUE(std::regex_search(script, hull, std::regex("14 directions, ([0-9]+) mm")));
   EXPECT_LT(std::stod(hull[1]), 0.9 * std::stod(box[1]));
+}
+
+// A ring of 30 mm with a tube of 9 mm, cut through the middle: lines of two points along an inner and an outer circle.
+TEST_F(FiguresTest, TheCutOfTheRingIsTwoCircles) {
+  const std::string script = script_of(figures_, "hulls");
+  const std::size_t begin = script.find("$cut << EOD\n");
+  ASSERT_NE(begin, std::string::npos);
+  std::istringstream block(script.substr(begin, script.find("\nEOD", begin) - begin));
+  std::string line;
+  std::getline(block, line);
+  int inner = 0;
+  int outer = 0;
+  while (std::getline(block, line)) {
+    std::istringstream words(line);
+    double x = 0.0;
+    double y = 0.0;
+    if (!(words >> x >> y)) continue;
+    const double radius_mm = std::hypot(x, y);
+    EXPECT_NEAR(std::min(std::abs(radius_mm - 21.0), std::abs(radius_mm - 39.0)), 0.0, 0.1) << line;
+    (radius_mm < 30.0 ? inner : outer) += 1;
+  }
+  EXPECT_GE(inner, 2 * 96);
+  EXPECT_EQ(inner, outer);
 }
 
 // The picture says what the sweep did: under half a contact offset passed, above it not.

@@ -61,6 +61,25 @@ TEST(SoakVerdict, AnHourWithoutAnEventIsFlat) {
   EXPECT_EQ(json["round_trip_max_us"], 5000.0);
 }
 
+// What was looked at, in the order of the findings: the constant ones in one word.
+TEST(SoakVerdict, AFlatRunSaysWhatItLookedAt) {
+  SoakRun run = an_hour();
+  const std::string text = to_text(run, evaluate_soak(run));
+  EXPECT_THAT(text, HasSubstr("soak: flat over 3600 s: 3 late, 4 missed cycles, slowest round trip 5000 us, forces lost: 0, "));
+  EXPECT_THAT(text, HasSubstr(" samples and "));
+  EXPECT_THAT(text, HasSubstr(", ticks drifted "));
+  EXPECT_THAT(text, HasSubstr(", haptics_node memory "));
+  EXPECT_THAT(text, HasSubstr(", io_node memory "));
+  EXPECT_THAT(text, testing::EndsWith("; descriptors and threads constant"));
+  EXPECT_THAT(text, Not(HasSubstr("ran its time")));
+  EXPECT_THAT(text, Not(HasSubstr("descriptors +")));
+  EXPECT_THAT(text, Not(HasSubstr("threads +")));
+  run.samples.back().lost = 2;
+  for (SoakSample& sample : run.samples) sample.forces_hz = 900.0;
+  EXPECT_THAT(to_text(run, evaluate_soak(run)),
+              testing::StartsWith("soak: not flat: forces lost: 2; 1000.0 samples and 900.0 forces a second of 1000"));
+}
+
 TEST(SoakVerdict, EachCounterOfTheReportHasTheNumberOfItsName) {
   SoakRun run = an_hour();
   run.samples.back().lost = 1;

@@ -1,0 +1,85 @@
+// Colours are for a terminal whose person did not decline them.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include "tests/support/scratch_folder.h"
+#include "tests/tools/command_run.h"
+
+namespace hapton {
+namespace {
+
+constexpr const char* kColour = "\x1b[";
+
+// With that value of NO_COLOR, until this goes; none: it is not set.
+class NoColour {
+ public:
+  explicit NoColour(const std::optional<std::string>& value) {
+    if (const char* was = std::getenv("NO_COLOR"); was != nullptr) was_ = was;
+    set(value);
+  }
+  ~NoColour() { set(was_); }
+  NoColour(const NoColour&) = delete;
+  NoColour& operator=(const NoColour&) = delete;
+
+ private:
+  static void set(const std::optional<std::string>& value) { value ? ::setenv("NO_COLOR", value->c_str(), 1) : ::unsetenv("NO_COLOR"); }
+  std::optional<std::string> was_;
+};
+
+struct DoctorColours : testing::Test {
+  DoctorColours() {
+    const std::filesystem::path clock = folder.path() / "sys/devices/system/clocksource/clocksource0";
+    std::filesystem::create_directories(clock);
+    std::ofstream(clock / "current_clocksource") << "hpet\n";
+    words = {"hapton", "doctor", "--root", folder.path().string(), "--only", "clock"};
+  }
+  // What it prints on a terminal.
+  std::string on_a_terminal() {
+    const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+    if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) return "no terminal";
+    const int line = ::open(::ptsname(terminal), O_RDWR | O_NOCTTY);
+    std::fflush(stdout);
+    const int before = ::dup(STDOUT_FILENO);
+    ::dup2(line, STDOUT_FILENO);
+    std::vector<const char*> argv;
+    for (const std::string& word : words) argv.push_back(word.c_str());
+    EXPECT_EQ(run_hapton_command(static_cast<int>(argv.size()), argv.data()), 1);
+    std::fflush(stdout);
+    ::dup2(before, STDOUT_FILENO);
+    ::close(before);
+    std::array<char, 4096> read = {};
+    const ssize_t count = ::read(terminal, read.data(), read.size());
+    ::close(line);
+    ::close(terminal);
+    return {read.data(), static_cast<std::size_t>(count > 0 ? count : 0)};
+  }
+  std::string in_a_file() { return run_hapton({words.begin() + 1, words.end()}).out; }
+
+  ScratchFolder folder;
+  std::vector<std::string> words;
+};
+
+TEST_F(DoctorColours, AreForATerminalAlone) {
+  const NoColour unset(std::nullopt);
+  EXPECT_THAT(on_a_terminal(), testing::AllOf(testing::HasSubstr(kColour), testing::HasSubstr("fix: ")));
+  EXPECT_THAT(in_a_file(), testing::AllOf(testing::Not(testing::HasSubstr(kColour)), testing::HasSubstr("fix: ")));
+}
+
+TEST_F(DoctorColours, CanBeDeclined) {
+  const NoColour set("1");
+  EXPECT_THAT(on_a_terminal(), testing::AllOf(testing::Not(testing::HasSubstr(kColour)), testing::HasSubstr("fix: ")));
+  EXPECT_THAT(in_a_file(), testing::Not(testing::HasSubstr(kColour)));
+}
+
+}  // namespace
+}  // namespace hapton
