@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <regex>
 
 #include "tests/process/program.h"
 #include "tests/process/system.h"
@@ -123,6 +124,15 @@ TEST(Doctor, ReportsByItsExitCode) {
     words.insert(words.end(), wrong.begin(), wrong.end());
     EXPECT_EQ(run("hapton", words, folder.path()).value_or(Ended{}).exit_code, 2) << wrong.front();
   }
+}
+
+// Its name is that of a context that was made current.
+TEST(Doctor, NamesTheRendererOfADisplay) {
+  TestFolder folder;
+  const VirtualDisplay display;
+  Program doctor("hapton", {"doctor", "--only", "display"}, folder.path(), display.name());
+  ASSERT_TRUE(doctor.wait(kPatience)) << "still runs";
+  EXPECT_TRUE(std::regex_search(doctor.out(), std::regex("renderer: [^ ,].*, OpenGL [0-9]+\\.[0-9]"))) << doctor.out() << doctor.err();
 }
 
 // With a folder for the loader to look into, until this goes.

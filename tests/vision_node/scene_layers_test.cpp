@@ -167,6 +167,19 @@ Picture screenshot_of(StereoView& view) {
   return picture;
 }
 
+// The window's own edges are of one sample a pixel: only the marker's and the background's colour are there, and each has an edge.
+TEST(SceneLayers, AScreenshotHasSmoothEdges) {
+  auto view = open_or_fail(plain_settings(StereoMode::mono, 240, 240), {{make_marker(Vec3(0.01, 0.02, 0.0), 0.04), {1, 0, 0}}});
+  ASSERT_TRUE(view);
+  view->draw();
+  const Picture window = view->read_picture();
+  const Picture kept = screenshot_of(*view);
+  ASSERT_EQ(kept.rgb.size(), window.rgb.size());
+  const double differing = share_differing(kept, window, 3);
+  EXPECT_GT(differing, 0.001) << "along the edge";
+  EXPECT_LT(differing, 0.05) << "and nowhere else";
+}
+
 // Its first frame has a part of the triangles, and holes where the others are.
 TEST(SceneLayers, AScreenshotOfALargeMeshIsInFullDetailFromTheFirstFrameOn) {
   const std::vector<ShownObject> objects = {{bumpy(1'000'000), {0.6, 0.6, 0.6}}};

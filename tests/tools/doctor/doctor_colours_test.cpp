@@ -11,6 +11,7 @@
 #include <fstream>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tests/support/scratch_folder.h"
 #include "tests/tools/command_run.h"
