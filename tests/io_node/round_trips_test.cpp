@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "io_node/force_exchange.h"
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {

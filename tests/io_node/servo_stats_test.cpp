@@ -4,12 +4,12 @@
 
 #include <cstddef>
 
-#include "tests/io_node/servo_fixture.h"
+#include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
 namespace {
 
-TEST_F(Servos, EveryPlaceOfTheHubIsInTheReport) {
+TEST_F(NetworkLoops, EveryPlaceOfTheHubIsInTheReport) {
   make();
   join(kHaptics, NodeRole::haptics);
   join(kVision, NodeRole::vision);

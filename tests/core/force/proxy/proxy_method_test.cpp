@@ -249,10 +249,14 @@ TEST(Proxy, ACorrectionIsDampedAsItsSample) {
   const auto at = [](double z) { return Vec3(0.0013, 0.0021, z); };
   for (const bool enters_ball : {false, true}) {
     proxy->reset(at(0.006));
-    if (!enters_ball) EXPECT_FALSE(proxy->step({.p_SD = at(0.0055)}).contact);
+    if (!enters_ball) {
+      EXPECT_FALSE(proxy->step({.p_SD = at(0.0055)}).contact);
+    }
     const std::uint64_t skipped = proxy->counters().skipped;
     const double before = enters_ball ? 0.006 : 0.0012;
-    if (!enters_ball) EXPECT_FALSE(proxy->step({.p_SD = at(before)}).contact);
+    if (!enters_ball) {
+      EXPECT_FALSE(proxy->step({.p_SD = at(before)}).contact);
+    }
     EXPECT_FALSE(proxy->step({.p_SD = at(enters_ball ? 0.0055 : 0.001)}).contact);
     EXPECT_FALSE(proxy->step({.p_SD = at(0.0011), .is_correction = true}).contact);
     EXPECT_EQ(proxy->counters().skipped - skipped, enters_ball ? 1U : 3U);
