@@ -77,7 +77,8 @@ std::optional<Result<void>> WatchdogSupervisor::restart_if_dead(std::int64_t now
     if (!has_ended && !has_timed_out) return std::nullopt;
     if (!has_ended && !end()) {
       started_ns_ = now_ns;  // again in a while
-      return Result<void>(fail("the kernel does not let the watchdog process {} end; the device may not answer: check its cable", process_));
+      return Result<void>(
+          fail("the kernel does not let the watchdog process {} end; the device may not answer: check its cable", process_));
     }
     // Its id may soon be another process's.
     process_ = 0;

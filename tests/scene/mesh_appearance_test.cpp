@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "scene/mesh_file.h"
-#include "scene/read_mtl.h"
 #include "scene/scene_file.h"
 #include "tests/scene/gltf/gltf_samples.h"
 #include "tests/support/scratch_folder.h"
@@ -500,14 +499,6 @@ TEST_F(MeshAppearances, MaterialsThatNoLibraryHasAreNamed) {
   folder_.write("all.mtl", "newmtl Wood\nKd 1 1 1\n");
   EXPECT_THAT(load("a.obj", kObj).notes,
               ElementsAre("material 'red', as 2 in all, is in no material library that could be read: it has no colour"));
-}
-
-TEST(ReadMtl, FillsOnlyTheMaterialsThatTheMeshNames) {
-  RawMesh raw;
-  raw.appearance.materials.push_back({.name = "b", .colour = {}, .image = {}});
-  read_mtl("Kd 1 1 1\nnewmtl a\nKd 1 0 0\nnewmtl b\nKd 0.25 2 oops\nKd 0.25 2 0\n", ".", raw);
-  ASSERT_TRUE(raw.appearance.materials[0].colour);
-  EXPECT_EQ(*raw.appearance.materials[0].colour, Eigen::Vector3f(0.25F, 1.0F, 0.0F));
 }
 
 }  // namespace

@@ -110,6 +110,14 @@ TEST(ReadObj, NotesWhatItSkips) {
   EXPECT_THAT(raw->notes, ElementsAre(AllOf(HasSubstr("line 1"), HasSubstr("'nonsense'")), HasSubstr("2 lines"), HasSubstr("cut short")));
 }
 
+TEST(ReadMtl, FillsOnlyTheMaterialsThatTheMeshNames) {
+  RawMesh raw;
+  raw.appearance.materials.push_back({.name = "b", .colour = {}, .image = {}});
+  read_mtl("Kd 1 1 1\nnewmtl a\nKd 1 0 0\nnewmtl b\nKd 0.25 2 oops\nKd 0.25 2 0\n", ".", raw);
+  ASSERT_TRUE(raw.appearance.materials[0].colour);
+  EXPECT_EQ(*raw.appearance.materials[0].colour, Eigen::Vector3f(0.25F, 1.0F, 0.0F));
+}
+
 TEST(ReadMtl, TakesAByteOrderMark) {
   auto raw = read_obj(kThree + "usemtl red\nf 1 2 3\n", AppearanceReading::on);
   ASSERT_TRUE(raw) << raw.error().what;

@@ -175,9 +175,7 @@ Vec3 ProxyMethod::begin_motion(const MethodInput& input, const Vec3& last) noexc
   return std::exchange(carried_from_, std::nullopt).value_or(last);
 }
 
-void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept {
-  sample_from_ = within_limits(geometry_.to_local(p_SD));
-}
+void ProxyMethod::note_sample_before(const Vec3& p_SD) noexcept { sample_from_ = within_limits(geometry_.to_local(p_SD)); }
 
 double ProxyMethod::find_clear(const Vec3& device, double displacement) noexcept {
   const std::size_t waiting = geometry_.waiting_count();
