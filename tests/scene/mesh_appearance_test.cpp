@@ -74,24 +74,6 @@ TEST_F(MeshAppearances, OfAnObjFileAreTheMaterialsItsTrianglesNameWithTheirTextu
   EXPECT_EQ(file.appearance.triangles[2].corners[2].texcoord, Eigen::Vector2f(0, 0.75F));
 }
 
-// They count from 1, or back from the newest; any other number is none, and there is a default for it.
-TEST_F(MeshAppearances, PlacesInATextureOfAnObjFileCountFromBothEnds) {
-  folder_.write("all.mtl", "newmtl red\nKd 1 0 0\nnewmtl wood\nKd 0 1 0\n");
-  const std::string before = kObj.substr(0, kObj.rfind("f 1/1"));
-  const auto place_of = [&](const std::string& corner) {
-    return load("a.obj", before + "f 1" + corner + " 2/2 3/3\n").appearance.triangles.at(1).corners[0].texcoord;
-  };
-  const Eigen::Vector2f first(0, 1), second(1, 1), third(1, 0), last(0, 0.75F), none(0, 0);
-  EXPECT_EQ(place_of("/1"), first);
-  EXPECT_EQ(place_of("/2"), second);
-  EXPECT_EQ(place_of("/4"), last);
-  EXPECT_EQ(place_of("/-1"), last);
-  EXPECT_EQ(place_of("/-2"), third);
-  EXPECT_EQ(place_of("/-4"), first);
-  EXPECT_EQ(place_of("/2/7"), second) << "a normal behind it";
-  for (const char* const corner : {"", "/", "//1", "/0", "/5", "/-5", "/x", "/1x"}) EXPECT_EQ(place_of(corner), none) << corner;
-}
-
 TEST_F(MeshAppearances, ImagesOfBumpsAreIgnoredWithANote) {
   folder_.write("all.mtl", "newmtl red\nKd 0.8 0.1 0\nmap_Bump -bm 0.3 a.png\nnewmtl wood\nnorm n.png\nnewmtl other\nbump b.png\n");
   const MeshFile file = load("a.obj", kObj);

@@ -1,0 +1,39 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "scene/mesh_file.h"
+#include "tests/support/scratch_folder.h"
+
+namespace hapton {
+namespace {
+
+// Where the first corner of the only triangle is in its texture, of four places that the file has.
+Eigen::Vector2f texture_place_of(const std::string& corner) {
+  const ScratchFolder folder;
+  folder.write("all.mtl", "newmtl wood\nKd 0 1 0\n");
+  const auto path = folder.write(
+      "a.obj", "mtllib all.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 0.25\nusemtl wood\nf 1" + corner + " 2/2 3/3\n");
+  const auto file = load_mesh_file(path, Unit::m, AppearanceReading::on);
+  if (!file) {
+    ADD_FAILURE() << file.error().what;
+    return {};
+  }
+  return file->appearance.triangles.at(0).corners[0].texcoord;
+}
+
+// They count from 1, or back from the newest; any other number is none, and there is a default for it.
+TEST(ObjTexturePlaces, CountFromBothEnds) {
+  const Eigen::Vector2f first(0, 1), second(1, 1), third(1, 0), last(0, 0.75F), none(0, 0);
+  EXPECT_EQ(texture_place_of("/1"), first);
+  EXPECT_EQ(texture_place_of("/2"), second);
+  EXPECT_EQ(texture_place_of("/4"), last);
+  EXPECT_EQ(texture_place_of("/-1"), last);
+  EXPECT_EQ(texture_place_of("/-2"), third);
+  EXPECT_EQ(texture_place_of("/-4"), first);
+  EXPECT_EQ(texture_place_of("/2/7"), second) << "a normal behind it";
+  for (const char* const corner : {"", "/", "//1", "/0", "/5", "/-5", "/x", "/1x"}) EXPECT_EQ(texture_place_of(corner), none) << corner;
+}
+
+}  // namespace
+}  // namespace hapton
