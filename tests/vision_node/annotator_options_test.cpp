@@ -16,7 +16,8 @@ std::string said(const Result<void>& checked) { return checked ? "" : checked.er
 
 TEST(AnnotatorOptions, BothFilesMustBeWritableAndNeitherIsNeeded) {
   const ScratchFolder folder;
-  const std::string file = folder.write("file", "text").string();
+  const std::string one = folder.write("one", "no folder").string();
+  const std::string two = folder.write("two", "no folder").string();
   const auto check = [](const std::string& notes, const std::string& strokes) {
     AnnotatorOptions options;
     options.file = notes;
@@ -28,10 +29,10 @@ TEST(AnnotatorOptions, BothFilesMustBeWritableAndNeitherIsNeeded) {
   EXPECT_EQ(check(good, ""), "");
   EXPECT_EQ(check("", good), "");
   EXPECT_EQ(check(good, good), "");
-  EXPECT_THAT(check(file + "/a.toml", ""), HasSubstr("a.toml"));
-  EXPECT_THAT(check(file + "/a.toml", good), HasSubstr("a.toml"));
-  EXPECT_THAT(check("", file + "/b.obj"), HasSubstr("b.obj"));
-  EXPECT_THAT(check(good, file + "/b.obj"), HasSubstr("b.obj"));
+  EXPECT_THAT(check(one + "/a.toml", ""), HasSubstr("one cannot be a folder"));
+  EXPECT_THAT(check(one + "/a.toml", good), HasSubstr("one cannot be a folder"));
+  EXPECT_THAT(check("", two + "/b.obj"), HasSubstr("two cannot be a folder"));
+  EXPECT_THAT(check(good, two + "/b.obj"), HasSubstr("two cannot be a folder"));
 }
 
 TEST(AnnotatorOptions, NamesSayTheKindOfFile) {
