@@ -152,7 +152,7 @@ void HaplyDevice::run() {
     } else if (!tick()) {
       log_warning("the Haply Inverse Service is disconnected ({}); trying to reconnect", socket_->reason());
       socket_.reset();
-      next_try_ns_ = clock_.now_ns() + kRetryEveryNs;  // until then the servo has seen that it was away
+      next_try_ns_ = clock_.now_ns() + kRetryEveryNs / 4;  // until then the servo has seen that it was away
       publish(DeviceStatus::away, clock_.now_ns());
     }
   }
