@@ -130,6 +130,18 @@ class Wrong : public ForceMethod {
   Vec3 at_ = Vec3::Zero();
 };
 
+// A surface that the hand leaves quickly still holds the proxy.
+TEST(StressRun, ContactWhoseForceDampingTakesIsNoFault) {
+  const StressBody body = make_stress_body(stress_body_names().front());
+  StressSettings settings{.seed = 1};
+  settings.material.damping_ns_per_m = 5.0;
+  for (const char* method : {"proxy", "reference"}) {
+    const StressCount count = run_stress(body, settings, method, 6);
+    EXPECT_EQ(count.total_faults(), 0u) << method << '\n' << describe(count);
+    EXPECT_GT(count.contact_steps, 100u) << method;
+  }
+}
+
 TEST(StressRun, SeesEveryKindOfFault) {
   for (const StressFault fault : {StressFault::fall_through, StressFault::inside, StressFault::stuck, StressFault::unconverged,
                                   StressFault::discontinuity, StressFault::not_finite, StressFault::broken}) {
