@@ -261,7 +261,7 @@ void CommonProxy::follow(FeltParts& felt) noexcept {
   }
   is_squeezed_ = is_limited();
   const std::size_t first = has_still_ ? 0 : first_held();
-  if (any && first < count_ && (has_still_ || is_squeezed_)) (void)visit(felt, first);
+  if (any && first < count_ && !parts_[first].gives_way && (has_still_ || is_squeezed_)) (void)visit(felt, first);
 }
 
 void CommonProxy::follow_in_series(FeltParts& felt) noexcept {

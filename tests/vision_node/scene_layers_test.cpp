@@ -160,9 +160,11 @@ Picture screenshot_of(StereoView& view) {
     return picture;
   }
   picture.size = {texels->width, texels->height};
-  for (std::size_t i = 0; i < texels->rgba.size(); i += 4) {
-    picture.rgb.insert(picture.rgb.end(), texels->rgba.begin() + static_cast<std::ptrdiff_t>(i),
-                       texels->rgba.begin() + static_cast<std::ptrdiff_t>(i) + 3);
+  for (int y = texels->height - 1; y >= 0; --y) {
+    for (int x = 0; x < texels->width; ++x) {
+      const std::uint8_t* texel = &texels->rgba[4 * (static_cast<std::size_t>(y) * texels->width + x)];
+      picture.rgb.insert(picture.rgb.end(), texel, texel + 3);
+    }
   }
   return picture;
 }

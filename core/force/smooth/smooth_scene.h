@@ -69,7 +69,8 @@ class SmoothScene {
   SetTriangle triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept;
 
   // Moves one object's vertices, in the order of its mesh, and updates surface, normals and hulls. All local sets become invalid. Error:
-  // another number of vertices; coordinates that are not finite.
+  // another number of vertices; coordinates that are not finite; an extent that hulls do not take (FdhTree::build), after which the surface
+  // has moved and the hulls have not: build the scene again.
   Result<void> move_vertices(std::uint32_t object, std::span<const Vec3> vertices);
 
   std::uint64_t version() const { return version_; }
