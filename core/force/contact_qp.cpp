@@ -98,10 +98,7 @@ ConstrainedMotion constrain_motion(const Vec3& goal, std::span<const ContactPlan
       const double distance = (trial.y - goal).squaredNorm();
       if (distance >= best_distance) return;
       best_distance = distance;
-      best.motion = trial.y;
-      best.active = set;
-      best.multipliers = trial.multipliers;
-      best.active_count = count;
+      best = {trial.y, set, trial.multipliers, count};
     };
     const ContactPlane& w = planes[worst];
     consider(on_one(goal, w), {worst, -1, -1}, 1);

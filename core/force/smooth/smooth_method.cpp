@@ -374,18 +374,15 @@ MethodOutput SmoothMethod::compute_outside(const Vec3& P) noexcept {
 }
 
 MethodOutput SmoothMethod::compute_inside(const Vec3& P) noexcept {
-  MethodOutput output;
   Vec3 n;
   Vec3 V = project_smoothly(P, radius_, n);
   V += kContactOffset * scene_->tolerance() * n;
   const Vec3 pull = V - P;
-  output.force_n = outside_force(V + 2.0 * scene_->tolerance() * n);
+  Vec3 force_n = outside_force(V + 2.0 * scene_->tolerance() * n);
   // Within the tolerance the probe may still be on the outer side.
-  if (pull.dot(n) > 0.0) output.force_n += materials_[T_.object].stiffness_n_per_m * pull;
-  output.contact = !output.force_n.isZero(0.0);
-  output.p_SP = output.contact ? V : P;
-  if (output.contact) output.object = static_cast<int>(T_.object);
-  return output;
+  if (pull.dot(n) > 0.0) force_n += materials_[T_.object].stiffness_n_per_m * pull;
+  const bool pushes = !force_n.isZero(0.0);
+  return {.force_n = force_n, .p_SP = pushes ? V : P, .contact = pushes, .object = pushes ? static_cast<int>(T_.object) : -1};
 }
 
 Vec3 SmoothMethod::within_limits(const Vec3& p) const noexcept {

@@ -57,12 +57,8 @@ Result<std::unique_ptr<ForceMethod>> SweepMethod::make(const MethodSettings& set
     return fail("sweep: the scene has no triangle with an area ({} without one); give a mesh that can be touched", all.degenerate);
   }
   auto grid = UniformGrid::make(corners, settings.grid_division);
-  if (!grid) {
-    return tl::unexpected(grid.error());
-  }
-  if (auto checked = check_offset(settings.offset_m, *grid); !checked) {
-    return tl::unexpected(checked.error());
-  }
+  if (!grid) return tl::unexpected(grid.error());
+  if (auto checked = check_offset(settings.offset_m, *grid); !checked) return tl::unexpected(checked.error());
   return std::unique_ptr<ForceMethod>(new SweepMethod(std::move(*grid), std::move(all), settings.offset_m));
 }
 
@@ -83,18 +79,13 @@ void SweepMethod::reset(const Vec3& p_SD) noexcept {
 
 MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   if (!input.p_SD.allFinite()) return {.force_n = Vec3::Zero(), .p_SP = p_last_, .contact = false};
-  MethodOutput output;
-  output.p_SP = input.p_SD;
-  if (!started_) {
-    reset(input.p_SD);
-  }
-
+  if (!started_) reset(input.p_SD);
   const Vec3 p_SD = within_limits(input.p_SD);
   const Deepest deepest = find_deepest({.last = p_last_, .current = p_SD});
   ++steps_;
   if (!deepest.found) {
     p_last_ = p_SD;
-    return output;
+    return {.force_n = Vec3::Zero(), .p_SP = input.p_SD};
   }
 
   // The probe is below the surface. The memo's figure 4: the offset vector puts the start of the next line slightly above the collision
@@ -102,11 +93,9 @@ MethodOutput SweepMethod::step(const MethodInput& input) noexcept {
   const SweepCollision& hit = deepest.collision;
   p_last_ = hit.point + offset_m_ * hit.normal;
   const std::uint32_t object = triangles_.object_of[deepest.triangle];
-  output.force_n = triangles_.materials[object].stiffness_n_per_m * hit.depth * hit.normal;
-  output.p_SP = hit.point;
-  output.contact = output.force_n != Vec3::Zero();
-  if (output.contact) output.object = static_cast<int>(object);
-  return output;
+  const Vec3 force_n = triangles_.materials[object].stiffness_n_per_m * hit.depth * hit.normal;
+  const bool pushes = force_n != Vec3::Zero();
+  return {.force_n = force_n, .p_SP = hit.point, .contact = pushes, .object = pushes ? static_cast<int>(object) : -1};
 }
 
 void SweepMethod::set_materials(std::span<const Material> materials) noexcept {
