@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "core/force/touch_scene.h"
 
 namespace hapton {
@@ -13,9 +15,19 @@ namespace hapton {
 
 // Stiffness K Kc / (K + Kc). Damping B (Kc / (K + Kc))^2: the spring-damper's share at speeds at which B v is small against the springs.
 // coupling_n_per_m: above 0; 0 for none.
-Material couple_material(Material material, double coupling_n_per_m) noexcept;
+inline Material couple_material(Material material, double coupling_n_per_m) noexcept {
+  if (!(coupling_n_per_m > 0.0) || !std::isfinite(coupling_n_per_m)) return material;
+  // Without the product of two large stiffnesses, which might overflow.
+  const double share = coupling_n_per_m / (material.stiffness_n_per_m + coupling_n_per_m);
+  material.stiffness_n_per_m *= share;
+  material.damping_ns_per_m *= share * share;
+  return material;
+}
 
 // All materials of the scene; the meshes are shared.
-TouchScene couple_scene(TouchScene scene, double coupling_n_per_m);
+inline TouchScene couple_scene(TouchScene scene, double coupling_n_per_m) {
+  for (TouchObject& object : scene.objects) object.material = couple_material(object.material, coupling_n_per_m);
+  return scene;
+}
 
 }  // namespace hapton
