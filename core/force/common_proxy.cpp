@@ -177,11 +177,6 @@ bool CommonProxy::visit(FeltParts& felt, std::size_t i) noexcept {
   return held_before || part.holds();
 }
 
-bool CommonProxy::is_limited() const noexcept {
-  return std::any_of(parts_.begin(), parts_.begin() + static_cast<std::ptrdiff_t>(count_),
-                     [](const Part& part) { return part.is_limited; });
-}
-
 std::size_t CommonProxy::first_held() const noexcept {
   std::size_t n = 0;
   while (n < held_count_ && !parts_[held_[n]].holds()) ++n;
@@ -259,7 +254,7 @@ void CommonProxy::follow(FeltParts& felt) noexcept {
     if (has_met) begin_again(felt);
     if (holding_ > 1 && (has_met || round == 0 || (round % 2 == 0 && is_exact(felt)))) share_out();
   }
-  is_squeezed_ = is_limited();
+  is_squeezed_ = std::ranges::any_of(std::span(parts_).first(count_), &Part::is_limited);
   const std::size_t first = has_still_ ? 0 : first_held();
   if (any && first < count_ && !parts_[first].gives_way && (has_still_ || is_squeezed_)) (void)visit(felt, first);
 }

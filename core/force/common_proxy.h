@@ -152,7 +152,6 @@ class CommonProxy {
   bool visit(FeltParts& felt, std::size_t i) noexcept;
   void limit_share(Part& part, double whole_m) noexcept;
   double limit_m(double whole_m) const noexcept;
-  bool is_limited() const noexcept;
   bool is_exact(const FeltParts& felt) const noexcept;
   std::size_t first_held() const noexcept;
   void note_held(std::size_t i) noexcept;

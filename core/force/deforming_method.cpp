@@ -26,9 +26,6 @@ Result<std::unique_ptr<ForceMethod>> DeformingMethod::make(const MethodSettings&
   return std::unique_ptr<ForceMethod>(new DeformingMethod(std::move(*method), object));
 }
 
-DeformingMethod::DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object)
-    : carried_(std::move(method), object.mesh, object.deformation) {}
-
 std::string DeformingMethod::describe() const {
   const DeformingGeometry& surface = carried_.surface();
   return fmt::format("deforms for {:g} s{}: {} vertices move, {} trees of {:.3g} MB\n", surface.deformation().duration_s(),

@@ -31,7 +31,8 @@ class DeformingMethod final : public ForceMethod {
   std::string describe() const override;
 
  private:
-  DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object);
+  DeformingMethod(std::unique_ptr<ForceMethod> method, const TouchObject& object)
+      : carried_(std::move(method), object.mesh, object.deformation) {}
 
   CarriedProxy<DeformingGeometry> carried_;
 };

@@ -175,22 +175,17 @@ void TouchStep::place_commanded(double time_s) noexcept {
 }
 
 bool TouchStep::command(int object, const CommandedMove& move) noexcept {
-  for (Commanded& each : commanded_) {
-    if (each.object != object) continue;
-    if (!each.motion.begin(move)) return false;
-    // A move that takes no time counts, too.
-    placed_s_ = std::min(placed_s_, move.from.time_s);
-    commanded_until_s_ = std::max(commanded_until_s_, std::nextafter(move.to.time_s, std::numeric_limits<double>::infinity()));
-    return true;
-  }
-  return false;
+  const auto found = std::ranges::find(commanded_, object, &Commanded::object);
+  if (found == commanded_.end() || !found->motion.begin(move)) return false;
+  // A move that takes no time counts, too.
+  placed_s_ = std::min(placed_s_, move.from.time_s);
+  commanded_until_s_ = std::max(commanded_until_s_, std::nextafter(move.to.time_s, std::numeric_limits<double>::infinity()));
+  return true;
 }
 
 const CommandedMotion* TouchStep::find_commanded(int object) const noexcept {
-  for (const Commanded& each : commanded_) {
-    if (each.object == object) return &each.motion;
-  }
-  return nullptr;
+  const auto found = std::ranges::find(commanded_, object, &Commanded::object);
+  return found != commanded_.end() ? &found->motion : nullptr;
 }
 
 std::vector<int> TouchStep::commanded_objects() const {

@@ -101,7 +101,7 @@ Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
     planes_[count++] = {normal, clearance_.offset - normal.dot(p - at.nearest)};
   });
   if (count == 0) return p;
-  const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes_.data(), count));
+  const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span(planes_).first(count));
   if (!off.solved || !(off.motion.norm() <= farthest)) return p;
   // In a narrow corner that is farther than the offset, and another triangle may be in the way.
   const Vec3 clear = p + off.motion;

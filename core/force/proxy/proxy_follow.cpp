@@ -51,8 +51,7 @@ void ProxyMethod::follow(const Vec3& last, const Vec3& device) noexcept {
   const Vec3 exit = near.end < 1.0 ? not_far(on_path(last, device, near.end)) : device;
   if (near.begin > 0.0) come_near(enter);
   follow_piece(enter, exit);
-  if (near.end >= 1.0 || carried_from_) return;
-  follow_piece(exit, device);
+  if (near.end < 1.0 && !carried_from_) follow_piece(exit, device);
 }
 
 // The device has come from afar, to there.

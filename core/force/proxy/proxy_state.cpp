@@ -1,5 +1,7 @@
 #include "core/force/proxy/proxy_state.h"
 
+#include <algorithm>
+
 namespace hapton {
 
 ProxySurfaces::ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials)
@@ -9,8 +11,7 @@ ProxySurfaces::ProxySurfaces(const TouchGeometry& geometry, const std::vector<Ma
 }
 
 void ProxySurfaces::note_friction() noexcept {
-  has_friction_ = false;
-  for (const Material& material : materials_) has_friction_ |= material.friction_static > 0.0;
+  has_friction_ = std::ranges::any_of(materials_, [](const Material& material) { return material.friction_static > 0.0; });
 }
 
 bool ProxySurfaces::can_touch(std::uint32_t triangle, const Vec3& p) const noexcept {

@@ -341,8 +341,7 @@ Vec3 SurfacePoint::lifted_over_all(double height) const noexcept {
     add(a().normal(), 0.0);
     if (on_ == On::edge) add(b().normal(), 0.0);
   }
-  const ConstrainedMotion up =
-      constrain_motion(Vec3::Zero(), std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(count)));
+  const ConstrainedMotion up = constrain_motion(Vec3::Zero(), std::span(planes).first(static_cast<std::size_t>(count)));
   if (up.solved && up.motion.norm() <= kSteepest * height) return p_ + up.motion;
   if (on_ == On::edge) return p_ + between(a().normal(), b().normal(), height);
   if (on_ == On::vertex) return p_ + over_widest_face(height);
@@ -472,8 +471,7 @@ int SurfacePoint::find_contacts(const Vec3& device, std::array<Contact, 3>& cont
   }
   std::array<ContactPlane, kMaxPlanes> planes;
   for (int i = 0; i < fan_count_; ++i) planes[i] = {fan_[i].normal, 0.0};
-  const ConstrainedMotion held =
-      constrain_motion(to_device, std::span<const ContactPlane>(planes.data(), static_cast<std::size_t>(fan_count_)));
+  const ConstrainedMotion held = constrain_motion(to_device, std::span(planes).first(static_cast<std::size_t>(fan_count_)));
   for (int i = 0; i < held.active_count; ++i) {
     const FanFacet& facet = fan_[held.active[i]];
     contacts[i] = {facet.id, facet.normal, held.multipliers[i]};

@@ -47,7 +47,6 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
   constexpr double kNormalError = 0x1p-24;  // share of the goal: error of an edge's normal at the contact offset (point_triangle.h)
   if (const auto ended = finish_interrupted(proxy, device)) return *ended;
   if (is_shrunk() && !is_point_) grow_to_room(proxy.position);
-  const double least_motion = keep_.tolerance;  // shorter motions are below the tolerance of the clearance
   bool has_forgotten = false;
   for (int i = 0; i < kMaxMotions && work_ <= most_work_; ++i) {
     work_ += kWorkOfMotion;
@@ -56,7 +55,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     const double distance = goal.norm();
     const bool arrives = distance <= kLongestMotion;
     if (distance > kFarthestGoal) goal *= kFarthestGoal / distance;
-    note_progress(distance, kRoundedShare);
+    note_progress(distance);
     if (idle_ > kMaxIdle && proxy.contact_count > 0) {  // moving back and forth within the slop of the clearance
       if (is_too_near(proxy) && shrink_to_room(proxy.position)) {
         idle_ = 0;
@@ -80,7 +79,7 @@ bool SweptMotion::settle(ProxyState& proxy, const Vec3& device) noexcept {
     ConstrainedMotion constrained = next_motion(proxy, goal);
     if (proxy.contact_count == ProxyState::kMaxContacts) fix_active(proxy, constrained, goal);
     const Vec3 motion = surfaces_.has_friction() ? apply_friction(proxy, goal, constrained) : rolled(proxy, constrained, device);
-    if (motion.norm() <= least_motion + kNormalError * distance) {
+    if (motion.norm() <= keep_.tolerance + kNormalError * distance) {
       if (const auto ended = end_at_minimum(proxy, constrained, has_forgotten)) return *ended;
       continue;
     }
@@ -128,8 +127,8 @@ bool SweptMotion::is_blind(const ProxyState& proxy) const noexcept {
   return !is_point_ && !has_looked_ && proxy.contact_count == ProxyState::kMaxContacts;
 }
 
-void SweptMotion::note_progress(double distance, double rounding) noexcept {
-  const bool is_nearer = distance < nearest_ - rounding;
+void SweptMotion::note_progress(double distance) noexcept {
+  const bool is_nearer = distance < nearest_ - kRoundedShare;
   idle_ = is_nearer ? 0 : idle_ + 1;
   if (is_nearer) pushed_ = 0.0;
   nearest_ = std::min(nearest_, distance);
@@ -175,7 +174,7 @@ ConstrainedMotion SweptMotion::next_motion(const ProxyState& proxy, const Vec3& 
       const Separation& s = proxy.contacts[i].separation;
       planes_[i] = {s.normal, keep_.offset - s.distance};
     }
-    return constrain_motion(goal, std::span<const ContactPlane>(planes_.data(), static_cast<std::size_t>(proxy.contact_count)));
+    return constrain_motion(goal, std::span(planes_).first(static_cast<std::size_t>(proxy.contact_count)));
   };
   const ConstrainedMotion constrained = constrain();
   const bool has_room = constrained.solved && constrained.motion.norm() <= goal.norm() + kFarthestLift * keep_.offset;

@@ -57,9 +57,8 @@ class SweptMotion {
   void keep_only(double offset) noexcept;
   void forget() noexcept {
     keep_ = clearance_;
-    sweep_.drop();
     has_settled_ = true;
-    has_looked_ = false;
+    drop_motion();
   }
   // The triangles have changed: a motion begins anew.
   void drop_motion() noexcept {
@@ -79,7 +78,7 @@ class SweptMotion {
   std::optional<bool> end_at_minimum(ProxyState& proxy, ConstrainedMotion& held, bool& has_forgotten) noexcept;
   bool is_blind(const ProxyState& proxy) const noexcept;
   void forget_progress() noexcept;
-  void note_progress(double distance, double rounding) noexcept;
+  void note_progress(double distance) noexcept;
   void fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept;
   bool cross_empty_space(ProxyState& proxy, const Vec3& device) const noexcept;
   bool is_too_near(const ProxyState& proxy) const noexcept;
