@@ -95,16 +95,8 @@ SurfaceFollower::Next SurfaceFollower::settle_on_face(const Vec3& p, const Vec3&
 // Onto the face that leads nearer to the device; if neither does, the edge is concave and the point moves along it.
 SurfaceFollower::Next SurfaceFollower::descend_on_edge(const Vec3& device) noexcept {
   if (at_.is_free_over_edge(device)) return Next::airborne;
-  const double in_a = at_.has_left_a() ? 0.0 : SurfacePoint::inside_by(kOnEdge, at_.a(), at_.edge(), device);
-  const double in_b = SurfacePoint::inside_by(kOnEdge, at_.b(), at_.other_edge(), device);
-  const bool to_a = in_a > 0.0 && at_.a().height(device) <= kClear;
-  const bool to_b = in_b > 0.0 && at_.b().height(device) <= kClear;
-  if (to_b && !(to_a && in_a > in_b)) {
-    at_.cross_edge();
-    return Next::again;
-  }
-  if (to_a) {
-    at_.return_from_edge();
+  if (const SurfacePoint::Facet* over = at_.find_over_edge(device)) {
+    at_.leave_edge(*over);
     return Next::again;
   }
   const ContactTriangle& face = at_.a().shape;
@@ -222,11 +214,7 @@ SurfaceFollower::Next SurfaceFollower::follow_on_edge(const Vec3& from, const Ve
     if (at_.is_free_over_edge(to)) return Next::airborne;
     return has_moved && is_near_end_of_edge() ? Next::descend : Next::settled;
   }
-  if (event == Event::to_b) {
-    at_.cross_edge();
-  } else {
-    at_.return_from_edge();
-  }
+  at_.leave_edge(event == Event::to_b ? at_.b() : at_.a());
   return Next::again;
 }
 

@@ -219,14 +219,9 @@ SurfaceNext SurfaceFriction::descend_on_face(SurfacePoint& at, const Vec3& devic
 
 SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& device) noexcept {
   if (at.is_free_over_edge(device)) return SurfaceNext::airborne;
-  const double in_a = at.has_left_a() ? 0.0 : SurfacePoint::inside_by(kOnEdge, at.a(), at.edge(), device);
-  const double in_b = SurfacePoint::inside_by(kOnEdge, at.b(), at.other_edge(), device);
-  const bool to_a = in_a > 0.0 && at.a().height(device) <= kClear;
-  const bool to_b = in_b > 0.0 && at.b().height(device) <= kClear;
   const Vec3 pull = device - at.point();
-  if (to_a || to_b) {
-    const bool over_b = to_b && !(to_a && in_a > in_b);
-    const double height = (over_b ? at.b() : at.a()).height(device);
+  if (const SurfacePoint::Facet* over = at.find_over_edge(device)) {
+    const double height = over->height(device);
     const double pull_length = std::sqrt(std::max(0.0, pull.squaredNorm() - height * height));
     const double depth = std::max(0.0, -height);
     if (!moves(pull_length, depth)) {
@@ -235,11 +230,7 @@ SurfaceNext SurfaceFriction::descend_on_edge(SurfacePoint& at, const Vec3& devic
       drags_ = false;  // not along the edge
       return SurfaceNext::settled;
     }
-    if (over_b) {
-      at.cross_edge();
-    } else {
-      at.return_from_edge();
-    }
+    at.leave_edge(*over);
     return SurfaceNext::again;
   }
   const ContactTriangle& face = at.a().shape;

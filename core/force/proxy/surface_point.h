@@ -119,6 +119,18 @@ class SurfacePoint {
     return facet.shape.inside(k, device) - margin * facet.shape.length(k);
   }
 
+  // On an edge: the adjacent face that leads nearer to the device, of both the one that leads farther; null: neither.
+  const Facet* find_over_edge(const Vec3& device) const noexcept {
+    const double in_a = has_left_a_ ? 0.0 : inside_by(kOnEdge, a(), edge_, device);
+    const double in_b = inside_by(kOnEdge, b(), other_edge_, device);
+    const bool to_a = in_a > 0.0 && a().height(device) <= kClear;
+    const bool to_b = in_b > 0.0 && b().height(device) <= kClear;
+    if (to_b && !(to_a && in_a > in_b)) return &b();
+    return to_a ? &a() : nullptr;
+  }
+  // From the edge onto one of its faces.
+  void leave_edge(const Facet& over) noexcept { &over == &b() ? cross_edge() : return_from_edge(); }
+
   // On a face: the first edge on the straight path to a goal in its plane, and the share of the path up to it. edge -1: none.
   struct Exit {
     int edge = -1;
