@@ -124,7 +124,7 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> me
   }
   active_count_ = received_ = static_cast<std::uint32_t>(slots_.size());
   waiting_ = 0;
-  mark_unwalkable_between_objects();
+  for (std::uint32_t i = 0; i < slots_.size(); ++i) mark_unwalkable_near_others(i);
 }
 
 TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame)
@@ -152,12 +152,17 @@ TouchGeometry::TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> 
   }
 }
 
-void TouchGeometry::mark_unwalkable_between_objects() {
-  for (std::uint32_t o = 0; o < slots_.size(); ++o) {
-    hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
-      if (other != o) slots_[o].built->mark_unwalkable(slots_[o].built->find_near(*slots_[other].built, hierarchy_.bounds(o)));
-    });
-  }
+void TouchGeometry::mark_unwalkable_near_others(std::uint32_t object) {
+  ObjectGeometry& own = *slots_[object].built;
+  const Box& bounds = hierarchy_.bounds(object);
+  hierarchy_.for_each_overlapping(bounds.inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
+    if (other == object) return;
+    if (slots_[other].built != nullptr) {
+      own.mark_unwalkable(own.find_near(*slots_[other].built, bounds));
+    } else {
+      own.mark_unwalkable_near(hierarchy_.bounds(other));
+    }
+  });
 }
 
 void TouchGeometry::clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept {
@@ -264,16 +269,7 @@ bool TouchGeometry::build_wanted() {
                    ? std::make_unique<ObjectGeometry>(*slot.mesh, frame_, shading_crease_rad_, &new_vertex_)
                    : std::make_unique<ObjectGeometry>(ObjectGeometry::make(*slot.mesh, frame_, triangle_mask_, shading_crease_rad_));
   // Objects that are not built yet are represented by their boxes; those built before have taken the box of this one into account.
-  if (approach_.object_count() > 0) {
-    hierarchy_.for_each_overlapping(hierarchy_.bounds(o).inflated(ObjectGeometry::kWalkableMargin), [&](std::uint32_t other) {
-      if (other == o) return;
-      if (slots_[other].built != nullptr) {
-        slot.built->mark_unwalkable(slot.built->find_near(*slots_[other].built, hierarchy_.bounds(o)));
-      } else {
-        slot.built->mark_unwalkable_near(hierarchy_.bounds(other));
-      }
-    });
-  }
+  if (approach_.object_count() > 0) mark_unwalkable_near_others(o);
   slot.mesh.reset();
   const std::uint32_t at = finished_count_.load(std::memory_order_relaxed);
   finished_[at] = o;

@@ -171,7 +171,7 @@ class TouchGeometry {
   // Of objects that were built elsewhere.
   TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, std::span<const Box> bounds, const LocalFrame& frame,
                 int triangle_bits);
-  void mark_unwalkable_between_objects();
+  void mark_unwalkable_near_others(std::uint32_t object);
   // Shortens from..until to the part of the motion that may lie in the box.
   static void clip(const Box& box, const Vec3& p, const Vec3& motion, double& from, double& until) noexcept;
   const ObjectGeometry& object(std::uint32_t id) const { return *active_[id >> triangle_bits_]; }
