@@ -4,12 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
-#include <numeric>
 #include <span>
 #include <vector>
 
-#include "core/math/types.h"
+#include "core/collision/box.h"
 
 namespace hapton {
 
@@ -25,7 +23,7 @@ class NearSectors {
     items_.reserve(sectors.size());
     for (std::uint32_t i = 0; i < sectors.size(); ++i) items_.push_back(make_item(sectors[i], angle, i));
     const int axis = choose_axis();
-    std::sort(items_.begin(), items_.end(), [axis](const Item& a, const Item& b) { return a.low[axis] < b.low[axis]; });
+    std::sort(items_.begin(), items_.end(), [axis](const Item& a, const Item& b) { return a.box.low[axis] < b.box.low[axis]; });
     axis_ = axis;
   }
 
@@ -34,25 +32,21 @@ class NearSectors {
   void visit_pairs(Visit&& visit) const {
     for (std::size_t i = 0; i < items_.size(); ++i) {
       const Item& a = items_[i];
-      for (std::size_t j = i + 1; j < items_.size() && items_[j].low[axis_] <= a.high[axis_]; ++j) {
+      for (std::size_t j = i + 1; j < items_.size() && items_[j].box.low[axis_] <= a.box.high[axis_]; ++j) {
         const Item& b = items_[j];
-        if (overlap(a, b) && !is_beside(a, b) && !is_beside(b, a)) visit(a.sector, b.sector);
+        if (a.box.overlaps(b.box) && !is_beside(a, b) && !is_beside(b, a)) visit(a.sector, b.sector);
       }
     }
   }
 
  private:
   struct Item {
-    Vec3 low, high;      // of the arc, with room
+    Box box;             // of the arc, with room
     Edges edge;          // unit; zero: an edge without length
     Vec3 normal;         // not of unit length
     double least = 0.0;  // the product with a unit vector from which on that is certainly far from the plane
     std::uint32_t sector = 0;
   };
-
-  static bool overlap(const Item& a, const Item& b) {
-    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
-  }
 
   // Both edges of b, and with them all of its sector, are on one side of the plane of a.
   static bool is_beside(const Item& a, const Item& b) {
@@ -71,25 +65,22 @@ class NearSectors {
     const bool has_length = !item.edge[0].isZero(0.0) && !item.edge[1].isZero(0.0);
     // The arc is nowhere farther from its chord than in its middle.
     const double bulge = has_length ? 1.0 - 0.5 * (item.edge[0] + item.edge[1]).norm() : 2.0;
-    const Vec3 room = Vec3::Constant(bulge + angle + kRounding);
-    item.low = item.edge[0].cwiseMin(item.edge[1]) - room;
-    item.high = item.edge[0].cwiseMax(item.edge[1]) + room;
+    item.box = Box::around(item.edge[0], item.edge[1]).inflated(bulge + angle + kRounding);
     return item;
   }
 
   // Along which the arcs overlap least.
   int choose_axis() const {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-    Vec3 high = -low;
+    Box all;
     Vec3 lengths = Vec3::Zero();
     for (const Item& item : items_) {
-      low = low.cwiseMin(item.low);
-      high = high.cwiseMax(item.high);
-      lengths += item.high - item.low;
+      all.grow(item.box);
+      lengths += item.box.high - item.box.low;
     }
+    const Vec3 size = all.high - all.low;
     int axis = 0;
     for (int k = 1; k < 3; ++k) {
-      if (lengths[k] * (high[axis] - low[axis]) < lengths[axis] * (high[k] - low[k])) axis = k;
+      if (lengths[k] * size[axis] < lengths[axis] * size[k]) axis = k;
     }
     return axis;
   }
