@@ -37,9 +37,6 @@ class FdhScene {
 
   std::size_t object_count() const { return trees_.size(); }
   const FdhTree<K>& tree(std::size_t object) const { return trees_[object]; }
-  // How far rounding can move a computed point or distance, for queries within the scene's extent.
-  double rounding() const { return rounding_; }
-
   FdhStats stats() const {
     FdhStats all{0, upper_.node_count(), upper_.depth(), upper_.bytes() + order_.capacity() * sizeof(std::uint32_t)};
     for (const FdhTree<K>& tree : trees_) {
@@ -61,7 +58,7 @@ class FdhScene {
   std::vector<std::uint32_t> order_;
   std::vector<FdhTree<K>> trees_;
   Vec3 centre_ = Vec3::Zero();
-  double rounding_ = 0.0;
+  double rounding_ = 0.0;  // how far that can move a computed point or distance, for queries within the scene's extent
 };
 
 // ---------------------------------------------------------------------------------------------------------------------

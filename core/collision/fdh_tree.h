@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "core/collision/box.h"
 #include "core/collision/fdh_hierarchy.h"
 #include "core/geometry/triangle_distance.h"
 #include "core/geometry/triangle_mesh.h"
@@ -158,7 +159,6 @@ class FdhTree {
             hierarchy_.bytes() + order_.capacity() * sizeof(std::uint32_t) + corners_.capacity() * sizeof(Triangle)};
   }
   const FdhHull<K>& hull() const { return hull_; }  // of all triangles, in the mesh's frame
-  const Vec3& centre() const { return centre_; }
   // How far rounding can move a computed point or distance here, for queries within the mesh's extent.
   double rounding() const { return rounding_; }
 
@@ -196,17 +196,11 @@ class FdhTree {
 
 template <int K>
 Result<void> FdhTree<K>::measure(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
-  Vec3 low = Vec3::Zero();
-  Vec3 high = Vec3::Zero();
-  bool first = true;
+  Box box;
   for (const Triangle& triangle : triangles) {
-    for (const std::uint32_t index : triangle) {
-      const Vec3& v = vertices[index];
-      low = first ? v : Vec3(low.cwiseMin(v));
-      high = first ? v : Vec3(high.cwiseMax(v));
-      first = false;
-    }
+    for (const std::uint32_t index : triangle) box.grow(vertices[index]);
   }
+  const auto& [low, high] = triangles.empty() ? Box{Vec3::Zero(), Vec3::Zero()} : box;
   const double extent = 0.5 * (high - low).maxCoeff();
   if (!(extent < kLargestExtent) || (extent > 0.0 && extent < 1.0 / kLargestExtent)) {
     return fail("tree: the mesh extends {:g} m; give coordinates in metres, between 1e-15 and 1e15 across", 2.0 * extent);
