@@ -39,9 +39,6 @@ double radius_of(const ObjectGeometry& tool) {
 
 }  // namespace
 
-ContactSurface::ContactSurface(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles)
-    : ContactSurface(std::make_shared<const ObjectGeometry>(ObjectGeometry::make(mesh, frame, most_triangles))) {}
-
 ContactSurface::ContactSurface(std::shared_ptr<const ObjectGeometry> geometry)
     : geometry_(std::move(geometry)), features_(*geometry_), tree_(*geometry_) {}
 

@@ -15,8 +15,6 @@ namespace hapton {
 // Threads: immutable. RT: set-up only.
 class ContactSurface {
  public:
-  // most_triangles: as ObjectGeometry::make has it.
-  ContactSurface(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles);
   // Of a geometry that may be shared.
   explicit ContactSurface(std::shared_ptr<const ObjectGeometry> geometry);
   ContactSurface(const ContactSurface&) = delete;

@@ -41,9 +41,6 @@ class ToolFriction {
   // Where the device is at `device` and `local` holds the tool. Without contact: at the device. parts: as LocalContacts::follow has them.
   Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;
 
-  // Of the last step in contact.
-  const ContactCones& cones() const noexcept { return cones_; }
-
  private:
   void carry_along(std::span<const Placement> parts) noexcept;
   void choose_carrier(const LocalContacts& local, const LocalContacts::Solution& solution, std::span<const Placement> parts) noexcept;

@@ -33,16 +33,10 @@ Result<std::unique_ptr<VoxelTool>> VoxelTool::make(const TriangleMesh& tool, con
   made->coupling_ = (*checked)->coupling();
   made->squared_lever_m2_ = made->coupling_.rotational_stiffness_nm_per_rad / made->coupling_.stiffness_n_per_m;
 
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 high = -low;
-  for (const auto& mesh : scene) {
-    for (const Vec3& vertex : mesh->vertices) {
-      low = low.cwiseMin(vertex);
-      high = high.cwiseMax(vertex);
-    }
-  }
-  made->grid_ = {low - Vec3::Constant(voxel_m), voxel_m};  // a cell of margin
-  const Vec3 cells = ((high - low) / voxel_m).array().floor() + 3.0;
+  Box box;
+  for (const auto& mesh : scene) box.grow(Box::of(mesh->vertices));
+  made->grid_ = {box.low - Vec3::Constant(voxel_m), voxel_m};  // a cell of margin
+  const Vec3 cells = ((box.high - box.low) / voxel_m).array().floor() + 3.0;
   if (!(cells.prod() <= kMaxCells)) {
     return fail("a voxel of {:.3g} m makes a grid of {:.3g} cells; {:.3g} m fits", voxel_m, cells.prod(),
                 voxel_m * std::cbrt(cells.prod() / kMaxCells) * 1.05);

@@ -42,8 +42,6 @@ class VoxelTool {
 
   // Where the tool is, frame S, metres.
   const Placement& placement() const { return proxy_; }
-  std::size_t point_count() const { return points_.size(); }
-  double voxel_m() const { return grid_.voxel_m; }
   const ToolCoupling& coupling() const { return coupling_; }  // with the rotational stiffness that is used
   // A line for people.
   std::string describe() const;

@@ -45,7 +45,8 @@ class ContactSurfaceTest : public testing::Test {
   std::vector<std::shared_ptr<const ContactSurface>> prepare() const {
     std::vector<std::shared_ptr<const ContactSurface>> prepared;
     for (const auto& mesh : meshes) {
-      prepared.push_back(std::make_shared<const ContactSurface>(*mesh, built.frame(), TouchGeometry::most_triangles(meshes)));
+      prepared.push_back(std::make_shared<const ContactSurface>(
+          std::make_shared<const ObjectGeometry>(ObjectGeometry::make(*mesh, built.frame(), TouchGeometry::most_triangles(meshes)))));
     }
     return prepared;
   }
