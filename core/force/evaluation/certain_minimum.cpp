@@ -16,12 +16,11 @@ struct NearFace {
 };
 
 std::uint32_t opposite(const Triangle& triangle, std::uint32_t a, std::uint32_t b) {
-  return *std::find_if(triangle.begin(), triangle.end(), [&](std::uint32_t corner) { return corner != a && corner != b; });
+  return *std::ranges::find_if(triangle, [&](std::uint32_t corner) { return corner != a && corner != b; });
 }
 
 bool joins(const Triangle& triangle, std::uint32_t a, std::uint32_t b) {
-  return std::find(triangle.begin(), triangle.end(), a) != triangle.end() &&
-         std::find(triangle.begin(), triangle.end(), b) != triangle.end();
+  return std::ranges::count(triangle, a) > 0 && std::ranges::count(triangle, b) > 0;
 }
 
 // Exactly one other face shares the edge, and each lies on the side that the other's normal points to.

@@ -63,28 +63,29 @@ std::optional<Vec3> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes
   return std::nullopt;
 }
 
+struct FaultText {
+  std::string_view name, meaning;
+};
+
+constexpr std::array<FaultText, static_cast<std::size_t>(StressFault::count)> kFaults = {{
+    {"fall_through", "no force with the device more than 0.25 % of the extent inside; closed bodies"},
+    {"inside", "the proxy itself inside; closed bodies"},
+    {"through", "straight through a face from one free position to another that the reference does not reach; open meshes, point probe"},
+    {"stuck",
+     "proxy more than 10 % of the extent farther from the device than the surface, and not at a minimum; closed bodies, no friction"},
+    {"unconverged", "proxy not at a minimum: the reference, started there, comes nearer by 0.1 % of the extent; no friction"},
+    {"discontinuity", "the force changed by more than stiffness times motion; convex rooms, no friction"},
+    {"not_finite", "a force or proxy that is NaN or infinite"},
+    {"broken", "force, proxy and contact contradict each other, or a sample that is not finite gives a force"},
+}};
+
 Vec3 corner_direction(int corner) { return {corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0, corner & 4 ? 1.0 : -1.0}; }
 
 }  // namespace
 
-std::string_view name_of(StressFault fault) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kNames = {
-      "fall_through", "inside", "through", "stuck", "unconverged", "discontinuity", "not_finite", "broken"};
-  return kNames[static_cast<std::size_t>(fault)];
-}
+std::string_view name_of(StressFault fault) { return kFaults[static_cast<std::size_t>(fault)].name; }
 
-std::string_view meaning_of(StressFault fault) {
-  constexpr std::array<std::string_view, static_cast<std::size_t>(StressFault::count)> kMeanings = {
-      "no force with the device more than 0.25 % of the extent inside; closed bodies",
-      "the proxy itself inside; closed bodies",
-      "straight through a face from one free position to another that the reference does not reach; open meshes, point probe",
-      "proxy more than 10 % of the extent farther from the device than the surface, and not at a minimum; closed bodies, no friction",
-      "proxy not at a minimum: the reference, started there, comes nearer by 0.1 % of the extent; no friction",
-      "the force changed by more than stiffness times motion; convex rooms, no friction",
-      "a force or proxy that is NaN or infinite",
-      "force, proxy and contact contradict each other, or a sample that is not finite gives a force"};
-  return kMeanings[static_cast<std::size_t>(fault)];
-}
+std::string_view meaning_of(StressFault fault) { return kFaults[static_cast<std::size_t>(fault)].meaning; }
 
 std::uint64_t StressCount::total_faults() const {
   std::uint64_t sum = 0;

@@ -16,18 +16,7 @@
 namespace hapton {
 
 // Faults that are counted, in steps. All must be zero. Which ones can be tested depends on the body and material: see StressCount::covered.
-enum class StressFault : std::uint8_t {
-  fall_through,  // no force with the device more than 0.25 % of the extent on the wrong side
-  inside,        // the proxy itself on the wrong side of the surface
-  through,  // open meshes: straight through a face from one free position to another, away from any boundary, where the reference does not
-            // get
-  stuck,    // proxy more than 10 % of the extent farther from the device than the surface, and not at a minimum
-  unconverged,    // proxy not at a minimum: the reference, started there, comes nearer to the device by more than 0.1 % of the extent
-  discontinuity,  // convex room: the force changed by more than stiffness times the device's motion
-  not_finite,     // NaN or infinite output
-  broken,         // force, proxy and contact contradict each other, or a sample that is not finite gives a force
-  count
-};
+enum class StressFault : std::uint8_t { fall_through, inside, through, stuck, unconverged, discontinuity, not_finite, broken, count };
 
 std::string_view name_of(StressFault fault);
 // What it means and where it is tested: half a line for people.
