@@ -49,7 +49,6 @@ bool ReferenceProxy::escape(const Vec3& device) noexcept {
     }
     state_.position = start;
   }
-  state_.position = start;
   state_.contacts = contacts_before_;
   update_contacts();
   return false;
