@@ -39,7 +39,8 @@ class HidChoice {
   Result<HidDescription> choose(std::span<const HidDescription> devices) const;
   // It could be opened, when these were plugged in.
   void note_opened(const HidDescription& device, std::span<const HidDescription> devices);
-  // It has just gone, and these are plugged in still: it cannot be one of them so soon.
+  // It has just gone, and these are plugged in still. If this process was stopped meanwhile, one of them may be the device itself: then it
+  // counts as a twin, and the program must be started again.
   void note_gone(std::span<const HidDescription> devices);
 
  private:

@@ -67,6 +67,7 @@ void HidPort::run() noexcept {
       set_transport(nullptr);
       if (ends_.load(std::memory_order_acquire)) return;
       listener_.on_gone();
+      transport->note_gone();
       log_warning("{}: unplugged; waiting for it to return", name_);
       reported_.clear();
     }

@@ -52,6 +52,9 @@ class HidTransport {
   // Reads the oldest report that was not read yet; waits for one, at most wait_ms. A longer report than `into` is cut off.
   virtual HidRead read(std::span<std::uint8_t> into, int wait_ms) noexcept = 0;
 
+  // Call it after a read has found the device gone, once whoever drives it knows: what is noted about what is left may take a while.
+  virtual void note_gone() {}
+
   // Sends an output report. False: not sent. Waits until the bus has taken it: up to a millisecond with some devices.
   virtual bool write(std::span<const std::uint8_t> report) noexcept = 0;
 

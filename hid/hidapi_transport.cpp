@@ -2,6 +2,8 @@
 
 #include <fcntl.h>
 #include <hidapi.h>
+#include <linux/hidraw.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -59,8 +61,12 @@ class HidapiTransport final : public HidTransport {
     errno = 0;
     const int size = hid_read_timeout(reading_.get(), into.data(), into.size(), wait_ms);
     const HidRead read = to_hid_read(size, errno);
-    if (read.outcome == HidIo::gone && on_gone_) on_gone_();
+    is_gone_ = is_gone_ || read.outcome == HidIo::gone;
     return read;
+  }
+
+  void note_gone() override {
+    if (is_gone_ && on_gone_) on_gone_();
   }
 
   bool write(std::span<const std::uint8_t> report) noexcept override {
@@ -80,10 +86,22 @@ class HidapiTransport final : public HidTransport {
   HidHandle reading_;
   HidHandle writing_;
   std::function<void()> on_gone_;
+  bool is_gone_ = false;  // of the reading thread
 };
 
 bool is_refused(const std::string& path) {
   return ::faccessat(AT_FDCWD, path.c_str(), R_OK | W_OK, AT_EACCESS) != 0 && (errno == EACCES || errno == EPERM);
+}
+
+// hidapi 0.13 uses freed memory where a node that it could open is none of hidraw, or was unplugged at that moment. One that cannot be
+// opened is left to hidapi, which says why.
+bool may_be_hidraw(const std::string& path) {
+  const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
+  if (file < 0) return true;
+  int size = 0;
+  const bool has_descriptor = ::ioctl(file, HIDIOCGRDESCSIZE, &size) >= 0;
+  ::close(file);
+  return has_descriptor;
 }
 
 Result<HidHandle> open_handle(const std::string& path) {
@@ -91,6 +109,7 @@ Result<HidHandle> open_handle(const std::string& path) {
   const std::int64_t until_ns = clock.now_ns() + kAccessPatienceNs;
   while (true) {
     {
+      if (!may_be_hidraw(path)) return fail("{}: it cannot be opened: it is no HID device, or was just unplugged", path);
       const std::lock_guard turn(hidapi_turn);
       HidHandle handle(hid_open_path(path.c_str()));
       if (handle) return handle;

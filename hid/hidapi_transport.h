@@ -26,7 +26,7 @@ HidRead to_hid_read(int returned, int error) noexcept;
 // (device_lock.h).
 enum class HidSharing : std::uint8_t { shared, exclusive };
 // Opens a node. The system creates it before it grants access: a denied access is retried for a second. Error: one line with the remedy.
-// on_gone: called in the reading thread when a read finds the device unplugged. RT: set-up only.
+// on_gone: called by HidTransport::note_gone of a device that a read has found unplugged. RT: set-up only.
 Result<std::unique_ptr<HidTransport>> open_hid_device(const HidDescription& device, HidSharing sharing = HidSharing::exclusive,
                                                       std::function<void()> on_gone = {});
 

@@ -38,7 +38,7 @@ struct MethodInput {
 struct MethodOutput {
   Vec3 force_n = Vec3::Zero();  // acts on the device, frame S
   Vec3 p_SP = Vec3::Zero();     // proxy: where the probe is drawn; the device point itself in free space
-  bool contact = false;         // a surface holds the proxy: force_n is not zero, unless damping takes all of it
+  bool contact = false;         // a surface (smooth: or its layer) holds the probe: a force, unless damping takes all of it
   // In contact: the object touched, an index into TouchScene::objects; of several, the one with the largest force. -1: none, or a
   // method that sums over objects (smooth, in the layer outside the surface).
   int object = -1;

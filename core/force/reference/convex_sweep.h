@@ -23,7 +23,7 @@ SweepHit sweep_point(const PreparedTriangle& triangle, const Vec3& from, const V
                      double rounding) noexcept;
 
 // The part of v that is perpendicular to the feature: all of it, except for an edge. RT: yes.
-inline Vec3 perpendicular_to(const PreparedTriangle& triangle, TriangleFeature feature, const Vec3& v) {
+inline Vec3 perpendicular_to(const PreparedTriangle& triangle, TriangleFeature feature, const Vec3& v) noexcept {
   if (!is_edge(feature)) return v;
   const Vec3& edge = triangle.edge[edge_number(feature)];
   return v - (v.dot(edge) / edge.squaredNorm()) * edge;
