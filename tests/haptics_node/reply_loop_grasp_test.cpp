@@ -30,6 +30,12 @@ TouchScene two_boxes_of_loop() {
   return scene;
 }
 
+// The small box, as the tool that the stylus holds above the large one.
+HeldTool made_tool() {
+  return HeldTool(std::move(
+      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
+}
+
 // The test is the slow task of grasping.
 class GraspLoopTest : public ReplyLoopStage {
  protected:
@@ -58,6 +64,22 @@ class GraspLoopTest : public ReplyLoopStage {
     loop_.turn(clock_.now_ns() + kMs);
     receive_at_hub();
   }
+  // Touches the small box, picks it up, and gets the tool that is requested.
+  void pick_up(HeldTool& tool) {
+    for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
+    ASSERT_EQ(object_, 1);
+    exchange({0.0, 0.0, 0.0095}, 1);
+    ASSERT_TRUE(link_.requests.take());
+    link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
+  }
+  // The method that is named after that many samples.
+  std::string hold(HeldTool& tool, int count) {
+    for (int n = 0; n < count; ++n) {
+      exchange({0.0, 0.0, 0.02}, 1);
+      tool.follow();
+    }
+    return std::string(method());
+  }
   std::string_view method() const { return setup_.method.data(); }
   // The scene of that revision, with the box put down where it was.
   bool put_down(std::uint32_t revision) {
@@ -85,8 +107,7 @@ class GraspLoopTest : public ReplyLoopStage {
 };
 
 TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIsThatBefore) {
-  HeldTool tool(std::move(
-      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
+  HeldTool tool = made_tool();
   for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
   ASSERT_EQ(object_, 1);
   EXPECT_EQ(method(), "name=proxy");
@@ -117,20 +138,9 @@ TEST_F(GraspLoopTest, AnObjectThatCannotBePutDownIsShownWhereItWasAndTheMethodIs
 
 // It was requested before the object was picked up, or a scene was saved: the forces are those of the tool, which replays have to know.
 TEST_F(GraspLoopTest, AMethodThatIsBuiltWhileAnObjectIsHeldIsNamedOnceItIsPutDown) {
-  HeldTool tool(std::move(
-      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
-  for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
-  ASSERT_EQ(object_, 1);
-  exchange({0.0, 0.0, 0.0095}, 1);
-  ASSERT_TRUE(link_.requests.take());
-  link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
-  const auto hold = [&](int count) {
-    for (int n = 0; n < count; ++n) {
-      exchange({0.0, 0.0, 0.02}, 1);
-      tool.follow();
-    }
-  };
-  hold(50);
+  HeldTool tool = made_tool();
+  ASSERT_NO_FATAL_FAILURE(pick_up(tool));
+  hold(tool, 50);
   ASSERT_EQ(method(), "name=tool");
   const std::uint32_t methods = setup_.method_serial;
   auto made = std::make_shared<NewScene>();
@@ -138,7 +148,7 @@ TEST_F(GraspLoopTest, AMethodThatIsBuiltWhileAnObjectIsHeldIsNamedOnceItIsPutDow
   made->materials.resize(2);
   made->revision = 1;
   ASSERT_TRUE(builder_.rebuild_for(made));
-  hold(50);
+  hold(tool, 50);
   ASSERT_GT(setup_.method_serial, methods);
   EXPECT_EQ(method(), "name=tool");
   exchange({0.0, 0.0, 0.02}, 0);
@@ -154,24 +164,12 @@ TEST_F(GraspLoopTest, EffectsFromFilesAreNamedBesideTheToolWhileAnObjectIsHeld) 
   ASSERT_TRUE(effects.add(*parse_plugin_choice(standin::library("plugins/odd_effect.so") + ":does=nan,after=100")));
   step_.use_effects(&effects);
   loop_.set_effects(&effects);
-  HeldTool tool(std::move(
-      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})));
-  for (int n = 0; n < 25; ++n) exchange({0.0, 0.0, 0.0119 - 1e-4 * n}, 0);
-  ASSERT_EQ(object_, 1);
-  exchange({0.0, 0.0, 0.0095}, 1);
-  ASSERT_TRUE(link_.requests.take());
-  link_.replies.publish({link_.requests.value().serial, &tool, {"name=tool"}});
-  const auto hold = [&](int count) {
-    for (int n = 0; n < count; ++n) {
-      exchange({0.0, 0.0, 0.02}, 1);
-      tool.follow();
-    }
-    return std::string(method());
-  };
-  const std::string held = hold(50);
+  HeldTool tool = made_tool();
+  ASSERT_NO_FATAL_FAILURE(pick_up(tool));
+  const std::string held = hold(tool, 50);
   EXPECT_TRUE(held.starts_with("name=tool effects=odd_one@")) << held;
   EXPECT_EQ(held.find("!cut"), std::string::npos) << held;
-  const std::string cut_off = hold(150);
+  const std::string cut_off = hold(tool, 150);
   EXPECT_TRUE(cut_off.starts_with("name=tool effects=odd_one@")) << cut_off;
   EXPECT_NE(cut_off.find("!cut"), std::string::npos) << cut_off;
   exchange({0.0, 0.0, 0.02}, 0);
@@ -278,8 +276,7 @@ class WithdrawnPartsTest : public GraspLoopTest {
   }
 
   PatchSender patches_{two_boxes_of_loop(), 0.0, 42, true, {.bits_per_s = 1e8, .least_reach_m = 1.0}};
-  HeldTool tool_{
-      *ToolStep::make(made::box(Vec3(-0.01, -0.01, -0.0205), Vec3(0.01, 0.01, -0.0005)), {two_boxes_of_loop().objects[0].mesh}, {})};
+  HeldTool tool_ = made_tool();
   std::uint32_t request_ = 5;
 };
 

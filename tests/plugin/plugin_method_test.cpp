@@ -128,7 +128,7 @@ TEST_F(PluginMethodTest, WhatIsCutOffIsCalledNoMore) {
 TEST_F(PluginMethodTest, AnExceptionInResetOrWithMaterialsCutsItOff) {
   const auto unwilling = make("does=reset_exception");
   unwilling->reset({0, std::nan(""), 0});
-  EXPECT_FALSE(unwilling->guard().cut_off()) << "a place that is none is not told";
+  EXPECT_FALSE(unwilling->guard().cut_off()) << "a position that is not finite is not passed on";
   unwilling->reset({0, 0.01, 0});
   EXPECT_EQ(unwilling->guard().cut_off().reason, CutOff::Reason::exception);
   const auto choosy = make("does=material_exception");

@@ -69,7 +69,7 @@ class KeptProcess {
     if (::pipe(pipe.data()) != 0) return;
     tracer_ = ::fork();
     if (tracer_ == 0) {
-      ::alarm(30);  // in case the test never lets go
+      ::alarm(30);  // should the test end without a release
       const char is_kept = ::ptrace(PTRACE_SEIZE, process, nullptr, nullptr) == 0 ? 1 : 0;
       if (::write(pipe[1], &is_kept, 1) != 1) ::_exit(1);
       while (true) ::pause();
@@ -78,12 +78,12 @@ class KeptProcess {
     is_kept_ = tracer_ > 0 && ::read(pipe[0], &is_kept, 1) == 1 && is_kept != 0;
     for (const int end : pipe) ::close(end);
   }
-  ~KeptProcess() { let_go(); }
+  ~KeptProcess() { release(); }
   KeptProcess(const KeptProcess&) = delete;
   KeptProcess& operator=(const KeptProcess&) = delete;
 
   bool is_kept() const { return is_kept_; }
-  void let_go() {
+  void release() {
     if (tracer_ <= 0) return;
     ::kill(tracer_, SIGKILL);
     ::waitpid(tracer_, nullptr, 0);
@@ -125,8 +125,8 @@ TEST_F(WatchdogProcessTest, OneThatTheKernelKeepsDoesNotHoldTheNodeUp) {
   ASSERT_FALSE(restarted->has_value()) << "there would be more and more";
   EXPECT_NE(restarted->error().what.find("does not let"), std::string::npos) << restarted->error().what;
   EXPECT_EQ(watchdog.id(), second);
-  kept_first.let_go();
-  kept_second.let_go();
+  kept_first.release();
+  kept_second.release();
   ASSERT_TRUE(wait_until([&] { return is_tried() && restarted->has_value(); }));
   EXPECT_EQ(watchdog.restarts(), 2U);
   for (const pid_t before : {first, second}) EXPECT_EQ(::kill(before, 0), -1) << "it is gone, and no zombie";

@@ -256,7 +256,8 @@ struct StressRun::Impl {
     const double length = extension.norm();
     const bool undamped = settings.material.damping_ns_per_m == 0.0;
     const bool has_force = output.force_n.norm() > 0.0;
-    if (undamped ? output.contact != has_force : has_force && !output.contact) note(StressFault::broken, 0.0);
+    const bool may_damping_take_it = !undamped && length > 0.0;
+    if (output.contact != has_force && !(output.contact && may_damping_take_it)) note(StressFault::broken, 0.0);
     if (undamped && (output.force_n - stiffness * extension).norm() > stiffness * (slop() + kRelative * length + layer))
       note(StressFault::broken, (output.force_n / stiffness - extension).norm());
     if (!output.contact && length > slop()) note(StressFault::broken, length);
