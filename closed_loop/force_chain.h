@@ -25,11 +25,13 @@ class ForceStage {
 };
 
 // From the device's position to the force on its motors: encoder, link to the force law and back, command filter or governor, saturation.
-// The command filter and the governor are the ones that io_node runs. Samples and forces travel as datagrams do: late, lost, overtaken; the
-// newest wins on both sides. Time is simulated, so no call waits. Units SI, ns; frame W. RT: no.
+// The command filter and the governor are the ones that io_node runs. Samples and forces travel as datagrams do: they may be late, lost or
+// overtaken, and both sides use the newest only. Time is simulated, so no call waits. Units: SI, times in ns. Frame: W. RT: no. Threads:
+// one.
 class ForceChain {
  public:
-  // newest: the newest command is held indefinitely, as linear theory assumes. filter: for 20 ms. governor: that of io_node, all stages.
+  // How commands become forces. newest: the newest command is held indefinitely, as linear theory assumes. filter: the command filter holds
+  // it for 20 ms. governor: that of io_node, with all stages.
   enum class Gate : std::uint8_t { newest, filter, governor };
 
   struct Options {
@@ -45,22 +47,23 @@ class ForceChain {
 
   struct Counters {
     std::uint64_t samples = 0;
-    std::uint64_t lost = 0;
-    std::uint64_t overtaken = 0;
+    std::uint64_t lost = 0;       // packets, on both ways
+    std::uint64_t overtaken = 0;  // packets that came after a newer one, on both ways
     std::uint64_t replies = 0;
   };
 
   // Pre: the law and the stage outlive the chain.
   ForceChain(ForceLaw& law, const Options& options);
 
-  // The device is read at now_ns. Pre: now_ns does not go back, here and below; what was due before is taken.
+  // Reads the device at now_ns and sends its sample; then receives what is due and writes the force. Pre: now_ns never decreases from call
+  // to call, here and below.
   void sample(const Vec3& p_WD, std::int64_t now_ns);
-  // Takes what is due at now_ns.
+  // Receives all packets that are due by now_ns, in the order in which they are due.
   void receive(std::int64_t now_ns);
   // When the next packet is due; empty if none is in transit.
   std::optional<std::int64_t> next_ns() const noexcept;
 
-  // On the motors now.
+  // The force on the motors now.
   const Vec3& force_n() const noexcept { return force_n_; }
   const Counters& counters() const noexcept { return counters_; }
   const SafetyGovernor* governor() const noexcept { return governor_ ? &*governor_ : nullptr; }

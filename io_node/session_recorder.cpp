@@ -20,9 +20,9 @@ namespace hapton {
 namespace {
 
 constexpr auto kCollectEvery = std::chrono::milliseconds(10);  // the rings hold 0.5 s and more
-constexpr std::size_t kWriteBytes = std::size_t{1} << 16;      // written at once: 16 pages
+constexpr std::size_t kWriteBytes = std::size_t{1} << 16;      // in one write: 16 pages of memory
 
-// Header of each record in the ring, before its datagram, cycle or marker; a fault has only the header.
+// Begins each record in the ring. A datagram, cycle or marker follows; a fault has nothing else.
 struct Note {
   SessionEntry::Kind kind = SessionEntry::Kind::received;
   SessionFault fault = SessionFault::none;
@@ -120,7 +120,7 @@ SessionEntry entry_of(std::span<const std::byte> record) {
   return entry;
 }
 
-// Blocks hold records with their length in front, as the window keeps them.
+// Appends a record to a block, with its length in front.
 void append_record(std::vector<std::byte>& to, std::span<const std::byte> record) {
   const auto size = static_cast<std::uint32_t>(record.size());
   const auto prefix = bytes_of(size);
@@ -166,17 +166,17 @@ Result<void> SessionRecorder::start() {
       return fail("{}: the folder for flight records cannot be made: {}; choose another with --flight, or --flight off",
                   options_.flight_folder.string(), error.message());
     }
-    // Else the first fault would show it.
+    // Checked now: otherwise the first fault would be the first to show it, and its record would be lost.
     if (const auto writable = check_writable_folder(options_.flight_folder); !writable) {
       return fail("flight records: {}, or --flight off", writable.error().what);
     }
   }
   if (!options_.record.empty()) {
-    // Recordings cannot be made again: whoever starts twice with the same flags has both.
+    // A recording cannot be repeated, so a second start with the same flags must not replace the first one.
     const auto kept = keep_earlier_file(options_.record);
     if (!kept) return tl::unexpected(kept.error());
     if (!kept->empty()) log_warning("{}: an earlier file of this name is kept as {}", options_.record.string(), kept->string());
-    // A folder that cannot be made shows in the file that cannot be opened.
+    // If this fails, opening the file fails, and that error is reported.
     std::error_code not_made;
     if (options_.record.has_parent_path()) std::filesystem::create_directories(options_.record.parent_path(), not_made);
     file_.reset(open_file_for(options_.record, FileReaders::owner));
@@ -216,15 +216,15 @@ void SessionRecorder::run() {
 }
 
 void SessionRecorder::collect() {
-  while (!window_.empty() && window_.front().newest_ns < newest_ns_ - kFlightNs - kAfterFaultNs) window_.pop_front();
+  while (!recent_.empty() && recent_.front().newest_ns < newest_ns_ - kFlightNs - kAfterFaultNs) recent_.pop_front();
   drained_.clear();
   ring_.drain([&](std::span<const std::byte> record) {
     append_record(drained_, record);
     take(entry_of(record));
   });
-  // A copy of exact size: a reused growing buffer would leave every block with the capacity of the
-  // largest.
-  if (!drained_.empty()) window_.push_back({drained_, newest_ns_});
+  // A copy, which has exactly the size of its records: a buffer that is reused and moved in would give every block the capacity of the
+  // largest one.
+  if (!drained_.empty()) recent_.push_back({drained_, newest_ns_});
   if (const std::uint64_t dropped = ring_.dropped(); dropped != dropped_reported_) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::dropped;
@@ -265,7 +265,7 @@ void SessionRecorder::append_end(std::string& to) {
 // If a recording cannot be written, it is ended, and the session continues without it.
 void SessionRecorder::write_entries(bool all) {
   if (!file_ || (!all && unwritten_.size() < kWriteBytes)) return;
-  // Flushed, so that what counts as written is in the file.
+  // Flushed, so that the bytes that are counted are in the file and not in a buffer.
   const bool good = std::fwrite(unwritten_.data(), 1, unwritten_.size(), file_.get()) == unwritten_.size() && std::fflush(file_.get()) == 0;
   counts_.file_bytes += good ? unwritten_.size() : 0;
   counts_.file_entries += good ? unwritten_entries_ : 0;
@@ -278,7 +278,7 @@ void SessionRecorder::write_entries(bool all) {
 }
 
 void SessionRecorder::plan_flight(const SessionEntry& fault) {
-  if (flight_) return;  // it will be in that one
+  if (flight_) return;  // the record that is planned will contain this fault, too
   std::int64_t& last_ns = last_flight_ns_[static_cast<std::size_t>(fault.fault)];
   if ((last_ns != 0 && fault.time_ns - last_ns < kFlightEveryNs) || counts_.flights >= kMaxFlights) {
     ++counts_.flights_left_out;
@@ -294,7 +294,7 @@ void SessionRecorder::write_flight() {
   header.fault = to_string(flight.fault);
   std::string bytes(kSessionMagic);
   codec_.append(header, bytes);
-  for (const Block& block : window_) {
+  for (const Block& block : recent_) {
     for_each_record(block.bytes, [&](std::span<const std::byte> record) {
       const SessionEntry entry = entry_of(record);
       if (entry.time_ns >= flight.fault_ns - kFlightNs) codec_.append(entry, bytes);
@@ -312,7 +312,7 @@ void SessionRecorder::write_flight() {
   forget_old_flights();
 }
 
-// Their names begin with the time, so that they sort by age.
+// The names begin with the time, so sorting by name is sorting by age.
 void SessionRecorder::forget_old_flights() const {
   std::error_code ignored;
   std::vector<std::filesystem::path> records;

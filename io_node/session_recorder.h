@@ -22,31 +22,32 @@ namespace hapton {
 
 // Records everything that device side and network side do, at full rate, in its own thread: the whole session in one file and, after a
 // fault, the last two seconds in a flight record named after the fault. The network side only copies into a ring; entries that do not fit
-// are counted, also in the file. Flight records are limited: one of a kind in kFlightEveryNs, kMaxFlights in a session; a folder keeps the
-// newest kMaxKept. RT: the on_ functions yes, wait-free; the rest set-up only. Threads: the network side's calls on_..., one other the
-// rest.
+// are dropped and counted, also in the file. Flight records are limited: one for each kind of fault in kFlightEveryNs, and kMaxFlights in a
+// session; the folder keeps the newest kMaxKept. Units: ns of the hub's clock. RT: the on_ functions yes, wait-free; the rest set-up only.
+// Threads: the on_ functions that of the network side; the others one other thread.
 class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;
-  static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // of what follows a fault, in its flight record
-  // Limits of what a fault that repeats, or many sessions, put on the disk: choices.
+  static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // a flight record also has so much after the fault; a choice
+  // These limit the disk space that a repeating fault, or many sessions, can take up. Choices.
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
   static constexpr int kMaxFlights = 16;
   static constexpr std::size_t kMaxKept = 64;
   static constexpr std::size_t kRingBytes = std::size_t{1} << 22;        // 0.5 s at 10 kHz: enough for flight records
-  static constexpr std::size_t kRecordRingBytes = std::size_t{1} << 24;  // 2 s at 10 kHz: a recording is to have every sample
+  static constexpr std::size_t kRecordRingBytes = std::size_t{1} << 24;  // 2 s at 10 kHz: a recording should have every sample
 
   struct Options {
     std::filesystem::path record = {};         // empty: no file of the whole session
     std::filesystem::path flight_folder = {};  // empty: no flight records
     std::size_t ring_bytes = kRingBytes;
-    bool makes_flight_folder = true;  // at the start, so that a failure is reported early; false: when there is something to write
+    bool makes_flight_folder =
+        true;  // start() makes the folder, so that a failure is reported early; false: the first flight record makes it
   };
   struct Counts {
     std::uint64_t entries = 0;  // that reached the writing thread
     std::uint64_t dropped = 0;
-    std::uint64_t lost_samples = 0;  // of the device, without their cycle here
-    std::uint64_t file_entries = 0;  // at least this many are whole in the recording: all, or those before its disk was full
+    std::uint64_t lost_samples = 0;  // device samples whose cycle is missing here
+    std::uint64_t file_entries = 0;  // complete in the recording: all, or at least those before its disk was full
     std::uint64_t file_bytes = 0;
     int flights = 0;
     int flights_left_out = 0;  // faults with no record of their own, because of the limits above
@@ -56,12 +57,12 @@ class SessionRecorder final : public ServoTap {
   SessionRecorder(Options options, SessionHeader header, const Clock& clock);
   ~SessionRecorder() override;
 
-  // Opens the file and starts the thread. A file of the same name that is there is kept under another one (runtime/earlier_file.h), which
-  // the log says. Error: the file or the flight folder cannot be written.
+  // Opens the file and starts the thread. An existing file of the same name is renamed first (runtime/earlier_file.h), and the log has its
+  // new name. Error: the file or the flight folder cannot be written.
   Result<void> start();
-  // Writes what there is and ends the thread. Error: the file could not be written to its end.
+  // Writes what is left, then ends the thread. Error: the file could not be written to its end.
   Result<void> stop();
-  // After stop.
+  // Pre: stop() has returned.
   const Counts& counts() const { return counts_; }
 
   void on_received(const Address& from, std::span<const std::byte> datagram, std::int64_t time_ns) noexcept override;
@@ -102,7 +103,7 @@ class SessionRecorder final : public ServoTap {
   std::string unwritten_;
   std::uint64_t unwritten_entries_ = 0;
   std::vector<std::byte> drained_;
-  std::deque<Block> window_;
+  std::deque<Block> recent_;  // for a flight record: the entries of the last kFlightNs and kAfterFaultNs
   std::int64_t newest_ns_ = 0;
   std::uint64_t newest_sample_ = 0;
   std::uint64_t dropped_reported_ = 0;

@@ -7,19 +7,20 @@
 
 namespace hapton {
 
-// Where the force is computed, for the log: one line when parts of the scene are requested, when the force is first computed from them, and
-// when it comes from the haptics node again. None while there is no haptics node: the log has that it left. RT: yes. Threads: one.
+// Tells the log where the force is computed: one event when parts of the scene are requested, when the force is first computed from them,
+// and when it comes from the haptics node again. While no haptics node is connected, nothing is requested or comes back from it, and the
+// log has already said that it left. RT: yes. Threads: one.
 class TouchNotices {
  public:
-  // is_local: the newest sample's force was computed here. Calls notify(event) for each.
+  // To be called in each cycle. is_local: io_node computed the force of the newest sample. Calls notify(event) for each event.
   template <class Notify>
   void check(const PatchLink& link, bool is_local, bool has_haptics, Notify&& notify) noexcept {
     if (const bool was_wanted = std::exchange(is_wanted_, link.is_wanted()); was_wanted != is_wanted_ && has_haptics) {
       notify(make(is_wanted_ ? ServoEvent::Kind::parts_requested : ServoEvent::Kind::force_from_haptics, link.round_trip_s()));
     }
-    if (!is_wanted_) is_told_ = false;
-    if (!is_wanted_ || !is_local || is_told_) return;
-    is_told_ = true;
+    if (!is_wanted_) has_notified_local_ = false;
+    if (!is_wanted_ || !is_local || has_notified_local_) return;
+    has_notified_local_ = true;
     notify(make(ServoEvent::Kind::force_from_parts, link.round_trip_s()));
   }
 
@@ -33,7 +34,7 @@ class TouchNotices {
   }
 
   bool is_wanted_ = false;
-  bool is_told_ = false;
+  bool has_notified_local_ = false;
 };
 
 }  // namespace hapton

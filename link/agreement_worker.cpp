@@ -60,7 +60,7 @@ void reply_to_request(AgreementTask& task) noexcept {
   if (task.went_well) take_keys(task);
 }
 
-// Whatever the thread that made it is: this one must never keep a loop from its CPU.
+// A thread inherits the priority of its creator; this one must never keep a real-time loop from its CPU.
 void become_ordinary() noexcept {
   const sched_param none = {};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &none);
@@ -85,7 +85,7 @@ void run_agreement(AgreementTask& task) noexcept {
   seal::wipe(task.psk);
 }
 
-struct AgreementWorker::Desk {
+struct AgreementWorker::Queues {
   HandoffRing<AgreementTask, kCapacity> requested;
   HandoffRing<AgreementTask, kCapacity> done;
   sem_t wake = {};
@@ -93,49 +93,49 @@ struct AgreementWorker::Desk {
   std::thread thread;
 };
 
-AgreementWorker::AgreementWorker(Where where) : desk_(std::make_unique<Desk>()) {
-  sem_init(&desk_->wake, 0, 0);
-  if (where == Where::own_thread) desk_->thread = start_thread([this] { work(); });
+AgreementWorker::AgreementWorker(Where where) : queues_(std::make_unique<Queues>()) {
+  sem_init(&queues_->wake, 0, 0);
+  if (where == Where::own_thread) queues_->thread = start_thread([this] { work(); });
 }
 
 AgreementWorker::~AgreementWorker() {
-  if (desk_->thread.joinable()) {
-    desk_->ends.store(true, std::memory_order_release);
-    sem_post(&desk_->wake);
-    desk_->thread.join();
+  if (queues_->thread.joinable()) {
+    queues_->ends.store(true, std::memory_order_release);
+    sem_post(&queues_->wake);
+    queues_->thread.join();
   }
-  sem_destroy(&desk_->wake);
+  sem_destroy(&queues_->wake);
 }
 
 void AgreementWorker::work() noexcept {
   become_ordinary();
   while (true) {
-    while (sem_wait(&desk_->wake) != 0) {
+    while (sem_wait(&queues_->wake) != 0) {
     }
-    if (desk_->ends.load(std::memory_order_acquire)) return;
+    if (queues_->ends.load(std::memory_order_acquire)) return;
     AgreementTask task;
-    if (!desk_->requested.pop(task)) continue;
+    if (!queues_->requested.pop(task)) continue;
     run_agreement(task);
-    desk_->done.push(task);  // has room: at most kCapacity tasks are pending
+    queues_->done.push(task);  // has room: at most kCapacity tasks are pending
   }
 }
 
 bool AgreementWorker::submit(const AgreementTask& task) noexcept {
   if (under_way_ == kCapacity) return false;
   ++under_way_;
-  if (desk_->thread.joinable()) {
-    desk_->requested.push(task);
-    sem_post(&desk_->wake);
+  if (queues_->thread.joinable()) {
+    queues_->requested.push(task);
+    sem_post(&queues_->wake);
   } else {
     AgreementTask done = task;
     run_agreement(done);
-    desk_->done.push(done);
+    queues_->done.push(done);
   }
   return true;
 }
 
 bool AgreementWorker::take(AgreementTask& task) noexcept {
-  if (!desk_->done.pop(task)) return false;
+  if (!queues_->done.pop(task)) return false;
   --under_way_;
   return true;
 }

@@ -11,19 +11,20 @@
 
 namespace hapton {
 
-// One part of a handshake that needs an X25519 agreement or key pair: too slow for a real-time loop. Its secrets are wiped on
-// destruction.
+// One step of a handshake that needs an X25519 key agreement or key pair, which is too slow for a real-time loop. The destructor wipes the
+// secrets.
 struct AgreementTask {
+  // Who does it: members that are read -> members that are written.
   enum class Kind : std::uint8_t {
     make_request,      // node: psk, prologue -> first, state
     read_reply,        // node: state, second -> keys, connection
     reply_to_request,  // hub: psk, prologue, first, connection -> second, keys
   };
   Kind kind = Kind::make_request;
-  bool went_well = false;         // of a finished one
-  std::uint32_t number = 0;       // the caller's own
-  std::uint32_t connection = 0;   // the session's number
-  std::int64_t timestamp_ns = 0;  // the caller's own
+  bool went_well = false;         // of a finished task: the message was valid
+  std::uint32_t number = 0;       // for the caller: comes back unchanged
+  std::uint32_t connection = 0;   // the number of the session
+  std::int64_t timestamp_ns = 0;  // for the caller: comes back unchanged
   seal::Secret psk = {};
   std::array<std::uint8_t, seal::kPrologueBytes> prologue = {};
   std::array<std::uint8_t, seal::kFirstBytes> first = {};
@@ -37,13 +38,12 @@ struct AgreementTask {
   AgreementTask& operator=(const AgreementTask&) = default;
 };
 
-// Does one task, here and now. No heap, lock or throw.
+// Does one task in the calling thread. RT: no: without heap, lock or throw, but slow.
 void run_agreement(AgreementTask& task) noexcept;
 
-// Does tasks for one caller: in its own thread at ordinary priority, so that the caller continues at once, or,
-// for tests and callers without deadlines, in the caller's. RT: submit and take yes with its own thread
-// (wait-free; one system call wakes a sleeping thread), no without. Construction set-up only. Threads: one
-// caller.
+// Does tasks for one caller. With own_thread: in a thread of ordinary priority, so that the caller continues at once. With caller, for
+// tests and callers without deadlines: in submit(). RT: with own_thread submit and take yes (wait-free; one system call wakes the sleeping
+// thread), with caller no; construction set-up only. Threads: one caller.
 class AgreementWorker {
  public:
   enum class Where : std::uint8_t { caller, own_thread };
@@ -54,18 +54,18 @@ class AgreementWorker {
   AgreementWorker(const AgreementWorker&) = delete;
   AgreementWorker& operator=(const AgreementWorker&) = delete;
 
-  // False if too many are pending; the task is then dropped.
+  // False: kCapacity tasks are pending, and this one is dropped.
   bool submit(const AgreementTask& task) noexcept;
-  // The next one that is finished, in the order of submission.
+  // Gives the next finished task, in the order of submission. False: none is finished.
   bool take(AgreementTask& task) noexcept;
-  // Submitted and not taken yet.
+  // How many tasks are submitted and not yet taken.
   std::size_t under_way() const noexcept { return under_way_; }
 
  private:
-  struct Desk;
+  struct Queues;
   void work() noexcept;
 
-  std::unique_ptr<Desk> desk_;
+  std::unique_ptr<Queues> queues_;
   std::size_t under_way_ = 0;
 };
 

@@ -2,7 +2,7 @@
 
 namespace hapton {
 
-// CPU features that the including file was compiled for (-march), as far as x86 CPUs differ.
+// The CPU features, of those that some x86 CPUs lack, that a program may need.
 struct CpuNeeds {
   bool avx2 = false;
   bool fma = false;
@@ -10,6 +10,7 @@ struct CpuNeeds {
   bool avx512 = false;
 };
 
+// What the including file was compiled for (-march).
 constexpr CpuNeeds compiled_cpu_needs() {
   CpuNeeds needs;
 #ifdef __AVX2__
@@ -27,14 +28,14 @@ constexpr CpuNeeds compiled_cpu_needs() {
   return needs;
 }
 
-// What this CPU has of them.
+// Which of them this CPU has.
 CpuNeeds read_cpu();
 
-// The name of the first thing needed that is not there; nullptr when nothing is missing.
+// The name of the first needed feature that is not available; nullptr: none is missing.
 const char* find_missing(CpuNeeds needed, CpuNeeds available);
 
-// First line of every main: when this CPU lacks an instruction set the program was built for, prints one line and exits 1, rather than
-// die later of an illegal instruction. Runs without those instructions itself.
+// First line of every main: if this CPU lacks an instruction set that the program was built for, prints one line and exits with 1.
+// Otherwise the program would crash later at an illegal instruction. Uses none of those instructions itself.
 void exit_unless_cpu_has(CpuNeeds needs, const char* program);
 
 inline void check_cpu(const char* program) { exit_unless_cpu_has(compiled_cpu_needs(), program); }

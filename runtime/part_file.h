@@ -10,8 +10,8 @@
 namespace hapton {
 
 // The name under which a file is written until it is complete: NAME.PID.part, beside it. keep() renames it; without that it is removed at
-// the end, and an earlier file stays. A symbolic link stays, too: the file that it leads to is replaced. What is no file, as a pipe or all
-// that is in /dev, is written itself. RT: no.
+// the end, and an earlier file stays. A symbolic link stays, too: the file that it leads to is replaced. What is not a regular file, such
+// as a pipe, and everything in /dev is written directly. RT: no.
 class PartPath {
  public:
   PartPath() = default;
@@ -20,13 +20,13 @@ class PartPath {
   PartPath(PartPath&& other) noexcept;
   PartPath& operator=(PartPath&& other) noexcept;
 
-  // To be written.
+  // The path to write to.
   const std::filesystem::path& part() const noexcept { return part_; }
   // The file that keep() replaces: as given, or what a symbolic link leads to.
   const std::filesystem::path& target() const noexcept { return target_; }
   // As given: the name for messages.
   const std::filesystem::path& path() const noexcept { return path_; }
-  // Pre: it is closed. Error: one line with its name; nothing is left of it.
+  // Gives the part its final name. Pre: it is closed. Error: one line with its name; the part is removed.
   Result<void> keep();
 
  private:

@@ -18,8 +18,8 @@ namespace hapton {
 // The keys of [material.NAME] that describe surface effects. docs/effects.md has each with its range.
 std::span<const std::string_view> surface_effect_keys();
 
-// Reads them, and the [[material.NAME.layer]] tables. An error stays in the reader, or comes back where it is in a table of its own: values
-// out of range, a key whose effect is off, effects that exclude each other or the material. RT: set-up only.
+// Reads these keys, and the [[material.NAME.layer]] tables. Errors: values out of range; a key of an effect that is off; effects that
+// exclude each other, or a key of the material. An error of a layer's table is returned; all others are in reader.error(). RT: set-up only.
 Result<void> read_surface_effects(const toml::table& table, const std::string& material_name, const Material& material, TableReader& reader,
                                   SurfaceEffects& effects);
 
@@ -28,18 +28,19 @@ struct EffectSpec {
   std::string name;  // default: its type
   SpaceEffect effect;
   EffectSwitch on = {};
-  std::string object;           // placed by this object: at its centre, or in its box; empty: by its own keys
+  std::string object;           // the effect is placed at this object's centre, or in its box; empty: by its own keys
   std::size_t object_line = 0;  // in the scene file
 };
 
-// number: its place in the file, from 1. Error: as above; an unknown type; a key that is not this type's.
+// number: its place among the [[effect]] tables, from 1. Error: one line: a value out of range, an unknown type, a key of another type. RT:
+// set-up only.
 Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t number);
 
 // Whether an [[effect]] table is a plug-in. RT: set-up only, like the next.
 bool is_library_effect(const toml::table& table);
 
-// number: its place in the file, from 1. Error: one line, as for other effects: a missing library, an unknown key, a parameter that is no
-// text, number or boolean, or has a comma, which no command line could repeat.
+// number: as above. Error: one line, as for other effects: no library, an unknown key, a parameter that is not a text, number or boolean,
+// or that has a comma: --effect could not give it.
 Result<LibraryEffect> read_library_effect(const toml::table& table, std::size_t number);
 
 // Moves an effect to an object: its centre becomes that of the object's box, its volume that box. Frame: S.

@@ -11,7 +11,8 @@
 namespace hapton {
 namespace {
 
-// The static scene in VTK's list of things to draw: first, and nothing is cleared before. VTK's macros take no semicolon.
+// Lets VTK draw the static scene as the first prop of a renderer, which clears nothing before. clang-format is off because VTK's macros
+// have no semicolon.
 // clang-format off
 class SceneProp : public vtkProp {
  public:
@@ -29,7 +30,7 @@ vtkStandardNewMacro(SceneProp)
     void add_light(vtkLight* light, const SceneLight& given, vtkRenderer& renderer) {
   light->SetLightTypeToSceneLight();
   light->SetPositional(given.has_position);
-  light->SetConeAngle(180.0);  // to all sides
+  light->SetConeAngle(180.0);  // in all directions
   light->SetFocalPoint(0.0, 0.0, 0.0);
   light->SetPosition(given.towards_or_p_W.x(), given.towards_or_p_W.y(), given.towards_or_p_W.z());
   light->SetColor(given.colour.x(), given.colour.y(), given.colour.z());
@@ -68,7 +69,7 @@ Eye EyeView::eye_now() const {
   return (camera_->GetLeftEye() != 0) != swapped ? Eye::left : Eye::right;
 }
 
-// VTK's own view matrix from position, focal point and up is exactly ours; its projection is replaced.
+// The view matrix that VTK computes from position, focal point and up is exactly ours. Its projection is not (off-axis), and is replaced.
 void EyeView::aim(const StereoScreen& screen) {
   const Eye now = eye_now();
   const Vec3 p_WE = compute_eye_position(screen, now);

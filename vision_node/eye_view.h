@@ -26,30 +26,30 @@ struct Viewport {
 
 // One viewport: the whole window, or one eye's half of it. Threads: the window's. RT: no.
 struct EyeView {
-  // A renderer for that part of the window. It clears nothing, and draws the scene first.
-  // lights: in place of the one that goes with the viewer; frame W.
+  // Makes a renderer for that part of the window, which clears nothing and draws the scene first. lights: those of the scene, frame W;
+  // empty: one light that moves with the viewer.
   explicit EyeView(const Viewport& part, const std::vector<SceneLight>& lights = {});
 
   Eye eye = Eye::centre;
-  bool composed = false;              // both eyes are drawn through this view
-  std::optional<Eye> pass;            // the one that is drawn, if it is composed by us; none: the camera's LeftEye says which one
-  bool swapped = false;               // the eyes are exchanged
-  int squeeze = 1;                    // the display stretches the height of the image by this factor
-  bool shows_scale = false;           // a scale bar
-  bool has_hud = false;               // text in the corners
-  std::optional<StereoScreen> given;  // what the viewport shows, whatever the framing says
+  bool composed = false;     // both eyes are drawn through this view
+  std::optional<Eye> pass;   // the eye being drawn, if Hapton composes the image; none: VTK does, and the camera's LeftEye says which
+  bool swapped = false;      // the eyes are exchanged
+  int squeeze = 1;           // the display stretches the height of the image by this factor
+  bool shows_scale = false;  // a scale bar
+  bool has_hud = false;      // text in the corners
+  std::optional<StereoScreen> given;  // the screen of this viewport, in place of the one that follows from the framing
   std::function<void()> draw_scene;   // into the bound framebuffer, over the whole viewport
   vtkNew<vtkRenderer> renderer;
   HudFigure hud;
   LabelFigure labels;
 
-  // In pixels, as drawn.
+  // Of the viewport, in pixels.
   PictureSize size();
   // The window into the world that the viewport shows.
   StereoScreen screen(const Framing& framing);
   // The eye that is being drawn.
   Eye eye_now() const;
-  // Gives the camera that eye's position and projection, moves the viewer's light along, and places the HUD where the viewport was resized.
+  // Gives the camera the position and projection of eye_now(), moves the viewer's light along, and places the HUD anew after a resize.
   void aim(const StereoScreen& screen);
 
  private:

@@ -24,15 +24,15 @@ namespace {
 
 using SculptJson = nlohmann::ordered_json;
 
-constexpr double kHandSpeed = 0.2;           // m/s
-constexpr std::size_t kStepsOfPicture = 33;  // the picture's thread computes a surface that often
+constexpr double kHandSpeed = 0.2;            // m/s, as of a hand that works
+constexpr std::size_t kStepsPerSurface = 33;  // ms: vision_node computes the carved surface anew that often (CarvedObjects)
 
 struct SculptShape {
   std::string name;
   TriangleMesh mesh;
 };
 
-// About 100 mm, as a body of clay between two hands.
+// About 100 mm wide, like a lump of clay between two hands.
 std::vector<SculptShape> sculpt_shapes() {
   return {{"ball", make_icosphere(0.05, 5)}, {"box", make_box(Vec3(0.1, 0.08, 0.06))}, {"torus", make_torus(0.035, 0.015, 96, 48)}};
 }
@@ -79,20 +79,20 @@ struct MadeAt {
 
 double ms_since(const Stopwatch& watch, std::uint64_t start) { return 1e-6 * watch.ns_between(start, Stopwatch::ticks()); }
 
-// The least of some repetitions, as for the steps: without the cost of other programs.
-constexpr int kAgain = 4;
+// The shortest of so many repetitions counts, as for the steps: it has the least delay by other programs. A free choice.
+constexpr int kRepetitions = 4;
 
-// What the picture's thread does after 33 ms of carving, but for the form in which it hands the result over.
+// For each 33 ms of carving, the time of what the thread of CarvedObjects does then, without the conversion of the surface for the window.
 std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
   CarvedField field = whole;
   SurfaceNets nets;
   SurfaceNet net;
   std::vector<double> ns;
   for (std::size_t i = 0; i < carves.size();) {
-    const std::size_t picture = carves[i].step / kStepsOfPicture;
+    const std::size_t surface = carves[i].step / kStepsPerSurface;
     const std::uint64_t start = Stopwatch::ticks();
     std::set<SurfaceNets::Index> blocks;
-    for (; i < carves.size() && carves[i].step / kStepsOfPicture == picture; ++i) {
+    for (; i < carves.size() && carves[i].step / kStepsPerSurface == surface; ++i) {
       const CarvedFieldBox box = field.carve(carves[i].made.carve);
       const SurfaceNets::Blocks changed = SurfaceNets::find_changed(field.nodes(), box.low, box.high);
       for (int z = changed.first[2]; z < changed.end[2]; ++z) {
@@ -111,7 +111,7 @@ std::vector<double> time_surfaces_once(const Stopwatch& watch, const CarvedField
 
 TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& whole, const std::vector<MadeAt>& carves) {
   std::vector<double> least = time_surfaces_once(watch, whole, carves);
-  for (int again = 1; again < kAgain; ++again) {
+  for (int again = 1; again < kRepetitions; ++again) {
     const std::vector<double> ns = time_surfaces_once(watch, whole, carves);
     for (std::size_t i = 0; i < least.size(); ++i) least[i] = std::min(least[i], ns[i]);
   }
@@ -121,7 +121,7 @@ TimeSpread time_surfaces(const Stopwatch& watch, const CarvedField& whole, const
 template <class Once>
 double find_least_ms(Once&& once) {
   double least_ms = once();
-  for (int again = 1; again < kAgain; ++again) least_ms = std::min(least_ms, once());
+  for (int again = 1; again < kRepetitions; ++again) least_ms = std::min(least_ms, once());
   return least_ms;
 }
 
@@ -157,8 +157,8 @@ double time_undo(const Stopwatch& watch, const CarvedField& whole, const std::ve
 
 Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double radius_voxels, std::uint64_t seed,
                                   const SculptRunSettings& settings, const Stopwatch& watch,
-                                  const std::function<void(std::string_view)>& is_at) {
-  is_at("steps");
+                                  const std::function<void(std::string_view)>& report_part) {
+  report_part("steps");
   const MeshBounds bounds = compute_bounds(shape.mesh);
   const double voxel_m = (bounds.high - bounds.low).maxCoeff() / grid;
   const TouchScene scene{
@@ -184,7 +184,7 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   };
   const auto step = [&](std::size_t i) { output = method.step({.p_SD = motion.hand[i], .dt_s = 1e-3, .buttons = motion.buttons[i]}); };
   const TimedSteps timed = time_steps(watch, settings.budget, settings.steps, before, step, [](std::size_t) {});
-  // Once more, for what the steps did.
+  // Once more, untimed: which steps carved and which touched.
   std::vector<std::uint8_t> is_carving(settings.steps), is_touching(settings.steps);
   std::vector<MadeAt> carves;
   for (std::size_t i = 0; i < settings.steps; ++i) {
@@ -200,7 +200,7 @@ Result<SculptRunRow> measure_body(const SculptShape& shape, int grid, double rad
   row.all = spread_of_times(timed.least.ns());
   row.carving = spread_of_times(timed.least.only(is_carving));
   row.touching = spread_of_times(timed.least.only(is_touching));
-  is_at("surfaces");
+  report_part("surfaces");
   row.surface = time_surfaces(watch, field, carves);
   row.whole_ms = find_least_ms([&] { return time_whole_surface(watch, method.sculpture()->bodies()[0].field); });
   row.undo_ms = find_least_ms([&] { return time_undo(watch, field, carves); });
@@ -236,11 +236,11 @@ Result<SculptRunReport> measure_sculpting(const SculptRunSettings& settings, con
     for (const int grid : settings.grids) {
       for (const double radius : settings.radii_voxels) {
         for (const std::uint64_t seed : settings.seeds) {
-          const auto is_at = [&](std::string_view what) {
+          const auto report_part = [&](std::string_view what) {
             progress(fmt::format("{} of {}: {}, {} voxels, ball of {:g}, seed {}: {}", report.rows.size() + 1, rows, shape.name, grid,
                                  radius, seed, what));
           };
-          auto row = measure_body(shape, grid, radius, seed, settings, watch, is_at);
+          auto row = measure_body(shape, grid, radius, seed, settings, watch, report_part);
           if (!row) return tl::unexpected(row.error());
           report.rows.push_back(std::move(*row));
         }

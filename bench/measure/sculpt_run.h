@@ -28,13 +28,13 @@ struct SculptRunRow {
   std::uint64_t seed = 0;
   std::size_t nodes = 0;     // of the field
   std::size_t carves = 0;    // of all steps
-  double make_ms = 0.0;      // the field, once
+  double make_ms = 0.0;      // to make the method with its field, once
   TimeSpread all = {};       // steps, least times over the repetitions
   TimeSpread carving = {};   // those that made a carve
   TimeSpread touching = {};  // those in contact without a carve
-  TimeSpread surface = {};   // the surface again after 33 ms of carving: the changed blocks in three levels of detail
+  TimeSpread surface = {};   // the surface after each 33 ms of carving: its changed blocks in three levels of detail
   double whole_ms = 0.0;     // the surface of all blocks
-  double undo_ms = 0.0;      // the material of the last press, put back: of what a slow task does
+  double undo_ms = 0.0;      // to put the material of the last press back; a slow task does this, not a step
   std::size_t presses = 0;   // of the button, with a carve
 };
 
@@ -50,7 +50,8 @@ struct SculptRunReport {
   double least_surface_hz() const;  // of the slowest surface
 };
 
-// Steps of method proxy on bodies that are carved, and the surface for the picture. Error: a grid that is too fine. RT: set-up only.
+// Times the steps of method proxy on bodies that are carved, and the surface that vision_node draws. Error: a grid that is too fine. RT:
+// set-up only.
 Result<SculptRunReport> measure_sculpting(const SculptRunSettings& settings, const Stopwatch& watch, const Progress& progress);
 
 std::string to_csv(const SculptRunReport& report);

@@ -10,9 +10,9 @@ namespace hapton {
 namespace {
 
 constexpr std::uint32_t kSkin = 1;
-constexpr std::int64_t kShapeMs = 1'000'000;
+constexpr std::int64_t kShaperNsPerMs = 1'000'000;
 
-// A sheet that a program deforms, above a floor, as its parts have come, and what makes its patches.
+// A sheet that a program deforms, above a floor. All parts have been received; `shaper` makes the patches of the sheet.
 struct PatchShaperTest : testing::Test {
   PatchShaperTest() {
     TouchScene scene;
@@ -25,7 +25,7 @@ struct PatchShaperTest : testing::Test {
     parts = store.find_stream(kSkin);
   }
 
-  // All of it rises so far.
+  // Announces a shape: within 10 ms the whole sheet rises to z_m above its rest.
   void announce(std::uint32_t serial, std::int64_t start_ms, float z_m) {
     const std::vector<ShapePart::Displacement> shape(total, {0.0F, 0.0F, z_m});
     for (std::uint32_t first = 0; first < total; first += ShapePart::kMaxHere) {
@@ -37,14 +37,14 @@ struct PatchShaperTest : testing::Test {
                                         .before = serial - 1,
                                         .object = 1,
                                         .total = total,
-                                        .start_ns = start_ms * kShapeMs,
-                                        .end_ns = (start_ms + 10) * kShapeMs},
+                                        .start_ns = start_ms * kShaperNsPerMs,
+                                        .end_ns = (start_ms + 10) * kShaperNsPerMs},
                              Arrival::newest);
   }
   Result<std::unique_ptr<StreamedMethod>> make(std::int64_t time_ms, const KnownShapes& shapes) {
-    return shaper.make({}, piece.scene.objects.front(), *parts, shapes, time_ms * kShapeMs);
+    return shaper.make({}, piece.scene.objects.front(), *parts, shapes, time_ms * kShaperNsPerMs);
   }
-  std::unique_ptr<PatchShape> next(std::int64_t time_ms) { return shaper.make_next(*parts, store.shapes(), time_ms * kShapeMs); }
+  std::unique_ptr<PatchShape> next(std::int64_t time_ms) { return shaper.make_next(*parts, store.shapes(), time_ms * kShaperNsPerMs); }
 
   PatchStore store;
   PatchStore::Piece piece;
@@ -71,18 +71,18 @@ TEST_F(PatchShaperTest, MakesTheStagesThatAreAnnouncedOneAfterTheOther) {
       continue;
     }
     EXPECT_EQ(shape->patch, 1U);
-    EXPECT_EQ(shape->start_ns, (80 + 20 * serial) * kShapeMs);
-    EXPECT_EQ(shape->end_ns, (90 + 20 * serial) * kShapeMs);
+    EXPECT_EQ(shape->start_ns, (80 + 20 * serial) * kShaperNsPerMs);
+    EXPECT_EQ(shape->end_ns, (90 + 20 * serial) * kShaperNsPerMs);
     ASSERT_FALSE(shape->stage->to.empty());
     for (std::size_t v = 0; v < shape->stage->to.size(); ++v) {
       EXPECT_NEAR(shape->stage->begin[v].z(), 0.007 + 0.001 * (serial - 1), 1e-7);
       EXPECT_NEAR(shape->stage->to[v].z(), 0.007 + 0.001 * serial, 1e-7);
     }
   }
-  EXPECT_EQ(next(50), nullptr) << "no other was announced";
+  EXPECT_EQ(next(50), nullptr) << "no further shape was announced";
 }
 
-// Of a patch that could not be made there is no stage, nor of the one before it, which it takes the place of.
+// After make() gave no patch, there is no stage: neither for that patch nor for the one before, which it was to replace.
 TEST_F(PatchShaperTest, AfterAPatchThatCannotBeMadeThereIsNoStage) {
   ASSERT_NE(parts, nullptr);
   announce(1, 100, 0.001F);
@@ -92,14 +92,14 @@ TEST_F(PatchShaperTest, AfterAPatchThatCannotBeMadeThereIsNoStage) {
   const auto unknown = make(125, KnownShapes());
   ASSERT_TRUE(unknown) << unknown.error().what;
   EXPECT_EQ(*unknown, nullptr) << "no shape is known";
-  EXPECT_EQ(shaper.number(), 1U) << "it is no patch";
+  EXPECT_EQ(shaper.number(), 1U) << "no patch was made";
   EXPECT_EQ(next(125), nullptr);
   ASSERT_TRUE(make(125, store.shapes()));
   EXPECT_EQ(shaper.number(), 2U);
   const auto shape = next(125);
   ASSERT_NE(shape, nullptr);
   EXPECT_EQ(shape->patch, 2U);
-  EXPECT_EQ(shape->start_ns, 140 * kShapeMs);
+  EXPECT_EQ(shape->start_ns, 140 * kShaperNsPerMs);
   shaper.forget();
   announce(4, 160, 0.004F);
   EXPECT_EQ(next(125), nullptr) << "it was forgotten";

@@ -1,4 +1,4 @@
-// Scripts of deploy/ where something is missing: a person reads why.
+// Where something is missing or fails, the scripts of deploy/ say why.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// A script in a tree of its own, with programs that stand in for those of the system.
+// Runs a copy of a script in a temporary tree, with programs that stand in for those of the system.
 class DeployScript : public ::testing::Test {
  protected:
   void take(const std::string& script) {
@@ -36,7 +36,8 @@ class DeployScript : public ::testing::Test {
   TestFolder folder_;
 };
 
-// grep found no failure, or `head` ended before what it read from: with that the script ended, too, without a word.
+// `grep` fails where no step failed, and `head` ends before it has read all of a long output. Either of them once ended the script
+// (pipefail) without a message.
 TEST_F(DeployScript, BuildSaysWhyItFailsWithoutAFailedStepAndWithALongOne) {
   take("build");
   stand_in("deploy/setup", "exit 0");
@@ -55,7 +56,7 @@ TEST_F(DeployScript, BuildSaysWhyItFailsWithoutAFailedStepAndWithALongOne) {
   }
 }
 
-// apt-cache fails where it knows no such package.
+// apt-cache fails if it does not know the package.
 TEST_F(DeployScript, HidTestIsSkippedWithoutListsOfPackages) {
   take("hid-test");
   stand_in("bin/uname", "echo x86_64");

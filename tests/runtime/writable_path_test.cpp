@@ -59,20 +59,20 @@ TEST(WritablePath, RejectsALinkIntoAFolderThatIsNotThere) {
   const ScratchFolder folder;
   const auto link = folder.path() / "link.csv";
   std::filesystem::create_symlink("later/a.csv", link);
-  EXPECT_THAT(error_of(check_writable_file(link)), HasSubstr("link.csv cannot be written: it leads into"));
+  EXPECT_THAT(error_of(check_writable_file(link)), HasSubstr("link.csv cannot be written: it is a link into"));
   EXPECT_FALSE(write_file_atomically(link, "x"));
   std::filesystem::create_directory(folder.path() / "later");
   EXPECT_EQ(error_of(check_writable_file(link)), "");
   EXPECT_TRUE(write_file_atomically(link, "x"));
 }
 
-TEST(WritablePath, RejectsAFolderBehindALinkThatLeadsToNothing) {
+TEST(WritablePath, RejectsAFolderBehindABrokenLink) {
   const ScratchFolder folder;
   const auto link = folder.path() / "link";
   std::filesystem::create_symlink("nothing", link);
   for (const auto& behind : {link, link / "a", link / "a/b"}) {
-    EXPECT_THAT(error_of(check_writable_folder(behind)), HasSubstr("leads to nothing")) << behind;
-    EXPECT_THAT(error_of(check_writable_file(behind / "a.csv")), HasSubstr("leads to nothing")) << behind;
+    EXPECT_THAT(error_of(check_writable_folder(behind)), HasSubstr("points to something that does not exist")) << behind;
+    EXPECT_THAT(error_of(check_writable_file(behind / "a.csv")), HasSubstr("points to something that does not exist")) << behind;
     std::error_code error;
     EXPECT_FALSE(std::filesystem::create_directories(behind, error)) << behind;
   }

@@ -27,15 +27,14 @@ struct HopCounts {
 };
 
 // The counts between two reports of the same run: the present counts less the earlier ones, by hop and bucket. A new hop or bucket counts
-// completely; one that decreased (the run started again) gives the present counts.
+// completely. A hop with fewer durations than before (the run started again) keeps its present counts.
 std::vector<HopCounts> subtract_hops(const std::vector<HopCounts>& now, const std::vector<HopCounts>& before);
 
 // The same rows as latency.csv has. RT: no.
 std::string to_csv(const std::vector<HopCounts>& hops);
 
-// Reads latency.csv (header hop,lower_ns,upper_ns,count; the rows of a hop are contiguous, ascending). Hops in the
-// file's order; one without a duration is left out. Error: one line with the file and the line in it. RT: set-up
-// only.
+// Reads latency.csv (header hop,lower_ns,upper_ns,count; the rows of a hop are contiguous, ascending). The hops are in the order of the
+// file; a hop without durations is left out. Error: one line with the file and the number of the line. RT: set-up only.
 Result<std::vector<HopCounts>> read_latency_csv(const std::filesystem::path& path);
 Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::string_view name);
 

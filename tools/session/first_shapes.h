@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// The shapes that a haptics node had begun before its first force in a recording, of objects that programs deform. The recording has them,
-// because the node repeats the newest start of each object, and the hub requests the vertices (decision 208). Collected in a first pass
-// over the recording, by sender of the datagrams. RT: no.
+// For a replay: the shapes of objects that programs deform which a haptics node had begun before its first force in a recording. They are
+// in the recording, also after that force, because the node repeats the newest start of each object and the hub requests the vertices
+// (decision 208). A first pass over the recording adds its messages, by the sender of the datagrams. RT: no. Threads: one.
 class FirstShapes {
  public:
   struct Sender {
@@ -29,7 +29,8 @@ class FirstShapes {
   const Sender* find(std::uint64_t sender) const;
 
  private:
-  // Limit on the shapes that are kept before the first force, which tells the serials that are in use; a file may have any number.
+  // Shapes and starts that are kept for a sender, the newest ones: until its first force tells which serials count, a damaged or hostile
+  // file may have any number of them. A free choice.
   static constexpr std::size_t kMaxEarly = 64;
 
   std::map<std::uint64_t, Sender> senders_;

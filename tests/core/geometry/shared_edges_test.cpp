@@ -8,7 +8,7 @@
 namespace hapton {
 namespace {
 
-TEST(SharedEdges, AClosedSurfaceSharesEveryEdgeByTwo) {
+TEST(SharedEdges, OnAClosedSurfaceTwoTrianglesShareEachEdge) {
   const TriangleMesh mesh = make_torus(1.0, 0.3, 20, 12);
   const SharedEdges edges(mesh.triangles);
   EXPECT_EQ(edges.size(), mesh.triangles.size() * 3 / 2);
@@ -27,8 +27,8 @@ TEST(SharedEdges, AClosedSurfaceSharesEveryEdgeByTwo) {
   }
 }
 
-TEST(SharedEdges, BoundariesAndFansHaveNoAdjacentTriangle) {
-  // Three triangles on one edge; all other edges are boundary.
+TEST(SharedEdges, BoundaryAndNonManifoldEdgesHaveNoAdjacentTriangle) {
+  // Three triangles share one edge; all other edges are boundary edges.
   const std::vector<Triangle> triangles = {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}};
   const SharedEdges edges(triangles);
   EXPECT_EQ(edges.size(), 7U);
@@ -38,7 +38,7 @@ TEST(SharedEdges, BoundariesAndFansHaveNoAdjacentTriangle) {
   }
 }
 
-TEST(SharedEdges, OfNothingIsNothing) { EXPECT_EQ(SharedEdges({}).size(), 0U); }
+TEST(SharedEdges, WithoutTrianglesThereAreNoEdges) { EXPECT_EQ(SharedEdges({}).size(), 0U); }
 
 }  // namespace
 }  // namespace hapton

@@ -55,7 +55,7 @@ TEST(TangentCone, OfACubesCornerHasThreeEdgesThatOpenOutwardsOrInwards) {
   }
 }
 
-TEST(TangentCone, OfOneTriangleGoesRoundBothItsSides) {
+TEST(TangentCone, OfOneTriangleGoesAlongBothItsSides) {
   TangentCone cone = cone_of(Vec3::Zero(), {ContactTriangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY())});
   ASSERT_TRUE(cone.find_boundary(Vec3(0.1, 0.1, 1.0).normalized()));
   bool above = false;
@@ -70,7 +70,7 @@ TEST(TangentCone, OfOneTriangleGoesRoundBothItsSides) {
   EXPECT_NEAR(opening, 2.0 * kPi, 1e-12);
 }
 
-// Three large triangles that share nothing and cross at a point: the border of an octant, whichever the point is in.
+// Three large triangles that share no vertex and cross at one point: the boundary is that of the octant that the point is in.
 TEST(TangentCone, OfThreeFacesThatCrossIsTheOctantThatThePointIsIn) {
   const Vec3 apex(0.3, -0.2, 0.1);
   std::vector<ContactTriangle> triangles;
@@ -95,7 +95,8 @@ TEST(TangentCone, OfThreeFacesThatCrossIsTheOctantThatThePointIsIn) {
   }
 }
 
-// Against every direction of a dense sample of the fan itself: of a fan that is one sheet, both sides have all of it for their border.
+// The twin: the steepest of densely sampled directions in the fan. The fan is a single sheet, so it bounds the free directions on both
+// sides.
 TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
   constexpr std::uint64_t kSeed = 20261121;
   SCOPED_TRACE(kSeed);
@@ -131,7 +132,7 @@ TEST(TangentCone, FindsTheSteepestDirectionOfRandomFans) {
   }
 }
 
-// A device straight below a face pulls along its normal but for rounding, and that rounding is no direction.
+// The pull of a device straight below a face is normal to it, except for rounding. The rounding must not decide the direction.
 TEST(TangentCone, SteepestDirectionsLieInTheirPieceWhereThePullIsNormalToIt) {
   constexpr std::uint64_t kSeed = 20261123;
   SCOPED_TRACE(kSeed);
@@ -148,7 +149,8 @@ TEST(TangentCone, SteepestDirectionsLieInTheirPieceWhereThePullIsNormalToIt) {
   }
 }
 
-// Two sheets that cross at 3e-6 rad, and a wall across both. The border of what is above them does not lead into the slit between them.
+// Two sheets that cross at about 3e-6 rad, and a wall across both. The boundary of the space above them does not lead into the slit between
+// them.
 TEST(TangentCone, ASlitBetweenSheetsThatCrossIsClosed) {
   for (const double angle : {1.2e-6, 2.7e-6, 6e-6}) {
     const auto sheet = [](double slope) {
@@ -166,8 +168,8 @@ TEST(TangentCone, ASlitBetweenSheetsThatCrossIsClosed) {
   }
 }
 
-// A vertex of the NIST assembly (local coordinates). The direction the point is in is nearest to the end of an arc, so the walk begins
-// there.
+// A vertex of the NIST assembly (local coordinates). The arc nearest to the direction of the point is nearest at its end, so the walk along
+// the boundary begins at an end.
 TEST(TangentCone, ClosesWhereItBeganAtTheEndOfAnArc) {
   const Vec3 apex(0.377247445811, 0.224334866022, -0.195035136);
   const Vec3 right(0.378984936243, 0.223001706496, -0.195035136);
@@ -191,7 +193,7 @@ TEST(TangentCone, ClosesWhereItBeganAtTheEndOfAnArc) {
 
 // Directions at a vertex of barkour_body_dirty, where two sheets meet at 6.6e-6 rad: the boundary goes into the wedge between them and out
 // again.
-TEST(TangentCone, AWedgeWithATipIsNoSlit) {
+TEST(TangentCone, AWedgeWithATipIsNotASlit) {
   const std::vector<std::pair<Vec3, Vec3>> arcs = {{{0.92391485, 0.33257945, -0.18913558}, {0.0, 0.84845166, -0.52927289}},
                                                    {{0.0, 0.91376631, 0.40624023}, {0.99395900, 0.06546079, 0.08809308}},
                                                    {{0.99395900, 0.06546079, 0.08809308}, {0.98010665, 0.09923547, -0.17188157}},
@@ -215,10 +217,10 @@ TEST(TangentCone, AWedgeWithATipIsNoSlit) {
   EXPECT_NEAR(narrowest->opening, 6.6e-6, 1e-7);
 }
 
-// One after the other, from the steepest to the least steep.
-// A part below a sheet, with its apex on it. Its face upwards lies in the sheet but for a corner 4e-8 above: less than what counts as the
-// same direction. The boundary below the sheet goes along the sheet, not along that face and around to the other side.
-TEST(TangentCone, AFaceBehindASheetByLessThanTheSameDirectionStaysBehindIt) {
+// A body below a sheet, with its apex on the sheet. Its upper face lies in the sheet, except for a corner up to 6e-8 above it: less than
+// the angle below which directions count as the same. The boundary below the sheet goes along the sheet, not along that face and around to
+// the other side.
+TEST(TangentCone, AFaceThatRisesAboveASheetByTooLittleToCountStaysBehindIt) {
   const Vec3 o = Vec3::Zero();
   const Vec3 down(0.000471402, 0.0255323, -0.0230239);
   const Vec3 aside(0.0132902, 0.0261019, -0.0114792);
@@ -236,7 +238,7 @@ TEST(TangentCone, AFaceBehindASheetByLessThanTheSameDirectionStaysBehindIt) {
                                    {o, {0.0, -0.038147, 0.0}, back},
                                    {o, {-0.00190732, -0.038147, 0.0}, {0.0, -0.038147, 0.0}},
                                    {{-0.0228882, 0.0736582, 0.0}, {-0.00190732, -0.038147, 0.0}, o}});
-    // The walk begins at whichever arc is nearest: the sheet's, or that of the face below.
+    // Depending on the depth, the walk begins at the arc of the sheet or at that of the face.
     for (const double depth : {0.2, 0.248, 0.249, 0.3}) {
       ASSERT_TRUE(cone.find_boundary(Vec3(0.221153, 0.943101, -depth).normalized())) << above;
       EXPECT_TRUE(cone.is_around_start()) << above << ", " << depth;
@@ -245,7 +247,8 @@ TEST(TangentCone, AFaceBehindASheetByLessThanTheSameDirectionStaysBehindIt) {
   }
 }
 
-TEST(TangentCone, TellsTheNextSteepestDirections) {
+// One after the other, from the steepest to the least steep.
+TEST(TangentCone, FindsTheNextSteepestDirections) {
   TangentCone cone = cone_of(Vec3::Zero(), cube_corner());
   ASSERT_TRUE(cone.find_boundary(Vec3::Ones().normalized()));
   const Vec3 pull(-0.9, -0.5, 0.3);
@@ -272,7 +275,7 @@ TEST(TangentCone, HasNoBoundaryWithoutTrianglesAndRejectsMoreThanItHolds) {
   EXPECT_EQ(added, TangentCone::kMaxArcs);
 }
 
-// Around a ragged fan of triangles, one side is the region that a point is in; the fan is seen as a polygon from its middle.
+// A closed fan with an uneven rim separates the directions into two regions. The twin: seen from the apex, the rim is a polygon around z.
 TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -292,7 +295,7 @@ TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
       const auto k = static_cast<std::size_t>(i);
       triangles.emplace_back(Vec3::Zero(), turn * ring[k], turn * ring[(k + 1) % kCorners]);
     }
-    // A direction with z > 0 is within the polygon if the ray through it from the middle crosses no side before.
+    // A direction with z > 0 is within the polygon if a ray from the middle of the polygon towards it meets no side before it.
     const auto is_within = [&](const Vec3& d) {
       if (!(d.z() > 0.0)) return false;
       const Eigen::Vector2d p = d.head<2>() / d.z();
@@ -321,8 +324,8 @@ TEST(TangentCone, ContainsTheDirectionsOfItsRegionAndNoOthers) {
   EXPECT_GT(outside, 1000);
 }
 
-// From a needle as narrow as directions that count as equal, the walk turned back on the other side of the surface, and a point was placed
-// inside a body.
+// At a needle about as narrow as the angle below which directions count as the same, the walk once turned back on the wrong side of the
+// surface, and a point was placed inside a body.
 TEST(TangentCone, GoesPastANeedleOfAMillionthRadian) {
   const Vec3 apex = Vec3::Zero();
   const double unit = 0x1p-31;
