@@ -25,7 +25,7 @@ struct PassiveStiffness {
 //
 //   b > T/2 1/(1 - cos wT) Re{(1 - e^(-jwT)) H(e^(jwT))}   for 0 < w <= pi/T
 //
-// and, where the delay is no multiple of T or the amplifier lags, its generalisation: the hand sees every alias of w, the admittance at
+// and, where the delay is not a multiple of T or the amplifier lags, its generalisation: the hand sees every alias of w, the admittance at
 // each lies in the disk about 1/2b, so their weighted sum lies in a disk of the summed weights' centre and radius, which the loop must keep
 // clear of -1. For a spring alone that is about K < b / (T/2 + delay). Sources: J. E. Colgate and G. Schenkel, "Passivity of a class of
 // sampled-data systems: application to haptic interfaces", J. Robotic Systems 14 (1997); J. J. Abbott and A. M. Okamura, "Effects of

@@ -29,9 +29,9 @@ struct EnergyOnset {
   std::string motion;
 };
 
-// Searched over presses and releases, over the worst motions of a frequency and its aliases where the delay is no multiple of the period,
-// and over oscillations across an encoder edge. The motion is given, so the energy is linear in the stiffness: the onset is lost_j divided
-// by the work of a wall of 1 N/m. This measurement checks find_passive_stiffness.
+// Searched over presses and releases, over the worst motions of a frequency and its aliases where the delay is not a multiple of the
+// period, and over oscillations across an encoder edge. The motion is given, so the energy is linear in the stiffness: the onset is lost_j
+// divided by the work of a wall of 1 N/m. This measurement checks find_passive_stiffness.
 EnergyOnset find_energy_onset(const DeviceModel& device, std::int64_t period_ns, std::int64_t delay_ns);
 
 // Force over position at one frequency, negated: for a spring its stiffness. Real part: rendered stiffness; imaginary part over 2 pi f:

@@ -8,7 +8,7 @@
 namespace hapton {
 
 // The axis between two samples, exactly: what is commanded for a sample reaches the motors after a delay and is held until the next
-// command does (zero-order hold). A delay that is no multiple of the period splits it: the older command holds for the first part.
+// command does (zero-order hold). A delay that is not a multiple of the period splits it: the older command holds for the first part.
 //
 //   delay = whole_periods T + rest
 //   x[k+1] = transition x[k] + older u[k - whole_periods - 1] + newer u[k - whole_periods]

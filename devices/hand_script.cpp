@@ -20,7 +20,7 @@ constexpr double kLiftM = 0.006;        // between taps
 constexpr double kStrikeDepthM = 0.02;  // a strike that met nothing so deep under the last contact has missed
 constexpr double kGripGain = 0.02;      // m/s of intention per N of missing force; slow against the hand's own 6 Hz
 constexpr double kMaxPullM = 0.015;     // the intention never runs farther from the device than this in contact
-constexpr double kLeadSpeed = 0.6;      // of a hand that the mouse leads: a jump of the pointer is no jump of the hand
+constexpr double kLeadSpeed = 0.6;      // of a hand that the mouse leads: a jump of the pointer is not a jump of the hand
 
 }  // namespace
 

@@ -45,7 +45,7 @@ std::optional<Quat> quaternion(const Json& in) {
   const auto w = number(&in, "w");
   if (!v || !w) return std::nullopt;
   const Quat q(*w, v->x(), v->y(), v->z());
-  // Of the length. Numbers that were rounded to two digits pass; anything else is no rotation.
+  // Of the length. Numbers that were rounded to two digits pass; anything else is not a rotation.
   constexpr double kTolerance = 0.1;
   return std::abs(q.norm() - 1.0) < kTolerance ? std::optional(q.normalized()) : std::nullopt;
 }

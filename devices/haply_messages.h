@@ -75,7 +75,7 @@ struct State {
   std::optional<Grip> grip;  // the first of them
 };
 
-// Error: it is no JSON, or not of that kind. What is missing in it keeps its default; a cursor without a position is left out.
+// Error: it is not JSON, or not of that kind. What is missing in it keeps its default; a cursor without a position is left out.
 Result<State> read_state(std::string_view text);
 
 // The first message of a session: who we are, the axes we expect, and no force.

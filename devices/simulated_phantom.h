@@ -16,7 +16,7 @@ namespace hapton {
 // Premium 6DOF had, it gives torque as well, and the stylus turns as StylusTurn says. The hand follows a seeded script
 // (hand_script.h), takes a path or is led.
 // Time: the first read or write sets the device's zero; the trajectory depends on the forces and the times they were written,
-// not on how often the device is read. A pause of more than kLongestPauseNs is cut to it (a stopped process is no long flight).
+// not on how often the device is read. A pause of more than kLongestPauseNs is cut to it (a stopped process is not a long flight).
 // RT: all but making one: bounded, about 2 us for each simulated millisecond.
 class SimulatedPhantom final : public Device {
  public:

@@ -407,7 +407,7 @@ std::unique_ptr<TouchStep> HapticsStep::replace(std::unique_ptr<TouchStep> touch
     touch_->reset(start);
     // On the path from there to the device, which the hand did not take, it comes into contact and settles.
     TouchInput settling = input_;
-    // It is no sample: nothing is carved in it.
+    // It is not a sample: nothing is carved in it.
     if (touch_->has_sculpture()) settling.buttons = 0;
     const TouchOutput settled = touch_->step(settling);
     touch_->continue_hand_motion(*touch);

@@ -422,7 +422,7 @@ void ReplyLoop::report_shown_tool() {
   }
 }
 
-// Once each time: without a word, a tool that gives no force looks like a broken one.
+// Logs each change once: without a line, a tool that gives no force looks broken.
 void ReplyLoop::report_tool() {
   if (step_.is_tool_blocked() == is_tool_blocked_ || !step_.is_running()) return;
   is_tool_blocked_ = !is_tool_blocked_;

@@ -10,7 +10,7 @@ Result<void> take_scene_probe(HapticsOptions& options) {
   const auto path = find_scene(options.scene);
   if (path.extension() != ".toml") {
     if (options.probe.empty()) return {};
-    return fail("--probe {}: {} is no scene file, so it has no probes: leave --probe out", options.probe, path.string());
+    return fail("--probe {}: {} is not a scene file, so it has no probes: leave --probe out", options.probe, path.string());
   }
   const auto layout = read_layout(path);
   if (!layout) return {};  // load_scene rejects it as well

@@ -19,7 +19,7 @@ std::vector<HidDescription> list_hid_devices();
 // The report descriptor of a node ("/dev/hidraw0"), from the system's list of such nodes; empty if it cannot be read. RT: no.
 HidLayout read_hidraw_layout(const std::string& path, const std::filesystem::path& classes = "/sys/class/hidraw");
 
-// What hidapi returned for a read, with the errno: a signal that ended the wait is no unplugging. RT: yes.
+// What hidapi returned for a read, with the errno: a signal that ended the wait does not count as unplugged. RT: yes.
 HidRead to_hid_read(int returned, int error) noexcept;
 
 // A force device is one program's, and one hand's in it: an exclusive node that somebody else has exclusively is not opened

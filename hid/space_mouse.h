@@ -26,7 +26,7 @@ class SpaceMouseDecoder {
  public:
   static constexpr double kFullWay = 350.0;  // counts
   static constexpr double kDeadBand = 10.0;  // counts
-  // A held cap repeats itself every 16 ms even over the air: some lost reports are no release.
+  // A held cap repeats itself every 16 ms even over the air: some lost reports are not a release.
   static constexpr std::int64_t kStaleNs = 200'000'000;
 
   // One report, its id in front. False: it says nothing of axes or buttons (battery, LED, unknown), or it is too short.

@@ -35,7 +35,7 @@ constexpr std::size_t kMaxClients = 16;                        // one or two ask
 constexpr auto kAcceptPause = std::chrono::milliseconds(100);  // where the process has no descriptor left
 constexpr std::size_t kMaxRequestBytes = 8192;                 // a scraper sends some hundred
 
-// A browser that was directed here by another name (DNS rebinding) sends that name as Host. A client without Host is no browser.
+// A browser that was directed here by another name (DNS rebinding) sends that name as Host. A client without Host is not a browser.
 bool is_host_ours(std::string_view host) {
   if (host.empty()) return true;
   const std::size_t end = host.starts_with('[') ? host.find(']') : host.find(':');

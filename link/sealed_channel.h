@@ -34,7 +34,8 @@ class SealedChannel {
   // Datagrams sealed so far.
   std::uint64_t sealed() const noexcept { return counter_; }
 
-  // Writes the sealed datagram and gives its bytes, payload + seal::kOverheadBytes; 0 when that does not fit, or this is no session.
+  // Writes the sealed datagram and returns its size in bytes, payload + seal::kOverheadBytes. 0: it does not fit, or the channel has no
+  // session.
   std::size_t seal(std::span<const std::byte> payload, std::span<std::byte> into) noexcept;
 
   // Post: unless opened, `into` holds nothing of the datagram and the channel is unchanged. Pre: into and datagram do not overlap.

@@ -158,7 +158,7 @@ std::size_t SealedClient::open(std::span<const std::byte> datagram, const Addres
 }
 
 void SealedClient::receive_handshake(seal::Kind kind, std::span<const std::byte> datagram) noexcept {
-  if (!handshake_.is_pending()) return;  // a late reply to an earlier request is no fault
+  if (!handshake_.is_pending()) return;  // a late reply to an earlier request is not a fault
   const bool is_good =
       (kind == seal::Kind::retry && handshake_.read_retry(datagram)) || (kind == seal::Kind::reply && handshake_.read_reply(datagram));
   counts_.wrong_key += is_good ? 0 : 1;

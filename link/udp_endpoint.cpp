@@ -63,7 +63,7 @@ class UdpEndpoint final : public Endpoint {
  private:
   enum class Attempt : std::uint8_t {
     received,
-    passed_over,  // something came that is no datagram of ours: empty, too long, or the news that a peer is not there
+    passed_over,  // something came that is not a datagram of ours: empty, too long, or the news that a peer is not there
     nothing,
   };
 

@@ -32,7 +32,7 @@ constexpr std::size_t kMaxEffectObjects = 8192;  // as many as a scene in parts 
 // 65,535th of their range, and for their triangles, which are rounded to floats.
 std::string encode_effects(const SceneEffectSet& effects);
 
-// Error: the bytes are no SceneEffects, or name something that no scene may have: a number that is not finite or not in its range, a force
+// Error: the bytes are not SceneEffects, or name something that no scene may have: a number that is not finite or not in its range, a force
 // above kMaxEffectForceN, an image or model that is not there. The result is safe to compute forces with.
 Result<SceneEffectSet> decode_effects(std::string_view bytes);
 

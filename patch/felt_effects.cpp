@@ -61,7 +61,7 @@ void FeltEffects::continue_hand_motion(const FeltEffects& other) noexcept {
   has_last_ = true;
 }
 
-// A scene that was moved is no motion of the hand.
+// A scene that was moved is not a motion of the hand.
 void FeltEffects::compensate_scene_motion(const TouchInput& input) noexcept {
   if (has_last_ && last_.X_WS.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_.p_WD));
   last_ = input;

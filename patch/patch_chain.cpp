@@ -146,7 +146,7 @@ std::optional<PatchOutput> PatchChain::step_bodies(const TouchInput& input) noex
   return output;
 }
 
-// Of what is no force, nothing is felt: the proxy is where it is asked to be.
+// A part whose result is not a force is not felt: its proxy is placed where it is asked to be.
 class PatchChain::Felt final : public FeltParts {
  public:
   Felt(PatchChain& chain, const TouchInput& input) : chain_(chain), input_(input) {}

@@ -21,7 +21,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 // muParser would take any, and some would hide a variable or a function.
 Result<void> check_constant(const std::string& name, double value) {
   const bool is_name = !name.empty() && is_letter(name[0]) && std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c); });
-  if (!is_name) return fail("'{}' is no name of a constant; use letters, digits and _", name);
+  if (!is_name) return fail("'{}' is not a valid name of a constant; use letters, digits and _", name);
   const bool is_taken = name == "pi" || std::ranges::find(kVariables, name) != kVariables.end() || mu::Parser().GetFunDef().contains(name);
   if (is_taken) return fail("the constant {} has the name of a variable or a function; choose another one", name);
   if (!std::isfinite(value)) return fail("{} is {}; give a finite number", name, value);

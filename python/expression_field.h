@@ -11,8 +11,8 @@
 namespace hapton::python {
 
 // A force by three expressions of place (x, y, z, m), velocity (vx, vy, vz, m/s) and time since the fields were set (t, s), with constants
-// of one's own. muParser compiles them once. Frame: W. Bound: max_force_n; a result that is not finite is no force. RT: force yes (no heap
-// after make). Threads: one at a time; a copy has its own variables.
+// of one's own. muParser compiles them once. Frame: W. Bound: max_force_n; a result that is not finite is not a force. RT: force yes (no
+// heap after make). Threads: one at a time; a copy has its own variables.
 class ExpressionField {
  public:
   // texts: along x, y and z. Error, one line: what is wrong with which of them, or a name that a constant cannot have.

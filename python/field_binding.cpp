@@ -85,7 +85,7 @@ PythonField make_expression(const std::string& fx, const std::string& fy, const 
     try {
       numbers[name.cast<std::string>()] = value.cast<double>();
     } catch (const py::cast_error&) {
-      raise_value_error(fmt::format("the constant {} is no number", name.cast<std::string>()));
+      raise_value_error(fmt::format("the constant {} is not a number", name.cast<std::string>()));
     }
   }
   auto made = ExpressionField::make({fx, fy, fz}, numbers, check_number(most_n, "max_force_n"));

@@ -17,7 +17,7 @@ CLI::Validator above_zero(const std::string& what = "a number");
 CLI::Validator zero_or_more(const std::string& what = "a number");
 
 // A whole number, in decimal or after 0x, from `least` to `most`. CLI11 alone takes -1 for the largest unsigned number, one with too many
-// digits for the nearest that fits, and 010 for 8. Text that is no finite number is left to the option's other checks.
+// digits for the nearest that fits, and 010 for 8. Text that is not a finite number is left to the option's other checks.
 CLI::Validator whole_number(std::int64_t least, std::uint64_t most);
 template <class T>
 CLI::Validator whole_number() {

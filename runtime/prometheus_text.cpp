@@ -59,7 +59,7 @@ std::string hops_text(const LatencyReport& report) {
   return text;
 }
 
-// Counts as they are; a name that ends in _us is a time in seconds, and what is the longest of its kind so far is no counter.
+// Counts as they are; a name that ends in _us is a time in seconds, and what is the longest of its kind so far is not a counter.
 std::string counters_text(const LatencyReport& report) {
   std::string text;
   for (const auto& [name, count] : report.counters) {

@@ -105,7 +105,7 @@ std::string to_json(const LatencyReport& report) {
   for (const LatencyHop& hop : report.hops) {
     json["hops"][hop.name] = hop_json(hop.histogram);
   }
-  // Names and notes may come from files and devices: bytes that are no UTF-8 are replaced, not thrown about.
+  // Names and notes may come from files and devices: bytes that are not UTF-8 are replaced; otherwise dump() would throw.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

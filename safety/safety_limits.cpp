@@ -53,7 +53,7 @@ void SafetyLimits::tighten(const DeviceLimits& wanted) noexcept {
   lower(now_.continuous_force_n, wanted.continuous_force_n);
   lower(now_.max_speed_m_per_s, wanted.max_speed_m_per_s);
   for (int axis = 0; axis < 3; ++axis) {
-    // In this order, in which one that is no number stays none.
+    // The wanted value first: std::max and std::min then return it if it is NaN, and the comparison below rejects it.
     const double low = std::max(wanted.workspace_min_m[axis], now_.workspace_min_m[axis]);
     const double high = std::min(wanted.workspace_max_m[axis], now_.workspace_max_m[axis]);
     if (!(low < high)) continue;

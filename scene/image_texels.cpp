@@ -55,9 +55,9 @@ Result<ImageTexels> decode_png(const std::string& bytes, TexelKind kind) {
     png_image_free(&png);
     return tl::unexpected(error);
   }
-  // Else libpng takes 16 bits for linear light where the file does not say, and makes them brighter.
+  // Without this, libpng takes 16-bit values for linear light if the file does not say what they are, and makes them brighter.
   png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
-  // Without room for it, libpng would multiply the numbers by the alpha.
+  // With alpha in the output too: without it, libpng would multiply the colours by alpha.
   png.format = kind == TexelKind::grey ? PNG_FORMAT_GRAY : PNG_FORMAT_RGBA;
   ImageTexels texels{static_cast<int>(png.width), static_cast<int>(png.height), std::vector<std::uint8_t>(PNG_IMAGE_SIZE(png))};
   const bool is_read = png_image_finish_read(&png, nullptr, texels.values.data(), 0, nullptr) != 0;

@@ -13,7 +13,8 @@ namespace hapton {
 // What an image file has in a texel.
 enum class TexelKind : std::uint8_t {
   grey,    // the luminance of colours, 1 value
-  numbers  // red, green and blue as they stand in the file, whatever its alpha, 3 values: for images that are no picture, as normal maps
+  numbers  // red, green and blue as they stand in the file, whatever its alpha, 3 values: for images that are not pictures, such as normal
+           // maps
 };
 
 // An image as the file has it, 8 bits a value (of more, the upper 8).

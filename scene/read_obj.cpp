@@ -94,7 +94,7 @@ class ObjReader {
     return std::nullopt;
   }
 
-  // Some programs write red, green and blue behind the position. What cannot be read is no colour.
+  // Some programs write red, green and blue behind the position. What cannot be read is not a colour.
   void read_colour() {
     std::array<double, 3> channels = {};
     for (double& channel : channels) {

@@ -153,7 +153,7 @@ Result<TextureModels> parse_texture(std::string_view text) {
   }
   const Element* set = document.RootElement();
   if (set == nullptr || std::string_view(set->Name()) != "modelSet") {
-    return fail("is no texture of the Haptic Texture Toolkit: its root is <{}>, not <modelSet>",
+    return fail("is not a texture of the Haptic Texture Toolkit: its root is <{}>, not <modelSet>",
                 set == nullptr ? "" : printable(set->Name()));
   }
   TextureXml xml;

@@ -20,7 +20,7 @@ struct MethodFlags {
 // --method, --probe-radius, and what single methods read. Pre: `flags` outlives the parsing.
 void add_method_flags(CommandLine command, MethodFlags& flags);
 
-// Error: a grid that is no division, a bound that is no length.
+// Error: a grid that is not a division, a bound that is not a length.
 Result<MethodSettings> settings_of(const MethodFlags& flags);
 
 }  // namespace hapton

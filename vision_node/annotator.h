@@ -31,7 +31,7 @@ class Annotator {
   static constexpr double kBoundShare = 0x1p-13;
 
   // Pre: all outlive this; the view was opened with the scene's objects. can_touch: whether what is touched is a point, not a rigid tool.
-  // Error: as check_annotator_options; a file that cannot be read, is no annotation file, or cannot be written.
+  // Error: as check_annotator_options; a file that cannot be read, is not an annotation file, or cannot be written.
   static Result<std::unique_ptr<Annotator>> open(StereoView& view, const Scene& scene, double scene_radius_m,
                                                  const AnnotatorOptions& options, bool can_touch);
 

@@ -65,7 +65,7 @@ class EffectStep {
   // Goes on with the velocities of the device that `other` has followed to its last sample: of the hand, and relative to moving
   // surfaces if these are as many. Pre: a step at that sample.
   void continue_hand_motion(const EffectStep& other) noexcept;
-  // The scene was moved, so that the last device point has other coordinates in frame S: this is no motion of the hand.
+  // The scene was moved, so that the last device point has other coordinates in frame S: this is not a motion of the hand.
   void note_scene_moved(const Vec3& last_p_SD) noexcept;
 
  private:

@@ -6,7 +6,7 @@
 namespace hapton {
 
 // When an effect acts: always, or while a button of the stylus is held down. Its force is multiplied by a gain that rises linearly from 0
-// to 1 within kRampS of the press, and falls as fast from the release on, so a press is no force discontinuity. Units: s. RT: yes.
+// to 1 within kRampS of the press, and falls as fast from the release on, so a press causes no force discontinuity. Units: s. RT: yes.
 //
 // Passivity: a dissipative effect stays dissipative. Any other effect becomes active, because it can be switched on where its potential is
 // high. Between a press and the end of the fade it gives at most its bound times the length of the hand's path.

@@ -11,7 +11,7 @@ namespace hapton {
 // The frame F of surfaces that move together, and the motion of the device as they see it: a hand that they carry along rests. Where they
 // deform as well, follow_deformation() takes the motion of the touched point within F into account.
 //
-// A frame that takes the last device point along faster than kMaxMPerS has jumped. That is no motion of the device: its velocity goes on
+// A frame that takes the last device point along faster than kMaxMPerS has jumped. That is not a motion of the device: its velocity goes on
 // as that of the hand alone. Frame: S but for what is named F. Units: m, s, m/s. RT: yes. Threads: one.
 class SurfaceFrame {
  public:

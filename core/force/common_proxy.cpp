@@ -12,8 +12,8 @@ namespace {
 // exact where the surfaces are planes; what is left converges over the next samples.
 constexpr int kRounds = 6;
 // Without friction. A part that changes the face that it holds the proxy with, as in the sample in which a hand slides off an edge, changes
-// the planes: then the program is solved again in each second round. With friction what a part holds is no plane, and more rounds make the
-// force less steady.
+// the planes: then the program is solved again in each second round. With friction what a part holds is not a plane, and more rounds make
+// the force less steady.
 constexpr int kFrictionlessRounds = 12;
 // A part whose device point has moved by less than this goes on as it is: of the largest share, of the coordinates, whose rounding is
 // 2^-53, and of the lift.

@@ -76,7 +76,7 @@ class FeltParts {
 // Damping is that of the device's own motion against each part, along what the part holds. A part by itself would see changes of what the
 // others hold as motion of the device.
 //
-// A part that gives way (material that is being cut) is no surface to project on: from where it was, it moves the proxy by a
+// A part that gives way (material that is being cut) is not a surface to project on: from where it was, it moves the proxy by a
 // share of the distance to the device. The nearest point to that which the other parts allow is what a spring in place of the material
 // would give. What holds the proxy against the device is then each part's share as if it were a surface: of the others, the extension along
 // what they hold.

@@ -26,7 +26,7 @@ ScreenCorners find_corners(const ScreenRectangle& screen);
 // moves by more than 3 % of the diagonal is accepted. Touches with a standard deviation of 1 mm along each axis are accepted 997 times in
 // 1,000 for a diagonal of 250 mm.
 constexpr double kMaxResidualShare = 0.01;
-// A side below this, or below that share of the other one, is no picture.
+// A side below this, or below that share of the other one, is not a picture.
 constexpr double kMinSideM = 0.02;
 constexpr double kMinSideShare = 0.05;
 

@@ -54,7 +54,7 @@ class CarveList {
   std::uint32_t count_active() const { return active_; }
 
   // The carves of one press of the button, of which the carve with that serial is one: from the one that begins it to the last before the
-  // next press. Empty: it is no carve in the list.
+  // next press. Empty: it is not a carve in the list.
   CarveRange find_press(std::uint32_t serial) const;
 
   // Calls visit(const MadeCarve&) for the active carves in the range, in order. A range that begins with 0 is that of all.

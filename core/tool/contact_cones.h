@@ -26,7 +26,7 @@ class ContactCones {
   // guess.
   void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
              bool is_static) noexcept;
-  // The last step is no guess for the next one.
+  // The last step is not a guess for the next one.
   void forget() noexcept { known_count_ = 0; }
 
   // Of the last step:

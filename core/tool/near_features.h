@@ -21,8 +21,8 @@ namespace hapton {
 struct NearFeature {
   FeaturePair pair;
   FeatureGap gap;
-  // The distance of the surfaces has a local minimum at this pair. Next to a pair that is no minimum there is a nearer pair, which bounds
-  // the motion instead; as a constraint, the pair itself would act as a wall that does not exist.
+  // The distance of the surfaces has a local minimum at this pair. Next to a pair that is not a minimum there is a nearer pair, which
+  // bounds the motion instead; as a constraint, the pair itself would act as a wall that does not exist.
   bool is_minimum = false;
 };
 

@@ -7,7 +7,7 @@
 namespace hapton {
 namespace {
 
-// Of the device's motion: what moves the tool by less is no slide.
+// Of the device's motion: what moves the tool by less is not a slide.
 constexpr double kMinPull = 0x1p-10;
 // Of the same: what a tool that sticks moves by at most. One that slides moves by all of it.
 constexpr double kSticks = 0.125;

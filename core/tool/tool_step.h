@@ -95,7 +95,7 @@ class ToolStep {
   Placement to_local(const ToolInput& input) const noexcept;
   // Of the parts that move: where the origin of the local frame goes.
   void to_local(std::span<const Pose> X_SO, std::span<Placement> parts) const noexcept;
-  // For the drag of contacts, at each sample: where the scene was moved since the last one, that is no motion of the hand.
+  // For the drag of contacts, at each sample: where the scene was moved since the last one, that is not a motion of the hand.
   void note_view(const ToolInput& input, ToolView& last, ContactDamping& drag) const noexcept;
   std::size_t moving_count() const { return moving_.size(); }
   // Of an object that it was made of: 0 where it stands still, else the number of the part that it moves with.

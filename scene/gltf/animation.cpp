@@ -15,7 +15,7 @@
 namespace hapton::gltf {
 namespace {
 
-// A turn of at most that is no deformation: numbers in a file have seven digits.
+// A turn of at most this is not a deformation: numbers in a file have seven digits.
 constexpr double kRigid = 1e-5;
 
 template <class Value>
@@ -32,7 +32,7 @@ struct NodeTracks {
 };
 
 struct LeftOut {
-  std::size_t scales = 0;  // and all else that is no translation, rotation or weight
+  std::size_t scales = 0;  // and all else that is not a translation, rotation or weight
   std::size_t steps = 0;
   std::size_t deformed = 0;
 };

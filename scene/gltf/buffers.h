@@ -10,7 +10,7 @@
 
 namespace hapton::gltf {
 
-// The bytes of a document's buffers, read on first use: a missing buffer that only textures use is no error.
+// The bytes of a document's buffers, read on first use: a missing buffer that only textures use is not an error.
 class Buffers {
  public:
   // root: the document, which must outlive this. binary: a GLB's second chunk. folder: base of relative URIs.

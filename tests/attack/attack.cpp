@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
       ->check(CLI::IsMember({"remote", "auto", "patch"}))
       ->capture_default_str();
   app.add_option("--slack-ms", settings.slack_ms,
-                 "For a machine that is not idle: a bound exceeded by less than this is reported but is no failure")
+                 "For a machine that is not idle: a bound exceeded by less than this is reported but is not a failure")
       ->check(CLI::Range(0.0, 1e5))
       ->capture_default_str();
   app.add_option("--give-up-seconds", settings.give_up_s,

@@ -267,7 +267,7 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   const auto hub = parse_address(options.to);
   if (!hub || !is_private_v4(*hub)) {
-    std::fprintf(stderr, "hapton_flood: %s is no IPv4 address of this machine or a private network\n", options.to.c_str());
+    std::fprintf(stderr, "hapton_flood: %s is not an IPv4 address of this machine or a private network\n", options.to.c_str());
     return 2;
   }
   if (!options.listen.empty()) return capture(options, *hub);

@@ -25,7 +25,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   MotorObserver observer;
   if (!observer.attach(process)) {
-    std::fprintf(stderr, "hapton_motors: process %d is no io_node with a simulated device and a watchdog, or another user's\n", process);
+    std::fprintf(stderr, "hapton_motors: process %d is not an io_node with a simulated device and a watchdog, or another user's\n",
+                 process);
     return 2;
   }
   // Without a force there is nothing to see.

@@ -169,7 +169,7 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
       return is_ready && !reports.empty() && reports.back()[2] == 100;
     }));
     ASSERT_FALSE(reports.empty());
-    EXPECT_EQ(reports.front()[1], 0) << "the first report after it was opened is no force";
+    EXPECT_EQ(reports.front()[1], 0) << "the first report after it was opened is not a force";
     EXPECT_EQ(reports.front()[2], 0);
     // Where a busy machine kept the servo from its commands for half of what the device waits for one, or the device from its reports, the
     // force may have been released in between: the ramp is the last one then.

@@ -76,7 +76,7 @@ TEST(ReplayDevice, ItsLimitsLeaveRoomAroundTheWholeRecording) {
   EXPECT_LT((device.limits().workspace_min_m - Vec3(-0.02, -0.02, -0.05)).norm(), 1e-12);
   EXPECT_LT((device.limits().workspace_max_m - Vec3(0.03, 0.04, 0.02)).norm(), 1e-12);
   EXPECT_GT(device.limits().max_speed_m_per_s, 1e5);
-  EXPECT_LT(device.limits().max_speed_m_per_s, 1e9) << "beyond that it is no limit, and the governor takes another";
+  EXPECT_LT(device.limits().max_speed_m_per_s, 1e9) << "beyond that it is not a limit, and the governor takes another";
 }
 
 TEST(ReplayDevice, NoHandToLead) {

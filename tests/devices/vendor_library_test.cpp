@@ -54,7 +54,7 @@ TEST(VendorLibrary, ThatIsThereButDoesNotLoadGivesTheHintRatherThanThoseThatAreN
 
 TEST(VendorLibrary, ThatIsNoLibrarySaysSo) {
   const ScratchFolder folder;
-  const auto file = folder.write("libHD.so", "this is no library");
+  const auto file = folder.write("libHD.so", "this is not a library");
   EXPECT_THAT(VendorLibrary::open(kOpenHaptics, file).error().what, HasSubstr("not a library for this machine"));
   EXPECT_THAT(VendorLibrary::open(kOpenHaptics, (folder.path() / "none.so").string()).error().what, HasSubstr("there is no such file"));
 }

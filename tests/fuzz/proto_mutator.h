@@ -20,11 +20,11 @@ struct ProtoField {
   bool operator==(const ProtoField&) const = default;
 };
 
-// Nothing when the bytes are no whole message (or use groups).
+// Nothing when the bytes are not a whole message (or use groups).
 std::optional<std::vector<ProtoField>> split_proto(std::span<const std::uint8_t> message);
 Bytes join_proto(const std::vector<ProtoField>& fields);
 
-// Changes a field of the message, at any depth, or which fields there are; lengths fit again. Bytes that are no message are changed
+// Changes a field of the message, at any depth, or which fields there are; lengths fit again. Bytes that are not a message are changed
 // plainly.
 Bytes mutate_proto(const Bytes& message, Mutation& mutation, int depth = 0);
 

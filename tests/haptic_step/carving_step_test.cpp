@@ -44,7 +44,7 @@ CarvedRun carve_round(std::uint64_t count, std::uint64_t change) {
     if (sample == change) {
       auto next = carving_touch("reference");
       step.replace(std::move(next));
-      EXPECT_EQ(step.made_carve(), nullptr) << "a change is no sample";
+      EXPECT_EQ(step.made_carve(), nullptr) << "a change is not a sample";
     }
     step.offer(carving_state(sample));
     run.forces.push_back(step.reply());

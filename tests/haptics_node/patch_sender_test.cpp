@@ -181,7 +181,7 @@ TEST(PatchSender, ASceneWithMoreEffectsThanTheHubKeepsIsNotOffered) {
   EXPECT_EQ(SenderStage(true, many).sender.obstacle(), "the scene has more than 256 effects in free space");
 }
 
-// Else the hub would wait for effects that it has rejected, and nobody would know why the force stays remote.
+// Otherwise the hub would wait for effects that it has rejected, and no message would say why the force stays remote.
 TEST(PatchSender, ASceneWithAnEffectThatTheHubRejectsIsNotOffered) {
   TouchScene scene = scene_of(made::sheet(0.05, 0.0, 2));
   SurfaceMaps& maps = scene.objects[0].effects.maps;

@@ -59,7 +59,7 @@ TEST_F(SceneProbe, ASceneWithoutOneChangesNothing) {
 
 TEST_F(SceneProbe, ANameThatIsNotThereIsOneLine) {
   for (const auto& [scene, what] :
-       {std::pair{"two.toml", "did you mean 'right'?"}, {"none.toml", "add it"}, {"a.obj", "is no scene file"}}) {
+       {std::pair{"two.toml", "did you mean 'right'?"}, {"none.toml", "add it"}, {"a.obj", "is not a scene file"}}) {
     HapticsOptions options = parse({"--probe", "rigt"}, scene);
     const auto taken = take_scene_probe(options);
     ASSERT_FALSE(taken) << scene;

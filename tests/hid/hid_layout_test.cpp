@@ -45,7 +45,7 @@ TEST(HidLayout, KnowsTheUsagesOfAllTopLevelCollections) {
   EXPECT_THAT(read_hid_layout(descriptor).applications, ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
 }
 
-// A collection may be given several usages; the first is its own. One that is only physical is no application.
+// A collection may be given several usages; the first is its own. One that is only physical is not an application.
 TEST(HidLayout, AnApplicationHasTheFirstUsageAndAPhysicalCollectionNone) {
   EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0x09, 0x02, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 8}));
@@ -83,7 +83,7 @@ TEST(HidLayout, AUsageHoldsUntilTheNextMainItem) {
   EXPECT_THAT(read_hid_layout(Bytes(first) + Bytes{0xA1, 0x01, 0xC0}).applications, ElementsAre(HidLayout::Usage{1, 2}));
   EXPECT_THAT(read_hid_layout(Bytes(first) + Bytes{0x09, 0x08, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 2}, HidLayout::Usage{1, 8}));
-  // A limit is no main item.
+  // A limit is not a main item.
   EXPECT_THAT(read_hid_layout(Bytes{0x05, 0x01, 0x09, 0x08, 0x15, 0x00, 0xA1, 0x01, 0xC0}).applications,
               ElementsAre(HidLayout::Usage{1, 8}));
 }

@@ -36,8 +36,8 @@ TEST(HidapiTransport, ReadsTheDescriptorOfTheNodesOwnName) {
   EXPECT_EQ(bytes_of("/dev/hidraw2"), 0U) << "it may be unplugged by now";
 }
 
-// Else each signal would count as unplugged, and the force would be released.
-TEST(HidapiTransport, ASignalDuringAReadIsNoUnplugging) {
+// Otherwise each signal would count as unplugged, and the force would be released.
+TEST(HidapiTransport, ASignalDuringAReadDoesNotCountAsUnplugged) {
   const auto outcome = [](int returned, int error) { return to_hid_read(returned, error).outcome; };
   EXPECT_EQ(outcome(-1, EINTR), HidIo::nothing);
   EXPECT_EQ(outcome(-1, ENODEV), HidIo::gone);
@@ -58,7 +58,7 @@ TEST(HidapiTransport, ANodeThatIsNotThereIsAnErrorInOneLineAtOnce) {
   EXPECT_EQ(opened.error().what.find('\n'), std::string::npos);
 }
 
-// It may be read and written, but is no device: nothing changes by waiting.
+// It may be read and written, but is not a device: nothing changes by waiting.
 TEST(HidapiTransport, AFileThatIsNoDeviceIsNotDenied) {
   const ScratchFolder folder;
   HidDescription device;

@@ -258,7 +258,7 @@ TEST_F(PatchLinks, WhatCameBeforeAPauseIsNotUsedAfterIt) {
   EXPECT_GT(stats().local_forces, before + 300);
 }
 
-// Else the device side would compute a force at each cycle until the very end, which then drops in one step.
+// Otherwise the device side would compute a force at each cycle until the very end, which then drops in one step.
 TEST_F(PatchLinks, AtTheEndOfTheSessionNoPatchIsFelt) {
   start_above_floor(TouchChoice::patch);
   offer_floor(7);

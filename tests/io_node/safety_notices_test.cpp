@@ -208,7 +208,7 @@ TEST_F(SafetyNoticesTest, ADeviceThatHasFailedAtTheEndIsRecordedOnce) {
   EXPECT_EQ(tap.faults.size(), 3U) << "another failure";
 }
 
-// Else it would not be kept for the next start.
+// Otherwise the latched fault would not be kept for the next start.
 TEST_F(SafetyNoticesTest, WhatWasLatchedSinceTheLastCheckIsReportedAtTheEnd) {
   check();
   latch(SafetyFault::speed);

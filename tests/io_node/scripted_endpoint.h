@@ -20,7 +20,7 @@ class ScriptedEndpoint final : public Endpoint {
   explicit ScriptedEndpoint(SimulatedClock& clock) : clock_(clock) {}
 
   std::function<void(const Address& to, const Datagram&)> on_send;
-  // Of bytes that are no datagram of ours.
+  // Of bytes that are not a datagram of ours.
   std::function<void(const Address& to, std::span<const std::byte>)> on_send_raw;
 
   // The key that datagrams from there were sealed with; not set: none.

@@ -123,7 +123,7 @@ TEST_F(Feed, AcknowledgementsOfFramesThatWereNeverSentAreIgnored) {
   EXPECT_EQ(stats->drawn, 0U);
 }
 
-// As `hapton dds` does: its messages are no frames, and do not count as such.
+// As `hapton dds` does: its messages are not frames, and do not count as such.
 TEST_F(Feed, ANodeThatPassesStatesOnDrawsNothing) {
   for (int n = 0; n < 10; ++n) {
     report(0.01);

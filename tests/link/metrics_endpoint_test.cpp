@@ -122,7 +122,7 @@ TEST(MetricsEndpointTest, RepliesToTheNamesOfThisMachineAlone) {
     EXPECT_THAT(arrived, StartsWith("HTTP/1.1 403")) << name;
     EXPECT_THAT(arrived, testing::Not(HasSubstr("alive"))) << name;
   }
-  EXPECT_THAT(get(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is no browser";
+  EXPECT_THAT(get(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is not a browser";
 }
 
 TEST(MetricsEndpointTest, SilentConnectionsKeepNoOtherOut) {

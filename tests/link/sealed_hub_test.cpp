@@ -83,7 +83,7 @@ TEST_F(SealedHubTest, AForgedReplyToAHandshakeIsCountedAndHarmless) {
   EXPECT_EQ(meet(*node).count("first"), 1U);
   EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U);
   EXPECT_EQ(node->sealed.seal_counts().handshakes, 1U);
-  // Without a handshake a late reply is no fault.
+  // Without a handshake a late reply is not a fault.
   forge(seal::Kind::reply, seal::kReplyBytes);
   EXPECT_EQ(node->sealed.seal_counts().wrong_key, 3U);
   EXPECT_EQ(node->sealed.seal_counts().unknown_session, 0U);

@@ -243,7 +243,7 @@ TEST(EffectPatches, NothingIsFeltBeforeAllPartsHaveCome) {
   EXPECT_EQ(store.make_bodies(0)->effects, nullptr);
 }
 
-// Bytes that are no effects are never confirmed.
+// Bytes that are not effects are never confirmed.
 TEST(EffectPatches, WhatNoSceneMayHaveIsDropped) {
   TouchScene scene = block_on_floor(all_effects().front(), Under::stands);
   scene.effects = {SpringEffect{.max_force_n = 101.0}};

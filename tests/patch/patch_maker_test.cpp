@@ -259,7 +259,7 @@ TEST_F(PartlyKnown, WhereNothingIsKnownNothingIsMade) {
   EXPECT_EQ(make(), nullptr);
 }
 
-// The hand runs out of what is known: what lies ahead is no place for a patch.
+// The hand runs out of what is known: what lies ahead is not a place for a patch.
 TEST_F(PartlyKnown, StaysWhereTheHandIsWhenLessIsKnownAhead) {
   hold(Vec3(0.2, 0.0, 0.0), 1.0);
   hold(Vec3::Zero(), 1.1);

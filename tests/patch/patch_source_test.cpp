@@ -240,7 +240,7 @@ TEST_F(PatchSourceTest, ABurstAtFirstAndThenNoMoreThanTheBandwidth) {
   const auto later = source->counts().bytes;
   (void)take(kStartNs + 60'000 * kMs);
   EXPECT_LE(source->counts().bytes - later, 5000U);
-  // A part that cannot be paid is no part sent: serials have no gap.
+  // A part that the budget has no room for does not count as sent: the serials have no gap.
   const auto part = take(kStartNs + 61'000 * kMs);
   ASSERT_FALSE(part.empty());
   EXPECT_EQ(serial_of(part.back()), source->counts().sent);

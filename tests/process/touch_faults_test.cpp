@@ -59,8 +59,8 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
     ASSERT_TRUE(observer->see_until(true, state)) << "no contact";
   }
   void start(const std::string& name) { system.start(name); }
-  // As waits_for, with the hand held: the hub leads it for a second without a word from the observer. Then it rises, and a haptics node
-  // that joins as it is led down again meets it inside, where nobody knows of a contact.
+  // As waits_for, with the hand held: the hub leads it for a second after the last message of the observer. Then it rises, and a haptics
+  // node that joins as it is led down again meets it inside, where nobody knows of a contact.
   bool waits_with_hand(const std::function<bool(const Json&)>& holds) {
     return waits_for(system, [&](const Json& report) { return sees_newest() && holds(report); });
   }

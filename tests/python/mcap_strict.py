@@ -81,8 +81,8 @@ class McapFile:
 
     def read_data(self, end):
         all_records = list(records(self.data, len(MAGIC), end))
-        check(all_records[0][0] == HEADER, "the first record is no header")
-        check(all_records[-1][0] == DATA_END, "the last record of the data is no data end")
+        check(all_records[0][0] == HEADER, "the first record is not a header")
+        check(all_records[-1][0] == DATA_END, "the last record of the data is not a data end")
         waiting = None  # the chunk whose message indexes come now
         for op, content, at, length in all_records:
             fields = Fields(content)

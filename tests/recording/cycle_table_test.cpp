@@ -99,7 +99,7 @@ TEST(CycleTable, AGapIsNamedAndCounted) {
   joined.table.finish();
   std::vector<std::uint64_t> lost;
   for (const CycleRow& row : joined.rows) lost.push_back(row.lost);
-  EXPECT_EQ(lost, (std::vector<std::uint64_t>{0, 0, 115, 0, 0, 1})) << "what was before a flight record is no gap";
+  EXPECT_EQ(lost, (std::vector<std::uint64_t>{0, 0, 115, 0, 0, 1})) << "what was before a flight record is not a gap";
   EXPECT_EQ(joined.table.lost(), 116U);
   EXPECT_EQ(joined.table.gaps(), 2U);
 }

@@ -246,7 +246,7 @@ TEST(SafetyGovernor, TheFirstForceAfterAReleaseIsNotCountedAsLimited) {
   bench.press(1.0, 300);
   bench.wait(50);
   bench.sample.p_WD.z() = 0.0;
-  bench.now_ns += 200 * kMs;  // so long without a sample that this is no jump
+  bench.now_ns += 200 * kMs;  // so long without a sample that this is not a jump
   const std::uint64_t stopped = bench.governor.counters().stopped;
   EXPECT_GT(stopped, 200U);
   EXPECT_GT(bench.press(1.0, 5).z(), 0.0);

@@ -125,7 +125,7 @@ TEST(SafetyGovernor, ACommandThatComesExactlyAtTheTimeoutRampsIn) {
   command_at(replied_ns + kCommandTimeoutNs);
   EXPECT_EQ(bench.governor.counters().command_timeouts, 1U);
   EXPECT_LT(command_at(replied_ns + kCommandTimeoutNs + 3 * kMs), 1.0);
-  // A command that is that old itself is no command.
+  // A command for a sample that old is rejected.
   const std::uint64_t rejected = bench.governor.counters().rejected_old;
   bench.governor.step(WrenchCommand{{Vec3(0, 0, 4), Vec3::Zero()}, bench.now_ns + 1}, bench.now_ns + 1 + kCommandTimeoutNs);
   EXPECT_EQ(bench.governor.counters().rejected_old, rejected + 1);

@@ -100,7 +100,7 @@ TEST(SafetyLimits, AnAxisThatMakesNoSenseIsNotShrunk) {
   }
 }
 
-// Above 1e-9 and below 1e9: beyond is no limit of a device.
+// Above 1e-9 and below 1e9: a value beyond these is not taken as the limit of a device.
 TEST(SafetyLimits, AUsableLimitIsBetweenTheBounds) {
   for (const auto& [most_n, usable] : {std::pair(1e-9, false), std::pair(1.1e-9, true), std::pair(1e9, false), std::pair(0.9e9, true)}) {
     DeviceLimits device = full();

@@ -30,7 +30,7 @@ TEST_F(FindTool, ASceneMayNameOneInItsOwnPose) {
   ASSERT_TRUE(scene) << scene.error().what;
   ASSERT_TRUE(scene->tool);
   EXPECT_EQ(scene->tool->name, "peg");
-  EXPECT_EQ(scene->objects.size(), 1U) << "it is no object";
+  EXPECT_EQ(scene->objects.size(), 1U) << "it is not an object";
   const Vec3& before = plain->objects[0].mesh->vertices[1];
   EXPECT_LT((scene->tool->mesh->vertices[1] - Vec3(1 - 2 * before.y(), 2 + 2 * before.x(), 3 + 2 * before.z())).norm(), 1e-12);
   EXPECT_NE(scene->given_hash, plain->given_hash);

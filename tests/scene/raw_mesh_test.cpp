@@ -187,7 +187,7 @@ TEST(ReadPly, TakesNoMoreTrianglesThanItMay) {
   EXPECT_THAT(error_of(read_ply(text, {}, AppearanceReading::off, 3)), AllOf(HasSubstr("line 18"), HasSubstr("more than 3 triangles")));
 }
 
-// As of a header that somebody edited: half of the faces would be missing without a word.
+// For example, somebody edited the header: without a note, half of the faces would be missing unnoticed.
 TEST(ReadPly, NotesWhatFollowsTheLastElement) {
   for (std::string ply : {sample::ascii_ply(sample::tetrahedron()), sample::binary_ply(sample::tetrahedron())}) {
     EXPECT_TRUE(read_ply(ply + (ply.ends_with('\n') ? " \r\n\n" : ""))->notes.empty());

@@ -351,7 +351,7 @@ TEST_F(AnnotatorTest, WhatWasNotSavedBeforeTheSceneChangedIsSavedAtTheEnd) {
   std::filesystem::remove(options.file);
   annotator->change_scene(scene, nullptr);
   ASSERT_TRUE(annotator->finish());
-  EXPECT_FALSE(std::filesystem::exists(options.file)) << "it was saved: another scene is no change of it";
+  EXPECT_FALSE(std::filesystem::exists(options.file)) << "it was saved: another scene is not a change of it";
 }
 
 TEST_F(AnnotatorTest, WhatCannotBeSavedOnAKeyIsSavedAtTheEnd) {

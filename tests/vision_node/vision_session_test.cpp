@@ -176,7 +176,7 @@ testing::AssertionResult draws_what_moves(double longer) {
 
 TEST(VisionSession, DrawsWhatMovesAndReportsEveryPicture) { expect_seen(draws_what_moves); }
 
-// Its age in the frames that are drawn for other reasons later is no latency.
+// Its age in the frames that are drawn for other reasons later is not a latency.
 testing::AssertionResult acknowledges_each_state_once(double longer) {
   FakeHub hub;
   hub.ends_with_first_frame = true;

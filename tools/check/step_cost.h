@@ -23,7 +23,7 @@ struct StepCostSettings {
   double rate_hz = 1000.0;
   std::uint64_t seed = 1;
   std::size_t steps = 6000;  // of all objects together; each of the largest kMaxSlideObjects has its share, at least kMinSlideS
-  std::size_t repeat = 3;    // the least time of each step counts: what else the machine does is no cost of the scene
+  std::size_t repeat = 3;    // the least time of each step counts: what else the machine does is not a cost of the scene
 };
 constexpr std::size_t kMaxSlideObjects = 12;  // the largest objects stand for all, to bound the time of the check; a free choice
 // A slide begins with an approach of 0.2 s in free space.

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Reads keys as they are typed, without Enter and without echo, while it lives. If stdin is no terminal there are none. RT: no. Threads:
+// Reads keys as they are typed, without Enter and without echo, while it lives. If stdin is not a terminal there are none. RT: no. Threads:
 // one.
 class KeyReader {
  public:

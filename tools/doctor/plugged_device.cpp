@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kUsbFolder = "/sys/bus/usb/devices";
 constexpr std::string_view kHidrawFolder = "/sys/class/hidraw";
 
-// Those that are no HID devices, or not always.
+// Those that are not HID devices, or not always.
 constexpr std::array kUsbDevices = {
     KnownUsbDevice{0x2988, 0x0302, DevicePath::serial, "3D Systems Touch (USB)", "openhaptics", "OpenHaptics"},
     KnownUsbDevice{0x2988, 0, DevicePath::any, "3D Systems Touch", "openhaptics", "OpenHaptics"},

@@ -16,7 +16,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxReportBytes = std::size_t{64} << 20;  // a larger file is no report; a free choice
+constexpr std::size_t kMaxReportBytes = std::size_t{64} << 20;  // a larger file is not a report; a free choice
 constexpr std::array kQuantiles = {std::pair{"p50_us", "p50"}, std::pair{"p99_us", "p99"}, std::pair{"p99_9_us", "p99.9"},
                                    std::pair{"max_us", "max"}};
 

@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-// Reads a run's report.json: the file itself, or the folder that it is in. Error: one line: cannot be read, is no report.
+// Reads a run's report.json: the file itself, or the folder that it is in. Error: one line: cannot be read, is not a report.
 Result<nlohmann::ordered_json> read_report_json(const std::filesystem::path& path);
 
 // Two runs side by side: of each hop that both have p50, p99, p99.9 and max of A and B and their ratio B / A, of the ratios and the

@@ -9,7 +9,7 @@ namespace hapton {
 
 // Finds the points that a person touches with the tip of the stylus, from the samples of the hub: the mean over a period in which the tip
 // is still, after a press of any button or without one. Without a press the tip must have moved away first, from the last point or from
-// where it was at the beginning, so that a stylus in its stand and a hand that rests are no touch. Frame W. RT: no.
+// where it was at the beginning, so that a stylus in its stand and a hand that rests do not count as touch. Frame W. RT: no.
 class CornerTouch {
  public:
   // A hand held in the air drifts farther in that time; one that leans on a screen does not.

@@ -78,7 +78,7 @@ class ParallelLine : public DigitalLine {
   ParallelLine(const ParallelLine&) = delete;
   ParallelLine& operator=(const ParallelLine&) = delete;
 
-  // False: it is no parallel port, or another program has it.
+  // False: it is not a parallel port, or another program has it.
   bool claim() { return ::ioctl(descriptor_, PPCLAIM) == 0; }
   Result<bool> is_on() override {
     unsigned char status = 0;

@@ -90,7 +90,7 @@ class LineMarker {
 };
 
 // Marks the edges that are named, on, off or both, with the input's name and " on" or " off". text: takes the place of the name, and where
-// one edge is marked, of both; may be empty. Error, one line: it is no text of a marker. RT: no.
+// one edge is marked, of both; may be empty. Error, one line: it is not a text of a marker. RT: no.
 Result<LineMarker> make_line_marker(const LineInput& input, std::string_view edges, const std::string& text);
 
 }  // namespace hapton

@@ -12,7 +12,7 @@
 namespace hapton {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // a larger file is no script; a free choice
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;  // a larger file is not a script; a free choice
 // One table of the script; the first error is kept and the rest is skipped.
 class FaultTable {
  public:

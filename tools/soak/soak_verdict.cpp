@@ -16,7 +16,7 @@ namespace {
 constexpr double kWarmUpShare = 0.1;
 constexpr double kWarmUpSeconds = 30.0;  // by then io_node's heap has its final size
 constexpr double kMaxWarmUpShare = 0.5;
-constexpr double kMemoryShare = 0.01;    // of the memory, plus kMemoryKib: growth that is no leak
+constexpr double kMemoryShare = 0.01;    // of the memory, plus kMemoryKib: growth that is not a leak
 constexpr double kMemoryKib = 1024.0;    // KiB: 1 MiB
 constexpr double kHalf = 0.5;            // a whole descriptor or thread is more than that
 constexpr double kRateShare = 0.99;      // of the requested rate, which the median observation must have

@@ -277,7 +277,7 @@ struct StressRun::Impl {
     }
   }
 
-  // Where the touched body is no solid, a probe that was free before and after a step has not gone through a surface. False: one of both
+  // Where the touched body is not a solid, a probe that was free before and after a step has not gone through a surface. False: one of both
   // positions is on the surface up to rounding, which has no side.
   bool check_through(const MethodOutput& output_before, const MethodOutput& output, double moved, const auto& note) const {
     if (output.contact || output_before.contact || probe_radius > 0.0 || !goes_through(output_before.p_SP, output.p_SP)) return true;

@@ -137,7 +137,7 @@ void SweptMotion::note_progress(double distance) noexcept {
 // With more contacts than are kept, those that hold the motion stay. A motion that is stopped at once makes progress as long as the
 // contacts that stopped it push it farther from the goal.
 void SweptMotion::fix_active(ProxyState& proxy, ConstrainedMotion& held, const Vec3& goal) noexcept {
-  // Above the rounding of a length, which is no progress.
+  // Above the rounding of a length, which is not progress.
   constexpr double kFarther = 1.0 + 0x1p-40;
   bring_active_first(proxy, held);
   fixed_ = held.active_count;

@@ -181,9 +181,9 @@ bool CornerExit::can_pass(const Vec3& target, double wide) noexcept {
 }
 
 // Where the surface around the corner is closed and oriented, a target is on its other side if the path there does not cross it as often in
-// as out. Triangles smaller than the sphere are no sides of the cone, so its boundary may lead through them. False: it may also have an end
-// there. Edges without an adjacent triangle that run to and fro, within what counts as a closed crack, are no end: they are left where
-// needles were removed (touch_resolution.h).
+// as out. Triangles smaller than the sphere are not sides of the cone, so its boundary may lead through them. False: it may also have an
+// end there. Edges without an adjacent triangle that run to and fro, within what counts as a closed crack, are not an end: they are left
+// where needles were removed (touch_resolution.h).
 bool CornerExit::is_beyond_surface(const Vec3& target, double within) noexcept {
   const Vec3& apex = memory_.cone.apex();
   Vec3 gap = Vec3::Zero();

@@ -16,7 +16,7 @@ namespace hapton {
 class CornerExit {
  public:
   static constexpr double kThrough = 4.0;  // offsets; a triangle this near to the corner touches it, and a crack this narrow is closed
-  static constexpr double kMinGain = 2.0;  // offsets; a smaller gain is no escape
+  static constexpr double kMinGain = 2.0;  // offsets; a smaller gain does not count as an escape
   static constexpr double kAbove = 1.25;   // offsets above the faces on the path
   static constexpr double kMaxOff = 4.0;   // a position off an edge is this many times as far from the corner
 

@@ -122,7 +122,7 @@ class DragLegs::FlowSearch {
     }
   }
 
-  // To the end of the leg. False: it cannot be followed, turns too far, or is no cubic; `shrink_` says how much shorter one is.
+  // To the end of the leg. False: it cannot be followed, turns too far, or is not a cubic; `shrink_` says how much shorter one is.
   bool flow_evenly() noexcept {
     const Vec3& centre = legs_.centre_;
     if (!go(0.5 * length_)) return false;

@@ -14,7 +14,7 @@ bool Wedge::holds() noexcept {
     if (!find_wall(contacts_[i], held_by[i])) return false;
   }
   const std::span<const Wall> walls = std::span(held_by).first(contacts_.count());
-  constexpr int kMaxNear = 64;  // triangles; with more it is no wedge
+  constexpr int kMaxNear = 64;  // triangles; with more it is not a wedge
   std::array<int, kMaxNear> near;
   int count = 0;
   bool is_wedge = true;

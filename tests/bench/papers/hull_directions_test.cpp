@@ -18,7 +18,7 @@ TEST(CompareHullDirections, MoreDirectionsLookAtNoMoreTriangles) {
     EXPECT_EQ(h.directions, directions[i]);
     EXPECT_GT(h.local_set.p50_ns, 0.0);
     EXPECT_GE(h.triangles, 64.0) << "fewer than were asked for";
-    EXPECT_EQ(h.structure.nearests.agree, h.structure.nearests.compared) << "wrong results are no gain";
+    EXPECT_EQ(h.structure.nearests.agree, h.structure.nearests.compared) << "wrong results are not a gain";
     EXPECT_EQ(h.structure.segments.agree, h.structure.segments.compared);
   }
   EXPECT_LE((*all)[1].triangles, 1.05 * (*all)[0].triangles);

@@ -182,7 +182,7 @@ TEST(EffectStep, ATapRingsAtTheSpeedOfTheImpact) {
   EXPECT_NEAR(press(step, {0, 0, -0.0001}).force_n.z(), 0.1, 1e-12) << "a step that begins in contact has not tapped";
 }
 
-// A probe between two objects may be pushed more by the one, then by the other: that is no tap, and punctures stay.
+// A probe between two objects may be pushed more by the one, then by the other: that is not a tap, and punctures stay.
 TEST(EffectStep, GoingBackAndForthBetweenObjectsIsOneContact) {
   SurfaceEffects skin;
   skin.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 500, .pop_force_n = 1.0});

@@ -52,7 +52,7 @@ TEST(MovingSurface, AHandThatGoesAlongWithWhatDeformsIsNotSlowed) {
   }
 }
 
-// While a tool is held nobody places the frames. What the hand has moved until one is placed again is no velocity relative to it.
+// While a tool is held nobody places the frames. What the hand has moved until one is placed again is not a velocity relative to it.
 TEST(MovingSurface, AFrameIsNotFollowedWhileNobodyPlacesIt) {
   const SurfaceEffects thick{.viscosity = {.damping_ns_per_m = 4}};
   const Pose X_SF = turned_and_moved();

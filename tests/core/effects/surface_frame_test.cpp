@@ -44,7 +44,7 @@ TEST(SurfaceFrame, AHandAtRestMovesAgainstIt) {
   EXPECT_LT((frame.motion() - Vec3(-0.2e-3, 0, 0)).norm(), 1e-13);
 }
 
-// The hand goes on, and the jump is no velocity.
+// The hand goes on, and the jump is not a velocity.
 TEST(SurfaceFrame, AJumpIsNoMotionOfTheHand) {
   for (const double sign : {1.0, -1.0}) {
     SurfaceFrame frame;

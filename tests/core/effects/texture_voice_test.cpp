@@ -71,7 +71,7 @@ TEST(TextureVoice, HasTheSpectrumOfItsModelsAtAnyRate) {
   }
 }
 
-// Rates that are no multiples of each other, and steps that are late or early.
+// Rates that are not multiples of each other, and steps that are late or early.
 TEST(TextureVoice, HasTheSpectrumWithUnevenSteps) {
   const auto models = made::texture(1000.0, 20, 18);
   const RecordedTexture texture = {.models = models, .mass_kg = 0.01, .max_force_n = 10.0};

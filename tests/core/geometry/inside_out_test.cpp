@@ -56,7 +56,7 @@ TEST(InsideOut, CountsThePiecesThatAreNoClosedBody) {
   EXPECT_EQ(both.others, 1U);
   TriangleMesh lonely = ball;
   lonely.vertices.emplace_back(9, 9, 9);
-  EXPECT_EQ(count_closed_bodies(lonely).others, 0U) << "a vertex without triangles is no piece";
+  EXPECT_EQ(count_closed_bodies(lonely).others, 0U) << "a vertex without triangles is not a piece";
 }
 
 TEST(InsideOut, DistinguishesAClosedBodyFromAFlippedOne) {

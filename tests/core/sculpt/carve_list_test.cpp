@@ -29,7 +29,7 @@ TEST(CarveList, APressIsWhatWasCarvedUpToTheNextOne) {
   EXPECT_EQ(list.newest(), 10U);
   EXPECT_EQ(list.newest_active(), 7U);
   EXPECT_EQ(list.count_active(), 7U);
-  EXPECT_TRUE(list.find_press(10).is_empty()) << "an undo is no carve";
+  EXPECT_TRUE(list.find_press(10).is_empty()) << "an undo is not a carve";
   // The press goes on after the undo.
   EXPECT_TRUE(list.add(listed(11)));
   EXPECT_EQ(list.newest_active(), 11U);

@@ -86,7 +86,7 @@ TEST(RemoteRecording, TheForceWithoutDelayHasNoError) {
   EXPECT_GT(touch.rates.bytes_up, 100.0 * 60.0);
 }
 
-// The governor is no part of the local force's error, and no device gives more than it can.
+// The governor is not part of the local force's error, and no device gives more than it can.
 TEST(RemoteRecording, WhatTheGovernorTakesIsNoErrorOfTheLocalForce) {
   const ScratchFolder scratch;
   const std::vector<Vec3> exact = forces_without_delay();

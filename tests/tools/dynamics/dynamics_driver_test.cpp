@@ -396,7 +396,7 @@ TEST(DynamicsDriver, BodiesTakeTurns) {
     numbers.push_back(request->request);
   }
   EXPECT_EQ(objects, (std::vector<int>{kBox, kOther, kBox, kOther, kBox, kOther, kBox, kOther}));
-  for (std::size_t n = 0; n < numbers.size(); ++n) EXPECT_EQ(numbers[n], n + 1) << "0 is no number";
+  for (std::size_t n = 0; n < numbers.size(); ++n) EXPECT_EQ(numbers[n], n + 1) << "0 is not a number";
 }
 
 // From the request until a state of after the reply: what it takes, one interval of states, and the time of the move itself.

@@ -84,7 +84,7 @@ TEST(GovernorStress, UsesNoHeap) {
   EXPECT_EQ(guard.count(), 0U);
 }
 
-// Each kind of force has about an eleventh of the spells, but that of forces that are no numbers, of which two in three are made active:
+// Each kind of force has about an eleventh of the spells, but that of forces that are not numbers, of which two in three are made active:
 // the fault that follows latches and hides everything else.
 TEST(GovernorStress, ForcesThatAreNoNumbersAreRare) {
   constexpr double kTurns = 200'000.0;

@@ -7,7 +7,7 @@
 //   pending_after=N      the runtime says after N frames that it is about to end
 //   exit_after=N         the session is ended after N frames
 //   stop_after=N stop_ms=N   the program gets SIGINT after N frames; so long after its loss
-//   crooked_from=N crooked_to=N                      frames whose pose is said to be known and is no pose
+//   crooked_from=N crooked_to=N                      frames whose pose is said to be known and is not a pose
 //   still=N              the head is always where it is in frame N
 //   opengl_9             needs an OpenGL that nobody has
 //   hide_from=N hide_to=N, blind_from=N blind_to=N   frames that are not to be drawn, and that have no pose
