@@ -27,18 +27,18 @@ namespace hapton {
 class GraspTask {
  public:
   struct Options {
-    double coupling_n_per_m = 0.0;
+    double coupling_n_per_m = 0.0;                  // of the virtual coupling; 0: none
     double rotational_stiffness_nm_per_rad = 0.0;   // 0: derived from the object's size
-    int threads = 1;                                // that share the search for contacts
+    int threads = 1;                                // how many share the search for contacts
     std::optional<double> shading_crease_rad = {};  // of the method, as ProxyMethod has it
-    // Called once the scene is built; the step may have it before or after that. With the scene, coupled, and NewScene::revision, by which
-    // that is known.
+    // Called once the scene is built, with the scene (in series with the virtual coupling) and its NewScene::revision. The step may begin
+    // to use it before or after this call; the revision identifies it.
     std::function<void(const TouchScene&, std::uint32_t)> on_scene = {};
     // Called when an object has become a tool.
     std::function<void(const ToolCoupling&)> on_tool = {};
   };
 
-  // scene: as loaded; put_down: what lies elsewhere at the start. Pre: the others outlive this.
+  // scene: as loaded. put_down: objects that lie elsewhere at the start. Pre: link, material_task, builder and clock outlive this.
   GraspTask(Options options, const Scene& scene, const std::vector<PutDown>& put_down, GraspLink& link, const MaterialTask& material_task,
             MethodBuilder& builder, const Clock& clock);
   ~GraspTask();
@@ -46,7 +46,7 @@ class GraspTask {
   GraspTask& operator=(const GraspTask&) = delete;
 
   void start();
-  // Ends the thread; the times are complete then.
+  // Ends the thread; then pose_times() is complete.
   void stop() noexcept;
   // Carries out one request, or follows the device once, or prepares an object. False: there was nothing to do.
   bool run_once();

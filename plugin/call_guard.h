@@ -34,19 +34,19 @@ struct PluginForce {
   Vec3 torque_nm = Vec3::Zero();
 };
 
-// Stands between us and the calls of one plug-in: measures them, checks what they give, and cuts the plug-in off for good when it takes too
-// long or gives nonsense. The force of a plug-in that is cut off fades from its last good one to zero. Frame: the caller's. Units: SI. RT:
-// all but construction and the report: no heap, lock or system call. Threads: one.
+// Makes the calls of one plug-in: measures them, checks what they give, and cuts the plug-in off for good if it takes too long, gives a
+// force that is not finite or too strong, or throws. The force of a plug-in that is cut off fades from its last good one to zero. Frame:
+// the caller's. Units: SI. RT: all but construction and the report: no heap, lock or system call. Threads: one.
 class CallGuard {
  public:
-  // Of the last good force, after the cut; as ForceFade in contact.
+  // How long the last good force takes to fade after the cut; the same as ForceFade in contact.
   static constexpr double kFadeS = 0.1;
 
   // Pre: the clock outlives this.
   CallGuard(const Clock& clock, std::int64_t budget_ns, double max_force_n, double max_torque_nm)
       : clock_(clock), budget_(budget_ns), max_force_n_(max_force_n), max_torque_nm_(max_torque_nm) {}
 
-  // The plug-in is called, unless it is cut off. give: runs it and puts its result into the argument.
+  // Calls the plug-in, unless it is cut off, and returns the force to use. give: runs the plug-in and puts its result into the argument.
   template <class Give>
   PluginForce step(double dt_s, Give&& give) noexcept {
     if (!cut_off_) {
@@ -58,7 +58,7 @@ class CallGuard {
     return cut_off_ ? fade(dt_s) : last_;
   }
 
-  // A new session: nothing is felt of the one before.
+  // For a new session: forgets the last force, so that nothing of the session before is felt.
   void forget() noexcept {
     last_ = {};
     share_ = 0.0;

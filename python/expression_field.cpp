@@ -11,14 +11,14 @@
 namespace hapton::python {
 namespace {
 
-constexpr std::size_t kMaxLetters = 1000;
+constexpr std::size_t kMaxLetters = 1000;  // far above any formula that a person writes; a free choice
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::array<const char*, 7> kVariables = {"x", "y", "z", "vx", "vy", "vz", "t"};
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// muParser would take any, and some would hide a variable or a function.
+// Checked here because muParser accepts every name, also one that hides a variable or a function.
 Result<void> check_constant(const std::string& name, double value) {
   const bool is_name = !name.empty() && is_letter(name[0]) && std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c); });
   if (!is_name) return fail("'{}' is not a valid name of a constant; use letters, digits and _", name);
@@ -30,7 +30,7 @@ Result<void> check_constant(const std::string& name, double value) {
 
 }  // namespace
 
-// The parsers point to the variables, so a program stays where it was made.
+// Must not be moved: the parsers point to its variables.
 struct ExpressionField::Program {
   std::array<std::string, 3> texts;
   std::map<std::string, double> constants;
@@ -44,7 +44,7 @@ struct ExpressionField::Program {
     parser.DefineConst("pi", kPi);
     for (const auto& [name, value] : constants) parser.DefineConst(name, value);
     parser.SetExpr(texts[axis]);
-    (void)parser.Eval();  // the first one compiles, and takes the memory
+    (void)parser.Eval();  // the first call compiles the text and allocates the memory
   }
 };
 
@@ -88,7 +88,7 @@ Vec3 ExpressionField::force(const EffectSample& hand) noexcept {
   Vec3 force_n;
   try {
     for (int axis = 0; axis < 3; ++axis) {
-      // Each time: an expression may assign to them.
+      // Set before each of the three: an expression may assign to variables.
       program_->variables = {hand.p_SD.x(), hand.p_SD.y(), hand.p_SD.z(), hand.v_SD.x(), hand.v_SD.y(), hand.v_SD.z(), hand.time_s};
       force_n[axis] = program_->parsers[static_cast<std::size_t>(axis)].Eval();
     }

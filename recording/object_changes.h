@@ -12,11 +12,11 @@
 
 namespace hapton {
 
-// A move of an object by a program. t_s: when the hub had it, from the beginning of the recording.
+// A move of an object by a program. t_s: when the hub received it, from the beginning of the recording.
 struct RecordedMove {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // counts the haptics processes of the recording, from 0: in another one objects are at rest again
+  std::uint32_t process = 0;  // which haptics process of the recording, from 0; each begins with its objects at rest
   ObjectMove move;
 };
 
@@ -24,7 +24,7 @@ struct RecordedMove {
 struct RecordedCarve {
   double t_s = 0.0;
   std::uint64_t sender = 0;
-  std::uint32_t process = 0;  // as above: in another one bodies are whole again
+  std::uint32_t process = 0;  // as above; each begins with whole bodies
   std::uint32_t serial = 0;
   Carves::One carve;
 };
@@ -36,7 +36,7 @@ struct RecordedSetup {
   HapticsSetup setup;
 };
 
-// A column of numbers, for every writer.
+// A column of numbers, the same for the writers of all formats.
 template <class Row>
 struct ChangeColumn {
   std::string_view name;
@@ -46,15 +46,15 @@ struct ChangeColumn {
 std::span<const ChangeColumn<RecordedMove>> move_columns() noexcept;
 std::span<const ChangeColumn<RecordedCarve>> carve_columns() noexcept;
 
-// Which scene and method a recording has, what programs moved in it and the stylus carved, from what haptics nodes announced: each once, by
-// process and serial. RT: no.
+// Collects from the messages of the haptics nodes in a recording: the scenes and methods that were in use, what programs moved and what the
+// stylus carved. A message that was repeated counts once, by process and serial. RT: no.
 class ObjectChanges {
  public:
   // start_ns: of the recording.
   explicit ObjectChanges(std::int64_t start_ns) : start_ns_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram);
-  // At the end: puts the carves in the order of their serials. What was lost at first was sent again later.
+  // To be called at the end: puts the carves in the order of their serials, because a lost one was sent again later.
   void finish();
 
   const std::vector<RecordedSetup>& setups() const noexcept { return setups_; }
@@ -65,7 +65,7 @@ class ObjectChanges {
   void add_setup(const HapticsSetup& setup, std::uint64_t sender, double t_s);
   void add_move(const ObjectMove& move, std::uint64_t sender, double t_s);
   void add_carves(const Carves& carves, std::uint64_t sender, double t_s);
-  // A file may name any serial.
+  // Larger serials are ignored: a damaged file may name any, and has_carve_ would grow to it. Far above the carves of a session.
   static constexpr std::uint32_t kMaxSerial = std::uint32_t{1} << 24;
 
   std::int64_t start_ns_;

@@ -11,18 +11,18 @@ namespace hapton {
 struct ForceRow {
   Vec3 p_WD = Vec3::Zero();
   Vec3 force_n = Vec3::Zero();
-  Vec3 zero_delay_n = Vec3::Zero();  // no more than the device can
-  double penetration_m = 0.0;        // zero-delay proxy to device
+  Vec3 zero_delay_n = Vec3::Zero();  // limited to the largest force of the device
+  double penetration_m = 0.0;        // distance from the zero-delay proxy to the device
 };
 
-// Comparison of a force with the one without delay, over a whole touch that begins and ends in free space.
+// Comparison of a force with the one without delay, over a whole touch that begins and ends in free space. Frame: W.
 struct ForceComparison {
   double error_rms = 0.0;  // share of the zero-delay force: root of sum |F - F0|^2 / sum |F0|^2
   double error_max_n = 0.0;
   double direction_rms_deg = 0.0;  // between the two, where both are above kMinN
   double direction_max_deg = 0.0;
-  double time_offset_s = 0.0;  // effective_offset.h
-  double value_offset = 0.0;   // share of the zero-delay force's RMS
+  double time_offset_s = 0.0;  // mean delay of the force (effective_offset.h)
+  double value_offset = 0.0;   // error that remains after removing that delay, as a share of the RMS of the zero-delay force
   std::uint64_t falls = 0;     // number of fall-throughs
   double fall_s = 0.0;         // their total duration
   double generated_j = 0.0;    // the largest net energy that the hand had received at any time; 0 if it had always put in more
@@ -34,7 +34,7 @@ struct ForceComparison {
 constexpr double kFallM = 0.25e-3;  // 0.25 % of a scene of 100 mm, as hapton evaluate
 constexpr double kMinN = 0.05;      // smaller forces are not compared
 
-// most_late_s: how late a force may be taken to be. RT: no.
+// most_late_s: the largest delay that is considered. Pre: rows are period_s apart. RT: no.
 ForceComparison compare_forces(const std::vector<ForceRow>& rows, double period_s, double most_late_s);
 
 }  // namespace hapton

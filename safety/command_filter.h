@@ -6,33 +6,34 @@
 
 namespace hapton {
 
-// A requested wrench, in reply to the device sample taken at sample_time_ns (the governor's own clock).
+// A requested wrench, in reply to the device sample taken at sample_time_ns (the clock of the governor). Frame: W.
 struct WrenchCommand {
   Wrench wrench;
   std::int64_t sample_time_ns = 0;
 };
 
 // Decides which commands are valid, and for how long:
-// - finite: one that is not finite is rejected, and ends the one before as well.
-// - fresh: one is rejected if the sample that it replies to is in the future, of age kCommandTimeoutNs or more, or not newer than that of
-// the
-//   last command accepted.
+// - finite: a command that is not finite is rejected, and ends the one before as well.
+// - fresh: a command is rejected if its sample is in the future, is kCommandTimeoutNs old or older, or is not newer than the sample of the
+//   last accepted command.
 // - timeout: a command is valid until kCommandTimeoutNs after its sample, not after its arrival. A force that travelled for 19 ms would
 //   otherwise be held until its sample is 39 ms old.
-// RT: yes.
+// RT: yes. Threads: one.
 class CommandFilter {
  public:
   enum class Verdict : std::uint8_t { accepted, force_not_finite, torque_not_finite, future, old };
 
-  // Pre, here and below: now_ns >= 0 and never goes back.
+  // Pre, here and below: now_ns >= 0 and never decreases from call to call.
   Verdict take(const WrenchCommand& wanted, std::int64_t now_ns) noexcept;
   // True once for each command timeout.
   bool times_out(std::int64_t now_ns) noexcept;
+  // Ends the command that is in use.
   void release() noexcept { is_live_ = false; }
 
+  // A command is in use: wanted() is its wrench.
   bool is_live() const noexcept { return is_live_; }
   const Wrench& wanted() const noexcept { return wanted_; }
-  // Until the command timeout.
+  // Time until the command timeout of the last accepted command.
   double left_s(std::int64_t now_ns) const noexcept { return 1e-9 * static_cast<double>(kCommandTimeoutNs - (now_ns - accepted_ns_)); }
 
  private:
