@@ -1,11 +1,11 @@
-# The compile rules every target shares, and one function a kind of target.
+# The compile rules that all targets share, and one function for each kind of target.
 set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/bin")
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
-# Of installed programs and libraries: where the libraries of the package are, if they are shared.
+# Where installed programs and libraries find the libraries of the package, if these are shared.
 include(GNUInstallDirs)
 if(BUILD_SHARED_LIBS)
   set(CMAKE_INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}" "$ORIGIN")
@@ -33,7 +33,7 @@ find_package(Threads REQUIRED)
 add_library(hapton_options INTERFACE)
 target_include_directories(hapton_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>" $<INSTALL_INTERFACE:include/hapton>)
 target_compile_features(hapton_options INTERFACE $<INSTALL_INTERFACE:cxx_std_20>)
-# Warnings and the CPU are ours; the rest holds for whoever uses the installed package too.
+# Warnings and the CPU are for this build only; the rest also holds for users of the installed package.
 set(hapton_warnings -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Werror)
 target_compile_options(hapton_options INTERFACE
   "$<BUILD_INTERFACE:${hapton_warnings}>"
@@ -58,12 +58,12 @@ endif()
 # GCC 12 reports false positives inside Eigen and the standard library at -O3.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   set(hapton_false_positives -Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread -Wno-restrict)
-  # Nobody puts another function in place of one of a library's, and calls within a file may be inlined, in shared libraries too.
+  # No program replaces a function of these libraries by its own (interposition), so calls within a file may be inlined in shared libraries, too.
   target_compile_options(hapton_options INTERFACE "$<BUILD_INTERFACE:${hapton_false_positives};-fno-semantic-interposition>")
 endif()
 
-# What nearly every source reads is read once for each level of optimisation, in the build that is made most often. In the others, those that
-# check more among them, each source still stands on its own.
+# Headers that nearly every source includes are precompiled, once for each level of optimisation, in the build that is made most often. In the
+# other builds, which include those that check more, each source must include what it needs.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/pch.cpp" CONTENT "")
   foreach(level O3 O1)
@@ -83,7 +83,7 @@ function(hapton_reuse_pch name pch)
   endif()
 endfunction()
 
-# hapton_source_level(LEVEL SOURCES ...): these sources are compiled at -LEVEL (O1 or O3), whatever their target is, with what was read for it.
+# hapton_source_level(LEVEL SOURCES ...): these sources are compiled at -LEVEL (O1 or O3), whatever the level of their target, with the headers precompiled for that level.
 function(hapton_source_level level)
   set(options "-${level}")
   if(TARGET hapton_pch_${level})
@@ -94,25 +94,25 @@ function(hapton_source_level level)
   set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Release>:${options}>" SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
-# hapton_join_sources(NAME): compiles a target's sources several at a time, where that is asked for: what they include is read once for all.
-# Names in anonymous namespaces have to differ within the target, also from names in headers that its other files include: a new file shifts
-# which files are joined.
+# hapton_join_sources(NAME): with HAPTON_JOIN_SOURCES, compiles several sources of a target at a time, so that headers are read once for all of
+# them. Names in anonymous namespaces must differ within the target, also from names in headers that its other files include: a new file
+# changes which files are joined.
 function(hapton_join_sources name)
   if(HAPTON_JOIN_SOURCES)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
   endif()
 endfunction()
 
-# The libraries that find_package(hapton) finds (HaptonPackage.cmake), which may be shared ones.
+# The libraries that find_package(hapton) finds (HaptonPackage.cmake). They can be built as shared libraries.
 set(hapton_package_libraries hapton_core_base hapton_core_math hapton_core_effects hapton_core_geometry hapton_core_sculpt hapton_core_collision hapton_core_force
   hapton_core_tool hapton_runtime hapton_proto hapton_link hapton_scene hapton_safety hapton_hid hapton_watchdog_library hapton_plugin_host hapton_devices)
 
-# hapton_add_library(NAME SOURCES ...): as add_library, of the kind that is asked for.
+# hapton_add_library(NAME SOURCES ...): as add_library: shared with BUILD_SHARED_LIBS if the library is in the package, otherwise static.
 function(hapton_add_library name)
   if(BUILD_SHARED_LIBS AND name IN_LIST hapton_package_libraries)
     add_library(${name} SHARED ${ARGN})
-    # No macro of its own: its objects are those of the static library. Versions are compatible as those of the package are.
-    # In one folder, where dpkg-shlibdeps finds them.
+    # Without CMake's macro NAME_EXPORTS, so that objects are the same as those of the static library. The versions follow that of the package.
+    # All in one folder, where dpkg-shlibdeps finds them.
     set_target_properties(${name} PROPERTIES DEFINE_SYMBOL "" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
       LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/lib")
   else()
@@ -121,14 +121,14 @@ function(hapton_add_library name)
 endfunction()
 
 # hapton_library(NAME [UNHURRIED] [JOINED] LINKS ...): the library of this folder, from its *.cpp; header-only when it has none.
-# UNHURRIED: what it does is done once or for a person, so that the compiler's time matters more.
-# JOINED: its sources may be compiled several at a time (UNHURRIED ones may, too). Not for a layer of the hot path, which each build compiles alike.
+# UNHURRIED: its work is done once, or at the pace of a person, so compile time matters more than run time: -O1.
+# JOINED: its sources may be compiled several at a time (UNHURRIED ones may, too). Not for a layer of the hot path, which every build compiles in the same way.
 function(hapton_library name)
   cmake_parse_arguments(ARG "UNHURRIED;JOINED" "" "LINKS;SOURCES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
   list(APPEND sources ${ARG_SOURCES})
-  # A command line is read once and a report written once, and the compiler's time is CLI11's and JSON's.
+  # A command line is read once and a report written once, and most of the compile time goes into CLI11 and JSON.
   if(NOT ARG_UNHURRIED)
     set(unhurried ${sources})
     list(FILTER unhurried INCLUDE REGEX "_(command|options|report)\\.cpp$")
