@@ -109,7 +109,7 @@ Result<HidHandle> open_handle(const std::string& path) {
   const std::int64_t until_ns = clock.now_ns() + kAccessPatienceNs;
   while (true) {
     {
-      if (!may_be_hidraw(path)) return fail("{}: it cannot be opened: it is not an HID device, or was just unplugged", path);
+      if (!may_be_hidraw(path)) return fail("{}: it cannot be opened: it is not a HID device, or was just unplugged", path);
       const std::lock_guard turn(hidapi_turn);
       HidHandle handle(hid_open_path(path.c_str()));
       if (handle) return handle;
