@@ -17,8 +17,8 @@ class DeviceLock {
   DeviceLock& operator=(DeviceLock&&) = delete;
   ~DeviceLock();
 
-  // path: of the device node. Error, one line: another lock is held on it. If the node cannot be opened, the result holds nothing; that is not an
-  // error: opening the device for use will say why.
+  // path: of the device node. Error, one line: another lock is held on it. If the node cannot be opened, the result holds nothing; that is
+  // not an error: opening the device for use will say why.
   static Result<DeviceLock> take(const std::string& path);
 
  private:
