@@ -41,6 +41,9 @@ bool add_row(std::string_view line, std::vector<HopCounts>& hops) {
     return false;
   }
   if (hops.empty() || hops.back().name != name) {
+    if (std::any_of(hops.begin(), hops.end(), [&](const HopCounts& hop) { return hop.name == name; })) {
+      return false;
+    }
     hops.push_back({std::string(name), {}});
   } else if (*lower < hops.back().buckets.back().upper_ns) {
     return false;
@@ -107,7 +110,9 @@ Result<std::vector<HopCounts>> parse_latency_csv(std::string_view text, std::str
   for (int line_number = 2; !text.empty(); ++line_number) {
     const std::string_view line = take_until(text, '\n');
     if (!line.empty() && !add_row(line, hops)) {
-      return fail("{}:{}: '{}' is not a row hop,lower_ns,upper_ns,count", name, line_number, line);
+      return fail(
+          "{}:{}: '{}' is not a row hop,lower_ns,upper_ns,count, or not in its place: the rows of a hop follow each other, ascending", name,
+          line_number, line);
     }
   }
   std::erase_if(hops, [](const HopCounts& hop) { return hop.total() == 0; });

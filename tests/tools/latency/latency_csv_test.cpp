@@ -38,8 +38,8 @@ TEST(LatencyCsv, WhatIsNewIsTheDifferenceOfTwoLooks) {
 
 TEST(LatencyCsv, NamesTheLineThatIsWrong) {
   const std::string header = "hop,lower_ns,upper_ns,count\n";
-  for (const char* row :
-       {"a,1,2", "a,1,2,x", "a,2,1,5", "a,-1,2,5", "a b,1,2,5", "a'; system('x'),1,2,5", ",1,2,5", "a,1,2,5,6", "a,10,20,1\na,15,30,1"}) {
+  for (const char* row : {"a,1,2", "a,1,2,x", "a,2,1,5", "a,-1,2,5", "a b,1,2,5", "a'; system('x'),1,2,5", ",1,2,5", "a,1,2,5,6",
+                          "a,10,20,1\na,15,30,1", "a,1,2,5\nok,5,6,1"}) {
     const auto hops = parse_latency_csv(header + "ok,1,2,3\n" + row + "\n", "r.csv");
     ASSERT_FALSE(hops) << row;
     EXPECT_THAT(hops.error().what, HasSubstr("r.csv:")) << row;
