@@ -47,7 +47,6 @@ void DeviceLoop::begin_cycle() noexcept {
   const std::int64_t late_ns = now_ns - tick_ns_;
   stats_.wake_lateness.record(late_ns);
   cycle_.late_ns = late_ns;
-  // If the period was changed during the wait, the tick may be in the future; this cycle is then early.
   if (late_ns >= period_ns()) {
     overrun(late_ns);
   } else {
@@ -104,8 +103,9 @@ bool DeviceLoop::run_cycle() noexcept {
   if (is_ramping_down) governor_.interrupt();
   if (!has_fresh_force || is_ramping_down) hold_force();
   cut_or_restore();
-  apply_requests();
+  // Before the requests: the cycle's thread may have set its wake-up for this tick already, and no tick of a higher rate may be before it.
   tick_ns_ += period_ns();
+  apply_requests();
   cycle_.next_tick_ns = tick_ns_;
   cycle_.written = written_;
   cycle_.next_wake_ns = wake_ns();

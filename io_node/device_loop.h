@@ -170,8 +170,8 @@ class DeviceLoop {
   void set_hand_target(const std::optional<Vec3>& p_WH, std::uint32_t buttons = 0, const Vec3& turn_rad = Vec3::Zero()) noexcept;
   void aim_hand(std::span<const Vec3> p_WA) noexcept;  // see Device::aim_hand; at most Device::kMaxAims points
   void reset_faults(ResetPresence presence) noexcept;
-  void set_rate_hz(double rate_hz) noexcept;
-  void end() noexcept;  // the session ends: the governor's later events are not counted
+  void set_rate_hz(double rate_hz) noexcept;  // ... whose next tick is still that of the rate before
+  void end() noexcept;                        // the session ends: the governor's later events are not counted
   // Requests a copy of the measurements; take_stats returns true once when it is there.
   void request_stats() noexcept;
   bool take_stats() noexcept { return stats_copies_.take(); }

@@ -118,6 +118,29 @@ TEST_F(DeviceLoopSources, ASampleIsOfTheTimeAtWhichTheDeviceReturnedIt) {
   EXPECT_EQ(loop->collect_stats().device_read.max_ns(), 300 * kUs);
 }
 
+// Its thread sleeps to the tick that it knew before the cycle: earlier ones of a higher rate would all count as missed, and end a session
+// with --overrun stop.
+TEST_F(DeviceLoopSources, AHigherRateBeginsAtTheNextTickAndMissesNone) {
+  loop = std::make_unique<DeviceLoop>(device, clock, DeviceLoop::Options{.rate_hz = 250.0, .overrun = OverrunPolicy::stop});
+  run(2);
+  clock.sleep_until_ns(loop->tick_ns());
+  loop->begin_cycle();
+  const std::int64_t wake_ns = loop->wake_after_next_ns();
+  loop->set_rate_hz(10'000.0);
+  clock.advance_ns(3 * kMs);  // late, but not by a period of its rate
+  ASSERT_TRUE(loop->run_cycle());
+  EXPECT_EQ(loop->tick_ns(), wake_ns);
+  EXPECT_EQ(loop->collect_stats().rate_hz, 10'000.0);
+  for (int n = 1; n <= 2; ++n) {
+    clock.sleep_until_ns(loop->tick_ns());
+    loop->begin_cycle();
+    ASSERT_TRUE(loop->run_cycle());
+    EXPECT_EQ(loop->tick_ns(), wake_ns + n * kMs / 10);
+  }
+  EXPECT_EQ(loop->collect_stats().missed_cycles, 0U);
+  EXPECT_FALSE(loop->has_overrun());
+}
+
 // The session ends while the network side is displaced in the middle of a write, and does not come back.
 TEST_F(DeviceLoopSources, AtTheEndANetworkSideThatIsStuckDoesNotKeepTheForceEither) {
   for (const bool finishes : {false, true}) {
