@@ -56,10 +56,10 @@ void report(std::string_view what, const OuterWatchdog& watchdog, const ForceCut
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
-void watch(HeartbeatPage& page, int process, int process_file, bool reports) {
+void watch(HeartbeatPage& page, int process_file, bool reports) {
   SteadyClock clock;
   OuterWatchdog watchdog;
-  ForceCutter cutter(page, process);
+  ForceCutter cutter(page, process_file);
   bool is_reported = false;
   while (true) {
     const bool has_ended = is_gone(process_file);
@@ -121,10 +121,10 @@ int main(int argc, char** argv) {
   // Whether these two got their scheduling: io_node logs what its own threads did not get, and has the same rights.
   std::thread second = start_thread([&] {
     if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
-    watch(memory.page(), process, process_file, false);
+    watch(memory.page(), process_file, false);
   });
   (void)enter_realtime({.mode = priority > 0 ? RealtimeMode::attempt : RealtimeMode::off, .priority = priority, .low_dma_latency = false});
-  watch(memory.page(), process, process_file, true);
+  watch(memory.page(), process_file, true);
   second.join();
   return 0;
 }

@@ -1,7 +1,9 @@
 #include "watchdog/outer_watchdog.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -34,6 +36,21 @@ void ForceCutter::close_device() noexcept {
   has_write_failed_ = false;
 }
 
+// What has its node by then is another device, until the page says so.
+void ForceCutter::close_if_unplugged() noexcept {
+  pollfd device = {.fd = device_, .events = 0, .revents = 0};
+  if (device_ < 0 || ::poll(&device, 1, 0) <= 0 || (device.revents & (POLLERR | POLLHUP)) == 0) return;
+  close_device();
+  is_unplugged_ = true;
+}
+
+bool ForceCutter::kill_process() noexcept {
+  if (process_file_ < 0) return false;
+  pollfd ended = {.fd = process_file_, .events = POLLIN, .revents = 0};
+  had_ended_ = ::poll(&ended, 1, 0) > 0;
+  return had_ended_ || ::syscall(SYS_pidfd_send_signal, process_file_, SIGKILL, nullptr, 0) == 0;
+}
+
 bool ForceCutter::write_report() noexcept {
   if (device_ < 0) return false;
   has_write_failed_ = ::write(device_, report_.data(), report_.size()) != static_cast<ssize_t>(report_.size());
@@ -42,7 +59,8 @@ bool ForceCutter::write_report() noexcept {
 
 void ForceCutter::prepare() noexcept {
   const std::uint32_t generation = page_.generation.load(std::memory_order_acquire);
-  if (generation % 2 != 0 || (generation == generation_ && device_ >= 0)) return;
+  close_if_unplugged();
+  if (generation % 2 != 0 || (generation == generation_ && (device_ >= 0 || is_unplugged_))) return;
   std::array<char, HeartbeatPage::kMaxPath> path = {};
   std::array<std::uint8_t, HeartbeatPage::kMaxReport> report = {};
   std::transform(page_.path.begin(), page_.path.end(), path.begin(), [](const auto& c) { return c.load(std::memory_order_relaxed); });
@@ -54,6 +72,7 @@ void ForceCutter::prepare() noexcept {
   path.back() = '\0';
   report_.assign(report.begin(), report.begin() + static_cast<std::ptrdiff_t>(size));
   close_device();
+  is_unplugged_ = false;
   if (path[0] != '\0') device_ = ::open(path.data(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
 }
 
@@ -65,7 +84,7 @@ bool ForceCutter::cut() noexcept {
     case CutMeans::hid:
       return write_report();
     case CutMeans::kill:
-      return process_ > 0 && ::kill(process_, SIGKILL) == 0;
+      return kill_process();
     case CutMeans::simulated:
       return true;  // by HeartbeatPage::is_cut, which the caller sets
   }
@@ -77,10 +96,12 @@ std::string ForceCutter::describe() const {
     case CutMeans::none:
       return "it has no means of releasing the force of this device";
     case CutMeans::hid:
+      if (is_unplugged_) return "could not turn the device off: it is unplugged";
       if (device_ < 0) return "could not open the device to release the force: give this user access (udev rule)";
       return has_write_failed_ ? "could not turn the device off: it took no report; check whether it is plugged in"
                                : "released the force (device off)";
     case CutMeans::kill:
+      if (had_ended_) return "its end closed the vendor's library, so that the driver releases the force";
       return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:
       return "released the force of the simulated motors";

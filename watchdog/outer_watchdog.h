@@ -45,28 +45,34 @@ class OuterWatchdog {
 // RT: a write to the device. Threads: one.
 class ForceCutter {
  public:
-  // process: the one to kill if there is no other means.
-  ForceCutter(HeartbeatPage& page, int process) : page_(page), process_(process) {}
+  // process_file: a pidfd of the process to kill if there is no other means, whose number may be another one's by then; below 0: none.
+  // Pre: it stays open.
+  ForceCutter(HeartbeatPage& page, int process_file) : page_(page), process_file_(process_file) {}
   ~ForceCutter();
   ForceCutter(const ForceCutter&) = delete;
   ForceCutter& operator=(const ForceCutter&) = delete;
 
-  // Opens the device as soon as the page names it, so that nothing needs opening in an emergency. Call periodically.
+  // Opens the device as soon as the page names it, so that nothing needs opening in an emergency, and closes one that was unplugged, which
+  // could not come back at its own node otherwise. Call periodically.
   void prepare() noexcept;
-  // True: the force is off, as far as this process can see.
+  // True: the force is off, as far as this process can see, or the process to be killed has ended.
   bool cut() noexcept;
   // What the last cut did, or the next one does, by the means that the page names at present.
   std::string describe() const;
 
  private:
   void close_device() noexcept;
+  void close_if_unplugged() noexcept;
+  bool kill_process() noexcept;
   bool write_report() noexcept;
 
   HeartbeatPage& page_;
-  int process_;
+  int process_file_;
   std::uint32_t generation_ = 0;
   int device_ = -1;
+  bool is_unplugged_ = false;      // the device that the page names
   bool has_write_failed_ = false;  // the last one to this device
+  bool had_ended_ = false;         // the process, before it could be killed
   std::vector<std::uint8_t> report_;
 };
 

@@ -2,9 +2,12 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -139,7 +142,7 @@ TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   EXPECT_FALSE(cutter.cut()) << "nothing is known of the device yet";
   const std::uint8_t off[] = {2, 0, 0, 7};
   page->set_hid(path, off);
@@ -157,7 +160,7 @@ TEST(ForceCutterTest, OpensADeviceThatCouldNotBeOpenedAtFirst) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   page->set_hid(path, std::vector<std::uint8_t>{1});
   cutter.prepare();
   EXPECT_FALSE(cutter.cut());
@@ -169,7 +172,7 @@ TEST(ForceCutterTest, OpensADeviceThatCouldNotBeOpenedAtFirst) {
 TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
   ScratchFolder folder;
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   for (const char* name : {"hidraw0", "hidraw1"}) {
     const std::string path = (folder.path() / name).string();
     std::ofstream(path).flush();
@@ -179,13 +182,46 @@ TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
   }
 }
 
+// While anyone has it open, the kernel keeps its node from all devices: it would come back at another one. Another device at that node is
+// none of ours. A pipe hangs up like a device that was unplugged.
+TEST(ForceCutterTest, ClosesADeviceThatWasUnpluggedUntilThePageNamesOneAgain) {
+  ScratchFolder folder;
+  const std::string path = (folder.path() / "hidraw").string();
+  ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+  int device = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  ASSERT_GE(device, 0);
+  const auto is_open_elsewhere = [&] {
+    std::uint8_t byte = 0;
+    return ::read(device, &byte, 1) < 0 && errno == EAGAIN;
+  };
+  const auto page = std::make_unique<HeartbeatPage>();
+  ForceCutter cutter(*page, -1);
+  page->set_hid(path, std::vector<std::uint8_t>{1});
+  cutter.prepare();
+  EXPECT_TRUE(is_open_elsewhere());
+  ::close(device);
+  cutter.prepare();
+  device = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  EXPECT_FALSE(is_open_elsewhere());
+  EXPECT_FALSE(cutter.cut());
+  EXPECT_FALSE(is_open_elsewhere()) << "what has its node now may be another device";
+  EXPECT_NE(cutter.describe().find("unplugged"), std::string::npos) << cutter.describe();
+  page->set_hid(path, std::vector<std::uint8_t>{1});
+  EXPECT_TRUE(cutter.cut());
+  EXPECT_NE(cutter.describe().find("released the force"), std::string::npos) << cutter.describe();
+  std::uint8_t written = 0;
+  EXPECT_EQ(::read(device, &written, 1), 1);
+  EXPECT_EQ(written, 1);
+  ::close(device);
+}
+
 TEST(ForceCutterTest, ADeviceThatIsPluggedInOftenIsOpenOnce) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
   EXPECT_FALSE(leaves_files_open([&] {
-    ForceCutter cutter(*page, 0);
+    ForceCutter cutter(*page, -1);
     for (int n = 0; n < 2; ++n) {
       page->set_hid(path, std::vector<std::uint8_t>{1});
       cutter.prepare();
@@ -197,7 +233,7 @@ TEST(ForceCutterTest, ClosesNoFileButItsOwn) {
   ScratchFolder folder;
   const auto page = std::make_unique<HeartbeatPage>();
   {
-    ForceCutter cutter(*page, 0);
+    ForceCutter cutter(*page, -1);
     const std::string path = (folder.path() / "hidraw").string();
     std::ofstream(path).flush();
     page->set_hid(path, std::vector<std::uint8_t>{1});
@@ -212,7 +248,7 @@ TEST(ForceCutterTest, AReportThatIsTooLongMakesItADeviceWithoutMeans) {
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(HeartbeatPage::kMaxReport + 1));
   EXPECT_EQ(page->means.load(), CutMeans::none);
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   EXPECT_FALSE(cutter.cut());
 }
 
@@ -224,11 +260,18 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
   ::kill(child, SIGSTOP);  // frozen, as it would be
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_means(CutMeans::kill);
-  ForceCutter cutter(*page, child);
+  const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
+  ASSERT_GE(process_file, 0);
+  ForceCutter cutter(*page, process_file);
   EXPECT_TRUE(cutter.cut());
+  EXPECT_NE(cutter.describe().find("killed io_node"), std::string::npos) << cutter.describe();
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
+  // Its number is free now, and the next one with it must live.
+  EXPECT_TRUE(cutter.cut());
+  EXPECT_NE(cutter.describe().find("its end closed the vendor's library"), std::string::npos) << cutter.describe();
+  ::close(process_file);
 }
 
 TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
@@ -236,7 +279,7 @@ TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   page->set_hid(path, std::vector<std::uint8_t>{1});
   page->generation.fetch_add(1);  // odd: another device is being named
   EXPECT_FALSE(cutter.cut());
@@ -248,7 +291,7 @@ TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
 // As of a device that was unplugged: nothing was turned off, and a person must know.
 TEST(ForceCutterTest, ReportsNoReleaseThatFailed) {
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   page->set_hid("/dev/full", std::vector<std::uint8_t>{1});
   ASSERT_FALSE(cutter.cut());
   EXPECT_EQ(cutter.describe().find("released"), std::string::npos) << cutter.describe();
@@ -264,7 +307,7 @@ TEST(ForceCutterTest, SaysWhatItDidByItsMeans) {
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, 0);
+  ForceCutter cutter(*page, -1);
   const auto says = [&](const char* words) { return cutter.describe().find(words) != std::string::npos; };
   EXPECT_TRUE(says("no means")) << cutter.describe();
   page->set_hid(path, std::vector<std::uint8_t>{1});
