@@ -31,8 +31,10 @@ bool ServiceNotify::send(std::string_view text) const {
   std::memcpy(to.sun_path, socket_path_.data(), socket_path_.size());
   if (to.sun_path[0] == '@') to.sun_path[0] = '\0';  // an abstract one
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + socket_path_.size());
-  const bool is_sent = ::sendto(socket, text.data(), text.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&to), size) ==
-                       static_cast<ssize_t>(text.size());
+  // A manager that hangs must not hold up the caller, which has more to do than this.
+  constexpr int kFlags = MSG_NOSIGNAL | MSG_DONTWAIT;
+  const bool is_sent =
+      ::sendto(socket, text.data(), text.size(), kFlags, reinterpret_cast<const sockaddr*>(&to), size) == static_cast<ssize_t>(text.size());
   ::close(socket);
   return is_sent;
 }

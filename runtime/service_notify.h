@@ -17,7 +17,8 @@ class ServiceNotify {
   // The manager's timeout (WatchdogSec): it restarts the program if no WATCHDOG=1 arrives for this long. Send it at half of that or more
   // often. 0: no timeout.
   std::int64_t manager_timeout_ns() const noexcept { return manager_timeout_ns_; }
-  // "READY=1", "WATCHDOG=1", "STOPPING=1", "STATUS=..."; false: it could not be sent.
+  // "READY=1", "WATCHDOG=1", "STOPPING=1", "STATUS=..."; false: it could not be sent, as where the manager takes none at present. It does
+  // not wait.
   bool send(std::string_view text) const;
 
  private:

@@ -6,12 +6,15 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <string>
+#include <thread>
 
 #include "tests/support/open_files.h"
+#include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -83,6 +86,42 @@ TEST_F(ServiceNotifyTest, ANameThatDoesNotFitIsNone) {
   EXPECT_FALSE(ServiceNotify().send("READY=1")) << "nobody listens";
   ::setenv("NOTIFY_SOCKET", (longest + "n").c_str(), 1);
   EXPECT_FALSE(ServiceNotify().has_manager());
+}
+
+// Of a manager that hangs the kernel keeps a few messages; the next one would wait for it.
+TEST_F(ServiceNotifyTest, AManagerThatTakesNoMessagesHoldsNobodyUp) {
+  const std::string path = (folder.path() / "notify").string();
+  const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_un at = {};
+  at.sun_family = AF_UNIX;
+  std::memcpy(at.sun_path, path.data(), path.size());
+  ASSERT_EQ(::bind(manager, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
+  ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  // From a socket each: one alone would reach the limit of its own first.
+  const auto is_taken = [&] {
+    const int other = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const bool is_sent = ::sendto(other, "x", 1, MSG_DONTWAIT, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 1;
+    ::close(other);
+    return is_sent;
+  };
+  while (is_taken()) {
+  }
+  std::atomic<bool> has_returned = false;
+  bool is_sent = true;
+  std::thread sender([&] {
+    is_sent = ServiceNotify().send("WATCHDOG=1");
+    has_returned = true;
+  });
+  EXPECT_TRUE(wait_until([&] { return has_returned.load(); }));
+  std::array<char, 64> received = {};
+  const auto take = [&] { return ::recv(manager, received.data(), received.size(), MSG_DONTWAIT); };
+  while (take() > 0) {
+  }
+  sender.join();
+  EXPECT_FALSE(is_sent);
+  EXPECT_TRUE(ServiceNotify().send("WATCHDOG=1")) << "the next one goes out again";
+  EXPECT_EQ(take(), 10);
+  ::close(manager);
 }
 
 TEST_F(ServiceNotifyTest, InvalidTextInTheEnvironmentIsNoPeriod) {
