@@ -156,16 +156,17 @@ void HidDevice::write_newest() noexcept {
       rejected_ = 0;
       return;
     }
+    // A write that hung while the device was opened again has left what the one before rejected.
+    if (is_first_report_) rejected_ = 0;
     const std::int64_t now_ns = clock_.now_ns();
     const Wrench wrench = exchange_.wrench(now_ns);
     size = backend_->encode(wrench, may_exert(now_ns), now_ns, report);
   }
   if (size == 0) return;
   rejected_ = transport->write(std::span(report).first(size)) ? 0 : rejected_ + 1;
-  if (rejected_ >= kMaxRejected) {
-    rejected_ = 0;
-    port_.report_write_failure();
-  }
+  if (rejected_ < kMaxRejected) return;
+  rejected_ = 0;
+  if (transport == port_.transport()) port_.report_write_failure();
 }
 
 void HidDevice::release_force() noexcept {

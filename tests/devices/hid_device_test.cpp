@@ -214,6 +214,21 @@ TEST_F(HidDeviceTest, ADeviceThatTakesNoReportsIsReopened) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }
 
+// The writer sees nothing of a replug while a write hangs, and must not close the device for what the one before rejected.
+TEST_F(HidDeviceTest, WhatWasRejectedBeforeItWasOpenedAgainDoesNotCount) {
+  constexpr int kPart = HidDevice::kMaxRejected * 6 / 10;
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  hid_.refuse_next(kPart, true);
+  EXPECT_TRUE(serve_until([&] { return hid_.has_waiting_writer(); }));
+  hid_.unplug();
+  EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
+  hid_.plug_in();
+  EXPECT_TRUE(serve_until([&] { return hid_.openings() == 2 && device_->status() == DeviceStatus::ready; }));
+  hid_.refuse_next(kPart);
+  EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
+  EXPECT_EQ(hid_.openings(), 2);
+}
+
 TEST_F(HidDeviceTest, SilentThoughPluggedInItIsAwayAndItsForceRampsInAgainAfterwards) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
   // Where a thread of the device stands still for the whole ramp, nothing is seen of it; then it is tried again.

@@ -57,6 +57,13 @@ class FakeHid {
   void block_writes(bool blocks) {
     change([&](Shared& shared) { shared.blocks_writes = blocks; });
   }
+  // Refuses the next writes; then_hangs: those after them wait until this is called again, even if it is unplugged meanwhile.
+  void refuse_next(int writes, bool then_hangs = false) {
+    change([&](Shared& shared) {
+      shared.refusals = writes;
+      shared.hangs_after_refusals = then_hangs;
+    });
+  }
   void refuse_writes(bool refuses) {
     change([&](Shared& shared) { shared.refuses_writes = refuses; });
   }
@@ -92,6 +99,8 @@ class FakeHid {
     int openings = 0;
     bool blocks_writes = false;
     bool refuses_writes = false;
+    bool hangs_after_refusals = false;
+    int refusals = 0;  // still to come
     int waiting_writers = 0;
     std::deque<Bytes> reports;
     std::vector<Bytes> written;
@@ -119,9 +128,13 @@ class FakeHid {
     bool write(std::span<const std::uint8_t> report) noexcept override {
       std::unique_lock lock(shared_->mutex);
       ++shared_->waiting_writers;
-      shared_->changed.wait(lock, [&] { return is_gone() || !shared_->blocks_writes; });
+      shared_->changed.wait(lock, [&] { return !hangs() && (is_gone() || !shared_->blocks_writes); });
       --shared_->waiting_writers;
       if (is_gone() || shared_->refuses_writes) return false;
+      if (shared_->refusals > 0) {
+        --shared_->refusals;
+        return false;
+      }
       shared_->written.emplace_back(report.begin(), report.end());
       return true;
     }
@@ -136,6 +149,7 @@ class FakeHid {
     }
 
    private:
+    bool hangs() const { return shared_->hangs_after_refusals && shared_->refusals == 0; }
     bool is_gone() const { return !shared_->is_plugged || shared_->plugging != plugging_; }
 
     std::shared_ptr<Shared> shared_;
