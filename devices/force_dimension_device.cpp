@@ -88,6 +88,7 @@ class ForceDimensionDevice final : public VendorDevice {
   bool is_force_off_ = false;
   std::int64_t next_reopen_ns_ = 0;
   std::int64_t next_line_ns_ = 0;
+  std::string reported_;  // why it could not be opened again, not to be repeated
 };
 
 ForceDimensionDevice::~ForceDimensionDevice() {
@@ -125,7 +126,7 @@ Result<void> ForceDimensionDevice::open() {
   if (!model_.empty() && (type != type_ || read_serial() != serial_)) {
     dhd_.close(id_);
     is_open_ = false;
-    return fail("another device is connected than before");
+    return fail("another device is connected than before; connect serial {} again, or restart io_node", serial_.empty() ? "?" : serial_);
   }
   type_ = type;
   const dhd::System& system = dhd::find_system(type);
@@ -300,6 +301,7 @@ void ForceDimensionDevice::log_away(std::int64_t now_ns, const std::string& why)
   log_warning("{} is disconnected ({}); trying to reconnect", model_, why);
   dhd_.close(id_);
   is_open_ = false;
+  reported_.clear();
   next_reopen_ns_ = now_ns + kReopenEveryNs / 4;
   publish(DeviceStatus::away, now_ns);
 }
@@ -307,7 +309,11 @@ void ForceDimensionDevice::log_away(std::int64_t now_ns, const std::string& why)
 void ForceDimensionDevice::try_to_reopen(std::int64_t now_ns) {
   if (now_ns < next_reopen_ns_) return;
   next_reopen_ns_ = now_ns + kReopenEveryNs;
-  if (!open()) return;
+  if (const auto opened = open(); !opened) {
+    if (std::exchange(reported_, opened.error().what) != opened.error().what)
+      log_info("{}: trying to reconnect: {}", model_, opened.error().what);
+    return;
+  }
   log_info("{} is back", model_);
   calibrate();
 }

@@ -41,6 +41,7 @@ Result<Handle> Session::open(const std::string& name) {
   if (!name.empty()) names = {name.c_str()};
   ErrorInfo first = {};
   for (const char* candidate : names) {
+    forget_errors(hd_);  // from before: a device that opens would be taken for one that does not, and stay open
     const Handle device = hd_.init_device(candidate);
     const ErrorInfo error = hd_.get_error();
     if (error.code == kSuccess && device != kInvalidHandle) return device;

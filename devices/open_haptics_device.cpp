@@ -79,6 +79,8 @@ class OpenHapticsDevice final : public VendorDevice {
   // Set-up, on the keeper's thread but for the first time.
   Result<void> set_up();
   Result<void> read_limits();
+  std::string read_model() const { return text_or(hd_.get_string(hd::kModelType), "unknown model"); }
+  std::string read_serial() const { return text_or(hd_.get_string(hd::kSerialNumber), ""); }
   void read_texts();
   double get(hd::Enum what, double otherwise) const;
 
@@ -128,6 +130,7 @@ class OpenHapticsDevice final : public VendorDevice {
   Calibration logged_calibration_ = Calibration::unknown;
   std::int64_t next_reopen_ns_ = 0;
   std::int64_t next_error_line_ns_ = 0;
+  std::string reported_;  // why it could not be opened again, not to be repeated
 };
 
 OpenHapticsDevice::~OpenHapticsDevice() {
@@ -148,8 +151,8 @@ double OpenHapticsDevice::get(hd::Enum what, double otherwise) const {
 }
 
 void OpenHapticsDevice::read_texts() {
-  model_ = text_or(hd_.get_string(hd::kModelType), "unknown model");
-  serial_ = text_or(hd_.get_string(hd::kSerialNumber), "");
+  model_ = read_model();
+  serial_ = read_serial();
   // A float, as 3.0 documents it, or nothing.
   float firmware = 0.0F;
   hd_.get_floats(hd::kFirmwareVersion, &firmware);
@@ -192,6 +195,10 @@ Result<void> OpenHapticsDevice::read_limits() {
 // While it is the current device and the scheduler is stopped.
 Result<void> OpenHapticsDevice::set_up() {
   const bool is_first = model_.empty();
+  // Limits and workspace would be another's, of which the person at the scene knows nothing.
+  if (!is_first && (read_model() != model_ || read_serial() != serial_)) {
+    return fail("another device is connected than before; connect serial {} again, or restart io_node", serial_.empty() ? "?" : serial_);
+  }
   if (is_first) read_texts();
   if (const auto limits = is_first ? read_limits() : Result<void>(); !limits) return limits;
   int styles = 0;
@@ -372,6 +379,7 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
                 error != hd::kSuccess ? hd::name_of_error(error) : "its scheduler has stopped");
     session_->detach(attached_);
     is_open_ = false;
+    reported_.clear();
     // The scheduler no longer runs: this is the last reading until the device is back.
     reading_.status = DeviceStatus::away;
     exchange_.publish(reading_);
@@ -379,7 +387,11 @@ void OpenHapticsDevice::reopen(std::int64_t now_ns) {
   }
   if (now_ns < next_reopen_ns_) return;
   next_reopen_ns_ = now_ns + (session_->has_users() ? kReopenBesideOthersEveryNs : kReopenEveryNs);
-  if (open()) log_info("{} is back", model_);
+  if (const auto opened = open(); opened) {
+    log_info("{} is back", model_);
+  } else if (std::exchange(reported_, opened.error().what) != opened.error().what) {
+    log_info("{}: trying to reconnect: {}", model_, opened.error().what);
+  }
 }
 
 }  // namespace

@@ -150,6 +150,13 @@ TEST_F(OpenHaptics, TheUsualNamesAreTriedOneAfterTheOther) {
   EXPECT_EQ(board->opened, 3U);
 }
 
+TEST_F(OpenHaptics, ErrorsOfANameThatFailedAreNotThoseOfTheNext) {
+  board->errors_a_refusal = 3;
+  board->known_name = 1;
+  open();
+  EXPECT_EQ(board->opened, 1U);
+}
+
 TEST_F(OpenHaptics, ANameThatWasGivenIsTheOnlyOneTried) {
   board->known_name = 3;
   ASSERT_TRUE(make("Left Hand"));
@@ -272,6 +279,27 @@ TEST_F(OpenHaptics, UnpluggedInContactItIsAwayAndFoundAgain) {
       [&] { return board->largest_force < 0.5; }));
   EXPECT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
   EXPECT_EQ(board->wrong_calls, 0U);
+}
+
+TEST_F(OpenHaptics, AnotherOneOfTheSameModelInItsPlaceIsNotDriven) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away && board->closed == 1U; }, push));
+  testing::internal::CaptureStderr();
+  board->largest_force = 0.0;
+  board->is_another = 1;
+  board->is_plugged = 1;
+  EXPECT_TRUE(serve_until([&] { return board->closed >= 3U || device->status() == DeviceStatus::ready; }, push));
+  EXPECT_EQ(device->status(), DeviceStatus::away);
+  EXPECT_EQ(board->largest_force, 0.0);
+  board->is_another = 0;
+  EXPECT_TRUE(serve_until_ready());
+  device.reset();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, HasSubstr("another device is connected than before; connect serial SN-0042 again"));
+  EXPECT_EQ(said.find("another device"), said.rfind("another device")) << "once";
 }
 
 TEST_F(OpenHaptics, AStalledSchedulerIsAwayAndRestarted) {

@@ -31,7 +31,9 @@ struct Board {
   std::atomic<unsigned> error_each_tick{0};  // HD: reported after each frame
   std::atomic<unsigned> error_once{0};       // HD: reported after the next frame
   std::atomic<int> known_name{0};            // HD: 0 "Default Device", 1 "Default PHANToM", 2 the default alone, 3 "Left Hand"
+  std::atomic<int> is_another{0};            // HD: another unit of the same model, by its serial number
   std::atomic<unsigned> open_error{0};       // HD: what opening reports, plugged or not
+  std::atomic<int> errors_a_refusal{1};      // HD: how many errors an opening that fails reports
   std::atomic<double> motor_temperature{0.2};
   std::atomic<int> slow_us{0};          // each tick takes so much longer
   std::atomic<int> stands_still{0};     // the scheduler makes no calls

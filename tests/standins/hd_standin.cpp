@@ -59,9 +59,9 @@ class Hardware {
   unsigned open(const char* name) {
     Unit& unit = find(name);
     unit.shared = &BoardFile::of_environment(&unit == units_.data() ? kBoardVariable : kSecondBoardVariable);
-    if (unit.board().open_error != 0) return refuse(unit.board().open_error);
-    if (!is_known(unit, name) || unit.board().is_plugged == 0) return refuse(kCommError);
-    if (unit.is_open) return refuse(kAlreadyInitiated);
+    if (unit.board().open_error != 0) return refuse(unit.board(), unit.board().open_error);
+    if (!is_known(unit, name) || unit.board().is_plugged == 0) return refuse(unit.board(), kCommError);
+    if (unit.is_open) return refuse(unit.board(), kAlreadyInitiated);
     // The current device is one for all: opening one within another's frame would end that frame.
     if (is_running_) ++unit.board().wrong_calls;
     unit.is_open = true;
@@ -217,12 +217,12 @@ class Hardware {
     if (errors_.size() < 32) errors_.push_back({code, -42, kFirstDevice});
   }
 
-  static const char* text(unsigned what) {
+  const char* text(unsigned what) const {
     switch (what) {
       case 0x2501:
         return "Stand-in Touch";
       case 0x2504:
-        return "SN-0042";
+        return current_->board().is_another == 0 ? "SN-0042" : "SN-0043";
       default:
         return "";
     }
@@ -247,8 +247,8 @@ class Hardware {
     return name == nullptr || known == nullptr ? name == known : std::strcmp(name, known) == 0;
   }
   bool is_scheduler() const { return std::this_thread::get_id() == scheduler_.load(); }
-  unsigned refuse(unsigned code) {
-    report(code);
+  unsigned refuse(const Board& board, unsigned code) {
+    for (int n = 0; n < board.errors_a_refusal; ++n) report(code);
     return kNoDevice;
   }
 
