@@ -270,6 +270,15 @@ std::optional<Vec3> PatchTouch::carried_from() const noexcept {
   return is_over_ && patch_ != nullptr && patch_->step != nullptr ? patch_->step->method().carried_from() : std::nullopt;
 }
 
+// The plane past the edge has damping of its own, and that of the surface may have taken all of the force, or added to it. Effects of a
+// scene change its stiffness: there the force is as felt.
+double PatchTouch::undamped_force_n(const TouchOutput& touched, double depth) const noexcept {
+  const auto object = static_cast<std::size_t>(touched.object);
+  const bool is_known = touched.contact && touched.object >= 0 && object < patch_->materials.size() && !patch_->step->has_effects();
+  if (!is_known || patch_->materials[object].damping_ns_per_m == 0.0) return touched.force_n.norm();
+  return patch_->materials[object].stiffness_n_per_m * depth;
+}
+
 // could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.
 PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bool could_go_on) noexcept {
   PatchOutput output;
@@ -287,7 +296,7 @@ PatchOutput PatchTouch::step_patch(const TouchInput& input, const Vec3& p_SD, bo
     output.object = patch_->objects[static_cast<std::size_t>(touched.object)];
   const Mat3 R_SW = input.X_WS.linear().transpose();
   const double depth = touched.visual_offset_m.norm();
-  force_n_ = touched.force_n.norm();
+  force_n_ = undamped_force_n(touched, depth);
   p_SP_ = (patch_->step != nullptr ? patch_->step->method().held_at() : std::nullopt).value_or(p_SD);
   outward_S_ = touched.contact && depth > 0.0 ? Vec3(R_SW * touched.visual_offset_m / depth) : Vec3(Vec3::Zero());
   stiffness_n_per_m_ = depth > 0.0 ? force_n_ / depth : 0.0;

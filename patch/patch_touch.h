@@ -79,11 +79,11 @@ struct PatchHandState {
 // difference between them.
 //
 // Past the edge of a patch the positions of the device are stored, and the plane of the last contact acts as the surface. Its force has the
-// stiffness of the surface and damping, and is at most kMaxBeyond times the last force within the patch. Without contact there is no force
-// past the edge. When a patch reaches there, the proxy follows the stored positions, kMaxFollowed in each step, until it has caught up: it
-// is then where the whole scene would have it. A patch with is_path_incomplete does not wait for that: in contact it takes over from a
-// point above the plane, higher the farther the hand went past the edge, and contact continues with the surface met first from there. A
-// hand that was free for kBeyondS past the edge starts again where it is.
+// stiffness of the surface and damping of its own, and is at most kMaxBeyond times the last force within the patch, without the surface's
+// damping. Without contact there is no force past the edge. When a patch reaches there, the proxy follows the stored positions,
+// kMaxFollowed in each step, until it has caught up: it is then where the whole scene would have it. A patch with is_path_incomplete does
+// not wait for that: in contact it takes over from a point above the plane, higher the farther the hand went past the edge, and contact
+// continues with the surface met first from there. A hand that was free for kBeyondS past the edge starts again where it is.
 //
 // Frames: W and S as named. Units: SI. RT: all. Threads: one.
 class PatchTouch {
@@ -174,6 +174,7 @@ class PatchTouch {
   std::optional<PatchOutput> step_plane(const TouchInput& input, const Vec3& p_SD, const Vec3& velocity) noexcept;
   void hand_over(const TouchInput& input) noexcept;
   Vec3 step_retired(const TouchInput& input) noexcept;
+  double undamped_force_n(const TouchOutput& touched, double depth) const noexcept;
   static bool tune(Patch& patch, const PatchMaterials& materials) noexcept;
 
   std::unique_ptr<Patch> patch_;
@@ -187,7 +188,7 @@ class PatchTouch {
   Vec3 p_SP_ = Vec3::Zero();        // proxy, last within
   Vec3 outward_S_ = Vec3::Zero();   // unit, of its force; zero: free
   double stiffness_n_per_m_ = 0.0;  // ... of force and penetration
-  double force_n_ = 0.0;            // ... its magnitude
+  double force_n_ = 0.0;            // ... its magnitude, without damping
   Vec3 last_p_SD_ = Vec3::Zero();   // of the last step within, or where it ran out of work
   Vec3 newest_p_SD_ = Vec3::Zero();
   Vec3 sample_from_ = Vec3::Zero();  // the device before this sample

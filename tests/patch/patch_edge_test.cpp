@@ -1,6 +1,8 @@
 // Past the edge of a patch, by hand: the plane of the last contact, and what takes over from it.
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "core/force/force_method.h"
 #include "patch/patch_touch.h"
 #include "tests/support/made_scene.h"
@@ -14,11 +16,12 @@ constexpr double kHeldDepth = 0.003;
 // A flat sheet at z = 0, known within 10 mm of the origin.
 struct PatchEdge : testing::Test {
   PatchEdge() { (void)touch.offer(make_patch(Vec3::Zero(), 0.01)); }
-  static std::unique_ptr<Patch> make_patch(const Vec3& p_SC, double radius_m, bool is_path_incomplete = false) {
+  static std::unique_ptr<Patch> make_patch(const Vec3& p_SC, double radius_m, bool is_path_incomplete = false,
+                                           const Material& material = {.stiffness_n_per_m = kEdgeStiffness}) {
     auto patch = std::make_unique<Patch>();
-    patch->step =
-        std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 10), {.stiffness_n_per_m = kEdgeStiffness})));
+    patch->step = std::make_unique<TouchStep>(*make_method({}, scene_of(made::sheet(0.05, 0.0, 10), material)));
     patch->objects = {4};
+    patch->materials = {material};
     patch->p_SC = p_SC;
     patch->radius_m = radius_m;
     patch->lift_m = 1e-9;
@@ -80,6 +83,25 @@ TEST_F(PatchEdge, ThePlaneIsADampedSpringWithinBounds) {
   EXPECT_FALSE(out->contact);
   EXPECT_EQ(out->force_n, Vec3(Vec3::Zero()));
   EXPECT_EQ(out->visual_offset_m, Vec3(Vec3::Zero()));
+}
+
+// A hand that left the surface so fast that damping took all of the force, or entered it so fast that damping was most of it, and then
+// went on past the edge at one depth.
+TEST_F(PatchEdge, ThePlaneIsAsStiffAsTheSurfaceWhateverDampingDidLast) {
+  for (const double before_m : {0.003, 0.001}) {
+    touch = PatchTouch();
+    (void)touch.offer(make_patch(Vec3::Zero(), 0.01, false, {.stiffness_n_per_m = kEdgeStiffness, .damping_ns_per_m = 5.0}));
+    for (int n = 0; n <= 5; ++n) (void)go(0.0, -0.002 + n * (before_m + 0.002) / 5);
+    last = *go(0.0, 0.002);
+    ASSERT_FALSE(last.is_beyond);
+    EXPECT_TRUE(last.contact);
+    EXPECT_NEAR(last.force_n.z(), before_m > 0.002 ? 0.0 : 7.0, 0.01);
+    for (const auto& [depth_m, force_n] : {std::pair{0.002, 2.0}, {0.003, 3.0}, {0.009, 4.0}}) {
+      const auto felt = go(0.012, depth_m, 1.0);
+      ASSERT_TRUE(felt.has_value() && felt->is_beyond);
+      EXPECT_NEAR(felt->force_n.z(), force_n, 0.05) << before_m << " " << depth_m;
+    }
+  }
 }
 
 TEST_F(PatchEdge, APatchThatReachesTheHandIsCaughtUpWith) {
