@@ -82,7 +82,7 @@ class Device {
   virtual void restore() noexcept {}
 
   // Set-up only, by the owner: the page gets, and keeps, the means by which another process can release the force
-  // (watchdog/heartbeat_page.h).
+  // (watchdog/heartbeat_page.h). Without means io_node warns at its start, or ends with --watchdog require.
   virtual void use_heartbeat_page(HeartbeatPage& /*page*/) noexcept {}
 
   virtual DeviceStatus status() const noexcept = 0;

@@ -100,6 +100,7 @@ void HidDevice::log_status() noexcept {
 void HidDevice::use_heartbeat_page(HeartbeatPage& page) noexcept {
   const std::lock_guard lock(driver_mutex_);
   heartbeat_page_ = &page;
+  page.set_means(CutMeans::hid);  // also while it is unplugged and has no node
   show_in_heartbeat_page();
 }
 

@@ -33,6 +33,7 @@ class ReplayDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::no_motors); }
   DeviceStatus status() const noexcept override { return status_; }
   bool set_hand_target(const std::optional<Vec3>& p_WH) noexcept override;
 

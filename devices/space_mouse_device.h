@@ -28,6 +28,7 @@ class SpaceMouseDevice final : public Device {
   const DeviceLimits& limits() const noexcept override { return limits_; }
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t) noexcept override { force_n_ = wrench.force_n; }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::no_motors); }
   DeviceStatus status() const noexcept override { return reader_->is_there() ? DeviceStatus::ready : DeviceStatus::away; }
   DeviceCondition condition() const noexcept override;
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }

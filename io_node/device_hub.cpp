@@ -241,6 +241,10 @@ Result<void> DeviceHub::start_watchdog() {
   Result<void> started = parts_->heartbeat.make();
   if (started) {
     parts_->device->use_heartbeat_page(parts_->heartbeat.page());
+    if (const std::string missing = describe_missing_means(parts_->heartbeat.page(), parts_->device->name()); !missing.empty()) {
+      if (options.watchdog == RealtimeMode::require) return fail("{}", missing);
+      log_warning("{}{}", name_prefix(options), missing);
+    }
     parts_->network->device_loop().set_heartbeat_page(&parts_->heartbeat.page());
     const bool is_realtime = options.realtime.mode != RealtimeMode::off && options.realtime.priority > 0;
     const int priority = is_realtime ? std::min(options.realtime.priority + 2, kMaxRealtimePriority) : 0;

@@ -55,6 +55,15 @@ std::filesystem::path find_flight_folder(const IoOptions& options) {
   return state.empty() ? state : of_device(state / "flight");
 }
 
+std::string describe_missing_means(const HeartbeatPage& page, std::string_view device) {
+  if (page.means.load(std::memory_order_acquire) != CutMeans::none) return {};
+  return fmt::format(
+      "the watchdog process cannot release the force of this device ({}), as its driver does not say how (Device::use_heartbeat_page): "
+      "only "
+      "io_node itself and the device can",
+      device);
+}
+
 std::string describe_lost_samples(const IoOptions& options, std::uint64_t lost) {
   if (options.record.empty() || lost == 0) return {};
   return fmt::format("{}{}: {} samples are missing in the recording (column `lost` of its table): io_node got no CPU for too long",

@@ -3,11 +3,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 #include "io_node/io_options.h"
 #include "link/session_entry.h"
 #include "runtime/clock.h"
+#include "watchdog/heartbeat_page.h"
 
 namespace hapton {
 
@@ -17,6 +19,10 @@ SessionHeader make_session_header(const IoOptions& options, std::uint64_t sessio
 // The folder of flight records: --flight, otherwise OUT/flight, otherwise the state folder; with several devices a folder for each in it.
 // Empty: none. RT: set-up only.
 std::filesystem::path find_flight_folder(const IoOptions& options);
+
+// The warning for a device whose force the watchdog process cannot release, by the means that its page has; empty if it can, or if there is
+// no force. RT: no.
+std::string describe_missing_means(const HeartbeatPage& page, std::string_view device);
 
 // The warning after a recording in which this many samples of the device are missing; empty if none is. RT: no.
 std::string describe_lost_samples(const IoOptions& options, std::uint64_t lost);

@@ -11,10 +11,11 @@ namespace hapton {
 
 // How another process can release the force of a device.
 enum class CutMeans : std::uint32_t {
-  none,       // it has no motors that matter (a replay)
+  none,       // not known: io_node says so at its start
   hid,        // by the report that turns it off, through the watchdog's own handle of the device
   kill,       // a vendor's library in the process: killing the process closes its handles, and the device or its driver releases the force
   simulated,  // its motors are numbers in this page
+  no_motors,  // there is no force to release (a replay)
 };
 
 // The page of memory that io_node's device side and the watchdog process share. Each field has one writer; the other side polls it and

@@ -87,6 +87,8 @@ bool ForceCutter::cut() noexcept {
       return kill_process();
     case CutMeans::simulated:
       return true;  // by HeartbeatPage::is_cut, which the caller sets
+    case CutMeans::no_motors:
+      return true;
   }
   return false;
 }
@@ -105,6 +107,8 @@ std::string ForceCutter::describe() const {
       return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:
       return "released the force of the simulated motors";
+    case CutMeans::no_motors:
+      return "the device has no motors";
   }
   return {};
 }

@@ -120,6 +120,20 @@ TEST_F(GuardedHid, ThePageGetsThemAnewWhenItIsPluggedInAgain) {
   expect_the_means_to_turn_it_off();
 }
 
+// io_node would report that it has none.
+TEST_F(GuardedHid, APageThatComesWhileItIsUnpluggedHasItsMeans) {
+  hid.unplug();
+  ASSERT_TRUE(wait_until([&] {
+    (void)device->read(SteadyClock().now_ns());
+    return device->status() == DeviceStatus::away;
+  }));
+  device->use_heartbeat_page(*page);
+  EXPECT_EQ(page->means.load(), CutMeans::hid);
+  hid.plug_in();
+  ASSERT_TRUE(wait_until([&] { return page->path[0].load() != '\0' && page->generation.load() % 2 == 0; }));
+  expect_the_means_to_turn_it_off();
+}
+
 // A device that is unplugged and plugged in while io_node starts would otherwise stay without the watchdog process.
 TEST_F(GuardedHid, APageThatComesWhileItIsOpenedAgainGetsThemToo) {
   opening.has_begun = false;

@@ -25,6 +25,12 @@ TEST(ReplayDevice, InterpolatesToTheServoRateAndEnds) {
   EXPECT_TRUE(device.read(777 + 99'000'000).p_WD.isApprox(Vec3(0.01, 0.02, -0.03)));
 }
 
+TEST(ReplayDevice, SaysThatThereIsNoForceToRelease) {
+  HeartbeatPage page;
+  ReplayDevice(two_rows(), {}).use_heartbeat_page(page);
+  EXPECT_EQ(page.means.load(), CutMeans::no_motors);
+}
+
 TEST(ReplayDevice, Loops) {
   ReplayDevice device(two_rows(), {.loop = true});
   device.read(0);

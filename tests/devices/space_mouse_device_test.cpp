@@ -70,6 +70,12 @@ TEST_F(SpaceMouseHand, GoesTheWayTheCapIsPushedAndNoFartherThanItsWorkspace) {
   EXPECT_TRUE(hold_until(350, 0, 0, 0, 0, 0, [&] { return p().x() == device_->limits().workspace_max_m.x(); }));
 }
 
+TEST_F(SpaceMouseHand, SaysThatThereIsNoForceToRelease) {
+  HeartbeatPage page;
+  device_->use_heartbeat_page(page);
+  EXPECT_EQ(page.means.load(), CutMeans::no_motors);
+}
+
 TEST_F(SpaceMouseHand, TurnsAsTheCapIsTurned) {
   EXPECT_TRUE(hold_until(0, 0, 0, 0, 0, -350, [&] { return hand_.sample().q_WT.angularDistance(Quat::Identity()) > 0.2; }));
   const Eigen::AngleAxisd turned(hand_.sample().q_WT);

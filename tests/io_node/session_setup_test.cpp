@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace hapton {
 namespace {
@@ -83,6 +84,20 @@ TEST(SessionSetup, WithoutAFolderForStateThereAreNoFlightRecords) {
   options.name = "left";
   EXPECT_EQ(find_flight_folder(options), "");
   for (const auto& [name, value] : before) ::setenv(name.c_str(), value.c_str(), 1);
+}
+
+// A driver that knows nothing of it, or a HID device whose node or report has no room in the page.
+TEST(SessionSetup, ADeviceThatTheWatchdogProcessCannotReleaseIsWarnedOf) {
+  HeartbeatPage page;
+  EXPECT_THAT(describe_missing_means(page, "my arm"), testing::HasSubstr("cannot release the force of this device (my arm)"));
+  for (const CutMeans means : {CutMeans::kill, CutMeans::simulated, CutMeans::no_motors}) {
+    page.set_means(means);
+    EXPECT_EQ(describe_missing_means(page, "my arm"), "") << static_cast<int>(means);
+  }
+  page.set_hid("/dev/hidraw0", std::vector<std::uint8_t>{1});
+  EXPECT_EQ(describe_missing_means(page, "my arm"), "");
+  page.set_hid("/dev/" + std::string(HeartbeatPage::kMaxPath, 'h'), std::vector<std::uint8_t>{1});
+  EXPECT_NE(describe_missing_means(page, "my arm"), "");
 }
 
 TEST(SessionSetup, ARecordingWithoutASampleIsWarnedOf) {

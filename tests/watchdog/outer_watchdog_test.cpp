@@ -321,6 +321,9 @@ TEST(ForceCutterTest, SaysWhatItDidByItsMeans) {
   page->set_means(CutMeans::simulated);
   EXPECT_TRUE(cutter.cut());
   EXPECT_TRUE(says("simulated motors")) << cutter.describe();
+  page->set_means(CutMeans::no_motors);
+  EXPECT_TRUE(cutter.cut());
+  EXPECT_TRUE(says("no motors")) << cutter.describe();
 }
 
 }  // namespace
