@@ -66,6 +66,7 @@ struct DeviceCondition {
 class Device {
  public:
   virtual ~Device() = default;
+  // Of the kind. Its first 15 bytes go to the haptics node (LoopFacts), which tells kinds apart by them.
   virtual std::string_view name() const noexcept = 0;
   virtual const DeviceLimits& limits() const noexcept = 0;
 

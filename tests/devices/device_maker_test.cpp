@@ -6,7 +6,12 @@
 #include <algorithm>
 #include <fstream>
 #include <set>
+#include <string>
+#include <vector>
 
+#include "devices/hapton_hid_device.h"
+#include "devices/wooden_haptics.h"
+#include "link/messages.h"
 #include "tests/support/scratch_folder.h"
 
 namespace hapton {
@@ -101,6 +106,22 @@ TEST(DeviceMaker, IgnoresNoSetting) {
   settings = {};
   settings.loop = true;
   EXPECT_THAT(refusal_of(settings), HasSubstr("--loop"));
+}
+
+// By its name the haptics node knows how stiff a wall the device bears; a longer one arrives cut. Those of vendors, and the SpaceMouse,
+// have it in their own tests; a plug-in's is known to nobody.
+TEST(DeviceMaker, GivesNamesThatTheHapticsNodeGetsWhole) {
+  std::vector<std::string> names = {std::string(HaptonHidBackend().name()), std::string(WoodenHapticsBackend(WoodenSettings()).name())};
+  const ScratchFolder scratch;
+  DeviceSettings settings;
+  settings.trajectory = (scratch.path() / "t.csv").string();
+  std::ofstream(settings.trajectory) << "t_s,x_m,y_m,z_m\n0,1,2,3\n";
+  for (const DeviceMaker& maker : device_makers()) {
+    settings.name = maker.name;
+    if (maker.takes_trajectory) names.emplace_back((*make_device(settings))->name());
+  }
+  EXPECT_EQ(names.size(), 5U);
+  for (const std::string& name : names) EXPECT_LT(name.size(), LoopFacts().device.size()) << name;
 }
 
 TEST(DeviceMaker, KnowsEveryKindOnceAndSaysWhatItIs) {

@@ -9,6 +9,7 @@
 
 #include "core/base/result.h"
 #include "devices/device.h"
+#include "link/messages.h"
 #include "runtime/log.h"
 #include "tests/devices/servo_hand.h"
 
@@ -29,6 +30,7 @@ struct ServedDevice : testing::Test {
     for (int attempt = 1; attempt < 4 && !made; ++attempt) made = make("");
     ASSERT_TRUE(made) << made.error().what;
     device = std::move(*made);
+    EXPECT_LT(device->name().size(), LoopFacts().device.size()) << "the haptics node would not know it";
   }
   template <class Condition>
   bool serve_until(Condition&& holds, const Wrench& wrench = {}) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "link/messages.h"
 #include "tests/devices/servo_hand.h"
 #include "tests/support/fake_hid.h"
 #include "tests/support/patience.h"
@@ -75,6 +76,8 @@ TEST_F(SpaceMouseHand, SaysThatThereIsNoForceToRelease) {
   device_->use_heartbeat_page(page);
   EXPECT_EQ(page.means.load(), CutMeans::no_motors);
 }
+
+TEST_F(SpaceMouseHand, HasANameThatTheHapticsNodeGetsWhole) { EXPECT_LT(device_->name().size(), LoopFacts().device.size()); }
 
 TEST_F(SpaceMouseHand, TurnsAsTheCapIsTurned) {
   EXPECT_TRUE(hold_until(0, 0, 0, 0, 0, -350, [&] { return hand_.sample().q_WT.angularDistance(Quat::Identity()) > 0.2; }));
