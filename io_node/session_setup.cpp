@@ -59,8 +59,7 @@ std::string describe_missing_means(const HeartbeatPage& page, std::string_view d
   if (page.means.load(std::memory_order_acquire) != CutMeans::none) return {};
   return fmt::format(
       "the watchdog process cannot release the force of this device ({}), as its driver does not say how (Device::use_heartbeat_page): "
-      "only "
-      "io_node itself and the device can",
+      "only io_node itself and the device can",
       device);
 }
 
