@@ -165,7 +165,9 @@ void add_loop_options(CLI::App& app, HapticsOptions& options, HapticsWords& word
                  "Largest bandwidth for parts of the scene, Mbit/s; the hub requests them if the network is slow (docs/remote.md)")
       ->check(between(0.01, 1000.0))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "End after this long, 0: when stopped")->check(between(0.0, 1e9))->capture_default_str();
+  app.add_option("--seconds", options.seconds, "End after this long, s; 0: when stopped (Ctrl-C)")
+      ->check(between(0.0, 1e9))
+      ->capture_default_str();
 }
 
 void set_options(const CLI::App& app, const HapticsWords& words, HapticsOptions& options) {

@@ -88,7 +88,7 @@ void add_run_options(CLI::App& app, IoOptions& options) {
                  "Largest rate of probe states to each vision node, Hz; a node gets no more than it draws; 0: none")
       ->check(between(0.0, kMaxServoRateHz))
       ->capture_default_str();
-  app.add_option("--seconds", options.seconds, "End after this long; 0: when stopped (Ctrl-C)")
+  app.add_option("--seconds", options.seconds, "End after this long, s; 0: when stopped (Ctrl-C)")
       ->check(between(0.0, 1e9))
       ->capture_default_str();
   app.add_option("--out", options.out, "Folder for report.json and latency.csv, written at the end, on SIGUSR1 and when a tool requests it")

@@ -27,7 +27,8 @@ Result<BareEchoEndpoint> BareEchoEndpoint::open(std::string_view bind_address) {
   BareEchoEndpoint echo(socket, *address);
   const SocketAddress local = to_socket_address(*address);
   if (::bind(socket, local.get(), local.size) != 0) {
-    return fail("echo: cannot bind {}: {}; choose another port, or 0 for a free one", bind_address, std::strerror(errno));
+    const char* const remedy = errno == EADDRNOTAVAIL ? "use an address of this host" : "choose another port, or 0 for a free one";
+    return fail("echo: cannot bind {}: {}; {}", bind_address, std::strerror(errno), remedy);
   }
   const timeval timeout = {.tv_sec = 0, .tv_usec = 100'000};
   if (::setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout) != 0) {

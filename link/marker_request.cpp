@@ -7,7 +7,7 @@
 namespace hapton {
 
 Result<Marker> make_marker(std::string_view text) {
-  if (text.empty()) return fail("a marker needs a text");
+  if (text.empty()) return fail("a marker needs a text, such as \"trial 7\"");
   if (text.size() > MarkerText::kMaxBytes) return fail("a marker has at most {} bytes of text, not {}", MarkerText::kMaxBytes, text.size());
   if (!MarkerText::is_valid(text)) return fail("a marker is UTF-8 without line ends and other control characters");
   Marker marker{.request = static_cast<std::uint32_t>(make_random_id()) | 1U};

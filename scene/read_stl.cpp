@@ -42,8 +42,9 @@ Result<RawMesh> read_binary(std::string_view bytes) {
   const std::size_t count = triangle_count(bytes);
   const std::size_t needed = kHeaderBytes + kTriangleBytes * count;
   if (needed > bytes.size()) {
-    return fail("the header promises {} triangles ({} bytes) but the file has {} bytes: cut short; copy or export it again", count, needed,
-                bytes.size());
+    return fail(
+        "the header promises {} triangles ({} bytes) but the file has {} bytes: cut short, or not an STL file; copy or export it again",
+        count, needed, bytes.size());
   }
   RawMesh raw;
   raw.format = "binary STL";

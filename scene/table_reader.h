@@ -34,6 +34,7 @@ inline Result<toml::table> parse_toml(std::string_view text) {
   if (parsed) return std::move(parsed).table();
   std::string what(parsed.error().description());
   std::replace(what.begin(), what.end(), '\n', ' ');
+  if (what.find("utf-8") != what.npos) what += ": save the file as UTF-8";
   return fail("line {}: {}", parsed.error().source().begin.line, what);
 }
 

@@ -66,7 +66,7 @@ void add_dds_command(CommandLine app, int& exit_code) {
   const CommandLine command = app.add_subcommand("dds", "Show the device to ROS 2 and other DDS programs: poses, forces, buttons");
   command.add_option("--hub", bridge.hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", bridge.hub.key_file, kKeyHelp);
-  command.add_option("--seconds", bridge.seconds, "End after this long; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
+  command.add_option("--seconds", bridge.seconds, "End after this long, s; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
   command.add_option("--domain", options->domain, "DDS domain, 0 to 232 (default: ROS_DOMAIN_ID, or 0)");
   command.add_option("--interface", bridge.ros.interface,
                      "Network interface, by name or address; auto: as DDS chooses (default: CYCLONEDDS_URI, or programs on this host)");

@@ -136,7 +136,7 @@ void add_dynamics_command(CommandLine app, int& exit_code) {
       .required();
   command.add_option("--gravity", options->gravity, "m/s^2, downwards (-y of W); 0: none").between(0.0, 100.0).shows_default();
   command.add_option("--friction", options->friction, "Coulomb coefficient between any two objects").between(0.0, 2.0).shows_default();
-  command.add_option("--seconds", options->seconds, "End after this long; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
+  command.add_option("--seconds", options->seconds, "End after this long, s; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
   command.add_option("--hub", options->hub.hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--key", options->hub.key_file, kKeyHelp);
   command.on_run([options, &exit_code] { exit_code = run(*options); });

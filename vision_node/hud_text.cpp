@@ -160,8 +160,8 @@ std::string compose_notice(const HudFacts& facts) {
 }
 
 std::string_view keys_help() {
-  return "x X y Y z Z knob box   0 home   b cull   s screenshot   n mark   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+  return "x X y Y z Z knob box   0 reset   b cull   s screenshot   n mark   k help   q quit\n"
+         "wheel + - zoom   m stereo   e swap eyes   f fit view   r reset view   g ground   c curves\n"
          "left drag: hand, wheel: press, with ctrl: turn   h hand   1 2 3 4 its buttons   p pick up\n"
          "d draw   l measure   u undo   U redo   w save   o export   t touch menu   v V teaching views\n"
          "right drag: look round, with shift: move   arrows, page keys: head, home: back";
@@ -170,7 +170,7 @@ std::string_view keys_help() {
 std::string_view recording_keys_help() {
   return "space pause   , . one sample back, on   n N next, previous marker or fault   [ ] slower, faster   a begin\n"
          "left drag on the time line: moment   b cull   s screenshot   o export   k help   q quit\n"
-         "wheel + - zoom   m stereo   e swap eyes   f frame   r reset view   g ground   c curves\n"
+         "wheel + - zoom   m stereo   e swap eyes   f fit view   r reset view   g ground   c curves\n"
          "right drag: look round, with shift: move   arrows, page keys: head, home: back   v V teaching views";
 }
 

@@ -264,7 +264,7 @@ void add_drawing_options(CLI::App& app, VisionOptions& options, VisionWords& wor
                  "Show the data of the force method: contact, local-set, tree:LEVEL, grid (32 x 32 x 32 cells) or curvature (v changes it)")
       ->check(accepts(parse_teach));
   app.add_flag("--offscreen", options.view.offscreen, "Show no window; an X display is still needed");
-  app.add_option("--seconds", options.seconds, "End after this long, 0: when the window is closed")
+  app.add_option("--seconds", options.seconds, "End after this long, s; 0: when the window is closed")
       ->check(between(0.0, 1e9))
       ->capture_default_str();
 }

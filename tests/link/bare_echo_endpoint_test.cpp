@@ -112,5 +112,11 @@ TEST(BareEchoEndpoint, APortInUseIsAnErrorThatNamesIt) {
   EXPECT_NE(second.error().what.find(address), std::string::npos);
 }
 
+TEST(BareEchoEndpoint, AnAddressOfAnotherHostIsAnErrorThatSaysSo) {
+  const auto echo = BareEchoEndpoint::open("192.0.2.1:0");  // reserved for documents (RFC 5737): no host has it
+  ASSERT_FALSE(echo);
+  EXPECT_NE(echo.error().what.find("use an address of this host"), std::string::npos) << echo.error().what;
+}
+
 }  // namespace
 }  // namespace hapton

@@ -178,6 +178,12 @@ TEST_F(HaptonCommandTest, UnknownCommandsAreHinted) {
   EXPECT_EQ(run_hapton({"--no-such-flag"}).code, 2);
 }
 
+TEST_F(HaptonCommandTest, AMissingCommandIsNamedAndSoIsAFlagInItsPlace) {
+  EXPECT_EQ(run_hapton({"--no-such-flag"}).err,
+            "hapton: '--no-such-flag' is not a flag of hapton; give a command first; see hapton --help\n");
+  EXPECT_EQ(run_hapton({"session"}).err, "hapton session: give a command; see hapton session --help\n");
+}
+
 TEST_F(HaptonCommandTest, UnknownFlagsAreHinted) {
   const CommandRun seen = run_hapton({"replay", "--trajectroy", path("t.csv"), "--out", path("r.csv"), "--mesh", path("t.obj")});
   EXPECT_EQ(seen.code, 2);

@@ -207,7 +207,9 @@ void add_stress_command(CommandLine app, int& exit_code) {
   command.add_option("--substeps", options->plan.method.reference_substeps, "Sub-steps of --method reference")
       .between(1, 10000)
       .shows_default();
-  command.add_option("--threads", options->plan.threads, "Variants tested at a time").between(1, 1024).shows_default();
+  command.add_option("--threads", options->plan.threads, "Combinations of body, scale, place and friction tested in parallel")
+      .between(1, 1024)
+      .shows_default();
   const CommandOption out = command.add_option("--out", options->out, "Folder for stress.json").folder_to_write();
   for (const CommandOption& of_a_probe : {offset, probe_share, friction_static, friction_dynamic, episode, out}) tool.excludes(of_a_probe);
   command.on_run([options, &exit_code] {

@@ -51,7 +51,7 @@ void add_echo_command(CommandLine app, int& exit_code) {
   const CommandLine command =
       app.add_subcommand("echo", "Return every echo request to its sender: the bare round trip of machine and network");
   command.add_option("--bind", options->bind, "ADDRESS:PORT to listen at; port 0 takes a free one").required();
-  command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
+  command.add_option("--seconds", options->seconds, "End after this long, s; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
   command.add_option("--rt", options->realtime, "Real-time scheduling, as the nodes have it: try, require or off")
       .one_of({"try", "require", "off"})
       .shows_default();

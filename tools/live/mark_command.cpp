@@ -123,7 +123,7 @@ void add_mark_command(CommandLine app, int& exit_code) {
       .one_of({"on", "off", "both"})
       .shows_default()
       .needs(line);
-  command.add_option("--seconds", options->seconds, "With --line: end after this long; 0: when stopped (Ctrl-C)")
+  command.add_option("--seconds", options->seconds, "With --line: end after this long, s; 0: when stopped (Ctrl-C)")
       .between(0.0, 1e9)
       .shows_default()
       .needs(line);

@@ -154,6 +154,8 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
           {"overtaken", chain.counters().overtaken}};
 }
 
+constexpr double kNoBuzzN = 1e-9;  // rounding gives lines of 1e-27 N; no hand feels a millionth of a millinewton
+
 void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohmann::ordered_json& impedance) {
   fmt::print("device {}, hand {}: motion {}\n", loop.device, loop.hand, press.is_bounded ? "bounded" : "DIVERGED");
   const std::string settling =
@@ -161,7 +163,11 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
   if (!press.has_contact) fmt::print("no force acted before the release\n");
   fmt::print("depth {:.4g} mm, overshoot {:.3g} %, {}, limit cycle {:.4g} um\n", 1e3 * press.depth_m, 100.0 * press.overshoot, settling,
              1e6 * press.limit_cycle_m);
-  fmt::print("buzz {:.4g} N at {:.4g} Hz\n", press.buzz_n, press.buzz_hz);
+  if (press.buzz_n < kNoBuzzN) {
+    fmt::print("no buzz\n");
+  } else {
+    fmt::print("buzz {:.4g} N at {:.4g} Hz\n", press.buzz_n, press.buzz_hz);
+  }
   fmt::print("energy over press and release: from the wall {:.4g} mJ, after the device's losses {:.4g} mJ (above zero: generated)\n",
              1e3 * press.wall_j, 1e3 * press.generated_j);
   for (const auto& point : impedance) {
@@ -175,7 +181,7 @@ constexpr double kDeepestM = 10.0;  // a deeper press is a mistake in its argume
 Result<void> run(const PressOptions& options) {
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
-  if (loops->size() != 1) return fail("one device and one hand can be pressed at a time, not {}", loops->size());
+  if (loops->size() != 1) return fail("a press is of one device and one hand, not of {} pairs; name one of each", loops->size());
   const NamedLoop& loop = loops->front();
   auto bench = make_bench(options, loop);
   if (!bench) return tl::unexpected(bench.error());

@@ -244,9 +244,11 @@ Result<std::string> merge_csv(const std::vector<std::filesystem::path>& parts) {
     std::ifstream stream(part);
     std::string first;
     std::string columns;
-    if (!std::getline(stream, first) || !std::getline(stream, columns)) return fail("{}: cannot be read", part.string());
+    if (!std::getline(stream, first) || !std::getline(stream, columns)) {
+      return fail("{}: cannot be read, or is empty; give files that hapton loop zwidth --csv wrote", part.string());
+    }
     const auto own_cells = read_cells(first);
-    if (!own_cells) return fail("{}: line 1: is not a grid of hapton loop", part.string());
+    if (!own_cells) return fail("{}: line 1: is not a grid of hapton loop; hapton loop zwidth --csv writes one", part.string());
     const std::string own_head = first + "\n" + columns + "\n";
     if (head.empty()) {
       head = own_head;

@@ -119,7 +119,7 @@ void add_relay_command(CommandLine app, int& exit_code) {
   command.add_option("--listen", options->listen, "Address for the nodes to use as hub; port 0: any free one").shows_default();
   command.add_option("--hub", options->hub, "Where io_node is: HOST or HOST:PORT").shows_default();
   command.add_option("--seed", options->seed, "Seed; the same seed affects the same datagrams (default: the script's, else random)");
-  command.add_option("--seconds", options->seconds, "End after this long, 0: when stopped").between(0.0, 1e9).shows_default();
+  command.add_option("--seconds", options->seconds, "End after this long, s; 0: when stopped (Ctrl-C)").between(0.0, 1e9).shows_default();
   command.add_option("--json", options->json, "Write the counters to this file at the end").file_to_write();
   const CommandOption script =
       command.add_option("--script", options->script, "TOML file of phases, each with faults and seconds; see docs/faults.md");

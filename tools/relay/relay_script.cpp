@@ -8,6 +8,7 @@
 
 #include "core/base/similar_word.h"
 #include "runtime/regular_file.h"
+#include "runtime/toml_reader.h"
 
 namespace hapton {
 namespace {
@@ -135,7 +136,7 @@ Result<FaultPhase> read_phase(const toml::table& table, const std::string& file,
 Result<RelayScript> parse_relay_script(std::string_view text, const std::string& name) {
   const toml::parse_result parsed = toml::parse(text, name);
   if (!parsed) {
-    return fail("{}:{}: {}", name, parsed.error().source().begin.line, parsed.error().description());
+    return fail("{}:{}: {}", name, parsed.error().source().begin.line, explain_toml_error(parsed.error().description()));
   }
   RelayScript script;
   FaultTable top(parsed.table(), name);
