@@ -75,7 +75,7 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD_TYPE STREQUAL "Release")
   endforeach()
 endif()
 
-# hapton_reuse_pch(NAME PCH): the target reads the headers that PCH has compiled, where there is one. The levels of optimisation must agree.
+# hapton_reuse_pch(NAME PCH): the target uses the precompiled headers of PCH, if PCH exists. Both need the same level of optimisation.
 function(hapton_reuse_pch name pch)
   if(TARGET ${pch})
     target_compile_options(${name} PRIVATE -fpch-preprocess)

@@ -11,9 +11,8 @@
 
 namespace hapton {
 
-// Relays what the haptics node and the vision nodes state about their scenes, so that each compares them, and checks whether the device can
-// reach the scene where it is posed; the simulated hand gets points of it to go to.
-// RT: yes. Threads: the network side's.
+// Relays what the haptics node and the vision nodes state about their scenes, so that each of them can compare, and checks whether the
+// device can reach the scene at its pose. The simulated hand gets points of the surface to go to. RT: yes. Threads: the network side's.
 class SceneRelay {
  public:
   // Pre: all outlive this.
@@ -22,10 +21,10 @@ class SceneRelay {
 
   // view: the newest, if any.
   void accept(const SceneFacts& scene, NodeRole role, const std::optional<ViewTransform>& view) noexcept;
-  // The scene was turned.
+  // After the scene was turned or moved.
   void place(const std::optional<ViewTransform>& view) noexcept;
   SceneReach reach() const noexcept { return reach_; }
-  // As the haptics node says.
+  // Whether the hand has been inside a body since the haptics node began, as that node reports.
   bool is_hand_inside() const noexcept { return scene_ && scene_->is_hand_inside; }
 
  private:

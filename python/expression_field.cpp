@@ -18,10 +18,10 @@ constexpr std::array<const char*, 7> kVariables = {"x", "y", "z", "vx", "vy", "v
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-// Checked here because muParser accepts every name, also one that hides a variable or a function.
+// muParser accepts any name and any value; some names would hide a variable or a function.
 Result<void> check_constant(const std::string& name, double value) {
   const bool is_name = !name.empty() && is_letter(name[0]) && std::ranges::all_of(name, [](char c) { return is_letter(c) || is_digit(c); });
-  if (!is_name) return fail("'{}' is not a valid name of a constant; use letters, digits and _", name);
+  if (!is_name) return fail("'{}' cannot name a constant; use letters, digits and _, with a letter or _ first", name);
   const bool is_taken = name == "pi" || std::ranges::find(kVariables, name) != kVariables.end() || mu::Parser().GetFunDef().contains(name);
   if (is_taken) return fail("the constant {} has the name of a variable or a function; choose another one", name);
   if (!std::isfinite(value)) return fail("{} is {}; give a finite number", name, value);

@@ -3,7 +3,7 @@
 namespace hapton::python {
 namespace {
 
-constexpr double kJoinTimeoutS = 5.0;
+constexpr double kJoinTimeoutS = 5.0;  // a free choice
 
 // Bit i: sample `now` - 1 - i had a reply. `before`: the same mask for sample `last`, the last one with a reply.
 std::uint64_t shift_replied(std::uint64_t before, std::uint64_t last, std::uint64_t now) {

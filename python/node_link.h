@@ -26,10 +26,10 @@ class NodeLink {
   }
 
   const Clock& clock() const noexcept { return connection_->clock(); }
-  // The hub that has left comes back, perhaps: next goes on.
+  // False while the hub is away. It may come back: next() continues then.
   bool is_joined() noexcept { return connection_->client().state() == JoinState::joined; }
   std::uint64_t replies() const noexcept { return replies_; }
-  // Samples that never got a reply, as a newer one had come.
+  // Samples that got no reply because a newer one had come.
   std::uint64_t superseded() const noexcept { return superseded_ + skipped_; }
 
   // Marks of the recording: any thread requests them and waits, and may do so for longer than the link lives; send_marker, of the link's

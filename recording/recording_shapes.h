@@ -18,7 +18,7 @@ class RecordingShapes {
   // Error: see SessionReader::open.
   static Result<RecordingShapes> open(const std::filesystem::path& file);
 
-  // Its parts, as far as the recording has them. Pre: of an index of that file.
+  // The parts of this shape that the recording has; none if it lacks them all. Pre: `shape` comes from an index of the same file.
   std::vector<ObjectShape> read(const IndexedShape& shape);
 
  private:

@@ -21,7 +21,7 @@ struct SignalUpdate {
 // A signal as its receiver knows it. Units: the signal's, ns. RT: yes. Threads: one.
 class PredictedSignal {
  public:
-  // A line is followed no farther than this.
+  // A line is followed for no longer than this; then its value is held.
   static constexpr std::int64_t kLongestNs = 50'000'000;
 
   void update(const SignalUpdate& update, std::int64_t now_ns) noexcept;

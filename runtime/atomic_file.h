@@ -13,7 +13,7 @@ namespace hapton {
 enum class FileReaders : std::uint8_t { everyone, owner };
 // Writes `text` to the file at `path`, creating its folder if necessary. The text is written to a temporary file, which is renamed: after a
 // crash of the process the file is the old one or complete; a power failure may leave it empty (no fsync). A pipe or device is written
-// itself. RT: no. Error: one line naming the file and the reason.
+// to directly. RT: no. Error: one line naming the file and the reason.
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text, FileReaders readers = FileReaders::everyone);
 
 // Creates a file for writing, or truncates an existing one; null and errno on failure: ENXIO for a pipe without a reader. With `owner` the

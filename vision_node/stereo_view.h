@@ -128,8 +128,8 @@ class StereoView {
   // object until the next one, and with msaa.
   std::shared_ptr<const VisibleDepth> visible_depth();
 
-  // Draws the scene and a probe with all its marks, but not into the window, so that the driver compiles all shaders: some 0.1 s, which the
-  // first contact would otherwise take.
+  // Draws the scene and a probe with all its marks, but not into the window, so that the driver compiles all shaders: about 0.1 s, which
+  // the first contact would otherwise take.
   void prepare_shaders();
 
   // Draws a frame and waits until it is complete. before_probe is called between scene and probe: the probe and HUD that it sets are in

@@ -26,7 +26,7 @@ struct PapersSettings {
 };
 
 // Fills in all rows but those that need the nodes. car: a car body of 3,300 triangles, as many as the HP memo's object has polygons;
-// paper_mesh: a mesh of some 20,000 triangles, as in the FDH paper. Error: a mesh or method that cannot be used; a slow task that gave no
+// paper_mesh: a mesh of about 20,000 triangles, as in the FDH paper. Error: a mesh or method that cannot be used; a slow task that gave no
 // set of triangles. A row that cannot be measured says why. RT: set-up only.
 Result<void> measure_papers(const PapersSettings& settings, const Stopwatch& watch, const PapersMesh& car, const PapersMesh& paper_mesh,
                             const std::function<void(const std::string&)>& progress, PapersReport& report);

@@ -26,7 +26,7 @@ struct TriangleContact {
 // Whether and where two closed triangles intersect. Every decision is a sign of an exact determinant of the given corners, so touching
 // edges, corners in the other's plane and coplanar pairs are decided exactly. Accuracy: both ends within 2^-18 of the longest edge, plus
 // one rounding of the coordinates, however small the angle between the triangles. A degenerate triangle intersects nothing: its edges
-// belong to its neighbours. Pre: see orient3d. RT: yes (well under 1 us; some 10 us if all signs need exact arithmetic). Source: Guigue &
+// belong to its neighbours. Pre: see orient3d. RT: yes (well under 1 us; about 10 us if all signs need exact arithmetic). Source: Guigue &
 // Devillers 2003; we differ in locating the segment too and in treating zeros by which corner is strictly highest or lowest.
 TriangleContact intersect_triangles(const TrianglePair& pair) noexcept;
 

@@ -21,7 +21,8 @@ class TextureModels;
 // 3D objects, IEEE Haptics Symposium.
 struct RecordedTexture {
   static constexpr Passivity kPassivity = Passivity::active;
-  // At or below this speed the hand counts as at rest. From there to twice this speed the force grows linearly from zero.
+  // A hand slower than this counts as at rest; a free choice. Up to twice this speed the force grows linearly, so that it begins without a
+  // jump.
   static constexpr double kRestMPerS = 5e-4;
 
   std::shared_ptr<const TextureModels> models = {};  // null: off

@@ -33,7 +33,7 @@ Result<TouchTrajectory> make_free_trajectory(const TriangleMesh& mesh, const Tra
 // then at edge midpoints. Contact is reset between taps.
 Result<TouchTrajectory> make_tap_trajectory(const TriangleMesh& mesh, const TrajectorySettings& settings);
 
-// A smooth random walk through a box a fifth larger than the mesh's, up to some 500 mm/s, in and out at random.
+// A smooth random walk through a box a fifth larger than the mesh's, up to about 500 mm/s, in and out at random.
 Result<TouchTrajectory> make_random_walk(const TriangleMesh& mesh, const TrajectorySettings& settings);
 
 }  // namespace hapton

@@ -59,8 +59,7 @@ class Wooden : public ::testing::Test {
     now_ns_ += kMs;
     return reading_;
   }
-  // Milliamperes.
-  Vec3 currents(const Vec3& force_n, bool is_live = true) {
+  Vec3 currents_ma(const Vec3& force_n, bool is_live = true) {
     Bytes into(64, 0xEE);
     into.resize(backend_->encode({.force_n = force_n}, is_live, now_ns_, into));
     now_ns_ += kMs;
@@ -69,10 +68,10 @@ class Wooden : public ::testing::Test {
     EXPECT_EQ(int16_at(into, 7), 0);
     return Vec3(int16_at(into, 1), int16_at(into, 3), int16_at(into, 5));
   }
-  // Runs until gravity is carried in full.
-  Vec3 settled_currents(const Vec3& force_n) {
-    for (int n = 0; n < 1000; ++n) (void)currents(force_n);
-    return currents(force_n);
+  // After gravity compensation has ramped up in full.
+  Vec3 settled_currents_ma(const Vec3& force_n) {
+    for (int n = 0; n < 1000; ++n) (void)currents_ma(force_n);
+    return currents_ma(force_n);
   }
 
   FakeHid hid_;
@@ -87,10 +86,10 @@ WoodenSettings weightless() {
   return settings;
 }
 
-// Counts at which both arms lean well out, the device point near the middle of the workspace: b 40 degrees, c 35 degrees.
+// Counts at which both arms lean far out (b 40 degrees, c 35 degrees) and the device point is near the middle of the workspace.
 const std::vector<int> kInTheMiddle = {0, 2667, 2333, 7};
 
-TEST_F(Wooden, IsReadyAtOnceAndInTheWorkspacesMiddleWhereItsKinematicsSaySo) {
+TEST_F(Wooden, IsReadyAtOnceAndAtThePositionOfItsKinematics) {
   begin();
   const Reading reading = receive(kInTheMiddle);
   EXPECT_EQ(reading.status, DeviceStatus::ready);
@@ -102,8 +101,8 @@ TEST_F(Wooden, IsReadyAtOnceAndInTheWorkspacesMiddleWhereItsKinematicsSaySo) {
   EXPECT_EQ(backend_->condition().serial, "W1");
 }
 
-// W: x right, y up, z to the person; the base's x goes from the column to the person.
-TEST_F(Wooden, TheHandsAxesAreThePersons) {
+// W: x right, y up, z towards the person. The base's x points from the column to the person.
+TEST_F(Wooden, TheAxesOfTheWorldAreThoseOfThePerson) {
   begin();
   const Vec3 middle = receive(kInTheMiddle).sample.p_WD;
   const Vec3 turned_left = receive({200, 2667, 2333, 8}).sample.p_WD;
@@ -118,7 +117,7 @@ TEST_F(Wooden, AForceBecomesTheCurrentsOfItsTorques) {
   receive(kInTheMiddle);
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 expected = arm.motor_current_a(arm.joint_torque_nm(arm.angles_rad({0, 2667, 2333}), Vec3(3, 1, 2)));
-  EXPECT_LT((currents(Vec3(1, 2, 3)) - 1e3 * expected).cwiseAbs().maxCoeff(), 0.51);
+  EXPECT_LT((currents_ma(Vec3(1, 2, 3)) - 1e3 * expected).cwiseAbs().maxCoeff(), 0.51);
 }
 
 TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
@@ -126,32 +125,32 @@ TEST_F(Wooden, AForceBeyondTheMotorsKeepsItsDirection) {
   settings.max_current_a = 1.0;
   begin(settings);
   receive(kInTheMiddle);
-  const Vec3 small = currents(Vec3(0.1, 0.2, 0.3));
-  const Vec3 large = currents(Vec3(100, 200, 300));
+  const Vec3 small = currents_ma(Vec3(0.1, 0.2, 0.3));
+  const Vec3 large = currents_ma(Vec3(100, 200, 300));
   EXPECT_NEAR(large.cwiseAbs().maxCoeff(), 1000.0, 0.51);
   EXPECT_LT((large.normalized() - small.normalized()).norm(), 0.02);
 }
 
-TEST_F(Wooden, TheArmCarriesItselfAfterAnEasyBeginningAndReleasesAtOnce) {
+TEST_F(Wooden, GravityCompensationRampsUpAndEndsAtOnce) {
   begin();
   receive(kInTheMiddle);
-  const double first_ma = currents(Vec3::Zero()).norm();
+  const double first_ma = currents_ma(Vec3::Zero()).norm();
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 weight = 1e3 * arm.motor_current_a(arm.gravity_torque_nm(arm.angles_rad({0, 2667, 2333})));
   EXPECT_GT(weight.norm(), 30.0);
   EXPECT_LT(first_ma, 0.05 * weight.norm());
-  EXPECT_LT((settled_currents(Vec3::Zero()) - weight).cwiseAbs().maxCoeff(), 0.51);
-  EXPECT_EQ(currents(Vec3(1, 1, 1), false), Vec3::Zero());
-  EXPECT_LT(currents(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it starts again, easily";
+  EXPECT_LT((settled_currents_ma(Vec3::Zero()) - weight).cwiseAbs().maxCoeff(), 0.51);
+  EXPECT_EQ(currents_ma(Vec3(1, 1, 1), false), Vec3::Zero());
+  EXPECT_LT(currents_ma(Vec3::Zero()).norm(), 0.05 * weight.norm()) << "it ramps up from zero again";
 }
 
-TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {
+TEST_F(Wooden, GravityCompensationTakesPrecedenceWhereAMotorSaturates) {
   WoodenSettings settings = WoodenSettings::make_default();
   settings.max_current_a = 0.5;
   begin(settings);
   receive(kInTheMiddle);
-  const Vec3 weight = settled_currents(Vec3::Zero());
-  const Vec3 pushed = settled_currents(Vec3(0, -500, 0));
+  const Vec3 weight = settled_currents_ma(Vec3::Zero());
+  const Vec3 pushed = settled_currents_ma(Vec3(0, -500, 0));
   EXPECT_LE(pushed.cwiseAbs().maxCoeff(), 500.0);
   const WoodenKinematics arm{WoodenArm{}};
   const Vec3 push = arm.motor_current_a(arm.joint_torque_nm(arm.angles_rad({0, 2667, 2333}), Vec3(0, 0, -500)));
@@ -159,15 +158,15 @@ TEST_F(Wooden, TheWeightIsCarriedFirstWhereTheMotorsHaveNoMore) {
   EXPECT_LT(((pushed - weight).normalized() - push.normalized()).norm(), 0.02);
 }
 
-TEST_F(Wooden, NoForceIsNoNumberOnTheWire) {
+TEST_F(Wooden, AForceThatIsNotFiniteOrTooLargeGivesFiniteCurrents) {
   begin(weightless());
   receive(kInTheMiddle);
-  EXPECT_EQ(currents(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)), Vec3::Zero());
-  EXPECT_EQ(currents(Vec3(0, std::numeric_limits<double>::infinity(), 0)), Vec3::Zero());
-  EXPECT_LE(currents(Vec3(1e300, -1e300, 1e300)).cwiseAbs().maxCoeff(), 3000.0);
+  EXPECT_EQ(currents_ma(Vec3(std::numeric_limits<double>::quiet_NaN(), 0, 0)), Vec3::Zero());
+  EXPECT_EQ(currents_ma(Vec3(0, std::numeric_limits<double>::infinity(), 0)), Vec3::Zero());
+  EXPECT_LE(currents_ma(Vec3(1e300, -1e300, 1e300)).cwiseAbs().maxCoeff(), 3000.0);
 }
 
-TEST_F(Wooden, ReportsOfAnotherLengthSayNothing) {
+TEST_F(Wooden, ReportsOfAnotherLengthAreIgnored) {
   begin();
   receive(kInTheMiddle);
   const Vec3 before = reading_.sample.p_WD;
@@ -175,7 +174,7 @@ TEST_F(Wooden, ReportsOfAnotherLengthSayNothing) {
   EXPECT_EQ(reading_.sample.p_WD, before);
 }
 
-TEST_F(Wooden, AnyEightBytesGiveAFinitePointAndCurrentsTheMotorsBear) {
+TEST_F(Wooden, AnyEightBytesGiveAFinitePositionAndCurrentsWithinTheLimit) {
   begin();
   std::mt19937_64 random(5);
   for (int turn = 0; turn < 50'000; ++turn) {
@@ -184,7 +183,7 @@ TEST_F(Wooden, AnyEightBytesGiveAFinitePointAndCurrentsTheMotorsBear) {
     ASSERT_TRUE(backend_->decode(bytes, now_ns_, reading_));
     ASSERT_TRUE(reading_.sample.p_WD.allFinite());
     ASSERT_LT(reading_.sample.p_WD.norm(), 1.0);
-    ASSERT_LE(currents(Vec3(5, -5, 5)).cwiseAbs().maxCoeff(), 3000.0);
+    ASSERT_LE(currents_ma(Vec3(5, -5, 5)).cwiseAbs().maxCoeff(), 3000.0);
   }
 }
 
@@ -290,7 +289,7 @@ class LaterWooden : public Wooden {
   LaterWooden() : Wooden(14) {}
 };
 
-TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed) {
+TEST_F(LaterWooden, GivesAnOrientationOnlyIfItsWristIsDescribed) {
   begin();
   EXPECT_EQ(receive({0, 2667, 2333, 500, 500, 500, 0}).sample.q_WT.coeffs(), Quat::Identity().coeffs());
   WoodenSettings settings = WoodenSettings::make_default();
@@ -305,7 +304,7 @@ TEST_F(LaterWooden, SaysWhereTheHandIsAndHowItIsTurnedOnlyIfItsWristIsDescribed)
   EXPECT_LT((in_world.axis() - Vec3::UnitZ()).norm(), 1e-9);
 }
 
-TEST_F(LaterWooden, AWristEncoderMayCountBeyondItsLastNumber) {
+TEST_F(LaterWooden, AWristEncoderMayWrapAround) {
   WoodenSettings settings = WoodenSettings::make_default();
   settings.wrist = WoodenWrist{};
   begin(settings);

@@ -14,7 +14,7 @@ class ShownSceneTest : public ReplyLoopStage {
  protected:
   void take(const Message&) override {}
 
-  // While a haptics node that touches the one scene is notified of these, one after the other.
+  // The log of a haptics node that touches the one scene, while it is told of the others as shown, one after the other.
   std::string log_while_shown(const SceneFacts& touched, const std::vector<SceneFacts>& shown) {
     ReplyLoop loop(client_, clock_, step_, builder_, {}, false, touched);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) {
@@ -63,7 +63,7 @@ TEST_F(ShownSceneTest, NothingIsSaidWhereOneOfThemIsNotKnown) {
   EXPECT_EQ(count(log_while_shown(scene_of(0), {scene_of(8)}), "vision_node"), 0);
 }
 
-TEST_F(ShownSceneTest, SoIsAToolOfTheOther) {
+TEST_F(ShownSceneTest, AnotherToolIsWarnedOfOnce) {
   const SceneFacts touched{.given_hash = 9, .tool_hash = SceneFacts::kNoTool};
   const SceneFacts shown{.given_hash = 9, .tool_hash = 5};
   const std::string log = log_while_shown(touched, {shown, shown, touched, touched});

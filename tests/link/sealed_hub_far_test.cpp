@@ -14,7 +14,7 @@
 namespace hapton::sealed_hub {
 namespace {
 
-// Through a satellite, and as far again.
+// 980 ms and more: as over two geostationary satellites in a row.
 TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
   for (const double loss : {0.0, 0.1, 0.3}) {
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -23,11 +23,11 @@ TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
       network_.set_impairments({.seed = seed, .loss = loss, .delay_ns = 490 * kMs, .jitter_ns = 20 * kMs});
       const auto node = make_node(static_cast<std::uint8_t>(seed + 1));
       replies_ = 0;
-      live({node.get()}, loss == 0.0 ? 3'300 : 12'000);
+      run_for({node.get()}, loss == 0.0 ? 3'300 : 12'000);
       EXPECT_GT(replies_, 0) << "it has not joined";
       const std::uint64_t handshakes = node->sealed.seal_counts().handshakes;
       replies_ = 0;
-      live({node.get()}, 10'000);
+      run_for({node.get()}, 10'000);
       // Ten datagrams a second, and each has to come both ways.
       EXPECT_GT(replies_, static_cast<int>(0.5 * 100 * (1.0 - loss) * (1.0 - loss)));
       if (loss == 0.0) {
@@ -38,8 +38,8 @@ TEST_F(SealedHubTest, ANodeAtARoundTripOfASecondJoinsAndStays) {
   }
 }
 
-// In step, as after a restart of the hub: they have fewer places for candidates than they send requests.
-TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondLeaveEachOtherTheirPlaces) {
+// All at the same time, as after a restart of the hub: there are fewer places for candidates than the nodes send requests.
+TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondDoNotDisplaceEachOther) {
   network_.set_impairments({.seed = 1, .delay_ns = 500 * kMs});
   for (const auto& [role, count] : {std::pair(KeyRole::haptics, 2), std::pair(KeyRole::vision, 8)}) {
     SCOPED_TRACE(count);
@@ -50,14 +50,14 @@ TEST_F(SealedHubTest, SeveralNodesAtARoundTripOfASecondLeaveEachOtherTheirPlaces
       nodes.push_back(make_node(static_cast<std::uint8_t>(10 + i), key_of(1), role));
       all.push_back(nodes.back().get());
     }
-    live(all, 4'000);
+    run_for(all, 4'000);
     EXPECT_EQ(hub_->seal_counts().handshakes, static_cast<std::uint64_t>(count));
     EXPECT_EQ(hub_->seal_counts().too_many_handshakes, 0U);
     for (const auto& node : nodes) EXPECT_TRUE(reply(*node, "here"));
   }
 }
 
-// A hub that was busy for seconds when the node joined: the node waits for two of them before it takes the hub for gone.
+// The hub was busy for seconds when the node joined. The node adds two of them at most to the time after which it considers the hub gone.
 TEST_F(SealedHubTest, ALongRoundTripAddsTwoSecondsToTheTimeoutAtMost) {
   for (const std::int64_t trip_ms : {500, 1'500, 2'500}) {
     SCOPED_TRACE(trip_ms);

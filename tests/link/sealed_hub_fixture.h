@@ -99,8 +99,8 @@ class SealedHubTest : public testing::Test {
     ASSERT_EQ(node_receives(node), std::vector<std::string>{"welcome"});
   }
 
-  // Runs time in steps, the nodes sending and receiving like HubClient, the hub replying to every datagram.
-  void live(std::vector<Node*> nodes, int ms) {
+  // Runs for these milliseconds: the nodes send and receive like HubClient, the hub replies to every datagram.
+  void run_for(std::vector<Node*> nodes, int ms) {
     for (int i = 0; i < ms; ++i) {
       clock_.advance_ns(kMs);
       for (Node* node : nodes) {

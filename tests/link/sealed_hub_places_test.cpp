@@ -25,12 +25,12 @@ class SealedPlaces : public SealedHubTest {
   }
   std::unique_ptr<Node> make_haptics(std::uint8_t host) { return make_node(host, key_of(1), KeyRole::haptics); }
   // All of them but these go on.
-  void live_without(std::initializer_list<std::size_t> silent, int ms) {
+  void run_for_without(std::initializer_list<std::size_t> silent, int ms) {
     std::vector<Node*> others;
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       if (std::find(silent.begin(), silent.end(), n) == silent.end()) others.push_back(nodes_[n].get());
     }
-    live(others, ms);
+    run_for(others, ms);
   }
 
   static constexpr std::size_t kPlacesOfHaptics = SealedHub::kRolePlaces[0];
@@ -40,7 +40,7 @@ class SealedPlaces : public SealedHubTest {
 // However long ago it joined: else whoever has the role's key ends the session of the node that holds the hand.
 TEST_F(SealedPlaces, ASessionInUseKeepsItsPlace) {
   join_haptics(kPlacesOfHaptics);
-  live_without({}, 3000);
+  run_for_without({}, 3000);
   const auto late = make_haptics(200);
   say(*late, "any room?");
   EXPECT_TRUE(meet(*late).empty());
@@ -50,9 +50,9 @@ TEST_F(SealedPlaces, ASessionInUseKeepsItsPlace) {
 
 TEST_F(SealedPlaces, TheOneThatIsSilentLongestMakesRoom) {
   join_haptics(kPlacesOfHaptics);
-  live_without({5}, 300);
-  live_without({5, 3}, 300);
-  live_without({5, 3, 6}, 2200);
+  run_for_without({5}, 300);
+  run_for_without({5, 3}, 300);
+  run_for_without({5, 3, 6}, 2200);
   const auto late = make_haptics(200);
   join(*late);
   for (std::size_t n = 0; n < nodes_.size(); ++n) EXPECT_EQ(reply(*nodes_[n], "are you there?"), n != 5) << n;

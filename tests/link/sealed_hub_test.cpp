@@ -230,18 +230,18 @@ TEST_F(SealedHubTest, EveryTruncatedAndEveryFlippedDatagramIsRejectedAndCounted)
 TEST_F(SealedHubTest, ARestartedHubIsFoundAgain) {
   const auto one = make_node(2);
   const auto two = make_node(3);
-  live({one.get(), two.get()}, 500);
+  run_for({one.get(), two.get()}, 500);
   start_hub();
-  live({one.get(), two.get()}, 350);
+  run_for({one.get(), two.get()}, 350);
   replies_ = 0;
-  live({one.get(), two.get()}, 200);
+  run_for({one.get(), two.get()}, 200);
   EXPECT_EQ(replies_, 4);
   EXPECT_EQ(hub_->seal_counts().handshakes, 2U);
 }
 
 TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   const auto node = make_node(2);
-  live({node.get()}, 10);
+  run_for({node.get()}, 10);
   const std::uint64_t handshakes = hub_->seal_counts().handshakes;
   // 150 ms without a datagram from the hub, shorter than its timeout: no new request.
   for (int i = 0; i < 150; ++i) {
@@ -259,7 +259,7 @@ TEST_F(SealedHubTest, AHubThatWasOnlySlowHasLostNothing) {
   say(*node, "old keys too");
   EXPECT_EQ(node_receives(*node), std::vector<std::string>{"old keys"});
   EXPECT_GE(hub_receives().count("old keys too"), 1U);
-  live({node.get()}, 300);
+  run_for({node.get()}, 300);
   EXPECT_EQ(hub_->seal_counts().handshakes, handshakes + 1);
 }
 
@@ -338,7 +338,7 @@ TEST_F(SealedHubTest, LostHandshakesAreRepeated) {
     network_.set_impairments({.seed = seed, .loss = 0.3, .duplicate = 0.1, .reorder = 0.1});
     auto node = make_node(2);
     replies_ = 0;
-    live({node.get()}, 3000);
+    run_for({node.get()}, 3000);
     EXPECT_GT(replies_, 5);
     EXPECT_EQ(hub_->seal_counts().forged, 0U);
   }
@@ -355,7 +355,7 @@ TEST_F(SealedHubTest, FullPlacesMakeRoomForNewNodesOnceOldOnesAreGone) {
   EXPECT_TRUE(meet(*late).empty());
   EXPECT_GT(hub_->seal_counts().no_place, 0U);
   for (const auto& node : crowd) EXPECT_TRUE(reply(*node, "you stay"));
-  live({late.get()}, 2500);
+  run_for({late.get()}, 2500);
   EXPECT_GT(replies_, 0);
 }
 

@@ -85,13 +85,13 @@ TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsRenderedUnchanged) {
     EXPECT_LT(output.most_error_n, 1e-6) << seed;
     const GovernorCounters& counters = governor.counters();
     EXPECT_EQ(counters.damped + counters.braked + counters.stopped + counters.cooled + counters.latched, 0U);
-    // Not even near.
+    // Far from both budgets, too.
     EXPECT_LT(governor.energy_spent_j(), 0.0);
     EXPECT_LT(governor.thermal_load(), 0.2);
   }
 }
 
-TEST(GovernedTouch, SoItIsWhenTheRepliesAreLate) {
+TEST(GovernedTouch, AWallOf1000NewtonsAMetreIsNotDampedWhenTheRepliesAreLate) {
   for (const std::size_t lag : {1U, 3U}) {
     SafetyGovernor governor(model_a::limits());
     touch(&governor, wall(1000.0), 20.0, 1, lag);

@@ -108,7 +108,7 @@ void add_bench_papers_command(CommandLine bench, int& exit_code) {
   command.add_flag("--no-nodes", options->without_nodes, "Leave out the figures that need io_node, haptics_node and vision_node");
   const CommandOption json = command.add_flag("--json", options->json, "Print the JSON report instead of the table");
   command.add_flag("--csv", options->csv, "Print the CSV table instead").excludes(json);
-  command.add_option("--mesh", options->mesh, "Mesh for the FDH paper's figures (its models have some 20,000 triangles)").shows_default();
+  command.add_option("--mesh", options->mesh, "Mesh for the FDH paper's figures (its models have about 20,000 triangles)").shows_default();
   command.add_option("--car", options->car, "Mesh for the memo's figures (its car has 3300 polygons)").shows_default();
   command.add_option("--meshes-in", options->folder, "The mesh folder (default: ./meshes, else the source tree's)");
   command.add_option("--seed", options->settings.seed, "Seed of slides and pairs").shows_default();

@@ -23,7 +23,7 @@ struct HeldGains {
   double rotational_nm_per_rad = 0.0;     // of a rigid tool's coupling (turning_axis.h)
   double pressed_n = kMaxPressedN;        // how hard surfaces are pressed: the largest force of the strongest device
 };
-// Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, some 0.1 s.
+// Pre: loops is not empty and outlives the result; rate_hz > 0. RT: no, about 0.1 s.
 HeldGains find_held_gains(std::span<const NamedLoop> loops, double rate_hz, double delay_s);
 
 // An object stiffer than that, by its spring or by its bumps. RT: set-up only.

@@ -10,11 +10,11 @@
 namespace hapton {
 namespace {
 
-// A scene fitted into the workspace lies on its faces up to rounding.
-constexpr double kRounding = 1e-9;  // of the box
+// A scene that was fitted into the workspace touches its faces, up to rounding.
+constexpr double kRounding = 1e-9;  // of the workspace's longest side
 // Nobody misses a thousandth of a surface: scenes are often fitted to a rounded size of the workspace.
 constexpr double kMinShare = 1e-3;
-// As io_node has it (SceneReach): a smaller scene is too small to find.
+// As for io_node (SceneReach): a hand does not find a smaller scene.
 constexpr double kSpeck = 0.02;  // of the workspace's longest side
 
 // A convex polygon of a triangle cut by six planes has nine corners at most.
@@ -54,15 +54,15 @@ double area_in_box(const TriangleMesh& mesh, std::size_t t, const Vec3& low, con
   return polygon.area();
 }
 
-// Around the origin.
+// The ball's centre is the origin. A triangle that crosses the ball is split until it is so small that its middle decides.
 double area_in_ball(const std::array<Vec3, 3>& corners, double radius) {
-  constexpr double kFine = 0.005;  // of the radius
+  constexpr double kFine = 0.005;  // of the radius, from the middle to the farthest corner; a free choice
   const auto& [a, b, c] = corners;
   const double area = 0.5 * (b - a).cross(c - a).norm();
   if (std::max({a.norm(), b.norm(), c.norm()}) <= radius) return area;
   const Vec3 middle = (a + b + c) / 3.0;
   const double reach = std::max({(a - middle).norm(), (b - middle).norm(), (c - middle).norm()});
-  if (!(middle.norm() - reach <= radius)) return 0.0;  // or so far away that it is not a number
+  if (!(middle.norm() - reach <= radius)) return 0.0;  // or so far away that the distance is not a number
   if (reach < kFine * radius) return middle.norm() <= radius ? area : 0.0;
   const Vec3 ab = 0.5 * (a + b);
   const Vec3 bc = 0.5 * (b + c);
@@ -77,14 +77,15 @@ double area_inside(const TriangleMesh& mesh, std::size_t t, const Workspace& wor
   return area_in_ball({mesh.corner(t, 0) - centre, mesh.corner(t, 1) - centre, mesh.corner(t, 2) - centre}, workspace.radius_m);
 }
 
-// Larger by rounding.
+// By more than the rounding of a fitted scene.
 Workspace widen(const Workspace& workspace) {
   const double margin = kRounding * workspace.longest_m();
   const Vec3 all = Vec3::Constant(margin);
   return {workspace.low_m - all, workspace.high_m + all, workspace.radius_m > 0.0 ? workspace.radius_m + margin : 0.0};
 }
 
-// How far outside the target of a snap lies.
+// How far outside the workspace the target of a snap lies. A line or plane is measured from the ball around the workspace: a finding is
+// certain, but what passes a box within that ball is not found.
 double distance_of(const SnapEffect& snap, const Workspace& workspace) {
   if (snap.target == SnapEffect::Target::point) return workspace.distance_m(snap.position);
   const Vec3 to_middle = workspace.middle_m() - snap.position;
@@ -131,9 +132,9 @@ Unreached find_unreached(const TriangleMesh& mesh, const Workspace& given) {
 
 namespace {
 
-// "all of it lies", "12 % of its surface lie".
+// "all of it lies", "12 % of its surface lies".
 std::string describe_share(double share) {
-  return share > 1.0 - kMinShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lie", 100.0 * share);
+  return share > 1.0 - kMinShare ? "all of it lies" : fmt::format("{:.2g} % of its surface lies", 100.0 * share);
 }
 
 TriangleMesh moved_mesh(const SceneObject& object, double time_s) {
@@ -143,7 +144,7 @@ TriangleMesh moved_mesh(const SceneObject& object, double time_s) {
   return moved;
 }
 
-// Of an object that is reached at rest: the keyframe that goes farthest out.
+// Pre: at rest the object is within reach. Finds the keyframe at which it is farthest outside.
 CheckFindings check_reach_of_motion(const SceneObject& object, const DevicePreset& device) {
   if (object.motion == nullptr) return {};
   const Workspace workspace = widen(workspace_of(device));
@@ -180,7 +181,7 @@ CheckFindings check_reach(const SceneObject& object, const DevicePreset& device)
 
 namespace {
 
-// Null: the effect has none.
+// Null: the effect acts everywhere, or has no volume.
 const EffectVolume* volume_of(const SpaceEffect& effect) {
   return std::visit(
       [](const auto& one) -> const EffectVolume* {
@@ -201,10 +202,10 @@ Vec3 nearest_in(const Workspace& workspace, const Vec3& p) {
   return distance <= workspace.radius_m ? p : Vec3(workspace.middle_m() + workspace.radius_m / distance * from_middle);
 }
 
-// Two convex bodies: going to the nearest point of the one and of the other by turns leads to where they are nearest (Cheney & Goldstein
+// Both are convex: the nearest point of the one, then that of the other, and so on, leads to where they are nearest (Cheney & Goldstein
 // 1959).
 double distance_of(const EffectVolume& volume, const Workspace& workspace) {
-  constexpr int kTurns = 100;
+  constexpr int kTurns = 100;  // a free choice
   Vec3 p = nearest_in(workspace, volume.centre());
   for (int turn = 0; turn < kTurns && !volume.contains(p); ++turn) p = nearest_in(workspace, volume.nearest(p));
   return (volume.nearest(p) - p).norm();
@@ -219,7 +220,7 @@ CheckFindings check_volume(const SceneEffect& effect, const EffectVolume& volume
            "move it into the workspace"}};
 }
 
-// Where the hand can get nearest to the well, or to where the well is strongest.
+// Measured where the hand gets nearest to the well's centre: from radius_m outwards its pull only falls.
 CheckFindings check_well(const SceneEffect& effect, const GravityWellEffect& well, const DevicePreset& device) {
   const Vec3 nearest = nearest_in(workspace_of(device), well.centre);
   const double distance_m = (nearest - well.centre).norm();

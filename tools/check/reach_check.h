@@ -26,8 +26,8 @@ struct Unreached {
   Vec3 farthest = Vec3::Zero();  // the vertex farthest outside; meaningless where the share is 0
   double distance_m = 0.0;       // of it
 };
-// Of a box exact up to rounding: triangles are cut at it. Those that cross a ball are split until their edges are a 200th of its radius. A
-// mesh without area counts by its vertices. RT: set-up only.
+// Exact up to rounding for a box, at which triangles are cut. Triangles that cross a ball are split until no corner is farther than a
+// 200th of its radius from their middle; then the middle decides. A mesh without area counts by its vertices. RT: set-up only.
 Unreached find_unreached(const TriangleMesh& mesh, const Workspace& workspace);
 
 // Finds whether a part of the object lies outside the device's workspace, at rest or else at the keyframe that goes farthest out. S lies on

@@ -13,7 +13,7 @@
 namespace hapton {
 namespace {
 
-// As when it is picked up there (Grasp): it gives no force as long as it overlaps.
+// As Grasp does when the stylus picks the object up there: as long as the object overlaps, it gives no force.
 CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::string& name) {
   ToolObstacles others = make_tool_obstacles(scene, held);
   if (others.meshes.empty()) return {};
@@ -25,16 +25,16 @@ CheckFindings check_place(const TouchScene& scene, std::size_t held, const std::
   if (!(*step)->step({}).proxy.is_blocked) return {};
   return {{SceneFault::overlaps, name, std::nullopt,
            "it overlaps or touches another object, so it gives no force after it is picked up until it is clear",
-           "move it away by a little, or leave movable out"}};
+           "move it away a little, or leave movable out"}};
 }
 
-// Without a tool of the scene only what is picked up feels less.
+// In a scene without a tool only objects that are picked up feel no more than the shape.
 CheckFinding name_shape_alone(const std::string& name, bool has_tool) {
   constexpr const char* kFelt = "feels only its shape, stiffness, friction, damping and viscosity, from both sides";
   return {SceneFault::shape_alone, name, std::nullopt,
           has_tool ? fmt::format("the tool {}", kFelt) : fmt::format("an object that is picked up {}; the probe feels all of it", kFelt),
           has_tool ? "leave out its other effects, images and two_sided = false, or touch it with a probe"
-                   : "leave out its other effects, images and two_sided = false where what is picked up should feel them"};
+                   : "leave out its other effects, images and two_sided = false, if a picked-up object should feel what the probe feels"};
 }
 
 // The vertex that is farthest from the middle of the surface: about it the mean squared lever is largest.

@@ -69,8 +69,8 @@ bool FreeFlight::is_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, b
   return true;
 }
 
-// The same at a vertex with more than two triangles. The sides that the segment crosses alternate, so the one crossed once more than the
-// other is first.
+// The same at a vertex, where more than two triangles meet. Along the segment crossings from the front and from the back alternate, so the
+// side that is crossed once more than the other is met first.
 bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_t id, bool back, int k, const Vec3& hit) noexcept {
   if (!vertex_.land(id, back, hit) || !vertex_.reach_vertex(k)) return true;
   int more = 0;
@@ -83,14 +83,15 @@ bool FreeFlight::is_vertex_seen_from(const Vec3& p, const Vec3& to, std::uint32_
 }
 
 Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
-  // Local units: nearer than eight times the grid the direction is rounding.
+  // Local units, eight times the grid of coordinates: nearer, the direction is rounding.
   constexpr double kNoDirection = 0x1p-48;
   std::size_t count = 0;
   surfaces_.geometry().for_each_overlapping(Box{p, p}.inflated(clearance_.offset), [&](std::uint32_t id) {
     const ContactTriangle shape = surfaces_.shape_of(id);
     const Separation at = shape.separation(p);
     if (at.distance >= clearance_.offset || count == planes_.size() || !surfaces_.can_touch(id, p)) return;
-    // On the triangle only the side of its plane is known. On an edge or a corner the direction to the nearest point is none either.
+    // So near to the triangle the direction to its nearest point is rounding, also on an edge or a corner: the triangle's normal takes its
+    // place. On which side p lies is decided exactly.
     Vec3 normal = at.normal;
     const bool is_on_it = !(at.distance > kNoDirection) && !shape.normal().isZero(0.0);
     if (is_on_it || at.feature == Feature::face) {
@@ -103,7 +104,7 @@ Vec3 FreeFlight::clear_of_surfaces(const Vec3& p, double farthest) noexcept {
   if (count == 0) return p;
   const ConstrainedMotion off = constrain_motion(Vec3::Zero(), std::span(planes_).first(count));
   if (!off.solved || !(off.motion.norm() <= farthest)) return p;
-  // In a narrow corner that is farther than the offset, and another triangle may be in the way.
+  // In a narrow corner the motion is longer than the offset, and another triangle may be in its way.
   const Vec3 clear = p + off.motion;
   bool is_in_the_way = false;
   surfaces_.geometry().for_each_overlapping(Box::around(p, clear), [&](std::uint32_t id) {

@@ -13,8 +13,8 @@ namespace hapton {
 // Straight motions of a free point. Frame: TouchGeometry's local one. RT: yes. Keeps references.
 class FreeFlight {
  public:
-  // Units of work of a flight (step_work.h). SurfaceFollower::kFacetsPerUnit triangles on the way take one: where thousands meet, it ends a
-  // step, and is not interrupted.
+  // Units of work of a flight (step_work.h): one for each SurfaceFollower::kFacetsPerUnit triangles that it tests, but at least these. A
+  // flight is not interrupted: where thousands of triangles meet, a single one may use up the work of a step.
   static constexpr int kMinWork = 16;
   enum class Met : std::uint8_t { nothing, walkable, other };
 
@@ -22,8 +22,9 @@ class FreeFlight {
   FreeFlight(const ProxySurfaces& surfaces, const Clearance& clearance)
       : surfaces_(surfaces), clearance_(clearance), vertex_(surfaces.geometry(), surfaces.materials()) {}
 
-  // Moves the point from `from` to `to`. Met::walkable: it has reached a walkable triangle, is on `surface` now, and `time` is the time of
-  // the contact. Met::other: the path first comes to a triangle that is not walkable, as near as sweeps allow.
+  // Moves the point from `from` to `to`. Met::walkable: it has reached a walkable triangle and is on `surface` now, where it slides or
+  // sticks as `slides` says; `time` is the share of the motion, 0 to 1, at the contact. Met::other: the path first comes to a triangle that
+  // is not walkable, as near as sweeps allow.
   Met fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
   // Units (step_work.h), of the last flight.
   int work() const { return std::max(kMinWork, tests_ / SurfaceFollower::kFacetsPerUnit); }
@@ -32,7 +33,8 @@ class FreeFlight {
   // itself if that would be farther than `farthest`.
   Vec3 clear_of_surfaces(const Vec3& p, double farthest) noexcept;
 
-  // A position nearer to a surface than `least` takes the side that the triangle's vertex order shows, farther off than that.
+  // A position that is nearer to a surface than `least` is moved by twice `least` to the front of the nearest triangle, as its vertex order
+  // shows it; at an edge or a vertex in front of each face in turn.
   Vec3 off_surface(const Vec3& p, double least) const noexcept;
 
  private:

@@ -82,7 +82,7 @@ class SmoothScene {
   const SmoothSurface& surface(std::size_t object) const { return objects_[object].surface; }
   FdhStats tree_stats() const;
 
-  // The distance that has about `count` triangles round most points of the surface: the second percentile, over some 256 evenly chosen
+  // The distance that has about `count` triangles round most points of the surface: the second percentile, over about 256 evenly chosen
   // faces, of the distance from a face's middle to the count-th nearest triangle. RT: set-up only.
   double compute_typical_radius(std::uint32_t count) const;
 

@@ -64,7 +64,7 @@ ForceError compare(const TouchScene& scene, const TouchTrajectory& trajectory) {
 }
 
 TEST(ConvergedSteps, AJumpLongerThanTheWorkLimitIsAnUnconvergedSwitch) {
-  const ForceError error = compare(strip_of(1200), jump_by(0.079));  // over 1,900 triangles, of which a step crosses some 500
+  const ForceError error = compare(strip_of(1200), jump_by(0.079));  // over 1,900 triangles, of which a step crosses about 500
   EXPECT_EQ(error.branch_switches, 1u);
   EXPECT_EQ(error.count(SwitchCause::unconverged), 1u);
   EXPECT_GT(error.error.most, 1.0);

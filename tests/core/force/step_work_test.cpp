@@ -82,7 +82,7 @@ TEST(StepWork, APointBetweenWallsLooksForNoWayOut) {
   constexpr double kWall = 0.035;  // x of the upper box
   constexpr double kTop = 0.025;   // z of the lower one
   constexpr double kCell = 0.05 / 8.0;
-  constexpr std::uint64_t kWork = 60;  // units: some 10 to 40; ways out take 60 to 130 on top
+  constexpr std::uint64_t kWork = 60;  // units: 10 to 40; ways out take 60 to 130 on top
   const auto method = std::move(*ProxyMethod::make({}, scene_of(touching_boxes())));
   auto& proxy = static_cast<ProxyMethod&>(*method);
   std::uint64_t steps = 0;

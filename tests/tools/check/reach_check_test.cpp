@@ -162,7 +162,7 @@ TEST(ReachCheck, AMotionOutOfReachIsFound) {
   ASSERT_EQ(found.size(), 1U);
   EXPECT_EQ(found[0].fault, SceneFault::out_of_reach);
   // One face of six, and 29.2 of 40 mm of four others.
-  EXPECT_EQ(found[0].what, "at 1.5 s 65 % of its surface lie outside the workspace of falcon, up to 29.2 mm");
+  EXPECT_EQ(found[0].what, "at 1.5 s 65 % of its surface lies outside the workspace of falcon, up to 29.2 mm");
   cube.motion = going_to(1.0);
   EXPECT_EQ(check_reach(cube, falcon).at(0).what, "at 1.5 s all of it lies outside the workspace of falcon, up to 969 mm");
 }

@@ -62,7 +62,7 @@ TriangleMesh make_graded(Random& random) {
   return mesh;
 }
 
-// A bumpy sphere with copies of its faces, or of half of them, each displaced by some 1e-14 to 1e-6 of its radius.
+// A bumpy sphere with copies of its faces, or of half of them, each displaced by 1e-14 to 1e-6 of its radius.
 TriangleMesh make_copied(Random& random) {
   TriangleMesh mesh = make_icosphere(1.0, 2);
   for (Vec3& vertex : mesh.vertices) vertex *= 1.0 + uniform(random, -0.2, 0.2);
