@@ -87,7 +87,7 @@ Result<void> take_device(const RemoteOptions& options, RemoteGrid& grid) {
   if (!loops) return tl::unexpected(loops.error());
   const NamedLoop& loop = loops->front();
   if (!(loop.hand_model.stiffness_n_per_m > 0.0)) return fail("--hand {}: a hand without a spring cannot follow a path", loop.hand);
-  grid.device_name = fmt::format("{} in hand {}", loop.device, loop.hand);
+  grid.device_name = loop.title();
   grid.device = {loop.device_model, loop.limits, loop.hand_model};
   return {};
 }

@@ -24,7 +24,7 @@ std::string shown_name(const SceneEffect& effect) { return fmt::format("effect {
 
 // "model-a in hand light at 1000 Hz with forces after 0.5 ms".
 std::string describe_loop(const NamedLoop& loop, double rate_hz, double delay_s) {
-  return fmt::format("{} in hand {} at {:g} Hz with forces after {:.3g} ms", loop.device, loop.hand, rate_hz, 1e3 * delay_s);
+  return fmt::format("{} at {:g} Hz with forces after {:.3g} ms", loop.title(), rate_hz, 1e3 * delay_s);
 }
 
 void keep_least(const NamedLoop& loop, double value, const NamedLoop*& by, double& least) {

@@ -70,8 +70,10 @@ std::string where(const SceneCheck& check, const CheckFinding& finding) {
 std::string count_of(std::size_t count, std::string_view what) { return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s"); }
 
 std::string describe(const StepCost& cost, double rate_hz) {
-  return fmt::format("a step takes {:.3g} us at p99, {:.3g} us at worst of {} (least of several runs, on this machine), a cycle {:g} us",
-                     1e-3 * static_cast<double>(cost.p99_ns), 1e-3 * static_cast<double>(cost.worst_ns), cost.steps, 1e6 / rate_hz);
+  return fmt::format(
+      "a step takes {:.3g} us at p99, {:.3g} us at most, in {} steps (shortest time of several runs, on this machine); a cycle takes {:g} "
+      "us",
+      1e-3 * static_cast<double>(cost.p99_ns), 1e-3 * static_cast<double>(cost.worst_ns), cost.steps, 1e6 / rate_hz);
 }
 
 }  // namespace

@@ -31,6 +31,11 @@ struct NamedLoop {
   DeviceModel device_model;
   HandModel hand_model;
   DeviceLimits limits;
+
+  // Given by --mass-kg and the like; device and hand are then both called "own", in JSON and CSV too.
+  bool is_own() const { return device == "own"; }
+  // For people: "touch in hand stylus", or "own loop".
+  std::string title() const { return is_own() ? "own loop" : device + " in hand " + hand; }
 };
 
 // --device, --hand, or --mass-kg, --damping-ns-per-m and --hand-stiffness-n-per-m, and what changes a preset. `several`: lists may be

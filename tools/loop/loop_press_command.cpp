@@ -157,7 +157,7 @@ nlohmann::ordered_json to_json(const PressOptions& options, const NamedLoop& loo
 constexpr double kNoBuzzN = 1e-9;  // rounding gives lines of 1e-27 N; no hand feels a millionth of a millinewton
 
 void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohmann::ordered_json& impedance) {
-  fmt::print("device {}, hand {}: motion {}\n", loop.device, loop.hand, press.is_bounded ? "bounded" : "DIVERGED");
+  fmt::print("{}: motion {}\n", loop.title(), press.is_bounded ? "bounded" : "DIVERGED");
   const std::string settling =
       std::isfinite(press.settling_s) ? fmt::format("settled after {:.4g} ms", 1e3 * press.settling_s) : "never settled";
   if (!press.has_contact) fmt::print("no force acted before the release\n");

@@ -93,11 +93,12 @@ Result<void> run(const RecommendOptions& options) {
     fmt::print("{}\n", json.dump(2));
     return {};
   }
-  fmt::print("{:.4g} N/m for {} at {:g} Hz and {:.4g} ms: {}\n", advice.stiffness_n_per_m, least->loop->device, latency->rate_hz,
-             1e3 * latency->delay_s,
+  fmt::print("{:.4g} N/m for {} at {:g} Hz and {:.4g} ms: {}\n", advice.stiffness_n_per_m,
+             least->loop->is_own() ? "your own loop" : least->loop->device, latency->rate_hz, 1e3 * latency->delay_s,
              advice.is_limited_by_device
                  ? "the documented limit of the device"
-                 : fmt::format("half of the stable limit with hand {} ({:.4g} N/m)", least->loop->hand, advice.stable_n_per_m));
+                 : fmt::format("half of the stable limit{} ({:.4g} N/m)", least->loop->is_own() ? "" : " with hand " + least->loop->hand,
+                               advice.stable_n_per_m));
   fmt::print(
       "Up to {:.4g} N/m no hand can draw energy from it. In a scene file: stiffness_n_per_m = {:.4g}. For any material: haptics_node "
       "--coupling {:.4g}\n",

@@ -64,7 +64,7 @@ Result<ZWidthGrid> make_grid(const ZWidthOptions& options) {
 std::string to_text(const ZWidthRow& row) {
   const bool is_random = row.is_simulated();
   const std::string inputs =
-      fmt::format("{} in hand {}, {:g} Hz, {:g} ms{}", row.loop->device, row.loop->hand, row.inputs.rate_hz, row.delay_ms,
+      fmt::format("{}, {:g} Hz, {:g} ms{}", row.loop->title(), row.inputs.rate_hz, row.delay_ms,
                   is_random ? fmt::format(", jitter {:g} ms, loss {:g}, seed {}", row.jitter_ms, row.loss, row.seed) : "");
   if (!std::isfinite(row.mean_delay_s)) return inputs + ": no force came back within the simulated time\n";
   return fmt::format(

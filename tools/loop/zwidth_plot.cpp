@@ -23,7 +23,7 @@ bool is_over_delay(const ZWidthGrid& grid) { return grid.delays_ms.size() > 1 ||
 
 // What one curve has in common.
 std::string title_of(const ZWidthGrid& grid, const ZWidthRow& row) {
-  std::string title = row.loop->device == "own" ? "own loop" : fmt::format("{}, hand {}", row.loop->device, row.loop->hand);
+  std::string title = row.loop->is_own() ? "own loop" : fmt::format("{}, hand {}", row.loop->device, row.loop->hand);
   title += is_over_delay(grid) ? fmt::format(", {:g} Hz", row.inputs.rate_hz) : fmt::format(", {:g} ms", row.delay_ms);
   if (grid.wall_dampings_ns_per_m.size() > 1) title += fmt::format(", B {:g} Ns/m", row.inputs.wall_damping_ns_per_m);
   if (row.jitter_ms > 0.0) title += fmt::format(", jitter {:g} ms", row.jitter_ms);
