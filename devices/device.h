@@ -14,7 +14,7 @@ namespace hapton {
 struct DeviceLimits {
   double max_force_n = 0.0;             // norm of the largest force
   double max_slew_n_per_s = 0.0;        // fastest change of force that the mechanics transmit
-  double max_stiffness_n_per_m = 0.0;   // a hint: stiffer walls vibrate
+  double max_stiffness_n_per_m = 0.0;   // stiffer walls vibrate; limits no force, but the governor's damping follows from it; 0: unknown
   Vec3 workspace_min_m = Vec3::Zero();  // axis-aligned box the device point stays in
   Vec3 workspace_max_m = Vec3::Zero();
   double max_torque_nm = 0.0;  // norm; 0: no motor turns the stylus

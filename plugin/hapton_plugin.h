@@ -143,7 +143,7 @@ typedef struct hapton_method_api {
 typedef struct hapton_device_limits {
   double max_force_n;           /* 0: the device has no motors */
   double max_slew_n_per_s;      /* fastest change of force that the mechanics transmit */
-  double max_stiffness_n_per_m; /* stiffer walls vibrate; a hint */
+  double max_stiffness_n_per_m; /* stiffer walls vibrate; the governor's damping follows from it */
   double workspace_min_m[3];    /* box that the device point stays in, W */
   double workspace_max_m[3];
   double max_torque_nm; /* 0: no motor turns the stylus */
