@@ -180,7 +180,7 @@ void use_changes(ObjectChanges& changes, ReplyLoop& loop) {
   if (changes.shaper.has_objects()) {
     loop.set_object_shaper(&changes.shaper);
     changes.shaper.start();
-    log_info("programs may deform {} of the objects", changes.shaper.count());
+    log_info("objects that programs may deform: {}", changes.shaper.count());
   }
   if (changes.carve_sender) {
     loop.set_carve_sender(&*changes.carve_sender);

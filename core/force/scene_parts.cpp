@@ -129,12 +129,12 @@ std::string SceneParts::describe() const {
   if (groups_.size() == 1 && has_still()) return groups_.front().method->describe();
   for (const Group& group : groups_) {
     if (group.motion != nullptr) {
-      text += fmt::format("{} of the objects move by themselves for {:g} s{}:\n", group.objects.size(), group.motion->duration_s(),
-                          group.motion->loops() ? ", repeated" : "");
+      text += fmt::format("objects that move by themselves for {:g} s{}: {}\n", group.motion->duration_s(),
+                          group.motion->loops() ? ", repeated" : "", group.objects.size());
     } else if (group.commanded >= 0) {
-      text += "1 of the objects moves where programs command it:\n";
+      text += "objects that programs move: 1\n";
     } else if (!group.is_deforming) {
-      text += fmt::format("{} of the objects stand still:\n", group.objects.size());
+      text += fmt::format("objects that stand still: {}\n", group.objects.size());
     }
     text += group.method->describe();
   }

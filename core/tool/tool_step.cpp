@@ -315,7 +315,7 @@ std::string ToolStep::describe() const {
       coupling_.rotational_stiffness_nm_per_rad, 1e6 * ToolProxy::kContactOffset * scene_.unit_m(), ToolProxy::kMaxRounds,
       NearFeatures::kMaxFeatures);
   if (!moving_.empty()) {
-    text += fmt::format("{} of the objects move by themselves, in {} parts\n", objects - scene_.object_count(), moving_.size());
+    text += fmt::format("objects that move by themselves: {}, in parts: {}\n", objects - scene_.object_count(), moving_.size());
   }
   return text;
 }

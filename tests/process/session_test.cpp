@@ -128,7 +128,7 @@ TEST_F(Sessions, MaterialsThatChangeInContactAreReplayedToo) {
   const Ended replayed = session({"replay", file.string()});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.out << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr(" 0 different"));
-  EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("materials changed while running: 3 times"));
+  EXPECT_THAT(session({"info", file.string()}).out, HasSubstr("materials changed while running: 3\n"));
 }
 
 TEST_F(Sessions, ACutFileGivesWhatIsBeforeTheCut) {

@@ -123,7 +123,7 @@ std::string SessionSummary::to_text(const SessionHeader& header) const {
                         setup.scene_hash, loading.empty() ? "" : "; ", loading, setup.build.data());
   }
   const auto changes = std::count_if(materials_.begin(), materials_.end(), [](const auto& one) { return one.first.second > 0; });
-  if (changes > 0) text += fmt::format("materials changed while running: {} times\n", changes);
+  if (changes > 0) text += fmt::format("materials changed while running: {}\n", changes);
   const auto moves = std::count_if(moves_.begin(), moves_.end(), [](const auto& one) { return one.second.serial > 0; });
   if (moves > 0) text += fmt::format("objects moved by programs: {} times\n", moves);
   if (!shape_serials_.empty()) text += fmt::format("shapes of objects from programs: {}\n", shape_serials_.size());

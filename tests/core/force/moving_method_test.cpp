@@ -353,8 +353,8 @@ TEST(MovingMethod, SaysWhatMovesAndWhatStands) {
     scene.objects.push_back(felt_plate({0.001, -0.05, -0.01}, {0.05, 0.05, 0.0}, shift_motion(Vec3::Zero(), {0, 0, 0.001}, 1.0)));
   }
   const std::string text = make_felt(scene)->describe();
-  EXPECT_EQ(text.find("1 of the objects stand still:"), 0U) << text;
-  EXPECT_NE(text.find("2 of the objects move by themselves for 1 s:"), std::string::npos) << text;
+  EXPECT_EQ(text.find("objects that stand still: 1\n"), 0U) << text;
+  EXPECT_NE(text.find("objects that move by themselves for 1 s: 2\n"), std::string::npos) << text;
 }
 
 // TouchStep passes the scene time on, also where the scene is turned by the dials.

@@ -190,7 +190,7 @@ TEST_F(SessionSummaryTest, NamesEachMethodAndCountsChangedMaterials) {
   add(SessionEntry::Kind::received, 5, MaterialState{.serial = 2});
   EXPECT_THAT(text(), HasSubstr("haptics 0000000000000abc: proxy, scene /a/part.stl (000000000000beef), 0.9\n"
                                 "haptics 0000000000000abc: sweep, scene /a/part.stl (000000000000beef), 0.9\n"));
-  EXPECT_THAT(text(), HasSubstr("materials changed while running: 2 times\n"));
+  EXPECT_THAT(text(), HasSubstr("materials changed while running: 2\n"));
 }
 
 }  // namespace
