@@ -323,9 +323,9 @@ Result<void> read_surface_effects(const toml::table& table, const std::string& m
 
 Result<EffectSpec> read_space_effect(const toml::table& table, std::size_t number) {
   TableReader reader(table, fmt::format("[[effect]] {}", number));
-  std::array<std::string_view, 11> names = {};
-  for (std::size_t i = 0; i + 1 < names.size(); ++i) names[i] = effect_types()[i].name;
-  names.back() = "plugin";  // library_effect.h
+  std::vector<std::string_view> names;
+  for (const EffectType& one : effect_types()) names.push_back(one.name);
+  names.emplace_back("plugin");  // library_effect.h
   reader.require("type");
   std::size_t type = 0;
   reader.read_choice("type", names, type);

@@ -117,8 +117,7 @@ class TableReader {
   }
 
   // One of the names; returns its index.
-  template <std::size_t N>
-  void read_choice(std::string_view key, const std::array<std::string_view, N>& names, std::size_t& value) {
+  void read_choice(std::string_view key, std::span<const std::string_view> names, std::size_t& value) {
     std::string name;
     read(key, name);
     if (error_ || !has(key)) return;

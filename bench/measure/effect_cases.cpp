@@ -96,18 +96,23 @@ std::vector<EffectCase> texture_cases() {
           {"texture of 10 kHz", {.texture = {.models = made_texture(10000.0, 20, 0)}}, {}}};
 }
 
-std::vector<SwitchedEffect> all_of_space() {
+struct NamedEffect {
+  std::string name;
+  SwitchedEffect effect;
+};
+
+std::vector<NamedEffect> all_of_space() {
   const auto everywhere = EffectVolume::ball(Vec3::Zero(), 1.0);
-  return {SpringEffect{},
-          ConstantEffect{.force_n = {0, -0.2, 0}, .volume = everywhere},
-          SnapEffect{.range_m = 0.2},
-          SnapEffect{.target = SnapEffect::Target::line, .range_m = 0.2},
-          SnapEffect{.target = SnapEffect::Target::plane, .range_m = 0.2},
-          GravityWellEffect{},
-          ViscousEffect{.volume = everywhere},
-          WaveEffect{.volume = everywhere},
-          MassEffect{.volume = everywhere},
-          BurstEffect{.decay_s = 50.0, .duration_s = 60.0, .volume = EffectVolume::box({-1, -1, 0}, {1, 1, 1})}};
+  return {{"spring", SpringEffect{}},
+          {"constant", ConstantEffect{.force_n = {0, -0.2, 0}, .volume = everywhere}},
+          {"magnet", SnapEffect{.range_m = 0.2}},
+          {"line snap", SnapEffect{.target = SnapEffect::Target::line, .range_m = 0.2}},
+          {"plane snap", SnapEffect{.target = SnapEffect::Target::plane, .range_m = 0.2}},
+          {"gravity well", GravityWellEffect{}},
+          {"viscous", ViscousEffect{.volume = everywhere}},
+          {"wave", WaveEffect{.volume = everywhere}},
+          {"mass", MassEffect{.volume = everywhere}},
+          {"burst", BurstEffect{.decay_s = 50.0, .duration_s = 60.0, .volume = EffectVolume::box({-1, -1, 0}, {1, 1, 1})}}};
 }
 
 std::vector<EffectCase> formula_cases() {
@@ -122,10 +127,11 @@ std::vector<EffectCase> formula_cases() {
       {"vibration on tap", {.tap = {.ns_per_m = 5.0, .decay_s = 60.0}}, {}},
       {"all of a surface", all_of_a_surface(), {}},
   };
-  const std::vector<std::string> names = {"spring",       "constant", "magnet", "line snap", "plane snap",
-                                          "gravity well", "viscous",  "wave",   "mass",      "burst"};
-  const std::vector<SwitchedEffect> space = all_of_space();
-  for (std::size_t i = 0; i < space.size(); ++i) cases.push_back({names[i], {}, {space[i]}});
+  std::vector<SwitchedEffect> space;
+  for (const NamedEffect& one : all_of_space()) {
+    cases.push_back({one.name, {}, {one.effect}});
+    space.push_back(one.effect);
+  }
   cases.push_back({"all of space", {}, space});
   cases.push_back({"all of both", all_of_a_surface(), space});
   return cases;
