@@ -50,9 +50,16 @@ std::string_view where_of(StiffCause cause) {
       return " in an effect of type magnet, line_snap or plane_snap";
     case StiffCause::gravity_well:
       return " in an effect of type gravity_well";
-    default:
-      return "";
+    case StiffCause::none:
+    case StiffCause::spring:
+    case StiffCause::stiffness_map:
+    case StiffCause::progressive:
+    case StiffCause::layers:
+    case StiffCause::surface_snap:
+    case StiffCause::bumps:
+      break;
   }
+  return "";
 }
 
 // --coupling acts on materials only.
