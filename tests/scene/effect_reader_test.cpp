@@ -350,6 +350,9 @@ TEST_F(EffectReader, EveryKeyIsPartOfTheHash) {
   add(with_effect("type = 'viscous'\ndamping_ns_per_m = 1"));
   add(with_effect("type = 'viscous'\ndamping_ns_per_m = 2"));
   add(with_effect("type = 'viscous'\ndamping_ns_per_m = 1\nmax_force_n = 0.7"));
+  const std::string mass = "type = 'mass'\nmass_kg = ";
+  for (const char* line : {"0.1", "0.2", "0.1\nfilter_s = 0.07", "0.1\nmax_force_n = 0.7"}) add(with_effect(mass + line));
+  add(with_effect(mass + "0.1\nradius_m = 1" + at));
   const std::string wave = "type = 'wave'\ndirection = [1, 0, 0]\n";
   for (const char* line : {"", "waveform = 'square'", "amplitude_n = 0.7", "frequency_hz = 7"}) add(with_effect(wave + line));
   add(with_effect("type = 'wave'\ndirection = [0, 1, 0]\n"));
