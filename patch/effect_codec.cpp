@@ -35,7 +35,7 @@ std::vector<double> to_vector(const Field& field) {
 
 // --- there
 
-// What several surfaces have in common is written once.
+// What several surfaces have in common is written once. As in effect_numbers.h, what is written names all members.
 class EffectWriter {
  public:
   explicit EffectWriter(wire::SceneEffects& to) : to_(to) {}
@@ -53,18 +53,19 @@ class EffectWriter {
     surface.set_body(static_cast<std::uint32_t>(body));
     append(numbers_of(effects), *surface.mutable_numbers());
     for (std::size_t n = 0; n < effects.layers.count(); ++n) append(numbers_of(effects.layers[n]), *surface.mutable_layers());
-    const SurfaceMaps& maps = effects.maps;
-    if (maps.height.is_on()) write(maps.height, *surface.mutable_height());
-    if (maps.stiffness.is_on()) write(maps.stiffness, *surface.mutable_stiffness());
-    if (maps.friction.is_on()) write(maps.friction, *surface.mutable_friction());
-    if (maps.viscosity.is_on()) write(maps.viscosity, *surface.mutable_viscosity());
-    if (maps.is_on()) surface.set_triangles(number_of(maps.triangles.get(), triangles_, [&] { write(*maps.triangles); }));
+    const auto& [triangles, height, stiffness, friction, viscosity] = effects.maps;
+    if (height.is_on()) write(height, *surface.mutable_height());
+    if (stiffness.is_on()) write(stiffness, *surface.mutable_stiffness());
+    if (friction.is_on()) write(friction, *surface.mutable_friction());
+    if (viscosity.is_on()) write(viscosity, *surface.mutable_viscosity());
+    if (effects.maps.is_on()) surface.set_triangles(number_of(triangles.get(), triangles_, [&, &all = *triangles] { write(all); }));
     if (!effects.texture.is_on()) return;
+    const auto& [models, mass_kg, max_force_n, seed] = effects.texture;
     wire::SceneEffects::Texture& texture = *surface.mutable_texture();
-    texture.set_models(number_of(effects.texture.models.get(), models_, [&] { write(*effects.texture.models); }));
-    texture.set_mass_kg(effects.texture.mass_kg);
-    texture.set_max_force_n(effects.texture.max_force_n);
-    texture.set_seed(effects.texture.seed);
+    texture.set_models(number_of(models.get(), models_, [&, &all = *models] { write(all); }));
+    texture.set_mass_kg(mass_kg);
+    texture.set_max_force_n(max_force_n);
+    texture.set_seed(seed);
   }
 
  private:
@@ -80,9 +81,10 @@ class EffectWriter {
   }
 
   void write(const ImageMap& map, wire::SceneEffects::Map& to) {
-    to.set_image(number_of(map.image.get(), images_, [&] { write(*map.image); }));
-    to.set_at_black(map.at_black);
-    to.set_at_white(map.at_white);
+    const auto& [image, at_black, at_white] = map;
+    to.set_image(number_of(image.get(), images_, [&, &texels = *image] { write(texels); }));
+    to.set_at_black(at_black);
+    to.set_at_white(at_white);
   }
 
   void write(const SurfaceImage& image) {
@@ -117,11 +119,11 @@ class EffectWriter {
   void write(const TextureModels& models) {
     wire::SceneEffects::Models& to = *to_.add_models();
     to.set_rate_hz(models.rate_hz());
-    for (const TextureModel& model : models.models()) {
+    for (const auto& [speed_m_per_s, force_n, ar, ma, variance, gain] : models.models()) {
       wire::SceneEffects::Model& one = *to.add_models();
-      append(std::array{model.speed_m_per_s, model.force_n, model.variance, model.gain}, *one.mutable_numbers());
-      append(model.ar, *one.mutable_ar());
-      append(model.ma, *one.mutable_ma());
+      append(std::array{speed_m_per_s, force_n, variance, gain}, *one.mutable_numbers());
+      append(ar, *one.mutable_ar());
+      append(ma, *one.mutable_ma());
     }
     for (const TextureTriangle& triangle : models.triangles()) {
       for (const std::size_t corner : triangle) to.add_triangles(static_cast<std::uint32_t>(corner));

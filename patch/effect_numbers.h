@@ -12,7 +12,8 @@
 #include "core/effects/surface_effects.h"
 
 // The numbers that define each effect, in the order in which they cross the network. One function each, for both ways: NumberWriter appends
-// them, NumberReader takes them and checks their range.
+// them, NumberReader takes them and checks their range. Each function names all members of its effect, so that it does not compile when the
+// effect gets one more.
 namespace hapton {
 
 class NumberWriter {
@@ -99,90 +100,130 @@ class NumberReader {
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, SpringEffect& effect) {
-  numbers.point(effect.centre);
-  numbers.amount(effect.stiffness_n_per_m);
-  numbers.force(effect.max_force_n);
+  auto& [centre, stiffness_n_per_m, max_force_n] = effect;
+  numbers.point(centre);
+  numbers.amount(stiffness_n_per_m);
+  numbers.force(max_force_n);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, ConstantEffect& effect) {
-  numbers.force(effect.force_n);
-  numbers.volume(effect.volume);
+  auto& [force_n, volume] = effect;
+  numbers.force(force_n);
+  numbers.volume(volume);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, SnapEffect& effect) {
-  numbers.choice(effect.target, SnapEffect::Target::plane);
-  numbers.point(effect.position);
-  numbers.direction(effect.direction);
-  numbers.positive(effect.range_m);
-  numbers.force(effect.max_force_n);
+  auto& [target, position, direction, range_m, max_force_n] = effect;
+  numbers.choice(target, SnapEffect::Target::plane);
+  numbers.point(position);
+  numbers.direction(direction);
+  numbers.positive(range_m);
+  numbers.force(max_force_n);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, GravityWellEffect& effect) {
-  numbers.point(effect.centre);
-  numbers.positive(effect.radius_m);
-  numbers.force(effect.max_force_n);
+  auto& [centre, radius_m, max_force_n] = effect;
+  numbers.point(centre);
+  numbers.positive(radius_m);
+  numbers.force(max_force_n);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, ViscousEffect& effect) {
-  numbers.amount(effect.damping_ns_per_m);
-  numbers.force(effect.max_force_n);
-  numbers.volume(effect.volume);
+  auto& [damping_ns_per_m, max_force_n, volume] = effect;
+  numbers.amount(damping_ns_per_m);
+  numbers.force(max_force_n);
+  numbers.volume(volume);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, WaveEffect& effect) {
-  numbers.choice(effect.waveform, Waveform::sawtooth);
-  numbers.direction(effect.direction);
-  numbers.force(effect.amplitude_n);
-  numbers.amount(effect.frequency_hz);
-  numbers.volume(effect.volume);
+  auto& [waveform, direction, amplitude_n, frequency_hz, volume] = effect;
+  numbers.choice(waveform, Waveform::sawtooth);
+  numbers.direction(direction);
+  numbers.force(amplitude_n);
+  numbers.amount(frequency_hz);
+  numbers.volume(volume);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, BurstEffect& effect) {
-  numbers.direction(effect.direction);
-  numbers.force(effect.amplitude_n);
-  numbers.amount(effect.frequency_hz);
-  numbers.positive(effect.decay_s);
-  numbers.positive(effect.duration_s);
-  numbers.volume(effect.volume);
+  auto& [direction, amplitude_n, frequency_hz, decay_s, duration_s, volume] = effect;
+  numbers.direction(direction);
+  numbers.force(amplitude_n);
+  numbers.amount(frequency_hz);
+  numbers.positive(decay_s);
+  numbers.positive(duration_s);
+  numbers.volume(volume);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, MassEffect& effect) {
-  numbers.amount(effect.mass_kg);
-  numbers.positive(effect.filter_s);
-  numbers.force(effect.max_force_n);
-  numbers.volume(effect.volume);
+  auto& [mass_kg, filter_s, max_force_n, volume] = effect;
+  numbers.amount(mass_kg);
+  numbers.positive(filter_s);
+  numbers.force(max_force_n);
+  numbers.volume(volume);
 }
 
 template <class Numbers>
 void visit_numbers(Numbers& numbers, TissueLayer& layer) {
-  numbers.amount(layer.depth_m);
-  numbers.amount(layer.stiffness_n_per_m);
-  numbers.force_or_none(layer.pop_force_n);
-  numbers.amount(layer.drag_ns_per_m);
+  auto& [depth_m, stiffness_n_per_m, pop_force_n, drag_ns_per_m] = layer;
+  numbers.amount(depth_m);
+  numbers.amount(stiffness_n_per_m);
+  numbers.force_or_none(pop_force_n);
+  numbers.amount(drag_ns_per_m);
 }
 
-// All but layers, images and recorded textures.
+template <class Numbers>
+void visit_numbers(Numbers& numbers, ProgressiveStiffness& effect) {
+  auto& [n_per_m2] = effect;
+  numbers.amount(n_per_m2);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, SurfaceBumps& effect) {
+  auto& [pattern, height_m, length_m, direction] = effect;
+  numbers.choice(pattern, SurfaceBumps::Pattern::grid);
+  numbers.amount(height_m);
+  numbers.positive(length_m);
+  numbers.direction(direction);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, SurfaceViscosity& effect) {
+  auto& [damping_ns_per_m] = effect;
+  numbers.amount(damping_ns_per_m);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, SurfaceSnap& effect) {
+  auto& [stiffness_n_per_m, range_m] = effect;
+  numbers.amount(stiffness_n_per_m);
+  numbers.amount(range_m);
+}
+
+template <class Numbers>
+void visit_numbers(Numbers& numbers, TapVibration& effect) {
+  auto& [ns_per_m, frequency_hz, decay_s, max_force_n] = effect;
+  numbers.amount(ns_per_m);
+  numbers.amount(frequency_hz);
+  numbers.positive(decay_s);
+  numbers.force(max_force_n);
+}
+
+// All but layers, images and recorded textures, which EffectWriter has, and the drag, which is of the material.
 template <class Numbers>
 void visit_numbers(Numbers& numbers, SurfaceEffects& surface) {
-  numbers.amount(surface.progressive.n_per_m2);
-  numbers.choice(surface.bumps.pattern, SurfaceBumps::Pattern::grid);
-  numbers.amount(surface.bumps.height_m);
-  numbers.positive(surface.bumps.length_m);
-  numbers.direction(surface.bumps.direction);
-  numbers.amount(surface.viscosity.damping_ns_per_m);
-  numbers.amount(surface.snap.stiffness_n_per_m);
-  numbers.amount(surface.snap.range_m);
-  numbers.amount(surface.tap.ns_per_m);
-  numbers.amount(surface.tap.frequency_hz);
-  numbers.positive(surface.tap.decay_s);
-  numbers.force(surface.tap.max_force_n);
+  auto& [progressive, layers, bumps, viscosity, snap, tap, maps, texture, drag] = surface;
+  visit_numbers(numbers, progressive);
+  visit_numbers(numbers, bumps);
+  visit_numbers(numbers, viscosity);
+  visit_numbers(numbers, snap);
+  visit_numbers(numbers, tap);
 }
 
 // Those of an effect, a layer or a surface.
