@@ -3,13 +3,19 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <queue>
+#include <utility>
+#include <vector>
 
 namespace hapton {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
+
+constexpr double kMaxWork = 4e6;  // comparisons of a square with an edge, each about 10 ns
 
 double squared_distance(const Vec2& p, const Segment2& edge) {
   const Vec2 along = edge.second - edge.first;
@@ -18,23 +24,90 @@ double squared_distance(const Vec2& p, const Segment2& edge) {
   return (edge.first + share * along - p).squaredNorm();
 }
 
-// Whether the ray from p in the direction of x crosses it.
+// Whether the ray from p in the direction of y crosses it.
 bool is_crossed(const Vec2& p, const Segment2& edge) {
-  const auto& [a, b] = edge;
-  if ((a.y() > p.y()) == (b.y() > p.y())) return false;
-  return p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+  const Vec2& a = edge.first;
+  const Vec2& b = edge.second;
+  return (a.x() > p.x()) != (b.x() > p.x()) && p.y() < a.y() + (p.x() - a.x()) / (b.x() - a.x()) * (b.y() - a.y());
 }
 
-// From the edges; negative outside.
-double depth_of(const Vec2& p, const std::vector<Segment2>& edges) {
-  double nearest = std::numeric_limits<double>::infinity();
-  bool is_inside = false;
-  for (const Segment2& edge : edges) {
-    nearest = std::min(nearest, squared_distance(p, edge));
-    is_inside = is_inside != is_crossed(p, edge);
+// The edges by columns of their extent along x, so that a point is compared with those near it. Pre: finite, at least one; they outlive it.
+class EdgeColumns {
+ public:
+  EdgeColumns(const std::vector<Segment2>& edges, double low_x, double high_x) : edges_(edges), low_x_(low_x) {
+    // An edge is in each column that it reaches, so long edges allow few.
+    const auto divide = [&](std::size_t count) {
+      count_ = count;
+      width_ = (high_x - low_x) / static_cast<double>(count);
+    };
+    for (divide(std::clamp<std::size_t>(edges.size() / 4, 1, kMostColumns)); count_ > 1 && count_entries() > kMostTimes * edges.size();) {
+      divide(count_ / 2);
+    }
+    begins_.assign(count_ + 1, 0);
+    for (const Segment2& edge : edges) {
+      const auto [first, last] = columns_of(edge);
+      for (std::size_t c = first; c <= last; ++c) ++begins_[c + 1];
+    }
+    for (std::size_t c = 1; c < begins_.size(); ++c) begins_[c] += begins_[c - 1];
+    items_.resize(begins_.back());
+    std::vector<std::size_t> next(begins_.begin(), begins_.end() - 1);
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+      const auto [first, last] = columns_of(edges[e]);
+      for (std::size_t c = first; c <= last; ++c) items_[next[c]++] = static_cast<std::uint32_t>(e);
+    }
   }
-  return is_inside ? std::sqrt(nearest) : -std::sqrt(nearest);
-}
+
+  // Edges in a column, on average.
+  double mean() const { return static_cast<double>(items_.size()) / static_cast<double>(count_); }
+
+  // The distance from the edges, negative outside. work: grows by the edges that were compared.
+  double depth_of(const Vec2& p, double& work) const {
+    const std::size_t own = column_of(p.x());
+    double nearest = std::numeric_limits<double>::infinity();
+    bool is_inside = false;
+    const auto compare = [&](std::size_t column) {
+      for (std::size_t n = begins_[column]; n < begins_[column + 1]; ++n) {
+        nearest = std::min(nearest, squared_distance(p, edges_[items_[n]]));
+        if (column == own) is_inside = is_inside != is_crossed(p, edges_[items_[n]]);
+      }
+      work += static_cast<double>(begins_[column + 1] - begins_[column]);
+    };
+    compare(own);
+    for (std::size_t c = own; c > 0 && is_nearer(p.x() - begin_of(c), nearest); --c) compare(c - 1);
+    for (std::size_t c = own + 1; c < count_ && is_nearer(begin_of(c) - p.x(), nearest); ++c) compare(c);
+    return is_inside ? std::sqrt(nearest) : -std::sqrt(nearest);
+  }
+
+ private:
+  static constexpr std::size_t kMostColumns = 4096;
+  static constexpr std::size_t kMostTimes = 3;  // that an edge is in the columns, on average
+
+  static bool is_nearer(double along, double squared) { return along <= 0.0 || along * along < squared; }
+  double begin_of(std::size_t column) const { return low_x_ + width_ * static_cast<double>(column); }
+  std::size_t column_of(double x) const {
+    return static_cast<std::size_t>(std::min(std::max(0.0, (x - low_x_) / width_), static_cast<double>(count_ - 1)));
+  }
+  std::pair<std::size_t, std::size_t> columns_of(const Segment2& edge) const {
+    const auto [least, most] = std::minmax({edge.first.x(), edge.second.x()});
+    return {column_of(least), column_of(most)};
+  }
+
+  std::size_t count_entries() const {
+    std::size_t count = 0;
+    for (const Segment2& edge : edges_) {
+      const auto [first, last] = columns_of(edge);
+      count += last - first + 1;
+    }
+    return count;
+  }
+
+  const std::vector<Segment2>& edges_;
+  double low_x_;
+  std::size_t count_ = 1;
+  double width_ = 0.0;
+  std::vector<std::size_t> begins_;   // of each column in items_; and the end
+  std::vector<std::uint32_t> items_;  // numbers of edges
+};
 
 struct Square {
   Vec2 middle;
@@ -63,15 +136,15 @@ void align(std::vector<Segment2>& edges) {
   for (Segment2& edge : edges) edge = {Vec2(turn * (edge.first - mean)), Vec2(turn * (edge.second - mean))};
 }
 
-// They cover all edges, and are no wider than these are high.
-Squares cover(const std::vector<Segment2>& edges, const Vec2& low, const Vec2& high) {
-  constexpr double kMost = 1024.0;
+// They cover all edges, and are no wider than these are high, unless that is too many.
+Squares cover(const EdgeColumns& edges, const Vec2& low, const Vec2& high, double& work) {
+  const double most = std::clamp(kMaxWork / edges.mean(), 1.0, 1024.0);
   const Vec2 size = high - low;
-  const double side = std::max(size.minCoeff(), size.maxCoeff() / kMost);
+  const double side = std::max(size.minCoeff(), size.maxCoeff() / most);
   Squares squares;
   for (double x = low.x() + 0.5 * side; x < high.x() + 0.5 * side; x += side) {
     for (double y = low.y() + 0.5 * side; y < high.y() + 0.5 * side; y += side) {
-      squares.push({Vec2(x, y), 0.5 * side, depth_of(Vec2(x, y), edges)});
+      squares.push({Vec2(x, y), 0.5 * side, edges.depth_of(Vec2(x, y), work)});
     }
   }
   return squares;
@@ -81,7 +154,6 @@ Squares cover(const std::vector<Segment2>& edges, const Vec2& low, const Vec2& h
 
 double largest_disc(std::vector<Segment2> edges, double enough) {
   constexpr double kAccuracy = 0.01;
-  constexpr double kMaxWork = 4e6;  // edges times squares, each about 10 ns
   align(edges);
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity());
   Vec2 high = -low;
@@ -93,11 +165,11 @@ double largest_disc(std::vector<Segment2> edges, double enough) {
   const double narrowest = edges.empty() ? 0.0 : (high - low).minCoeff();
   // Not a sliver of rounding.
   if (!(narrowest > std::max(enough, 0x1p-40 * (high - low).maxCoeff()))) return narrowest;
-  Squares squares = cover(edges, low, high);
+  const EdgeColumns columns(edges, low.x(), high.x());
+  double work = 0.0;
+  Squares squares = cover(columns, low, high, work);
   double best = 0.0;
-  const double work_of_four = 4.0 * static_cast<double>(edges.size());
-  for (double work = 0.0; work < kMaxWork && squares.top().most() > std::max((1.0 + kAccuracy) * best, 0.5 * enough);
-       work += work_of_four) {
+  while (work < kMaxWork && squares.top().most() > std::max((1.0 + kAccuracy) * best, 0.5 * enough)) {
     const Square square = squares.top();
     squares.pop();
     best = std::max(best, square.depth);
@@ -105,7 +177,7 @@ double largest_disc(std::vector<Segment2> edges, double enough) {
     for (const double x : {-half, half}) {
       for (const double y : {-half, half}) {
         const Vec2 middle = square.middle + Vec2(x, y);
-        squares.push({middle, half, depth_of(middle, edges)});
+        squares.push({middle, half, columns.depth_of(middle, work)});
       }
     }
   }

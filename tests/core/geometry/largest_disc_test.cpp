@@ -59,6 +59,21 @@ TEST(LargestDisc, ASlotDoesNotMakeARoundHoleNarrower) {
   EXPECT_LE(found, 10.3);
 }
 
+// A round hole of 0.02 at the end of a slit of 0.001 x 5.2 that goes round: a long rim of many edges must not cost the accuracy.
+TEST(LargestDisc, ALongRimOfManyEdgesDoesNotMakeItWider) {
+  constexpr int kEdges = 10'000;
+  Points slit = arc(1.0005, 0.01, 5.2, kEdges);
+  const Points back = arc(0.9995, 5.2, 0.01, kEdges);
+  slit.insert(slit.end(), back.begin(), back.end());
+  const double at = std::asin(0.05);
+  for (const Eigen::Vector2d& p : arc(0.01, 0.5 * std::numbers::pi + at, 2.5 * std::numbers::pi - at, 200)) {
+    slit.push_back(Eigen::Vector2d(1.0, 0.0) + p);
+  }
+  const double found = largest_disc(closed(slit, 0.4));
+  EXPECT_GE(found, 0.01999);
+  EXPECT_LE(found, 0.0206);
+}
+
 // So many steps that the length of the rim is twice that of a circle.
 TEST(LargestDisc, AJaggedRimDoesNotMakeItNarrower) {
   Points star;
