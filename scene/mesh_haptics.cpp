@@ -1,6 +1,7 @@
 #include "scene/mesh_haptics.h"
 
 #include <algorithm>
+#include <unordered_set>
 
 #include "scene/weld.h"
 
@@ -21,8 +22,9 @@ void keep_of(const std::vector<bool>& is_kept, std::vector<Element>& elements) {
 
 std::vector<std::uint32_t> list_haptic_materials(const MeshAppearance& maps) {
   std::vector<std::uint32_t> found;
+  std::unordered_set<std::uint32_t> known;
   for (const TriangleAppearance& triangle : maps.triangles) {
-    if (std::find(found.begin(), found.end(), triangle.material) == found.end()) found.push_back(triangle.material);
+    if (known.insert(triangle.material).second) found.push_back(triangle.material);
   }
   return found;
 }

@@ -40,8 +40,9 @@ MorphTarget place_target(const MorphSpec& morph, const ObjectSpec& object, const
   return target;
 }
 
+// Pre: the times of the keys increase.
 double weight_at(const std::vector<MorphSpec::Key>& keys, double time_s) {
-  const auto after = std::find_if(keys.begin(), keys.end(), [&](const MorphSpec::Key& key) { return key.time_s > time_s; });
+  const auto after = std::ranges::upper_bound(keys, time_s, {}, &MorphSpec::Key::time_s);
   if (after == keys.begin()) return keys.front().weight;
   if (after == keys.end()) return keys.back().weight;
   const MorphSpec::Key& from = *(after - 1);
