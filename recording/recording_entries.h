@@ -3,19 +3,22 @@
 #include "core/base/result.h"
 #include "link/codec.h"
 #include "link/session_reader.h"
+#include "recording/taken_datagrams.h"
 
 namespace hapton {
 
 // Calls visit(entry, its decoded datagram or null) for all entries that can be read; SessionReader::problem() then says whether the file
-// was complete. Ends with the error of the first visit that returns one. RT: no.
+// was complete. Null: none, not readable, or the hub did not take it. Ends with the error of the first visit that returns one. RT: no.
 template <class Visit>
 Result<void> for_each_entry(SessionReader& reader, Visit&& visit) {
   Codec codec;
+  TakenDatagrams taken(reader.header().session);
   SessionEntry entry;
   while (reader.next(entry)) {
     Datagram datagram;
     const bool is_readable = !entry.datagram.empty() && codec.decode(entry.datagram, datagram) == DecodeStatus::ok;
-    if (const Result<void> done = visit(entry, is_readable ? &datagram : nullptr); !done) return done;
+    const bool is_taken = is_readable && taken.take(entry, datagram);
+    if (const Result<void> done = visit(entry, is_taken ? &datagram : nullptr); !done) return done;
   }
   return {};
 }

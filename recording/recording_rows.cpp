@@ -16,7 +16,10 @@ bool has_reply(const CycleRow& row) { return row.p_WP.allFinite(); }
 }  // namespace
 
 RecordingRows::RecordingRows(SessionReader reader, const RecordingIndex& index)
-    : index_(&index), reader_(std::make_unique<SessionReader>(std::move(reader))), rows_(std::make_unique<std::deque<CycleRow>>()) {}
+    : index_(&index),
+      taken_(reader.header().session),
+      reader_(std::make_unique<SessionReader>(std::move(reader))),
+      rows_(std::make_unique<std::deque<CycleRow>>()) {}
 
 Result<RecordingRows> RecordingRows::open(const std::filesystem::path& file, const RecordingIndex& index) {
   auto reader = SessionReader::open(file);
@@ -29,6 +32,7 @@ void RecordingRows::jump(double t_s) {
   from_s_ = t_s - 2.0 * kBeforeS;
   is_at_end_ = false;
   reader_->seek(index_->find_position(from_s_ - kSlackS));
+  taken_ = TakenDatagrams(reader_->header().session);
   table_ = std::make_unique<CycleTable>(
       reader_->header().start_ns,
       [rows = rows_.get()](const CycleRow& row) {
@@ -47,7 +51,7 @@ bool RecordingRows::read_entry() {
   }
   Datagram datagram;
   const bool is_readable = !entry.datagram.empty() && codec_.decode(entry.datagram, datagram) == DecodeStatus::ok;
-  table_->add(entry, is_readable ? &datagram : nullptr);
+  table_->add(entry, is_readable && taken_.take(entry, datagram) ? &datagram : nullptr);
   return true;
 }
 

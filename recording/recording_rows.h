@@ -13,6 +13,7 @@
 #include "link/session_reader.h"
 #include "recording/cycle_table.h"
 #include "recording/recording_index.h"
+#include "recording/taken_datagrams.h"
 
 namespace hapton {
 
@@ -47,6 +48,7 @@ class RecordingRows {
   std::deque<CycleRow>::const_iterator find_after(double t_s) const;
 
   const RecordingIndex* index_;
+  TakenDatagrams taken_;
   std::unique_ptr<SessionReader> reader_;
   Codec codec_;
   std::unique_ptr<CycleTable> table_;

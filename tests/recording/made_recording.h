@@ -33,12 +33,15 @@ struct MadeRecording {
   std::int64_t slower_ns = 0;                    // so much later than the others comes the reply to each fourth sample
   std::function<void(std::uint64_t)> also = {};  // after each sample
 
+  std::uint64_t session = kSession;  // of the datagrams
+
+  static constexpr std::uint64_t kSession = 0xAB;
   static constexpr std::uint64_t kHaptics = 2;
   static constexpr std::uint64_t kVision = 3;
 
   std::filesystem::path write(const ScratchFolder& scratch) {
     bytes = std::string(kSessionMagic);
-    codec.append(SessionHeader{.build = "b1", .start_ns = kCyclesStartNs, .session = 0xAB}, bytes);
+    codec.append(SessionHeader{.build = "b1", .start_ns = kCyclesStartNs, .session = kSession}, bytes);
     add_setup(0);
     for (std::uint64_t sample = 1; sample <= samples; ++sample) {
       if (sample >= lost_from && sample < lost_to) continue;
@@ -68,7 +71,7 @@ struct MadeRecording {
     SessionEntry entry;
     entry.kind = kind;
     entry.time_ns = time_ns + 300'000;
-    const Datagram datagram{{.session = 1, .sender = sender, .sequence = ++sequence}, message};
+    const Datagram datagram{{.session = session, .sender = sender, .sequence = ++sequence}, message};
     entry.datagram = std::span(wire).first(datagrams.encode(datagram, wire));
     codec.append(entry, bytes);
   }

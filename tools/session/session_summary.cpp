@@ -47,7 +47,7 @@ void SessionSummary::add(const SessionEntry& entry, const Datagram* datagram) {
   switch (entry.kind) {
     case SessionEntry::Kind::received:
     case SessionEntry::Kind::sent: {
-      Traffic& traffic = traffic_[datagram != nullptr ? name_of(datagram->message) : "not readable"];
+      Traffic& traffic = traffic_[datagram != nullptr ? name_of(datagram->message) : "not used"];
       ++(entry.kind == SessionEntry::Kind::received ? traffic.received : traffic.sent);
       traffic.bytes += entry.datagram.size();
       break;

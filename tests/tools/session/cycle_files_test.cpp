@@ -36,7 +36,7 @@ std::filesystem::path write_recording(const ScratchFolder& scratch, std::uint64_
     session.append(cycle_of(sample), bytes);
     if (sample % 2 == 0) {
       auto [entry, datagram] = arrival_of(force_of(sample), sample_ns(sample) + 300'000);
-      datagram.header = {.session = 1, .sender = 2, .sequence = sample};
+      datagram.header = {.session = 0xAB, .sender = 2, .sequence = sample};
       entry.datagram = std::span(wire).first(codec.encode(datagram, wire));
       session.append(entry, bytes);
     }
@@ -94,7 +94,7 @@ std::filesystem::path write_changed_recording(const ScratchFolder& scratch) {
     SessionEntry entry;
     entry.kind = SessionEntry::Kind::received;
     entry.time_ns = sample_ns(sample);
-    entry.datagram = std::span(wire).first(codec.encode({{.session = 1, .sender = 2, .sequence = ++sequence}, message}, wire));
+    entry.datagram = std::span(wire).first(codec.encode({{.session = 0xAB, .sender = 2, .sequence = ++sequence}, message}, wire));
     session.append(entry, bytes);
   };
   session.append(cycle_of(1), bytes);
@@ -265,7 +265,7 @@ std::filesystem::path write_recording_of(const ScratchFolder& scratch, const std
       SessionEntry entry;
       entry.kind = SessionEntry::Kind::received;
       entry.time_ns = sample_ns(sample) + 300'000;
-      entry.datagram = std::span(wire).first(codec.encode({{.session = 1, .sender = 1 + sample, .sequence = 1}, message}, wire));
+      entry.datagram = std::span(wire).first(codec.encode({{.session = 0xAB, .sender = 1 + sample, .sequence = 1}, message}, wire));
       session.append(entry, bytes);
     }
   }

@@ -76,7 +76,7 @@ TEST_F(SessionSummaryTest, CountsEachMessageBothWays) {
   summary.add(entry, nullptr);
   EXPECT_THAT(text(), HasSubstr("DeviceState             0          3       0.6\n")) << "300 bytes in half a second";
   EXPECT_THAT(text(), HasSubstr("ForceCommand            2          0       0.4\n"));
-  EXPECT_THAT(text(), HasSubstr("not readable            1          0       0.2\n"));
+  EXPECT_THAT(text(), HasSubstr("not used                1          0       0.2\n"));
 }
 
 TEST_F(SessionSummaryTest, SaysWhatWasFelt) {

@@ -1,0 +1,103 @@
+#include "recording/taken_datagrams.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "recording/cycle_table.h"
+#include "recording/recording_index.h"
+#include "recording/recording_rows.h"
+#include "tests/recording/made_recording.h"
+
+namespace hapton {
+namespace {
+
+using Kind = SessionEntry::Kind;
+
+const Address kFirst = {{}, 5001};
+const Address kSecond = {{}, 5002};
+const Address kVision = {{}, 5003};
+
+struct TakenDatagramsTest : testing::Test {
+  bool receives(const Address& from, const Message& message, std::uint64_t session = 7) {
+    return take(Kind::received, from, message, session);
+  }
+  bool sends(const Address& to, const Message& message) { return take(Kind::sent, to, message, 7); }
+  bool take(Kind kind, const Address& peer, const Message& message, std::uint64_t session) {
+    SessionEntry entry;
+    entry.kind = kind;
+    entry.peer = peer;
+    return taken.take(entry, Datagram{{.session = session}, message});
+  }
+
+  TakenDatagrams taken{7};
+};
+
+TEST_F(TakenDatagramsTest, NotThoseOfAnEarlierSessionOfTheHub) {
+  EXPECT_FALSE(receives(kFirst, ForceCommand{}, 6));
+  EXPECT_FALSE(receives(kFirst, ViewTransform{}, 6));
+  EXPECT_TRUE(receives(kFirst, Hello{NodeRole::haptics}, 0)) << "of no session yet";
+  EXPECT_TRUE(receives(kFirst, ForceCommand{}));
+  taken = TakenDatagrams(0);
+  EXPECT_TRUE(receives(kFirst, ForceCommand{})) << "the recording does not say which it is";
+}
+
+TEST_F(TakenDatagramsTest, ForcesOfTheHapticsNodeThatGetsTheStates) {
+  EXPECT_TRUE(receives(kFirst, ForceCommand{})) << "not known yet which it is";
+  EXPECT_TRUE(sends(kFirst, DeviceState{}));
+  EXPECT_TRUE(receives(kFirst, ForceCommand{}));
+  EXPECT_FALSE(receives(kSecond, ForceCommand{}));
+  EXPECT_FALSE(receives(kSecond, HapticsSetup{}));
+  EXPECT_TRUE(receives(kSecond, ViewTransform{})) << "of a vision node";
+  EXPECT_TRUE(sends(kSecond, DeviceState{}));
+  EXPECT_FALSE(receives(kFirst, ForceCommand{})) << "another one has its place";
+}
+
+TEST_F(TakenDatagramsTest, ASecondHapticsNodeCountsOnceTheHubHasAcceptedIt) {
+  sends(kFirst, DeviceState{});
+  receives(kSecond, Hello{NodeRole::haptics});
+  sends(kSecond, Welcome{.accepted = false});
+  EXPECT_FALSE(receives(kSecond, HapticsSetup{}));
+  receives(kVision, Hello{NodeRole::vision});
+  sends(kVision, Welcome{.accepted = true});
+  EXPECT_FALSE(receives(kVision, HapticsSetup{}));
+  sends(kSecond, Welcome{.accepted = true});
+  EXPECT_TRUE(receives(kSecond, HapticsSetup{}));
+  EXPECT_FALSE(receives(kFirst, HapticsSetup{}));
+}
+
+// The numbers of samples begin anew with each session of the hub: the force was that of the sample of the same number.
+TEST(TakenDatagramsOfARecording, AForceOfAnEarlierSessionIsInNoTable) {
+  const ScratchFolder scratch;
+  MadeRecording made;
+  made.also = [&](std::uint64_t sample) {
+    if (sample != 1000) return;
+    made.session = 5;
+    made.receive(MadeRecording::kHaptics, force_of(1001), sample);
+    made.receive(MadeRecording::kHaptics, HapticsSetup{.method_serial = 9}, sample);
+    made.session = MadeRecording::kSession;
+  };
+  const auto file = made.write(scratch);
+  auto reader = SessionReader::open(file);
+  ASSERT_TRUE(reader) << reader.error().what;
+  std::map<std::uint64_t, double> wanted_n;
+  CycleTable table(reader->header().start_ns, [&](const CycleRow& row) { wanted_n[row.sample] = row.wanted_n.z(); });
+  table.add_all(*reader);
+  EXPECT_TRUE(std::isnan(wanted_n.at(1001)));
+  EXPECT_EQ(wanted_n.at(1002), 1002.0);
+  auto again = SessionReader::open(file);
+  ASSERT_TRUE(again);
+  const auto index = RecordingIndex::read(*again);
+  ASSERT_TRUE(index) << index.error().what;
+  EXPECT_EQ(index->find_setup(3.0)->method_serial, 1U);
+  auto rows = RecordingRows::open(file, *index);
+  ASSERT_TRUE(rows);
+  const CycleRow* row = rows->at(1.0015);
+  ASSERT_NE(row, nullptr);
+  EXPECT_EQ(row->sample, 1001U);
+  EXPECT_TRUE(std::isnan(row->wanted_n.z()));
+}
+
+}  // namespace
+}  // namespace hapton
