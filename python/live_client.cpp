@@ -51,7 +51,7 @@ Result<std::uint32_t> LiveClient::turn_scene(const std::array<float, 12>& X_WS) 
   for (int ms = 0; ms < 1000 && !newest(); ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   const std::scoped_lock lock(mutex_);
   view_.X_WS = X_WS;
-  view_.revision = std::max({view_.revision, others_revision_, newest_ ? newest_->view_revision : 0U});
+  view_.revision = std::max({view_.revision, others_view_.revision(), newest_ ? newest_->view_revision : 0U});
   return ++view_.revision;
 }
 
@@ -154,6 +154,11 @@ void LiveClient::take_carves(const Message& message, Arrival arrival) {
   std::copy(news.carves.begin(), news.carves.end(), carves_.begin() + static_cast<std::ptrdiff_t>(end - news.carves.size()));
 }
 
+void LiveClient::take_view(const Message& message, Arrival arrival) {
+  const std::scoped_lock lock(mutex_);
+  others_view_.take(message, arrival, view_);
+}
+
 void LiveClient::request_carves(HubClient& client, std::int64_t now_ns) {
   const std::scoped_lock lock(mutex_);
   if (const auto request = known_carves_.take_request(now_ns)) client.send(*request);
@@ -168,7 +173,7 @@ void LiveClient::run() {
     const bool has_datagram = client.receive(datagram, clock.now_ns() + kClientTurnNs);
     if (std::exchange(joins, client.counts().joins) != client.counts().joins) {
       const std::scoped_lock lock(mutex_);
-      others_revision_ = 0;
+      others_view_.forget();
     }
     is_joined_.store(client.state() == JoinState::joined, std::memory_order_relaxed);
     send_view(clock.now_ns());
@@ -182,10 +187,7 @@ void LiveClient::run() {
     take_shape_reply(datagram.message);
     take_move(datagram.message, client.last_arrival());
     take_carves(datagram.message, client.last_arrival());
-    if (const auto* view = std::get_if<ViewTransform>(&datagram.message)) {
-      const std::scoped_lock lock(mutex_);
-      if (view->X_WS != view_.X_WS) others_revision_ = view->revision;
-    }
+    take_view(datagram.message, client.last_arrival());
     const auto* probe = std::get_if<ProbeState>(&datagram.message);
     if (probe == nullptr || client.last_arrival() == Arrival::reordered) continue;
     {
@@ -199,7 +201,7 @@ void LiveClient::run() {
 void LiveClient::send_view(std::int64_t now_ns) noexcept {
   const std::scoped_lock lock(mutex_);
   // Of another node that has turned the scene since: ours is over.
-  const std::uint32_t newest_in_use = std::max(others_revision_, newest_ ? newest_->view_revision : 0U);
+  const std::uint32_t newest_in_use = std::max(others_view_.revision(), newest_ ? newest_->view_revision : 0U);
   if (view_.revision == 0 || now_ns < next_view_ns_ || newest_in_use >= view_.revision) return;
   next_view_ns_ = now_ns + kViewEveryNs;
   connection_->client().send(view_);

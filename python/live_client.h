@@ -15,6 +15,7 @@
 #include "link/known_moves.h"
 #include "link/messages.h"
 #include "link/move_request.h"
+#include "link/others_view.h"
 #include "link/settings_request.h"
 #include "link/shape_outbox.h"
 #include "python/reply_awaiter.h"
@@ -72,6 +73,7 @@ class LiveClient {
   void request_carves(HubClient& client, std::int64_t now_ns);
   void take_shape_reply(const Message& message);
   void take_carves(const Message& message, Arrival arrival);
+  void take_view(const Message& message, Arrival arrival);
   void send_view(std::int64_t now_ns) noexcept;
 
   HubConnection::Settings settings_;
@@ -80,7 +82,7 @@ class LiveClient {
   std::string shape_rejection_;
   std::optional<ProbeState> newest_;
   ViewTransform view_ = {};
-  std::uint32_t others_revision_ = 0;  // of the newest view of another node
+  OthersView others_view_;
   KnownMoves known_moves_;
   KnownCarves known_carves_;
   std::vector<Carves::One> carves_;  // by serial - 1; valid up to known_carves_.complete()
