@@ -242,6 +242,10 @@ Result<ImageMap> MapMaker::make_relief(const MapSpec& spec, const MapSource& sou
     return relief_of_normals(texels, size_m, scale);
   });
   if (!relief) return fail("{}: 'normal_map': {}: {}", spec.where, image.name, relief.error().what);
+  if (!(relief->height_m <= kMapMaxHeightM)) {
+    return fail("{}: 'normal_map': {}: its relief is {:.3g} m high, and {} m are the most: lower 'normal_map_scale'{}", spec.where,
+                image.name, relief->height_m, kMapMaxHeightM, spec.is_of_mesh ? ", or the scale of normalTexture in the mesh file" : "");
+  }
   const ImageMap made{
       .image = std::make_shared<const SurfaceImage>(std::move(relief->image)), .at_black = -relief->height_m, .at_white = 0.0};
   return reliefs_.emplace(key, made).first->second;

@@ -144,6 +144,16 @@ TEST_F(NormalMap, TooSteepAReliefIsSmoothedAndSaysHowToKeepIt) {
   EXPECT_THAT(loaded->notes.back(), AllOf(HasSubstr("waves.png"), HasSubstr("a lower normal_map_scale keeps them")));
 }
 
+// Its height was infinite in single precision, and so was the force.
+TEST_F(NormalMap, AReliefHigherThanBumpsMayBeIsRejected) {
+  for (const char* scale : {"1e4", "3e38"}) {
+    write_gltf(fmt::format(R"({{"normalTexture":{{"index":0,"scale":{}}}}})", scale));
+    EXPECT_THAT(
+        error_of("normal_map = true", "sheet.gltf"),
+        AllOf(HasSubstr("line "), HasSubstr("m high, and 10 m are the most: lower 'normal_map_scale', or the scale of normalTexture")));
+  }
+}
+
 // A relief of 2,048 texels on a side takes 16 MB: hundreds of objects took all memory.
 TEST_F(NormalMap, ObjectsThatFeelItAlikeShareTheRelief) {
   write_gltf(R"({"normalTexture":{"index":0}})");
