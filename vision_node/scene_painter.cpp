@@ -41,11 +41,11 @@ struct ScenePainter::Object {
   double radius_m = 0.0;         // around frame.centre
   Pose X_SO = Pose::Identity();  // moved by this, frame S
   bool is_shown = true;
-  std::shared_ptr<const DetailLevel> whole;  // read by the builder
-  std::unique_ptr<TextureLayers> textures;   // null: none
-  bool is_painted = false;                   // its vertices have colours of their own
-  bool is_finished = false;                  // some of those have alpha, or a texture that does not repeat
-  bool has_blended = false;                  // some triangles show what is behind
+  std::shared_ptr<const DetailLevel> whole;       // read by the builder
+  std::shared_ptr<const TextureLayers> textures;  // null: none
+  bool is_painted = false;                        // its vertices have colours of their own
+  bool is_finished = false;                       // some of those have alpha, or a texture that does not repeat
+  bool has_blended = false;                       // some triangles show what is behind
   FlatLevel full;
   bool is_preview = false;  // full is only a part of its triangles, until all of them are ready to be drawn
   FlatBuffers full_vertices;
@@ -71,12 +71,11 @@ struct ScenePainter::Object {
 ScenePainter::ScenePainter() = default;
 
 // With its colours and images where the mesh has some.
-DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, Object& object) {
-  const MeshAppearance* appearance = shown.appearance.get();
-  object.is_painted = appearance != nullptr && appearance->triangles.size() == shown.mesh->triangles.size();
+DetailLevel ScenePainter::make_whole_level(const ShownObject& shown, SharedTextures& textures, Object& object) {
+  object.is_painted = shown.appearance != nullptr && shown.appearance->triangles.size() == shown.mesh->triangles.size();
   if (!object.is_painted) return make_level_of(*shown.mesh, object);
   std::vector<std::string> notes;
-  object.textures = TextureLayers::make(*appearance, notes);
+  object.textures = textures.make(shown.appearance, notes);
   for (const std::string& note : notes) log_warning("{}", note);
   DetailLevel level = make_level_of(*shown.mesh, object);
   for (const VertexPaint& paint : level.paints) {
@@ -131,12 +130,13 @@ Result<std::unique_ptr<ScenePainter>> ScenePainter::make(const std::vector<Shown
   glGenVertexArrays(1, &painter->empty_vertices_);
   painter->upload_lines();
   std::vector<std::shared_ptr<const DetailLevel>> levels;
+  SharedTextures textures;
   for (const ShownObject& shown : objects) {
     auto object = std::make_unique<Object>();
     object->shown = shown;
     object->frame = frame_detail(*shown.mesh);
     object->colour = shown.colour;
-    const auto whole = std::make_shared<DetailLevel>(make_whole_level(shown, *object));
+    const auto whole = std::make_shared<DetailLevel>(make_whole_level(shown, textures, *object));
     if (shown.shows_backs) mark_without_back(*shown.mesh, shown.appearance.get(), *whole);
     object->radius_m = whole->clusters.front().radius * object->frame.scale_m;
     object->triangles = whole->triangles();

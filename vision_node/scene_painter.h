@@ -15,6 +15,8 @@
 
 namespace hapton {
 
+class SharedTextures;
+
 // A mesh of the static scene. Frame S.
 struct ShownObject {
   std::shared_ptr<const TriangleMesh> mesh;
@@ -98,7 +100,7 @@ class ScenePainter {
   struct Object;
   ScenePainter();
   std::size_t choose(const Object& object, const ScenePass& pass, double* error_px = nullptr) const;
-  static DetailLevel make_whole_level(const ShownObject& shown, Object& object);
+  static DetailLevel make_whole_level(const ShownObject& shown, SharedTextures& textures, Object& object);
   static DetailLevel make_level_of(const TriangleMesh& mesh, const Object& object);
   void begin_reshape(Object& object);
   Result<void> make_programs();

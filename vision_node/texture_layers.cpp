@@ -32,13 +32,29 @@ std::pair<int, int> choose_size(const std::vector<Texels>& images) {
   return {width, height};
 }
 
-}  // namespace
-
-std::unique_ptr<TextureLayers> TextureLayers::make(const MeshAppearance& appearance, std::vector<std::string>& notes) {
+std::vector<bool> find_used(const MeshAppearance& appearance) {
   std::vector<bool> is_used(appearance.images.size(), false);
   for (const VisualMaterial& material : appearance.materials) {
     if (material.image && *material.image < is_used.size()) is_used[*material.image] = true;
   }
+  return is_used;
+}
+
+// The same layers, with the same numbers.
+bool have_same_images(const MeshAppearance& a, const MeshAppearance& b) {
+  if (&a == &b) return true;
+  const std::vector<bool> is_used = find_used(a);
+  if (is_used != find_used(b)) return false;
+  for (std::size_t i = 0; i < is_used.size(); ++i) {
+    if (is_used[i] && (a.images[i].name != b.images[i].name || a.images[i].bytes != b.images[i].bytes)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::unique_ptr<TextureLayers> TextureLayers::make(const MeshAppearance& appearance, std::vector<std::string>& notes) {
+  const std::vector<bool> is_used = find_used(appearance);
   std::vector<std::uint8_t> layer_of(appearance.images.size(), 0);
   std::vector<Texels> images;
   for (std::size_t i = 0; i < appearance.images.size(); ++i) {
@@ -75,6 +91,14 @@ std::unique_ptr<TextureLayers> TextureLayers::make(const MeshAppearance& appeara
 
 TextureLayers::~TextureLayers() {
   if (texture_ != 0) glDeleteTextures(1, &texture_);
+}
+
+std::shared_ptr<const TextureLayers> SharedTextures::make(std::shared_ptr<const MeshAppearance> appearance,
+                                                          std::vector<std::string>& notes) {
+  const auto is_same = [&](const Made& one) { return have_same_images(*one.appearance, *appearance); };
+  if (const auto found = std::ranges::find_if(made_, is_same); found != made_.end()) return found->layers;
+  made_.push_back({appearance, TextureLayers::make(*appearance, notes)});
+  return made_.back().layers;
 }
 
 void TextureLayers::bind() const { glBindTexture(GL_TEXTURE_2D_ARRAY, texture_); }

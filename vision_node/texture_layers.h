@@ -34,4 +34,19 @@ class TextureLayers {
   std::vector<std::uint8_t> layer_of_;
 };
 
+// The layers of a scene's objects: those whose materials use the same images share them, as instances and parts of one file do. Threads: as
+// TextureLayers.
+class SharedTextures {
+ public:
+  // As TextureLayers::make; notes: the first time only. Pre: not null.
+  std::shared_ptr<const TextureLayers> make(std::shared_ptr<const MeshAppearance> appearance, std::vector<std::string>& notes);
+
+ private:
+  struct Made {
+    std::shared_ptr<const MeshAppearance> appearance;
+    std::shared_ptr<const TextureLayers> layers;
+  };
+  std::vector<Made> made_;
+};
+
 }  // namespace hapton

@@ -84,6 +84,29 @@ TEST_F(TextureLayersTest, EachUsedImageThatCanBeReadIsALayer) {
   }
 }
 
+// Each instance, and each part of a file, took as much memory of the graphics as the first.
+TEST_F(TextureLayersTest, ObjectsOfTheSameImagesShareThem) {
+  add_image(make_plain_png(8, 2, {0, 0, 255}));
+  add_image("no image");
+  SharedTextures shared;
+  const auto make_of = [&](const MeshAppearance& appearance) {
+    return shared.make(std::make_shared<const MeshAppearance>(appearance), notes);
+  };
+  const auto first = make_of(look);
+  ASSERT_TRUE(first);
+  look.triangles.resize(5);
+  EXPECT_EQ(make_of(look), first);
+  EXPECT_EQ(notes.size(), 1U) << "the image that cannot be read is named once";
+  MeshAppearance other = look;
+  other.images[0].bytes = make_plain_png(8, 2, {0, 255, 0});
+  EXPECT_NE(make_of(other), first);
+  look.materials[1].image.reset();
+  const auto fewer = make_of(look);
+  ASSERT_TRUE(fewer);
+  EXPECT_NE(fewer, first);
+  EXPECT_EQ(fewer->layer_of(), (std::vector<std::uint8_t>{1, 0}));
+}
+
 // A layer's number is a byte, and 0 means none.
 TEST_F(TextureLayersTest, ThereAreAtMost255) {
   const std::string png = make_plain_png(1, 1, {255, 0, 0});
