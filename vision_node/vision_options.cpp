@@ -1,6 +1,9 @@
 #include "vision_node/vision_options.h"
 
-#include <cstdio>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
 
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
@@ -10,28 +13,37 @@
 #include "runtime/config.h"
 #include "runtime/flag_checks.h"
 #include "scene/screen_file.h"
+#include "scene/text_cursor.h"
 #include "vision_node/hud_text.h"
 #include "vision_node/session_player.h"
 
 namespace hapton {
 namespace {
 
+// Up to the separator, which is taken away as well.
+std::string_view take_word(std::string_view& rest, char separator) {
+  const std::size_t end = std::min(rest.find(separator), rest.size());
+  const std::string_view word = rest.substr(0, end);
+  rest.remove_prefix(std::min(end + 1, rest.size()));
+  return word;
+}
+
 Result<PictureSize> parse_size(std::string_view text) {
-  PictureSize size;
-  char rest = 0;
-  const std::string owned(text);
-  if (std::sscanf(owned.c_str(), "%dx%d%c", &size.width_px, &size.height_px, &rest) != 2 || size.width_px < 64 || size.height_px < 64 ||
-      size.width_px > 16384 || size.height_px > 16384) {
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  std::string_view rest = text;
+  const bool is_one = parse_integer(take_word(rest, 'x'), width) && parse_integer(rest, height);
+  if (!is_one || width < 64 || height < 64 || width > 16384 || height > 16384) {
     return fail("'{}' is not a size; give WIDTHxHEIGHT in pixels, from 64x64 to 16384x16384", text);
   }
-  return size;
+  return PictureSize{static_cast<int>(width), static_cast<int>(height)};
 }
 
 Result<Vec3> parse_triple(std::string_view text) {
   Vec3 numbers = Vec3::Zero();
-  char rest = 0;
-  const std::string owned(text);
-  const bool is_one = std::sscanf(owned.c_str(), "%lf,%lf,%lf%c", &numbers.x(), &numbers.y(), &numbers.z(), &rest) == 3;
+  std::string_view rest = text;
+  const bool is_one =
+      parse_number(take_word(rest, ','), numbers.x()) && parse_number(take_word(rest, ','), numbers.y()) && parse_number(rest, numbers.z());
   constexpr double kMax = 1e6;  // of each number, in its unit; keeps what is computed from it finite
   if (!is_one || !(numbers.cwiseAbs().array() <= kMax).all()) return fail("'{}' is not a triple; give X,Y,Z without spaces", text);
   return numbers;
