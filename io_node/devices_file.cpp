@@ -9,6 +9,7 @@
 #include "devices/device_maker.h"
 #include "link/messages.h"
 #include "runtime/toml_reader.h"
+#include "runtime/writable_path.h"
 
 namespace hapton {
 namespace {
@@ -151,7 +152,7 @@ void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other
   if (one.bind == other.bind && !has_free_port(one.bind)) {
     reader.reject("bind", fmt::format("'{}' and '{}' both listen at {}; give each a port of its own", one.name, other.name, one.bind));
   }
-  if (!one.record.empty() && one.record == other.record) {
+  if (is_same_output(one.record, other.record)) {
     reader.reject("record", fmt::format("'{}' and '{}' both record into {}; name two files", one.name, other.name, one.record));
   }
   const bool is_same_kind = one.device.name == other.device.name && takes_id(one.device.name);

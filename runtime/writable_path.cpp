@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <climits>
 #include <cstdlib>
@@ -112,6 +113,29 @@ Result<void> check_writable_file(const fs::path& file) {
   }
   if (!may_write(file, W_OK)) return fail("{} cannot be written: {}; give another name", file.string(), std::strerror(errno));
   return check_replaceable(file);
+}
+
+bool is_same_output(const fs::path& a, const fs::path& b) {
+  if (a.empty() || b.empty()) return false;
+  const PartPath parts[] = {PartPath(a), PartPath(b)};
+  const auto is_written_itself = [](const PartPath& part) { return part.part() == part.path(); };
+  if (std::ranges::any_of(parts, is_written_itself)) return false;
+  const auto full = [](const PartPath& part) {
+    std::error_code error;
+    const fs::path found = fs::weakly_canonical(fs::absolute(part.target(), error), error);
+    return error ? full_path(part.target()) : found;
+  };
+  return full(parts[0]) == full(parts[1]);
+}
+
+Result<void> check_different_outputs(const std::vector<NamedOutput>& outputs) {
+  for (auto one = outputs.begin(); one != outputs.end(); ++one) {
+    for (auto other = std::next(one); other != outputs.end(); ++other) {
+      if (!is_same_output(one->file, other->file)) continue;
+      return fail("{} and {} are both {}; name two files", one->flag, other->flag, other->file.string());
+    }
+  }
+  return {};
 }
 
 }  // namespace hapton

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "core/base/result.h"
 
@@ -11,5 +12,17 @@ namespace hapton {
 // their results at the end and should fail at the start. Error: one line with the path, the reason and what to do. RT: no.
 Result<void> check_writable_folder(const std::filesystem::path& folder);
 Result<void> check_writable_file(const std::filesystem::path& file);
+
+// Whether two names are those of one file, so that what is written last would replace the other; also by links, and where there is none
+// yet. A device or a pipe takes both, and empty names are none. RT: no.
+bool is_same_output(const std::filesystem::path& a, const std::filesystem::path& b);
+
+// An output of a command, and the flag that names it.
+struct NamedOutput {
+  const char* flag;
+  std::filesystem::path file;
+};
+// Error: one line with the flags of two outputs that are the same file. RT: no.
+Result<void> check_different_outputs(const std::vector<NamedOutput>& outputs);
 
 }  // namespace hapton

@@ -21,6 +21,7 @@
 #include "runtime/log.h"
 #include "runtime/standard_streams.h"
 #include "runtime/stop_signal.h"
+#include "runtime/writable_path.h"
 #include "scene/find_scene.h"
 #include "scene/scene_file.h"
 #include "vision_node/live_scene.h"
@@ -55,6 +56,7 @@ Result<void> check_screenshot(const std::filesystem::path& file) {
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
     return fail("--screenshot {}: cannot be written: {}; name a folder that exists and is writable", file.string(), std::strerror(errno));
   }
+  if (const auto writable = check_writable_file(file); !writable) return fail("--screenshot {}", writable.error().what);
   return {};
 }
 

@@ -13,6 +13,7 @@
 #include "core/geometry/mesh_shapes.h"
 #include "runtime/atomic_file.h"
 #include "runtime/config.h"
+#include "runtime/flag_checks.h"
 #include "runtime/log.h"
 #include "scene/scene_file.h"
 
@@ -39,7 +40,7 @@ int main(int argc, char** argv) {
   app.add_option("--mesh", meshes, "Mesh files, or bumpy: a generated one of 1,310,720 triangles")->capture_default_str();
   app.add_option("--frames", settings.frames, "Frames of each program and mesh")->check(CLI::Range(1, 100'000))->capture_default_str();
   app.add_flag("--offscreen", settings.offscreen, "No windows; an X display is still needed");
-  app.add_option("--out", out, "Folder for frames.csv and frames.txt");
+  app.add_option("--out", out, "Folder for frames.csv and frames.txt")->check(folder_to_write());
   if (const auto code = parse_command_line(app, argc, argv)) return *code;
   std::vector<FramesRow> rows;
   for (const std::string& which : meshes) {

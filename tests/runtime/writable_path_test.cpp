@@ -140,6 +140,26 @@ TEST(WritablePath, TakesWhatIsWrittenItself) {
   EXPECT_EQ(error_of(check_writable_file(pipe)), "");
 }
 
+TEST(WritablePath, TwoNamesOfOneFileAreOneOutput) {
+  const ScratchFolder folder;
+  const auto file = folder.path() / "a.csv";
+  EXPECT_TRUE(is_same_output(file, file)) << "not there yet";
+  EXPECT_TRUE(is_same_output(file, folder.path() / "b/.." / "." / "a.csv"));
+  EXPECT_FALSE(is_same_output(file, folder.path() / "b.csv"));
+  std::filesystem::create_symlink("a.csv", folder.path() / "link.csv");
+  EXPECT_TRUE(is_same_output(file, folder.path() / "link.csv")) << "leads to what will be there";
+  folder.write("a.csv", "x");
+  EXPECT_TRUE(is_same_output(file, folder.path() / "link.csv"));
+  std::filesystem::create_directory_symlink(folder.path(), folder.path() / "here");
+  EXPECT_TRUE(is_same_output(file, folder.path() / "here/a.csv"));
+  EXPECT_TRUE(is_same_output("a.csv", std::filesystem::current_path() / "a.csv"));
+  EXPECT_FALSE(is_same_output("/dev/null", "/dev/null")) << "takes both";
+  EXPECT_FALSE(is_same_output("", ""));
+  EXPECT_EQ(error_of(check_different_outputs({{"--csv", file}, {"--plot", ""}, {"--out", folder.path() / "b.csv"}})), "");
+  EXPECT_EQ(error_of(check_different_outputs({{"--csv", "a.csv"}, {"--plot", ""}, {"--out", "./a.csv"}})),
+            "--csv and --out are both ./a.csv; name two files");
+}
+
 TEST(WritablePath, LeavesNothingBehind) {
   const ScratchFolder folder;
   ASSERT_EQ(error_of(check_writable_folder(folder.path())), "");

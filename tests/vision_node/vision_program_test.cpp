@@ -148,6 +148,16 @@ TEST(VisionProgram, AScreenshotIsCheckedBeforeAnythingIsShown) {
   }
 }
 
+// It was shown for a minute, and the picture was lost.
+TEST(VisionProgram, AFolderIsNoScreenshot) {
+  const auto folder = std::filesystem::temp_directory_path() / ("hapton_program_" + std::to_string(getpid()) + "_folder.png");
+  std::filesystem::create_directory(folder);
+  const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 60 --screenshot " + folder.string());
+  EXPECT_EQ(run.code, 1);
+  EXPECT_NE(run.output.find("it is a folder; give the name of a file"), std::string::npos) << run.output;
+  std::filesystem::remove(folder);
+}
+
 TEST(VisionProgram, WithoutAHubItSaysSoAndFails) {
   const Ended run = run_vision("--scene meshes/car_front_3300.obj --offscreen --size 320x180 --seconds 5 --hub 127.0.0.1:9");
   EXPECT_EQ(run.code, 1);

@@ -7,6 +7,7 @@
 #include "core/base/similar_word.h"
 #include "runtime/atomic_file.h"
 #include "runtime/clock.h"
+#include "runtime/writable_path.h"
 #include "tools/bench/remote_processes.h"
 #include "tools/bench/remote_report.h"
 #include "tools/commands.h"
@@ -129,7 +130,17 @@ Result<void> run_processes(const RemoteOptions& options, const RemoteGrid& grid,
   return options.csv.empty() ? Result<void>() : write_file_atomically(options.csv, processes_to_csv(*rows));
 }
 
+// Beside the --csv file.
+std::filesystem::path walls_of(const std::filesystem::path& csv) {
+  std::filesystem::path walls = csv;
+  if (!csv.empty()) walls.replace_filename(csv.stem().string() + "_walls.csv");
+  return walls;
+}
+
 Result<void> run(const RemoteOptions& options) {
+  const auto differ =
+      check_different_outputs({{"--csv", options.csv}, {"the walls of --csv", walls_of(options.csv)}, {"--plot", options.plot}});
+  if (!differ) return differ;
   const auto grid = make_grid(options);
   if (!grid) return tl::unexpected(grid.error());
   if (!options.trace.empty()) {
@@ -145,10 +156,8 @@ Result<void> run(const RemoteOptions& options) {
   fmt::print("{}", options.json ? to_json(*grid, *results) : to_text(*grid, *results));
   if (!options.csv.empty()) {
     if (auto written = write_file_atomically(options.csv, to_csv(*results)); !written) return written;
-    std::filesystem::path walls = options.csv;
-    walls.replace_filename(options.csv.stem().string() + "_walls.csv");
     if (grid->has_walls) {
-      if (auto written = write_file_atomically(walls, walls_to_csv(*results)); !written) return written;
+      if (auto written = write_file_atomically(walls_of(options.csv), walls_to_csv(*results)); !written) return written;
     }
   }
   if (options.plot.empty()) return {};

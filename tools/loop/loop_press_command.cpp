@@ -12,6 +12,7 @@
 #include "closed_loop/press.h"
 #include "closed_loop/touch_wall.h"
 #include "runtime/atomic_file.h"
+#include "runtime/writable_path.h"
 #include "tools/commands.h"
 #include "tools/loop/loop_flags.h"
 #include "tools/milliseconds.h"
@@ -179,6 +180,8 @@ void print_text(const NamedLoop& loop, const PressMeasures& press, const nlohman
 constexpr double kDeepestM = 10.0;  // a deeper press is a mistake in its arguments; a free choice
 
 Result<void> run(const PressOptions& options) {
+  const auto differ = check_different_outputs({{"--csv", options.csv}, {"--spectrum", options.spectrum}});
+  if (!differ) return differ;
   const auto loops = loops_of(options.loop);
   if (!loops) return tl::unexpected(loops.error());
   if (loops->size() != 1) return fail("a press is of one device and one hand, not of {} pairs; name one of each", loops->size());

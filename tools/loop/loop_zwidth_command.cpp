@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/atomic_file.h"
+#include "runtime/writable_path.h"
 #include "tools/commands.h"
 #include "tools/loop/zwidth_grid.h"
 #include "tools/loop/zwidth_plot.h"
@@ -76,6 +77,8 @@ std::string to_text(const ZWidthRow& row) {
 }
 
 Result<void> run(const ZWidthOptions& options) {
+  const auto differ = check_different_outputs({{"--csv", options.csv}, {"--plot", options.plot}});
+  if (!differ) return differ;
   const auto grid = make_grid(options);
   if (!grid) return tl::unexpected(grid.error());
   const auto shard = read_shard(options.shard);

@@ -11,7 +11,7 @@ void add_sculpt_command(CommandLine app, int& exit_code) {
   const CommandLine sculpt = app.add_subcommand("sculpt", "Write the surface of what the stylus has carved as a mesh");
   sculpt.add_option("scene", options->scene, "Scene (.toml) with an object that can be carved").required();
   sculpt.add_option("--annotations", options->annotations, "File (.toml) that vision_node --annotations wrote").required();
-  sculpt.add_option("--out", options->out, "Mesh to write: FILE.stl, FILE.obj or FILE.ply").required();
+  sculpt.add_option("--out", options->out, "Mesh to write: FILE.stl, FILE.obj or FILE.ply").file_to_write().required();
   sculpt.add_option("--object", options->object, "Name of the object; default: all that can be carved, in one mesh");
   sculpt.on_run([options, &exit_code] {
     const auto written = export_carved(*options);

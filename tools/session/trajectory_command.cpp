@@ -10,6 +10,7 @@
 
 #include "core/geometry/mesh_measures.h"
 #include "runtime/atomic_file.h"
+#include "runtime/writable_path.h"
 #include "tools/commands.h"
 #include "tools/mesh_choice.h"
 #include "tools/session/ply_writer.h"
@@ -38,6 +39,8 @@ std::string to_csv(const TouchTrajectory& made, const TrajectoryOptions& options
 }
 
 Result<void> make(const TrajectoryOptions& options) {
+  const auto differ = check_different_outputs({{"--out", options.out}, {"--mesh-out", options.mesh_out}});
+  if (!differ) return differ;
   const auto mesh = make_mesh(options.mesh);
   if (!mesh) return tl::unexpected(mesh.error());
   const auto made = make_trajectory(options.kind, *mesh, options.settings);
@@ -63,7 +66,7 @@ void add_trajectory_command(CommandLine app, int& exit_code) {
   command.add_option("--rows", options->settings.rows, "Number of steps").between(1, 100'000'000).shows_default();
   command.add_option("--rate", options->settings.rate_hz, "Steps a second").between(1.0, 1e6).shows_default();
   command.add_option("--out", options->out, "CSV to write").file_to_write().required();
-  command.add_option("--mesh-out", options->mesh_out, "Also write the mesh, scaled, as PLY in metres");
+  command.add_option("--mesh-out", options->mesh_out, "Also write the mesh, scaled, as PLY in metres").file_to_write();
   command.on_run([options, &exit_code] {
     const auto done = make(*options);
     if (!done) fmt::print(stderr, "hapton trajectory: {}\n", done.error().what);

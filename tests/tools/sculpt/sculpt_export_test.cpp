@@ -106,6 +106,14 @@ TEST_F(SculptExportTest, OnAFullDiskThereIsOneLineAndNoFile) {
   EXPECT_EQ(static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder.path()), {})), files);
 }
 
+// A scene may take minutes to read.
+TEST_F(SculptExportTest, WhereNothingCanBeWrittenIsSaidBeforeTheWork) {
+  const CommandRun run = run_hapton({"sculpt", out("none.toml"), "--annotations", annotations, "--out", out("slab.obj/clay.stl")});
+  EXPECT_EQ(run.code, 2);
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("--out: " + out("slab.obj") + " cannot be a folder"));
+}
+
 TEST_F(SculptExportTest, WrongInputIsOneLine) {
   const auto error = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "sculpt");

@@ -58,6 +58,18 @@ TEST(TrajectoryCommand, TheMeshIsWrittenAsItWasFollowed) {
   EXPECT_NEAR(compute_bounds(loaded->mesh).extent(), 0.05, 1e-9);
 }
 
+// The rows replaced the mesh, and the mesh was lost without a word.
+TEST(TrajectoryCommand, OneFileIsNotBothOutputs) {
+  const ScratchFolder folder;
+  const CommandRun run = make_trajectory_of("tap", folder.path() / "a.ply", {"--mesh-out", (folder.path() / "b/../a.ply").string()});
+  EXPECT_EQ(run.code, 1);
+  EXPECT_THAT(run.err, HasSubstr("--out and --mesh-out are both"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.ply"));
+  const CommandRun blocked = make_trajectory_of("spin", folder.path() / "a.csv", {"--mesh-out", "/proc/a.ply"});
+  EXPECT_EQ(blocked.code, 2);
+  EXPECT_THAT(blocked.err, HasSubstr("--mesh-out: /proc cannot be written")) << "checked before the work";
+}
+
 TEST(TrajectoryCommand, AKindThatDoesNotExistIsAnErrorThatNamesThoseThatDo) {
   const ScratchFolder folder;
   const auto file = folder.path() / "spin.csv";
