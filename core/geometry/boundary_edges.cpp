@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/median_tree.h"
 #include "core/geometry/seam_mesh.h"
 #include "core/geometry/segment_slabs.h"
 
@@ -67,12 +68,21 @@ class PendingPoints {
   };
 
   explicit PendingPoints(std::vector<Point> points) : points_(std::move(points)) {
-    if (!points_.empty()) build(0, static_cast<std::uint32_t>(points_.size()));
+    const auto reach_of = [](const Point& p) {
+      return Eigen::AlignedBox3d(p.at - Vec3::Constant(p.radius), p.at + Vec3::Constant(p.radius));
+    };
+    tree_ = MedianTree(points_, kLeafSize, reach_of, [](const Point& p) -> const Vec3& { return p.at; });
   }
 
   // Tests edge ab against all points that are not done.
   void test_edge(std::uint32_t edge, const Vec3& a, const Vec3& b) {
-    visit(0, {.edge = edge, .segment = Segment(a, b), .slabs = SegmentSlabs(a, b)});
+    const Segment segment(a, b);
+    const SegmentSlabs slabs(a, b);
+    const auto enter = [&](const MedianTree::Node& node) {
+      ++work_;
+      return node.open != 0 && slabs.meets(node.box.min(), node.box.max());
+    };
+    tree_.visit_open(enter, [&](std::uint32_t i) { return try_point(points_[i], edge, segment); });
   }
 
   const std::vector<Point>& points() const { return points_; }
@@ -80,71 +90,19 @@ class PendingPoints {
 
  private:
   static constexpr std::uint32_t kLeafSize = 4;
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
   static constexpr std::uint32_t kMaxMisses = 512;  // of one point
 
-  struct Node {
-    Vec3 low, high;  // of the points, each inflated by its radius
-    std::uint32_t first = 0;
-    std::uint32_t last = 0;
-    std::uint32_t right = kNone;  // the left child follows its parent; none: a leaf
-    std::uint32_t pending = 0;    // points that are not done
-  };
-  struct TestedEdge {
-    std::uint32_t edge = 0;
-    Segment segment;
-    SegmentSlabs slabs;
-  };
-
-  std::uint32_t build(std::uint32_t first, std::uint32_t last) {
-    const auto number = static_cast<std::uint32_t>(nodes_.size());
-    Eigen::AlignedBox3d reached;
-    Eigen::AlignedBox3d box;
-    for (std::uint32_t i = first; i < last; ++i) {
-      box.extend(points_[i].at);
-      reached.extend(points_[i].at - Vec3::Constant(points_[i].radius));
-      reached.extend(points_[i].at + Vec3::Constant(points_[i].radius));
-    }
-    nodes_.push_back({.low = reached.min(), .high = reached.max(), .first = first, .last = last, .pending = last - first});
-    if (last - first <= kLeafSize) return number;
-    int axis = 0;
-    box.sizes().maxCoeff(&axis);
-    const std::uint32_t middle = first + (last - first) / 2;
-    const auto at = [&](std::uint32_t i) { return points_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(first), at(middle), at(last), [axis](const Point& p, const Point& q) { return p.at[axis] < q.at[axis]; });
-    build(first, middle);
-    const std::uint32_t right = build(middle, last);
-    nodes_[number].right = right;
-    return number;
-  }
-
-  // Returns the number of points that are done now.
-  std::uint32_t visit(std::uint32_t number, const TestedEdge& tested) {
-    Node& node = nodes_[number];
-    ++work_;
-    if (node.pending == 0 || !tested.slabs.meets(node.low, node.high)) return 0;
-    std::uint32_t done = 0;
-    if (node.right != kNone) {
-      done = visit(number + 1, tested);
-      done += visit(node.right, tested);
-    } else {
-      for (std::uint32_t i = node.first; i < node.last; ++i) done += try_point(points_[i], tested) ? 1 : 0;
-    }
-    node.pending -= done;
-    return done;
-  }
-
   // True if the point is done now.
-  bool try_point(Point& point, const TestedEdge& tested) {
-    if (point.is_found || point.misses == kMaxMisses || point.edge == tested.edge) return false;
+  bool try_point(Point& point, std::uint32_t edge, const Segment& segment) {
+    if (point.is_found || point.misses == kMaxMisses || point.edge == edge) return false;
     ++work_;
-    point.squared_gap = tested.segment.squared_distance(point.at);
+    point.squared_gap = segment.squared_distance(point.at);
     point.is_found = point.squared_gap <= point.radius * point.radius;
     return point.is_found || ++point.misses == kMaxMisses;
   }
 
   std::vector<Point> points_;
-  std::vector<Node> nodes_;
+  MedianTree tree_;  // open: points that are not done
   std::size_t work_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/median_tree.h"
 #include "core/math/types.h"
 
 namespace hapton {
@@ -28,18 +29,10 @@ class EnclosingBoxes {
  private:
   static constexpr std::uint32_t kLeafSize = 4;
 
-  struct Node {
-    Box around;
-    std::uint32_t first = 0;  // boxes
-    std::uint32_t last = 0;
-    std::uint32_t right = 0;  // the left child follows its parent; 0: a leaf
-  };
-
-  std::uint32_t build(std::uint32_t first, std::uint32_t last);
   bool is_contained(std::uint32_t number, const Box& box);
 
   std::vector<Box> boxes_;
-  std::vector<Node> nodes_;
+  MedianTree tree_;  // by the middles of the boxes
   std::size_t compared_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/geometry/median_tree.h"
 #include "core/math/types.h"
 
 namespace hapton {
@@ -32,23 +33,13 @@ class FarPoints {
  private:
   static constexpr std::uint32_t kLeafSize = 8;
 
-  struct Node {
+  struct Box {
     Vec3 centre, half;
-    std::uint32_t first = 0;  // points
-    std::uint32_t last = 0;
-    std::uint32_t right = 0;  // the left child follows its parent; 0: a leaf
   };
-  struct Query {
-    Vec3 direction, from;
-    double farthest = 0.0;
-  };
-
-  std::uint32_t build(std::uint32_t first, std::uint32_t last);
-  double reach_of(std::uint32_t number, const Query& query) const noexcept;
-  void visit(std::uint32_t number, double reach, Query& query);
 
   std::vector<Vec3> points_;
-  std::vector<Node> nodes_;
+  MedianTree tree_;
+  std::vector<Box> boxes_;  // of its nodes
   double extent_ = 0.0;
   std::size_t compared_ = 0;
 };

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/geometry/median_tree.h"
 #include "core/math/types.h"
 
 namespace hapton {
@@ -34,22 +35,11 @@ class VertexTree {
 
  private:
   static constexpr std::uint32_t kLeafSize = 8;
-  static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-
-  struct Node {
-    Vec3 low, high;
-    std::uint32_t first = 0;  // items
-    std::uint32_t last = 0;
-    std::uint32_t right = kNone;  // the left child follows its parent; none: a leaf
-    std::uint32_t open = 0;       // items that may still be tested against segments
-  };
-
-  std::uint32_t build(std::uint32_t first, std::uint32_t last);
 
   std::span<const Vec3> points_;
   std::vector<std::uint32_t> items_;
   std::vector<std::uint32_t> tested_;  // test count of each item, by position in items_
-  std::vector<Node> nodes_;
+  MedianTree tree_;                    // open: items that may still be tested against segments
 };
 
 }  // namespace hapton

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "core/math/types.h"
+
+namespace hapton {
+
+// A tree of boxes over a row of items: a node with more than `leaf_size` of them is split at the median, across the longest side of what
+// their places take.
+//
+// Construction takes n log n steps for any input, also if all places are equal; it reorders the items, which the caller keeps. Items that
+// are numbers are split by number where their places are equal, so that it does not matter in which order they came. Units and frame:
+// those of the items. RT: set-up only. Threads: one (visit_open counts).
+class MedianTree {
+ public:
+  struct Node {
+    Eigen::AlignedBox3d box;  // around what its items take
+    std::uint32_t first = 0;  // items
+    std::uint32_t last = 0;
+    std::uint32_t right = 0;  // the left child follows its parent; 0: a leaf
+    std::uint32_t open = 0;   // items with which visit_open is not finished
+  };
+
+  MedianTree() = default;
+
+  // extent_of(item): a point or box, what the item takes. place_of(item): the point by which it is sorted; of the same type for points.
+  // Pre: finite, fewer than 2^32.
+  template <class Item, class ExtentOf, class PlaceOf>
+  MedianTree(std::vector<Item>& items, std::uint32_t leaf_size, const ExtentOf& extent_of, const PlaceOf& place_of) {
+    static_assert(std::is_class_v<ExtentOf>, "two functions may be of one type");
+    constexpr bool kArePoints = std::is_same_v<ExtentOf, PlaceOf>;  // each is where it is and takes no more
+    const auto build = [&](auto&& self, std::uint32_t first, std::uint32_t last) -> void {
+      const std::size_t number = nodes_.size();
+      Node node{.box = {}, .first = first, .last = last, .open = last - first};
+      Eigen::AlignedBox3d places;
+      for (std::uint32_t i = first; i < last; ++i) {
+        places.extend(place_of(items[i]));
+        if constexpr (!kArePoints) node.box.extend(extent_of(items[i]));
+      }
+      if constexpr (kArePoints) node.box = places;
+      nodes_.push_back(node);
+      if (last - first <= leaf_size) return;
+      int axis = 0;
+      places.sizes().maxCoeff(&axis);
+      const std::uint32_t middle = first + (last - first) / 2;
+      std::nth_element(items.begin() + first, items.begin() + middle, items.begin() + last, [&](const Item& a, const Item& b) {
+        const double at_a = place_of(a)[axis];
+        const double at_b = place_of(b)[axis];
+        if constexpr (std::integral<Item>) return at_a != at_b ? at_a < at_b : a < b;
+        return at_a < at_b;
+      });
+      self(self, first, middle);
+      nodes_[number].right = static_cast<std::uint32_t>(nodes_.size());
+      self(self, middle, last);
+    };
+    if (!items.empty()) build(build, 0, static_cast<std::uint32_t>(items.size()));
+  }
+
+  // The root first; none without items.
+  const std::vector<Node>& nodes() const noexcept { return nodes_; }
+
+  // Calls look(leaf) for the leaves within nodes that enter(distance) accepts, of two children the one at the smaller distance_of(number)
+  // first, the left one if equal.
+  template <class DistanceOf, class Enter, class Look>
+  void visit_nearest_first(const DistanceOf& distance_of, const Enter& enter, const Look& look) const {
+    const auto visit = [&](auto&& self, std::uint32_t number, double distance) -> void {
+      if (!enter(distance)) return;
+      const Node& node = nodes_[number];
+      if (node.right == 0) return look(node);
+      const std::uint32_t left = number + 1;
+      const double to_left = distance_of(left);
+      const double to_right = distance_of(node.right);
+      const bool left_first = to_left <= to_right;
+      self(self, left_first ? left : node.right, left_first ? to_left : to_right);
+      self(self, left_first ? node.right : left, left_first ? to_right : to_left);
+    };
+    if (!nodes_.empty()) visit(visit, 0, distance_of(0));
+  }
+
+  // Calls look(i) for the items of the leaves within nodes that enter(node) accepts, from left to right. It returns whether item i is
+  // finished now: the nodes around it count it as open no longer.
+  template <class Enter, class Look>
+  void visit_open(const Enter& enter, const Look& look) {
+    const auto visit = [&](auto&& self, Node& node) -> std::uint32_t {
+      if (!enter(std::as_const(node))) return 0;
+      std::uint32_t finished = 0;
+      if (node.right != 0) {
+        finished = self(self, *(&node + 1));
+        finished += self(self, nodes_[node.right]);
+      } else {
+        for (std::uint32_t i = node.first; i < node.last; ++i) finished += look(i) ? 1 : 0;
+      }
+      node.open -= finished;
+      return finished;
+    };
+    if (!nodes_.empty()) visit(visit, nodes_.front());
+  }
+
+ private:
+  std::vector<Node> nodes_;
+};
+
+}  // namespace hapton
