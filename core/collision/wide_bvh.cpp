@@ -3,30 +3,17 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/collision/binned_cut.h"
+
 namespace hapton {
 namespace {
-
-struct FloatBox {
-  Float4 low = Float4(std::numeric_limits<float>::infinity());
-  Float4 high = Float4(-std::numeric_limits<float>::infinity());
-
-  void grow(const FloatBox& other) {
-    low = min(low, other.low);
-    high = max(high, other.high);
-  }
-  float half_area() const {
-    alignas(16) std::array<float, 4> d;
-    store(d.data(), high - low);
-    return d[0] * d[1] + d[1] * d[2] + d[2] * d[0];
-  }
-};
 
 // An item's box; the item's number is stored in the unused fourth lane of low, encoded so that it is as fast to add as others.
 struct Item {
   static constexpr std::uint32_t kNotSubnormal = 0x40000000U;
   FloatBox box;
   std::uint32_t id() const { return last_word(box.low) ^ kNotSubnormal; }
-  Float4 twice_centre() const { return box.low + box.high; }
+  Float4 twice_centre() const { return box.twice_centre(); }
   float twice_centre(int axis) const { return box.low[axis] + box.high[axis]; }
 };
 
@@ -38,16 +25,6 @@ Item make_item(const Box& box, std::uint32_t id) {
   return item;
 }
 
-// A run of items with its box and the box of its (doubled) centres.
-struct Range {
-  std::uint32_t begin = 0;
-  std::uint32_t end = 0;
-  FloatBox box;
-  FloatBox centres;
-  std::uint32_t size() const { return end - begin; }
-};
-
-constexpr int kBins = 16;           // as Wald 2007
 constexpr std::uint32_t kFew = 64;  // items that fill one level of nodes
 static_assert(kFew == WideBvh::kWidth * WideBvh::kWidth);
 // Of larger runs the widest axis is nearly always the best, at a third of the work.
@@ -60,18 +37,14 @@ struct WideBvh::Builder {
   LargeVector<Node>& nodes;
   int depth = 0;
 
-  Range range_of(std::uint32_t begin, std::uint32_t end) const {
-    Range range{begin, end, {}, {}};
-    for (std::uint32_t i = begin; i < end; ++i) {
-      range.box.grow(items[i].box);
-      const Float4 centre = items[i].twice_centre();
-      range.centres.grow({centre, centre});
-    }
+  ItemRun range_of(std::uint32_t begin, std::uint32_t end) const {
+    ItemRun range{.begin = begin, .end = end};
+    for (std::uint32_t i = begin; i < end; ++i) range.grow(items[i].box);
     return range;
   }
 
   // Splits off a given number of items, which bounds the depth for any geometry.
-  std::pair<Range, Range> split_off(const Range& range, int axis, std::uint32_t count) {
+  std::pair<ItemRun, ItemRun> split_off(const ItemRun& range, int axis, std::uint32_t count) {
     const std::uint32_t middle = range.begin + count;
     if (range.size() <= kFew) {
       part_few(range, axis, count);
@@ -84,7 +57,7 @@ struct WideBvh::Builder {
 
   // Moves the `count` items that come first along the axis before the others, otherwise in order. Each item's rank is counted with eight
   // comparisons at a time, without branches.
-  void part_few(const Range& range, int axis, std::uint32_t count) {
+  void part_few(const ItemRun& range, int axis, std::uint32_t count) {
     alignas(32) std::array<float, kFew> centres;
     centres.fill(std::numeric_limits<float>::infinity());
     const std::uint32_t size = range.size();
@@ -121,90 +94,44 @@ struct WideBvh::Builder {
     std::copy_n(others.begin(), other, items.begin() + at);
   }
 
-  struct Bin {
-    FloatBox box;
-    FloatBox centres;
-    std::uint32_t count = 0;
-
-    void join(const Bin& other) {
-      box.grow(other.box);
-      centres.grow(other.centres);
-      count += other.count;
-    }
-  };
-
-  using Bins = std::array<Bin, kBins>;
-
-  // The bin of a centre on each axis: all axes have kBins over the extent of the centres.
+  // The bin of a centre on each axis: all axes have kCutBins over the extent of the centres.
   struct Binning {
     Float4 base;
     Float4 scale;
 
-    Int4 bins_of(const Float4& centre) const { return max(Int4(0), min(Int4::truncated((centre - base) * scale), Int4(kBins - 1))); }
+    Int4 bins_of(const Float4& centre) const { return max(Int4(0), min(Int4::truncated((centre - base) * scale), Int4(kCutBins - 1))); }
   };
 
-  static Binning binning_of(const Range& range, const std::array<float, 4>& extent) {
+  static Binning binning_of(const ItemRun& range, const std::array<float, 4>& extent) {
     std::array<float, 4> scale = {};
-    for (int k = 0; k < 3; ++k) scale[k] = extent[k] > 0.0F ? kBins * 0.999F / extent[k] : 0.0F;
+    for (int k = 0; k < 3; ++k) scale[k] = extent[k] > 0.0F ? kCutBins * 0.999F / extent[k] : 0.0F;
     return {range.centres.low, Float4::load_unaligned(scale.data())};
   }
 
   // In one pass. widest: -1 for all three axes, else this one alone.
-  void fill_bins(const Range& range, const Binning& binning, int widest, std::array<Bins, 3>& bins) const {
-    const auto put = [](Bin& bin, const Item& item, const Float4& centre) {
-      bin.box.grow(item.box);
-      bin.centres.grow({centre, centre});
-      ++bin.count;
-    };
+  void fill_bins(const ItemRun& range, const Binning& binning, int widest, std::array<CutBins, 3>& bins) const {
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
       const Float4 centre = items[i].twice_centre();
       alignas(16) std::array<std::int32_t, 4> b;
       store(b.data(), binning.bins_of(centre));
       if (widest >= 0) {
-        put(bins[i % 3][b[widest]], items[i],
-            centre);  // neighbours fall into one bin: three sets of bins, so that successive additions do not wait for each other
+        // Neighbours fall into one bin: three sets of bins, so that successive additions do not wait for each other.
+        bins[i % 3][b[widest]].add(items[i].box, centre);
       } else {
-        for (int k = 0; k < 3; ++k) put(bins[k][b[k]], items[i], centre);
+        for (int k = 0; k < 3; ++k) bins[k][b[k]].add(items[i].box, centre);
       }
     }
     if (widest < 0) return;
-    for (int bin = 0; bin < kBins; ++bin) {
+    for (int bin = 0; bin < kCutBins; ++bin) {
       for (int k = 0; k < 3; ++k) {
         if (k != widest) bins[widest][bin].join(bins[k][bin]);
       }
     }
   }
 
-  // Between this bin and the next one.
-  struct Cut {
-    float cost = std::numeric_limits<float>::infinity();
-    int axis = -1;  // none
-    int bin = 0;
-  };
-
-  static void find_cut(const Bins& bins, int axis, std::uint32_t size, Cut& best) {
-    std::array<float, kBins> right_cost = {};
-    FloatBox box;
-    std::uint32_t count = 0;
-    for (int b = kBins - 1; b > 0; --b) {
-      box.grow(bins[b].box);
-      count += bins[b].count;
-      right_cost[b] = count > 0 ? box.half_area() * static_cast<float>(count) : 0.0F;
-    }
-    box = {};
-    count = 0;
-    for (int b = 0; b + 1 < kBins; ++b) {
-      box.grow(bins[b].box);
-      count += bins[b].count;
-      if (count == 0 || count == size) continue;
-      const float cost = box.half_area() * static_cast<float>(count) + right_cost[b + 1];
-      if (cost < best.cost) best = {cost, axis, b};
-    }
-  }
-
   // Without a branch, which would be mispredicted half of the time: each item is swapped with the first one that does not come before the
   // cut. bins: of the cut's axis.
-  std::pair<Range, Range> part_at(const Cut& cut, const Range& range, const Binning& binning, const Bins& bins) {
+  std::pair<ItemRun, ItemRun> part_at(const BinnedCut& cut, const ItemRun& range, const Binning& binning, const CutBins& bins) {
     std::uint32_t at = range.begin;
     const Int4 last = Int4(cut.bin);
     for (std::uint32_t i = range.begin; i < range.end; ++i) {
@@ -213,17 +140,10 @@ struct WideBvh::Builder {
       std::swap(items[i], items[at]);
       at += is_before;
     }
-    Range left{range.begin, at, {}, {}};
-    Range right{at, range.end, {}, {}};
-    for (int b = 0; b < kBins; ++b) {
-      Range& side = b <= cut.bin ? left : right;
-      side.box.grow(bins[b].box);
-      side.centres.grow(bins[b].centres);
-    }
-    return {left, right};
+    return cut.sides(range, at, bins);
   }
 
-  std::pair<Range, Range> split(const Range& range, bool balanced) {
+  std::pair<ItemRun, ItemRun> split(const ItemRun& range, bool balanced) {
     alignas(16) std::array<float, 4> extent;
     store(extent.data(), range.centres.high - range.centres.low);
     const int widest = static_cast<int>(std::max_element(extent.begin(), extent.begin() + 3) - extent.begin());
@@ -233,11 +153,11 @@ struct WideBvh::Builder {
     if (balanced || !(extent[widest] > 0.0F) || !std::isfinite(extent[widest])) return split_off(range, widest, half);
     const bool one_axis = range.size() > kOneAxisAbove;
     const Binning binning = binning_of(range, extent);
-    std::array<Bins, 3> bins;
+    std::array<CutBins, 3> bins;
     fill_bins(range, binning, one_axis ? widest : -1, bins);
-    Cut cut;
+    BinnedCut cut;
     for (int k = one_axis ? widest : 0; k <= (one_axis ? widest : 2); ++k) {
-      if (extent[k] > 0.0F) find_cut(bins[k], k, range.size(), cut);
+      if (extent[k] > 0.0F) cut.consider(bins[k], k, range.size());
     }
     if (cut.axis < 0) return split_off(range, widest, half);
     return part_at(cut, range, binning, bins[cut.axis]);
@@ -256,7 +176,7 @@ struct WideBvh::Builder {
   }
 
   // Builds the node of a run and returns its number. Splits the child with the largest expected cost until there are eight.
-  std::uint32_t build(const Range& range, int level) {
+  std::uint32_t build(const ItemRun& range, int level) {
     const auto index = static_cast<std::uint32_t>(nodes.size());
     nodes.emplace_back();
     for (int k = 0; k < 3; ++k) {
@@ -274,7 +194,7 @@ struct WideBvh::Builder {
     }
     // Below this level runs are halved by count: 13 levels of eight-fold division cover 2^32 items, well inside kMaxDepth.
     const bool balanced = level > kMaxDepth - 14;
-    std::array<Range, kWidth> parts;
+    std::array<ItemRun, kWidth> parts;
     parts[0] = range;
     int count = 1;
     while (count < kWidth) {
