@@ -23,18 +23,18 @@ constexpr double kTopM = 0.05;     // of the cube
 constexpr double kAboveM = 0.015;  // where the hand is free: at its start it comes from above and swings 4 mm past that
 
 // How io_node is to work out forces, and through which network. At so long a round trip no remote force is used.
-struct Way {
+struct TouchSetup {
   std::string name;
   std::string touch;
   std::vector<std::string> relay;  // empty: none
 };
-const Way kRemote = {"Remote", "remote", {}};
-const Way kPatch = {"Patch", "patch", {}};
-const Way kAutoFar = {"AutoFar", "auto", {"--delay-ms", "25"}};
-const Way kPatchLossy = {
+const TouchSetup kRemote = {"Remote", "remote", {}};
+const TouchSetup kPatch = {"Patch", "patch", {}};
+const TouchSetup kAutoFar = {"AutoFar", "auto", {"--delay-ms", "25"}};
+const TouchSetup kPatchLossy = {
     "PatchLossy", "patch", {"--delay-ms", "10", "--loss", "0.3", "--jitter-ms", "20", "--duplicate", "0.1", "--corrupt", "0.05"}};
 
-class TouchedWay : public ::testing::TestWithParam<Way> {
+class FaultsInContact : public ::testing::TestWithParam<TouchSetup> {
  protected:
   bool has_patches() const { return GetParam().touch != "remote"; }
 
@@ -115,7 +115,7 @@ class TouchedWay : public ::testing::TestWithParam<Way> {
   ProbeState state;
 };
 
-TEST_P(TouchedWay, HapticsKilledLeavesNoForceAndBringsItBack) {
+TEST_P(FaultsInContact, HapticsKilledLeavesNoForceAndBringsItBack) {
   ASSERT_NO_FATAL_FAILURE(press());
   system["haptics_node"].kill();
   ASSERT_NO_FATAL_FAILURE(expect_released());
@@ -125,7 +125,7 @@ TEST_P(TouchedWay, HapticsKilledLeavesNoForceAndBringsItBack) {
 }
 
 // Where contact was is known to who was there. It is of no use to a hand that has left meanwhile: it would be held from the other side.
-TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
+TEST_P(FaultsInContact, NothingPullsAHandBackThatHasLeftMeanwhile) {
   ASSERT_NO_FATAL_FAILURE(press());
   for (const char* node : {"haptics_node", "io_node"}) {
     system[node].kill();
@@ -154,7 +154,7 @@ TEST_P(TouchedWay, NothingPullsAHandBackThatHasLeftMeanwhile) {
   system.end_all();
 }
 
-TEST_P(TouchedWay, HapticsFrozenLeavesNoForceAndBringsItBack) {
+TEST_P(FaultsInContact, HapticsFrozenLeavesNoForceAndBringsItBack) {
   ASSERT_NO_FATAL_FAILURE(press());
   system["haptics_node"].send_signal(SIGSTOP);
   ASSERT_NO_FATAL_FAILURE(expect_released());
@@ -164,7 +164,7 @@ TEST_P(TouchedWay, HapticsFrozenLeavesNoForceAndBringsItBack) {
 }
 
 // What it held back comes all at once when it is back.
-TEST_P(TouchedWay, TheNetworkCutLeavesNoForceAndBringsItBack) {
+TEST_P(FaultsInContact, TheNetworkCutLeavesNoForceAndBringsItBack) {
   ASSERT_NO_FATAL_FAILURE(press(true));
   system["relay"].send_signal(SIGSTOP);
   ASSERT_NO_FATAL_FAILURE(expect_released());
@@ -173,7 +173,7 @@ TEST_P(TouchedWay, TheNetworkCutLeavesNoForceAndBringsItBack) {
   system.end_all();
 }
 
-TEST_P(TouchedWay, ASecondHapticsNodeTakesOver) {
+TEST_P(FaultsInContact, ASecondHapticsNodeTakesOver) {
   ASSERT_NO_FATAL_FAILURE(press());
   const auto second = system.start_another("haptics_node");
   ASSERT_TRUE(waits_with_hand([](const Json& report) { return count(report, "joins_rejected") > 0; }));
@@ -186,7 +186,7 @@ TEST_P(TouchedWay, ASecondHapticsNodeTakesOver) {
   EXPECT_TRUE(second->wait(kPatience));
 }
 
-TEST_P(TouchedWay, TheHubKilledAndRestartedIsFelt) {
+TEST_P(FaultsInContact, TheHubKilledAndRestartedIsFelt) {
   ASSERT_NO_FATAL_FAILURE(press());
   system["io_node"].kill();
   start("io_node");
@@ -194,7 +194,7 @@ TEST_P(TouchedWay, TheHubKilledAndRestartedIsFelt) {
   system.end_all();
 }
 
-TEST_P(TouchedWay, TheHubFrozenAndContinuedIsFelt) {
+TEST_P(FaultsInContact, TheHubFrozenAndContinuedIsFelt) {
   ASSERT_NO_FATAL_FAILURE(press());
   SteadyClock clock;
   for (const int ms : {50, 1500}) {
@@ -207,7 +207,7 @@ TEST_P(TouchedWay, TheHubFrozenAndContinuedIsFelt) {
 }
 
 // Up by half a millimetre, and turned about z: the hand is that much deeper.
-TEST_P(TouchedWay, AMovedSceneIsFeltWhereItIs) {
+TEST_P(FaultsInContact, AMovedSceneIsFeltWhereItIs) {
   ASSERT_NO_FATAL_FAILURE(press());
   ViewTransform view;
   view.revision = 5;
@@ -231,7 +231,7 @@ std::string many_effects() {
 }
 
 // The file is saved with the cube half a millimetre lower, then with honey on it, and then in more air than parts hold.
-TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
+TEST_P(FaultsInContact, ASceneThatIsSavedAgainIsFelt) {
   system.add_arguments("haptics_node", {"--watch-scene"});
   ASSERT_NO_FATAL_FAILURE(press());
   const auto save = [&](const std::string& lines) {
@@ -264,10 +264,10 @@ TEST_P(TouchedWay, ASceneThatIsSavedAgainIsFelt) {
   system.end_all();
 }
 
-void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+void PrintTo(const TouchSetup& setup, std::ostream* out) { *out << setup.name; }
 
-INSTANTIATE_TEST_SUITE_P(All, TouchedWay, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
-                         [](const auto& way) { return way.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, FaultsInContact, ::testing::Values(kRemote, kPatch, kAutoFar, kPatchLossy),
+                         [](const auto& setup) { return setup.param.name; });
 
 // What parts of the scene do not hold is felt all the same, from the haptics node, and a line says why.
 struct Unserved {
