@@ -82,8 +82,8 @@ TEST_F(ForceDimension, ItsAxesBecomeThoseOfTheWorld) {
   board->buttons = 1;
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_TRUE(hand.sample().p_WD.isApprox(Vec3(right, up, towards_user), 1e-12));
-  EXPECT_EQ(hand.sample().buttons, 1U);
+  EXPECT_TRUE(runner.sample().p_WD.isApprox(Vec3(right, up, towards_user), 1e-12));
+  EXPECT_EQ(runner.sample().buttons, 1U);
   const Wrench push = {.force_n = Vec3(0.1, 0.2, 0.3)};
   EXPECT_TRUE(serve_until([&] { return std::abs(board->force[1] - 0.1) < 1e-12; }, push));
   EXPECT_NEAR(board->force[2], 0.2, 1e-12);
@@ -95,7 +95,7 @@ TEST_F(ForceDimension, ItsOrientationTurnsWithTheAxes) {
   open();
   ASSERT_TRUE(serve_until_ready());
   const Quat expected(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitY()));
-  EXPECT_LT(hand.sample().q_WT.angularDistance(expected), 1e-9);
+  EXPECT_LT(runner.sample().q_WT.angularDistance(expected), 1e-9);
 }
 
 TEST_F(ForceDimension, TorquesTurnWithTheAxesToo) {
@@ -246,10 +246,10 @@ TEST_F(ForceDimension, APositionThatIsNotFiniteReachesTheGovernor) {
   ASSERT_TRUE(serve_until_ready());
   board->follows_hand = 0;
   board->hand_m[1] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_TRUE(serve_until([&] { return !hand.sample().p_WD.allFinite(); }));
+  EXPECT_TRUE(serve_until([&] { return !runner.sample().p_WD.allFinite(); }));
   EXPECT_EQ(device->status(), DeviceStatus::ready);
   board->hand_m[1] = 0.0;
-  EXPECT_TRUE(serve_until([&] { return hand.sample().p_WD.allFinite(); }));
+  EXPECT_TRUE(serve_until([&] { return runner.sample().p_WD.allFinite(); }));
 }
 
 TEST_F(ForceDimension, UnpluggedInContactItIsAwayAndFoundAgain) {
@@ -274,7 +274,7 @@ TEST_F(ForceDimension, AServoThatDiesLeavesNoForce) {
   open();
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[0] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
-  EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[0] == 0.0; }));
+  EXPECT_TRUE(DeviceRunner::wait_until([&] { return board->force[0] == 0.0; }));
 }
 
 TEST_F(ForceDimension, AMissingDeviceOrAnotherNumberIsReported) {
@@ -299,7 +299,7 @@ TEST_F(ForceDimension, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
+  EXPECT_EQ(DeviceRunner::count_heap_use(*device), 0U);
 }
 
 // The firmware keeps it off after that until it is enabled again.

@@ -32,9 +32,9 @@ TEST_F(Haply, GivesPositionOrientationAndButtonsInTheWorld) {
   service->buttons = 3;
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_TRUE(hand.sample().p_WD.isApprox(Vec3(0, 0.01, 0), 1e-9));
-  EXPECT_EQ(hand.sample().buttons, 3U);
-  EXPECT_TRUE((hand.sample().q_WT * Vec3::UnitZ()).isApprox(Vec3::UnitX(), 1e-9));
+  EXPECT_TRUE(runner.sample().p_WD.isApprox(Vec3(0, 0.01, 0), 1e-9));
+  EXPECT_EQ(runner.sample().buttons, 3U);
+  EXPECT_TRUE((runner.sample().q_WT * Vec3::UnitZ()).isApprox(Vec3::UnitX(), 1e-9));
   EXPECT_EQ(device->condition().serial, "049D");
   EXPECT_EQ(device->condition().firmware, "7.4.0");
 }
@@ -87,7 +87,7 @@ TEST_F(Haply, WorksWithoutAGrip) {
   service->has_grip = false;
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_EQ(hand.sample().q_WT.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(runner.sample().q_WT.coeffs(), Quat::Identity().coeffs());
 }
 
 TEST_F(Haply, AFewStatesWithoutTheArmAreNotAnAbsence) {
@@ -109,9 +109,9 @@ TEST_F(Haply, AGripThatIsGoneHoldsNoButton) {
   service->buttons = 1;
   open();
   ASSERT_TRUE(serve_until_ready());
-  ASSERT_TRUE(serve_until([&] { return hand.sample().buttons == 1U; }));
+  ASSERT_TRUE(serve_until([&] { return runner.sample().buttons == 1U; }));
   service->has_grip = false;
-  EXPECT_TRUE(serve_until([&] { return hand.sample().buttons == 0U; }));
+  EXPECT_TRUE(serve_until([&] { return runner.sample().buttons == 0U; }));
   EXPECT_EQ(device->status(), DeviceStatus::ready);
 }
 
@@ -189,14 +189,14 @@ TEST_F(Haply, JunkMessagesAreTolerated) {
 TEST_F(Haply, AServoThatDiesLeavesNoForce) {
   open();
   ASSERT_TRUE(serve_until([&] { return service->force_n[2] > 0.5; }, {.force_n = Vec3(0, 1, 0)}));
-  EXPECT_TRUE(ServoHand::wait_until([&] { return service->force_n[2] == 0.0; }));
+  EXPECT_TRUE(DeviceRunner::wait_until([&] { return service->force_n[2] == 0.0; }));
 }
 
 TEST_F(Haply, TheLastMessageIsNoForce) {
   open();
   ASSERT_TRUE(serve_until([&] { return service->force_n[2] > 0.5; }, {.force_n = Vec3(0, 1, 0)}));
   device.reset();
-  EXPECT_TRUE(ServoHand::wait_until([&] { return service->force_n[2] == 0.0; }));
+  EXPECT_TRUE(DeviceRunner::wait_until([&] { return service->force_n[2] == 0.0; }));
 }
 
 TEST_F(Haply, ClosesTheConnectionInOrder) {
@@ -204,7 +204,7 @@ TEST_F(Haply, ClosesTheConnectionInOrder) {
   ASSERT_TRUE(serve_until_ready());
   EXPECT_EQ(service->closed_in_order, 0U);
   device.reset();
-  EXPECT_TRUE(ServoHand::wait_until([&] { return service->closed_in_order == 1; }));
+  EXPECT_TRUE(DeviceRunner::wait_until([&] { return service->closed_in_order == 1; }));
 }
 
 TEST_F(Haply, AServiceOfAnotherVersionIsOneClearLine) {
@@ -233,7 +233,7 @@ TEST_F(Haply, StaysAtTheDeviceWhereASessionPlacesIt) {
   service->position_m[2] = 0.41;
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_TRUE(hand.sample().p_WD.isApprox(Vec3(0, 0.01, 0), 1e-5)) << hand.sample().p_WD.transpose();
+  EXPECT_TRUE(runner.sample().p_WD.isApprox(Vec3(0, 0.01, 0), 1e-5)) << runner.sample().p_WD.transpose();
   EXPECT_TRUE(serve_until([&] { return std::abs(service->force_n[2] - 1.0) < 1e-5; }, {.force_n = Vec3(0.5, 1.0, 0.25)}));
   EXPECT_NEAR(service->force_n[0], 0.25, 1e-5);
   EXPECT_NEAR(service->force_n[1], 0.5, 1e-5);
@@ -272,7 +272,7 @@ TEST_F(Haply, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
+  EXPECT_EQ(DeviceRunner::count_heap_use(*device), 0U);
 }
 
 }  // namespace

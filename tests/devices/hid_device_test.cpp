@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "runtime/log.h"
-#include "tests/devices/servo_hand.h"
+#include "tests/devices/device_runner.h"
 #include "tests/support/allocation_guard.h"
 #include "tests/support/fake_hid.h"
 #include "tests/support/patience.h"
@@ -79,7 +79,7 @@ class HidDeviceTest : public ::testing::Test {
   }
   template <class Condition>
   bool serve_until(Condition&& holds, double force_n = 100.0) {
-    return hand_.serve_until(*device_, holds, {.force_n = Vec3(force_n, 0, 0)});
+    return runner_.serve_until(*device_, holds, {.force_n = Vec3(force_n, 0, 0)});
   }
   bool is_pushing() {
     const auto written = hid_.take_written();
@@ -93,13 +93,13 @@ class HidDeviceTest : public ::testing::Test {
   FakeHid hid_;
   Reporter reporter_{hid_};
   std::unique_ptr<HidDevice> device_;
-  ServoHand hand_;
+  DeviceRunner runner_;
 };
 
 TEST_F(HidDeviceTest, GivesTheNewestPositionAndTakesTheNewestForce) {
   EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::ready && is_pushing(); }));
   reporter_.set_position(77);
-  EXPECT_TRUE(serve_until([&] { return hand_.sample().p_WD.x() == 0.077; }));
+  EXPECT_TRUE(serve_until([&] { return runner_.sample().p_WD.x() == 0.077; }));
 }
 
 TEST_F(HidDeviceTest, ReleasesTheForceWhenTheServoIsSilent) {
@@ -149,13 +149,13 @@ TEST_F(HidDeviceTest, RepeatsWhatItWroteEveryTwoMilliseconds) {
 
 TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero) {
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
-  const Vec3 last = hand_.sample().p_WD;
+  const Vec3 last = runner_.sample().p_WD;
   // Where a thread of the device stands still for the whole ramp, its steps are few; then it is tried again.
   int steps = 0;
   for (int attempt = 0; attempt < 10 && steps < 3; ++attempt) {
     hid_.unplug();
     EXPECT_TRUE(serve_until([&] { return device_->status() == DeviceStatus::away; }));
-    EXPECT_EQ(hand_.sample().p_WD, last);
+    EXPECT_EQ(runner_.sample().p_WD, last);
     (void)hid_.take_written();
     hid_.plug_in();
     std::vector<FakeHid::Bytes> reports;
@@ -174,7 +174,7 @@ TEST_F(HidDeviceTest, UnpluggedInContactItIsAwayAndPluggedInAgainRampsUpFromZero
     // Where a busy machine kept the servo from its commands for half of what the device waits for one, or the device from its reports, the
     // force may have been released in between: the ramp is the last one then.
     std::size_t begin = 0;
-    if (hand_.longest_gap_ns() > DeviceExchange::kServoTimeoutNs / 2 || was_away_again) {
+    if (runner_.longest_gap_ns() > DeviceExchange::kServoTimeoutNs / 2 || was_away_again) {
       for (begin = reports.size() - 1; begin > 0 && reports[begin][2] != 0;) --begin;
     }
     steps = 0;
@@ -191,7 +191,7 @@ TEST_F(HidDeviceTest, AWriteThatHangsHoldsNeitherTheServoNorTheReadingUp) {
   hid_.block_writes(true);
   EXPECT_TRUE(serve_until([&] { return hid_.has_waiting_writer(); }));
   reporter_.set_position(33);
-  EXPECT_TRUE(serve_until([&] { return hand_.sample().p_WD.x() == 0.033 && device_->status() == DeviceStatus::ready; }));
+  EXPECT_TRUE(serve_until([&] { return runner_.sample().p_WD.x() == 0.033 && device_->status() == DeviceStatus::ready; }));
   hid_.block_writes(false);
   EXPECT_TRUE(serve_until([&] { return is_pushing(); }));
 }

@@ -101,7 +101,7 @@ TEST_F(OpenHaptics, MillimetresBecomeMetresFromTheMiddleOfTheWorkspace) {
   board->buttons = 0x13;  // bit 4 is not a button
   open();
   ASSERT_TRUE(serve_until_ready());
-  const DeviceSample sample = hand.sample();
+  const DeviceSample sample = runner.sample();
   EXPECT_TRUE(sample.p_WD.isApprox(Vec3(0.010, 0.030, -0.003), 1e-12)) << sample.p_WD.transpose();
   EXPECT_EQ(sample.buttons, 3U);
 }
@@ -111,7 +111,7 @@ TEST_F(OpenHaptics, TheTransformIsReadColumnByColumn) {
   open();
   ASSERT_TRUE(serve_until_ready());
   // A quarter turn about z takes x to y; transposed it would take it to -y.
-  EXPECT_TRUE((hand.sample().q_WT * Vec3::UnitX()).isApprox(Vec3::UnitY(), 1e-9));
+  EXPECT_TRUE((runner.sample().q_WT * Vec3::UnitX()).isApprox(Vec3::UnitY(), 1e-9));
 }
 
 TEST_F(OpenHaptics, ForcesArriveInNewtonsAfterTheRampAndNeverFaster) {
@@ -263,13 +263,13 @@ TEST_F(OpenHaptics, UnpluggedInContactItIsAwayAndFoundAgain) {
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
-  const Vec3 last = hand.sample().p_WD;
+  const Vec3 last = runner.sample().p_WD;
   EXPECT_TRUE(ramps_up(
       [&](std::uint64_t attempt) {
         board->is_plugged = 0;
         ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away; }, push));
         if (attempt == 1) {
-          EXPECT_LT((hand.sample().p_WD - last).norm(), 0.05) << "the last sample stays";
+          EXPECT_LT((runner.sample().p_WD - last).norm(), 0.05) << "the last sample stays";
         }
         ASSERT_TRUE(serve_until([&] { return board->closed == attempt; }, push));
         board->largest_force = 0.0;
@@ -365,14 +365,14 @@ TEST_F(OpenHaptics, AServoThatDiesLeavesNoForce) {
   ASSERT_TRUE(serve_until_ready());
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
   // The servo no longer writes; the device releases by itself.
-  EXPECT_TRUE(ServoHand::wait_until([&] { return board->force[2] == 0.0; }));
+  EXPECT_TRUE(DeviceRunner::wait_until([&] { return board->force[2] == 0.0; }));
 }
 
 TEST_F(OpenHaptics, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_EQ(ServoHand::count_heap_use(*device), 0U);
+  EXPECT_EQ(DeviceRunner::count_heap_use(*device), 0U);
 }
 
 TEST_F(OpenHaptics, TurnsOnTheForceAndTheLibrarysOwnLimits) {

@@ -11,11 +11,11 @@
 #include "devices/device.h"
 #include "link/messages.h"
 #include "runtime/log.h"
-#include "tests/devices/servo_hand.h"
+#include "tests/devices/device_runner.h"
 
 namespace hapton {
 
-// One device of a vendor, driven as the servo drives it.
+// One device of a vendor, run as the device loop runs it.
 struct ServedDevice : testing::Test {
   static void SetUpTestSuite() { start_log("test"); }
   // Before what stands in for the hardware goes, which the test's own fixture holds.
@@ -34,7 +34,7 @@ struct ServedDevice : testing::Test {
   }
   template <class Condition>
   bool serve_until(Condition&& holds, const Wrench& wrench = {}) {
-    return hand.serve_until(*device, holds, wrench);
+    return runner.serve_until(*device, holds, wrench);
   }
   // Unplugs the device and plugs it in again, until the force is seen to come back in small steps: a test that stands still meanwhile sees
   // no more than the end of the ramp, so it is tried again. unplug has the number of the attempt, from 1.
@@ -50,7 +50,7 @@ struct ServedDevice : testing::Test {
   }
 
   std::unique_ptr<Device> device;
-  ServoHand hand;
+  DeviceRunner runner;
 };
 
 }  // namespace hapton

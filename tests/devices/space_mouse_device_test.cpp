@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "link/messages.h"
-#include "tests/devices/servo_hand.h"
+#include "tests/devices/device_runner.h"
 #include "tests/support/fake_hid.h"
 #include "tests/support/patience.h"
 #include "tests/support/time_units.h"
@@ -40,14 +40,14 @@ class SpaceMouseHand : public ::testing::Test {
   template <class Condition>
   bool hold_until(int x, int y, int z, int rx, int ry, int rz, Condition&& holds, const Vec3& force_n = Vec3::Zero()) {
     const FakeHid::Bytes report = cap(x, y, z, rx, ry, rz);
-    return hand_.serve_until(*device_,
-                             [&] {
-                               if (hid_.is_drained()) hid_.send(report);
-                               return holds();
-                             },
-                             {.force_n = force_n});
+    return runner_.serve_until(*device_,
+                               [&] {
+                                 if (hid_.is_drained()) hid_.send(report);
+                                 return holds();
+                               },
+                               {.force_n = force_n});
   }
-  const Vec3& p() const { return hand_.sample().p_WD; }
+  const Vec3& p() const { return runner_.sample().p_WD; }
   // Holds the cap from now on, and has the device know it before any time passes for it: the buttons tell.
   void hold(const FakeHid::Bytes& report) {
     ASSERT_TRUE(hid_.send(report) && hid_.send({3, ++marker_}));
@@ -60,7 +60,7 @@ class SpaceMouseHand : public ::testing::Test {
   std::int64_t time_ns_ = SteadyClock().now_ns();
   std::uint8_t marker_ = 0;
   std::unique_ptr<SpaceMouseDevice> device_;
-  ServoHand hand_;
+  DeviceRunner runner_;
 };
 
 TEST_F(SpaceMouseHand, GoesTheWayTheCapIsPushedAndNoFartherThanItsWorkspace) {
@@ -80,8 +80,8 @@ TEST_F(SpaceMouseHand, SaysThatThereIsNoForceToRelease) {
 TEST_F(SpaceMouseHand, HasANameThatTheHapticsNodeGetsWhole) { EXPECT_LT(device_->name().size(), LoopFacts().device.size()); }
 
 TEST_F(SpaceMouseHand, TurnsAsTheCapIsTurned) {
-  EXPECT_TRUE(hold_until(0, 0, 0, 0, 0, -350, [&] { return hand_.sample().q_WT.angularDistance(Quat::Identity()) > 0.2; }));
-  const Eigen::AngleAxisd turned(hand_.sample().q_WT);
+  EXPECT_TRUE(hold_until(0, 0, 0, 0, 0, -350, [&] { return runner_.sample().q_WT.angularDistance(Quat::Identity()) > 0.2; }));
+  const Eigen::AngleAxisd turned(runner_.sample().q_WT);
   EXPECT_LT((turned.axis() - Vec3::UnitY()).norm(), 1e-6);
 }
 
@@ -90,7 +90,7 @@ TEST_F(SpaceMouseHand, StopsNearASurfaceThatItIsPushedInto) {
   const auto depth_m = [&] { return 0.05 - p().z(); };
   int rests = 0;
   double before_m = 0.0;
-  EXPECT_TRUE(ServoHand::wait_until([&] {
+  EXPECT_TRUE(DeviceRunner::wait_until([&] {
     const Vec3 force_n(0, 0, std::max(1000.0 * depth_m(), 0.0));
     hold_until(
         0, -350, 0, 0, 0, 0, [] { return true; }, force_n);

@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// Drives a device like the servo, in real time, until a condition holds or half a minute is over.
-class ServoHand {
+// Runs a device as the device loop does, in real time, until a condition holds or half a minute is over.
+class DeviceRunner {
  public:
   static constexpr std::int64_t kPatienceNs = 30 * kNanosecondsPerSecond;
 
@@ -38,7 +38,7 @@ class ServoHand {
     return true;
   }
 
-  // Heap allocations of a thousand cycles of the servo. Pre: AllocationGuard::is_available().
+  // Heap allocations of a thousand cycles. Pre: AllocationGuard::is_available().
   static std::uint64_t count_heap_use(Device& device) {
     const AllocationGuard guard;
     for (std::int64_t t = 0; t < 1000; ++t) {
@@ -51,7 +51,7 @@ class ServoHand {
   }
 
   const DeviceSample& sample() const { return sample_; }
-  // Between two commands of the last serve_until: a busy machine may keep the servo from its turn.
+  // Between two commands of the last serve_until: a busy machine may keep this thread from its turn.
   std::int64_t longest_gap_ns() const { return longest_gap_ns_; }
 
  private:
