@@ -8,7 +8,7 @@
 
 namespace hapton {
 
-HapticScene::HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideWatch& inside, PatchSender& patches)
+HapticScene::HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideBodyWarning& inside, PatchSender& patches)
     : find_gains_(std::move(find_gains)), adviser_(adviser), inside_(inside), patches_(patches), scene_(std::move(scene)) {}
 
 void HapticScene::tune(const std::vector<Material>& materials) {

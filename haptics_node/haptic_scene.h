@@ -7,7 +7,7 @@
 
 #include "core/force/stiffest.h"
 #include "core/force/touch_scene.h"
-#include "haptics_node/inside_watch.h"
+#include "haptics_node/inside_body_warning.h"
 #include "haptics_node/patch_sender.h"
 #include "haptics_node/stiffness_adviser.h"
 
@@ -20,7 +20,7 @@ class HapticScene {
   using FindGains = std::function<LargestGains(const TouchScene&)>;
 
   // Pre: the others outlive this, and have this scene.
-  HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideWatch& inside, PatchSender& patches);
+  HapticScene(TouchScene scene, FindGains find_gains, StiffnessAdviser& adviser, InsideBodyWarning& inside, PatchSender& patches);
 
   // Its materials have changed. Pre: one for each object.
   void tune(const std::vector<Material>& materials);
@@ -35,7 +35,7 @@ class HapticScene {
 
   FindGains find_gains_;
   StiffnessAdviser& adviser_;
-  InsideWatch& inside_;
+  InsideBodyWarning& inside_;
   PatchSender& patches_;
   std::mutex mutex_;
   TouchScene scene_;

@@ -18,7 +18,7 @@
 #include "haptics_node/haptic_scene.h"
 #include "haptics_node/haptics_options.h"
 #include "haptics_node/haptics_report.h"
-#include "haptics_node/inside_watch.h"
+#include "haptics_node/inside_body_warning.h"
 #include "haptics_node/object_shaper.h"
 #include "haptics_node/placed_scene.h"
 #include "haptics_node/preparation_notice.h"
@@ -297,8 +297,8 @@ Result<void> serve(const NodeParts& node, std::unique_ptr<ForceMethod> method) {
   const auto gains_of = [&](const TouchScene& touched) { return find_felt_gains(tool, grasp.has_value(), touched); };
   StiffnessAdviser adviser(gains_of(felt_first));
   loop.set_stiffness_adviser(&adviser);
-  InsideWatch inside(felt_first);
-  loop.set_inside_watch(&inside);
+  InsideBodyWarning inside(felt_first);
+  loop.set_inside_body_warning(&inside);
   HapticScene felt(felt_first, gains_of, adviser, inside, patches);
   MaterialTask::DescribeTool describe_tool;
   if (tool) describe_tool = [&](double stiffness_n_per_m) { return tool.describe(stiffness_n_per_m); };

@@ -8,7 +8,7 @@
 #include "haptic_step/object_mover.h"
 #include "haptics_node/carve_sender.h"
 #include "haptics_node/carve_undo_task.h"
-#include "haptics_node/inside_watch.h"
+#include "haptics_node/inside_body_warning.h"
 #include "haptics_node/material_task.h"
 #include "haptics_node/method_builder.h"
 #include "haptics_node/object_shaper.h"
@@ -51,7 +51,7 @@ class ReplyLoop {
   // Before run: gets the hub's reports about its loop. Pre: outlives this.
   void set_stiffness_adviser(StiffnessAdviser* adviser) noexcept { adviser_ = adviser; }
   // Before run: who notices a hand that is inside a body from the start. Pre: outlives this.
-  void set_inside_watch(InsideWatch* inside) noexcept { inside_ = inside; }
+  void set_inside_body_warning(InsideBodyWarning* inside) noexcept { inside_ = inside; }
 
   // Before run: the longest time to spin for a device state (StateWait).
   void set_longest_spin(std::int64_t longest_ns) noexcept { wait_.set_longest_spin(longest_ns); }
@@ -138,7 +138,7 @@ class ReplyLoop {
   PluginEffects* effects_ = nullptr;
   bool is_method_cut_off_ = false;  // as reported
   StiffnessAdviser* adviser_ = nullptr;
-  InsideWatch* inside_ = nullptr;
+  InsideBodyWarning* inside_ = nullptr;
   std::uint32_t free_starts_ = 0;  // of the step, as noted there
   MaterialTask* material_task_ = nullptr;
   std::unique_ptr<TunedMaterials> tuned_;  // in use, if it is of these materials; null, or of others: those of the scene's file

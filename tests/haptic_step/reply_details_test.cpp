@@ -35,7 +35,7 @@ struct ReplyDetails : testing::Test {
   }
 };
 
-// InsideWatch looks where the probe started without an earlier contact, and nowhere else.
+// InsideBodyWarning looks where the probe started without an earlier contact, and nowhere else.
 TEST_F(ReplyDetails, AFreeStartIsOneWithoutAContactThatGoesOn) {
   reply(step, {0.01, 0.01, 0.001});
   EXPECT_EQ(step.free_starts(), 1U);

@@ -51,7 +51,7 @@ struct FeltSceneTest : testing::Test {
 
   PatchSender patches{two_boxes_felt(1000.0), 0.0, 7, true, {.bits_per_s = 1e8, .least_reach_m = 1.0}};
   StiffnessAdviser adviser{{}};
-  InsideWatch inside{two_boxes_felt(1000.0)};
+  InsideBodyWarning inside{two_boxes_felt(1000.0)};
   double gain_n_per_m = 0.0;
   std::uint32_t request = 1;
   HapticScene felt{two_boxes_felt(1000.0),

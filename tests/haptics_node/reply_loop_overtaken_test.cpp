@@ -70,7 +70,7 @@ TEST_F(ReplyLoopOvertaken, AStatusSaysNothingOfTheHub) {
 class ReplyLoopInside : public ReplyLoopStage {
  protected:
   ReplyLoopInside() {
-    loop_.set_inside_watch(&inside_);
+    loop_.set_inside_body_warning(&inside_);
     for (int i = 0; i < 10 && client_.state() != JoinState::joined; ++i) exchange(Vec3::Zero());
   }
 
@@ -94,7 +94,7 @@ class ReplyLoopInside : public ReplyLoopStage {
   const TouchScene scene_ = scene_of(made::box(Vec3::Constant(-0.02), Vec3::Constant(0.02)), {.two_sided = false});
   HapticsStep step_{std::make_unique<TouchStep>(*make_method({}, scene_), scene_), 1e-5};
   MethodBuilder builder_{{}, scene_};
-  InsideWatch inside_{scene_};
+  InsideBodyWarning inside_{scene_};
   ReplyLoop loop_{client_, clock_, step_, builder_, {.scene_hash = 42}, false, {.given_hash = 9}};
   bool is_said_ = false;
   std::uint64_t sample_ = 0;

@@ -25,12 +25,12 @@ Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S);
 // outside.
 // Frame S. RT: note_start, note_hand, is_watching and is_inside yes; all else set-up only. Threads: one notes; the work is done in a
 // thread of its own, and set_scene comes from any.
-class InsideWatch {
+class InsideBodyWarning {
  public:
-  explicit InsideWatch(TouchScene scene);
-  ~InsideWatch();
-  InsideWatch(const InsideWatch&) = delete;
-  InsideWatch& operator=(const InsideWatch&) = delete;
+  explicit InsideBodyWarning(TouchScene scene);
+  ~InsideBodyWarning();
+  InsideBodyWarning(const InsideBodyWarning&) = delete;
+  InsideBodyWarning& operator=(const InsideBodyWarning&) = delete;
 
   // Contact begins here.
   void note_start(const Vec3& p_S) noexcept {

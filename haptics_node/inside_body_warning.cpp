@@ -1,4 +1,4 @@
-#include "haptics_node/inside_watch.h"
+#include "haptics_node/inside_body_warning.h"
 
 #include <chrono>
 #include <utility>
@@ -26,20 +26,20 @@ Enclosure find_enclosure(const TouchScene& scene, const Vec3& p_S) {
   return {};
 }
 
-InsideWatch::InsideWatch(TouchScene scene) : scene_(std::move(scene)), thread_(start_thread([this] { run(); })) {}
+InsideBodyWarning::InsideBodyWarning(TouchScene scene) : scene_(std::move(scene)), thread_(start_thread([this] { run(); })) {}
 
-InsideWatch::~InsideWatch() {
+InsideBodyWarning::~InsideBodyWarning() {
   stop_.store(true);
   thread_.join();
 }
 
-void InsideWatch::set_scene(TouchScene scene) {
+void InsideBodyWarning::set_scene(TouchScene scene) {
   const std::scoped_lock lock(mutex_);
   scene_ = std::move(scene);
 }
 
 // Polls, since to wake this thread would be a system call in the loop that replies to the hub.
-void InsideWatch::run() {
+void InsideBodyWarning::run() {
   for (int rest = 0; !stop_.load();) {
     std::this_thread::sleep_for(kInsideCheckPeriod);
     if (rest-- > 0 || !hands_.take()) continue;
@@ -48,7 +48,7 @@ void InsideWatch::run() {
   }
 }
 
-void InsideWatch::check(const Hand& hand) {
+void InsideBodyWarning::check(const Hand& hand) {
   const bool is_start = std::exchange(checked_start_, hand.start) != hand.start;
   const bool was_inside = is_inside();
   if (!is_start && !was_inside) return;  // since then no hand gets inside without contact

@@ -1,4 +1,4 @@
-#include "haptics_node/inside_watch.h"
+#include "haptics_node/inside_body_warning.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST(FindEnclosure, LooksAtEachBodyByItself) {
   EXPECT_TRUE(second.is_inside && !second.two_sided);
 }
 
-struct InsideWatchTest : testing::Test {
+struct InsideBodyWarningTest : testing::Test {
   static void SetUpTestSuite() { start_log("haptics_node"); }
   // Long enough for several checks.
   static void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(600)); }
@@ -61,20 +61,20 @@ struct InsideWatchTest : testing::Test {
   TouchScene ball(bool two_sided) { return scene_of(made::sphere(0.05, 30), {.two_sided = two_sided}); }
 };
 
-TEST_F(InsideWatchTest, WarnsOnceOfAHandInsideAndSaysWhenItIsOut) {
+TEST_F(InsideBodyWarningTest, WarnsOnceOfAHandInsideAndSaysWhenItIsOut) {
   testing::internal::CaptureStderr();
   {
-    InsideWatch watch(ball(false));
-    EXPECT_FALSE(watch.is_watching());
-    watch.note_start(Vec3(0.01, 0, 0));
-    EXPECT_TRUE(watch.is_watching());
-    ASSERT_TRUE(wait_until([&] { return watch.is_inside(); }));
-    watch.note_hand(Vec3(0.02, 0, 0), false);
+    InsideBodyWarning warning(ball(false));
+    EXPECT_FALSE(warning.is_watching());
+    warning.note_start(Vec3(0.01, 0, 0));
+    EXPECT_TRUE(warning.is_watching());
+    ASSERT_TRUE(wait_until([&] { return warning.is_inside(); }));
+    warning.note_hand(Vec3(0.02, 0, 0), false);
     pause();
-    EXPECT_TRUE(watch.is_inside() && watch.is_watching());
-    watch.note_hand(Vec3(0.06, 0, 0), false);
-    ASSERT_TRUE(wait_until([&] { return !watch.is_inside(); }));
-    EXPECT_FALSE(watch.is_watching());
+    EXPECT_TRUE(warning.is_inside() && warning.is_watching());
+    warning.note_hand(Vec3(0.06, 0, 0), false);
+    ASSERT_TRUE(wait_until([&] { return !warning.is_inside(); }));
+    EXPECT_FALSE(warning.is_watching());
   }
   const std::string log = testing::internal::GetCapturedStderr();
   const std::string warning = "that body gives no force until the stylus has left it";
@@ -83,36 +83,36 @@ TEST_F(InsideWatchTest, WarnsOnceOfAHandInsideAndSaysWhenItIsOut) {
   EXPECT_THAT(log, HasSubstr("the stylus is outside now"));
 }
 
-TEST_F(InsideWatchTest, AHandThatIsHeldFromWithinIsStillInside) {
+TEST_F(InsideBodyWarningTest, AHandThatIsHeldFromWithinIsStillInside) {
   testing::internal::CaptureStderr();
   {
-    InsideWatch watch(ball(true));
-    watch.note_start(Vec3::Zero());
-    ASSERT_TRUE(wait_until([&] { return watch.is_inside(); }));
-    watch.note_hand(Vec3(0.055, 0, 0), true);
+    InsideBodyWarning warning(ball(true));
+    warning.note_start(Vec3::Zero());
+    ASSERT_TRUE(wait_until([&] { return warning.is_inside(); }));
+    warning.note_hand(Vec3(0.055, 0, 0), true);
     pause();
-    EXPECT_TRUE(watch.is_inside());
-    watch.note_start(Vec3(0.055, 0, 0));
-    EXPECT_TRUE(wait_until([&] { return !watch.is_inside(); })) << "contact began anew, outside";
+    EXPECT_TRUE(warning.is_inside());
+    warning.note_start(Vec3(0.055, 0, 0));
+    EXPECT_TRUE(wait_until([&] { return !warning.is_inside(); })) << "contact began anew, outside";
   }
   EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("end haptics_node, lead the stylus out, and start it again"));
 }
 
-TEST_F(InsideWatchTest, NoWarningAfterAStartOutside) {
+TEST_F(InsideBodyWarningTest, NoWarningAfterAStartOutside) {
   testing::internal::CaptureStderr();
   {
-    InsideWatch watch(ball(true));
-    watch.note_start(Vec3(0.051, 0, 0));
-    watch.note_hand(Vec3(0.049, 0, 0), true);  // before the first check
-    ASSERT_TRUE(wait_until([&] { return !watch.is_watching(); }));
-    EXPECT_FALSE(watch.is_inside());
-    watch.note_hand(Vec3(0.03, 0, 0), true);
+    InsideBodyWarning warning(ball(true));
+    warning.note_start(Vec3(0.051, 0, 0));
+    warning.note_hand(Vec3(0.049, 0, 0), true);  // before the first check
+    ASSERT_TRUE(wait_until([&] { return !warning.is_watching(); }));
+    EXPECT_FALSE(warning.is_inside());
+    warning.note_hand(Vec3(0.03, 0, 0), true);
     pause();
-    EXPECT_FALSE(watch.is_inside());
-    watch.set_scene({});
-    watch.note_start(Vec3::Zero());
-    ASSERT_TRUE(wait_until([&] { return !watch.is_watching(); }));
-    EXPECT_FALSE(watch.is_inside()) << "another scene";
+    EXPECT_FALSE(warning.is_inside());
+    warning.set_scene({});
+    warning.note_start(Vec3::Zero());
+    ASSERT_TRUE(wait_until([&] { return !warning.is_watching(); }));
+    EXPECT_FALSE(warning.is_inside()) << "another scene";
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
