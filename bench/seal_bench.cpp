@@ -25,7 +25,7 @@ LinkKey make_key() {
 
 struct Channels {
   Channels() {
-    seal::SessionKeys keys;
+    seal::ChannelKeys keys;
     keys.client_to_hub = make_key().bytes();
     keys.hub_to_client = make_key().bytes();
     client = SealedChannel(keys, 1, SealedChannel::Side::client);

@@ -30,7 +30,7 @@ struct AgreementTask {
   std::array<std::uint8_t, seal::kFirstBytes> first = {};
   std::array<std::uint8_t, seal::kSecondBytes> second = {};
   noise::HandshakeState state;
-  seal::SessionKeys keys;
+  seal::ChannelKeys keys;
 
   AgreementTask() = default;
   ~AgreementTask() { seal::wipe(psk); }

@@ -51,7 +51,7 @@ Secret derive_of_version(const RoleKey& key, std::string_view label) noexcept {
 
 }  // namespace
 
-SessionKeys::~SessionKeys() {
+ChannelKeys::~ChannelKeys() {
   wipe(client_to_hub);
   wipe(hub_to_client);
 }

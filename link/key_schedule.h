@@ -20,15 +20,15 @@ namespace seal {
 using Secret = std::array<std::uint8_t, 32>;
 using Tag = std::array<std::uint8_t, kTagBytes>;
 
-// The keys of one session, one for each direction; wiped on destruction.
-struct SessionKeys {
+// The session keys of a SealedChannel, one for each direction; wiped on destruction.
+struct ChannelKeys {
   Secret client_to_hub = {};
   Secret hub_to_client = {};
 
-  SessionKeys() = default;
-  ~SessionKeys();
-  SessionKeys(const SessionKeys&) = default;
-  SessionKeys& operator=(const SessionKeys&) = default;
+  ChannelKeys() = default;
+  ~ChannelKeys();
+  ChannelKeys(const ChannelKeys&) = default;
+  ChannelKeys& operator=(const ChannelKeys&) = default;
 };
 
 // The key of a role, from the master key. The same in every protocol version: a node's key file outlives an update.

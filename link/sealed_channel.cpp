@@ -24,7 +24,7 @@ crypto_aead_aes256gcm_state* expanded(Cipher& cipher) {
 
 }  // namespace
 
-SealedChannel::SealedChannel(const SessionKeys& keys, std::uint32_t connection, Side side) : is_open_(true), connection_(connection) {
+SealedChannel::SealedChannel(const ChannelKeys& keys, std::uint32_t connection, Side side) : is_open_(true), connection_(connection) {
   crypto_aead_aes256gcm_beforenm(expanded(seal_), (side == Side::client ? keys.client_to_hub : keys.hub_to_client).data());
   crypto_aead_aes256gcm_beforenm(expanded(open_), (side == Side::client ? keys.hub_to_client : keys.client_to_hub).data());
 }

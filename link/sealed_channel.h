@@ -22,7 +22,7 @@ class SealedChannel {
   // Seals and opens nothing.
   SealedChannel() = default;
   // Pre: these keys were never given to a channel of this side before.
-  SealedChannel(const seal::SessionKeys& keys, std::uint32_t connection, Side side);
+  SealedChannel(const seal::ChannelKeys& keys, std::uint32_t connection, Side side);
   ~SealedChannel();
   // Not copyable: a copy would use its counters twice. A moved-from channel seals and opens nothing.
   SealedChannel(SealedChannel&& other) noexcept;

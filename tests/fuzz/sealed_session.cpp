@@ -21,7 +21,7 @@ struct Item {
 };
 
 noise::Key key_of(const ListedDatagram& datagram) {
-  const SessionKeys keys = session_keys_of(datagram.node());
+  const ChannelKeys keys = session_keys_of(datagram.node());
   return datagram.is_to_node() ? keys.hub_to_client : keys.client_to_hub;
 }
 
@@ -78,8 +78,8 @@ void change_header(Item& item, Mutation& mutation) {
 
 std::uint32_t connection_of(std::uint8_t node) { return 1U + node; }
 
-SessionKeys session_keys_of(std::uint8_t node) {
-  SessionKeys keys;
+ChannelKeys session_keys_of(std::uint8_t node) {
+  ChannelKeys keys;
   keys.client_to_hub.fill(static_cast<std::uint8_t>(1 + node));
   keys.hub_to_client.fill(static_cast<std::uint8_t>(0x81 + node));
   return keys;

@@ -19,7 +19,7 @@ struct OpenedData {
 };
 
 std::uint32_t connection_of(std::uint8_t node);
-seal::SessionKeys session_keys_of(std::uint8_t node);
+seal::ChannelKeys session_keys_of(std::uint8_t node);
 SealedChannel make_channel(std::uint8_t node, SealedChannel::Side side);
 
 // Decrypts with the key of its node and direction. None: the seal is not valid. Pre: seal::start_crypto() succeeded.

@@ -69,7 +69,7 @@ TEST_F(KeyScheduleTest, AgreesOnTheKnownSessionAndSealsToTheKnownDatagram) {
   EXPECT_EQ(hex(second), "4d5bab89b0733d9d8dcecf04f321c90b761b7765a6bdb2bddbfad3e7abdf1f6655f842cf1a3c8cc6a1b75fe06b832bf049fcab02");
   ASSERT_TRUE(node.read_second(second, connection.data()));
 
-  SessionKeys keys;
+  ChannelKeys keys;
   keys.client_to_hub = node.split().initiator_to_responder;
   keys.hub_to_client = hub.split().responder_to_initiator;
   EXPECT_EQ(hex(keys.client_to_hub), "464447173a5c77ecf57305daf11b7a9ea67d0c3f618671d236ba07fd43245728");

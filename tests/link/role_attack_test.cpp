@@ -124,7 +124,7 @@ TEST_F(RoleAttack, ForcesSealedWithKeysDerivedFromAVisionKeyAreRejected) {
     EXPECT_FALSE(task.went_well);
     // Whatever is in the state now is the best he has.
     const noise::TransportKeys guess = task.state.split();
-    seal::SessionKeys keys;
+    seal::ChannelKeys keys;
     keys.client_to_hub = guess.initiator_to_responder;
     keys.hub_to_client = guess.responder_to_initiator;
     SealedChannel channel(keys, connections.back(), SealedChannel::Side::client);

@@ -21,7 +21,7 @@ struct BothSides {
 
   BothSides() {
     seal::start_crypto();
-    seal::SessionKeys keys;
+    seal::ChannelKeys keys;
     keys.client_to_hub.fill(1);
     keys.hub_to_client.fill(2);
     client = SealedChannel(keys, 7, SealedChannel::Side::client);

@@ -15,9 +15,9 @@ using Side = SealedChannel::Side;
 
 constexpr std::uint32_t kConnection = 77;
 
-seal::SessionKeys keys_of(std::uint8_t session) {
+seal::ChannelKeys keys_of(std::uint8_t session) {
   EXPECT_TRUE(seal::start_crypto());
-  seal::SessionKeys keys;
+  seal::ChannelKeys keys;
   keys.client_to_hub.fill(session);
   keys.hub_to_client.fill(static_cast<std::uint8_t>(session + 100));
   return keys;
