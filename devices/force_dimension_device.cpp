@@ -210,8 +210,9 @@ void ForceDimensionDevice::calibrate() {
     }
     if (!wait_warning()) return;
     if (dhd_.drd_auto_init(id_) < 0) {
+      const std::string why = last_error();  // before the next call changes it
       if (dhd_.drd_stop != nullptr) dhd_.drd_stop(false, id_);
-      log_error("{} could not calibrate: {}; remove obstacles and start again", model_, last_error());
+      log_error("{} could not calibrate: {}; remove obstacles and start again", model_, why);
       return;
     }
     reading_.is_calibrated = is_initialized();

@@ -71,6 +71,7 @@ Result<Session::Attached> Session::attach(const std::string& name, const std::fu
   const std::lock_guard lock(mutex_);
   if (users_ > 0) hd_.stop_scheduler();
   auto attached = attach_stopped(name, set_up, callback, data);
+  if (!attached) forget_errors(hd_);  // a device that goes on would take them for its own
   if (users_ > 0 || attached) hd_.start_scheduler();
   if (!attached) return attached;
   // With others about, an error may as well be theirs.

@@ -34,9 +34,9 @@ struct ForceDimension : ServedDevice {
   Result<std::unique_ptr<Device>> make(const std::string& id) override {
     DeviceSettings settings;
     settings.id = id;
-    return make_force_dimension(settings, {standin::library(library), kWarningS});
+    return make_force_dimension(settings, {standin::library(library), warning_s});
   }
-  static constexpr double kWarningS = 0.1;  // s from the warning to the motion
+  double warning_s = 0.1;  // from the warning to the motion
 };
 
 TEST_F(ForceDimension, LimitsDependOnTheType) {
@@ -128,7 +128,7 @@ TEST_F(ForceDimension, CalibratesByMotorAfterHavingSaidSo) {
   const std::int64_t begin_ns = SteadyClock().now_ns();
   open();
   ASSERT_TRUE(serve_until_ready());
-  EXPECT_GE(SteadyClock().now_ns() - begin_ns, static_cast<std::int64_t>(1e9 * kWarningS)) << "it moved before the warning time had passed";
+  EXPECT_GE(SteadyClock().now_ns() - begin_ns, static_cast<std::int64_t>(1e9 * warning_s)) << "it moved before the warning time had passed";
   EXPECT_EQ(board->moved_by_itself, 1);
   EXPECT_EQ(board->pushed_unasked, 0U);
   const std::string said = testing::internal::GetCapturedStderr();
@@ -145,6 +145,48 @@ TEST_F(ForceDimension, ThatCannotCalibrateExertsNoForce) {
   ASSERT_TRUE(serve_until([&] { return board->ticks > ticks + 100; }, {.force_n = Vec3(0, 0, 2)}));
   EXPECT_EQ(device->status(), DeviceStatus::calibrating);
   EXPECT_EQ(board->pushed_ticks, 0U);
+  EXPECT_EQ(board->kept_forces, 0);
+}
+
+// The library's reason is that of its last call.
+TEST_F(ForceDimension, AFailedCalibrationIsReportedWithItsOwnReason) {
+  board->calibration = 1;
+  board->updates_until_good = 0;
+  testing::internal::CaptureStderr();
+  open();
+  const bool was_stopped = serve_until([&] { return board->kept_forces == 0 && board->ticks > 100; });
+  device.reset();
+  const std::string said = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(was_stopped);
+  EXPECT_THAT(said, HasSubstr("stand-in omega could not calibrate: the stand-in's own words; remove obstacles and start again"));
+}
+
+TEST_F(ForceDimension, OneThatMovesAndIsNotCalibratedThenExertsNoForce) {
+  board->calibration = 1;
+  board->updates_until_good = 0;
+  board->claims_success = 1;
+  testing::internal::CaptureStderr();
+  open();
+  const bool was_stopped = serve_until([&] { return board->kept_forces == 0 && board->ticks > 200; }, {.force_n = Vec3(0, 0, 2)});
+  const DeviceStatus status = device->status();
+  device.reset();
+  const std::string said = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(was_stopped);
+  EXPECT_EQ(status, DeviceStatus::calibrating);
+  EXPECT_EQ(board->pushed_ticks, 0U);
+  EXPECT_EQ(board->enabled, 0);
+  EXPECT_THAT(said, HasSubstr("is not calibrated, though it has moved to be; start again"));
+}
+
+// Before it has moved, and then it does not move any more.
+TEST_F(ForceDimension, TheEndOfTheProgramEndsTheWarning) {
+  board->calibration = 1;
+  warning_s = 1e6;
+  open();
+  device.reset();
+  EXPECT_EQ(board->moved_by_itself, 0);
+  EXPECT_EQ(board->kept_forces, -1);
+  EXPECT_EQ(board->closed, 1U);
 }
 
 // libdhd cannot move the arm, and knows only that the device waits in its RESET mode.
@@ -252,6 +294,78 @@ TEST_F(ForceDimension, APositionThatIsNotFiniteReachesTheGovernor) {
   EXPECT_TRUE(serve_until([&] { return runner.sample().p_WD.allFinite(); }));
 }
 
+// Half the length, or numbers that are none: the stylus stays as it was, and the position goes on.
+TEST_F(ForceDimension, AnOrientationThatIsNoRotationIsLeftOut) {
+  board->follows_hand = 0;
+  board->turn_rad[2] = std::numbers::pi / 2;
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  const Quat before = hand.sample().q_WT;
+  board->turn_rad[2] = 0.0;
+  board->frame_scale = 0.5;
+  board->hand_m[2] = 0.01;
+  ASSERT_TRUE(serve_until([&] { return hand.sample().p_WD.y() == 0.01; }));
+  EXPECT_EQ(hand.sample().q_WT.coeffs(), before.coeffs());
+  board->frame_scale = std::numeric_limits<double>::quiet_NaN();
+  board->hand_m[2] = 0.02;
+  ASSERT_TRUE(serve_until([&] { return hand.sample().p_WD.y() == 0.02; }));
+  EXPECT_EQ(hand.sample().q_WT.coeffs(), before.coeffs());
+  board->frame_scale = 1.0;
+  EXPECT_TRUE(serve_until([&] { return hand.sample().q_WT.angularDistance(Quat::Identity()) < 1e-9; }));
+}
+
+TEST_F(ForceDimension, CallsThatFailAgainAndAgainAreAnUnpluggedCable) {
+  open();
+  for (const int call : {1, 2}) {
+    ASSERT_TRUE(serve_until_ready());
+    testing::internal::CaptureStderr();
+    board->failing_call = call;
+    const bool is_away =
+        serve_until([&] { return device->status() == DeviceStatus::away && board->closed >= static_cast<unsigned>(call); });
+    board->failing_call = 0;
+    const std::string said = testing::internal::GetCapturedStderr();
+    ASSERT_TRUE(is_away) << call;
+    EXPECT_THAT(said, HasSubstr("is disconnected (the stand-in's own words); trying to reconnect"));
+  }
+  EXPECT_TRUE(serve_until_ready());
+}
+
+// What it reports is only asked for ten times a second, and not necessary to drive it.
+TEST_F(ForceDimension, AStatusThatCannotBeReadChangesNothing) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->failing_call = 3;
+  const std::uint64_t ticks = board->ticks;
+  EXPECT_TRUE(serve_until([&] { return board->ticks > ticks + 250 && board->force[0] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
+  EXPECT_EQ(board->closed, 0U);
+}
+
+TEST_F(ForceDimension, OneThatReportsToBeDisconnectedIsAwayThoughItReplies) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  testing::internal::CaptureStderr();
+  board->is_connected = 0;
+  const bool is_away = serve_until([&] { return device->status() == DeviceStatus::away && board->closed >= 1U; });
+  board->is_connected = 1;
+  const std::string said = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(is_away);
+  EXPECT_THAT(said, HasSubstr("is disconnected (it reports that it is not connected)"));
+  EXPECT_TRUE(serve_until_ready());
+}
+
+TEST_F(ForceDimension, AForceThatIsOffWithoutPowerIsReportedAsThat) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  testing::internal::CaptureStderr();
+  board->has_power = 0;
+  board->force_off_cause = 1;
+  const std::uint64_t ticks = board->ticks;
+  const bool was_checked = serve_until([&] { return board->ticks > ticks + 250; }, {.force_n = Vec3(0, 0, 2)});
+  const std::string said = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(was_checked);
+  EXPECT_THAT(said, HasSubstr("has released its force: its power is off; it returns by itself"));
+}
+
 TEST_F(ForceDimension, UnpluggedInContactItIsAwayAndFoundAgain) {
   open();
   const Wrench push = {.force_n = Vec3(0, 0, 2)};
@@ -330,6 +444,29 @@ TEST_F(ForceDimension, AnotherDeviceInItsPlaceIsNotDriven) {
   EXPECT_EQ(board->largest_force, 0.0);
   board->system_type = 33;
   EXPECT_TRUE(serve_until_ready());
+}
+
+// Of the same type, but another arm.
+TEST_F(ForceDimension, OneOfAnotherSerialNumberInItsPlaceIsNotDriven) {
+  open();
+  EXPECT_EQ(device->condition().serial, "42");
+  ASSERT_TRUE(serve_until_ready());
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away && board->closed == 1U; }));
+  board->serial = 43;
+  board->largest_force = 0.0;
+  board->is_plugged = 1;
+  ASSERT_TRUE(serve_until([&] { return board->closed >= 3U; }, {.force_n = Vec3(0, 0, 2)}));
+  EXPECT_EQ(device->status(), DeviceStatus::away);
+  EXPECT_EQ(board->largest_force, 0.0);
+  board->serial = 42;
+  EXPECT_TRUE(serve_until_ready());
+}
+
+TEST_F(ForceDimension, ASerialNumberThatItDoesNotTellIsEmpty) {
+  board->serial = -1;
+  open();
+  EXPECT_EQ(device->condition().serial, "");
 }
 
 TEST_F(ForceDimension, EndsWithoutAForce) {

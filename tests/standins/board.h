@@ -35,11 +35,17 @@ struct Board {
   std::atomic<unsigned> open_error{0};       // HD: what opening reports, plugged or not
   std::atomic<int> errors_a_refusal{1};      // HD: how many errors an opening that fails reports
   std::atomic<double> motor_temperature{0.2};
-  std::atomic<int> slow_us{0};          // each tick takes so much longer
-  std::atomic<int> stands_still{0};     // the scheduler makes no calls
-  std::atomic<int> force_off_cause{0};  // DHD: not 0: the firmware has let the force go
-  std::atomic<int> system_type{33};     // DHD
-  std::atomic<int> result{0};           // DHD: of every call that moves data: 1 time guard, 2 saturated
+  std::atomic<int> slow_us{0};           // each tick takes so much longer
+  std::atomic<int> stands_still{0};      // the scheduler makes no calls
+  std::atomic<int> force_off_cause{0};   // DHD: not 0: the firmware has let the force go
+  std::atomic<int> system_type{33};      // DHD
+  std::atomic<int> result{0};            // DHD: of every call that moves data: 1 time guard, 2 saturated
+  std::atomic<int> failing_call{0};      // DHD: 1 orientation, 2 force, 3 status
+  std::atomic<int> serial{42};           // DHD: below 0: it has none
+  std::atomic<int> has_power{1};         // DHD: as it reports
+  std::atomic<int> is_connected{1};      // DHD: as it reports, while it is plugged in
+  std::atomic<int> claims_success{0};    // DHD: calibrating by motor, whatever has come of it
+  std::atomic<double> frame_scale{1.0};  // DHD: of the orientation; not 1: no rotation
   std::atomic<int> buttons{0};
   std::atomic<int> output_dof{3};
   std::atomic<double> max_force_n{3.3};
@@ -68,6 +74,7 @@ struct Board {
   std::atomic<int> watchdog{0};
   std::atomic<int> is_running{0};
   std::atomic<int> moved_by_itself{0};  // DHD: calibrated by motor
+  std::atomic<int> kept_forces{-1};     // DHD: 1: drdStop left them on, 0: off; -1: not called
 };
 static_assert(std::atomic<double>::is_always_lock_free && std::atomic<std::uint64_t>::is_always_lock_free);
 

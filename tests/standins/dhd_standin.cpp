@@ -113,30 +113,37 @@ int dhdEnableForce(unsigned char on, char) {
 int dhdGetPosition(double* x, double* y, double* z, char id) { return hardware().position(x, y, z, id); }
 int dhdGetOrientationFrame(double (*frame)[3], char id) {
   const auto rows = PointMass::rotation(hardware().board());
-  for (std::size_t row = 0; row < 3; ++row) std::copy(rows[row].begin(), rows[row].end(), frame[row]);
-  return hardware().exchange(id);
+  const double scale = hardware().board().frame_scale;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) frame[row][column] = scale * rows[row][column];
+  }
+  return hardware().board().failing_call == 1 ? -1 : hardware().exchange(id);
 }
 int dhdSetForceAndTorqueAndGripperForce(double fx, double fy, double fz, double tx, double ty, double tz, double, char id) {
-  return hardware().set_force({fx, fy, fz}, {tx, ty, tz}, id);
+  const int result = hardware().set_force({fx, fy, fz}, {tx, ty, tz}, id);
+  return hardware().board().failing_call == 2 ? -1 : result;
 }
 unsigned dhdGetButtonMask(char) { return static_cast<unsigned>(hardware().board().buttons.load()); }
 int dhdGetSystemType(char) { return hardware().board().system_type; }
 const char* dhdGetSystemName(char) { return "stand-in omega"; }
 int dhdGetSerialNumber(unsigned short* number, char) {
-  *number = 42;
-  return 0;
+  const int serial = hardware().board().serial;
+  *number = static_cast<unsigned short>(serial);
+  return serial >= 0 ? 0 : -1;
 }
 int dhdGetStatus(int* status, char) {
   std::fill(status, status + 17, 0);  // indices as in the SDK's documentation, on purpose not from dhd_library.h
   const Board& board = hardware().board();
-  status[0] = 1;
-  status[1] = board.is_plugged;
+  if (board.failing_call == 3) return -1;
+  status[0] = board.has_power;
+  status[1] = board.is_connected != 0 ? board.is_plugged.load() : 0;
   status[3] = board.calibration != 0;
   status[5] = board.enabled != 0 && board.force_off_cause == 0 ? 1 : 0;
   status[14] = board.force_off_cause;
   return 0;
 }
-const char* dhdErrorGetLastStr() { return "the stand-in's own words"; }
+// Of the last call, as the SDK has it: another call may change it.
+const char* dhdErrorGetLastStr() { return hardware().board().kept_forces != 0 ? "the stand-in's own words" : "no error"; }
 int dhdSetWatchdog(unsigned char units, char) {
   hardware().board().watchdog = units;
   return 0;
@@ -148,8 +155,11 @@ bool drdIsInitialized(char) { return hardware().board().calibration == 0; }
 int drdAutoInit(char) {
   hardware().board().moved_by_itself = 1;
   hardware().calibrate();
-  return hardware().board().calibration == 0 ? 0 : -1;
+  return hardware().board().calibration == 0 || hardware().board().claims_success != 0 ? 0 : -1;
 }
-int drdStop(bool, char) { return 0; }
+int drdStop(bool keeps_forces, char) {
+  hardware().board().kept_forces = keeps_forces ? 1 : 0;
+  return 0;
+}
 #endif
 }

@@ -1,0 +1,144 @@
+#include "devices/hd_session.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <map>
+
+namespace hapton::hd {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// What libHD was told to do, and what it is to do. Its functions have no data of their own.
+struct Said {
+  std::deque<Enum> errors;
+  std::map<std::string, std::vector<Enum>> of_opening;  // by name: the errors; without any it opens
+  std::vector<Enum> of_starting;                        // errors
+  std::vector<std::string> calls;
+  bool gives_no_handle = false;
+};
+Said* said = nullptr;
+
+Library scripted_library() {
+  Library hd;
+  hd.init_device = [](const char* name) -> Handle {
+    const std::string device = name != nullptr ? name : "";
+    said->calls.push_back("open " + device);
+    const auto& errors = said->of_opening[device];
+    said->errors.insert(said->errors.end(), errors.begin(), errors.end());
+    return errors.empty() && !said->gives_no_handle ? 7 : kInvalidHandle;
+  };
+  hd.get_error = [] {
+    if (said->errors.empty()) return ErrorInfo{kSuccess, 0, 0};
+    const Enum code = said->errors.front();
+    said->errors.pop_front();
+    return ErrorInfo{code, -42, 0};
+  };
+  hd.get_error_string = [](Enum) -> const char* { return nullptr; };
+  hd.make_current_device = [](Handle) {};
+  hd.disable_device = [](Handle) { said->calls.push_back("close"); };
+  hd.schedule_asynchronous = [](Callback, void*, unsigned short) -> Schedule { return 5; };
+  hd.unschedule = [](Schedule schedule) { said->calls.push_back("unschedule " + std::to_string(schedule)); };
+  hd.start_scheduler = [] {
+    said->calls.push_back("start with " + std::to_string(said->errors.size()) + " errors");
+    said->errors.insert(said->errors.end(), said->of_starting.begin(), said->of_starting.end());
+  };
+  hd.stop_scheduler = [] { said->calls.push_back("stop"); };
+  return hd;
+}
+
+struct HdSession : testing::Test {
+  HdSession() { said = &told; }
+
+  Result<Session::Attached> attach(const std::string& name) {
+    told.calls.clear();
+    return session.attach(
+        name, [this](Handle) { return set_up; }, nullptr, nullptr);
+  }
+
+  Said told;
+  Session session{scripted_library()};
+  Result<void> set_up;
+};
+
+TEST_F(HdSession, ErrorsFromBeforeAreNotThoseOfTheDeviceThatIsOpened) {
+  told.errors = {kCommError, kForceError};
+  const auto attached = attach("Left");
+  ASSERT_TRUE(attached) << attached.error().what;
+  EXPECT_EQ(attached->device, 7U);
+  EXPECT_EQ(attached->schedule, 5U);
+  EXPECT_THAT(told.calls, ElementsAre("open Left", "start with 0 errors"));
+}
+
+// Nor those of the name that was tried before it.
+TEST_F(HdSession, ANameThatFailsTwiceSpoilsNoOther) {
+  told.of_opening["Default Device"] = {kCommError, kCommConfigError};
+  const auto attached = attach("");
+  ASSERT_TRUE(attached) << attached.error().what;
+  EXPECT_THAT(told.calls, ElementsAre("open Default Device", "open Default PHANToM", "start with 0 errors"));
+}
+
+TEST_F(HdSession, ADeviceThatCannotBeOpenedLeavesNoErrorToThoseThatGoOn) {
+  ASSERT_TRUE(attach("Left"));
+  told.of_opening["Right"] = {kCommError, kDeviceFault};
+  const auto attached = attach("Right");
+  ASSERT_FALSE(attached);
+  EXPECT_THAT(attached.error().what, HasSubstr("OpenHaptics cannot open 'Right': HD_COMM_ERROR (0x302), internal code -42; "));
+  EXPECT_THAT(told.calls, ElementsAre("stop", "open Right", "start with 0 errors"));
+  EXPECT_TRUE(session.has_users());
+}
+
+TEST_F(HdSession, ADeviceThatCannotBeSetUpIsClosed) {
+  set_up = fail("no such workspace");
+  const auto attached = attach("Left");
+  ASSERT_FALSE(attached);
+  EXPECT_EQ(attached.error().what, "no such workspace");
+  EXPECT_THAT(told.calls, ElementsAre("open Left", "close"));
+  EXPECT_FALSE(session.has_users());
+}
+
+TEST_F(HdSession, ASchedulerThatDoesNotStartIsReportedAndNothingStaysOpen) {
+  told.of_starting = {kTimerError, kTimerError};
+  const auto attached = attach("Left");
+  ASSERT_FALSE(attached);
+  EXPECT_THAT(attached.error().what, HasSubstr("OpenHaptics cannot start its scheduler: HD_TIMER_ERROR (0x304), internal code -42"));
+  EXPECT_THAT(told.calls, ElementsAre("open Left", "start with 0 errors", "stop", "unschedule 5", "close"));
+  EXPECT_FALSE(session.has_users());
+  told.of_starting.clear();
+  EXPECT_TRUE(attach("Left")) << "its second error is not the next device's";
+}
+
+// It may be another device's, which looks for it itself.
+TEST_F(HdSession, AnErrorWhileOthersTickIsNotThatOfTheScheduler) {
+  ASSERT_TRUE(attach("Left"));
+  told.of_starting = {kCommError};
+  EXPECT_TRUE(attach("Right"));
+  EXPECT_THAT(told.calls, ElementsAre("stop", "open Right", "start with 0 errors"));
+}
+
+TEST_F(HdSession, NoHandleAndNoErrorIsNoDevice) {
+  told.gives_no_handle = true;
+  EXPECT_EQ(attach("Left").error().what, "OpenHaptics has no device 'Left'; name the one of its set-up (Touch_Setup) with --device-id");
+  EXPECT_EQ(attach("").error().what,
+            "OpenHaptics has no device 'Default Device', 'Default PHANToM', the library's default device; name the one of its set-up "
+            "(Touch_Setup) with --device-id");
+}
+
+TEST_F(HdSession, TheLastDeviceStopsTheSchedulerAndAnotherStartsItAgain) {
+  const auto left = attach("Left");
+  const auto right = attach("Right");
+  ASSERT_TRUE(left && right);
+  told.calls.clear();
+  session.detach(*left);
+  EXPECT_THAT(told.calls, ElementsAre("stop", "unschedule 5", "close", "start with 0 errors"));
+  told.calls.clear();
+  session.detach(*right);
+  EXPECT_THAT(told.calls, ElementsAre("stop", "unschedule 5", "close"));
+  EXPECT_FALSE(session.has_users());
+}
+
+}  // namespace
+}  // namespace hapton::hd
