@@ -303,11 +303,12 @@ void SessionRecorder::write_flight() {
   append_end(bytes);
   const std::int64_t unix_ns = header_.start_unix_ns + (flight.fault_ns - header_.start_ns);
   const auto path = options_.flight_folder / fmt::format("flight-{}-{}.hapton", time_text(unix_ns), header.fault);
-  ++counts_.flights;
   if (const auto written = write_file_atomically(path, bytes, FileReaders::owner); !written) {
+    ++counts_.flights_left_out;
     log_error("{}: no flight record: {}", header.fault, written.error().what);
     return;
   }
+  ++counts_.flights;
   log_warning("fault: {}; its last 2 s are in {}", header.fault, path.string());
   forget_old_flights();
 }

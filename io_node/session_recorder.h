@@ -50,7 +50,7 @@ class SessionRecorder final : public ServoTap {
     std::uint64_t file_entries = 0;  // complete in the recording: all, or at least those before its disk was full
     std::uint64_t file_bytes = 0;
     int flights = 0;
-    int flights_left_out = 0;  // faults with no record of their own, because of the limits above
+    int flights_left_out = 0;  // faults with no record of their own, because of the limits above or the disk
   };
 
   // header: written at the start of each file. Pre: clock outlives this.

@@ -14,6 +14,7 @@
 
 #include "link/session_reader.h"
 #include "tests/support/allocation_guard.h"
+#include "tests/support/log_of.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/time_units.h"
 
@@ -232,6 +233,20 @@ TEST_F(Recorders, FlightRecordsAreFew) {
   EXPECT_EQ(recorder.counts().flights, SessionRecorder::kMaxFlights);
   EXPECT_EQ(recorder.counts().flights_left_out, 2);
   EXPECT_EQ(flight_files().size(), static_cast<std::size_t>(SessionRecorder::kMaxFlights));
+}
+
+TEST_F(Recorders, AFlightRecordThatCannotBeWrittenIsNotCountedAsWritten) {
+  auto recorder = make({{}, flights});
+  ASSERT_TRUE(recorder.start());
+  std::filesystem::remove_all(flights);
+  scratch.write("flight", "a file in place of the folder");
+  const std::string said = log_of([&] {
+    recorder.on_fault(SessionFault::device, clock.now_ns());
+    EXPECT_TRUE(recorder.stop());
+  });
+  EXPECT_EQ(recorder.counts().flights, 0);
+  EXPECT_EQ(recorder.counts().flights_left_out, 1);
+  EXPECT_NE(said.find("device: no flight record: cannot write " + flights.string()), std::string::npos) << said;
 }
 
 TEST_F(Recorders, AFolderKeepsTheNewestFlightRecordsAndAllOtherFiles) {
