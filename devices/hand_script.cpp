@@ -35,7 +35,7 @@ double HandScript::uniform(double low, double high) noexcept { return low + (hig
 void HandScript::lead(const std::optional<Vec3>& p_WH) noexcept {
   if (p_WH && !p_WH->allFinite()) return;
   if (p_WH) {
-    if (!lead_m_) phase_ = Phase::led;
+    phase_ = Phase::led;
     lead_m_ = within_workspace(*p_WH);
   } else if (lead_m_) {
     lead_m_.reset();
@@ -55,7 +55,7 @@ void HandScript::aim(std::span<const Vec3> p_WA) noexcept {
   aims_m_ = taken;
   aim_count_ = count;
   // On its way to where nothing may be.
-  if (phase_ == Phase::travel || (phase_ == Phase::approach && !touched_)) enter(Phase::travel);
+  if (phase_ == Phase::travel || phase_ == Phase::approach) enter(Phase::travel);
 }
 
 void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
@@ -64,7 +64,6 @@ void HandScript::feel(const Vec3& p_WD, const Vec3& force_n) noexcept {
   if (force > kTouchN) {
     normal_ = filtered_force_n_ / force;
     contact_m_ = p_WD;
-    touched_ = true;
   }
   lost_s_ = force < kLostN ? lost_s_ + kStepS : 0.0;
 }
@@ -96,7 +95,7 @@ void HandScript::enter(Phase phase) noexcept {
       choose_aim();
       break;
     case Phase::approach:
-      touched_ = false;
+    case Phase::led:
       break;
     case Phase::press:
       press_n_ = uniform(0.8, 2.5);
@@ -122,8 +121,6 @@ void HandScript::enter(Phase phase) noexcept {
     }
     case Phase::leave:
       aim_m_ = within_workspace(hand_m_ + 0.03 * normal_);  // what is out of reach is never arrived at
-      break;
-    case Phase::led:
       break;
     case Phase::path:
       path_s_ = -1.0;
@@ -159,7 +156,7 @@ Vec3 HandScript::point_of_path() noexcept {
 Quat HandScript::turn_of_path() const noexcept {
   const std::vector<TrajectoryRow>& rows = options_.path;
   const TrajectoryRow& from = rows[path_row_];
-  if (path_row_ + 1 == rows.size() || path_s_ < 0.0) return from.q_WT;
+  if (path_row_ + 1 == rows.size()) return from.q_WT;
   const TrajectoryRow& to = rows[path_row_ + 1];
   const double share = (rows.front().t_s + path_s_ - from.t_s) / (to.t_s - from.t_s);
   return from.q_WT.slerp(std::clamp(share, 0.0, 1.0), to.q_WT);
@@ -256,7 +253,7 @@ void HandScript::advance_phase(const Vec3& p_WD) noexcept {
       if (move_towards(aim_m_, kTravelSpeed)) enter(Phase::travel);
       return;
     case Phase::led:
-      if (lead_m_) move_towards(*lead_m_, kLeadSpeed);
+      move_towards(*lead_m_, kLeadSpeed);
       return;
     case Phase::path:
       follow_path();

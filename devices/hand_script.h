@@ -99,7 +99,6 @@ class HandScript {
   std::size_t path_row_ = 0;  // the last row that has been reached
   int taps_left_ = 0;
   bool striking_ = false;
-  bool touched_ = false;  // anything in this round
 };
 
 }  // namespace hapton

@@ -201,6 +201,54 @@ TEST(HandScript, AimsOutOfItsReachLeaveItAsItWas) {
   EXPECT_EQ(a, b);
 }
 
+// Toward the old point there may be nothing any more.
+TEST(HandScript, OnItsWayItTurnsToNewAimsAndElsewhereItGoesOn) {
+  HandScript script(box(1));
+  Vec3 last = box(1).start_m;
+  const auto step_until = [&](HandScript::Phase phase) {
+    for (int step = 0; step < 20'000 && script.phase() != phase; ++step) last = script.step(last, Vec3::Zero()).p_WH;
+    ASSERT_EQ(script.phase(), phase);
+  };
+  script.aim(std::array{Vec3(0.05, 0.0, 0.0)});
+  step_until(HandScript::Phase::approach);
+  script.aim(std::array{Vec3(0.05, 0.0, 0.0)});
+  EXPECT_EQ(script.phase(), HandScript::Phase::approach) << "the same aims again";
+  script.aim(std::array{Vec3(-0.05, 0.0, 0.0)});
+  EXPECT_EQ(script.phase(), HandScript::Phase::travel);
+  step_until(HandScript::Phase::approach);
+  EXPECT_LT((last - Vec3(-0.05, 0.0, 0.18)).norm(), 1e-9);
+  for (int step = 0; step < 200; ++step) last = script.step(last, Vec3(0, 0, 1)).p_WH;
+  ASSERT_EQ(script.phase(), HandScript::Phase::press);
+  script.aim(std::array{Vec3(0.0, 0.05, 0.0)});
+  EXPECT_EQ(script.phase(), HandScript::Phase::press);
+}
+
+TEST(HandScript, ANewLeadReplacesTheOneBefore) {
+  HandScript script(box(1));
+  Vec3 last = box(1).start_m;
+  for (const Vec3& lead : {Vec3(0.05, -0.05, 0.0), Vec3(-0.05, 0.05, 0.1)}) {
+    script.lead(lead);
+    for (int step = 0; step < 1000; ++step) last = script.step(last, Vec3::Zero()).p_WH;
+    EXPECT_EQ(last, lead);
+    EXPECT_EQ(script.phase(), HandScript::Phase::led);
+  }
+}
+
+TEST(HandScript, TurnsAsThePathDoesFromItsFirstRowOnAndStaysTurnedAtItsEnd) {
+  HandScript::Options options = path_over(false);
+  const Quat first(Eigen::AngleAxisd(0.2, Vec3::UnitX())), last(Eigen::AngleAxisd(0.6, Vec3::UnitX()));
+  options.path[0].q_WT = first;
+  options.path[1].q_WT = last;
+  options.path[2].q_WT = last;
+  HandScript script(options);
+  EXPECT_EQ(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->coeffs(), first.coeffs()) << "on the way to the first row";
+  (void)hand_on_path(script, 499);
+  const Quat middle(Eigen::AngleAxisd(0.4, Vec3::UnitX()));
+  EXPECT_LT(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->angularDistance(middle), 1e-9) << "half a second of one later";
+  for (int step = 0; step < 5000; ++step) script.step(Vec3::Zero(), Vec3::Zero());
+  EXPECT_EQ(script.step(Vec3::Zero(), Vec3::Zero()).q_WT->coeffs(), last.coeffs());
+}
+
 TEST(HandScript, LettingGoWithoutALeadChangesNothing) {
   HandScript script(box(1)), other(box(1));
   Vec3 a = box(1).start_m, b = a;

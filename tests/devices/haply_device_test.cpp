@@ -268,6 +268,26 @@ TEST_F(Haply, AMissingDeviceIsOneClearLine) {
   EXPECT_THAT(make().error().what, HasSubstr("no Inverse3;"));
 }
 
+TEST_F(Haply, AServiceThatSendsNoInventoryIsOneClearLine) {
+  service->sends_junk = true;
+  EXPECT_EQ(make().error().what, "the Haply Inverse Service sent something that is not a JSON object");
+  service->sends_junk = false;
+  service->hangs_up = true;
+  const std::string what = make().error().what;
+  EXPECT_THAT(what, HasSubstr("the Haply Inverse Service at " + service->address() + " sends no data: "));
+  EXPECT_THAT(what, HasSubstr("systemctl start haply-inverse-service"));
+}
+
+TEST_F(Haply, AnArmThatDoesNotSayWhatItIsIsAnInverse3) {
+  service->type = "";
+  open();
+  EXPECT_EQ(device->condition().model, "inverse3");
+  device.reset();
+  service->type = "minverse";
+  open();
+  EXPECT_EQ(device->condition().model, "minverse");
+}
+
 TEST_F(Haply, TheServosSideUsesNoHeap) {
   if (!AllocationGuard::is_available()) GTEST_SKIP() << "heap use cannot be counted in this build";
   open();

@@ -94,6 +94,37 @@ TEST_F(OpenHaptics, SaysWhatItIs) {
   EXPECT_TRUE(serve_until([&] { return device->condition().motor_temperature == 0.9; })) << "the warmest motor counts";
 }
 
+TEST_F(OpenHaptics, WhatItDoesNotSayOfItselfIsLeftOut) {
+  board->has_texts = 0;
+  testing::internal::CaptureStderr();
+  open();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("OpenHaptics: unknown model, serial ?, firmware ?, at most"));
+  EXPECT_EQ(device->condition().model, "unknown model");
+  EXPECT_EQ(device->condition().serial, "");
+  EXPECT_EQ(device->condition().firmware, "");
+}
+
+TEST_F(OpenHaptics, ATemperatureThatIsNoNumberIsLeftOut) {
+  board->motor_temperature = std::numeric_limits<double>::quiet_NaN();
+  open();
+  EXPECT_TRUE(serve_until([&] { return device->condition().motor_temperature == 0.1; })) << "that of the other motors";
+}
+
+// As many as there is time for in a tick. The force stays away meanwhile, and returns.
+TEST_F(OpenHaptics, ALibraryThatReportsErrorsWithoutEndHoldsNoTickUp) {
+  open();
+  const Wrench push = {.force_n = Vec3(0, 0, 2)};
+  ASSERT_TRUE(serve_until_ready());
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+  board->endless_error = 0x200;
+  ASSERT_TRUE(serve_until([&] { return board->force[2] == 0.0; }, push));
+  const std::uint64_t ticks = board->ticks;
+  EXPECT_TRUE(serve_until([&] { return board->ticks > ticks + 50; }, push));
+  EXPECT_EQ(board->force[2], 0.0);
+  board->endless_error = 0;
+  EXPECT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, push));
+}
+
 TEST_F(OpenHaptics, MillimetresBecomeMetresFromTheMiddleOfTheWorkspace) {
   board->follows_hand = 0;
   const double at_m[] = {0.010, 0.050, -0.003};
@@ -366,6 +397,22 @@ TEST_F(OpenHaptics, AServoThatDiesLeavesNoForce) {
   ASSERT_TRUE(serve_until([&] { return board->force[2] == 2.0; }, {.force_n = Vec3(0, 0, 2)}));
   // The servo no longer writes; the device releases by itself.
   EXPECT_TRUE(DeviceRunner::wait_until([&] { return board->force[2] == 0.0; }));
+}
+
+TEST_F(OpenHaptics, OneThatIsNotThereYetIsLookedForAgain) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  board->is_plugged = 0;
+  ASSERT_TRUE(serve_until([&] { return device->status() == DeviceStatus::away && board->refused > 0; }));
+  testing::internal::CaptureStderr();
+  const std::uint64_t refused = board->refused;
+  const bool was_refused = serve_until([&] { return board->refused > refused; });
+  const std::string meanwhile = testing::internal::GetCapturedStderr();
+  EXPECT_TRUE(was_refused);
+  EXPECT_EQ(device->status(), DeviceStatus::away);
+  EXPECT_THAT(meanwhile, Not(HasSubstr("is back")));
+  board->is_plugged = 1;
+  EXPECT_TRUE(serve_until_ready());
 }
 
 TEST_F(OpenHaptics, TheServosSideUsesNoHeap) {

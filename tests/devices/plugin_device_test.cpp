@@ -66,6 +66,17 @@ TEST(PluginDevice, AwayRepeatsTheLastSample) {
   EXPECT_NE(device->read(3'000'000'000).p_WD, first);
 }
 
+// Its own memory may be damaged.
+TEST(PluginDevice, AfterAFaultItIsReadNoMore) {
+  const auto device = std::move(*make("does=write_exception"));
+  const Vec3 first = device->read(1'000'000'000).p_WD;
+  device->write({}, 1'000'000'000);
+  const DeviceSample after = device->read(2'000'000'000);
+  EXPECT_EQ(device->status(), DeviceStatus::fault);
+  EXPECT_EQ(after.p_WD, first);
+  EXPECT_EQ(after.time_ns, 2'000'000'000);
+}
+
 TEST(PluginDevice, AQuaternionThatIsRoundedIsNormalized) { EXPECT_EQ((*make("does=nearly"))->read(1000).q_WT.norm(), 1.0); }
 
 // What io_node does with it.
@@ -90,6 +101,7 @@ TEST(PluginDevice, NonsenseReachesNoMotor) {
 
 TEST(PluginDevice, EachFaultAtTheStartIsOneLine) {
   EXPECT_THAT(make("does=reject").error().what, HasSubstr("plugin line does not start: nothing is plugged in"));
+  EXPECT_THAT(make("does=open_exception").error().what, HasSubstr("odd_device.so: plugin line threw a C++ exception in open"));
   EXPECT_THAT(make("does=strong").error().what, HasSubstr("max_force_n of nan"));
   EXPECT_THAT(make("does=no_slew").error().what, HasSubstr("no max_slew_n_per_s"));
   EXPECT_THAT(make("does=no_box").error().what, HasSubstr("no workspace"));

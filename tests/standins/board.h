@@ -32,6 +32,8 @@ struct Board {
   std::atomic<unsigned> error_once{0};       // HD: reported after the next frame
   std::atomic<int> known_name{0};            // HD: 0 "Default Device", 1 "Default PHANToM", 2 the default alone, 3 "Left Hand"
   std::atomic<int> is_another{0};            // HD: another unit of the same model, by its serial number
+  std::atomic<unsigned> endless_error{0};    // HD: reported at every question, without end
+  std::atomic<int> has_texts{1};             // HD: model, serial number and firmware
   std::atomic<unsigned> open_error{0};       // HD: what opening reports, plugged or not
   std::atomic<int> errors_a_refusal{1};      // HD: how many errors an opening that fails reports
   std::atomic<double> motor_temperature{0.2};
@@ -69,6 +71,7 @@ struct Board {
   std::atomic<std::uint64_t> calibration_updates{0};
   std::atomic<int> last_update_style{0};
   std::atomic<std::uint64_t> opened{0};
+  std::atomic<std::uint64_t> refused{0};  // HD: openings
   std::atomic<std::uint64_t> closed{0};
   std::atomic<int> enabled{0};  // HD: bit n for capability 0x4000 + n; DHD: forces are on
   std::atomic<int> watchdog{0};

@@ -22,6 +22,8 @@ namespace beast = boost::beast;
 using asio::ip::tcp;
 using boost::system::error_code;
 
+constexpr std::string_view kJunk = R"({"inverse3": [{"device_id": 7, "state")";
+
 }  // namespace
 
 struct HaplyService::Listening {
@@ -91,8 +93,9 @@ void HaplyService::serve(void* accepted) {
   stream.accept(request, error);
   if (error) return;
   ++connections;
+  if (hangs_up) return;
   stream.text(true);
-  stream.write(asio::buffer(state(true)), error);
+  stream.write(asio::buffer(sends_junk ? std::string(kJunk) : state(true)), error);
   for (bool is_first = true; !error && !ends_; is_first = false) {
     if (!await_message(socket.native_handle())) return;
     beast::flat_buffer buffer;
@@ -101,7 +104,7 @@ void HaplyService::serve(void* accepted) {
     if (error) return;
     receive(beast::buffers_to_string(buffer.cdata()), is_first);
     if (is_silent) continue;
-    stream.write(asio::buffer(sends_junk ? std::string("{\"inverse3\": [{\"device_id\": 7, \"state\"") : state(false)), error);
+    stream.write(asio::buffer(sends_junk ? std::string(kJunk) : state(false)), error);
   }
 }
 
@@ -109,10 +112,10 @@ std::string HaplyService::state(bool with_config) const {
   std::string arms;
   const bool is_absent = absent_states > 0 && absent_states-- > 0;
   if (is_plugged && !is_absent) {
-    const std::string config =
-        with_config ? fmt::format(R"("config":{{"type":"inverse3","extended_firmware_version":"7.4.0","handedness":"right"{}}},)",
-                                  mount.empty() ? "" : ",\"mount\":" + mount)
-                    : "";
+    const std::string config = with_config
+                                   ? fmt::format(R"("config":{{"type":"{}","extended_firmware_version":"7.4.0","handedness":"right"{}}},)",
+                                                 type, mount.empty() ? "" : ",\"mount\":" + mount)
+                                   : "";
     std::string placed = with_config && !transform.empty() ? ",\"transform\":" + transform : "";
     if (is_scaled) placed = R"(,"transform":{"scale":{"x":2,"y":2,"z":2}})";
     if (!with_config && !is_scaled && was_scaled_.exchange(false)) placed = R"(,"transform":{"scale":{"x":1,"y":1,"z":1}})";

@@ -25,12 +25,14 @@ class HaplyService {
   std::atomic<bool> is_plugged{true};
   std::atomic<bool> is_calibrated{true};
   std::atomic<bool> has_grip{true};
-  mutable std::atomic<int> absent_states{0};    // so many next states are without the arm
-  std::atomic<bool> is_silent{false};   // accepts messages and never replies
-  std::atomic<bool> sends_junk{false};  // replies with something else
-  std::atomic<bool> is_scaled{false};   // its session's transform has a scale
+  mutable std::atomic<int> absent_states{0};  // so many next states are without the arm
+  std::atomic<bool> is_silent{false};         // accepts messages and never replies
+  std::atomic<bool> sends_junk{false};        // replies with something else
+  std::atomic<bool> hangs_up{false};          // as soon as a client is connected
+  std::atomic<bool> is_scaled{false};         // its session's transform has a scale
   // Before a client connects.
   std::string version = "3.5.1.0";  // at /version; empty: there is no such page
+  std::string type = "inverse3";    // of its config
   std::string mount;                // of its config, JSON; empty: none
   std::string transform;            // of its first state, JSON
   std::array<std::atomic<double>, 3> position_m{0.0, -0.12, 0.15};

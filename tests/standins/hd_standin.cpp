@@ -163,6 +163,11 @@ class Hardware {
     }
   }
 
+  void get_firmware(float* value) {
+    if (current_->board().has_texts == 0) return report(kInvalidEnum);
+    *value = 4.5F;
+  }
+
   unsigned calibration() {
     const Unit& unit = *current_;
     return 0x5000U + static_cast<unsigned>(unit.is_calibrated() ? 0 : unit.board().calibration.load());
@@ -206,6 +211,7 @@ class Hardware {
 
   ErrorInfo take_error() {
     const std::lock_guard lock(error_mutex_);
+    if (const unsigned endless = units_[0].board().endless_error; endless != 0) return {endless, -42, kFirstDevice};
     if (errors_.empty()) return {0, 0, kFirstDevice};
     const ErrorInfo error = errors_.front();
     errors_.pop_front();
@@ -218,6 +224,7 @@ class Hardware {
   }
 
   const char* text(unsigned what) const {
+    if (current_->board().has_texts == 0) return nullptr;
     switch (what) {
       case 0x2501:
         return "Stand-in Touch";
@@ -248,6 +255,7 @@ class Hardware {
   }
   bool is_scheduler() const { return std::this_thread::get_id() == scheduler_.load(); }
   unsigned refuse(const Board& board, unsigned code) {
+    ++units_[0].board().refused;
     for (int n = 0; n < board.errors_a_refusal; ++n) report(code);
     return kNoDevice;
   }
@@ -308,7 +316,7 @@ const char* hdGetErrorString(unsigned) { return "the stand-in's own words"; }
 void hdEnable(unsigned capability) { hardware().enable(capability); }
 void hdGetIntegerv(unsigned what, int* values) { hardware().get(what, values); }
 void hdGetFloatv(unsigned what, float* values) {
-  if (what == 0x2505) *values = 4.5F;
+  if (what == 0x2505) hardware().get_firmware(values);
 }
 void hdGetDoublev(unsigned what, double* values) { hardware().get(what, values); }
 const char* hdGetString(unsigned what) { return hardware().text(what); }

@@ -1,5 +1,5 @@
 // A device on a straight line at 0.1 m/s, whose position in y and z is the force and torque last written. does=nan|exception|fault|away|
-// ended|calibrating|released|q|reject|no_slew|no_box|strong|full, after=READS.
+// ended|calibrating|released|q|reject|no_slew|no_box|strong|full|open_exception|write_exception, after=READS.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -29,6 +29,7 @@ void* open_line(const hapton_request* request, hapton_device_limits* limits) {
     std::snprintf(request->why, request->why_size, "nothing is plugged in");
     return nullptr;
   }
+  if (made.does == "open_exception") throw std::runtime_error("cable");
   limits->max_force_n = made.does == "strong" ? std::nan("") : 3.0;
   limits->max_slew_n_per_s = made.does == "no_slew" ? 0.0 : 3000.0;
   for (int k = 0; k < 3 && made.does != "no_box"; ++k) {
