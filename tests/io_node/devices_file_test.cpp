@@ -133,6 +133,21 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
   EXPECT_THAT(read_devices_file(scratch.path() / "none.toml", {}).error().what, HasSubstr("none.toml"));
 }
 
+// The forces of two hubs would alternate on one arm.
+TEST_F(DevicesFiles, TwoOfOneKindNeedIdsThatDiffer) {
+  const auto pair = [](const std::string& left, const std::string& right) {
+    return "[[device]]\nname = \"left\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n" + left +
+           "[[device]]\nname = \"right\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n" + right;
+  };
+  const auto is_rejected = HasSubstr("'left' and 'right' are both hapton-hid: give each an id (hapton doctor lists them)");
+  EXPECT_THAT(rejection(pair("", "")), is_rejected);
+  EXPECT_THAT(rejection(pair("id = \"A\"\n", "")), is_rejected);
+  EXPECT_THAT(rejection(pair("", "id = \"A\"\n")), is_rejected);
+  EXPECT_THAT(rejection(pair("id = \"A\"\n", "id = \"A\"\n")), is_rejected);
+  EXPECT_EQ(rejection(pair("id = \"A\"\n", "id = \"B\"\n")), "it was read");
+  EXPECT_EQ(rejection(kLeft + "[[device]]\nname = \"right\"\ndevice = \"hapton-hid\"\nbind = \"127.0.0.1:0\"\n"), "it was read");
+}
+
 // Each number at its limits is read, and just beyond them is rejected with its name.
 TEST_F(DevicesFiles, NumbersAreReadUpToTheirLimits) {
   struct Limits {

@@ -77,6 +77,12 @@ TEST(IoOptions, TheOldNameOfTheDeadMansSwitchCountsFromZero) {
   EXPECT_TRUE(std::holds_alternative<int>(parse({"--devices", "two.toml", "--hold-button", "1"})));
 }
 
+TEST(IoOptions, WhatAllDevicesHaveInCommonGoesWithAFileOfThem) {
+  const auto options = std::get<IoOptions>(parse({"--devices", "desk.toml", "--rate", "2000", "--out", "/tmp"}));
+  EXPECT_EQ(options.devices_file, "desk.toml");
+  EXPECT_EQ(options.rate_hz, 2000.0);
+}
+
 TEST(IoOptions, VrpnIsOffUnlessAnAddressIsGiven) {
   EXPECT_EQ(std::get<IoOptions>(parse({})).vrpn, "");
   const auto options = std::get<IoOptions>(parse({"--vrpn", "127.0.0.1:3883", "--vrpn-name", "left"}));

@@ -82,6 +82,30 @@ TEST(IoReport, SaysWhatTheDeviceSaysOfItself) {
   EXPECT_FALSE(make_io_report(*two_seconds(), {}, "").notes.contains("motor_temperature"));
 }
 
+TEST(IoReport, SaysWithWhatItWasStartedWhereThatWasGiven) {
+  const LatencyReport bare = make_io_report(*two_seconds(), {}, "");
+  for (const char* note : {"name", "device_id", "device_file", "trajectory", "echo_probe", "echo_bytes", "reach"}) {
+    EXPECT_FALSE(bare.notes.contains(note)) << note;
+  }
+  IoOptions options;
+  options.name = "left";
+  options.device.id = "SN1";
+  options.device.file = "mine.toml";
+  options.device.trajectory = "t.csv";
+  options.echo_probe = "127.0.0.1:9";
+  options.echo_bytes = 200;
+  auto stats = two_seconds();
+  stats->reach = SceneReach::too_small;
+  const LatencyReport report = make_io_report(*stats, options, "");
+  EXPECT_EQ(report.notes.at("name"), "left");
+  EXPECT_EQ(report.notes.at("device_id"), "SN1");
+  EXPECT_EQ(report.notes.at("device_file"), "mine.toml");
+  EXPECT_EQ(report.notes.at("trajectory"), "t.csv");
+  EXPECT_EQ(report.notes.at("echo_probe"), "127.0.0.1:9");
+  EXPECT_EQ(report.notes.at("echo_bytes"), "200");
+  EXPECT_THAT(report.notes.at("reach"), HasSubstr("too small"));
+}
+
 TEST(IoReport, ASceneWhoseHashIsNotKnownYetIsNamedWithoutIt) {
   auto stats = two_seconds();
   std::copy_n("/a/part.stl", 11, stats->setup.scene.begin());

@@ -1,8 +1,10 @@
 // Both sides in their threads, over real sockets, with a haptics node in this one's stead.
 #include "io_node/io_session.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -14,9 +16,11 @@
 
 #include "devices/replay_device.h"
 #include "devices/simulated_phantom.h"
+#include "io_node/latch_file.h"
 #include "link/hub_client.h"
 #include "link/random_id.h"
 #include "link/udp_endpoint.h"
+#include "tests/support/log_of.h"
 #include "tests/support/patience.h"
 #include "tests/support/scratch_folder.h"
 
@@ -192,6 +196,125 @@ TEST_F(Sessions, AReportThatCannotBeWrittenIsAnError) {
   const auto ended = run(device);
   ASSERT_FALSE(ended);
   EXPECT_NE(ended.error().what.find("/proc/nowhere"), std::string::npos);
+}
+
+// What a session with these events writes to its log, for people.
+struct SessionEvents : Sessions {
+  std::string log_with(const std::vector<ServoEvent>& events, const LatchFile* latch_file = nullptr) {
+    options.seconds = 0.01;
+    return log_of([&] {
+      SimulatedPhantom device({});
+      const auto endpoint = open_udp_endpoint("127.0.0.1:0");
+      HubPeers peers(**endpoint, clock, make_random_id(), options.rate_hz);
+      const auto network = std::make_unique<NetworkLoop>(device, peers, clock, NetworkLoop::Options());
+      for (const ServoEvent& event : events) network->events().push(event);
+      IoSession session(*network, clock, options);
+      session.set_latch_file(latch_file);
+      EXPECT_TRUE(session.run(stop));
+    });
+  }
+
+  static ServoEvent event_of(ServoEvent::Kind kind) {
+    ServoEvent event;
+    event.kind = kind;
+    return event;
+  }
+  static ServoEvent fault_event(ServoEvent::Kind kind, SafetyFault fault = SafetyFault::speed) {
+    ServoEvent event = event_of(kind);
+    event.address = *parse_address("10.0.0.7:5000");
+    event.fault = fault;
+    return event;
+  }
+};
+
+TEST_F(SessionEvents, OfFaultsAreToldWithWhatToDo) {
+  using Kind = ServoEvent::Kind;
+  const std::string said = log_with({fault_event(Kind::latched), fault_event(Kind::reset), fault_event(Kind::reset_rejected),
+                                     fault_event(Kind::reset_without_right), fault_event(Kind::reset_without_person)});
+  for (const char* line :
+       {"fault latched, no force: the device moved faster than its limit; fix the cause, then: hapton set --reset-faults "
+        "(docs/safety.md)\n",
+        "fault reset (speed); the force ramps up\n", "fault not reset: its cause persists: the device moved faster than its limit\n",
+        "fault reset rejected: the tool at 10.0.0.7:5000 has no operator's key (hapton keygen --role operator)\n",
+        "fault reset rejected: the operator at 10.0.0.7:5000 is on another host and no dead man's switch is held; reset it here, or while "
+        "someone holds the switch (--dead-mans-switch)\n"}) {
+    EXPECT_THAT(said, testing::HasSubstr(line));
+  }
+  options.device.name = "plugin:./pen.so";
+  EXPECT_THAT(log_with({fault_event(Kind::latched)}), testing::HasSubstr("than its limit (device plugin:./pen.so); fix the cause"));
+}
+
+TEST_F(SessionEvents, OfThoseThatAreNotLetInAreToldWithWhatToDo) {
+  using Kind = ServoEvent::Kind;
+  ServoEvent flood = fault_event(Kind::flood);
+  flood.flood = Rejection::forged;
+  flood.rate_hz = 2000.4;
+  ServoEvent large_flood = flood;
+  large_flood.is_from_several = large_flood.is_mostly_filtered = true;
+  ServoEvent rejected = event_of(Kind::rejected);
+  rejected.role = NodeRole::haptics;
+  const std::string said =
+      log_with({rejected, event_of(Kind::wrong_key), event_of(Kind::wrong_version), event_of(Kind::role_violation), flood, large_flood});
+  for (const char* line :
+       {"a haptics node was rejected: the hub has no free slot for it; it keeps trying\n",
+        "a node with another key, or none, tried to join; if it is yours, give it a key made from this hub's master key: hapton keygen "
+        "--role ROLE --master MASTER FILE\n",
+        "a node uses another protocol version; if it is yours, build all nodes from the same sources, and make new keys (hapton keygen) if "
+        "it is older than version 3\n",
+        "a node requested a role that its key does not allow; if it is yours, give it the key of its role: hapton keygen --role ROLE "
+        "--master MASTER FILE\n",
+        "flood of forged datagrams from 10.0.0.7:5000, 2000 a second: rejected; the force is not delayed\n",
+        "flood of forged datagrams from 10.0.0.7:5000 and others, 2000 a second: dropped in the kernel (nodes may take longer to join); "
+        "the "
+        "force is not delayed\n"}) {
+    EXPECT_THAT(said, testing::HasSubstr(line));
+  }
+}
+
+TEST_F(SessionEvents, OfTheSceneAndTheLoopAreTold) {
+  using Kind = ServoEvent::Kind;
+  ServoEvent method = event_of(Kind::method_requested);
+  std::copy_n("sweep", 5, method.method.begin());
+  ServoEvent parts = event_of(Kind::parts_requested);
+  parts.round_trip_s = 0.0123;
+  options.name = "left";
+  ServoEvent rate = event_of(Kind::rate_changed);
+  rate.rate_hz = 4000.0;
+  std::vector<ServoEvent> events = {rate, method, parts};
+  for (const Kind kind : {Kind::material_requested, Kind::out_of_reach, Kind::too_small, Kind::in_reach, Kind::force_from_parts,
+                          Kind::force_from_haptics, Kind::away, Kind::calibrating, Kind::back}) {
+    events.push_back(event_of(kind));
+  }
+  const std::string said = log_with(events);
+  for (const char* line :
+       {"left: servo rate now 4000 Hz\n", "left: method requested: sweep\n", "left: change of a material requested\n",
+        "left: the scene is out of the device's reach: give its --unit, place it with a scene file (docs/scene-files.md), or leave out "
+        "--no-fit\n",
+        "left: the scene is far too small for the device's workspace: give its --unit, scale it in a scene file, or leave out --no-fit\n",
+        "left: the scene is within the device's reach\n",
+        "left: touch, round trip 12.3 ms: requesting the scene in parts, to compute the force here (docs/remote.md)\n",
+        "left: touch: the force is computed here, from parts of the scene\n",
+        "left: touch, round trip not known yet: the force comes from haptics_node again\n",
+        "left: the device is disconnected; no force until it is back\n",
+        "left: the device is being calibrated; no force until it is ready\n", "left: the device is ready; the force ramps up\n"}) {
+    EXPECT_THAT(said, testing::HasSubstr(line));
+  }
+}
+
+// For the next start. A device that has failed must be started again anyway.
+TEST_F(SessionEvents, ALatchedFaultIsKeptUntilItsReset) {
+  const LatchFile kept(scratch.path() / "latched");
+  log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::device)}, &kept);
+  EXPECT_EQ(kept.read(), SafetyFault::none);
+  log_with({fault_event(ServoEvent::Kind::latched, SafetyFault::jump)}, &kept);
+  EXPECT_EQ(kept.read(), SafetyFault::jump);
+  log_with({fault_event(ServoEvent::Kind::reset_rejected, SafetyFault::jump)}, &kept);
+  EXPECT_EQ(kept.read(), SafetyFault::jump);
+  log_with({fault_event(ServoEvent::Kind::reset, SafetyFault::jump)}, &kept);
+  EXPECT_EQ(kept.read(), SafetyFault::none);
+  const LatchFile nowhere("/proc/nowhere/latched");
+  EXPECT_THAT(log_with({fault_event(ServoEvent::Kind::latched)}, &nowhere),
+              testing::HasSubstr("the latched fault could not be saved, so a restart would reset it: cannot write /proc/nowhere/latched"));
 }
 
 }  // namespace

@@ -117,6 +117,21 @@ TEST_F(NetworkLoops, AKeyThatDoesNotAllowARoleIsReported) {
   EXPECT_GE(stats().hub.role_violations, 499U);
 }
 
+TEST_F(NetworkLoops, ASecondHapticsNodeThatKeepsTryingIsReportedOnce) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  run(10);
+  for (int n = 0; n < 20; ++n) {
+    join(9, NodeRole::haptics);
+    say(kHaptics, Hello{NodeRole::haptics});
+    run(20);
+  }
+  const auto rejected = events_of(*network, {ServoEvent::Kind::rejected});
+  ASSERT_EQ(rejected.size(), 1U);
+  EXPECT_EQ(rejected[0].role, NodeRole::haptics);
+  EXPECT_EQ(stats().hub.rejections, 20U);
+}
+
 TEST_F(NetworkLoops, AFloodIsReportedWithItsSource) {
   make();
   run(100);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "io_node/vrpn/vrpn_feed.h"
 #include "tests/io_node/network_loop_fixture.h"
 
 namespace hapton {
@@ -112,6 +113,53 @@ TEST_F(NetworkLoops, FrameAckGivesTheAgeOfTheFrame) {
   EXPECT_EQ(stats().drawn, 1U);
   EXPECT_EQ(stats().device_to_drawn.max_ns(), expected);
   EXPECT_EQ(stats().frame_rate_hz, 57.0);
+}
+
+// Nothing was drawn that could be measured.
+TEST_F(NetworkLoops, APictureThatStayedTheSameIsNoFrame) {
+  make();
+  join(kHaptics, NodeRole::haptics);
+  join(kVision, NodeRole::vision);
+  draw_ns = -1;
+  run(50);
+  ASSERT_FALSE(probes.empty());
+  FrameAck ack{.echo_sample = probes.back().sample, .echo_sample_time_ns = probes.back().sample_time_ns, .frame_rate_hz = 30.0F};
+  ack.unchanged = true;
+  say(kVision, ack);
+  run(2);
+  EXPECT_EQ(stats().drawn, 0U);
+  EXPECT_EQ(stats().device_to_drawn.count(), 0U);
+  ack.unchanged = false;
+  ack.every_sample = true;
+  say(kVision, ack);
+  run(2);
+  EXPECT_EQ(stats().drawn, 0U);
+  ack.every_sample = false;
+  say(kVision, ack);
+  run(2);
+  EXPECT_EQ(stats().drawn, 1U);
+  EXPECT_EQ(stats().frame_rate_hz, 30.0);
+}
+
+// As the picture shows it: where the newest sample with a force had it.
+TEST_F(NetworkLoops, VrpnClientsGetTheProbeOfTheNewestForce) {
+  vrpn::Feed feed;
+  make();
+  network->set_vrpn_feed(&feed);
+  join(kHaptics, NodeRole::haptics);
+  run(20);
+  vrpn::FeedProxy proxy;
+  EXPECT_FALSE(feed.take_proxy(proxy)) << "no client is there";
+  feed.set_wanted(true);
+  run(2);
+  ASSERT_TRUE(feed.take_proxy(proxy));
+  EXPECT_EQ(proxy.p_WP, Vec3(device.place + force_reply.visual_offset_m));
+  EXPECT_TRUE(proxy.is_contact);
+  force_reply.visual_turn = Vec3(0, 0, 0.5);
+  run(3);
+  ASSERT_TRUE(feed.take_proxy(proxy));
+  EXPECT_LT(proxy.q_WP.angularDistance(Quat(Eigen::AngleAxisd(0.5, Vec3::UnitZ()))), 1e-9);
+  network->set_vrpn_feed(nullptr);
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "devices/simulated_phantom.h"
@@ -65,6 +67,47 @@ TEST(VrpnFeed, TheDeviceIsTheSameAsUnwatched) {
     bare->write({.force_n = Vec3(0, 1, 0)}, t);
   }
   EXPECT_EQ(watched.set_hand_target(Vec3::Zero()), bare->set_hand_target(Vec3::Zero()));
+}
+
+// Where a force is ended, and by what, the device must hear of it.
+class HeardDevice final : public Device {
+ public:
+  std::string_view name() const noexcept override { return "heard"; }
+  const DeviceLimits& limits() const noexcept override { return limits_; }
+  DeviceSample read(std::int64_t) noexcept override { return {}; }
+  void write(const Wrench&, std::int64_t) noexcept override {}
+  bool cut() noexcept override { return heard.push_back("cut"), true; }
+  void restore() noexcept override { heard.push_back("restore"); }
+  void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
+  DeviceStatus status() const noexcept override { return DeviceStatus::calibrating; }
+  DeviceCondition condition() const noexcept override { return {"Touch", "SN1", "4.5", true, 0.5}; }
+  bool set_hand_target(const std::optional<Vec3>&) noexcept override { return true; }
+  bool press_hand_buttons(std::uint32_t buttons) noexcept override { return heard.push_back("press " + std::to_string(buttons)), true; }
+  bool turn_hand(const Vec3& turn_rad) noexcept override { return heard.push_back("turn " + std::to_string(turn_rad.x())), true; }
+  bool aim_hand(std::span<const Vec3> p_WA) noexcept override { return heard.push_back("aim " + std::to_string(p_WA.size())), true; }
+
+  std::vector<std::string> heard;
+
+ private:
+  DeviceLimits limits_;
+};
+
+TEST(VrpnFeed, TheDeviceHearsAllThatItIsTold) {
+  Feed feed;
+  auto made = std::make_unique<HeardDevice>();
+  const HeardDevice& inner = *made;
+  const std::unique_ptr<Device> device = std::make_unique<WatchedDevice>(std::move(made), feed);
+  HeartbeatPage page;
+  EXPECT_TRUE(device->cut());
+  device->restore();
+  device->use_heartbeat_page(page);
+  EXPECT_EQ(page.means.load(), CutMeans::kill);
+  EXPECT_EQ(device->status(), DeviceStatus::calibrating);
+  EXPECT_EQ(device->condition().serial, "SN1");
+  EXPECT_TRUE(device->press_hand_buttons(3));
+  EXPECT_TRUE(device->turn_hand(Vec3(2, 0, 0)));
+  EXPECT_TRUE(device->aim_hand(std::array{Vec3(1, 2, 3)}));
+  EXPECT_EQ(inner.heard, (std::vector<std::string>{"cut", "restore", "press 3", "turn 2.000000", "aim 1"}));
 }
 
 void serve(Device& device) {
