@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <optional>
 
 #include "link/hub_peers.h"
@@ -79,6 +80,37 @@ TEST_F(HubClientTest, JoinsAndExchangesMessages) {
   run(1);
   EXPECT_EQ(messages_, 1);
   EXPECT_EQ(client_->counts().joins, 1U);
+}
+
+TEST_F(HubClientTest, WhatItCannotReadIsCountedAndPassedOver) {
+  start_hub(1);
+  start_client();
+  run(3, 1);
+  const Address client = client_endpoint_->local_address();
+  const std::array<std::byte, 2> of_another_version = {std::byte{8}, std::byte{0x7A}};
+  const std::array<std::byte, 2> damaged = {std::byte{0xFF}, std::byte{0}};
+  hub_endpoint_->send(client, of_another_version);
+  hub_endpoint_->send(client, damaged);
+  const int before = states_;
+  run(1, 1);
+  EXPECT_EQ(states_, before + 1);
+  EXPECT_EQ(client_->counts().undecodable, 2U);
+  EXPECT_EQ(client_->counts().wrong_version, 1U);
+}
+
+// Whoever waits no longer is not kept by what is of no use: 64 of it are passed over at once.
+TEST_F(HubClientTest, AFloodOfWhatItCannotReadHoldsNobodyUp) {
+  start_hub(1);
+  start_client();
+  run(3, 1);
+  const std::array<std::byte, 2> damaged = {std::byte{0xFF}, std::byte{0}};
+  Datagram datagram;
+  for (const int flood : {63, 64}) {
+    for (int n = 0; n < flood; ++n) hub_endpoint_->send(client_endpoint_->local_address(), damaged);
+    turn_hub(1);
+    EXPECT_EQ(client_->receive(datagram, 0), flood == 63);
+    EXPECT_EQ(client_->receive(datagram, 0), flood == 64);
+  }
 }
 
 TEST_F(HubClientTest, KeepsSayingHelloTenTimesASecond) {

@@ -14,6 +14,7 @@
 
 #include "link/key_schedule.h"
 #include "link/udp_endpoint.h"
+#include "tests/support/file_size_limit.h"
 #include "tests/support/open_files.h"
 #include "tests/support/scratch_folder.h"
 
@@ -315,6 +316,23 @@ TEST_F(LinkKeyTest, IsClosedAgain) {
     EXPECT_TRUE(read_key_file(good));
     EXPECT_FALSE(read_key_file(open_to_all));
   }));
+}
+
+// As on a disk that is full: half a key would be a key that nobody else has.
+TEST_F(LinkKeyTest, AKeyThatCannotBeWrittenWholeIsNotThereAtAll) {
+  const auto path = folder_.path() / "master.key";
+  for (const rlim_t bytes : {0U, 16U}) {
+    const FileSizeLimit full(bytes);
+    const auto made = make_key_file(path);
+    ASSERT_FALSE(made) << bytes;
+    EXPECT_THAT(made.error().what, HasSubstr("master.key: the key cannot be written: "));
+    EXPECT_THAT(made.error().what, HasSubstr(bytes == 0U ? "File too large" : "No space left on device"));
+    EXPECT_FALSE(std::filesystem::exists(path)) << bytes;
+    const auto shared = folder_.path() / "shared";
+    EXPECT_THAT(find_or_make_shared_key(shared).error().what, HasSubstr("this user's key cannot be written: "));
+    EXPECT_TRUE(std::filesystem::is_empty(shared)) << bytes;
+  }
+  EXPECT_TRUE(make_key_file(path));
 }
 
 }  // namespace

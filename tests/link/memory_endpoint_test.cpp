@@ -99,7 +99,10 @@ TEST_F(MemoryEndpointTest, AnAddressIsHeldOnceAndFreedByClosing) {
   EXPECT_TRUE(network_->open(memory_address(1, 100)));
   const auto any = network_->open(memory_address(1, 0));
   ASSERT_TRUE(any);
-  EXPECT_NE((*any)->local_address().port, 0);
+  EXPECT_EQ((*any)->local_address().port, 49152);
+  const auto next = network_->open(memory_address(1, 0));
+  ASSERT_TRUE(next);
+  EXPECT_EQ((*next)->local_address().port, 49153) << "the first free one";
 }
 
 TEST_F(MemoryEndpointTest, SendingWithoutAReceiverIsNoError) {

@@ -123,6 +123,17 @@ TEST(MetricsEndpointTest, RepliesToTheNamesOfThisMachineAlone) {
     EXPECT_THAT(arrived, testing::Not(HasSubstr("alive"))) << name;
   }
   EXPECT_THAT(get(at, "GET /metrics HTTP/1.0\r\n\r\n"), HasSubstr("alive 1")) << "who names no host is not a browser";
+  EXPECT_THAT(get(at, "GET /metrics HTTP/1.1\r\nHost:\r\n\r\n"), HasSubstr("alive 1")) << "nor who leaves it empty";
+}
+
+TEST(MetricsEndpointTest, AHeadHasTheLengthOfTheTextWithoutIt) {
+  const auto endpoint = MetricsEndpoint::open("127.0.0.1:0");
+  ASSERT_TRUE(endpoint) << endpoint.error().what;
+  (*endpoint)->set_text("alive 1\n");
+  const std::string arrived = get((*endpoint)->local_address(), "HEAD /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_THAT(arrived, StartsWith("HTTP/1.1 200 OK\r\n"));
+  EXPECT_THAT(arrived, HasSubstr("Content-Length: 8\r\n"));
+  EXPECT_THAT(arrived, EndsWith("\r\n\r\n"));
 }
 
 TEST(MetricsEndpointTest, SilentConnectionsKeepNoOtherOut) {

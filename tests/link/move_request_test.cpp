@@ -2,10 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <deque>
 #include <limits>
 #include <string>
+#include <vector>
 
+#include "link/codec.h"
 #include "link/commanded_move.h"
+#include "tests/support/time_units.h"
 
 namespace hapton {
 namespace {
@@ -68,6 +73,82 @@ TEST(MoveRequests, AMoveOfTheWireIsInSecondsOfSceneTime) {
   EXPECT_EQ(move.serial, 9U);
   EXPECT_EQ(move.from, (Keyframe{1.5, Vec3(1, 2, 3), Quat(0.6, 0.8, 0, 0)}));
   EXPECT_EQ(move.to, (Keyframe{4.0, Vec3(4, 5, 6), Quat(0, 0, 1, 0)}));
+}
+
+// A hub whose haptics node replies to a request to move when it has come so often.
+class MovingHub final : public Endpoint {
+ public:
+  explicit MovingHub(SimulatedClock& clock) : clock_(clock) {}
+
+  bool send(const Address&, std::span<const std::byte> bytes) noexcept override {
+    Datagram datagram;
+    EXPECT_EQ(codec_.decode(bytes, datagram), DecodeStatus::ok);
+    if (std::holds_alternative<Hello>(datagram.message)) say(Welcome{true, 1000.0});
+    if (const auto* request = std::get_if<MoveRequest>(&datagram.message)) {
+      requests.push_back(request->request);
+      if (requests.size() != replies_to) return true;
+      say(MoveReply{.request = request->request + 2, .over_s = 9.0});  // to somebody else
+      reply.request = request->request;
+      say(reply);
+    }
+    return true;
+  }
+  Received receive(std::span<std::byte> into, std::int64_t deadline_ns) noexcept override {
+    if (waiting_.empty()) {
+      clock_.sleep_until_ns(deadline_ns);
+      return {};
+    }
+    const std::vector<std::byte> next = waiting_.front();
+    waiting_.pop_front();
+    std::copy(next.begin(), next.end(), into.begin());
+    return {.bytes = next.size(), .from = local_address()};
+  }
+  Address local_address() const override { return {{9}, 1}; }
+
+  std::size_t replies_to = 1;
+  MoveReply reply;
+  std::vector<std::uint32_t> requests;
+
+ private:
+  void say(const Message& message) {
+    std::array<std::byte, kMaxDatagramBytes> bytes;
+    const std::size_t size = codec_.encode({{7, 8, ++sequence_, clock_.now_ns()}, message}, bytes);
+    waiting_.emplace_back(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(size));
+  }
+
+  SimulatedClock& clock_;
+  Codec codec_;
+  std::uint64_t sequence_ = 0;
+  std::deque<std::vector<std::byte>> waiting_;
+};
+
+struct MovesOfObjects : testing::Test {
+  SimulatedClock clock{kMs};
+  MovingHub hub{clock};
+  HubClient client{hub, clock, NodeRole::tool, hub.local_address()};
+  MoveRequest request = *make_move_request("lid", {.position_m = Vec3(0.1, 0.2, 0.3)});
+};
+
+// A datagram may be lost.
+TEST_F(MovesOfObjects, AreRequestedUntilTheReplyComes) {
+  hub.replies_to = 3;
+  hub.reply.over_s = 0.75;
+  const auto moved = move_object(client, clock, request, 5.0);
+  ASSERT_TRUE(moved) << moved.error().what;
+  EXPECT_EQ(*moved, 0.75) << "of its own request, not of another's";
+  EXPECT_EQ(hub.requests, std::vector<std::uint32_t>(3, request.request));
+}
+
+TEST_F(MovesOfObjects, AreOneLineWhereTheyAreRejectedOrNobodyReplies) {
+  hub.reply.rejection = {"no object has that name"};
+  EXPECT_EQ(move_object(client, clock, request, 5.0).error().what, "the haptics node rejected it: no object has that name");
+  hub.replies_to = 0;
+  hub.requests.clear();
+  const std::int64_t begin_ns = clock.now_ns();
+  EXPECT_EQ(move_object(client, clock, request, 0.5).error().what,
+            "no haptics node replied within 0.5 s; start haptics_node, or update it to this version");
+  EXPECT_EQ(clock.now_ns(), begin_ns + 500 * kMs);
+  EXPECT_EQ(hub.requests.size(), 5U) << "ten times a second";
 }
 
 }  // namespace

@@ -91,6 +91,16 @@ TEST_F(Relays, LoseWhatTheyCountAsLostAndNothingElse) {
   EXPECT_GT(relay->to_hub().forwarded, 60U);
 }
 
+TEST_F(Relays, CountWhatABurstLosesApart) {
+  open({.burst_share = 0.5, .burst_length = 4.0});
+  send_numbered(*node, 200);
+  const auto arrived = receive_rest(*hub, relay->to_hub().forwarded);
+  EXPECT_EQ(arrived.size() + relay->to_hub().lost_in_burst, 200U);
+  EXPECT_EQ(relay->to_hub().lost, 0U);
+  EXPECT_GT(relay->to_hub().lost_in_burst, 30U);
+  EXPECT_EQ(relay->phase(), 0U);
+}
+
 TEST_F(Relays, CopyAndSpoil) {
   open({.duplicate = 1.0});
   send_numbered(*node, 20);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -230,6 +231,21 @@ TEST(SealFormatTest, ClassifiesByLeadAndLength) {
   bytes[3] = std::byte{1};
   EXPECT_EQ(classify_sealed(bytes).status, OpenStatus::malformed);
   EXPECT_EQ(classify_sealed({}).status, OpenStatus::malformed);
+}
+
+TEST(SealFormatTest, EachResultOfOpeningIsCountedAsItself) {
+  using Member = std::uint64_t SealCounts::*;
+  const std::pair<OpenStatus, Member> members[] = {{OpenStatus::opened, &SealCounts::opened},
+                                                   {OpenStatus::malformed, &SealCounts::malformed},
+                                                   {OpenStatus::wrong_version, &SealCounts::wrong_version},
+                                                   {OpenStatus::unknown_session, &SealCounts::unknown_session},
+                                                   {OpenStatus::replayed, &SealCounts::replayed},
+                                                   {OpenStatus::forged, &SealCounts::forged}};
+  for (const auto& [status, own] : members) {
+    SealCounts counts;
+    count(status, counts);
+    for (const auto& [other, member] : members) EXPECT_EQ(counts.*member, member == own ? 1U : 0U) << static_cast<int>(status);
+  }
 }
 
 TEST(SealFormatTest, TheVersionIsWhereAnEnvelopeHasIt) {

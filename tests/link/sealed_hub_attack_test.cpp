@@ -1,10 +1,13 @@
 // Replayed handshakes, floods, roles and changes of keys at the hub.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
 
+#include "link/key_schedule.h"
+#include "link/seal_format.h"
 #include "tests/link/sealed_hub_fixture.h"
 
 namespace hapton::sealed_hub {
@@ -47,6 +50,53 @@ TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   }
   EXPECT_LE(hub_endpoint_.sent() - sent, 2U);
   EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
+}
+
+// Of a hub's own datagrams, or of a role that is none.
+TEST_F(SealedHubTest, WhatNoNodeSendsIsMalformed) {
+  const auto node = make_node(2);
+  join(*node);
+  const auto from_hub = node->endpoint.arrived();
+  std::uint64_t malformed = 0;
+  for (const auto& arrived : from_hub) {
+    if (classify_sealed(arrived.bytes).kind == seal::Kind::data) continue;
+    hub_endpoint_.put_in(node->endpoint.local_address(), arrived.bytes);
+    EXPECT_TRUE(hub_receives().empty());
+    EXPECT_EQ(hub_->seal_counts().malformed, ++malformed);
+  }
+  EXPECT_EQ(malformed, 2U) << "a retry and a reply";
+  Bytes request = hub_endpoint_.arrived().front().bytes;
+  ASSERT_EQ(classify_sealed(request).kind, seal::Kind::request);
+  request[seal::kRoleAt] = std::byte{0x77};
+  hub_endpoint_.put_in(node->endpoint.local_address(), request);
+  EXPECT_TRUE(hub_receives().empty());
+  EXPECT_EQ(hub_->seal_counts().malformed, malformed + 1);
+}
+
+// Its holder has the key of a role, and not what belongs to this handshake: it ends there, and its place is free again.
+TEST_F(SealedHubTest, AHandshakeThatIsSignedAndDoesNotFitEndsWithoutASession) {
+  const auto node = make_node(2);
+  join(*node);
+  Bytes request;
+  for (const auto& arrived : hub_endpoint_.arrived()) {
+    if (classify_sealed(arrived.bytes).kind == seal::Kind::request) request = arrived.bytes;  // the last one has the cookie
+  }
+  const seal::Secret key = seal::derive_handshake_key(RoleKey(key_of(1), KeyRole::vision));
+  const std::size_t sent = hub_endpoint_.sent();
+  for (std::uint64_t times = 1; times <= 30; ++times) {
+    clock_.advance_ns(20 * kMs);  // within the rate of handshakes
+    std::uint8_t* const bytes = seal::bytes_of(std::span<std::byte>(request));
+    seal::store(seal::load<std::int64_t>(bytes + seal::kRequestTimestampAt) + 1, bytes + seal::kRequestTimestampAt);
+    const seal::Tag tag = seal::compute_tag(key, {bytes, seal::kRequestTagAt});
+    std::copy(tag.begin(), tag.end(), bytes + seal::kRequestTagAt);
+    hub_endpoint_.put_in(node->endpoint.local_address(), request);
+    EXPECT_TRUE(hub_receives().empty());
+    ASSERT_EQ(hub_->seal_counts().wrong_key, times);
+  }
+  EXPECT_EQ(hub_endpoint_.sent(), sent);
+  EXPECT_EQ(hub_->seal_counts().handshakes, 1U);
+  say(*node, "still here");
+  EXPECT_EQ(hub_receives().count("still here"), 1U);
 }
 
 TEST_F(SealedHubTest, RetriesAreLimitedAndTheRestIsCounted) {

@@ -136,6 +136,20 @@ TEST(SessionCodec, AnAddressOfAnotherLengthAndAPortAbove65535AreDamage) {
 }
 
 // A file may hold any text: a reader gives out none that an export could not write.
+// Of a later version, with a field that this one does not know.
+TEST(SessionCodec, AnEntryOfAnUnknownKindIsPassedOver) {
+  SessionCodec codec;
+  SessionEntry read;
+  const std::string bytes = with_length_and_check(std::string("\x08\x05\x70\x01", 4));  // a time; field 14
+  const auto result = codec.read(bytes + "more", read);
+  EXPECT_EQ(result.status, Status::unknown);
+  EXPECT_EQ(result.bytes, bytes.size());
+  EXPECT_EQ(codec.read(with_length_and_check(std::string("\x08\x05", 2)), read).status, Status::unknown) << "nor is one without a kind";
+  EXPECT_EQ(codec.read(with_length_and_check("\x0A\x7F"), read).status, Status::damaged) << "a field that is longer than the entry";
+  SessionHeader header;
+  EXPECT_EQ(codec.read(with_length_and_check("\x0A\x7F"), header).status, Status::damaged);
+}
+
 TEST(SessionCodec, AMarkerThatNoNodeMaySendIsDamage) {
   SessionCodec codec;
   for (const std::string_view text : {"", "a\nb", "\xFF"}) {
