@@ -81,6 +81,7 @@ class HaplyDevice final : public VendorDevice {
   std::unique_ptr<WebSocketEndpoint> socket_;
   DeviceExchange::Reading reading_;
   std::string said_;
+  std::string told_;  // why it is not there
   haply::Session session_;
   bool is_scale_logged_ = false;
   int absences_ = 0;
@@ -92,6 +93,7 @@ class HaplyDevice final : public VendorDevice {
 Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
   const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
   if (!version) {
+    if (!model_.empty()) return {};  // it was said at the start
     log_warning("the Haply Inverse Service at {} does not report its version ({}); 3.5 is assumed", to_string(service_),
                 version.error().what);
     return {};
@@ -104,12 +106,11 @@ Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
 
 Result<void> HaplyDevice::open() {
   const bool is_first = model_.empty();
-  const Result<std::string> version = is_first ? read_http(service_, "/version", kConnectPatienceNs) : fail("");
+  // Each time: a service that comes back may be another one.
+  const Result<std::string> version = read_http(service_, "/version", kConnectPatienceNs);
   auto socket = WebSocketEndpoint::connect(service_, kConnectPatienceNs);
   if (!socket) return fail("the Haply Inverse Service does not reply at {}; {}", socket.error().what, kRemedy);
-  if (is_first) {
-    if (const auto judged = judge_version(version); !judged) return judged;
-  }
+  if (const auto judged = judge_version(version); !judged) return judged;
   if (!(*socket)->receive(said_, kConnectPatienceNs)) {
     return fail("the Haply Inverse Service at {} sends no data: {}; {}", to_string(service_), (*socket)->reason(), kRemedy);
   }
@@ -168,7 +169,13 @@ void HaplyDevice::look_for_service(std::int64_t now_ns) {
   publish(DeviceStatus::away, now_ns);
   if (now_ns < next_try_ns_) return;
   next_try_ns_ = now_ns + kRetryEveryNs;
-  if (open()) log_info("reconnected to the Haply Inverse Service, device {}", id_);
+  if (const auto opened = open(); !opened) {
+    // Once for each reason, not every second.
+    if (std::exchange(told_, opened.error().what) != opened.error().what) log_info("searching: {}", told_);
+    return;
+  }
+  told_.clear();
+  log_info("reconnected to the Haply Inverse Service, device {}", id_);
 }
 
 // Receives the reply to the last message, then sends the next. False: the connection is closed.

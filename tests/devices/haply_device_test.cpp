@@ -153,6 +153,27 @@ TEST_F(Haply, AServiceThatEndsIsLookedForAndFoundAgain) {
   EXPECT_THAT(said, HasSubstr("reconnected"));
 }
 
+// It was updated meanwhile: another version would take the messages and ignore the forces.
+TEST_F(Haply, AServiceThatComesBackInAnotherVersionIsNotDriven) {
+  open();
+  ASSERT_TRUE(serve_until_ready());
+  const std::uint16_t port = service->port();
+  testing::internal::CaptureStderr();
+  service.reset();
+  service = std::make_unique<HaplyService>(port, "4.0.0");
+  const bool was_tried = serve_until([&] { return service->connections >= 2; });
+  const std::string said = testing::internal::GetCapturedStderr();
+  ASSERT_TRUE(was_tried);
+  EXPECT_EQ(device->status(), DeviceStatus::away);
+  EXPECT_EQ(service->messages, 0U);
+  const std::string line = "searching: the Haply Inverse Service at " + service->address() + " is version 4.0; ";
+  EXPECT_THAT(said, HasSubstr(line));
+  EXPECT_EQ(said.find(line), said.rfind(line)) << "once, not at each attempt";
+  service.reset();
+  service = std::make_unique<HaplyService>(port, "");
+  EXPECT_TRUE(serve_until_ready()) << "one that does not tell counts as it does at the start";
+}
+
 // At once, the servo might not see that it was away, and its force would go on where it had been.
 TEST_F(Haply, ALostConnectionIsTriedAgainAQuarterOfASecondLater) {
   open();

@@ -13,6 +13,7 @@
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace hapton {
 namespace {
@@ -31,7 +32,8 @@ struct HaplyService::Listening {
   tcp::acceptor acceptor{context};
 };
 
-HaplyService::HaplyService(std::uint16_t port) : listening_(std::make_unique<Listening>()) {
+HaplyService::HaplyService(std::uint16_t port, std::string version_in)
+    : version(std::move(version_in)), listening_(std::make_unique<Listening>()) {
   tcp::acceptor& acceptor = listening_->acceptor;
   acceptor.open(tcp::v4());
   acceptor.set_option(asio::socket_base::reuse_address(true));

@@ -14,8 +14,8 @@ namespace hapton {
 // at a time, in its own thread.
 class HaplyService {
  public:
-  // port 0: any free one.
-  explicit HaplyService(std::uint16_t port = 0);
+  // port 0: any free one. version_in: at /version; empty: there is no such page.
+  explicit HaplyService(std::uint16_t port = 0, std::string version_in = "3.5.1.0");
   ~HaplyService();
 
   std::uint16_t port() const { return port_; }
@@ -31,10 +31,10 @@ class HaplyService {
   std::atomic<bool> hangs_up{false};          // as soon as a client is connected
   std::atomic<bool> is_scaled{false};         // its session's transform has a scale
   // Before a client connects.
-  std::string version = "3.5.1.0";  // at /version; empty: there is no such page
-  std::string type = "inverse3";    // of its config
-  std::string mount;                // of its config, JSON; empty: none
-  std::string transform;            // of its first state, JSON
+  std::string version;
+  std::string type = "inverse3";  // of its config
+  std::string mount;              // of its config, JSON; empty: none
+  std::string transform;          // of its first state, JSON
   std::array<std::atomic<double>, 3> position_m{0.0, -0.12, 0.15};
   std::atomic<int> buttons{0};
 
