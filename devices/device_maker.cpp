@@ -80,7 +80,6 @@ Result<void> check_settings(const DeviceMaker& maker, const DeviceSettings& sett
   const auto check = [&](bool is_given, bool DeviceMaker::*takes, std::string_view flag) -> Result<void> {
     if (!is_given || maker.*takes) return {};
     const std::string takers = names_that_take(takes);
-    if (takers.empty()) return fail("{} applies to no device of this build; leave it out", flag);
     return fail("{} applies to --device {}, not to {}; change one or leave {} out", flag, takers, maker.name, flag);
   };
   if (auto checked = check(!settings.trajectory.empty(), &DeviceMaker::takes_trajectory, "--trajectory"); !checked) return checked;
