@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace hapton {
@@ -28,6 +29,17 @@ std::string rejection(const Result<HidDescription>& chosen) { return chosen ? "c
 TEST(ChooseHidDevice, TheOnlyOneOfItsKindNeedsNoName) {
   const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077), wooden("/dev/hidraw1", "A")};
   EXPECT_EQ(choose_hid_device(devices, HidKind::wooden_haptics, "")->path, "/dev/hidraw1");
+}
+
+TEST(ChooseHidDevice, SaysWhatToDoWhereNoneIsThere) {
+  const std::vector devices = {device("/dev/hidraw0", 0x046d, 0xc077)};
+  for (const auto& [kind, line] :
+       {std::pair(HidKind::wooden_haptics, "no WoodenHaptics is plugged in, among 1 HID devices; plug it in, switch"),
+        std::pair(HidKind::hapton_hid, "no Hapton HID is plugged in, among 1 HID devices; plug one in (docs/hid.md"),
+        std::pair(HidKind::space_mouse, "no SpaceMouse is plugged in, among 1 HID devices; plug it or its receiver"),
+        std::pair(HidKind::vendor_driver, "no vendor's driver is plugged in, among 1 HID devices; plug it in, or")}) {
+    EXPECT_THAT(rejection(choose_hid_device(devices, kind, "")), HasSubstr(line));
+  }
 }
 
 TEST(ChooseHidDevice, SeveralAreDistinguishedBySerialNumberPathOrPlace) {

@@ -153,6 +153,14 @@ TEST_F(ConfigTest, AFileMayNotNameAnother) {
   expect_one_error("unknown key 'config'");
 }
 
+TEST_F(ConfigTest, WhatFollowsTheEndOfTheFlagsIsNoFlag) {
+  std::vector<std::string> files;
+  app_.add_option("files", files);
+  EXPECT_EQ(parse({"--config", file("rate = 2000\n"), "--", "--config", "none.toml"}), -1) << error_;
+  EXPECT_EQ(rate_, 2000.0);
+  EXPECT_EQ(files, (std::vector<std::string>{"--config", "none.toml"}));
+}
+
 TEST_F(ConfigTest, AMissingFileOrAFolderIsAnError) {
   EXPECT_EQ(parse({"--config", "/no/such/file.toml"}), 2);
   expect_one_error("/no/such/file.toml: cannot be read");

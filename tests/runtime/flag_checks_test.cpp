@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+
 #include "core/base/result.h"
+#include "tests/support/scratch_folder.h"
 
 namespace hapton {
 namespace {
@@ -49,6 +53,17 @@ TEST(FlagChecks, ZeroOrMoreTakesZero) {
   EXPECT_EQ(rejection(zero_or_more("metres"), "-1"), "-1 is below zero; give metres, zero or more");
   EXPECT_EQ(rejection(zero_or_more("metres"), ""), "'' is not a number; give metres, zero or more");
   EXPECT_NE(rejection(zero_or_more(), "nan"), "");
+}
+
+TEST(FlagChecks, TakeFoldersAndFilesThatCanBeWritten) {
+  const ScratchFolder scratch;
+  const std::string made = (scratch.path() / "deep" / "made").string();
+  EXPECT_EQ(rejection(folder_to_write(), scratch.path().string()), "");
+  EXPECT_EQ(rejection(folder_to_write(), made), "");
+  EXPECT_EQ(rejection(file_to_write(), (scratch.path() / "file").string()), "");
+  EXPECT_NE(rejection(folder_to_write(), "/proc/nowhere").find("/proc"), std::string::npos);
+  EXPECT_NE(rejection(file_to_write(), "/proc/nowhere/file").find("/proc"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "deep")) << "a check makes nothing";
 }
 
 TEST(FlagChecks, AcceptsWhatAParserTakesAndSaysWhatItSays) {

@@ -53,6 +53,12 @@ TEST_F(RegularFileTest, OtherFilesAreRejectedInOneLine) {
   EXPECT_THAT(rejection(folder_ / "long"), HasSubstr("1001 bytes"));
 }
 
+// Their size is not known before.
+TEST_F(RegularFileTest, WhatIsLongerThanItSaysOrCannotBeReadIsRejected) {
+  EXPECT_THAT(rejection("/proc/self/maps", 1), HasSubstr("cannot be read: it grows while it is read; a test's file"));
+  EXPECT_THAT(rejection("/proc/self/mem"), HasSubstr("cannot be read: Input/output error; a test's file"));
+}
+
 // A hub reads the same files again whenever a scene changes.
 TEST_F(RegularFileTest, IsClosedAgain) {
   std::ofstream(folder_ / "file") << "text";

@@ -96,6 +96,9 @@ TEST_F(TomlFiles, SayWhereTheyAreWrong) {
   EXPECT_THAT(rejection("n = 1", [&](TomlReader& r) { r.read("n", flag); }), HasSubstr("true or false"));
   EXPECT_THAT(rejection("n = 1", [&](TomlReader& r) { r.read("n", text); }), HasSubstr("text in quotes"));
   EXPECT_THAT(rejection("n = \"\"", [&](TomlReader& r) { r.read_path("n", text); }), HasSubstr("'n' is empty"));
+  text = "kept";
+  EXPECT_THAT(rejection("n = 3", [&](TomlReader& r) { r.read_path("n", text); }), HasSubstr("'n' must be a text in quotes"));
+  EXPECT_EQ(text, "kept");
   EXPECT_THAT(rejection("n = [1, 2]", [&](TomlReader& r) { r.read("n", place, 0.0, 1.0); }), HasSubstr("list of 3 numbers"));
   EXPECT_THAT(rejection("n = [0, 2, 0]", [&](TomlReader& r) { r.read("n", place, 0.0, 1.0); }), HasSubstr("number 2 of 'n' is 2"));
   EXPECT_THAT(rejection("n = [0]", [](TomlReader& r) { r.tables("n"); }), HasSubstr("[[n]]"));

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
@@ -57,6 +59,21 @@ struct Bad {
   const char* place;
   const char* reason;
 };
+
+// As spreadsheets on Windows save it.
+TEST(TrajectoryCsv, AByteOrderMarkIsPassedOver) {
+  const auto rows = parse_trajectory_csv("\xEF\xBB\xBFt_s,x_m,y_m,z_m\r\n0.5,1,2,3\r\n", "a.csv");
+  ASSERT_TRUE(rows) << rows.error().what;
+  ASSERT_EQ(rows->size(), 1U);
+  EXPECT_EQ(rows->front().p_WD, Vec3(1, 2, 3));
+}
+
+TEST(TrajectoryCsv, QuotesNothingThatATerminalWouldObey) {
+  const auto rows = parse_trajectory_csv("t_s,x_m,y_m,z_m\n0,1,\x1B[2J" + std::string(50, 'x') + ",3\n", "a.csv");
+  ASSERT_FALSE(rows);
+  EXPECT_EQ(rows.error().what,
+            "a.csv:2: '?[2J" + std::string(36, 'x') + "...' in column y_m is not a finite number; write one like 0.0125");
+}
 
 TEST(TrajectoryCsv, SaysWhatIsWrongAndWhere) {
   const Bad cases[] = {
