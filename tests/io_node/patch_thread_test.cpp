@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <functional>
+#include <optional>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -136,6 +138,27 @@ TEST(PatchThread, ANewEpochReplacesTheOneBefore) {
     (void)stage.thread.take_status();
     return stage.thread.status().epoch == kEpoch + 1 && force.has_value();
   }));
+}
+
+TEST(PatchThread, AChangedMaterialIsFeltOnThePatchThatIsThere) {
+  BuilderStage stage;
+  stage.send_all();
+  double z_m = 0.002;
+  std::optional<LocalForce> force;
+  const auto step_until = [&](const std::function<bool()>& holds) {
+    for (int n = 0; n < 15000; ++n) {
+      stage.time_ns += kMs;
+      force = stage.local.step({stage.time_ns, Vec3(0, 0, z_m), Quat::Identity(), 0, true});
+      if (holds()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  };
+  ASSERT_TRUE(step_until([&] { return force && stage.thread.counts().triangles == 2U * 20U * 20U; }));
+  ASSERT_TRUE(step_until([&] { return (z_m -= 1e-4) < -0.0009; })) << "into the sheet, 1 mm deep";
+  ASSERT_TRUE(step_until([&] { return force && force->force_n.z() > 0.2; }));
+  stage.send(PatchMaterial{.stiffness_n_per_m = 100.0});
+  EXPECT_TRUE(step_until([&] { return force && std::abs(force->force_n.z() + 100.0 * z_m) < 1e-3; })) << force->force_n.z();
 }
 
 // A sheet that programs deform, all of whose parts have come, and a haptics node that sends shapes of it.
