@@ -308,18 +308,22 @@ PatchDeformation PatchSource::make_deformation(const WeightPart& part) const {
   return message;
 }
 
-std::optional<Message> PatchSource::take_move(std::int64_t now_ns) {
-  for (MoveItem& item : moves_) {
-    const std::int64_t wait_ns = kMovePatienceNs + static_cast<std::int64_t>(1e9 * std::min(round_trip_s_, 10.0));
-    if (item.is_held || (item.sent_ns >= 0 && now_ns - item.sent_ns < wait_ns)) continue;
-    if (!pay(item.move, now_ns)) return std::nullopt;
-    item.sent_ns = now_ns;
-    // The hub confirms only the last 64 moves of all objects.
-    item.is_held = ++item.repeats >= kMaxMoveRepeats;
-    ++counts_.moves_repeated;
-    return item.move;
-  }
-  return std::nullopt;
+// Null: none.
+PatchSource::MoveItem* PatchSource::find_due_move(std::int64_t now_ns) noexcept {
+  const std::int64_t wait_ns = kMovePatienceNs + static_cast<std::int64_t>(1e9 * std::min(round_trip_s_, 10.0));
+  const auto due = std::find_if(moves_.begin(), moves_.end(), [&](const MoveItem& item) {
+    return !item.is_held && (item.sent_ns < 0 || now_ns - item.sent_ns >= wait_ns);
+  });
+  return due != moves_.end() ? &*due : nullptr;
+}
+
+std::optional<Message> PatchSource::take_move(MoveItem& item, std::int64_t now_ns) {
+  if (!pay(item.move, now_ns)) return std::nullopt;
+  item.sent_ns = now_ns;
+  // The hub confirms only the last 64 moves of all objects.
+  item.is_held = ++item.repeats >= kMaxMoveRepeats;
+  ++counts_.moves_repeated;
+  return item.move;
 }
 
 Message PatchSource::make_message(std::size_t item) {
@@ -376,7 +380,8 @@ bool PatchSource::pay(const Message& message, std::int64_t now_ns) noexcept {
 }
 
 std::optional<Message> PatchSource::take(std::int64_t now_ns) {
-  if (auto move = take_move(now_ns)) return move;
+  // Smaller parts would take the bandwidth away from a move for as long as there are any: they wait for it.
+  if (MoveItem* const move = find_due_move(now_ns)) return take_move(*move, now_ns);
   if (now_ns - planned_ns_ >= kPlanEveryNs || planned_ns_ == 0) plan(now_ns);
   while (!planned_.empty() && !is_due(items_[planned_.back()], now_ns)) planned_.pop_back();
   if (planned_.empty()) return std::nullopt;

@@ -122,7 +122,8 @@ class PatchSource {
   Message make_message(std::size_t item);
   PatchBody make_body(const BodyPart& part) const;
   PatchDeformation make_deformation(const WeightPart& part) const;
-  std::optional<Message> take_move(std::int64_t now_ns);
+  MoveItem* find_due_move(std::int64_t now_ns) noexcept;
+  std::optional<Message> take_move(MoveItem& item, std::int64_t now_ns);
   bool pay(const Message& message, std::int64_t now_ns) noexcept;
 
   TiledScene scene_;

@@ -358,5 +358,48 @@ TEST_F(PatchSourceTest, AMoveIsSentAgainUntilItIsConfirmed) {
   EXPECT_EQ(sent, 2U * 8U);
 }
 
+// A move takes more bytes than some parts: where the bandwidth is used up they would go before it one after the other.
+TEST_F(PatchSourceTest, AMoveThatIsDueGoesBeforeSmallerParts) {
+  TouchScene scene;
+  for (int n = 0; n < 40; ++n) scene.objects.push_back({made::shared(made::sheet(0.01, 0.0, 1)), {}});
+  source = std::make_unique<PatchSource>(make_tiles(scene), 0.0, 7, 5, PatchSource::Options{.bits_per_s = 8e4, .least_reach_m = 1.0});
+  (void)take_confirmed();
+  ASSERT_EQ(source->counts().held, part_count());
+  source->set_materials(std::vector<Material>(40, {.stiffness_n_per_m = 300.0}));
+  const std::size_t burst = take(kStartNs + 3000 * kMs).size();
+  ASSERT_EQ(burst, 33U) << "of 150 bytes each";
+  source->note_move({.source = 9, .serial = 4, .object = 2}, -1);
+  const auto next = take(kStartNs + 3000 * kMs, 50 * kMs);
+  ASSERT_EQ(next.size(), 2U) << "550 bytes";
+  EXPECT_TRUE(std::holds_alternative<ObjectMove>(next[0]));
+  EXPECT_TRUE(std::holds_alternative<PatchMaterial>(next[1]));
+}
+
+TEST_F(PatchSourceTest, SaysWhatItRepliesTo) {
+  start(kAll, 4);
+  source->reply_to(17, 23);
+  const auto parts = take(kStartNs);
+  ASSERT_FALSE(parts.empty());
+  EXPECT_EQ(std::get<PatchBegin>(parts[0]).request, 17U);
+  EXPECT_EQ(std::get<PatchBegin>(parts[0]).method_serial, 23U);
+}
+
+// The hub must not let a surface be felt in a shape older than that.
+TEST_F(PatchSourceTest, AnObjectThatProgramsDeformHasTheNewestShapeThatWasNoted) {
+  TouchScene scene = scene_of(made::sheet(0.02, 0.0, 2));
+  for (int n = 1; n <= 2; ++n) {
+    scene.objects.push_back({made::shared(made::sheet(0.01, 0.01 * n, 2)), {}});
+    scene.objects.back().stream_reach_m = 0.001;
+  }
+  source = std::make_unique<PatchSource>(make_tiles(scene), 0.0, 7, 5, kAll);
+  source->note_shape(1, 6);
+  source->note_shape(1, 4);  // overtaken
+  std::map<std::int32_t, std::set<std::uint32_t>> serials;
+  for (const Message& part : take(kStartNs, 100 * kMs)) {
+    if (const auto* stream = std::get_if<PatchStream>(&part)) serials[stream->object].insert(stream->shape_serial);
+  }
+  EXPECT_EQ(serials, (std::map<std::int32_t, std::set<std::uint32_t>>{{1, {6}}, {2, {0}}}));
+}
+
 }  // namespace
 }  // namespace hapton
