@@ -193,6 +193,45 @@ TEST(EffectPatches, GoesOnPastTheEdgeOfAPatch) {
   EXPECT_NEAR(press(-0.001, true).force_n.z(), kFloorStiffness * 0.001, 1e-9) << "another contact there, of nobody knows what";
 }
 
+// As after the hand was away: the layers are whole, and the time of effects begins again.
+TEST(EffectPatches, ForgetsContactAndTime) {
+  SceneEffectSet effects;
+  effects.surfaces.resize(3);
+  effects.surfaces[2] = skin_and_flesh();
+  effects.body_of.resize(3, 0);
+  effects.space = {WaveEffect{.direction = {1, 0, 0}, .amplitude_n = 1.0, .frequency_hz = 7.0}};
+  FeltEffects felt(effects);
+  const auto feel_all = [&] {
+    std::vector<Vec3> forces_n;
+    for (int n = 0; n <= 700; ++n) {
+      std::optional<PatchOutput> output = on_floor(0.001 - 1e-5 * n, false);
+      felt.add({.p_WD = {0, 0, 0.001 - 1e-5 * n}, .dt_s = 1e-3}, OneBody(), output);
+      forces_n.push_back(output->force_n);
+    }
+    return forces_n;
+  };
+  const std::vector<Vec3> first = feel_all();
+  felt.forget();
+  EXPECT_EQ(feel_all(), first);
+}
+
+// The scene has come again while the hand moves: a damper in free space goes on with its speed.
+TEST(EffectPatches, BodiesThatReplaceOthersGoOnWithTheSpeedOfTheHand) {
+  TouchScene scene = block_on_floor({"none", [](const TriangleMesh&) { return SurfaceEffects(); }}, Under::stands);
+  scene.effects = {ViscousEffect{.damping_ns_per_m = 5.0, .volume = EffectVolume::everywhere()}};
+  ChainStage stage(scene);
+  int n = 0;
+  const auto step = [&] { return stage.step(Vec3(0, 0, 0.01 + 1e-5 * ++n)); };
+  for (; n < 30;) (void)step();
+  const auto before = step();
+  ASSERT_TRUE(before.patch.has_value());
+  EXPECT_NEAR(before.patch->force_n.z(), -5.0 * 0.01, 1e-9);
+  (void)stage.chain().take(stage.store().make_bodies(0));
+  const auto after = step();
+  ASSERT_TRUE(after.patch.has_value());
+  EXPECT_NEAR(after.patch->force_n.z(), -5.0 * 0.01, 1e-9);
+}
+
 // Of a hostile haptics node: thousands of surfaces, and one list of triangles.
 TEST(EffectPatches, SurfacesWithTheSameTrianglesPrepareThemOnce) {
   constexpr std::size_t kSurfaces = 100;

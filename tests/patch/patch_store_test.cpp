@@ -324,6 +324,126 @@ TEST(PatchStore, KnowsTheShapesOfNoMoreObjectsThanThereMayBeBodies) {
   }
 }
 
+std::vector<Message> one_part_of_each_kind(std::uint32_t epoch, std::uint32_t serial) {
+  return {PatchBegin{.epoch = epoch, .serial = serial, .step_m = 1e-8, .body_count = 2},
+          PatchCell{.epoch = epoch, .serial = serial},
+          PatchTile{.epoch = epoch, .serial = serial, .vertex_count = 1, .triangle_count = 1},
+          PatchBody{.epoch = epoch, .serial = serial},
+          PatchMaterial{.epoch = epoch, .serial = serial},
+          PatchDeformation{.epoch = epoch, .serial = serial, .body = 1, .tile_count = 1, .target_count = 1, .all_keys = 1, .key_count = 1},
+          PatchDisplacements{.epoch = epoch, .serial = serial, .vertex_count = 1},
+          PatchStream{.epoch = epoch, .serial = serial, .body = 1, .tile_count = 1, .total = 1},
+          PatchEffects{.epoch = epoch, .serial = serial, .byte_count = 1}};
+}
+
+// A surface of the scene before must not be felt in this one.
+TEST(PatchStore, NoPartOfAnEarlierEpochOrWithoutANumberIsTaken) {
+  for (const auto& [epoch, serial] : {std::pair(6U, 9U), std::pair(0U, 9U), std::pair(7U, 0U)}) {
+    PatchStore store;
+    store.accept(PatchMaterial{.epoch = 7, .serial = 1, .object = 4});
+    std::uint64_t rejected = 0;
+    for (const Message& part : one_part_of_each_kind(epoch, serial)) {
+      EXPECT_TRUE(store.accept_part(part));
+      EXPECT_EQ(store.counts().rejected, ++rejected) << epoch << " " << serial << ", kind " << part.index();
+      EXPECT_EQ(store.counts().parts, 1U);
+    }
+    EXPECT_FALSE(store.has_begun());
+    EXPECT_EQ(store.status().epoch, 7U);
+    EXPECT_EQ(store.status().newest_serial, 1U);
+    EXPECT_EQ(store.materials().size(), 1U);
+  }
+}
+
+// It may be anywhere, and have triangles anywhere.
+TEST(PatchStore, AllOfABodyIsMissingUntilItIsAnnounced) {
+  PatchStore store;
+  store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 2});
+  EXPECT_EQ(store.known_radius(Vec3(1, 2, 3), 0), 0.0);
+  EXPECT_EQ(store.known_radius(Vec3(1, 2, 3), 1), 0.0);
+}
+
+// Each by itself tells another body from the one that came first.
+TEST(PatchStore, NothingOfABodyIsMixedWithAnotherOneOfItsNumber) {
+  const std::vector<std::function<void(PatchBody&)>> changes = {[](PatchBody& body) { body.motion = PatchBody::Motion::commanded; },
+                                                                [](PatchBody& body) { body.deforms = true; },
+                                                                [](PatchBody& body) { body.all_keys = 3; },
+                                                                [](PatchBody& body) { body.loops = true; },
+                                                                [](PatchBody& body) { body.lowest[2] = 1; },
+                                                                [](PatchBody& body) { body.highest[1] = 63; },
+                                                                [](PatchBody& body) { body.pivot_m.z() = 1e-6; },
+                                                                [](PatchBody& body) { body.radius_m = 65e-6; },
+                                                                [](PatchBody& body) { body.object = 1; },
+                                                                [](PatchBody& body) { body.first_key = 1; }};
+  for (std::size_t n = 0; n < changes.size(); ++n) {
+    Moving moving;
+    ASSERT_TRUE(moving.takes([](PatchBody&) {}));
+    EXPECT_TRUE(moving.takes([&](PatchBody& body) {
+      body.keys[0].time_s = 0.5;
+      changes[n](body);
+    }));
+    EXPECT_EQ(moving.store.counts().rejected, 1U) << n;
+    EXPECT_EQ(moving.store.make_bodies(0)->bodies[1].keyframes->keyframes()[0].time_s, 0.0) << n;
+  }
+}
+
+// The same of how it deforms.
+TEST(PatchStore, NothingOfADeformationIsMixedWithAnotherOne) {
+  const std::vector<std::function<void(PatchDeformation&)>> changes = {
+      [](PatchDeformation& part) { part.first_tile = 4; },
+      [](PatchDeformation& part) { part.tile_count = 2; },
+      [](PatchDeformation& part) { part.displaced_count = 2; },
+      [](PatchDeformation& part) { part.target_count = 2; },
+      [](PatchDeformation& part) { part.loops = true; },
+      [](PatchDeformation& part) { part.all_keys = 3; },
+      [](PatchDeformation& part) { part.body = PatchBody::kMaxBodies; },
+      [](PatchDeformation& part) { part.body = 2, part.tile_count = PatchStore::kMaxTiles + 1; },
+      [](PatchDeformation& part) { part.body = 2, part.first_tile = ~0U; }};
+  const PatchDeformation first{.epoch = 1,
+                               .serial = 2,
+                               .body = 1,
+                               .first_tile = 3,
+                               .tile_count = 1,
+                               .displaced_count = 1,
+                               .target_count = 1,
+                               .all_keys = 2,
+                               .key_count = 1};
+  for (std::size_t n = 0; n < changes.size(); ++n) {
+    PatchStore store;
+    store.accept(PatchBegin{.epoch = 1, .serial = 1, .step_m = 1e-6, .body_count = 3});
+    store.accept(first);
+    PatchDeformation other = first;
+    other.serial = 3;
+    other.first_key = 1;
+    changes[n](other);
+    store.accept(other);
+    EXPECT_EQ(store.counts().rejected, 1U) << n;
+    EXPECT_EQ(store.status().newest_serial, 2U) << n;
+    other = first;
+    other.serial = 4;
+    other.first_key = 1;
+    store.accept(other);
+    EXPECT_EQ(store.counts().rejected, 1U) << n << ": what fits is taken after it";
+  }
+}
+
+TEST(PatchStore, HasNoMoreDisplacementsAndMaterialsThanItMay) {
+  PatchStore store;
+  std::uint32_t serial = 0;
+  for (std::uint32_t n = 0; n <= PatchStore::kMaxDisplaced; ++n) {
+    EXPECT_EQ(store.counts().rejected, 0U);
+    store.accept(PatchDisplacements{.epoch = 1, .serial = ++serial, .tile = n, .vertex_count = 1});
+  }
+  EXPECT_EQ(store.counts().rejected, 1U);
+  EXPECT_EQ(store.status().newest_serial, PatchStore::kMaxDisplaced);
+  store.accept(PatchDisplacements{.epoch = 1, .serial = ++serial, .tile = 0, .vertex_count = 1});
+  EXPECT_EQ(store.counts().rejected, 1U) << "one that is there";
+  for (std::uint32_t n = 0; n <= PatchStore::kMaxTiles; ++n) store.accept(PatchMaterial{.epoch = 1, .serial = ++serial, .object = n});
+  EXPECT_EQ(store.counts().rejected, 2U);
+  EXPECT_EQ(store.materials().size(), PatchStore::kMaxTiles);
+  store.accept(PatchMaterial{.epoch = 1, .serial = ++serial, .object = 0, .stiffness_n_per_m = 70.0});
+  EXPECT_EQ(store.materials().at(0).stiffness_n_per_m, 70.0);
+}
+
 // Epochs count around the 32-bit circle.
 TEST(PatchStore, TheEpochAfterTheLastNumberIsANewerOne) {
   PatchStore store;

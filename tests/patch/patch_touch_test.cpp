@@ -247,6 +247,28 @@ TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
   EXPECT_FALSE(touch.is_frictionless());
 }
 
+// Another part that holds the proxy may move the device point of this one within the sample, to where its patch does not reach: the plane
+// of the last contact holds it, from below the surface to above it, and the sample counts once.
+TEST(PatchTouch, ACorrectionPastTheEdgeOfThePatchIsHeldByThePlane) {
+  constexpr double kStiffness = 1000.0;
+  PatchTouch touch;
+  (void)touch.offer(patch_of(scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = kStiffness}), Vec3::Zero(), 0.01));
+  for (const double z : {0.001, -0.001}) (void)touch.step({.p_WD = Vec3(0.001, 0.0, z)});
+  const std::uint64_t steps = touch.counts().steps;
+  for (const double z : {-0.0015, -0.001, 0.001}) {
+    const auto felt = touch.step({.p_WD = Vec3(0.03, 0.0, z), .is_correction = true});
+    ASSERT_TRUE(felt.has_value()) << z;
+    EXPECT_TRUE(felt->is_beyond);
+    EXPECT_EQ(felt->contact, z < 0.0);
+    EXPECT_NEAR(felt->visual_offset_m.z(), std::max(-z, 0.0), 1e-9) << z;
+    EXPECT_EQ(felt->force_n.z() > 0.0, z < 0.0) << z;
+  }
+  EXPECT_EQ(touch.counts().beyond, 1U);
+  EXPECT_EQ(touch.counts().steps, steps);
+  // The place that waits to be followed is the last of them.
+  EXPECT_NEAR(touch.hand_at(Vec3::Zero(), 0).path.radius_m, 0.5 * Vec3(0.029, 0.0, 0.001).norm(), 1e-7);
+}
+
 // No step follows more places than it may.
 TEST(PatchTouch, CatchingUpIsSpreadOverSteps) {
   LatePatches patches(500);
