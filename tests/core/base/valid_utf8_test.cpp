@@ -23,6 +23,20 @@ TEST(ValidUtf8, TakesOtherBytesForLatin1) {
   EXPECT_EQ(to_valid_utf8("\xF4\x90\x80\x80"), "\xC3\xB4\xC2\x90\xC2\x80\xC2\x80") << "above U+10FFFF";
 }
 
+// RFC 3629, section 4: the first and the last of each length, and those just outside.
+TEST(ValidUtf8, LengthsAreThoseOfTheStandard) {
+  for (const std::string_view text : {"\xC2\x80"sv, "\xDF\xBF"sv, "\xE0\xA0\x80"sv, "\xED\x9F\xBF"sv, "\xEE\x80\x80"sv, "\xEF\xBF\xBF"sv,
+                                      "\xF0\x90\x80\x80"sv, "\xF1\x80\x80\x80"sv, "\xF4\x8F\xBF\xBF"sv}) {
+    EXPECT_EQ(utf8_length(text), text.size()) << text;
+    EXPECT_EQ(utf8_length(text.substr(0, text.size() - 1)), 0U) << "cut off";
+    for (const char other : {'\x7F', '\xC0'}) EXPECT_EQ(utf8_length(std::string(text.substr(0, text.size() - 1)) + other), 0U);
+  }
+  for (const std::string_view text : {"\x80"sv, "\xC1\xBF"sv, "\xE0\x9F\xBF"sv, "\xED\xA0\x80"sv, "\xF0\x8F\xBF\xBF"sv,
+                                      "\xF4\x90\x80\x80"sv, "\xF5\x80\x80\x80"sv, "\xE1\x80"sv, "\xF1\x80\x7F\x80"sv}) {
+    EXPECT_EQ(utf8_length(text), 0U);
+  }
+}
+
 TEST(ValidUtf8, OfAnyBytesIsValid) {
   constexpr unsigned kSeed = 5;
   RecordProperty("seed", std::to_string(kSeed));
