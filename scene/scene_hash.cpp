@@ -208,8 +208,10 @@ namespace {
 
 void add_motions(Hash& hash, const TouchScene& scene) {
   for (const TouchObject& object : scene.objects) hash.add(object.motion != nullptr ? hash_motion(*object.motion) : std::uint64_t{0});
-  for (const TouchObject& object : scene.objects) {
-    if (object.deformation != nullptr) hash.add(hash_deformation(*object.deformation));
+  for (std::size_t o = 0; o < scene.objects.size(); ++o) {
+    if (scene.objects[o].deformation == nullptr) continue;
+    hash.add(std::uint64_t{o});
+    hash.add(hash_deformation(*scene.objects[o].deformation));
   }
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     if (!scene.objects[o].stream_reach_m) continue;

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <set>
+#include <vector>
 
 namespace hapton {
 namespace {
@@ -48,6 +49,69 @@ TEST(SceneHash, WhateverChangesTheForceChangesIt) {
     for (const double seconds : {1.0, 2.0}) hashes.insert(moved_for(seconds, loops));
   }
   EXPECT_EQ(hashes.size(), 15U);
+}
+
+// Two instances of a mesh, of which either deforms by the same displacements.
+TEST(SceneHash, SaysWhichObjectDeforms) {
+  const auto shared = std::make_shared<const TriangleMesh>(corner());
+  std::set<std::uint64_t> hashes;
+  for (const std::size_t which : {0U, 1U}) {
+    TouchScene scene{{{shared, {}}, {shared, {}}}};
+    scene.objects[which].deformation =
+        std::make_shared<const MeshDeformation>(std::vector<MorphTarget>{{.vertices = {1}, .displacements = {Vec3(0, 0, 0.001)}}},
+                                                std::vector<MorphKey>{{0.0, {0.0}}, {1.0, {1.0}}}, false);
+    hashes.insert(hash_scene(scene));
+  }
+  EXPECT_EQ(hashes.size(), 2U);
+}
+
+// A haptics node and the windows beside it must agree on what is felt.
+TEST(SceneHash, EachNumberOfEachEffectInSpaceChangesIt) {
+  const EffectVolume ball = EffectVolume::ball(Vec3::Zero(), 0.01);
+  const Vec3 away(0, 0, 1);
+  const std::vector<SwitchedEffect> effects = {SpringEffect(),
+                                               SpringEffect{.centre = away},
+                                               SpringEffect{.stiffness_n_per_m = 7.0},
+                                               SpringEffect{.max_force_n = 0.5},
+                                               SwitchedEffect(SpringEffect(), {.button = 1}),
+                                               ConstantEffect(),
+                                               ConstantEffect{.force_n = 2.0 * away},
+                                               ConstantEffect{.volume = ball},
+                                               SnapEffect(),
+                                               SnapEffect{.target = SnapEffect::Target::line},
+                                               SnapEffect{.position = away},
+                                               SnapEffect{.direction = Vec3::UnitX()},
+                                               SnapEffect{.range_m = 0.03},
+                                               SnapEffect{.max_force_n = 0.5},
+                                               GravityWellEffect(),
+                                               GravityWellEffect{.centre = away},
+                                               GravityWellEffect{.radius_m = 0.7},
+                                               GravityWellEffect{.max_force_n = 0.5},
+                                               ViscousEffect(),
+                                               ViscousEffect{.damping_ns_per_m = 7.0},
+                                               ViscousEffect{.max_force_n = 0.5},
+                                               ViscousEffect{.volume = ball},
+                                               WaveEffect(),
+                                               WaveEffect{.waveform = Waveform::square},
+                                               WaveEffect{.direction = Vec3::UnitX()},
+                                               WaveEffect{.amplitude_n = 0.7},
+                                               WaveEffect{.frequency_hz = 7.0},
+                                               WaveEffect{.volume = ball},
+                                               BurstEffect(),
+                                               BurstEffect{.direction = Vec3::UnitX()},
+                                               BurstEffect{.amplitude_n = 0.7},
+                                               BurstEffect{.frequency_hz = 7.0},
+                                               BurstEffect{.decay_s = 7.0},
+                                               BurstEffect{.duration_s = 7.0},
+                                               BurstEffect{.volume = ball},
+                                               MassEffect(),
+                                               MassEffect{.mass_kg = 0.7},
+                                               MassEffect{.filter_s = 0.7},
+                                               MassEffect{.max_force_n = 0.5},
+                                               MassEffect{.volume = ball}};
+  std::set<std::uint64_t> hashes;
+  for (const SwitchedEffect& effect : effects) hashes.insert(hash_scene({.objects = {}, .effects = {effect}}));
+  EXPECT_EQ(hashes.size(), effects.size());
 }
 
 }  // namespace
