@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
+#include <vector>
 
 namespace hapton {
 namespace {
@@ -43,6 +45,18 @@ TEST(MaterialLimits, WhatASurfaceDoesBesidesRulesNumbersOutAsInSceneFiles) {
   bumpy.bumps.length_m = 1e-3;
   EXPECT_EQ(complaint({.stiffness_n_per_m = 500.0}, bumpy), "");
   EXPECT_THAT(complaint({.damping_ns_per_m = 1.0}, bumpy), HasSubstr("source of energy"));
+  const auto image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F});
+  for (ImageMap SurfaceMaps::*relief : {&SurfaceMaps::height, &SurfaceMaps::stiffness}) {
+    SurfaceEffects mapped;
+    mapped.maps.*relief = {.image = image, .at_black = 0.1, .at_white = 0.2};
+    EXPECT_EQ(complaint({.friction_static = 0.3}, mapped), "");
+    EXPECT_THAT(complaint({.damping_ns_per_m = 1.0}, mapped), HasSubstr("source of energy"));
+  }
+  SurfaceEffects rough;
+  rough.maps.friction = {.image = image, .at_black = 0.1, .at_white = 0.2};
+  EXPECT_EQ(complaint({.damping_ns_per_m = 1.0}, rough), "");
+  EXPECT_EQ(complaint({.friction_static = 0.3}, rough),
+            "object 'hull' has a friction map instead of friction coefficients: change the map in the scene file");
 }
 
 }  // namespace

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
 
 #include "tests/scene/sample_files.h"
 #include "tests/support/scratch_folder.h"
@@ -11,6 +14,7 @@
 namespace hapton {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -129,6 +133,46 @@ TEST(SceneReport, SaysNothingOfTablesThatAreNotThere) {
   EXPECT_TRUE(json["workspace"].is_null());
   EXPECT_TRUE(json["lights"].empty());
   EXPECT_EQ(json["tool"], "peg");
+}
+
+TEST(SceneReport, NamesTheEffectsOfASurface) {
+  const ScratchFolder folder;
+  folder.write("a.obj", sample::obj(sample::tetrahedron()));
+  auto report = make_scene_report(folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\n"));
+  ASSERT_TRUE(report) << report.error().what;
+  EXPECT_THAT(to_text(*report), Not(HasSubstr("effects: ")));
+  SurfaceEffects& effects = report->scene.objects[0].effects;
+  const auto image = std::make_shared<const SurfaceImage>(1, 1, std::vector<float>{0.5F});
+  effects.progressive.n_per_m2 = 1.0;
+  effects.layers.add({.depth_m = 0.0, .stiffness_n_per_m = 1.0, .pop_force_n = 1.0, .drag_ns_per_m = 0.0});
+  EXPECT_THAT(to_text(*report), HasSubstr(" effects: progressive stiffness, 1 layer\n"));
+  effects.layers.add({.depth_m = 0.1, .stiffness_n_per_m = 1.0, .pop_force_n = 1.0, .drag_ns_per_m = 0.0});
+  effects.bumps.height_m = 1e-4;
+  effects.maps.triangles = std::make_shared<const std::vector<MappedTriangle>>();
+  for (ImageMap SurfaceMaps::*map : {&SurfaceMaps::height, &SurfaceMaps::stiffness, &SurfaceMaps::friction, &SurfaceMaps::viscosity}) {
+    effects.maps.*map = {.image = image, .at_black = 0.1, .at_white = 0.2};
+  }
+  effects.viscosity.damping_ns_per_m = 1.0;
+  effects.snap = {.stiffness_n_per_m = 1.0, .range_m = 0.001};
+  effects.tap.ns_per_m = 1.0;
+  EXPECT_THAT(to_text(*report),
+              HasSubstr(" effects: progressive stiffness, 2 layers, bumps, bumps from an image (slope at most 0), stiffness "
+                        "from an image, friction from an image, viscosity from an image, viscosity, snap, vibration on "
+                        "tap\n"));
+}
+
+TEST(SceneReport, NamesTheObjectsThatAreInsideOut) {
+  TriangleMesh flipped = sample::tetrahedron();
+  for (Triangle& t : flipped.triangles) std::swap(t[1], t[2]);
+  const ScratchFolder folder;
+  folder.write("a.obj", sample::obj(sample::tetrahedron()));
+  folder.write("b.obj", sample::obj(flipped));
+  const auto scene = load_scene(folder.write("a.toml", "[[object]]\nmesh = 'a.obj'\n[[object]]\nmesh = 'b.obj'\n"));
+  ASSERT_TRUE(scene) << scene.error().what;
+  EXPECT_THAT(
+      find_inside_out(*scene),
+      ElementsAre("b: 1 of 1 closed body is inside out: with two_sided = false only the inner side can be touched; flip the normals "
+                  "(\"recalculate outside\") and export again"));
 }
 
 TEST(SceneReport, PassesErrorsOn) {
