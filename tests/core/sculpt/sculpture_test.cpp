@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/geometry/mesh_shapes.h"
 
 namespace hapton {
@@ -53,6 +55,54 @@ TEST(Sculpture, IsAlikeWhatWasTheSameBeforeAnyCarve) {
     EXPECT_FALSE(other->is_alike(one));
   }
   EXPECT_FALSE(one.add(1, kSculpted, make_plane_grid(0.1, 2)));
+}
+
+// An undo made the other shapes; the next carve has the number after it, and the step has none of its own.
+TEST(Sculpture, GoesOnWithTheShapesOfAnother) {
+  const TriangleMesh ball = make_icosphere(0.02, 3);
+  const Carve carve{{0.02, 0.0, 0.0}, {0.02, 0.0, 0.0}, 0.005};
+  Sculpture felt, undone;
+  ASSERT_TRUE(felt.add(0, kSculpted, ball) && undone.add(0, kSculpted, ball));
+  felt.carve(0, carve);
+  ASSERT_TRUE(felt.made());
+  undone.field(0).carve({{-0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}, 0.005});
+  felt.exchange_shapes(undone, 2);
+  EXPECT_EQ(felt.newest(), 2U);
+  EXPECT_FALSE(felt.made());
+  EXPECT_FALSE(undone.bodies()[0].field.would_change(carve)) << "which has the shape that was felt";
+  EXPECT_FALSE(felt.bodies()[0].field.would_change({{-0.02, 0.0, 0.0}, {-0.02, 0.0, 0.0}, 0.005}));
+  felt.carve(0, carve);
+  ASSERT_TRUE(felt.made()) << "the material is there again";
+  EXPECT_EQ(felt.made()->serial, 3U);
+  felt.exchange_shapes(undone, Sculpture::kMaxCarves - 1);
+  EXPECT_FALSE(felt.is_full());
+  felt.exchange_shapes(undone, Sculpture::kMaxCarves);
+  EXPECT_TRUE(felt.is_full());
+}
+
+// The first carve of all, and the first one after a button that carves went down: not while it stays down, nor for another button.
+TEST(Sculpture, APressBeginsWithTheButton) {
+  Sculpture sculpture;
+  ASSERT_TRUE(sculpture.add(0, kSculpted, make_icosphere(0.02, 3)));
+  double angle = 0.0;
+  const auto begins = [&](std::uint32_t buttons) {
+    sculpture.begin_step();
+    sculpture.note_buttons(buttons, 0b101);
+    const Vec3 at(0.02 * std::cos(angle), 0.02 * std::sin(angle), 0.0);
+    angle += 0.3;
+    sculpture.carve(0, {at, at, 0.005});
+    return sculpture.made() && sculpture.made()->begins;
+  };
+  EXPECT_TRUE(begins(0b001));
+  EXPECT_FALSE(begins(0b001));
+  EXPECT_FALSE(begins(0b011)) << "the other button does not carve";
+  EXPECT_FALSE(begins(0b000));
+  EXPECT_TRUE(begins(0b001));
+  EXPECT_TRUE(begins(0b101)) << "a second one";
+  sculpture.begin_step();
+  sculpture.note_buttons(0b000, 0b101);
+  sculpture.note_buttons(0b100, 0b101);
+  EXPECT_TRUE(begins(0b100)) << "pressed in a step that carved nothing";
 }
 
 }  // namespace
