@@ -148,7 +148,7 @@ Eigen::Vector3f read_vector(const char* bytes, bool normalized) {
   std::memcpy(components.data(), bytes, sizeof components);
   const Eigen::Vector3f value(static_cast<float>(components[0]), static_cast<float>(components[1]), static_cast<float>(components[2]));
   if (!std::is_integral_v<Component> || !normalized) return value;
-  return value / static_cast<float>(std::numeric_limits<Component>::max());
+  return (value / static_cast<float>(std::numeric_limits<Component>::max())).cwiseMax(-1.0F);  // as of accessors [3.6.2.2]
 }
 
 using VectorReader = Eigen::Vector3f (*)(const char*, bool);

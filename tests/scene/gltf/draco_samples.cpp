@@ -53,6 +53,34 @@ std::string draco(const TriangleMesh& mesh, DracoKind kind, const std::vector<Ei
   return encode(packed, kind, quantization, speed);
 }
 
+namespace {
+
+template <class Component>
+void add_integers(draco::Mesh& mesh, draco::DataType type, bool is_normalized, const std::vector<std::array<std::int32_t, 3>>& values) {
+  draco::GeometryAttribute attribute;
+  attribute.Init(draco::GeometryAttribute::POSITION, nullptr, 3, type, is_normalized, 3 * sizeof(Component), 0);
+  const int id = mesh.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
+  for (std::uint32_t i = 0; i < values.size(); ++i) {
+    const std::array<Component, 3> value = {static_cast<Component>(values[i][0]), static_cast<Component>(values[i][1]),
+                                            static_cast<Component>(values[i][2])};
+    mesh.attribute(id)->SetAttributeValue(draco::AttributeValueIndex(i), value.data());
+  }
+}
+
+}  // namespace
+
+std::string draco_of_integers(const std::vector<std::array<std::int32_t, 3>>& corners, std::size_t component_type, bool is_normalized) {
+  draco::Mesh packed;
+  packed.set_num_points(static_cast<std::uint32_t>(corners.size()));
+  if (component_type == 5120) add_integers<std::int8_t>(packed, draco::DT_INT8, is_normalized, corners);
+  if (component_type == 5121) add_integers<std::uint8_t>(packed, draco::DT_UINT8, is_normalized, corners);
+  if (component_type == 5122) add_integers<std::int16_t>(packed, draco::DT_INT16, is_normalized, corners);
+  if (component_type == 5123) add_integers<std::uint16_t>(packed, draco::DT_UINT16, is_normalized, corners);
+  for (std::uint32_t c = 0; c < corners.size(); c += 3)
+    packed.AddFace({draco::PointIndex(c), draco::PointIndex(c + 1), draco::PointIndex(c + 2)});
+  return encode(packed, DracoKind::sequential, 0, 5);
+}
+
 Eigen::Vector2f draco_texcoord(const Vec3& p) { return {static_cast<float>(0.5 + 0.5 * p.x()), static_cast<float>(0.5 - 0.5 * p.z())}; }
 
 std::array<std::uint8_t, 4> draco_colour(const Vec3& p) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "core/geometry/triangle_mesh.h"
 
@@ -16,6 +17,9 @@ enum class DracoKind { edgebreaker, sequential };
 // 0 for all of them; speed: 0 packs best.
 std::string draco(const TriangleMesh& mesh, DracoKind kind, const std::vector<Eigen::Vector3f>& normals = {}, int quantization = 0,
                   int speed = 5);
+
+// Positions of three numbers of that component type, 5120 to 5123, of the mesh of three corners for each triangle.
+std::string draco_of_integers(const std::vector<std::array<std::int32_t, 3>>& corners, std::size_t component_type, bool is_normalized);
 
 // The same in a GLB file of one node.
 std::string draco_glb(const TriangleMesh& mesh, const std::string& packed, bool has_normals = false);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <random>
 
@@ -98,6 +99,33 @@ TEST(Draco, HapticTexturesLieWhereItsCoordinatesSay) {
   }
 }
 
+// With KHR_mesh_quantization; the least of a signed type stands for -1, as in a file that is not packed.
+TEST(Draco, PositionsMayBeIntegersOfAnyType) {
+  struct Type {
+    std::size_t component_type;
+    std::int32_t least, most;
+  };
+  for (const auto& [component_type, least, most] :
+       {Type{5120, -128, 127}, Type{5121, 0, 255}, Type{5122, -32768, 32767}, Type{5123, 0, 65535}}) {
+    for (const bool is_normalized : {false, true}) {
+      SCOPED_TRACE(testing::Message() << component_type << " " << is_normalized);
+      const std::vector<std::array<std::int32_t, 3>> corners = {{least, 0, 1}, {most, least, 0}, {1, most, most}};
+      const auto mesh = gltf::decode_draco(sample::draco_of_integers(corners, component_type, is_normalized),
+                                           {.position = 0, .normal = {}, .max_triangles = 10}, "here");
+      ASSERT_TRUE(mesh) << mesh.error().what;
+      ASSERT_EQ(mesh->corners.size(), 3U);
+      const float unit = is_normalized ? 1.0F / static_cast<float>(most) : 1.0F;
+      for (std::size_t c = 0; c < 3; ++c) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          const float whole = static_cast<float>(corners[c][k]);
+          const float expected = is_normalized && corners[c][k] < -most ? -1.0F : whole * unit;
+          EXPECT_NEAR(mesh->positions[mesh->corners[c]][static_cast<Eigen::Index>(k)], expected, 1e-7F * std::fabs(whole)) << c << " " << k;
+        }
+      }
+    }
+  }
+}
+
 // What kMaxTrianglesOfAByte leaves room for: the most regular mesh, packed as well as can be.
 TEST(Draco, UnfoldsTheMostRegularMesh) {
   const TriangleMesh mesh = make_plane_grid(1.0, 500);
@@ -144,18 +172,49 @@ TEST(Draco, SaysWhatIsWrong) {
   EXPECT_THAT(error_of(packed, 7), HasSubstr("no positions of id 7"));
 }
 
+// A file whose JSON has something else in place of the last of these.
+Result<RawMesh> read_changed(const std::string& glb, const std::string& from, const std::string& to) {
+  std::uint32_t json_bytes = 0;
+  std::memcpy(&json_bytes, glb.data() + 12, sizeof json_bytes);
+  std::string json = glb.substr(20, json_bytes);
+  EXPECT_NE(json.rfind(from), std::string::npos) << from;
+  json.replace(json.rfind(from), from.size(), to);
+  return read_glb(sample::glb(json, glb.substr(20 + json_bytes + 8)), ".");
+}
+
 // Cut to 32 bits, 2^32 would be the id of the positions.
 TEST(Draco, AnIdBeyond32BitsIsNoOther) {
   const TriangleMesh mesh = make_icosphere(1.0, 1);
-  const std::string bytes = sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker));
-  std::uint32_t json_bytes = 0;
-  std::memcpy(&json_bytes, bytes.data() + 12, sizeof json_bytes);
-  std::string json = bytes.substr(20, json_bytes);
-  const std::string id = R"("POSITION":0)";
-  json.replace(json.rfind(id), id.size(), R"("POSITION":4294967296)");
-  const auto raw = read_glb(sample::glb(json, bytes.substr(20 + json_bytes + 8)), ".");
+  const std::string glb = sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker));
+  const auto raw = read_changed(glb, R"("POSITION":0)", R"("POSITION":4294967296)");
   ASSERT_FALSE(raw);
   EXPECT_THAT(raw.error().what, HasSubstr("attributes.POSITION is 4294967296, beyond 32 bits"));
+}
+
+TEST(Draco, AnotherNumberOfCornersThanTheFilePromisesIsAnError) {
+  const TriangleMesh mesh = make_icosphere(1.0, 1);
+  const std::string glb = sample::draco_glb(mesh, sample::draco(mesh, DracoKind::edgebreaker));
+  const auto raw = read_changed(glb, "\"count\":240,", "\"count\":237,");
+  ASSERT_FALSE(raw);
+  EXPECT_THAT(raw.error().what, HasSubstr("holds 240 corners where the file promises 237"));
+}
+
+// What is felt needs its coordinates: those that are not there, or are colours, are an error.
+TEST(Draco, HapticTexturesNeedCoordinatesOfTwoNumbers) {
+  const TriangleMesh mesh = make_icosphere(1.0, 1);
+  const std::string image = picture::png_of(4, 4, picture::grey_rows(4, 4, [](int, int) { return 51; }));
+  const std::string glb =
+      sample::draco_appearance_glb(mesh, sample::draco_with_appearance(mesh, DracoKind::edgebreaker), image,
+                                   R"("extensions":{"MPEG_haptic_material":{"hapticMaterialIndex":0}},)",
+                                   R"("extensions":{"MPEG_haptic_material":{"materials":[{"stiffness":[{"texture":{"index":0}}],)"
+                                   R"("extras":{"hapton":{"stiffness_map_n_per_m":[100,200]}}}]}},)");
+  EXPECT_TRUE(read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":1)"));
+  const auto of_colours = read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":2)");
+  ASSERT_FALSE(of_colours);
+  EXPECT_THAT(of_colours.error().what, HasSubstr(".TEXCOORD_0 is not of type VEC2"));
+  const auto of_none = read_changed(glb, R"("TEXCOORD_0":1)", R"("TEXCOORD_0":7)");
+  ASSERT_FALSE(of_none);
+  EXPECT_THAT(of_none.error().what, HasSubstr("no TEXCOORD_0"));
 }
 
 // Bytes changed at random: never a crash, a hang or an unsound mesh.
