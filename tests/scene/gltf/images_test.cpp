@@ -107,5 +107,52 @@ TEST(GltfImages, OneFileBesideIsReadOnce) {
   EXPECT_EQ(same.appearance.materials[49].image, 0U);
 }
 
+TEST(GltfImages, MayBeInlineAndHaveEscapedNames) {
+  EXPECT_EQ(read_images(1, R"("uri":"data:image/png;base64,eHl6")").appearance.images.at(0).bytes, "xyz");
+  ScratchFolder folder;
+  folder.write("a Zz.png", "beside");
+  EXPECT_EQ(read_images(1, R"("uri":"a%20%5A%7a.png")", folder.path()).appearance.images.at(0).bytes, "beside");
+}
+
+// A note says why an image is missing, and the mesh is read.
+TEST(GltfImages, WhatCannotBeReadIsNamed) {
+  const auto note_of = [](const std::string& image) {
+    const RawMesh raw = read_images(1, image);
+    EXPECT_THAT(raw.appearance.images, IsEmpty());
+    EXPECT_FALSE(raw.appearance.materials.at(0).image.has_value());
+    return raw.notes.size() == 1 ? raw.notes[0] : std::to_string(raw.notes.size()) + " notes";
+  };
+  EXPECT_EQ(note_of(R"("uri":"https://a.b/c.png")"), "a texture is missing: images[0] is on the network (https://a.b/c.png)");
+  EXPECT_EQ(note_of(R"("uri":"data:image/png,xyz")"), "a texture is missing: images[0] is inline but not base64");
+  EXPECT_THAT(note_of(R"("uri":"data:image/png;base64,x!")"), HasSubstr("a texture is missing: images[0] is not base64"));
+  EXPECT_EQ(note_of(R"("mimeType":"image/png")"), "a texture is missing: images[0] has neither a uri nor a buffer view");
+}
+
+// The notes of a tetrahedron with this material, and textures of which only the first has an image.
+std::vector<std::string> notes_of_material(const std::string& material) {
+  const TriangleMesh mesh = sample::tetrahedron();
+  sample::Pieces pieces;
+  pieces.add(sample::positions_of(mesh));
+  pieces.add(sample::indices_of(mesh));
+  pieces.add("xyz");
+  const std::string rest =
+      R"("images":[{"bufferView":2}],"textures":[{"source":0},{}],"materials":[{)" + material + "}]," + sample::kOneNode;
+  const auto raw = read_glb(pieces.glb(sample::accessors_of(mesh), rest), ".", kMaxMeshTriangles, AppearanceReading::with_normals);
+  EXPECT_TRUE(raw) << raw.error().what;
+  return raw ? raw->notes : std::vector<std::string>();
+}
+
+TEST(GltfImages, MaterialsThatCannotUseOneSayWhy) {
+  using ::testing::Contains;
+  EXPECT_THAT(notes_of_material(R"("pbrMetallicRoughness":{"baseColorTexture":{"index":1}})"),
+              Contains("a texture is missing: textures[1] has no PNG or JPEG image"));
+  EXPECT_THAT(notes_of_material(R"("normalTexture":{"index":0,"scale":"x"})"),
+              Contains("materials[0].normalTexture.scale is not a finite number: it cannot be felt"));
+  EXPECT_THAT(
+      notes_of_material(R"("pbrMetallicRoughness":{"baseColorTexture":{"index":0,"extensions":)"
+                        R"({"KHR_texture_transform":{"rotation":"x"}}}})"),
+      Contains(AllOf(HasSubstr("a texture may be misplaced: "), HasSubstr("KHR_texture_transform.rotation is not a finite number"))));
+}
+
 }  // namespace
 }  // namespace hapton
