@@ -4,8 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "scene/polygon.h"
 #include "scene/read_mtl.h"
 #include "tests/scene/sample_files.h"
 
@@ -224,6 +228,67 @@ TEST(ReadPly, NamesThePositionOfAFault) {
   EXPECT_THAT(with("3 0 1 2", "4000000000 0 1 2"), HasSubstr("ends too early"));
 }
 
+// Of either byte order; of the lists, too.
+TEST(ReadPly, TakesNumbersOfEveryType) {
+  for (const bool swap : {false, true}) {
+    std::string bytes = fmt::format(
+        "ply\nformat {} 1.0\nelement vertex 3\nproperty char x\nproperty short y\nproperty ushort z\nproperty uchar quality\n"
+        "property double weight\nelement face 1\nproperty list uint ushort vertex_indices\nend_header\n",
+        swap ? "binary_big_endian" : "binary_little_endian");
+    for (const auto& [x, y, z] : {std::array{-128, -300, 65535}, std::array{127, 0, 0}, std::array{1, 32767, 256}}) {
+      sample::append(bytes, static_cast<std::int8_t>(x), swap);
+      sample::append(bytes, static_cast<std::int16_t>(y), swap);
+      sample::append(bytes, static_cast<std::uint16_t>(z), swap);
+      sample::append(bytes, std::uint8_t{7}, swap);
+      sample::append(bytes, 0.5, swap);
+    }
+    sample::append(bytes, std::uint32_t{3}, swap);
+    for (int v = 0; v < 3; ++v) sample::append(bytes, static_cast<std::uint16_t>(v), swap);
+    const auto raw = read_ply(bytes);
+    ASSERT_TRUE(raw) << raw.error().what;
+    EXPECT_THAT(raw->mesh.vertices, ElementsAre(Vec3(-128, -300, 65535), Vec3(127, 0, 0), Vec3(1, 32767, 256)));
+    EXPECT_THAT(raw->mesh.triangles, ElementsAre(Triangle{0, 1, 2}));
+    EXPECT_THAT(raw->notes, SizeIs(0));
+  }
+}
+
+// A star: each second corner is nearer to the middle.
+std::vector<Vec3> star(std::size_t corners) {
+  std::vector<Vec3> points;
+  for (std::size_t k = 0; k < corners; ++k) {
+    const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(corners);
+    points.push_back((k % 2 == 0 ? 1.0 : 0.9) * Vec3(std::cos(angle), std::sin(angle), 0.0));
+  }
+  return points;
+}
+
+TEST(HollowPolygons, HaveNoMoreCornersThanTheyMay) {
+  for (const std::size_t corners : {kMaxPolygonCorners, kMaxPolygonCorners + 2}) {
+    std::string obj;
+    std::string face = "f";
+    std::string ply = fmt::format(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list ushort int vertex_indices\nend_header\n",
+        corners);
+    std::string list = fmt::format("{}", corners);
+    for (const Vec3& p : star(corners)) {
+      obj += fmt::format("v {} {} 0\n", p.x(), p.y());
+      ply += fmt::format("{} {} 0\n", p.x(), p.y());
+    }
+    for (std::size_t k = 0; k < corners; ++k) {
+      face += fmt::format(" {}", k + 1);
+      list += fmt::format(" {}", k);
+    }
+    const auto of_obj = read_obj(obj + face + "\n");
+    const auto of_ply = read_ply(ply + list + "\n");
+    EXPECT_EQ(of_obj.has_value(), corners == kMaxPolygonCorners);
+    EXPECT_EQ(of_ply.has_value(), corners == kMaxPolygonCorners);
+    if (of_obj || of_ply) continue;
+    EXPECT_THAT(of_obj.error().what, HasSubstr("line 1027: a hollow polygon has 1026 corners, more than 1024: triangulate it"));
+    EXPECT_THAT(of_ply.error().what, HasSubstr("face 0 is hollow and has more than 1024 corners: triangulate it"));
+  }
+}
+
 TEST(ReadPly, NamesTheByteOfAFaultInBinary) {
   std::string bytes = sample::binary_ply(sample::tetrahedron());
   const std::int32_t index = 70000;
@@ -301,6 +366,32 @@ TEST(ReadGltf, AppliesTransformsDownTheTreeToEveryInstance) {
   EXPECT_LT((raw->mesh.vertices[1] - Vec3(10, 8, 0)).norm(), 1e-12);
   EXPECT_LT((raw->mesh.vertices[4 + 1] - Vec3(-1.5, 0, 3)).norm(), 1e-12);
   EXPECT_EQ(raw->mesh.triangles[4], (Triangle{4, 6, 5})) << "a mirror turns the winding";
+}
+
+TEST(ReadGltf, TakesNoMoreTrianglesThanItMay) {
+  const std::string text = sample::inline_gltf(sample::tetrahedron());
+  EXPECT_TRUE(read_gltf(text, ".", 4));
+  EXPECT_EQ(error_of(read_gltf(text, ".", 3)), "meshes[0].primitives[0] has more than 3 triangles: simplify it");
+  EXPECT_EQ(error_of(read_gltf(text, ".", 1)), "meshes[0].primitives[0] has more than 1 triangles: simplify it") << "four vertices";
+}
+
+// Of a file without scenes, those nodes that hang under no other are shown, each once.
+TEST(ReadGltf, OfAFileWithoutScenesTheRootsAreShown) {
+  const auto read = [](const std::string& children) {
+    const std::string triangle(36, '\0');
+    return read_glb(sample::glb(R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":36}],"bufferViews":[{"buffer":0,"byteLength":36}],)"
+                                R"("accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],)"
+                                R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],)"
+                                R"("nodes":[{"mesh":0},{"children":[)" +
+                                    children + R"(],"translation":[1,0,0]}]})",
+                                triangle),
+                    ".");
+  };
+  const auto raw = read("0");
+  ASSERT_TRUE(raw) << raw.error().what;
+  ASSERT_THAT(raw->mesh.vertices, SizeIs(3));
+  EXPECT_EQ(raw->mesh.vertices[0], Vec3(1, 0, 0));
+  EXPECT_THAT(error_of(read("7")), HasSubstr("a child of nodes[1] is 7, out of range: there are 2"));
 }
 
 TEST(ReadGltf, TakesStripsFansAndNoIndices) {
