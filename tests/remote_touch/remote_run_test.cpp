@@ -126,7 +126,26 @@ TEST(RemoteRun, WhatNeverComesIsAnError) {
   ASSERT_TRUE(path);
   const auto touch = run_prescribed(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0));
   ASSERT_FALSE(touch);
-  EXPECT_NE(touch.error().what.find("patch: the scene around the hand had not arrived"), std::string::npos) << touch.error().what;
+  constexpr const char* kNotThere = "patch: the scene around the hand had not arrived after 120 s";
+  EXPECT_EQ(touch.error().what, kNotThere);
+  const auto loop = run_closed_loop(*scene, *path, device_of("touch"), case_of("patch", 0.0, 1.0), nullptr);
+  ASSERT_FALSE(loop);
+  EXPECT_EQ(loop.error().what, kNotThere);
+  const auto rest = find_rest_stiffness_of(device_of("touch"), case_of("patch", 0.0, 1.0), 2e4);
+  ASSERT_FALSE(rest);
+  EXPECT_EQ(rest.error().what, kNotThere);
+}
+
+TEST(RemoteRun, AHandWithoutASpringFollowsNoPath) {
+  const auto scene = make_remote_scene(real_mesh("fish_22k.obj"), {});
+  ASSERT_TRUE(scene);
+  const auto path = make_slide_path(*scene->mesh, *scene->near, {});
+  ASSERT_TRUE(path);
+  RemoteDevice device = device_of("touch");
+  device.hand.stiffness_n_per_m = 0.0;
+  const auto loop = run_closed_loop(*scene, *path, device, case_of("local", 0.0, 0.0), nullptr);
+  ASSERT_FALSE(loop);
+  EXPECT_EQ(loop.error().what, "a hand without a spring cannot follow a path");
 }
 
 // A datagram each way in each period, and the nodes' greetings, ten a second.

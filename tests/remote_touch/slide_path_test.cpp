@@ -58,6 +58,19 @@ TEST(SlidePath, AMeshWithoutAnAreaIsAnError) {
   EXPECT_FALSE(make_slide_path(TriangleMesh{}, *scene.near, {}));
 }
 
+// Two sheets that face each other, 3 mm apart: above each place of one is the other.
+TEST(SlidePath, WithoutRoomAboveTheSurfaceThereIsNone) {
+  TriangleMesh mesh = made::sheet(0.02, 0.0, 2);
+  const auto below = static_cast<std::uint32_t>(mesh.vertices.size());
+  const TriangleMesh above = made::sheet(0.02, 0.003, 2);
+  mesh.vertices.insert(mesh.vertices.end(), above.vertices.begin(), above.vertices.end());
+  for (const Triangle& t : above.triangles) mesh.triangles.push_back({below + t[0], below + t[2], below + t[1]});
+  const RemoteScene scene = *make_remote_scene(made::shared(std::move(mesh)), {});
+  const auto path = make_slide_path(*scene.mesh, *scene.near, {.seed = 4, .slide_s = 0.01, .rest_s = 0.01});
+  ASSERT_FALSE(path);
+  EXPECT_EQ(path.error().what, "slide: no path over the surface was found that the hand can follow, in 1000 draws with seed 4");
+}
+
 // Back the same way, in the same places.
 TEST(SlidePath, TurnsBackAfterAStroke) {
   const RemoteScene scene = scene_of_sphere();
