@@ -41,6 +41,7 @@ TEST(PluginFile, EachFaultIsOneLineWithThePathAndARemedy) {
   EXPECT_THAT(fault_of(plugin("small_effect")), HasSubstr("8 bytes"));
   EXPECT_THAT(fault_of(plugin("stepless_effect")), HasSubstr("has no step"));
   EXPECT_THAT(fault_of(plugin("boundless_effect")), HasSubstr("max_force_n is 1000000000"));
+  EXPECT_THAT(fault_of(plugin("twisting_effect")), HasSubstr("max_torque_nm is 10.5; state the largest torque it gives, 0 to 10 Nm"));
   EXPECT_THAT(fault_of(plugin("needy_effect")), AllOf(HasSubstr("nowhere_to_be_found"), HasSubstr("ldd")));
   for (const char* name : {"nothing", "old_effect", "small_effect", "needy_effect"}) {
     EXPECT_EQ(fault_of(plugin(name)).find('\n'), std::string::npos) << name;
@@ -66,6 +67,8 @@ TEST(PluginFile, AnotherProcessorAndOtherKindsOfElfAreNamed) {
   EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_type = ET_REL; }), HasSubstr("an object file"));
   EXPECT_THAT(changed([](Elf64_Ehdr&) {}), HasSubstr("cut short")) << "after 4 kB: the loader would die";
   EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_phoff = ~0ULL - 8; }), HasSubstr("cut short"));
+  EXPECT_THAT(changed([](Elf64_Ehdr& h) { h.e_phentsize = 0, h.e_phnum = 0; }), HasSubstr("cut short"))
+      << "other program headers than these";
   EXPECT_THAT(fault_of(scratch.write("short.so", bytes.substr(0, 20)).string()), HasSubstr("cut short"));
 }
 

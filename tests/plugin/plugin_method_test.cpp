@@ -179,5 +179,11 @@ TEST_F(PluginMethodTest, OurSideUsesNoHeap) {
   EXPECT_EQ(heap.count(), 0U);
 }
 
+TEST(PluginMethods, AWordWithALibraryNamesAFile) {
+  EXPECT_TRUE(names_plugin_file("a/b.so"));
+  EXPECT_TRUE(names_plugin_file("b.so:n=1"));
+  EXPECT_FALSE(names_plugin_file("proxy"));
+}
+
 }  // namespace
 }  // namespace hapton

@@ -93,6 +93,9 @@ struct OddEffect {
 #ifndef ODD_MAX_N
 #define ODD_MAX_N 2.0
 #endif
+#ifndef ODD_MAX_NM
+#define ODD_MAX_NM 0.5
+#endif
 #ifndef ODD_RESET
 #define ODD_RESET reset
 #endif
@@ -100,7 +103,10 @@ struct OddEffect {
 #define ODD_DESTROY destroy
 #endif
 #ifndef ODD_IS_NOTHING
-const hapton_effect_api hapton_effect = {
-    ODD_ABI,    sizeof(hapton_effect_api), ODD_SIZE, sizeof(hapton_effect_output), "odd one", ODD_MAX_N, 0.5, create, ODD_RESET, ODD_STEP,
-    ODD_DESTROY};
+const hapton_effect_api hapton_effect = {ODD_ABI,    sizeof(hapton_effect_api),
+                                         ODD_SIZE,   sizeof(hapton_effect_output),
+                                         "odd one",  ODD_MAX_N,
+                                         ODD_MAX_NM, create,
+                                         ODD_RESET,  ODD_STEP,
+                                         ODD_DESTROY};
 #endif
