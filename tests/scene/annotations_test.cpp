@@ -14,6 +14,15 @@ Pose annotation_pose(const Vec3& p, double angle) {
   return X;
 }
 
+// A file has its numbers with as many digits as somebody typed.
+TEST(PutDowns, TheirPoseIsRigid) {
+  PutDown put_down{.object = 1};
+  put_down.p_m = Vec3(1, 2, 3);
+  put_down.q = Quat(0.707, 0.0, 0.0, 0.707);
+  EXPECT_LT((put_down.pose() * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 1e-15);
+  EXPECT_LT((put_down.pose().linear().transpose() * put_down.pose().linear() - Mat3::Identity()).norm(), 1e-15);
+}
+
 TEST(AnnotationLengths, AMeasureIsTheStraightLine) {
   const Measure measure{{{{0, {0.0, 0.0, 0.0}}, {0, {0.003, 0.004, 0.012}}}}};
   EXPECT_EQ(compute_length_m(measure, {}), Vec3(0.003, 0.004, 0.012).norm());

@@ -173,6 +173,20 @@ TEST_F(CommandedObjectTest, HasTheEffectsOfItsMaterial) {
   EXPECT_EQ(scene->touch_scene().objects[0].effects.viscosity.damping_ns_per_m, 2.0);
 }
 
+// A scene that is read again keeps it where it is only if requests lead to the same places.
+TEST_F(CommandedObjectTest, IsTheSameWhereNothingThatPlacesItHasChanged) {
+  const auto made = [&](const std::string& keys, const std::string& before = "") {
+    return *load("moved_by = \"program\"\nposition_m = [0.1, 0.2, 0.3]\n" + keys, before)->objects[0].commanded;
+  };
+  const CommandedObject first = made("");
+  EXPECT_TRUE(first == made(""));
+  EXPECT_TRUE(first == made("material = \"soft\"\n", "[material.soft]\nviscosity_ns_per_m = 2.0\n"));
+  EXPECT_FALSE(first == made("rotation_deg = [0, 0, 30]\n")) << "about its pivot, which stays where it is";
+  EXPECT_FALSE(first == made("pivot_m = [0.01, 0, 0]\n"));
+  EXPECT_FALSE(first == made("scale = 2.0\n"));
+  EXPECT_FALSE(first == made("", "fit_m = [0.05, 0.05, 0.05]\n"));
+}
+
 TEST_F(CommandedObjectTest, IsInTheReport) {
   ASSERT_TRUE(load("moved_by = \"program\"\n"));
   const auto report = make_scene_report(folder.path() / "scene.toml");

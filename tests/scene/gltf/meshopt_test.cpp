@@ -3,7 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <random>
+#include <vector>
 
 #include "core/geometry/mesh_shapes.h"
 #include "scene/gltf/buffers.h"
@@ -81,6 +86,27 @@ TEST(Meshopt, UndoesFilters) {
       const Vec3 outward = raw->mesh.corner(t, k).normalized();
       EXPECT_GT(raw->mesh.authored_normals[t][static_cast<std::size_t>(k)].cast<double>().dot(outward), 0.999);
     }
+  }
+}
+
+// As instances have them. A rotation and its negative are the same.
+TEST(Meshopt, UndoesTheFilterOfRotations) {
+  std::vector<Eigen::Vector4f> rotations;
+  for (int n = 0; n < 8; ++n) rotations.push_back(Eigen::Vector4f(1.0F, 0.3F * static_cast<float>(n), -0.5F, 0.2F).normalized());
+  std::string filtered(8 * rotations.size(), '\0');
+  meshopt_encodeFilterQuat(filtered.data(), rotations.size(), 8, 16, rotations.front().data());
+  const auto layout =
+      gltf::meshopt_layout_of({{"mode", "ATTRIBUTES"}, {"filter", "QUATERNION"}, {"count", rotations.size()}, {"byteStride", 8}}, "here");
+  ASSERT_TRUE(layout) << layout.error().what;
+  const auto items = gltf::decode_meshopt(sample::meshopt_vertices(filtered, rotations.size(), 8), *layout, "here");
+  ASSERT_TRUE(items) << items.error().what;
+  ASSERT_EQ(items->size(), 8 * rotations.size());
+  for (std::size_t n = 0; n < rotations.size(); ++n) {
+    std::array<std::int16_t, 4> found = {};
+    std::memcpy(found.data(), items->data() + 8 * n, sizeof found);
+    const Eigen::Vector4f read = Eigen::Vector4f(found[0], found[1], found[2], found[3]) / 32767.0F;
+    EXPECT_NEAR(std::fabs(read.dot(rotations[n])), 1.0F, 1e-4F) << n;
+    EXPECT_NEAR(read.norm(), 1.0F, 1e-4F) << n;
   }
 }
 
