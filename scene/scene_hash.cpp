@@ -1,5 +1,6 @@
 #include "scene/scene_hash.h"
 
+#include <algorithm>
 #include <bit>
 
 #include "core/effects/texture_models.h"
@@ -209,9 +210,12 @@ namespace {
 void add_motions(Hash& hash, const TouchScene& scene) {
   for (const TouchObject& object : scene.objects) hash.add(object.motion != nullptr ? hash_motion(*object.motion) : std::uint64_t{0});
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
-    if (scene.objects[o].deformation == nullptr) continue;
-    hash.add(std::uint64_t{o});
-    hash.add(hash_deformation(*scene.objects[o].deformation));
+    const TouchObject& object = scene.objects[o];
+    if (object.deformation == nullptr) continue;
+    // Which one it is counts where another one could deform alike. Elsewhere the hash is the one that older recordings have.
+    const auto has_as_many = [&](const TouchObject& other) { return other.mesh->vertices.size() == object.mesh->vertices.size(); };
+    if (std::ranges::count_if(scene.objects, has_as_many) > 1) hash.add(std::uint64_t{o});
+    hash.add(hash_deformation(*object.deformation));
   }
   for (std::size_t o = 0; o < scene.objects.size(); ++o) {
     if (!scene.objects[o].stream_reach_m) continue;
