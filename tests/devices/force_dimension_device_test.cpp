@@ -300,18 +300,18 @@ TEST_F(ForceDimension, AnOrientationThatIsNoRotationIsLeftOut) {
   board->turn_rad[2] = std::numbers::pi / 2;
   open();
   ASSERT_TRUE(serve_until_ready());
-  const Quat before = hand.sample().q_WT;
+  const Quat before = runner.sample().q_WT;
   board->turn_rad[2] = 0.0;
   board->frame_scale = 0.5;
   board->hand_m[2] = 0.01;
-  ASSERT_TRUE(serve_until([&] { return hand.sample().p_WD.y() == 0.01; }));
-  EXPECT_EQ(hand.sample().q_WT.coeffs(), before.coeffs());
+  ASSERT_TRUE(serve_until([&] { return runner.sample().p_WD.y() == 0.01; }));
+  EXPECT_EQ(runner.sample().q_WT.coeffs(), before.coeffs());
   board->frame_scale = std::numeric_limits<double>::quiet_NaN();
   board->hand_m[2] = 0.02;
-  ASSERT_TRUE(serve_until([&] { return hand.sample().p_WD.y() == 0.02; }));
-  EXPECT_EQ(hand.sample().q_WT.coeffs(), before.coeffs());
+  ASSERT_TRUE(serve_until([&] { return runner.sample().p_WD.y() == 0.02; }));
+  EXPECT_EQ(runner.sample().q_WT.coeffs(), before.coeffs());
   board->frame_scale = 1.0;
-  EXPECT_TRUE(serve_until([&] { return hand.sample().q_WT.angularDistance(Quat::Identity()) < 1e-9; }));
+  EXPECT_TRUE(serve_until([&] { return runner.sample().q_WT.angularDistance(Quat::Identity()) < 1e-9; }));
 }
 
 TEST_F(ForceDimension, CallsThatFailAgainAndAgainAreAnUnpluggedCable) {

@@ -234,13 +234,13 @@ TEST(SealFormatTest, ClassifiesByLeadAndLength) {
 }
 
 TEST(SealFormatTest, EachResultOfOpeningIsCountedAsItself) {
-  using Member = std::uint64_t SealCounts::*;
-  const std::pair<OpenStatus, Member> members[] = {{OpenStatus::opened, &SealCounts::opened},
-                                                   {OpenStatus::malformed, &SealCounts::malformed},
-                                                   {OpenStatus::wrong_version, &SealCounts::wrong_version},
-                                                   {OpenStatus::unknown_session, &SealCounts::unknown_session},
-                                                   {OpenStatus::replayed, &SealCounts::replayed},
-                                                   {OpenStatus::forged, &SealCounts::forged}};
+  using Counter = std::uint64_t SealCounts::*;
+  const std::pair<OpenStatus, Counter> members[] = {{OpenStatus::opened, &SealCounts::opened},
+                                                    {OpenStatus::malformed, &SealCounts::malformed},
+                                                    {OpenStatus::wrong_version, &SealCounts::wrong_version},
+                                                    {OpenStatus::unknown_session, &SealCounts::unknown_session},
+                                                    {OpenStatus::replayed, &SealCounts::replayed},
+                                                    {OpenStatus::forged, &SealCounts::forged}};
   for (const auto& [status, own] : members) {
     SealCounts counts;
     count(status, counts);

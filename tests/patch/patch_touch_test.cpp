@@ -250,9 +250,9 @@ TEST(PatchTouch, IsFrictionlessWhereNoMaterialHasDynamicFriction) {
 // Another part that holds the proxy may move the device point of this one within the sample, to where its patch does not reach: the plane
 // of the last contact holds it, from below the surface to above it, and the sample counts once.
 TEST(PatchTouch, ACorrectionPastTheEdgeOfThePatchIsHeldByThePlane) {
-  constexpr double kStiffness = 1000.0;
+  constexpr double kSheetStiffness = 1000.0;
   PatchTouch touch;
-  (void)touch.offer(patch_of(scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = kStiffness}), Vec3::Zero(), 0.01));
+  (void)touch.offer(patch_of(scene_of(made::sheet(kSheetHalf, 0.0, 10), {.stiffness_n_per_m = kSheetStiffness}), Vec3::Zero(), 0.01));
   for (const double z : {0.001, -0.001}) (void)touch.step({.p_WD = Vec3(0.001, 0.0, z)});
   const std::uint64_t steps = touch.counts().steps;
   for (const double z : {-0.0015, -0.001, 0.001}) {
