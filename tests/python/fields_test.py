@@ -98,7 +98,7 @@ class FieldsTest(unittest.TestCase):
             (lambda: fields.expression("0", "", "0"), 'fy = ""'),
             (lambda: fields.expression("x", "0", "0", k=np.nan), "k is nan"),
             (lambda: fields.expression("x", "0", "0", k="soft"), "the constant k is not a number"),
-            (lambda: fields.expression("x", "0", "0", **{"2k": 1.0}), "'2k' is not a valid name"),
+            (lambda: fields.expression("x", "0", "0", **{"2k": 1.0}), "'2k' cannot name a constant"),
             (lambda: fields.expression("x", "0", "0", vx=1.0), "constant vx has the name"),
             (lambda: fields.expression("x", "0", "0", pi=3.0), "constant pi has the name"),
             (lambda: fields.expression("x", "0", "0", sin=1.0), "constant sin has the name"),
