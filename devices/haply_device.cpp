@@ -83,6 +83,7 @@ class HaplyDevice final : public VendorDevice {
   std::string said_;
   std::string told_;  // why it is not there
   haply::Session session_;
+  bool is_version_missing_ = false;
   bool is_scale_logged_ = false;
   int absences_ = 0;
   bool is_calibration_logged_ = false;
@@ -93,11 +94,12 @@ class HaplyDevice final : public VendorDevice {
 Result<void> HaplyDevice::judge_version(const Result<std::string>& text) {
   const auto version = text ? haply::read_version(*text) : tl::unexpected(text.error());
   if (!version) {
-    if (!model_.empty()) return {};  // it was said at the start
+    if (std::exchange(is_version_missing_, true)) return {};  // it was said already
     log_warning("the Haply Inverse Service at {} does not report its version ({}); 3.5 is assumed", to_string(service_),
                 version.error().what);
     return {};
   }
+  is_version_missing_ = false;
   if (const std::string why = haply::why_unknown(*version); !why.empty()) {
     return fail("the Haply Inverse Service at {} is version {}.{}; {}", to_string(service_), version->major, version->minor, why);
   }

@@ -152,7 +152,8 @@ void check_pair(TomlReader& reader, const IoOptions& one, const IoOptions& other
   if (one.bind == other.bind && !has_free_port(one.bind)) {
     reader.reject("bind", fmt::format("'{}' and '{}' both listen at {}; give each a port of its own", one.name, other.name, one.bind));
   }
-  if (is_same_output(one.record, other.record)) {
+  // The same text also where it is a pipe, which is_same_output() is not about: two recordings in one stream cannot be read.
+  if ((!one.record.empty() && one.record == other.record) || is_same_output(one.record, other.record)) {
     reader.reject("record", fmt::format("'{}' and '{}' both record into {}; name two files", one.name, other.name, one.record));
   }
   const bool is_same_kind = one.device.name == other.device.name && takes_id(one.device.name);

@@ -23,7 +23,11 @@ bool is_of_haptics(const Message& message) {
 bool TakenDatagrams::take(const SessionEntry& entry, const Datagram& datagram) noexcept {
   // It is of no session.
   if (const auto* hello = std::get_if<Hello>(&datagram.message)) {
-    if (hello->role == NodeRole::haptics) joining_ = entry.peer;
+    if (hello->role == NodeRole::haptics) {
+      joining_ = entry.peer;
+    } else if (joining_ == entry.peer) {
+      joining_.reset();
+    }
     return true;
   }
   if (session_ != 0 && datagram.header.session != session_) return false;

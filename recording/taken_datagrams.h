@@ -8,9 +8,10 @@
 
 namespace hapton {
 
-// Which of the datagrams of a recording its hub took. A recording has all that came, also what the hub dropped: of an earlier session of
-// the hub, with other samples of the same numbers, and from a node that is not, or no longer, its haptics node. Knows the haptics node by
-// where the hub sends the device's states, so that reading may begin anywhere, and entries may be missing. RT: yes. Threads: one.
+// Leaves out datagrams of a recording that its hub certainly dropped: those of an earlier session of the hub, with other samples of the
+// same numbers, and what only a haptics node sends from another address than that of the hub's haptics node. Others that the hub dropped
+// (duplicates, those of unknown peers) pass. Knows the haptics node by where the hub sends the device's states, so that reading may begin
+// anywhere, and entries may be missing. RT: yes. Threads: one.
 class TakenDatagrams {
  public:
   // session: SessionHeader::session; 0: not known.

@@ -110,7 +110,8 @@ int run_hapton_command(int argc, const char* const* argv) {
     // CLI11 says only that a "subcommand" is required, even if an unknown flag stands in its place.
     const std::vector<std::string> unknown = app.remaining(true);
     if (what == "A subcommand is required") {
-      what = unknown.empty() ? "give a command" : fmt::format("'{}' is not a flag of {}; give a command first", unknown.front(), command);
+      const bool is_flag = !unknown.empty() && unknown.front().starts_with('-');
+      what = !is_flag ? "give a command" : fmt::format("'{}' is not a flag of {}; give a command first", unknown.front(), command);
     }
     if (what.starts_with(": ")) what.erase(0, 2);  // CLI11 calls hidden options, as old names are, by an empty name
     fmt::print(stderr, "{}: {}{}; see {} --help\n", command, what, suggest_flag(app), command);

@@ -35,7 +35,7 @@ constexpr std::int64_t kPeriodNs = 1'000'000;
 
 bool is_gone(int process_file) {
   pollfd ended = {.fd = process_file, .events = POLLIN, .revents = 0};
-  return ::poll(&ended, 1, 0) > 0;
+  return ::poll(&ended, 1, 0) > 0 && (ended.revents & POLLIN) != 0;
 }
 
 // Sleeps until the next check, or until the process ends.
@@ -56,20 +56,20 @@ void report(std::string_view what, const OuterWatchdog& watchdog, const ForceCut
              1e-6 * static_cast<double>(watchdog.silence_ns()), 1e-6 * static_cast<double>(watchdog.force_age_ns()), cutter.describe());
 }
 
-void watch(HeartbeatPage& page, int process_file, bool reports) {
+void watch(HeartbeatPage& page, WatchedProcess& process, bool reports) {
   SteadyClock clock;
   OuterWatchdog watchdog;
-  ForceCutter cutter(page, process_file);
+  ForceCutter cutter(page, process);
   bool is_reported = false;
   while (true) {
-    const bool has_ended = is_gone(process_file);
+    const bool has_ended = is_gone(process.file);
     const OuterWatchdog::Verdict verdict = watchdog.check(page, has_ended, clock.now_ns());
     page.watchdog_beat_ns.store(clock.now_ns(), std::memory_order_release);
     if (verdict == OuterWatchdog::Verdict::fine) {
       if (has_ended) return;
       is_reported = false;
       cutter.prepare();
-      await_next_check(process_file);
+      await_next_check(process.file);
       continue;
     }
     // Repeated at every check: a frozen process may have had one more force in transit.
@@ -86,7 +86,7 @@ void watch(HeartbeatPage& page, int process_file, bool reports) {
     if (reports && !is_reported)
       report(verdict == OuterWatchdog::Verdict::frozen ? "is frozen" : "holds a force for too long", watchdog, cutter);
     is_reported = true;
-    await_next_check(process_file);
+    await_next_check(process.file);
   }
 }
 
@@ -94,7 +94,7 @@ void watch(HeartbeatPage& page, int process_file, bool reports) {
 
 int main(int argc, char** argv) {
   const std::string_view first = argc > 1 ? argv[1] : "";
-  const int process = argc > 1 ? std::atoi(argv[1]) : 0;
+  const int number = argc > 1 ? std::atoi(argv[1]) : 0;
   const int priority = argc > 2 ? std::atoi(argv[2]) : 0;
   if (first == "--help" || first == "-h") {
     print_text(
@@ -105,26 +105,26 @@ int main(int argc, char** argv) {
     return 0;
   }
   HeartbeatMemory memory;
-  if (const auto opened = memory.open(kHeartbeatFile); !opened || process <= 0) {
+  if (const auto opened = memory.open(kHeartbeatFile); !opened || number <= 0) {
     print_text(stderr, "hapton_watchdog: {}\n", opened ? "process id missing; this program is started by io_node" : opened.error().what);
     return 2;
   }
   // It must outlive io_node briefly: signals that end io_node's unit or terminal are ignored, and so are SIGPIPE, as its stderr may be
   // closed, and SIGABRT, by which systemd ends a unit that hangs.
   for (const int signal : {SIGTERM, SIGINT, SIGHUP, SIGPIPE, SIGABRT}) ::signal(signal, SIG_IGN);
-  const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, process, 0));
-  if (::getppid() != process) return 0;  // io_node has ended already; at a first start no force was exerted yet
-  if (process_file < 0) {
-    print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", process, std::strerror(errno));
+  WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, number, 0))};
+  if (::getppid() != number) return 0;  // io_node has ended already; at a first start no force was exerted yet
+  if (process.file < 0) {
+    print_text(stderr, "hapton_watchdog: cannot watch process {}: {}\n", number, std::strerror(errno));
     return 2;
   }
   // Whether these two got their scheduling: io_node logs what its own threads did not get, and has the same rights.
   std::thread second = start_thread([&] {
     if (priority > 0) (void)enter_deadline(kRuntimeNs, kPeriodNs);
-    watch(memory.page(), process_file, false);
+    watch(memory.page(), process, false);
   });
   (void)enter_realtime({.mode = priority > 0 ? RealtimeMode::attempt : RealtimeMode::off, .priority = priority, .low_dma_latency = false});
-  watch(memory.page(), process_file, true);
+  watch(memory.page(), process, true);
   second.join();
   return 0;
 }

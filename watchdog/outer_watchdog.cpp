@@ -45,10 +45,14 @@ void ForceCutter::close_if_unplugged() noexcept {
 }
 
 bool ForceCutter::kill_process() noexcept {
-  if (process_file_ < 0) return false;
-  pollfd ended = {.fd = process_file_, .events = POLLIN, .revents = 0};
-  had_ended_ = ::poll(&ended, 1, 0) > 0;
-  return had_ended_ || ::syscall(SYS_pidfd_send_signal, process_file_, SIGKILL, nullptr, 0) == 0;
+  pollfd ended = {.fd = process_.file, .events = POLLIN, .revents = 0};
+  had_ended_ = process_.file >= 0 && ::poll(&ended, 1, 0) > 0 && (ended.revents & POLLIN) != 0;
+  if (had_ended_ || process_.file < 0) return had_ended_;
+  // Before the signal: another thread may see its end, and report it, at once.
+  const bool was_killed = process_.is_killed.exchange(true);
+  const bool is_sent = ::syscall(SYS_pidfd_send_signal, process_.file, SIGKILL, nullptr, 0) == 0;
+  if (!is_sent) process_.is_killed.store(was_killed);
+  return is_sent;
 }
 
 bool ForceCutter::write_report() noexcept {
@@ -72,8 +76,8 @@ void ForceCutter::prepare() noexcept {
   path.back() = '\0';
   report_.assign(report.begin(), report.begin() + static_cast<std::ptrdiff_t>(size));
   close_device();
-  is_unplugged_ = false;
-  if (path[0] != '\0') device_ = ::open(path.data(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+  is_unplugged_ = path[0] == '\0';
+  if (!is_unplugged_) device_ = ::open(path.data(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
 }
 
 bool ForceCutter::cut() noexcept {
@@ -103,7 +107,7 @@ std::string ForceCutter::describe() const {
       return has_write_failed_ ? "could not turn the device off: it took no report; check whether it is plugged in"
                                : "released the force (device off)";
     case CutMeans::kill:
-      if (had_ended_) return "its end closed the vendor's library, so that the driver releases the force";
+      if (had_ended_ && !process_.is_killed.load()) return "its end closed the vendor's library, so that the driver releases the force";
       return "killed io_node, so that the vendor's driver releases the force";
     case CutMeans::simulated:
       return "released the force of the simulated motors";

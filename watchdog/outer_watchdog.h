@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -41,13 +42,18 @@ class OuterWatchdog {
   std::int64_t bad_since_ns_ = 0;  // the first of consecutive checks that found it bad; 0: the last one did not
 };
 
+// The process that the watchdog watches: one for all of its threads.
+struct WatchedProcess {
+  int file = -1;                       // a pidfd, because its number may be another one's after its end; below 0: none. Not owned
+  std::atomic<bool> is_killed{false};  // by a ForceCutter
+};
+
 // Releases the force of one device, by the means that its page names, each time it is called.
 // RT: a write to the device. Threads: one.
 class ForceCutter {
  public:
-  // process_file: a pidfd of the process to kill if there is no other means, whose number may be another one's by then; below 0: none.
-  // Pre: it stays open.
-  ForceCutter(HeartbeatPage& page, int process_file) : page_(page), process_file_(process_file) {}
+  // process: killed if there is no other means. Pre: both outlive this.
+  ForceCutter(HeartbeatPage& page, WatchedProcess& process) : page_(page), process_(process) {}
   ~ForceCutter();
   ForceCutter(const ForceCutter&) = delete;
   ForceCutter& operator=(const ForceCutter&) = delete;
@@ -67,10 +73,10 @@ class ForceCutter {
   bool write_report() noexcept;
 
   HeartbeatPage& page_;
-  int process_file_;
+  WatchedProcess& process_;
   std::uint32_t generation_ = 0;
   int device_ = -1;
-  bool is_unplugged_ = false;      // the device that the page names
+  bool is_unplugged_ = true;       // the device that the page names, or it names none
   bool has_write_failed_ = false;  // the last one to this device
   bool had_ended_ = false;         // the process, before it could be killed
   std::vector<std::uint8_t> report_;

@@ -169,9 +169,12 @@ TEST_F(Haply, AServiceThatComesBackInAnotherVersionIsNotDriven) {
   const std::string line = "searching: the Haply Inverse Service at " + service->address() + " is version 4.0; ";
   EXPECT_THAT(said, HasSubstr(line));
   EXPECT_EQ(said.find(line), said.rfind(line)) << "once, not at each attempt";
+  testing::internal::CaptureStderr();
   service.reset();
   service = std::make_unique<HaplyService>(port, "");
-  EXPECT_TRUE(serve_until_ready()) << "one that does not tell counts as it does at the start";
+  const bool is_driven = serve_until_ready();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("does not report its version"));
+  EXPECT_TRUE(is_driven) << "one that does not tell counts as it does at the start";
 }
 
 // At once, the servo might not see that it was away, and its force would go on where it had been.

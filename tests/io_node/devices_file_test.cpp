@@ -130,6 +130,7 @@ TEST_F(DevicesFiles, SayWhatIsWrongWhereAndHowToFixIt) {
               HasSubstr(":8: 'left' and 'right' both listen at 127.0.0.1:4950"));
   EXPECT_THAT(rejection(kLeft + "record = \"a\"\n" + kRight + "record = \"a\"\n"), HasSubstr("name two files"));
   EXPECT_THAT(rejection(kLeft + "record = \"a\"\n" + kRight + "record = \"./b/../a\"\n"), HasSubstr("name two files"));
+  EXPECT_THAT(rejection(kLeft + "record = \"/dev/stdout\"\n" + kRight + "record = \"/dev/stdout\"\n"), HasSubstr("name two files"));
   EXPECT_THAT(read_devices_file(scratch.path() / "none.toml", {}).error().what, HasSubstr("none.toml"));
 }
 

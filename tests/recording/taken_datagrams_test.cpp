@@ -62,6 +62,11 @@ TEST_F(TakenDatagramsTest, ASecondHapticsNodeCountsOnceTheHubHasAcceptedIt) {
   receives(kVision, Hello{NodeRole::vision});
   sends(kVision, Welcome{.accepted = true});
   EXPECT_FALSE(receives(kVision, HapticsSetup{}));
+  receives(kSecond, Hello{NodeRole::vision});
+  sends(kSecond, Welcome{.accepted = true});
+  EXPECT_FALSE(receives(kSecond, HapticsSetup{})) << "another program at that address";
+  EXPECT_TRUE(receives(kFirst, HapticsSetup{}));
+  receives(kSecond, Hello{NodeRole::haptics});
   sends(kSecond, Welcome{.accepted = true});
   EXPECT_TRUE(receives(kSecond, HapticsSetup{}));
   EXPECT_FALSE(receives(kFirst, HapticsSetup{}));

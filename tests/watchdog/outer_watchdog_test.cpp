@@ -137,12 +137,17 @@ TEST_F(Watched, OneBadLookIsNotEnough) {
   EXPECT_EQ(live(1), Verdict::fine);
 }
 
+WatchedProcess& no_process() {
+  static WatchedProcess none;
+  return none;
+}
+
 TEST(ForceCutterTest, SwitchesAHidDeviceOffByItsOwnHandle) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   EXPECT_FALSE(cutter.cut()) << "nothing is known of the device yet";
   const std::uint8_t off[] = {2, 0, 0, 7};
   page->set_hid(path, off);
@@ -160,7 +165,7 @@ TEST(ForceCutterTest, OpensADeviceThatCouldNotBeOpenedAtFirst) {
   ScratchFolder folder;
   const std::string path = (folder.path() / "hidraw").string();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   page->set_hid(path, std::vector<std::uint8_t>{1});
   cutter.prepare();
   EXPECT_FALSE(cutter.cut());
@@ -172,7 +177,7 @@ TEST(ForceCutterTest, OpensADeviceThatCouldNotBeOpenedAtFirst) {
 TEST(ForceCutterTest, FollowsADeviceThatWasPluggedInAgain) {
   ScratchFolder folder;
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   for (const char* name : {"hidraw0", "hidraw1"}) {
     const std::string path = (folder.path() / name).string();
     std::ofstream(path).flush();
@@ -195,7 +200,7 @@ TEST(ForceCutterTest, ClosesADeviceThatWasUnpluggedUntilThePageNamesOneAgain) {
     return ::read(device, &byte, 1) < 0 && errno == EAGAIN;
   };
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   page->set_hid(path, std::vector<std::uint8_t>{1});
   cutter.prepare();
   EXPECT_TRUE(is_open_elsewhere());
@@ -221,7 +226,7 @@ TEST(ForceCutterTest, ADeviceThatIsPluggedInOftenIsOpenOnce) {
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
   EXPECT_FALSE(leaves_files_open([&] {
-    ForceCutter cutter(*page, -1);
+    ForceCutter cutter(*page, no_process());
     for (int n = 0; n < 2; ++n) {
       page->set_hid(path, std::vector<std::uint8_t>{1});
       cutter.prepare();
@@ -233,7 +238,7 @@ TEST(ForceCutterTest, ClosesNoFileButItsOwn) {
   ScratchFolder folder;
   const auto page = std::make_unique<HeartbeatPage>();
   {
-    ForceCutter cutter(*page, -1);
+    ForceCutter cutter(*page, no_process());
     const std::string path = (folder.path() / "hidraw").string();
     std::ofstream(path).flush();
     page->set_hid(path, std::vector<std::uint8_t>{1});
@@ -248,7 +253,7 @@ TEST(ForceCutterTest, AReportThatIsTooLongMakesItADeviceWithoutMeans) {
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_hid("/dev/hidraw0", std::vector<std::uint8_t>(HeartbeatPage::kMaxReport + 1));
   EXPECT_EQ(page->means.load(), CutMeans::none);
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   EXPECT_FALSE(cutter.cut());
 }
 
@@ -260,18 +265,48 @@ TEST(ForceCutterTest, KillsWhatHoldsAVendorsLibrary) {
   ::kill(child, SIGSTOP);  // frozen, as it would be
   const auto page = std::make_unique<HeartbeatPage>();
   page->set_means(CutMeans::kill);
-  const int process_file = static_cast<int>(::syscall(SYS_pidfd_open, child, 0));
-  ASSERT_GE(process_file, 0);
-  ForceCutter cutter(*page, process_file);
+  WatchedProcess process{.file = static_cast<int>(::syscall(SYS_pidfd_open, child, 0))};
+  ASSERT_GE(process.file, 0);
+  ForceCutter cutter(*page, process);
+  ForceCutter other(*page, process);
   EXPECT_TRUE(cutter.cut());
   EXPECT_NE(cutter.describe().find("killed io_node"), std::string::npos) << cutter.describe();
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL);
-  // Its number is free now, and the next one with it must live.
-  EXPECT_TRUE(cutter.cut());
-  EXPECT_NE(cutter.describe().find("its end closed the vendor's library"), std::string::npos) << cutter.describe();
-  ::close(process_file);
+  // Its number is free now, and the next one with it must live. That it did not end by itself is known to all of the watchdog's threads.
+  for (ForceCutter* each : {&cutter, &other}) {
+    EXPECT_TRUE(each->cut());
+    EXPECT_NE(each->describe().find("killed io_node"), std::string::npos) << each->describe();
+  }
+  WatchedProcess ended{.file = process.file};
+  ForceCutter late(*page, ended);
+  EXPECT_TRUE(late.cut());
+  EXPECT_NE(late.describe().find("its end closed the vendor's library"), std::string::npos) << late.describe();
+  EXPECT_FALSE(ended.is_killed);
+  ::close(process.file);
+}
+
+TEST(ForceCutterTest, WhatIsNoProcessHasNotEnded) {
+  const auto page = std::make_unique<HeartbeatPage>();
+  page->set_means(CutMeans::kill);
+  WatchedProcess closed{.file = 1 << 20};
+  ForceCutter cutter(*page, closed);
+  EXPECT_FALSE(cutter.cut());
+  EXPECT_FALSE(closed.is_killed);
+  EXPECT_FALSE(ForceCutter(*page, no_process()).cut());
+}
+
+// It is away when the page gets its means.
+TEST(ForceCutterTest, ADeviceWithoutANodeIsUnplugged) {
+  const auto page = std::make_unique<HeartbeatPage>();
+  page->set_means(CutMeans::hid);
+  ForceCutter cutter(*page, no_process());
+  for (int n = 0; n < 2; ++n) {
+    EXPECT_FALSE(cutter.cut());
+    EXPECT_NE(cutter.describe().find("unplugged"), std::string::npos) << cutter.describe();
+    page->set_hid("", std::vector<std::uint8_t>{1});
+  }
 }
 
 TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
@@ -279,7 +314,7 @@ TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   page->set_hid(path, std::vector<std::uint8_t>{1});
   page->generation.fetch_add(1);  // odd: another device is being named
   EXPECT_FALSE(cutter.cut());
@@ -291,7 +326,7 @@ TEST(ForceCutterTest, APageThatIsBeingWrittenIsNotRead) {
 // As of a device that was unplugged: nothing was turned off, and a person must know.
 TEST(ForceCutterTest, ReportsNoReleaseThatFailed) {
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   page->set_hid("/dev/full", std::vector<std::uint8_t>{1});
   ASSERT_FALSE(cutter.cut());
   EXPECT_EQ(cutter.describe().find("released"), std::string::npos) << cutter.describe();
@@ -307,7 +342,7 @@ TEST(ForceCutterTest, SaysWhatItDidByItsMeans) {
   const std::string path = (folder.path() / "hidraw").string();
   std::ofstream(path).flush();
   const auto page = std::make_unique<HeartbeatPage>();
-  ForceCutter cutter(*page, -1);
+  ForceCutter cutter(*page, no_process());
   const auto says = [&](const char* words) { return cutter.describe().find(words) != std::string::npos; };
   EXPECT_TRUE(says("no means")) << cutter.describe();
   page->set_hid(path, std::vector<std::uint8_t>{1});
