@@ -270,13 +270,14 @@ std::optional<Vec3> PatchTouch::carried_from() const noexcept {
   return is_over_ && patch_ != nullptr && patch_->step != nullptr ? patch_->step->method().carried_from() : std::nullopt;
 }
 
-// The plane past the edge has damping of its own, and that of the surface may have taken all of the force, or added to it. Effects of a
-// scene change its stiffness: there the force is as felt.
+// The plane past the edge has damping of its own, and that of the surface may have taken all of the force, or added to it. Between several
+// objects the stiffness is a mean of theirs (ProxyMethod): the force is as felt, within what the softest and the stiffest of them give.
 double PatchTouch::undamped_force_n(const TouchOutput& touched, double depth) const noexcept {
   const auto object = static_cast<std::size_t>(touched.object);
-  const bool is_known = touched.contact && touched.object >= 0 && object < patch_->materials.size() && !patch_->step->has_effects();
+  const bool is_known = touched.contact && touched.object >= 0 && object < patch_->materials.size();
   if (!is_known || patch_->materials[object].damping_ns_per_m == 0.0) return touched.force_n.norm();
-  return patch_->materials[object].stiffness_n_per_m * depth;
+  const auto [least, most] = std::ranges::minmax_element(patch_->materials, {}, &Material::stiffness_n_per_m);
+  return std::clamp(touched.force_n.norm(), least->stiffness_n_per_m * depth, most->stiffness_n_per_m * depth);
 }
 
 // could_go_on: the patch before this step held the proxy and reaches this sample; where another takes over, its force is known, too.

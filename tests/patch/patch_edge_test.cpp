@@ -104,6 +104,37 @@ TEST_F(PatchEdge, ThePlaneIsAsStiffAsTheSurfaceWhateverDampingDidLast) {
   }
 }
 
+// The stiffness in a corner is that of both objects, whichever of them is reported.
+TEST_F(PatchEdge, ThePlaneIsAsStiffAsACornerBetweenTwoObjects) {
+  for (const auto& [floor_n_per_m, wall_n_per_m] : {std::pair{300.0, 2000.0}, {2000.0, 300.0}}) {
+    const std::vector<Material> materials = {{.stiffness_n_per_m = floor_n_per_m, .damping_ns_per_m = 1.0},
+                                             {.stiffness_n_per_m = wall_n_per_m, .damping_ns_per_m = 1.0}};
+    TriangleMesh wall = made::sheet(0.05, 0.0, 10);
+    for (Vec3& vertex : wall.vertices) vertex = {vertex.x(), 0.002, vertex.y()};  // it faces -y
+    TouchScene scene = scene_of(made::sheet(0.05, 0.0, 10), materials[0]);
+    scene.objects.push_back({std::make_shared<const TriangleMesh>(std::move(wall)), materials[1]});
+    auto patch = make_patch(Vec3::Zero(), 0.02);
+    patch->step = std::make_unique<TouchStep>(*make_method({}, scene));
+    patch->objects = {4, 5};
+    patch->materials = materials;
+    touch = PatchTouch();
+    (void)touch.offer(std::move(patch));
+    const auto hold = [&](double x, double y, double z) {
+      (void)touch.take_retired();
+      return *touch.step({.p_WD = {x, y, z}});
+    };
+    for (int n = 0; n <= 5; ++n) (void)hold(0.0, 0.0005, 0.002 - 0.001 * n);
+    for (int n = 0; n <= 9; ++n) (void)hold(0.0, 0.0005 + 0.0005 * n, -0.003);
+    last = hold(0.0, 0.005, -0.003);  // at rest: no damping
+    ASSERT_FALSE(last.is_beyond);
+    ASSERT_NEAR((last.visual_offset_m - Vec3(0.0, -0.003, 0.003)).norm(), 0.0, 1e-5);
+    (void)hold(0.025, 0.005, -0.003);
+    const PatchOutput beyond = hold(0.025, 0.005, -0.003);
+    EXPECT_TRUE(beyond.is_beyond);
+    EXPECT_NEAR(beyond.force_n.norm(), last.force_n.norm(), 0.01 * last.force_n.norm()) << floor_n_per_m;
+  }
+}
+
 TEST_F(PatchEdge, APatchThatReachesTheHandIsCaughtUpWith) {
   (void)go_past_the_edge();
   (void)touch.offer(make_patch({0.012, 0, 0}, 0.04));
