@@ -14,6 +14,7 @@ enum class Eye { left, right, centre };
 
 // From arm's length people look at a desk display; where the viewer is until somebody says otherwise.
 constexpr double kDeskDistance = 0.6;
+constexpr double kEyeDistance = 0.063;  // metres; mean of adults (Dodgson 2004)
 
 // The viewer's head in front of the screen, in real size. Frames: R, the screen's (origin in its centre, x right, y up, z towards the
 // viewer), and H, the head's: origin midway between the eyes, x towards the right eye, y up. Units: metres.
@@ -33,7 +34,7 @@ struct StereoScreen {
   double distance_m = 0.6;            // from the plane to the middle between the eyes ...
   Vec2 eyes_aside_m = Vec2::Zero();   // ... which is so far to the right of the rectangle's centre, and above it
   Vec3 to_right_V = Vec3(1.0, 0, 0);  // from the left eye to the right one, of length 1
-  double ipd_m = 0.063;
+  double ipd_m = kEyeDistance;
   double near_m = 0.06;
   double far_m = 6.0;
   Vec3 light_V = Vec3(-0.40, 0.62, 0.85).normalized();  // towards the light: from over the viewer's left shoulder
@@ -55,7 +56,7 @@ struct Framing {
   double roll_rad = 0.0;              // and the screen is turned this far about its z axis, against the clock
   double view_m = 0.3;                // the picture's smaller side, on the zero-parallax plane
   double distance_m = kDeskDistance;  // from the eyes to the zero-parallax plane, while the head is where it is at first
-  double ipd_m = 0.063;               // between the eyes: mean of adults (Dodgson 2004)
+  double ipd_m = kEyeDistance;        // between the eyes
   double depth_m = 0.5;               // everything drawn lies within this distance of p_WC
   Head head;
   // How wide the picture is on the desk, m; 0: not known. Where it is known the viewer is exactly as much larger than in reality as the

@@ -12,6 +12,7 @@
 #include "vision_node/annotator.h"
 #include "vision_node/head_tracker.h"
 #include "vision_node/screenshot_moment.h"
+#include "vision_node/stereo_camera.h"
 #include "vision_node/stereo_mode.h"
 #include "vision_node/stereo_view.h"
 #include "vision_node/teach_choice.h"
@@ -52,7 +53,7 @@ struct VisionOptions {
   double stylus_lean_deg = 50.0;
   double probe_radius_m = -1.0;  // below 0: as the haptics node says
   double view_mm = 0.0;          // 0: as the scene needs
-  double ipd_mm = 63.0;
+  double ipd_mm = 1e3 * kEyeDistance;
   double screen_width_mm = 0.0;  // 0: not known
   std::filesystem::path screen_file;
   RoomSpace room = RoomSpace::local;      // of a headset

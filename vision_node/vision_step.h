@@ -36,8 +36,8 @@ struct VisionStepSettings {
   double threshold_px = 0.5;      // smaller motion causes no frame
   std::vector<ObjectName> names;  // of the objects shown
   bool plots = false;
-  Head head;             // at the start
-  double ipd_m = 0.063;  // the viewer's own
+  Head head;                    // at the start
+  double ipd_m = kEyeDistance;  // the viewer's own
 };
 
 // All decisions of the vision node, without a window, socket or clock. Inputs: messages of the hub and the user's requests; outputs: when
