@@ -35,7 +35,8 @@ struct ForceComparison {
 constexpr double kFallM = 0.25e-3;  // 0.25 % of a scene of 100 mm, as in hapton evaluate
 constexpr double kMinN = 0.05;      // directions and offsets of smaller forces are not compared; a free choice
 
-// most_late_s: the largest delay that is considered. Pre: rows are period_s apart. RT: no.
+// most_late_s: the largest delay that is considered. Each row counts as period_s: a period without a row, in a stall of the machine, adds
+// to no duration and no delay. Pre: rows in the order of time, and otherwise period_s apart. RT: no.
 ForceComparison compare_forces(const std::vector<ForceRow>& rows, double period_s, double most_late_s);
 
 }  // namespace hapton

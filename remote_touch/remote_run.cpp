@@ -21,14 +21,14 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr double kPeriodS = 1e-3;
-constexpr double kMinWaitS = 0.5;  // for the scene to arrive, before the hand begins
+constexpr double kMinWaitS = 0.5;  // that the hand waits for the scene to arrive before it begins
 constexpr double kMaxWaitS = 120.0;
 constexpr double kGreetingsHz = 10.0;     // HubClient::kHelloPeriodNs
-constexpr double kGreetingBytes = 110.0;  // IP packet of a Hello or a Welcome, about
-constexpr double kLateShare = 1.5;        // of the round trip: the most that a force is taken to be late by
-constexpr double kMinLateS = 0.03;        // for short round trips
+constexpr double kGreetingBytes = 110.0;  // about the size of the IP packet of a Hello or a Welcome
+constexpr double kLateShare = 1.5;        // largest delay of a force that the comparison considers, as a share of the round trip
+constexpr double kMinLateS = 0.03;        // but at least this, for short round trips
 
-// A method's law, the passivity controller where it has no governor, and the chain from position to motors.
+// A method as a force law, in the chain from position to motors. A passive method without a governor gets the passivity controller here.
 class Rig {
  public:
   // is_ideal: without encoder steps.
@@ -69,17 +69,6 @@ Result<double> wait_for_scene(RemoteLaw& law, const RemoteMethod& method, const 
   return *ready_s;
 }
 
-double spread_of(std::span<const Vec3> places) {
-  double most_m = 0.0;
-  for (const Vec3& a : places) most_m = std::max(most_m, (a - places.front()).norm());
-  // From the place that is farthest from the first.
-  const auto far = std::max_element(places.begin(), places.end(), [&](const Vec3& a, const Vec3& b) {
-    return (a - places.front()).squaredNorm() < (b - places.front()).squaredNorm();
-  });
-  for (const Vec3& a : places) most_m = std::max(most_m, (a - *far).norm());
-  return most_m;
-}
-
 double path_error_of(const std::vector<Vec3>& p_WD, const std::vector<Vec3>& zero_delay, const SlidePath& path) {
   double sum = 0.0;
   const std::size_t end = std::min({p_WD.size(), zero_delay.size(), path.leaving});
@@ -89,6 +78,15 @@ double path_error_of(const std::vector<Vec3>& p_WD, const std::vector<Vec3>& zer
 }
 
 }  // namespace
+
+double largest_distance(std::span<const Vec3> positions) {
+  double most_squared = 0.0;
+  // All pairs: the farthest two need not include the one that is farthest from the first.
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) most_squared = std::max(most_squared, (positions[i] - positions[j]).squaredNorm());
+  }
+  return std::sqrt(most_squared);
+}
 
 Result<PrescribedTouch> run_prescribed(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
                                        const RemoteCase& which) {
@@ -146,7 +144,7 @@ Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePat
   }
   const std::size_t middle = (path.resting + path.leaving) / 2;
   if (touch.p_WD.size() >= path.leaving) {
-    touch.limit_cycle_m = 0.5 * spread_of(std::span(touch.p_WD).subspan(middle, path.leaving - middle));
+    touch.limit_cycle_m = 0.5 * largest_distance(std::span(touch.p_WD).subspan(middle, path.leaving - middle));
   }
   if (zero_delay != nullptr) touch.path_error_m = path_error_of(touch.p_WD, *zero_delay, path);
   return touch;
@@ -154,7 +152,7 @@ Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePat
 
 namespace {
 
-constexpr double kMinHeldN = 0.5;  // of the newton with which the hand presses
+constexpr double kMinHeldN = 0.5;  // force that the wall has to hold at least; the hand presses with 1 N
 
 double mean_force_n(std::span<const LoopRow> rows) {
   double sum = 0.0;
@@ -162,7 +160,7 @@ double mean_force_n(std::span<const LoopRow> rows) {
   return sum / static_cast<double>(rows.size());
 }
 
-// As find_rest_stiffness of closed_loop/press.h, for any method; and the wall is there: it holds half of the press or more.
+// Whether a press comes to rest as in find_rest_stiffness (closed_loop/press.h), and on the wall: it holds kMinHeldN or more.
 Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, double stiffness_n_per_m) {
   const auto scene = make_remote_scene(make_wall_mesh(), {.stiffness_n_per_m = stiffness_n_per_m, .two_sided = false});
   if (!scene) return tl::unexpected(scene.error());
@@ -175,7 +173,7 @@ Result<bool> comes_to_rest(const RemoteDevice& device, const RemoteCase& which, 
   std::vector<LoopRow> rows;
   if (!simulation.run_until(path.release_ns, &rows)) return false;
   const PressMeasures measures = measure_press(rows, path, kPeriodNs, device.model.encoder_step_m, true);
-  constexpr double kStill = 0.01;  // of the depth, as closed_loop/press.cpp
+  constexpr double kStill = 0.01;  // of the depth, as in closed_loop/press.cpp
   const bool is_still = measures.limit_cycle_m <= std::max(2.0 * device.model.encoder_step_m, kStill * std::fabs(measures.depth_m));
   return is_still && mean_force_n(std::span(rows).last(rows.size() / 8)) >= kMinHeldN;
 }

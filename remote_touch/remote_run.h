@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "closed_loop/device_model.h"
@@ -58,13 +59,17 @@ struct ClosedLoopTouch {
   double most_force_n = 0.0;
   std::vector<Vec3> p_WD;  // each period
 };
-// zero_delay: positions of the same run with method `local`; none: no path error.
+
+// The largest distance between two of the positions; 0: fewer than two. Time: quadratic. RT: no.
+double largest_distance(std::span<const Vec3> positions);
+
+// zero_delay: positions of the same run with method `local`; null: no path error. Error: as of run_prescribed; the hand has no stiffness.
 Result<ClosedLoopTouch> run_closed_loop(const RemoteScene& scene, const SlidePath& path, const RemoteDevice& device,
                                         const RemoteCase& which, const std::vector<Vec3>* zero_delay);
 
 // The largest stiffness of a flat wall (a mesh) at which a press of 1 N comes to rest within a second: with a limit cycle of at most two
 // encoder steps or 1 % of the depth, and at least 0.5 N held. 0: at no stiffness. Searches upwards to most_n_per_m. Pre: the
-// hand has a stiffness above zero.
+// hand has a stiffness above zero. Error: as of run_prescribed.
 Result<double> find_rest_stiffness_of(const RemoteDevice& device, const RemoteCase& which, double most_n_per_m);
 
 }  // namespace hapton

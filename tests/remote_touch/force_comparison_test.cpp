@@ -44,6 +44,17 @@ TEST(ForceComparison, OfTheSameForceIsZero) {
   EXPECT_NEAR(found.contact_s, 0.4, 2e-3);
 }
 
+// In the rest, where the machine stalled for 50 periods.
+TEST(ForceComparison, PeriodsWithoutARowAddToNoDurationAndNoDelay) {
+  auto rows = press(0);
+  const double contact_s = compare_forces(rows, kRowS, 0.05).contact_s;
+  rows.erase(rows.begin() + 150, rows.begin() + 200);
+  const ForceComparison found = compare_forces(rows, kRowS, 0.05);
+  EXPECT_NEAR(found.contact_s, contact_s - 50.0 * kRowS, 1e-9);
+  EXPECT_EQ(found.error_rms, 0.0);
+  EXPECT_EQ(found.time_offset_s, 0.0);
+}
+
 // A tenth too strong: the errors are a tenth, of the root of the mean square over the contact.
 TEST(ForceComparison, AForceThatIsTooStrongByAShareHasThatError) {
   auto rows = press(0);

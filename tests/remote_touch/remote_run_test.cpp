@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <span>
 #include <vector>
 
 #include "closed_loop/stability.h"
@@ -168,6 +169,15 @@ TEST(RemoteRun, RatesAreThoseOfTheDatagrams) {
   EXPECT_GT(patch->scene_kb, 10.0);
   EXPECT_LT(patch->scene_kb, 10'000.0);
   EXPECT_GT(patch->ready_s, 0.5);
+}
+
+// The two that are farthest apart do not include the one that is farthest from the first.
+TEST(RemoteRun, TheLargestDistanceIsThatOfAnyTwoPositions) {
+  const std::vector<Vec3> positions = {Vec3::Zero(), {0.0, 1.125, 0.0}, {1.0, 0.0, 0.0}, {-1.0, 0.0, 0.0}};
+  EXPECT_EQ(largest_distance(positions), 2.0);
+  EXPECT_EQ(largest_distance(std::span(positions).first(2)), 1.125);
+  EXPECT_EQ(largest_distance(std::span(positions).first(1)), 0.0);
+  EXPECT_EQ(largest_distance({}), 0.0);
 }
 
 // From where the device was without delay: nowhere, or a millimetre aside in each period.
