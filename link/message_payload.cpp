@@ -11,7 +11,7 @@ namespace hapton {
 
 std::string_view find_message_payload(std::span<const std::byte> envelope) noexcept {
   using google::protobuf::internal::WireFormatLite;
-  // The fields before are the header, those behind are of later builds.
+  // Fields with smaller numbers are the header; larger numbers are messages that only later builds know.
   constexpr int kFirstMessage = 16;
   constexpr int kLastMessage = kFirstMessage + static_cast<int>(std::variant_size_v<Message>) - 1;
   const std::string_view bytes(reinterpret_cast<const char*>(envelope.data()), envelope.size());

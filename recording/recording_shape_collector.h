@@ -14,22 +14,22 @@
 
 namespace hapton {
 
-// A shape that a program gave to an object, with the motion to it. t_s, process: as of RecordedMove.
+// A shape that a program gave to an object, and when the object moves to it. t_s and process: as in RecordedMove.
 struct RecordedShape {
   double t_s = 0.0;
   std::int64_t time_ns = 0;  // the same by the hub's clock
   std::uint64_t sender = 0;
   std::uint32_t process = 0;
   ShapeStart start;
-  // By vertex; m of the mesh, before scale and pose. Empty: the recording lacks a part of it.
+  // Of each vertex; in metres of the mesh, before scale and pose. Valid during the call of Take. Empty: the recording lacks a part of it.
   std::span<const ShapePart::Displacement> displacements_m = {};
-  // Counts the shapes of this object and process that have vertices, as many as the first of them; none: it has not. So an export has one
-  // array for each object and process.
+  // An export has one array for each object and process; this is the shape's index in it. None: it is not there, because it has no
+  // displacements, or not as many as the first shape in that array.
   std::optional<std::uint64_t> row = {};
 };
 
-// The shapes of objects that programs deform, from what haptics nodes announced: each once, as soon as all of it has come, or without its
-// vertices if these do not come. Those of an hour do not fit into memory, so they are handed on. RT: no. Threads: one.
+// Collects shapes of objects that programs deform from messages of haptics nodes. Gives each to `take` once, in order, when it and those
+// before are complete, or without displacements if a part never comes; those of an hour do not fit into memory. RT: no. Threads: one.
 class RecordingShapeCollector {
  public:
   using Take = std::function<void(const RecordedShape& shape)>;
@@ -38,11 +38,11 @@ class RecordingShapeCollector {
   explicit RecordingShapeCollector(std::int64_t start_ns) : start_ns_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram, const Take& take);
-  // At the end: what is left.
+  // To be called at the end: gives what is left to `take`.
   void finish(const Take& take);
 
  private:
-  // Of 8 objects at most, each with a few on their way.
+  // Shapes of which some parts have come, but not all: of at most 8 objects, a few each.
   static constexpr std::size_t kMaxOpen = 64;
 
   struct Open {
@@ -62,10 +62,10 @@ class RecordingShapeCollector {
   std::uint32_t source_ = 0;
   std::uint32_t process_ = 0;
   std::deque<Open> open_;
-  std::map<std::int32_t, std::uint32_t> started_;  // the newest serial, by object
-  std::map<std::int32_t, std::uint32_t> closed_;   // ... that was handed on
+  std::map<std::int32_t, std::uint32_t> started_;  // by object, the serial of the newest ShapeStart
+  std::map<std::int32_t, std::uint32_t> closed_;   // by object, the newest serial that `take` got
   struct Rows {
-    std::size_t vertices = 0;  // of each
+    std::size_t vertices = 0;  // of each shape in the array
     std::uint64_t count = 0;
   };
   std::map<std::int32_t, Rows> rows_;  // by object

@@ -49,7 +49,7 @@ class ShapeIndex {
     std::uint64_t first_position = 0;
     std::uint64_t last_position = 0;
   };
-  // Shapes whose parts are on their way at a time: of 8 objects at most, each with a few.
+  // Shapes of which some parts have come, but not all: of at most 8 objects, a few each.
   static constexpr std::size_t kMaxOpen = 64;
   static constexpr std::size_t kMaxFirst = 8;
 

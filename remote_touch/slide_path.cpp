@@ -12,15 +12,15 @@ namespace hapton {
 namespace {
 
 constexpr double kClearanceM = 0.005;    // above the surface, where the path begins
-constexpr double kLeaveM = 0.010;        // as far as it leaves
+constexpr double kLeaveM = 0.010;        // above the surface, where the path ends
 constexpr double kApproachSpeed = 0.05;  // m/s
 constexpr double kSmoothM = 0.002;       // along the path: length constant with which its normal follows that of the surface
 constexpr double kMaxCurvature = 15.0;   // 1/m
 constexpr double kProbeDepthM = 1e-4;    // under the surface, where a place is tried
-constexpr double kMaxDepths = 2.0;       // the zero-delay proxy is no farther from the device than this many depths
-constexpr int kMaxDraws = 1000;          // of a place with room above it
+constexpr double kMaxDepths = 2.0;       // the proxy is no farther from the device than this many depths
+constexpr int kMaxDraws = 1000;          // of a path that the hand can follow
 
-// From far above to kClearanceM nothing is touched, and just below the surface that surface is.
+// Nothing is touched from far above down to just above the surface, and just below the surface this very place is touched.
 bool is_free_above(ForceMethod& method, const Vec3& p_SQ, const Vec3& outward) {
   method.reset(p_SQ + kLeaveM * outward);
   for (const double share : {0.8, 0.6, 0.4, 0.2, 0.02}) {

@@ -12,13 +12,13 @@ namespace hapton {
 
 // A hand approaches a mesh, slides back and forth over it, rests there, and leaves.
 struct SlidePlan {
-  std::uint64_t seed = 1;  // of the place and the direction
+  std::uint64_t seed = 1;  // decides place, direction and curvature
   double speed_m_per_s = 0.1;
   double slide_s = 4.0;
-  double stroke_m = 0.15;  // until it turns back
+  double stroke_m = 0.15;  // length of path after which it turns back
   double depth_m = 1e-3;
   double rest_s = 0.8;
-  double after_s = 0.5;  // watched on after it has left
+  double after_s = 0.5;  // simulated after the hand has left
   double period_s = 1e-3;
 };
 
@@ -33,18 +33,18 @@ struct SlideRow {
 
 struct SlidePath {
   std::vector<SlideRow> rows;
-  // Rows where these begin; leaving, it rises from the surface.
+  // The rows at which the hand begins to slide, to rest, and to leave: to rise from the surface.
   std::size_t sliding = 0;
   std::size_t resting = 0;
   std::size_t leaving = 0;
 
-  // What a hand with this spring aims at so that the device goes there against a surface of this stiffness.
+  // Where a hand with this spring has to aim so that the device follows the rows against a surface of this stiffness.
   HandPath make_hand_path(double hand_n_per_m, double surface_n_per_m, double period_s) const;
 };
 
-// A walk over the surface in a straight line or a wide curve, with depth along a normal that is smoothed over 2 mm. Walks are drawn at
-// random until approach and departure are free and the zero-delay proxy stays within two depths of the device, so that a hand can slide
-// there; `method` is stepped to check this. Error: no such walk in 1000 draws.
+// A path over the surface, straight or in a wide curve; the depth is measured along a normal that is smoothed over 2 mm of it. Paths are
+// drawn at random until approach and departure touch nothing, and the proxy of `method`, which is stepped to check this,
+// stays within two depths of the device. Error: no triangle of the mesh has an area; no such path in 1000 draws.
 Result<SlidePath> make_slide_path(const TriangleMesh& mesh, ForceMethod& method, const SlidePlan& plan);
 
 }  // namespace hapton

@@ -20,7 +20,7 @@ tl::unexpected<Error> fail_to_write(const std::filesystem::path& path, int error
               std::strerror(error));
 }
 
-// 0, or the errno of what failed. An error that shows only on closing is returned, too.
+// Returns 0, or the errno of the first call that failed. That may be fclose: some errors are reported only there.
 int write_text(const std::filesystem::path& path, std::string_view text, FileReaders readers) {
   std::FILE* file = open_file_for(path, readers);
   if (file == nullptr) {
@@ -37,11 +37,11 @@ int write_text(const std::filesystem::path& path, std::string_view text, FileRea
 
 std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers) {
   const bool is_private = readers == FileReaders::owner;
-  // Non-blocking until it is open: opening a pipe without a reader would wait.
+  // Non-blocking only for open() itself, which would otherwise wait for a reader of a pipe.
   const int file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK, is_private ? 0600 : 0666);
   if (file < 0) return nullptr;
   (void)::fcntl(file, F_SETFL, O_WRONLY);
-  if (is_private) (void)::fchmod(file, 0600);  // fails on a device or a pipe, which keeps its own mode
+  if (is_private) (void)::fchmod(file, 0600);  // fails on what is another user's, such as a device: it keeps its mode
   std::FILE* const stream = ::fdopen(file, "wb");
   if (stream == nullptr) {
     const int error = errno;

@@ -17,7 +17,7 @@ enum class FileReaders : std::uint8_t { everyone, owner };
 Result<void> write_file_atomically(const std::filesystem::path& path, std::string_view text, FileReaders readers = FileReaders::everyone);
 
 // Creates a file for writing, or truncates an existing one; null and errno on failure: ENXIO for a pipe without a reader. With `owner` the
-// mode of an existing file becomes 0600; with `everyone` it stays.
+// mode of an existing file becomes 0600, unless it is another user's or its file system has no modes; with `everyone` it stays.
 std::FILE* open_file_for(const std::filesystem::path& path, FileReaders readers);
 
 }  // namespace hapton

@@ -15,7 +15,7 @@ namespace hapton {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};  // of all scenarios; a free choice
+constexpr ToolCoupling kCoupling{.stiffness_n_per_m = 1000.0, .rotational_stiffness_nm_per_rad = 0.2};  // of all these; a free choice
 
 Pose pose_of(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
   Pose X = Pose::Identity();
@@ -26,20 +26,22 @@ Pose pose_of(const Vec3& p, const Vec3& turn = Vec3::Zero()) {
 
 std::shared_ptr<const TriangleMesh> shared(TriangleMesh mesh) { return std::make_shared<const TriangleMesh>(std::move(mesh)); }
 
-// Poses over 0..1 of the run, at 1 kHz.
+// One pose for each step of 1 ms: `at` of the part of the run that is over, from 0 to 1.
 std::vector<Pose> path_of(std::size_t steps, const std::function<Pose(double)>& at) {
   std::vector<Pose> path;
   for (std::size_t i = 0; i < steps; ++i) path.push_back(at(static_cast<double>(i) / static_cast<double>(steps)));
   return path;
 }
 
-// From free space into contact over the first fifth, then to and fro between `shallow` and 1.
+// How far the tool is pressed in, as a share of its way: from 0, in free space, to 1 in the first fifth of the run, then back and forth
+// between 1 and `shallow`.
 double press(double t, double shallow) {
   if (t < 0.2) return 5.0 * t;
   return shallow + (1.0 - shallow) * (0.5 + 0.5 * std::cos(2.0 * kPi * 3.0 * (t - 0.2)));
 }
 
-// Where f is least over [low, high]; it has one minimum there (golden section). Zero where that is as near as f can tell.
+// Where f is least in [low, high], by golden section. Pre: it has one minimum there. A result within 1e-9 of 0 is
+// returned as 0: the rounding of f hides the difference.
 double find_minimum(double low, double high, const std::function<double(double)>& f) {
   const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
   double a = high - ratio * (high - low);
@@ -61,7 +63,8 @@ double find_minimum(double low, double high, const std::function<double(double)>
 
 double turn_about_y(const Pose& X) { return std::atan2(X.linear()(0, 2), X.linear()(2, 2)); }
 
-// A cube of half side a over z = 0, turned about y by t, rests on z = a (|sin t| + cos t). The proxy's turn is that of least energy.
+// A cube with sides of 2 a that rests on the plane z = 0, turned about y by t, has its centre at z = a (|sin t| + cos t). The proxy is
+// turned by the t of least energy.
 SixdofScenario make_box_scenario(std::size_t steps, double tilt) {
   constexpr double kHalf = 0.01;  // m, as all lengths here; sizes are free choices
   SixdofScenario made;
@@ -90,8 +93,8 @@ SixdofScenario make_box_scenario(std::size_t steps, double tilt) {
   return made;
 }
 
-// The axis of a cylinder of radius R in a groove of half opening b is held within the wedge of the same opening whose apex lies R / sin b
-// above the groove's: the force pulls to the nearest point of the wedge, and there is no torque.
+// The axis of a cylinder of radius R in a groove with half the opening angle b can be anywhere in a wedge of the same opening, whose apex
+// is R / sin b above that of the groove: the force pulls it to the nearest point of this wedge, and there is no torque.
 SixdofScenario make_groove_scenario(std::size_t steps) {
   constexpr double kRadius = 0.008;
   constexpr double kHalfOpening = kPi / 4.0;
@@ -118,7 +121,7 @@ SixdofScenario make_groove_scenario(std::size_t steps) {
   return made;
 }
 
-// A square peg of half width r and half length l between two walls at +-R: turned by t it may be at |x| <= R - l |sin t| - r cos t.
+// A square peg of half width r and half length l between walls at x = -R and R: turned by t, its centre has |x| <= R - l |sin t| - r cos t.
 SixdofScenario make_slot_scenario(std::size_t steps) {
   constexpr double kHalfWidth = 0.005;
   constexpr double kHalfLength = 0.015;
@@ -145,7 +148,7 @@ SixdofScenario make_slot_scenario(std::size_t steps) {
       const double off = place(t) - x;
       return 0.5 * coupling.stiffness_n_per_m * off * off + 0.5 * coupling.rotational_stiffness_nm_per_rad * (t - turn) * (t - turn);
     };
-    // The turn at which the peg touches both walls bounds it.
+    // The peg can turn no farther than where it touches both walls.
     double low = 0.0;
     double high = 0.2;
     for (int i = 0; i < 100; ++i) {
@@ -181,9 +184,9 @@ TriangleMesh make_cone(double height, double half_opening, int sides, bool with_
   return mesh;
 }
 
-// A cone in a pit of the same shape may be anywhere within a cone of that shape, if it does not turn: and it does not, as the force to the
-// nearest point meets the line of contact at its foot from the grip point. Force only. The sides are flat, so the nearest point is that of
-// their half-spaces.
+// The apex of a cone in a pit of the same shape can be anywhere in the pit, if the cone does not turn. It does not: the force is normal to
+// the line of contact and acts where the normal through the grip point meets that line, so it has no torque. The sides are flat, so the
+// nearest point of the pit is that of the half-spaces above them.
 SixdofScenario make_cone_scenario(std::size_t steps) {
   constexpr double kHalfOpening = kPi / 6.0;
   constexpr double kGrip = 0.012;  // above the apex
@@ -232,7 +235,8 @@ SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed) {
   }
   made.scene = shared(std::move(walls));
   made.coupling = kCoupling;
-  // Sums of two sines: at most 100 mm/s along the hole, and 2 rad/s about each axis.
+  // Along the hole at most 100 mm/s: straight in, then back and forth. Across it, and in rotation, sums of two sines: at most 2 rad/s about
+  // each axis.
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> phase(0.0, 2.0 * kPi);
   const auto sines = [&](double largest, double rate) {
@@ -247,7 +251,7 @@ SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed) {
   const auto turn_z = sines(0.1, 13.0);
   for (std::size_t i = 0; i < steps; ++i) {
     const double t = 1e-3 * static_cast<double>(i);
-    const double begin = std::min(1.0, t);  // straight in, then to and fro
+    const double begin = std::min(1.0, t);  // the sines grow from zero during the first second
     made.device.push_back(pose_of({begin * x(t), begin * y(t), t < 0.3 ? 0.03 - 0.1 * t : 0.012 * std::sin(8.0 * (t - 0.3))},
                                   begin * Vec3(turn_x(t), turn_y(t), turn_z(t))));
   }

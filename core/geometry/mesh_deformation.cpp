@@ -36,7 +36,7 @@ MeshDeformation::Weights MeshDeformation::weights_at(double time_s) const noexce
   const double length = to.time_s - from.time_s;
   const double share = length > 0.0 ? (time - from.time_s) / length : 0.0;
   Weights weights = {};
-  // Still between two equal weights, to the last bit.
+  // In this form a weight that is equal at both keys is the same between them, to the last bit.
   for (std::size_t j = 0; j < targets_.size(); ++j) weights[j] = from.weights[j] + share * (to.weights[j] - from.weights[j]);
   return weights;
 }

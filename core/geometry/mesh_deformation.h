@@ -25,12 +25,12 @@ struct MorphKey {
 };
 
 // The deformation of a mesh that is known beforehand: vertex v is at rest(v) + sum of weight_j * displacement_j(v). Between two keys the
-// weights change linearly (LINEAR samplers of glTF 2.0), so every vertex moves straight. Before the first key it is as at that key;
-// after the last it stays, or begins again if it loops. A function of time alone. Frame and units: the mesh's. RT: weights_at, position_of
-// and most_displacement yes, the rest set-up only. Threads: const calls from any number.
+// weights change linearly (LINEAR samplers of glTF 2.0), so every vertex moves straight. Before the first key the weights are those of
+// that key; after the last they stay, or begin again if it loops. A function of time alone. Frame and units: the mesh's. RT: yes, except
+// construction, vertices_at, fastest_per_s and ==, which are set-up only. Threads: const calls from any number.
 class MeshDeformation {
  public:
-  // A free choice: the time of a step is linear in the targets that have a weight.
+  // A free choice: the time that a step takes grows in proportion to the number of targets whose weight is not 0.
   static constexpr std::size_t kMaxTargets = 16;
   using Weights = std::array<double, kMaxTargets>;  // unused ones are 0
 
@@ -38,7 +38,7 @@ class MeshDeformation {
   // the first and the last have the same weights.
   MeshDeformation(std::vector<MorphTarget> targets, std::vector<MorphKey> keys, bool loops);
 
-  // Pre: a finite time. Before 0 it is as at 0.
+  // Pre: a finite time. A time before 0 counts as 0.
   Weights weights_at(double time_s) const noexcept;
   // The time since the motion last began again; if it does not loop, at most the time of the last key.
   double time_in_round(double time_s) const noexcept;
@@ -56,9 +56,9 @@ class MeshDeformation {
   // The positions of all vertices of the mesh.
   std::vector<Vec3> vertices_at(std::span<const Vec3> rest, const Weights& weights) const;
 
-  // No vertex is farther than this from where it is with the other weights.
+  // An upper bound of the distance between the positions of any one vertex with weights `a` and with weights `b`.
   double most_displacement(const Weights& a, const Weights& b) const noexcept;
-  // The largest speed of a vertex between keys i and i + 1. Pre: i + 1 is a key.
+  // The largest speed of a vertex between keys i and i + 1. Pre: there is a key i + 1.
   double fastest_per_s(std::size_t i) const;
 
   const std::vector<MorphTarget>& targets() const { return targets_; }
@@ -72,11 +72,11 @@ class MeshDeformation {
   std::vector<MorphKey> keys_;
   bool loops_;
   std::vector<std::uint32_t> moved_;
-  std::vector<Vec3> displacements_;  // of moved_, target by target; 0 where a target does not move it
-  std::vector<double> longest_;      // displacement of each target
+  std::vector<Vec3> displacements_;  // of the vertices moved_, target by target; 0 for one that the target does not move
+  std::vector<double> longest_;      // displacement of any vertex, for each target
 };
 
-// Whether all numbers are the same.
+// Whether all numbers are equal, and both loop or neither does.
 bool operator==(const MeshDeformation& a, const MeshDeformation& b);
 
 }  // namespace hapton

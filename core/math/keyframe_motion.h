@@ -36,7 +36,7 @@ class KeyframeMotion {
   // loops, the first and the last have one pose.
   KeyframeMotion(const Vec3& pivot_S, std::vector<Keyframe> keyframes, bool loops);
 
-  // X_SO: what the points of the body at rest are moved by. Pre: a finite time. Before 0 it is as at 0.
+  // X_SO: what the points of the body at rest are moved by. Pre: a finite time. A time before 0 counts as 0.
   Pose pose_at(double time_s) const noexcept;
 
   const Vec3& pivot() const { return pivot_S_; }

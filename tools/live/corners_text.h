@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// Reads "X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z", metres, frame W, in the order of kCornerNames. Error: one line. RT: no.
+// Reads "X,Y,Z;X,Y,Z;X,Y,Z;X,Y,Z", metres, frame W, in the order of kCornerNames. Error: how to write them. RT: no.
 Result<ScreenCorners> parse_corners(std::string_view text);
 
-// Describes a fit for the terminal: size, place and residuals. RT: no.
+// Text for the terminal: size, position and direction of the picture that fits the touched corners best, and the residuals. RT: no.
 std::string describe_fit(const ScreenFit& fit);
 
 }  // namespace hapton
