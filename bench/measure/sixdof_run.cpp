@@ -60,7 +60,7 @@ void note_gaps(SixdofRow& row, const ToolStep& exact, const std::vector<Placemen
                const std::vector<std::uint8_t>& in_contact) {
   // A search as far as a millimetre meets many pairs, and on the finest scene millions.
   constexpr std::size_t kWideEvery = 16;
-  constexpr std::size_t kMaxForWide = 200'000;
+  constexpr std::size_t kMaxForWide = 200'000;  // triangles of the scene
   constexpr double kWideM = 1e-3;
   PenetrationCheck check(exact.tool(), exact.scene());
   row.least_gap = std::numeric_limits<double>::infinity();
@@ -212,8 +212,7 @@ std::string to_text(const SixdofReport& report) {
   text +=
       "force, torque: of the expected one; a torque where none is expected: of the force times the coupling's lever. penetrates: steps in "
       "which a triangle of the tool intersects the scene, by exact signs. least gap: of the contact offset. widest gap: in contact, in "
-      "every "
-      "16th step; 0: none up to 1 mm.\n";
+      "every 16th step; 0: none up to 1 mm, or a scene of more than 200,000 triangles, where it is not measured.\n";
   for (const std::string& method : report.methods) text += method + ".\n";
   return text + report.conditions.to_text() + ".\n";
 }

@@ -13,42 +13,42 @@ namespace hapton {
 
 struct SixdofSettings {
   std::size_t steps = 4000;         // of each scenario
-  std::size_t peg_steps = 100'000;  // of the peg
+  std::size_t peg_steps = 100'000;  // of the scenario of a peg in a hole
   std::uint64_t seed = 1;
   TimingBudget budget{.repetitions = 3, .seconds = 20.0};
-  bool with_large = true;  // 50 k triangles over 1 M
-  // Besides ours; each on all scenarios but the peg, where its most_triangles allow.
+  bool with_large = true;  // a tool of 50,000 triangles on a scene of 1,000,000, too
+  // Other methods to measure besides ours: on each scenario but the peg whose scene has at most their most_triangles.
   std::vector<SixdofMethodKind> compared;
 };
 
-// One scenario by one method. Errors are over the steps in which a force or torque of the given kind is expected.
+// One scenario by one method. Errors are over all steps, angles over those with a force (torque) that is also expected.
 struct SixdofRow {
   std::string name;
   std::string method;
   std::size_t contact_steps = 0;
-  double force_error_percent = 0.0;   // RMS of the difference over the RMS of the expected
+  double force_error_percent = 0.0;   // RMS of the difference, as a share of the RMS of the expected force
   double force_angle_deg = 0.0;       // RMS
-  double torque_error_percent = 0.0;  // the same; of the force times the tool's mean lever where no torque is expected
-  double torque_angle_deg = 0.0;      // 0 where no torque is expected
+  double torque_error_percent = 0.0;  // the same; if no step expects a torque: as a share of the force times the coupling's lever
+  double torque_angle_deg = 0.0;      // RMS; 0 if no step expects a torque
   bool has_errors = false;
   std::size_t penetrations = 0;  // steps in which a triangle of the tool intersects one of the scene (exact)
-  double least_gap = 0.0;        // over all steps, as a share of the contact offset
-  double widest_gap_um = 0.0;  // what contact keeps apart: the largest gap over the steps in contact that are measured; 0: none below 1 mm
+  double least_gap = 0.0;        // over all steps, as a share of the contact offset; infinite: never below 2
+  double widest_gap_um = 0.0;    // in contact, every 16th step, scenes of at most 200,000 triangles: the largest gap up to 1 mm; 0: none
   std::size_t unconverged = 0;
   int most_rounds = 0;
   double mean_rounds = 0.0;  // of the steps in contact
   int most_haptons = 0;
-  TimeSpread contact;  // of the pose step
+  TimeSpread contact;  // run time of SixdofMethod::step in the steps in contact
 };
 
 struct SixdofReport {
   RunConditions conditions;
   std::vector<SixdofRow> rows;
-  std::vector<std::string> methods;  // those compared with: name and what they are
+  std::vector<std::string> methods;  // ours and the compared ones: name and description
 };
 
-// Force and torque against the analytic scenarios, gaps by exact tests, and run time over sizes. Error: see ToolStep::make. RT: set-up
-// only.
+// Compares force and torque with analytic scenarios, checks gaps exactly, and measures run time on meshes of several sizes. Error: see
+// ToolStep::make. RT: set-up only.
 Result<SixdofReport> measure_sixdof(const SixdofSettings& settings, const Stopwatch& watch, const Progress& progress);
 
 // The same for one scenario and method.

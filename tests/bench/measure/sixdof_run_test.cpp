@@ -70,6 +70,19 @@ TEST(SixdofRun, AWrongWrenchIsAnError) {
   EXPECT_GT(row->force_angle_deg, 3.0);
 }
 
+// The found force counts in the steps that expect none, too; it has no angle there.
+TEST(SixdofRun, AForceThatIsNotExpectedIsAnError) {
+  SixdofScenario scenario = make_analytic_scenarios(400).front();
+  scenario.expected = [right = scenario.expected, is_odd = false](const Pose& X) mutable {
+    is_odd = !is_odd;
+    return is_odd ? right(X) : Wrench6{};
+  };
+  const auto row = measure_scenario(scenario, proxy_tool(), Stopwatch::calibrate(), kOnce);
+  ASSERT_TRUE(row);
+  EXPECT_NEAR(row->force_error_percent, 100.0, 10.0);
+  EXPECT_LT(row->force_angle_deg, 1.0);
+}
+
 TEST(SixdofRun, APegIsNeverNearerThanHalfTheOffset) {
   const auto row = measure_scenario(make_peg_scenario(2500, 7), proxy_tool(), Stopwatch::calibrate(), kOnce);
   ASSERT_TRUE(row);
@@ -89,6 +102,7 @@ TEST(SixdofRun, TheReportNamesEachScenario) {
   EXPECT_THAT(to_csv(report), testing::HasSubstr("\"box on plane\",\"proxy\",0,0.25,"));
   EXPECT_THAT(to_json(report), testing::HasSubstr("\"force_error_percent\": 0.25"));
   EXPECT_THAT(to_text(report), testing::HasSubstr("box on plane"));
+  EXPECT_THAT(to_text(report), testing::HasSubstr("more than 200,000 triangles, where it is not measured"));
 }
 
 }  // namespace
