@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <numbers>
+#include <utility>
+#include <vector>
 
 #include "tests/support/made_meshes.h"
 
@@ -31,6 +33,39 @@ TEST(MeshCurvature, OfASphereIsOneByItsRadius) {
     EXPECT_LT(worst_relative_error(fine, 1.0 / radius_m), 0.5 * worst_relative_error(coarse, 1.0 / radius_m)) << radius_m;
     EXPECT_LT(worst_relative_error(inside_out(fine), -1.0 / radius_m), 0.01) << "a hollow";
   }
+}
+
+// At the centre of a fan on a cylinder of radius 1 m, whose other vertices are at these angles and this distance in its unrolled surface.
+double error_on_cylinder(const std::vector<double>& angles_deg, double distance) {
+  TriangleMesh fan;
+  fan.vertices.emplace_back(1.0, 0.0, 0.0);
+  const auto count = static_cast<std::uint32_t>(angles_deg.size());
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double angle_rad = angles_deg[i] * std::numbers::pi / 180.0;
+    const double around_rad = distance * std::cos(angle_rad);
+    fan.vertices.emplace_back(std::cos(around_rad), std::sin(around_rad), distance * std::sin(angle_rad));
+    fan.triangles.push_back({0, 1 + i, 1 + (i + 1) % count});
+  }
+  return compute_mean_curvature(fan).front() / 0.5 - 1.0;
+}
+
+TEST(MeshCurvature, TheErrorFallsWithTheSquareOfTheEdgesAroundRegularTrianglesOnly) {
+  const std::vector<double> regular = {0.0, 60.0, 120.0, 180.0, 240.0, 300.0};
+  EXPECT_NEAR(error_on_cylinder(regular, 0.1) / error_on_cylinder(regular, 0.05), 4.0, 0.1);
+  const std::vector<double> irregular = {0.0, 50.0, 120.0, 190.0, 230.0, 300.0};
+  EXPECT_NEAR(error_on_cylinder(irregular, 0.1), 0.045, 0.001);
+  EXPECT_NEAR(error_on_cylinder(irregular, 0.025), 0.045, 0.001);
+  const std::vector<double> obtuse = {10.0, 100.0, 220.0};
+  EXPECT_GT(error_on_cylinder(obtuse, 0.025), 2.0);
+}
+
+TEST(MeshCurvature, IsNotKnownAtAFlippedTriangle) {
+  TriangleMesh mesh = made::sphere(1.0, 8);
+  const Triangle flipped = mesh.triangles.front();
+  std::swap(mesh.triangles.front()[1], mesh.triangles.front()[2]);
+  const std::vector<double> curvature = compute_mean_curvature(mesh);
+  for (const std::uint32_t vertex : flipped) EXPECT_TRUE(std::isnan(curvature[vertex])) << vertex;
+  EXPECT_FALSE(std::isnan(curvature.back()));
 }
 
 TEST(MeshCurvature, OfAPlaneIsZeroAndOfItsBoundaryNotKnown) {
