@@ -7,15 +7,15 @@
 
 namespace hapton {
 
-// When the next sample of a periodic sender may arrive at the earliest: the sender's last tick, plus a period, plus the shortest delay of
-// the last kDelays to 2 kDelays samples. A sample is taken at its tick or later; one that is late by up to half a period does not move the
-// ticks, unless kDelays in a row are. The two clocks may differ by any offset, which is part of that delay (minimum filter, as for clock
-// offsets: Mills 1991). Units: ns. RT: yes. Threads: one.
+// The earliest time at which the next sample of a periodic sender may arrive: its last tick, plus a period, plus the shortest delay among
+// at least the last kDelays samples and fewer than 2 kDelays. A sample is taken at its tick or later; one that is late by less than half a
+// period does not move the ticks, unless kDelays before it in a row were late. The two clocks may differ by any offset, which is part of
+// that delay (minimum filter, as for clock offsets: Mills 1991). Units: ns. RT: yes. Threads: one.
 class ArrivalForecast {
  public:
   static constexpr std::uint32_t kDelays = 32;
 
-  // sample: its number; sample_ns: its time by the sender's clock; arrival_ns: by this one's. rate_hz: of the samples; 0: unknown.
+  // sample: its number; sample_ns: its time by the sender's clock; arrival_ns: by the receiver's. rate_hz: of the samples; 0: unknown.
   // Pre: all as a decoder accepts them (link/codec.h: kMaxWireTimeNs).
   void note(std::uint64_t sample, std::int64_t sample_ns, std::int64_t arrival_ns, double rate_hz) noexcept {
     period_ns_ = rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0;
@@ -32,7 +32,7 @@ class ArrivalForecast {
     delays_ = 0;
   }
 
-  // By this clock. Empty if not every sample is sent, or too few are known.
+  // By the receiver's clock. None: the newest sample is not the successor of the one before, the rate is unknown, or too few have come.
   std::optional<std::int64_t> find_next_ns() const noexcept {
     if (!is_in_sequence_ || shortest_before_ns_ == kNone || period_ns_ == 0) return std::nullopt;
     return tick_ns_ + period_ns_ + std::min(shortest_before_ns_, shortest_ns_);
@@ -45,9 +45,9 @@ class ArrivalForecast {
   std::uint64_t sample_ = 0;
   std::int64_t tick_ns_ = 0;
   std::int64_t period_ns_ = 0;
-  std::int64_t shortest_ns_ = kNone;         // delay of this block of samples
-  std::int64_t shortest_before_ns_ = kNone;  // ... of the one before
-  std::uint32_t delays_ = 0;                 // of this block
+  std::int64_t shortest_ns_ = kNone;         // shortest delay in this block of kDelays samples
+  std::int64_t shortest_before_ns_ = kNone;  // the same, in the block before
+  std::uint32_t delays_ = 0;                 // counted in this block
   std::uint32_t late_samples_ = 0;           // in a row
   bool is_in_sequence_ = false;
 };

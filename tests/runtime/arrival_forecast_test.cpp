@@ -54,6 +54,9 @@ TEST(ArrivalForecast, TicksThatMovedForGoodAreFollowed) {
   for (std::uint32_t k = 0; k <= ArrivalForecast::kDelays; ++k, ++n) {
     tick_ns = static_cast<std::int64_t>(n) * kSenderPeriodNs + 300'000;
     forecast.note(n, tick_ns, tick_ns + kSenderOffsetNs + 80'000, 1000.0);
+    const bool is_followed = k == ArrivalForecast::kDelays;
+    const std::int64_t known_tick_ns = is_followed ? tick_ns : tick_ns - 300'000;
+    EXPECT_EQ(forecast.find_next_ns(), known_tick_ns + kSenderPeriodNs + kSenderOffsetNs + 80'000) << k;
   }
   EXPECT_EQ(forecast.find_next_ns(), tick_ns + kSenderPeriodNs + kSenderOffsetNs + 80'000);
 }
