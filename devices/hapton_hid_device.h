@@ -32,7 +32,7 @@ class HaptonHidBackend final : public HidBackend {
   std::uint16_t sequence_ = 0;
 };
 
-// settings.id: serial number, path or place. RT: set-up only. Error: one line.
+// settings.id: serial number, path, or place among such devices (from 0). RT: set-up only. Error: one line.
 Result<std::unique_ptr<Device>> make_hapton_hid(const DeviceSettings& settings);
 
 }  // namespace hapton

@@ -41,7 +41,7 @@ class SpaceMouseDevice final : public Device {
   std::int64_t read_ns_ = -1;
 };
 
-// settings.id: serial number, path or place. RT: set-up only. Error: one line.
+// settings.id: serial number, path, or place among such devices (from 0). RT: set-up only. Error: one line.
 Result<std::unique_ptr<Device>> make_space_mouse(const DeviceSettings& settings);
 
 }  // namespace hapton

@@ -9,21 +9,21 @@
 
 namespace hapton {
 
-// WoodenHaptics, the open-hardware device: what its reports say.
+// WoodenHaptics, the open-hardware device. Its reports contain:
 //   in, 8 bytes:   int16 encoder a, b, c; uint16 counter
-//   out, 8 bytes:  int16 current a, b, c in mA; uint16 of no meaning
-//   in, 14 bytes (from 2018):  int16 encoder a .. f; int16 information
+//   out, 8 bytes:  int16 current a, b, c in mA; uint16 unused
+//   in, 14 bytes (from 2018):  int16 encoder a .. f; int16 that is ignored
 //   out, 14 bytes: int16 current a, b, c in mA; int16 command; 3 int16 attributes; command and attributes stay 0
 // Little-endian, without report numbers. The motors are on while reports come, and off 0.5 s after the last.
 //
 // The encoders count from where the arm was when its electronics got power: that must be its rest pose, upper arm upright, lower arm
-// hanging down. When they start again while in use, the device is calibrating until the arm has rested for kRestNs, which is taken for the
-// rest pose. W: x is the base's y (right), y its z (up), z its x (from the column to the person).
+// hanging down. When the electronics restart while in use, the device is calibrating until the arm has not moved for kRestNs; that pose is
+// assumed to be the rest pose. W: x is the base's y (right), y its z (up), z its x (from the column to the person).
 class WoodenHapticsBackend final : public HidBackend {
  public:
-  // A choice; the person is told to hold the arm for as long.
+  // A choice; advice() tells the person to hold the arm for this time.
   static constexpr std::int64_t kRestNs = 2 * kNanosecondsPerSecond;
-  // A choice: slow enough that the arm does not jump.
+  // Over which the compensation of the arm's weight is ramped up. A choice: slow enough that the arm does not jump.
   static constexpr double kGravityRampS = 0.5;
 
   explicit WoodenHapticsBackend(const WoodenSettings& settings) : settings_(settings), kinematics_(settings.arm) {}
@@ -49,19 +49,20 @@ class WoodenHapticsBackend final : public HidBackend {
   std::string serial_;
   std::size_t report_bytes_ = 8;
 
-  Counts counts_ = {};        // newest, as they came
-  Counts zero_ = {};          // what they are in the rest pose
-  Counts still_counts_ = {};  // since still_ns_
+  Counts counts_ = {};        // of the newest report
+  Counts zero_ = {};          // those of the rest pose
+  Counts still_counts_ = {};  // the arm has been within one count of these since still_ns_; 0: unknown
   std::int64_t still_ns_ = 0;
-  bool has_counts_ = false;  // of this session
-  bool is_new_ = true;       // nothing was received since begin
+  bool has_counts_ = false;  // a report was decoded, also before the device was opened again
+  bool is_new_ = true;       // nothing has been received since it was opened
   bool is_zero_lost_ = false;
   Vec3 angles_rad_ = Vec3::Zero();
   double gravity_share_ = 0.0;
   std::int64_t encoded_ns_ = 0;
 };
 
-// settings.id: serial number, path or place; settings.file: see read_wooden_settings. RT: set-up only. Error: one line.
+// settings.id: serial number, path, or place among such devices (from 0); settings.file: see read_wooden_settings. RT: set-up only. Error:
+// one line.
 Result<std::unique_ptr<Device>> make_wooden_haptics(const DeviceSettings& settings);
 
 }  // namespace hapton

@@ -17,7 +17,7 @@ namespace hapton {
 // A shape that a program gave to an object, and when the object moves to it. t_s and process: as in RecordedMove.
 struct RecordedShape {
   double t_s = 0.0;
-  std::int64_t time_ns = 0;  // the same by the hub's clock
+  std::int64_t time_ns = 0;  // the same instant by the hub's clock
   std::uint64_t sender = 0;
   std::uint32_t process = 0;
   ShapeStart start;
@@ -34,7 +34,7 @@ class RecordingShapeCollector {
  public:
   using Take = std::function<void(const RecordedShape& shape)>;
 
-  // start_ns: of the recording.
+  // start_ns: the start of the recording.
   explicit RecordingShapeCollector(std::int64_t start_ns) : start_ns_(start_ns) {}
 
   void add(const SessionEntry& entry, const Datagram* datagram, const Take& take);

@@ -15,9 +15,9 @@ class SampleLink {
   // period_ns: least time between two samples that are sent; 0: every sample is sent.
   SampleLink(std::shared_ptr<ForceMethod> method, const RemoteNetwork& network, std::int64_t period_ns = 0);
 
-  // Sends this sample if one is due, and receives what has arrived by now. Returns the newest reply; none: there is no newer one.
+  // Sends this sample if one is due, and receives what has arrived by now. Returns the newest reply; none: no newer one has arrived.
   std::optional<ReplyOnTheWay> exchange(const SampleOnTheWay& sample);
-  // The newest sample that has come to the haptics node, if one came in the last exchange.
+  // The newest sample that reached the haptics node in the last exchange; none: none did.
   const std::optional<SampleOnTheWay>& received() const noexcept { return received_; }
 
   RemoteTraffic traffic() const noexcept { return {up_.traffic(), down_.traffic(), {}}; }
@@ -34,7 +34,7 @@ class SampleLink {
   std::optional<SampleOnTheWay> received_;
 };
 
-// Seed of the network for replies, from that of the network for samples.
+// The seed of the path for replies, derived from that of the path for samples.
 constexpr std::uint64_t back_seed(std::uint64_t seed) noexcept { return seed + 0x9e3779b97f4a7c15; }
 
 }  // namespace hapton

@@ -54,7 +54,7 @@ struct UserRequests {
 };
 
 // Turns keys and mouse into dials, the camera, the hand's target and requests. Only the dials turn the haptic scene. Left drag (or any
-// motion while the hand is held with h) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
+// motion after the key h latched the hand) leads the hand: over the visible surface under the pointer, slightly inside it, so that there
 // is a force; beside the scene in the screen's plane; never through visible objects (hand_route.h). The wheel then presses deeper or
 // lifts the hand off. With control, a left drag turns the stylus, and the wheel rolls it about its axis, or with shift yaws it; 1 to 4
 // press these buttons of the stylus, and release them again, and p the first. A right drag orbits the scene; with shift, or with the middle
@@ -66,12 +66,12 @@ class Interaction {
     StereoScreen screen;
     PictureSize picture;       // one eye's
     Vec3 p_WD = Vec3::Zero();  // where the device is now
-    std::optional<Vec3> p_WQ;  // the surface of the scene that is seen under the pointer
+    std::optional<Vec3> p_WQ;  // the visible point of the scene under the pointer
   };
 
   void handle(const WindowEvent& event, const View& view);
   // Moves the hand on towards the pointer's position, on the visible side of the scene. Call while it is
-  // held.
+  // led.
   void follow(const VisibleDepth& seen, const LedTip& tip);
 
   Dials& dials() { return dials_; }
@@ -83,7 +83,7 @@ class Interaction {
   // The requests since the last call.
   UserRequests take_requests();
 
-  // The hand's target if it must be sent: whenever it moved, again every 100 ms while held, and a few times after its release, because a
+  // The hand's target if it must be sent: whenever it moved, again every 100 ms while led, and a few times after its release, because a
   // datagram may be lost.
   std::optional<HandTarget> take_hand(std::int64_t now_ns);
 
@@ -92,13 +92,13 @@ class Interaction {
   void press_navigation_key(WindowEvent::NavigationKey pad);
   void take_hold(const View& view);
   void release_hand();
-  // Releases it if it is pressed. number: from 1.
+  // Releases the button if it is pressed. number: from 1.
   void press_hand_button(int number);
   void drag(const WindowEvent& event, const View& view);
   void turn_wheel(int notches, const View& view);
   // Yaw, pitch, roll.
   void turn_hand(const Vec3& by_rad);
-  // The hand to the surface under the pointer; otherwise by these pixels in the screen's plane.
+  // Moves the hand's goal to the surface under the pointer; where there is none, by these pixels in the screen's plane.
   void lead(const View& view, const Vec2& moved_px);
   void set_goal(const Vec3& p_WG);
 
@@ -110,7 +110,7 @@ class Interaction {
   WindowEvent::Button held_ = WindowEvent::Button::none;
   bool latched_ = false;      // h was pressed: the hand follows the mouse without a button
   double press_ = 0.0;        // depth inside the surface, as a share of the picture's smaller side
-  std::optional<Vec3> p_WQ_;  // the surface that the hand was led to last
+  std::optional<Vec3> p_WQ_;  // the surface point that the hand was led to last
   int x_px_ = 0;
   int y_px_ = 0;
   bool hand_changed_ = false;

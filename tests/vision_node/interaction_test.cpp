@@ -30,6 +30,7 @@ WindowEvent mouse(Kind kind, int x, int y, Button button = Button::none, bool sh
   return event;
 }
 
+// p_WQ is the visible point of the scene under the pointer, p_WE the eye, p_WH where the hand is to move.
 class InteractionTest : public testing::Test {
  protected:
   InteractionTest() {
@@ -37,33 +38,33 @@ class InteractionTest : public testing::Test {
     view_.screen = compute_screen(frame_sphere(Vec3::Zero(), 0.12, 0.063), view_.picture);
     view_.p_WD = {0.01, 0.02, 0.03};
   }
-  void give(const WindowEvent& event) { hands_.handle(event, view_); }
+  void give(const WindowEvent& event) { interaction_.handle(event, view_); }
 
-  Interaction hands_;
+  Interaction interaction_;
   Interaction::View view_;
 };
 
 TEST_F(InteractionTest, KeysTurnTheDialsBothWays) {
   for (const char c : {'x', 'x', 'y', 'Z'}) give(key(c));
-  EXPECT_EQ(hands_.dials().degrees, Vec3(10.0, 5.0, -5.0));
+  EXPECT_EQ(interaction_.dials().degrees, Vec3(10.0, 5.0, -5.0));
   for (const char c : {'X', 'X', 'Y', 'z'}) give(key(c));
-  EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
+  EXPECT_EQ(interaction_.dials().degrees, Vec3::Zero());
   give(key('y'));
   give(key('0'));
-  EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
+  EXPECT_EQ(interaction_.dials().degrees, Vec3::Zero());
 }
 
 TEST_F(InteractionTest, AKeyHoldsTheStylusButtonWhileTheHandIsLed) {
   give(key('p'));
-  EXPECT_FALSE(hands_.take_hand(1'000'000'000)) << "nobody leads the hand";
+  EXPECT_FALSE(interaction_.take_hand(1'000'000'000)) << "nobody leads the hand";
   give(key('h'));
   give(key('p'));
-  EXPECT_EQ(hands_.take_hand(2'000'000'000)->buttons, 1U);
+  EXPECT_EQ(interaction_.take_hand(2'000'000'000)->buttons, 1U);
   give(key('p'));
-  EXPECT_EQ(hands_.take_hand(3'000'000'000)->buttons, 0U);
+  EXPECT_EQ(interaction_.take_hand(3'000'000'000)->buttons, 0U);
   give(key('p'));
   give(key('h'));
-  const auto released = hands_.take_hand(4'000'000'000);
+  const auto released = interaction_.take_hand(4'000'000'000);
   EXPECT_FALSE(released->active);
   EXPECT_EQ(released->buttons, 0U);
 }
@@ -73,160 +74,161 @@ TEST_F(InteractionTest, WithControlTheMouseTurnsTheStylusInPlace) {
   event.control = true;
   event.wheel = 1;
   give(event);
-  EXPECT_FALSE(hands_.take_hand(1'000'000'000)) << "nobody leads the hand";
+  EXPECT_FALSE(interaction_.take_hand(1'000'000'000)) << "nobody leads the hand";
   give(mouse(Kind::press, 320, 360, Button::left));
-  const Vec3 led = hands_.take_hand(2'000'000'000)->p_WH;
+  const Vec3 led = interaction_.take_hand(2'000'000'000)->p_WH;
   event = mouse(Kind::move, 410, 360, Button::left);
   event.control = true;
   give(event);
-  const HandTarget yawed = *hands_.take_hand(3'000'000'000);
+  const HandTarget yawed = *interaction_.take_hand(3'000'000'000);
   EXPECT_EQ(yawed.p_WH, led);
+  // turn_rad: yaw, pitch, roll.
   EXPECT_NEAR(yawed.turn_rad.x(), std::numbers::pi / 4, 1e-12);
   EXPECT_EQ(yawed.turn_rad.tail<2>(), Eigen::Vector2d::Zero());
   event = mouse(Kind::wheel, 410, 360);
   event.control = true;
   event.wheel = -1;
   give(event);
-  const HandTarget rolled = *hands_.take_hand(4'000'000'000);
-  EXPECT_EQ(rolled.p_WH, led) << "no deeper";
+  const HandTarget rolled = *interaction_.take_hand(4'000'000'000);
+  EXPECT_EQ(rolled.p_WH, led) << "the wheel turns the stylus and does not press deeper";
   EXPECT_LT(rolled.turn_rad.z(), 0.0);
   event.shift = true;
   give(event);
-  EXPECT_LT(hands_.take_hand(4'500'000'000)->turn_rad.x(), yawed.turn_rad.x()) << "with shift about y";
+  EXPECT_LT(interaction_.take_hand(4'500'000'000)->turn_rad.x(), yawed.turn_rad.x()) << "with shift it yaws";
   give(mouse(Kind::release, 410, 360, Button::left));
-  EXPECT_EQ(hands_.take_hand(5'000'000'000)->turn_rad, Vec3::Zero());
+  EXPECT_EQ(interaction_.take_hand(5'000'000'000)->turn_rad, Vec3::Zero());
 }
 
 TEST_F(InteractionTest, KeysHoldEachOfTheFirstFourButtons) {
   give(key('2'));
-  EXPECT_FALSE(hands_.take_hand(1'000'000'000)) << "nobody leads the hand";
+  EXPECT_FALSE(interaction_.take_hand(1'000'000'000)) << "nobody leads the hand";
   give(key('h'));
   const std::pair<char, std::uint32_t> steps[] = {{'2', 0b0010}, {'4', 0b1010}, {'1', 0b1011}, {'p', 0b1010}, {'3', 0b1110}, {'2', 0b1100}};
   for (const auto& [pressed, held] : steps) {
     give(key(pressed));
-    EXPECT_EQ(hands_.take_hand(2'000'000'000)->buttons, held) << pressed;
+    EXPECT_EQ(interaction_.take_hand(2'000'000'000)->buttons, held) << pressed;
   }
   give(key('5'));
-  EXPECT_FALSE(hands_.take_hand(2'000'000'000)) << "it has no such button";
+  EXPECT_FALSE(interaction_.take_hand(2'000'000'000)) << "there is no fifth button";
   give(key('h'));
-  EXPECT_EQ(hands_.take_hand(3'000'000'000)->buttons, 0U) << "released with the hand";
+  EXPECT_EQ(interaction_.take_hand(3'000'000'000)->buttons, 0U) << "released with the hand";
 }
 
-TEST_F(InteractionTest, RightDragGoesRoundTheSceneWithoutTurningIt) {
+TEST_F(InteractionTest, RightDragOrbitsTheSceneWithoutTurningIt) {
   give(mouse(Kind::press, 100, 100, Button::right));
   give(mouse(Kind::move, 110, 100));
-  EXPECT_LT(hands_.camera().yaw_rad, 0.0) << "what is seen goes with the mouse";
-  EXPECT_EQ(hands_.camera().pitch_rad, 0.0);
+  EXPECT_LT(interaction_.camera().yaw_rad, 0.0) << "the picture follows the mouse";
+  EXPECT_EQ(interaction_.camera().pitch_rad, 0.0);
   give(mouse(Kind::move, 110, 90));
-  EXPECT_GT(hands_.camera().pitch_rad, 0.0);
-  const CameraView before = hands_.camera();
+  EXPECT_GT(interaction_.camera().pitch_rad, 0.0);
+  const CameraView before = interaction_.camera();
   give(mouse(Kind::release, 110, 90, Button::right));
   give(mouse(Kind::move, 300, 300));
-  EXPECT_EQ(hands_.camera(), before);
-  EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
-  EXPECT_FALSE(hands_.take_hand(0)) << "the right button never moves the hand";
+  EXPECT_EQ(interaction_.camera(), before);
+  EXPECT_EQ(interaction_.dials().degrees, Vec3::Zero());
+  EXPECT_FALSE(interaction_.take_hand(0)) << "the right button never moves the hand";
 }
 
 TEST_F(InteractionTest, ShiftOrTheMiddleButtonMovesThePictureWithTheMouse) {
   for (const auto& [button, shift] : {std::pair(Button::right, true), std::pair(Button::middle, false)}) {
-    hands_.camera() = {};
+    interaction_.camera() = {};
     const Framing home = frame_sphere(Vec3::Zero(), 0.12, 0.063);
     give(mouse(Kind::press, 100, 100, button, shift));
     give(mouse(Kind::move, 130, 90, Button::none, shift));
     give(mouse(Kind::release, 130, 90, button, shift));
-    const StereoScreen moved = compute_screen(hands_.camera().apply(home), view_.picture);
-    const Vec2 by = project_to_pixel(moved, Eye::centre, view_.picture, Vec3::Zero()) -
-                    project_to_pixel(view_.screen, Eye::centre, view_.picture, Vec3::Zero());
-    EXPECT_LT((by - Vec2(30.0, -10.0)).norm(), 1e-6);
-    EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
+    const StereoScreen moved = compute_screen(interaction_.camera().apply(home), view_.picture);
+    const Vec2 moved_px = project_to_pixel(moved, Eye::centre, view_.picture, Vec3::Zero()) -
+                          project_to_pixel(view_.screen, Eye::centre, view_.picture, Vec3::Zero());
+    EXPECT_LT((moved_px - Vec2(30.0, -10.0)).norm(), 1e-6);
+    EXPECT_EQ(interaction_.dials().degrees, Vec3::Zero());
   }
 }
 
-TEST_F(InteractionTest, TheWheelAndKeysZoomAndRComesBack) {
+TEST_F(InteractionTest, TheWheelAndKeysZoomAndRResetsTheCamera) {
   WindowEvent notch = mouse(Kind::wheel, 0, 0);
   notch.wheel = 1;
   give(notch);
-  EXPECT_GT(hands_.camera().zoom, 1.0);
+  EXPECT_GT(interaction_.camera().zoom, 1.0);
   notch.wheel = -1;
   give(notch);
-  EXPECT_NEAR(hands_.camera().zoom, 1.0, 1e-12);
+  EXPECT_NEAR(interaction_.camera().zoom, 1.0, 1e-12);
   give(key('+'));
-  EXPECT_GT(hands_.camera().zoom, 1.0);
+  EXPECT_GT(interaction_.camera().zoom, 1.0);
   give(key('r'));
-  EXPECT_EQ(hands_.camera(), CameraView{});
+  EXPECT_EQ(interaction_.camera(), CameraView{});
 }
 
-TEST_F(InteractionTest, TheHandGoesALittleWithinTheSurfaceUnderThePointer) {
+TEST_F(InteractionTest, TheHandIsLedSlightlyInsideTheSurfaceUnderThePointer) {
   const Vec3 p_WE = compute_eye_position(view_.screen, Eye::centre);
   view_.p_WQ = Vec3(0.02, 0.01, 0.05);
   give(mouse(Kind::press, 100, 100, Button::left));
-  const auto within = [&](const HandTarget& hand) { return (hand.p_WH - *view_.p_WQ).dot((*view_.p_WQ - p_WE).normalized()); };
-  auto hand = hands_.take_hand(0);
+  const auto depth_of = [&](const HandTarget& hand) { return (hand.p_WH - *view_.p_WQ).dot((*view_.p_WQ - p_WE).normalized()); };
+  auto hand = interaction_.take_hand(0);
   ASSERT_TRUE(hand);
-  const double first = within(*hand);
+  const double first = depth_of(*hand);
   EXPECT_GT(first, 0.0005);
   EXPECT_LT(first, 0.01);
   view_.p_WQ = Vec3(0.03, 0.0, 0.02);
   give(mouse(Kind::move, 120, 90));
-  hand = hands_.take_hand(kMs);
+  hand = interaction_.take_hand(kMs);
   ASSERT_TRUE(hand);
-  EXPECT_NEAR(within(*hand), first, 1e-12) << "as deep on the new surface";
+  EXPECT_NEAR(depth_of(*hand), first, 1e-12) << "the same depth below the new point";
   EXPECT_LT((hand->p_WH - *view_.p_WQ).norm(), 1.001 * first);
   WindowEvent notch = mouse(Kind::wheel, 120, 90);
   notch.wheel = 2;
   give(notch);
-  hand = hands_.take_hand(2 * kMs);
-  EXPECT_GT(within(*hand), 1.5 * first);
+  hand = interaction_.take_hand(2 * kMs);
+  EXPECT_GT(depth_of(*hand), 1.5 * first);
   notch.wheel = -10;
   give(notch);
-  hand = hands_.take_hand(3 * kMs);
-  EXPECT_LT(within(*hand), 0.0) << "lifted off";
-  EXPECT_EQ(hands_.camera(), CameraView{}) << "the wheel does not zoom while the hand is held";
+  hand = interaction_.take_hand(3 * kMs);
+  EXPECT_LT(depth_of(*hand), 0.0) << "lifted off";
+  EXPECT_EQ(interaction_.camera(), CameraView{}) << "the wheel does not zoom while the hand is led";
 }
 
-TEST_F(InteractionTest, BesideTheSceneTheHandKeepsItsDepth) {
+TEST_F(InteractionTest, WithThePointerBesideTheSceneTheHandKeepsItsDepth) {
   view_.p_WQ = Vec3(0.02, 0.01, 0.05);
   give(mouse(Kind::press, 100, 100, Button::left));
-  const double depth = hands_.take_hand(0)->p_WH.z();
+  const double depth = interaction_.take_hand(0)->p_WH.z();
   view_.p_WQ.reset();
   give(mouse(Kind::move, 150, 120));
-  EXPECT_NEAR(hands_.take_hand(kMs)->p_WH.z(), depth, 1e-12);
+  EXPECT_NEAR(interaction_.take_hand(kMs)->p_WH.z(), depth, 1e-12);
 }
 
-TEST_F(InteractionTest, AWallInBetweenIsPassedInFrontAndTheGoalIsKept) {
+TEST_F(InteractionTest, TheHandPassesInFrontOfAWallOnTheWayToItsGoal) {
   const VisibleDepth seen = make_surface(view_.screen, view_.picture, [&](double x, double) {
     return std::abs(x - 320.0) < 40.0 ? view_.screen.distance_m - 0.08 : view_.screen.distance_m;
   });
   view_.p_WQ = seen.find({100.0, 360.0});
   give(mouse(Kind::press, 100, 360, Button::left));
-  const Vec3 here = hands_.take_hand(0)->p_WH;
-  hands_.follow(seen, {*view_.p_WQ});
-  EXPECT_FALSE(hands_.take_hand(kMs)) << "it is there: nothing new";
+  const Vec3 start = interaction_.take_hand(0)->p_WH;
+  interaction_.follow(seen, {*view_.p_WQ});
+  EXPECT_FALSE(interaction_.take_hand(kMs)) << "it is at its goal: nothing to send";
   const Vec3 p_WP = *view_.p_WQ;
   view_.p_WQ = seen.find({540.0, 360.0});
   give(mouse(Kind::move, 540, 360));
-  const Vec3 goal = hands_.take_hand(2 * kMs)->p_WH;
-  hands_.follow(seen, {p_WP});
-  auto hand = hands_.take_hand(3 * kMs);
+  const Vec3 goal = interaction_.take_hand(2 * kMs)->p_WH;
+  interaction_.follow(seen, {p_WP});
+  auto hand = interaction_.take_hand(3 * kMs);
   ASSERT_TRUE(hand);
   EXPECT_LT(seen.depth_of(hand->p_WH), view_.screen.distance_m - 0.08) << "towards the viewer first";
   EXPECT_NEAR(seen.pixel_of(hand->p_WH).x(), 100.0, 1.0);
-  hands_.follow(seen, {seen.place({500.0, 360.0}, view_.screen.distance_m - 0.085)});
-  hand = hands_.take_hand(4 * kMs);
+  interaction_.follow(seen, {seen.place({500.0, 360.0}, view_.screen.distance_m - 0.085)});
+  hand = interaction_.take_hand(4 * kMs);
   ASSERT_TRUE(hand);
   EXPECT_EQ(hand->p_WH, goal) << "past the wall";
-  EXPECT_NE(goal, here);
+  EXPECT_NE(goal, start);
 }
 
 TEST_F(InteractionTest, LeftDragTakesTheHandFromWhereTheProbeIsAndMovesItWithTheMouse) {
   give(mouse(Kind::press, 100, 100, Button::left));
-  auto hand = hands_.take_hand(0);
+  auto hand = interaction_.take_hand(0);
   ASSERT_TRUE(hand);
   EXPECT_TRUE(hand->active);
   EXPECT_EQ(hand->p_WH, view_.p_WD);
   const Vec2 before = project_to_pixel(view_.screen, Eye::centre, view_.picture, hand->p_WH);
   give(mouse(Kind::move, 140, 90));
-  hand = hands_.take_hand(kMs);
+  hand = interaction_.take_hand(kMs);
   ASSERT_TRUE(hand);
   const Vec2 after = project_to_pixel(view_.screen, Eye::centre, view_.picture, hand->p_WH);
   EXPECT_NEAR(after.x() - before.x(), 40.0, 1e-6);
@@ -234,26 +236,26 @@ TEST_F(InteractionTest, LeftDragTakesTheHandFromWhereTheProbeIsAndMovesItWithThe
   EXPECT_NEAR(hand->p_WH.z(), view_.p_WD.z(), 1e-12);
 }
 
-TEST_F(InteractionTest, WheelMovesTheHeldHandInDepth) {
+TEST_F(InteractionTest, WheelMovesTheLedHandInDepth) {
   WindowEvent notch = mouse(Kind::wheel, 0, 0);
   notch.wheel = 1;
   give(notch);
-  EXPECT_FALSE(hands_.take_hand(0)) << "no hand is held";
-  hands_.camera() = {};
+  EXPECT_FALSE(interaction_.take_hand(0)) << "nobody leads the hand";
+  interaction_.camera() = {};
   give(mouse(Kind::press, 0, 0, Button::left));
   give(notch);
-  const auto hand = hands_.take_hand(0);
+  const auto hand = interaction_.take_hand(0);
   ASSERT_TRUE(hand);
   EXPECT_LT(hand->p_WH.z(), view_.p_WD.z()) << "away from the viewer";
 }
 
 TEST_F(InteractionTest, AReleaseIsSentRepeatedlyButNotForEver) {
   give(mouse(Kind::press, 0, 0, Button::left));
-  ASSERT_TRUE(hands_.take_hand(0));
+  ASSERT_TRUE(interaction_.take_hand(0));
   give(mouse(Kind::release, 0, 0, Button::left));
   int reported = 0;
   for (int ms = 1; ms < 5000; ++ms) {
-    if (const auto hand = hands_.take_hand(ms * kMs)) {
+    if (const auto hand = interaction_.take_hand(ms * kMs)) {
       EXPECT_FALSE(hand->active);
       ++reported;
     }
@@ -262,10 +264,10 @@ TEST_F(InteractionTest, AReleaseIsSentRepeatedlyButNotForEver) {
   EXPECT_LE(reported, 6);
 }
 
-TEST_F(InteractionTest, AHeldHandIsSentAgainWhileItRests) {
+TEST_F(InteractionTest, ALedHandIsSentAgainWhileItRests) {
   give(mouse(Kind::press, 0, 0, Button::left));
   int reported = 0;
-  for (int ms = 0; ms < 1000; ++ms) reported += hands_.take_hand(ms * kMs).has_value();
+  for (int ms = 0; ms < 1000; ++ms) reported += interaction_.take_hand(ms * kMs).has_value();
   EXPECT_GE(reported, 9);
   EXPECT_LE(reported, 12);
 }
@@ -274,34 +276,34 @@ TEST_F(InteractionTest, HLatchesTheHandToTheMouse) {
   give(mouse(Kind::move, 50, 50));
   give(key('h'));
   give(mouse(Kind::move, 60, 50));
-  EXPECT_TRUE(hands_.hand_active());
-  const auto hand = hands_.take_hand(0);
+  EXPECT_TRUE(interaction_.hand_active());
+  const auto hand = interaction_.take_hand(0);
   ASSERT_TRUE(hand);
   EXPECT_GT(hand->p_WH.x(), view_.p_WD.x());
   give(key('h'));
-  EXPECT_FALSE(hands_.hand_active());
+  EXPECT_FALSE(interaction_.hand_active());
 }
 
 TEST_F(InteractionTest, RequestsAreTakenOnce) {
   for (const char c : {'b', 's', 'q', 'k'}) give(key(c));
-  const UserRequests requests = hands_.take_requests();
+  const UserRequests requests = interaction_.take_requests();
   EXPECT_TRUE(requests.toggle_cull && requests.screenshot && requests.quit && requests.toggle_help);
   for (const char c : {'m', 'e', 'f', 'g', 'n', 'c', 'v', 'V'}) give(key(c));
-  const UserRequests more = hands_.take_requests();
+  const UserRequests more = interaction_.take_requests();
   EXPECT_TRUE(more.toggle_plots && more.next_stereo && more.swap_eyes && more.look_at_scene && more.toggle_depth_cues && more.mark);
   EXPECT_TRUE(more.next_teach && more.next_level);
-  EXPECT_FALSE(hands_.take_requests().quit);
+  EXPECT_FALSE(interaction_.take_requests().quit);
   give(mouse(Kind::close, 0, 0));
-  EXPECT_TRUE(hands_.take_requests().quit);
+  EXPECT_TRUE(interaction_.take_requests().quit);
 }
 
-TEST_F(InteractionTest, KeysOfThePenAreRequestsOnce) {
+TEST_F(InteractionTest, KeysForAnnotationsAndTheMenuAreTakenOnce) {
   for (const char c : {'d', 'l', 'u', 'U', 'w', 'o', 't'}) give(key(c));
-  const UserRequests all = hands_.take_requests();
+  const UserRequests all = interaction_.take_requests();
   EXPECT_TRUE(all.draw && all.measure && all.undo && all.redo && all.save && all.export_work && all.menu);
-  const UserRequests none = hands_.take_requests();
+  const UserRequests none = interaction_.take_requests();
   EXPECT_FALSE(none.draw || none.measure || none.undo || none.redo || none.save || none.export_work || none.menu);
-  EXPECT_FALSE(hands_.hand_active());
+  EXPECT_FALSE(interaction_.hand_active());
 }
 
 TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
@@ -317,31 +319,31 @@ TEST_F(InteractionTest, ArrowsAndPageKeysMoveTheHeadByACentimetre) {
   for (const auto& [which, by_m] : moves) {
     give(navigation_key(which));
     give(navigation_key(which));
-    EXPECT_EQ(hands_.take_requests().head_by_m, 2.0 * by_m);
-    EXPECT_TRUE(hands_.take_requests().head_by_m.isZero(0.0)) << "once";
+    EXPECT_EQ(interaction_.take_requests().head_by_m, 2.0 * by_m);
+    EXPECT_TRUE(interaction_.take_requests().head_by_m.isZero(0.0)) << "once";
   }
   give(navigation_key(NavigationKey::left));
   give(navigation_key(NavigationKey::home));
-  const UserRequests back = hands_.take_requests();
+  const UserRequests back = interaction_.take_requests();
   EXPECT_TRUE(back.reset_head && back.head_by_m.isZero(0.0));
-  EXPECT_FALSE(hands_.take_requests().reset_head);
-  EXPECT_EQ(hands_.dials().degrees, Vec3::Zero());
+  EXPECT_FALSE(interaction_.take_requests().reset_head);
+  EXPECT_EQ(interaction_.dials().degrees, Vec3::Zero());
 }
 
-TEST_F(InteractionTest, AClickLeavesTheHandWhereHHoldsIt) {
+TEST_F(InteractionTest, AClickDoesNotMoveAHandThatHLatched) {
   give(mouse(Kind::move, 50, 50));
   give(key('h'));
-  const Vec3 held = hands_.take_hand(0)->p_WH;
+  const Vec3 held = interaction_.take_hand(0)->p_WH;
   view_.p_WD = Vec3(0.05, 0.0, 0.0);  // the device lags behind
   give(mouse(Kind::press, 50, 50, Button::left));
   give(mouse(Kind::release, 50, 50, Button::left));
-  EXPECT_TRUE(hands_.hand_active());
-  EXPECT_EQ(hands_.take_hand(1000 * kMs)->p_WH, held);
+  EXPECT_TRUE(interaction_.hand_active());
+  EXPECT_EQ(interaction_.take_hand(1000 * kMs)->p_WH, held);
   give(key('h'));
-  EXPECT_FALSE(hands_.hand_active());
+  EXPECT_FALSE(interaction_.hand_active());
 }
 
-TEST_F(InteractionTest, TheWheelPressesNoDeeperAndLiftsNoFartherThanAPartOfThePicture) {
+TEST_F(InteractionTest, TheWheelPressesAndLiftsByALimitedShareOfThePicture) {
   const Vec3 p_WE = compute_eye_position(view_.screen, Eye::centre);
   const double side_m = std::min(view_.screen.width_m, view_.screen.height_m);
   view_.p_WQ = Vec3(0.02, 0.01, 0.05);
@@ -350,20 +352,20 @@ TEST_F(InteractionTest, TheWheelPressesNoDeeperAndLiftsNoFartherThanAPartOfThePi
   const auto depth_after = [&](int wheel) {
     notches.wheel = wheel;
     give(notches);
-    return (hands_.take_hand(kMs)->p_WH - *view_.p_WQ).dot((*view_.p_WQ - p_WE).normalized());
+    return (interaction_.take_hand(kMs)->p_WH - *view_.p_WQ).dot((*view_.p_WQ - p_WE).normalized());
   };
   EXPECT_NEAR(depth_after(1000), 0.1 * side_m, 1e-9);
-  EXPECT_NEAR(depth_after(-1), 0.095 * side_m, 1e-9) << "the way back is open at once";
+  EXPECT_NEAR(depth_after(-1), 0.095 * side_m, 1e-9) << "the first notch back moves it at once";
   EXPECT_NEAR(depth_after(-1000), -0.5 * side_m, 1e-9);
 }
 
-TEST_F(InteractionTest, WithControlADragUpwardsRaisesTheEndOfTheStylus) {
+TEST_F(InteractionTest, WithControlADragUpwardsRaisesTheRearEndOfTheStylus) {
   give(mouse(Kind::press, 320, 360, Button::left));
   WindowEvent up = mouse(Kind::move, 320, 450, Button::left);
   up.control = true;
   give(up);
   // Pitch is about x, which points to the right: it is negative.
-  EXPECT_NEAR(hands_.take_hand(0)->turn_rad.y(), -std::numbers::pi / 4, 1e-12);
+  EXPECT_NEAR(interaction_.take_hand(0)->turn_rad.y(), -std::numbers::pi / 4, 1e-12);
 }
 
 }  // namespace

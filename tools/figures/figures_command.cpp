@@ -27,8 +27,8 @@ Result<void> draw_all(const std::filesystem::path& folder) {
 
 void add_figures_command(CommandLine app, int& exit_code) {
   auto folder = std::make_shared<std::string>("docs/pictures");
-  const CommandLine command = app.add_subcommand("figures", "Draw the pictures of docs/methods.md from what the methods do");
-  command.add_option("--out", *folder, "Folder of the pictures").folder_to_write().shows_default();
+  const CommandLine command = app.add_subcommand("figures", "Draw the pictures of docs/methods.md; the methods compute what they show");
+  command.add_option("--out", *folder, "Folder to write the pictures to").folder_to_write().shows_default();
   command.on_run([folder, &exit_code] {
     const auto drawn = draw_all(*folder);
     if (!drawn) fmt::print(stderr, "hapton figures: {}\n", drawn.error().what);
