@@ -10,24 +10,24 @@
 
 namespace hapton {
 
-// The method `proxy` on one surface that has another shape in each step.
+// The method `proxy` on one surface whose shape may change in each step.
 //
-// Before each step the surface takes its shape of that time and carries the probe along: a probe that it holds, or that it may have passed,
+// Before each step the surface takes its shape at that time and carries the probe along: a probe that it holds, or that it may have passed,
 // moves to the same place of the deformed surface, on the same side (ProxyMethod::Anchor), and the device point of the last sample moves by
 // the same vector. From there the proxy follows the device as usual. So a surface that moves into the hand pushes the proxy ahead, friction
-// and damping are relative to the surface, and the proxy never passes it, however far it moved since the last step.
+// and damping are relative to the surface, and the proxy never passes it, however far the surface moved since the last step.
 //
-// While hand and surface cannot have met since the last search, a step is a few comparisons.
+// While hand and surface cannot have met since the last search for the nearest surface, a step is a few comparisons.
 //
-// Surface: gives the geometry of the proxy its shape.
-//   double travel_to(double time_s) const   no vertex is farther at that time than this from where it is in the geometry
-//   bool is_due(double time_s) const        shape() must be called by then also if nothing moves
-//   void shape(double time_s)               the shape of that time
-//   void skip_to(double time_s)             the time has come, and the shape is not needed
+// Surface, the template argument, writes its shape at a time into the geometry that the proxy follows:
+//   double travel_to(double time_s) const   m: at that time no vertex is farther than this from its position in the geometry
+//   bool is_due(double time_s) const        shape() must be called for that time even if no vertex moves
+//   void shape(double time_s)               gives the geometry the shape at that time
+//   void skip_to(double time_s)             that time is reached, and the geometry keeps its shape
 //   Vec3 rest_of(vertex) const, Vec3 moved_between(vertex, from_s, to_s) const   as DeformingGeometry
-// All noexcept, RT: yes. Times do not decrease, but for one step at most: shape() of the last step's time after skip_to() of it.
+// All noexcept, RT: yes. Times of the first four do not decrease, except: shape() for the last step's time may follow skip_to() for it.
 //
-// Frame: S. RT: step, reset and resume yes. Threads: one.
+// Frame: S. RT: all but construction. Threads: one.
 template <class Surface>
 class CarriedProxy {
  public:
@@ -70,7 +70,7 @@ class CarriedProxy {
     start_ = p_SD;
     resumes_ = false;
   }
-  // As ForceMethod::resume: on the surface as it is at the time of the next step.
+  // As ForceMethod::resume: the surface has the shape that it has at the time of the next step.
   void resume(const Vec3& p_SP) noexcept {
     start_ = p_SP;
     resumes_ = true;
@@ -106,9 +106,9 @@ class CarriedProxy {
   double last_time_s() const noexcept { return last_time_s_; }
 
  private:
-  static constexpr double kSearchSteps = 64.0;  // a search covers what hand and surface can reach in this many steps
+  static constexpr double kSearchSteps = 64.0;  // a search reaches as far as this many steps like the last one
 
-  // Where hand and surface were in the last step: they had not met.
+  // Goes back to the last step, in which hand and surface had not met.
   void come_near() noexcept {
     clear_m_ = 0.0;
     to_travel_m_ = 0.0;
@@ -152,15 +152,15 @@ class CarriedProxy {
   ProxyMethod& proxy_;  // *method_
   Surface surface_;
   std::optional<Vec3> start_;  // where the next step begins after reset() or resume()
-  bool resumes_ = false;       // it is the latter
+  bool resumes_ = false;       // start_ comes from resume()
   bool has_begun_ = false;
   Vec3 last_p_SD_ = Vec3::Zero();
   double last_time_s_ = 0.0;
   double before_s_ = 0.0;            // time of the sample before the last
-  Vec3 before_p_SD_ = Vec3::Zero();  // the device then
+  Vec3 before_p_SD_ = Vec3::Zero();  // device point of that sample
   Vec3 clear_from_ = Vec3::Zero();
   double clear_m_ = 0.0;      // radius around clear_from_ without any surface; 0: not known
-  double to_travel_m_ = 0.0;  // how far hand and surface may move together until the next search
+  double to_travel_m_ = 0.0;  // distances of hand and surface that may add up before the next search
 };
 
 }  // namespace hapton

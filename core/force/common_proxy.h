@@ -18,99 +18,99 @@ struct StiffnessRange {
   double most = std::numeric_limits<double>::infinity();
 };
 
-// The parts of a scene that each feel it in a frame of their own: what stands still, which is part 0 if there is any, and each motion.
-// All of them have a proxy that never crosses their surface. Frame of the arguments: S. RT: all.
+// A scene in parts, each with a proxy in its own frame O that never crosses the part's surface: the objects that stand still (part 0, if
+// there are any), the objects of each motion, each body that can be carved. To feel: to compute a step. Arguments in frame S. RT: all.
 class FeltParts {
  public:
   virtual ~FeltParts() = default;
-  // X_SO at this sample; the others get it.
+  // X_SO of the part at this sample; the other functions are given it.
   virtual Pose pose(std::size_t part) const noexcept = 0;
-  // It starts there, in free space.
+  // The part's proxy starts at p_S, in free space.
   virtual void reset(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept = 0;
-  // It goes on from exactly there, as ForceMethod::resume has it. False: its shape has changed since its proxy was there, and it goes on
-  // from where it is.
+  // The part goes on from exactly p_S, where its proxy was before this sample (ForceMethod::resume). False: p_S may be on the wrong side of
+  // its surface (its shape has changed, or its proxy then is not known), and it goes on from where its proxy is.
   virtual bool resume(std::size_t part, const Pose& X_SO, const Vec3& p_S) noexcept = 0;
-  // is_correction: as MethodInput has it. is_shared: other parts hold the proxy as well.
+  // is_correction: see MethodInput::is_correction. is_shared: other parts hold the proxy as well, or did in the last sample.
   struct Turn {
     bool is_correction = false;
     bool is_shared = false;
   };
-  // Its step with the device point there. The result in S, with the scene's number of the object; p_SP is p_S itself where nothing touches.
+  // The part's step with the device at p_S. Result in S, `object` an index into the scene's objects; where nothing touches, p_SP == p_S.
   virtual MethodOutput feel(std::size_t part, const Pose& X_SO, const Vec3& p_S, const Turn& turn) noexcept = 0;
-  // A part may give way in this sample.
+  // Whether any part may give way in this sample.
   virtual bool may_give_way() const noexcept { return false; }
-  // It gives way: in this sample it is felt once, at the device point, and the other parts follow its proxy in place of the device. settle:
-  // where they let that proxy be.
+  // Whether this part gives way: in this sample it is felt once, at the device point, and the other parts follow its proxy in place of the
+  // device. settle: the position, p_S, that the other parts allow for that proxy.
   virtual bool gives_way(std::size_t /*part*/) const noexcept { return false; }
   virtual void settle(std::size_t /*part*/, const Vec3& /*p_S*/) noexcept {}
-  // How often it may be felt in a sample, at least once; after that the others follow its last proxy. A bound for a part whose steps cost
-  // much.
+  // How often the part may be felt in a sample, at least once; after that the others follow its last proxy. Each resume() adds up to two
+  // calls of feel() to that. Bounds the time of a part whose steps are slow.
   virtual int most_turns(std::size_t /*part*/) const noexcept { return std::numeric_limits<int>::max(); }
-  // Of its objects.
+  // Of the part's objects.
   virtual StiffnessRange stiffness(std::size_t /*part*/) const noexcept { return {}; }
-  // Where it is felt as shared, none of its objects has friction: it holds the proxy along its normal.
+  // With Turn::is_shared none of the part's objects has friction, so it holds the proxy along its normal.
   virtual bool is_frictionless(std::size_t /*part*/) const noexcept { return false; }
-  // Of that object, N s/m, if feel() leaves the damping out where the proxy is shared. 0: it does not.
+  // Of that object, N s/m, if feel() leaves damping out with Turn::is_shared. 0: feel() includes it, or there is none.
   virtual double damping(std::size_t /*part*/, int /*object*/) const noexcept { return 0.0; }
 };
 
 // One proxy for all parts: the point nearest to the device that all of their surfaces allow, reached on a path that all of them allow.
 //
-// The force on the proxy is the sum of what each part holds it with. A part follows the device less what the others hold, so each of them
-// has its proxy at the same place, and the force of each is its own share. In each sample the shares of the last one are the first guess,
-// carried on to the new device point by a quadratic program over the planes that held the proxy. Then the parts follow in turn until none
-// of them changes anything: Dykstra's alternating projections, which converge to the nearest point of several convex sets (Boyle & Dykstra
-// 1986), with the surface of each part, friction included, in place of a projection.
+// The share of a part is the vector from its proxy to the device point that it follows: the device, less the shares of the other parts.
+// So all proxies are at the same place, the shares add up to device minus proxy, and each part's force is that of its share. A sample
+// starts from the last shares, corrected for the new device point by a quadratic program over the planes that held the proxy.
+// Then the parts follow in turn until none changes anything, or for a fixed number of rounds: Dykstra's alternating projections, which find
+// the nearest point of several convex sets (Boyle & Dykstra 1986), each projection replaced by the part's step, friction included.
 //
 // In a sample in which a second part comes into contact, the first has followed the hand without it, maybe to where the second does not let
-// it go, such as below a wall that stands on a floor. So both begin the sample again from where their proxies were, and know what the other
-// one holds. Where there is no room between two parts, their shares would grow without end. So no share is longer than kMaxShare times
-// the whole but that of the first part that holds the proxy, which is never pressed into that one: what stands still, if it does.
+// it go, such as below a wall that stands on a floor. So both begin the sample again from where their proxies were, each with the other's
+// share known. Between two parts without room for the proxy the shares would grow without end. So each share is at most about kMaxShare (8)
+// times |device - proxy|, except that of the first part that holds the proxy, part 0 if it does: the proxy is never pressed into that part.
 //
 // Between parts of different stiffness all shares have the mean stiffness, weighted by the shares, as between objects of one method
-// (ContactMaterial). So the force is no larger than the stiffness of the stiffest allows, however acute the angle between two of them.
+// (ContactMaterial). So, but for damping, the force is at most the largest stiffness times |device - proxy|, at any angle of two parts.
 //
-// Where several parts hold the proxy, static friction is dynamic friction: a part that breaks away would slide farther than the others let
-// it, within its own step.
+// Where several parts hold the proxy, dynamic friction takes the place of static friction: a part that breaks away would slide, within its
+// own step, farther than the others let it.
 //
-// Damping is that of the device's own motion against each part, along what the part holds. A part by itself would see changes of what the
-// others hold as motion of the device.
+// Damping of parts that share the proxy is computed here, from the device's velocity relative to each part, along its share. A part that
+// computed it in feel() would take changes of the other shares for motion of the device.
 //
-// A part that gives way (material that is being cut) is not a surface to project on: from where it was, it moves the proxy by a
-// share of the distance to the device. The nearest point to that which the other parts allow is what a spring in place of the material
-// would give. What holds the proxy against the device is then each part's share as if it were a surface: of the others, the extension along
-// what they hold.
+// A part that gives way (material that is being cut) is not a surface to project on: it moves its proxy a fraction of the way from its
+// last position to the device. The proxy is the point nearest to that which the other parts allow, as if the material were a spring.
+// Device minus proxy is then divided as between surfaces: the other parts get its component along the sum of their shares, the parts that
+// give way get the rest.
 //
-// A part is felt kLift above what else holds the proxy, so that a probe between two surfaces that just touch is on its own side of both.
-//
-// MovingMethod, SculptMethod and PatchChain (patch/patch_chain.h) feel their parts like this, and so give the same forces. Frame: S. RT:
-// all but construction. Threads: one.
+// Each part is felt kLift outside the surfaces of the other parts that hold the proxy, so that a probe between two surfaces that just touch
+// is on its own side of both.
+// MovingMethod, SculptMethod and PatchChain (patch/patch_chain.h) feel their parts like this, and so give the same forces.
+// Frame: S. RT: all but construction. Threads: one.
 class CommonProxy {
  public:
   // 0x1p-24 of the scene's extent: 64 contact offsets, 6 nm in a scene of 100 mm.
   static constexpr double kLift = 0x1p-24;
 
-  // most: parts. extent_m: of the scene. in_series: for parts that cannot feel a sample twice. Each then feels it once, and follows the
-  // proxy of the part before it in place of the device. That is one proxy only where one part is touched, or two at right angles.
+  // most: largest number of parts. extent_m: of the scene. in_series: for parts that cannot be felt twice in a sample. Each is then felt
+  // once and follows the proxy of the part before it. All have one proxy only where one part is touched, or two at right angles.
   CommonProxy(std::size_t most, double extent_m, bool in_series = false);
-  // Another scene. Then reset, go_on_from or forget.
+  // For another scene. Call reset, go_on_from or forget next.
   void set_extent(double extent_m) noexcept { lift_m_ = kLift * extent_m; }
 
-  // The next step begins there: each part is reset.
+  // The next step begins at p_S: it resets each part there.
   void reset(const Vec3& p_S) noexcept { start_ = p_S; }
-  // The proxy is known to be there, and the parts are: nothing holds it yet.
+  // The proxy is at p_S, and so are those of the parts already: nothing holds it yet.
   void go_on_from(const Vec3& p_S) noexcept;
-  // The parts are others, or begin anew by themselves: nothing holds the proxy.
+  // The parts have been replaced, or start again by themselves: nothing holds the proxy.
   void forget() noexcept;
 
   // Pre: count is the same as in the step before, or reset, go_on_from or forget was called since; at most as many as at construction.
-  // has_still: part 0 stands still, or is to be as exact: where the parts do not agree in time, it is felt last. dt_s: since the step
-  // before; 0: there is no damping.
+  // has_still: part 0 stands still, or its surface is to be kept as exactly: if the parts do not agree within the rounds of a step, it is
+  // felt last. dt_s: time since the step before; 0: no damping.
   MethodOutput step(FeltParts& felt, std::size_t count, bool has_still, const Vec3& p_SD, double dt_s = 0.0) noexcept;
 
-  // There was no room in the last step, see above.
+  // In the last step there was no room for the proxy between two parts, see above.
   bool is_squeezed() const noexcept { return is_squeezed_; }
-  // Of the last step: the force of a part, and from its proxy to the device point that it followed. Zero: it holds nothing.
+  // Of the last step: a part's force, N, and its share, m. Zero: it does not hold the proxy.
   Vec3 force_of(std::size_t part) const noexcept { return parts_[part].output.contact ? parts_[part].force_n : Vec3(Vec3::Zero()); }
   const Vec3& share_of(std::size_t part) const noexcept { return parts_[part].held; }
 
@@ -121,24 +121,24 @@ class CommonProxy {
     Vec3 held = Vec3::Zero();          // from its proxy to the device point that it followed; zero: it holds nothing
     Vec3 followed = Vec3::Zero();      // the device point that it followed last
     Vec3 p_SP = Vec3::Zero();          // its proxy
-    Vec3 lift = Vec3::Zero();          // by which it follows above the common proxy
-    Vec3 p_before = Vec3::Zero();      // its proxy after the sample before, as it was then
+    Vec3 lift = Vec3::Zero();          // its proxy minus the common proxy (kLift)
+    Vec3 p_before = Vec3::Zero();      // its proxy after the sample before, with the part at X_before
     Vec3 lift_before = Vec3::Zero();
     bool is_shared = false;        // it was felt as one of several that hold the proxy
-    bool with_others = false;      // others did, when it was felt last
-    bool was_with_others = false;  // in the last sample
-    bool is_felt = false;          // in this sample
-    int turns = 0;                 // how often it was, without new beginnings
+    bool with_others = false;      // other parts held the proxy when it was felt last
+    bool was_with_others = false;  // with_others, in the last sample
+    bool is_felt = false;          // it was felt in this sample
+    int turns = 0;                 // how often it was felt in this sample, less the calls in begin_again()
     bool was_held = false;         // it held the proxy before this sample
-    bool is_limited = false;       // its share, as it was felt last
-    bool begins_again = false;     // it was resumed in this sample, and not felt since
-    bool gives_way = false;        // in this sample
-    double stiffness = 0.0;        // in this sample, N/m
+    bool is_limited = false;       // limit_share() shortened its share when it was felt last
+    bool begins_again = false;     // it was resumed in this sample, and not visited since
+    bool gives_way = false;        // FeltParts::gives_way, in this sample
+    double stiffness = 0.0;        // of its force in this sample, N/m
     MethodOutput output = {};
     Vec3 force_n = Vec3::Zero();  // what it adds to the force of this sample, if it is in contact
 
     bool holds() const noexcept { return !gives_way && !held.isZero(0.0); }
-    // Its proxy after the sample before, on the part where that is now.
+    // Its proxy after the sample before, moved along with the part to its present pose.
     Vec3 start() const noexcept { return X_SO * (X_before.inverse(Eigen::Isometry) * p_before); }
   };
 
@@ -167,7 +167,7 @@ class CommonProxy {
   std::vector<Part> parts_;
   std::vector<ContactPlane> planes_;
   std::vector<std::size_t> plane_of_;  // the part of each plane
-  std::vector<std::size_t> held_;      // the first held_count_: in their order, all parts that may have a share in this round
+  std::vector<std::size_t> held_;      // the first held_count_ of these: all parts that may have a share in this round, ascending
   std::size_t held_count_ = 0;
   std::size_t count_ = 0;
   bool has_still_ = false;
@@ -175,14 +175,14 @@ class CommonProxy {
   double lift_m_;
   Vec3 p_SD_ = Vec3::Zero();
   Vec3 goal_ = Vec3::Zero();         // what the proxy follows: the device point, or the proxy of what gives way
-  bool is_led_ = false;              // it is the latter
-  std::optional<Vec3> p_SD_before_;  // in the sample before
+  bool is_led_ = false;              // goal_ is the proxy of a part that gives way
+  std::optional<Vec3> p_SD_before_;  // the device in the sample before
   double dt_s_ = 0.0;
   bool has_sample_ = false;     // there was a step
   int holding_ = 0;             // parts that hold the proxy
-  bool is_shared_ = false;      // several do, at the beginning of this round
-  double largest_m_ = 0.0;      // of the shares, at the beginning of the round
-  Vec3 common_ = Vec3::Zero();  // the proxy
+  bool is_shared_ = false;      // at the beginning of this round: several hold it, or one does while another gives way
+  double largest_m_ = 0.0;      // length of the longest share at the beginning of the round
+  Vec3 common_ = Vec3::Zero();  // the common proxy
   bool is_squeezed_ = false;    // a share is limited
   std::optional<Vec3> start_;   // reset() was called
   std::optional<Vec3> place_;   // go_on_from() was called

@@ -6,7 +6,7 @@ namespace hapton {
 
 // The material of a contact with several active constraints. Stiffness, damping and friction are the means of the constraints' materials,
 // weighted by their multipliers. A constraint whose multiplier falls to zero has no weight when it is released, so the force is continuous
-// there; constraints of one material give exactly that material. The force stays along the penetration vector.
+// at its release; constraints of one material give exactly that material. The force stays along the penetration vector.
 //
 // If all multipliers are zero, the first constraint's material is used. two_sided always comes from the first constraint.
 // RT: yes.
