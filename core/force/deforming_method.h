@@ -11,15 +11,15 @@
 
 namespace hapton {
 
-// The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh has its shape at the time of the sample,
-// and takes the probe along (CarriedProxy).
+// The method `proxy` for one object that deforms (TouchObject::deformation): in each step the mesh takes its shape at the time of the
+// sample and carries the probe along (CarriedProxy).
 //
-// Frame: S. RT: step, reset and resume yes: linear in the vertices that move, a few ns each, where the hand is near. Threads: as
+// Frame: S. RT: as ForceMethod; while the hand is near the surface, each vertex that moves adds a few ns to a step. Threads: as
 // ForceMethod.
 class DeformingMethod final : public ForceMethod {
  public:
-  // Pre: the scene is one object, which deforms. Error: what ProxyMethod rejects; a probe with a radius, shading; a surface that is not
-  // walkable at rest (check_shapes tells of the other shapes).
+  // Pre: the scene is one object, which deforms. Error: whatever ProxyMethod rejects; a probe with a radius; shading; a surface that is
+  // not walkable at rest (check_shapes tests the other shapes).
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override { return carried_.step(input); }
@@ -37,8 +37,8 @@ class DeformingMethod final : public ForceMethod {
   CarriedProxy<DeformingGeometry> carried_;
 };
 
-// ProxyMethod of one object whose vertices will move within all_shapes. Pre: the object has a deformation. Error: as DeformingMethod::make.
-// RT: set-up only.
+// A ProxyMethod for one object that deforms. all_shapes: box in frame S that holds its vertices at all times. Error: as
+// DeformingMethod::make. RT: set-up only.
 Result<std::unique_ptr<ForceMethod>> make_proxy_of_deforming(const MethodSettings& settings, const TouchScene& scene,
                                                              const Box& all_shapes);
 

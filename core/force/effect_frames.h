@@ -9,22 +9,22 @@
 
 namespace hapton {
 
-// The frames in which the effects of a scene's surfaces are computed where these move or deform (SurfaceFrame): one for the objects of each
-// motion, of those that have effects. Frame: S. RT: place yes, the rest set-up only. Threads: one.
+// The frames F in which the effects of surfaces that move or deform are computed (SurfaceFrame): one for each group of objects with the
+// same motion (MotionGroup), if any of them has effects. Frame: S. RT: all but construction. Threads: one.
 class EffectFrames {
  public:
   explicit EffectFrames(const TouchScene& scene);
 
-  // By object, the number of its frame, from 0; EffectStep::kStill: it stands still, or has no effects. Empty: all do.
+  // By object, the number of its frame, from 0; EffectStep::kStill: it stands still, or none of its group has effects. Empty: all kStill.
   const std::vector<int>& of_objects() const { return of_objects_; }
-  // Where they are at that sample, by number, until the next call.
+  // X_SF of each frame at that sample, by number. Valid until the next call.
   std::span<const Pose> place(const MethodInput& input) noexcept;
-  // The same point of the object at rest, for one that keeps its shape.
+  // p_S of an object that keeps its shape, moved to the pose at rest; frames as last placed. Pre: of_objects() is not empty.
   Vec3 at_rest(int object, const Vec3& p_S) const noexcept;
 
  private:
   std::vector<int> of_objects_;
-  std::vector<MotionGroup> groups_;  // by number
+  std::vector<MotionGroup> groups_;  // by number of the frame
   std::vector<Pose> X_SF_;
 };
 
