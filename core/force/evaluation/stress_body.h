@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// A body of the stress test, in metres. RT: no.
+// A body of `hapton stress`, in metres. RT: no.
 struct StressBody {
   std::string name;
   TriangleMesh touched;  // what the method gets; may have needles, duplicates, cracks, flipped faces
@@ -21,13 +21,13 @@ struct StressBody {
 // The names of all generated bodies; longest side about 0.1 m, centred at the origin.
 std::span<const std::string_view> stress_body_names();
 
-// Pre: a name from that list.
+// The generated body of that name. Pre: a name from that list; another gives a body without triangles.
 StressBody make_stress_body(std::string_view name);
 
-// A body from another mesh. If its edges close, it is its own solid.
+// A body from another mesh. If it is closed, `solid` is the same mesh; otherwise `solid` is empty.
 StressBody make_stress_body(std::string name, TriangleMesh mesh);
 
-// Scaled about the origin, then moved.
+// The body scaled about the origin, then moved by move_m.
 StressBody placed(StressBody body, double scale, const Vec3& move_m);
 
 }  // namespace hapton

@@ -12,17 +12,17 @@
 
 namespace hapton {
 
-// Motions of the device, each of which provokes another kind of fault. The extent is that of the body; units are those of the mesh.
+// Motions of the device, each of which provokes another kind of fault. Extent: longest side of the body. Units are those of the mesh.
 enum class StressMotion : std::uint8_t {
-  slide,          // over the surface, 1e-5 to 3e-2 of the extent a step, at a depth of up to 3 % of it
-  tap_face,       // straight in and out, 10 m/s and slower
-  tap_vertex,     // exactly at vertices
-  tap_edge,       // exactly at points of edges
-  coincident,     // exactly in the plane of a triangle, over its corners and edges, then below it
-  near_parallel,  // through a face at an angle of 1e-1 down to 1e-15
-  fast,           // jumps of up to twice the extent
-  tiny,           // steps of 1e-12 to 1e-6 of the extent at and in the surface
-  walk,           // a smooth random walk through the surface in both directions
+  slide,          // over the surface, 1e-5 to 3e-2 of the extent a step, at a depth of up to 5.4 % of the extent
+  tap_face,       // at points of faces, straight in and out, up to 10 % of the extent a step
+  tap_vertex,     // the same exactly at vertices
+  tap_edge,       // the same exactly at points of edges
+  coincident,     // in the plane of a triangle, exactly or nearly, through its corners and edges, then below it
+  near_parallel,  // through a face at an angle of 1e-1 down to 1e-15 rad
+  fast,           // jumps to points up to twice the extent from the first one
+  tiny,           // steps of 1e-12 to 1e-6 of the extent at the surface and below it
+  walk,           // a smooth random walk that crosses the surface in and out
   hostile,        // a walk with NaN, infinite and very distant samples
   count
 };
@@ -32,7 +32,7 @@ std::string_view name_of(StressMotion motion);
 // Episodes from this number on are long random walks: 20,000 steps over the whole body.
 constexpr std::uint64_t kFirstLongWalk = 1ULL << 32;
 
-// The device positions of one episode, determined by the constructor's arguments alone. RT: set-up only.
+// The device positions of one episode, determined by the constructor's arguments and is_free alone. RT: set-up only.
 class StressEpisode {
  public:
   // extent: longest side of the mesh. is_free_outside: free space is on the side of the triangles' normals; false for a hollow room. body:
@@ -42,13 +42,13 @@ class StressEpisode {
 
   StressMotion motion() const { return motion_; }
 
-  // Replaces `positions` by those of the episode; the caller resets the method at the first one. is_free: whether a position is outside the
-  // material.
+  // Replaces `positions` by those of the episode; the caller resets the method at the first one. is_free: whether a position is surely in
+  // free space; if none of the 32 that are tried is, the first one is not free. Call once.
   void draw(const std::function<bool(const Vec3&)>& is_free, std::vector<Vec3>& positions);
 
  private:
   double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random_); }
-  // 10^x, x uniform between the two: any order of magnitude is equally likely.
+  // 10^x with x uniform between low and high: any order of magnitude is equally likely.
   double log_uniform(double low, double high) { return std::pow(10.0, uniform(low, high)); }
   double normal() { return normal_(random_); }
   Vec3 direction();
@@ -60,7 +60,7 @@ class StressEpisode {
   void graze(std::vector<Vec3>& positions);
   void jump(std::vector<Vec3>& positions);
   void creep(std::vector<Vec3>& positions);
-  // Random walks near one point of the body after the other, each at its own speed.
+  // One random walk after the other, each near another point of the body and at a speed of its own.
   void walk_over_body(std::vector<Vec3>& positions);
   // A random walk (Ornstein-Uhlenbeck velocity) at a random speed, attracted gently to at_.
   void random_walk(std::vector<Vec3>& positions, int steps);
@@ -76,8 +76,8 @@ class StressEpisode {
   bool is_long_ = false;
   std::uint32_t triangle_ = 0;
   int corner_ = 0;
-  Vec3 at_ = Vec3::Zero();     // on the surface
-  Vec3 up_ = Vec3::UnitZ();    // unit normal there, towards free space
+  Vec3 at_ = Vec3::Zero();     // a point on the surface
+  Vec3 up_ = Vec3::UnitZ();    // unit normal at at_, towards free space
   Vec3 start_ = Vec3::Zero();  // first position, in free space
 };
 

@@ -15,20 +15,20 @@
 
 namespace hapton {
 
-// Faults that are counted, in steps. All must be zero. Which ones can be tested depends on the body and material: see StressCount::covered.
+// The kinds of fault, counted in steps. All counts must be zero. Body and material decide which are tested: see StressCount::covered.
 enum class StressFault : std::uint8_t { fall_through, inside, through, stuck, unconverged, discontinuity, not_finite, broken, count };
 
 std::string_view name_of(StressFault fault);
-// What it means and where it is tested: half a line for people.
+// What the fault means and for which bodies it is tested: a phrase for messages.
 std::string_view meaning_of(StressFault fault);
 
-// The first fault of a kind. Body, scale, offset, seed, episode and step reproduce it.
+// A step with a fault. Method, body, settings and episode reproduce it.
 struct StressFinding {
   StressFault fault = StressFault::fall_through;
   StressMotion motion = StressMotion::slide;
   std::uint64_t episode = 0;
   std::size_t step = 0;
-  double size = 0.0;  // size of the error as a share of the extent
+  double size = 0.0;  // size of the error as a share of the extent; 0: it has none
 };
 
 struct StressCount {
@@ -36,10 +36,10 @@ struct StressCount {
   std::uint64_t contact_steps = 0;
   std::uint64_t episodes = 0;
   std::uint64_t compared_steps = 0;  // steps compared with the reference
-  std::uint64_t carried_steps = 0;   // out of work: stepped again with the same sample until they were finished, and judged then
+  std::uint64_t carried_steps = 0;   // work used up: repeated with the same sample until finished (1024 times at most), then judged
   std::array<std::uint64_t, static_cast<std::size_t>(StressFault::count)> faults{};
   std::array<bool, static_cast<std::size_t>(StressFault::count)> covered{};  // false: not tested, so a zero says nothing
-  std::vector<StressFinding> findings;                                       // the first few of each fault
+  std::vector<StressFinding> findings;                                       // the first of each fault in each motion; add() appends
 
   std::uint64_t total_faults() const;
   void add(const StressCount& other);
@@ -48,22 +48,22 @@ struct StressCount {
 struct StressSettings {
   std::uint64_t seed = 1;
   double scale = 1.0;           // scale of the body
-  double offset_extents = 0.0;  // offset of the body in extents along (1, -1, 1)
+  double offset_extents = 0.0;  // the body is moved by this many extents times (1, -1, 1)
   Material material = {};
-  std::size_t compare_every = 64;  // compares every n-th step with the reference; 0: only suspicious ones
+  std::size_t compare_every = 64;  // compares with the reference each n-th step and those with an extension above 10 %; 0: only these
 };
 
 // One body at one position, and the method under test. An episode begins with a reset on the free side and runs one motion of up to 400
-// steps, or a long walk. It depends only on body, settings and its number, so each can be repeated alone. RT: no.
+// steps, or a long walk. It depends on method, body, settings and its number only, so each can be repeated alone. RT: no.
 class StressRun {
  public:
   using MethodMaker = std::function<Result<std::unique_ptr<ForceMethod>>(const MethodSettings&, const TouchScene&)>;
 
-  // Error: the method's own, and a body without triangles.
+  // Error: a body without triangles; whatever maker or the reference rejects.
   static Result<StressRun> make(const StressBody& body, const StressSettings& settings, const MethodSettings& method,
                                 const MethodMaker& maker = &make_method);
 
-  // Runs one episode and counts its faults. Returns the number of steps.
+  // Runs one episode and counts its faults. Returns the number of steps; 0: no free position to begin at was found.
   std::size_t run_episode(std::uint64_t episode, StressCount& count);
 
   ~StressRun();
