@@ -9,20 +9,20 @@ namespace hapton {
 
 // Blends from one method to the next without a force discontinuity. The difference between the last force and the next method's first one
 // is added to the next method's forces and fades linearly to zero. So no step changes the force by more than the next method does plus that
-// step's share of the difference: a hundredth in contact, a tenth without, however long the step. Units: N, s. Frame: W. RT: all. Threads:
-// one. Source: docs/decisions/0022-method-switch.md.
+// step's share of the difference: a hundredth in contact, a tenth without, however long the step. Units: s; N, or N m for a torque. Frame:
+// the same for all forces. RT: all. Threads: one. Source: docs/decisions/0022-method-switch.md.
 class ForceFade {
  public:
   static constexpr double kInContactS = 0.1;  // from the whole difference to zero, as long as the governor's ramp up
   static constexpr double kInAirS = 0.01;     // without contact: as fast as the governor releases a force
-  // What a step counts at most. Samples may be missing for a while (a slow link, or the hub gives the force itself and sends few), and the
-  // force must not jump by what would have faded meanwhile. Below 1 kHz the fade takes longer.
+  // The longest time by which one step advances the fade. Samples may be missing for a while (a slow link, or the hub computes the force
+  // itself and sends few), and the force must not jump by what would have faded meanwhile. Below 1 kHz the fade takes longer.
   static constexpr double kMaxStepS = 1e-3;
 
-  // The next step is another method's.
+  // Call when the next step is the first one of another method.
   void begin() noexcept { is_due_ = true; }
-  // The next step is another method's. difference_n: the previous method's force less the new one's, both for the sample of that step. The
-  // change of force due to the device's motion since the step before is then not part of the difference that fades.
+  // The same where the difference is known. difference_n: the previous method's force less the new one's, both for the sample of that step.
+  // The change of force due to the device's motion since the step before is then not part of the difference that fades.
   void begin_from(const Vec3& difference_n) noexcept { given_difference_n_ += difference_n; }
 
   void forget() noexcept { *this = {}; }
@@ -38,7 +38,7 @@ class ForceFade {
       share_ = 1.0;
     }
     if (share_ > 0.0) share_ -= std::min(dt_s, kMaxStepS) / (contact ? kInContactS : kInAirS);
-    // Once it is over the method's forces pass to the last bit.
+    // Once the fade is over, the forces of the method are passed on unchanged, to the last bit.
     last_force_n_ = share_ > 0.0 ? Vec3(force_n + share_ * difference_n_) : force_n;
     return last_force_n_;
   }
@@ -50,7 +50,7 @@ class ForceFade {
   Vec3 last_force_n_ = Vec3::Zero();  // returned by the last step
   Vec3 difference_n_ = Vec3::Zero();
   Vec3 given_difference_n_ = Vec3::Zero();  // from begin_from(), for the next step
-  double share_ = 0.0;                      // of the difference, still there
+  double share_ = 0.0;                      // part of difference_n_ that has not faded yet, at most 1; 0 or less: the fade is over
   bool is_due_ = false;
 };
 

@@ -25,34 +25,34 @@ struct MethodInput {
   Vec3 p_SD = Vec3::Zero();  // device point, m
   double dt_s = 1e-3;        // time since the sample before
   double time_s = 0.0;       // scene time, for objects that move or deform
-  // The sample of the step before once more, with another device point, which takes the place of the other: damping sees the motion since
-  // the sample before that one. Only methods that are parts of another one get it (CommonProxy).
+  // The last sample again, with a corrected device point that replaces the one of the last step: damping uses the motion since the sample
+  // before the last one. Only methods that feel a part of a scene for another method get it (CommonProxy).
   bool is_correction = false;
-  std::uint32_t buttons = 0;  // of the stylus that are down, a bit each (button_bit); of use to what can be carved only
-  // Where programs have moved objects, by their number among those with a TouchObject::command_pivot: X_SO at that time. Empty: at rest.
+  std::uint32_t buttons = 0;  // pressed buttons of the stylus, a bit each (button_bit); used by objects that can be carved only
+  // X_SO at time_s of each object that programs may move (TouchObject::command_pivot), in the order of the scene. Empty: all are at rest.
   std::span<const Pose> commanded = {};
-  const TouchInput* touch = nullptr;  // the same in frame W, with the stylus; of use to methods of plug-ins only. Null: not known
+  const TouchInput* touch = nullptr;  // the sample in frame W, with the orientation of the stylus; for plug-ins only. Null: not known
 };
 
 // The result of that sample.
 struct MethodOutput {
   Vec3 force_n = Vec3::Zero();  // acts on the device, frame S
   Vec3 p_SP = Vec3::Zero();     // proxy: where the probe is drawn; the device point itself in free space
-  bool contact = false;         // a surface (smooth: or its layer) holds the probe: a force, unless damping takes all of it
+  bool contact = false;         // a surface (smooth: or its layer) holds the probe; its force is zero only if damping cancels it
   // In contact: the object touched, an index into TouchScene::objects; of several, the one with the largest force. -1: none, or a
   // method that sums over objects (smooth, in the layer outside the surface).
   int object = -1;
 };
 
-// What carved bodies add to force and position of the proxy of a step. Frame: S.
+// The part of a step's force, and of its proxy's position, that is due to objects that can be carved. Frame: S.
 struct BodyPush {
   Vec3 force_n = Vec3::Zero();
   Vec3 extension_m = Vec3::Zero();
 };
 
 // A method that turns device samples into forces. It keeps its own state between samples (the proxy, the last position).
-// RT: step, reset, held_at, resume, carried_from and set_materials yes (no heap, lock, system call, log or throw); everything else set-up
-// only.
+// RT: step, reset, held_at, resume, carried_from, set_materials, find_streamed and the sculpture functions yes (no heap, lock, system call,
+// log or throw); the others as stated, or else set-up only.
 class ForceMethod {
  public:
   virtual ~ForceMethod() = default;
@@ -63,15 +63,15 @@ class ForceMethod {
   // Forgets all contact and puts the probe at p_SD in free space.
   virtual void reset(const Vec3& p_SD) noexcept = 0;
 
-  // To continue with another instance of the method, on a part of the same surface in the same local frame (TouchScene::part_of).
-  // held_at: the position of a proxy that a surface holds, also at zero force; none: the proxy is free, at the device. resume: forgets
-  // all contact and puts the proxy exactly there, on its present side of the surface, however near; the next step moves it from there
-  // towards the device. A method without a proxy is reset.
+  // To go on with another instance of the method, on a part of the same surface in the same local frame (TouchScene::part_of). held_at: the
+  // position of a proxy that a surface holds, also at zero force; none: the proxy is free, at the device, or the method has none. resume:
+  // forgets all contact and puts the proxy exactly there, on its present side of the surface, however near (a sphere less than a contact
+  // offset from a triangle is first moved off it); the next step moves it towards the device. A method without a proxy is reset.
   virtual std::optional<Vec3> held_at() const noexcept { return std::nullopt; }
   virtual void resume(const Vec3& p_SP) noexcept { reset(p_SP); }
 
-  // If the last step reached its work limit: how far along the device's path it got. The next step follows the rest first. None: it was
-  // finished.
+  // If the last step used up its work: the point of the device's path up to which it got. The next step first follows the rest of it.
+  // None: the step was completed.
   virtual std::optional<Vec3> carried_from() const noexcept { return std::nullopt; }
 
   // Only the materials have changed: proxy and contact stay, and the next step uses the new ones. Pre: one for each object of the scene,
@@ -82,29 +82,29 @@ class ForceMethod {
   // surface. Empty: the method renders them itself. RT: yes.
   virtual std::span<const Material> unrendered_drag() const noexcept { return {}; }
 
-  // Of the last step, if MethodOutput::object is another object: effects of its surface do not act on this part. RT: yes.
+  // What carved objects added to the last step, if MethodOutput::object is another one: the effects of its surface leave that out. RT: yes.
   virtual BodyPush body_push() const noexcept { return {}; }
 
-  // The bodies of material that its steps carve; null: the scene has none. exchange_sculpture: goes on with the bodies of `other` and gives
-  // it its own, if they are the same at rest; otherwise it does nothing.
+  // The objects that can be carved, with what the steps have carved; null: the scene has none. exchange_sculpture: exchanges them with
+  // those of `other`, if both had the same ones before any carve; otherwise it does nothing.
   virtual const Sculpture* sculpture() const noexcept { return nullptr; }
   virtual void exchange_sculpture(ForceMethod& /*other*/) noexcept {}
-  // Goes on with the shapes of `other`, from which carves were undone, and gives it its own. newest: the serial of that undo. A probe that
-  // is then inside the material has no force until it has left it. False: `other` has other bodies, and nothing has changed.
+  // Exchanges the shapes with `other`, in which carves were undone. newest: the serial of that undo. A probe that is then inside
+  // the material has no force until it has left it. False: `other` is of other objects, and nothing has changed.
   virtual bool restore_sculpture(Sculpture& /*other*/, std::uint32_t /*newest*/) noexcept { return false; }
-  // Makes a carve again that such steps made elsewhere, as the next one in their order. object: of the scene. False: it changes nothing
-  // here, so it is not of these bodies in their present shape.
+  // Repeats a carve that the steps of another instance made, as the next one in their order. object: its index in the scene. False: nothing
+  // was removed: it cannot be carved, no further carve is possible, or the carve removes nothing from its present shape.
   virtual bool repeat_carve(int /*object*/, const Carve& /*carve*/) noexcept { return false; }
 
-  // Where an object that deforms was touched in the last step, for effects of its surface; the step's `object` is of the scene, and the
-  // frame that in which the object is at rest. None: it was not touched, or keeps its shape. RT: yes.
+  // Where an object that deforms was touched in the last step, for the effects of its surface. object: its index in the scene. Frame: that
+  // in which the object's mesh is at rest. None: it was not touched, or does not deform. RT: yes.
   virtual std::optional<SurfacePlace> find_place(int /*object*/) const noexcept { return std::nullopt; }
 
-  // What feels an object that a program deforms (TouchObject::stream_reach_m). object: of the scene. Null: it is none, or the method does
-  // not feel it. It lives as long as this.
+  // The part of the method that feels an object that a program deforms (TouchObject::stream_reach_m). object: its index in the scene. Null:
+  // no program deforms it, or the method cannot feel it. It lives as long as this method.
   virtual StreamedMethod* find_streamed(int /*object*/) noexcept { return nullptr; }
 
-  // The objects for which there is one, in ascending order. RT: no.
+  // The indices of all objects for which find_streamed returns a method, in ascending order. RT: no.
   virtual std::vector<int> list_streamed() const { return {}; }
 
   // The slow task: does one piece of work that steps have requested, such as building the structures of an object that the probe

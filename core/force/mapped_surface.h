@@ -11,7 +11,7 @@
 
 namespace hapton {
 
-// The triangles of a surface with images, prepared so that the one nearest to a point is found. Frame: S. RT: find yes, construction set-up
+// The triangles of a surface with images, prepared for searches for the one nearest to a point. Frame: S. RT: find yes, construction set-up
 // only. Threads: immutable; any number may share it.
 class MappedSurface {
  public:
@@ -20,29 +20,29 @@ class MappedSurface {
 
   const std::shared_ptr<const std::vector<MappedTriangle>>& triangles() const { return triangles_; }
   bool is_empty() const { return faces_.empty(); }
-  // The place of the point of the surface nearest to p. last: the triangle found before, where the search begins, and that found now; 0 at
-  // first. Pre: p is finite, the surface not empty.
+  // Where the point of the surface nearest to p lies in the images. last: index of the triangle that the last call found (0 at first), with
+  // which the search begins; set to the one found now, and kept while p is on that triangle. Pre: p is finite, the surface not empty.
   MapPlace find(const Vec3& p, std::size_t& last) const noexcept;
 
  private:
   struct Face {
-    PreparedTriangle shape;  // from the origin
-    MapPlace place;          // of corner 0
+    PreparedTriangle shape;  // corners relative to origin_
+    MapPlace place;          // of its corner 0, with the gradients
   };
 
   std::shared_ptr<const std::vector<MappedTriangle>> triangles_;
   Vec3 origin_ = Vec3::Zero();
-  double on_surface_m_ = 0.0;  // nearer than this a point lies on the triangle that it is above: a rounding of the surface's size
+  double on_surface_m_ = 0.0;  // a point that is nearer to the inside of a triangle is on it: far below what can be felt
   std::vector<Face> faces_;
   WideBvh tree_{std::span<const Box>{}};
 };
 
-// Finds where a point of a surface lies in its images: on the triangle nearest to it, at first on that of the step before. The triangles
-// are those of the mesh file, whatever was sealed for touch. Frame: S. RT: find yes, construction set-up only. Threads: one.
+// Finds where a point of a surface lies in its images: on the nearest triangle; the search begins with that of the step before. The
+// triangles are those of the mesh file, even if touch uses a sealed mesh. Frame: S. RT: find yes, construction set-up only. Threads: one.
 class MapFinder {
  public:
   explicit MapFinder(const SurfaceMaps& maps) : MapFinder(maps, std::make_shared<const MappedSurface>(maps.triangles)) {}
-  // On a surface that may be shared. Pre: it is of the triangles of these maps.
+  // With a surface that other finders may share. Pre: it was made from the triangles of these maps.
   MapFinder(const SurfaceMaps& maps, std::shared_ptr<const MappedSurface> surface) : maps_(maps), surface_(std::move(surface)) {}
 
   // What the images say at the point of the surface nearest to p.
