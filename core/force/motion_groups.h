@@ -10,10 +10,10 @@ namespace hapton {
 
 // Objects of a scene that move together, so that one method feels them in one frame.
 struct MotionGroup {
-  std::shared_ptr<const KeyframeMotion> motion = nullptr;  // null: by commands, or not at all
-  std::vector<int> objects = {};                           // of the scene
-  bool is_deforming = false;                               // one object
-  int commanded = -1;                                      // one object, by commands: its number in MethodInput::commanded; -1: none
+  std::shared_ptr<const KeyframeMotion> motion = nullptr;  // null: no keyframes
+  std::vector<int> objects = {};                           // indices in the scene
+  bool is_deforming = false;                               // the group is one object, and it deforms
+  int commanded = -1;                                      // index in MethodInput::commanded if programs may move it; -1: they may not
 
   bool is_alone() const { return is_deforming || commanded >= 0; }
   bool moves() const { return motion != nullptr || is_deforming || commanded >= 0; }
@@ -29,8 +29,8 @@ struct MotionGroup {
 // The group that does not move comes first, if there is one; the others in the order of the scene. RT: no.
 std::vector<MotionGroup> group_by_motion(const TouchScene& scene);
 
-// The material of a part of the scene while other parts hold the proxy as well (CommonProxy): without static friction, and without damping,
-// which the common proxy computes. RT: yes.
+// The material of an object as a part of the scene renders it while other parts hold the proxy as well (CommonProxy): without static
+// friction, and without damping, which the common proxy computes. RT: yes.
 inline Material shared_material(Material material) noexcept {
   material.friction_static = material.friction_dynamic;
   material.damping_ns_per_m = 0.0;

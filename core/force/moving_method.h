@@ -15,12 +15,12 @@
 namespace hapton {
 
 // The force method of a scene in which objects move by themselves, by commands, or deform: its parts (SceneParts) have one proxy
-// (CommonProxy). A surface of speed v that comes upon a hand changes the force by stiffness times v dt in a step.
+// (CommonProxy). A surface that moves towards the hand at speed v changes the force by stiffness times v dt in a step.
 //
 // Frame: S. RT: step, reset and set_materials yes. Threads: as ForceMethod.
 class MovingMethod final : public ForceMethod {
  public:
-  // Pre: the scene has motion; MethodOutput::p_SP of the methods that `make` makes is a proxy. Error: that of SceneParts::make.
+  // Pre: the scene has motion; each method that `make` makes returns a proxy in MethodOutput::p_SP. Error: that of SceneParts::make.
   static Result<std::unique_ptr<ForceMethod>> make(SceneParts::Make make, const MethodSettings& settings, const TouchScene& scene) {
     auto parts = SceneParts::make(make, settings, scene);
     if (!parts) return tl::unexpected(parts.error());

@@ -10,15 +10,15 @@
 
 namespace hapton {
 
-// Straight motions of a free point. Frame: TouchGeometry's local one. RT: yes. Keeps references.
+// Straight motions of a point that no surface holds. Frame: TouchGeometry's local one. RT: yes. Keeps references.
 class FreeFlight {
  public:
-  // Units of work of a flight (step_work.h): one for each SurfaceFollower::kFacetsPerUnit triangles that it tests, but at least these. A
-  // flight is not interrupted: where thousands of triangles meet, a single one may use up the work of a step.
+  // Least work of a flight, in units (step_work.h); it costs one for each SurfaceFollower::kFacetsPerUnit triangles that it tests. A flight
+  // is not interrupted: where thousands of triangles meet, a single one may use up the work of a step.
   static constexpr int kMinWork = 16;
   enum class Met : std::uint8_t { nothing, walkable, other };
 
-  // clearance: what sweeps keep.
+  // clearance: the distances that sweeps keep from triangles.
   FreeFlight(const ProxySurfaces& surfaces, const Clearance& clearance)
       : surfaces_(surfaces), clearance_(clearance), vertex_(surfaces.geometry(), surfaces.materials()) {}
 
@@ -26,15 +26,15 @@ class FreeFlight {
   // sticks as `slides` says; `time` is the share of the motion, 0 to 1, at the contact. Met::other: the path first comes to a triangle that
   // is not walkable, as near as sweeps allow.
   Met fly(const Vec3& from, const Vec3& to, bool slides, SurfaceFollower& surface, double& time) noexcept;
-  // Units (step_work.h), of the last flight.
+  // Of the last flight, in units (step_work.h).
   int work() const { return std::max(kMinWork, tests_ / SurfaceFollower::kFacetsPerUnit); }
 
-  // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on its own side that is far enough from them; p
-  // itself if that would be farther than `farthest`.
+  // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on the same side of them that is far enough away;
+  // p itself if that is farther from p than `farthest`, or if another triangle is in the way.
   Vec3 clear_of_surfaces(const Vec3& p, double farthest) noexcept;
 
-  // A position that is nearer to a surface than `least` is moved by twice `least` to the front of the nearest triangle, as its vertex order
-  // shows it; at an edge or a vertex in front of each face in turn.
+  // Returns p, or if p is nearer to a triangle than `least`, p moved by twice `least` to the front of the nearest triangle, along the normal
+  // of its vertex order; at an edge or a vertex the same for each face in turn.
   Vec3 off_surface(const Vec3& p, double least) const noexcept;
 
  private:

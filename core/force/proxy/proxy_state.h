@@ -19,20 +19,20 @@ struct ProxyContact {
 
 // Position and contacts of the proxy. Frame and unit: TouchGeometry's local ones.
 struct ProxyState {
-  static constexpr int kMaxContacts = 32;  // far more than constrain it: three
+  static constexpr int kMaxContacts = 32;  // far more than the three that can constrain the proxy
 
   Vec3 position = Vec3::Zero();
   bool is_free = true;  // no contact: the proxy is the device point
-  bool slides = false;  // slip: the dynamic coefficient of friction applies
+  bool slides = false;  // under friction: the dynamic coefficient applies
   std::array<ProxyContact, kMaxContacts> contacts;
   int contact_count = 0;
   std::array<double, 3> multipliers = {0, 0, 0};  // of the active constraints
-  int active_count = 0;                           // the first ones of contacts
+  int active_count = 0;                           // the first ones of `contacts` are the active constraints
 
   std::span<const ProxyContact> active() const {
     return {contacts.data(), static_cast<std::size_t>(active_count < contact_count ? active_count : contact_count)};
   }
-  // That of the active constraint with the largest multiplier. Pre: a contact.
+  // The triangle of the active constraint with the largest multiplier. Pre: a contact.
   std::uint32_t strongest_triangle() const noexcept {
     std::size_t strongest = 0;
     for (std::size_t i = 1; i < active().size(); ++i) {
@@ -52,10 +52,10 @@ struct ProxyState {
 // The surfaces of a scene: from which side each can be touched, and their materials. RT: queries yes. Keeps references.
 class ProxySurfaces {
  public:
-  // materials: one for each object. Pre: both outlive this.
+  // materials: one for each object. Pre: geometry and materials outlive this object.
   ProxySurfaces(const TouchGeometry& geometry, const std::vector<Material>& materials);
 
-  // Call it when the friction of the materials has changed.
+  // Call when the friction of the materials has changed.
   void note_friction() noexcept;
 
   const TouchGeometry& geometry() const { return geometry_; }
@@ -67,7 +67,7 @@ class ProxySurfaces {
   }
   // A one-sided triangle is touched only from the side that its normal points to.
   bool can_touch(std::uint32_t triangle, const Vec3& p) const noexcept;
-  // The mean material of all active constraints (ContactMaterial).
+  // The mean material of all active constraints (ContactMaterial); fewer than two: that of the first contact; none: of the first object.
   Material mean_material(const ProxyState& state) const noexcept;
 
  private:
