@@ -29,12 +29,12 @@ class FreeFlight {
   // Of the last flight, in units (step_work.h).
   int work() const { return std::max(kMinWork, tests_ / SurfaceFollower::kFacetsPerUnit); }
 
-  // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on the same side of them that is far enough away;
+  // A free point may be nearer to triangles than sweeps allow. Returns the nearest position on the same side of them that is far enough;
   // p itself if that is farther from p than `farthest`, or if another triangle is in the way.
   Vec3 clear_of_surfaces(const Vec3& p, double farthest) noexcept;
 
-  // Returns p, or if p is nearer to a triangle than `least`, p moved by twice `least` to the front of the nearest triangle, along the normal
-  // of its vertex order; at an edge or a vertex the same for each face in turn.
+  // Returns p, or if p is nearer to a triangle than `least`, p moved by twice `least` to the front of the nearest triangle, along the
+  // normal of its vertex order; at an edge or a vertex the same for each face in turn.
   Vec3 off_surface(const Vec3& p, double least) const noexcept;
 
  private:

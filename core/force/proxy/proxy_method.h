@@ -29,8 +29,8 @@ struct ProxyCounters {
 };
 
 // The god-object (point probe) and sphere probe: in every step the proxy moves, without crossing a surface, to the constrained local
-// minimum of its distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997). We differ in that it follows the device's straight
-// motion from event to event, and converges within the step:
+// minimum of its distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997). It differs from theirs: it follows the device's
+// straight motion from event to event, and converges within the step. Its parts, and what each of them follows:
 //
 //   SurfaceFollower   a point on walkable triangles, by adjacency
 //   FreeFlight        a point off the surface
@@ -48,7 +48,7 @@ struct ProxyCounters {
 class ProxyMethod final : public ForceMethod {
  public:
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
-  // Of the smooth normals that it needs (BuiltObjects); none: it needs none.
+  // The crease angle of the smooth normals that the method needs (BuiltObjects), rad; none: it needs no smooth normals.
   static std::optional<double> shading_crease_rad(const MethodSettings& settings);
 
   MethodOutput step(const MethodInput& input) noexcept override;
@@ -60,25 +60,25 @@ class ProxyMethod final : public ForceMethod {
   bool prepare() override;
   std::string describe() const override;
 
-  // A point on one side of the surface: where the surface holds the probe, or the nearest point that is visible from it. As long as the
+  // A point on one side of the surface: where the surface holds the probe, or the nearest point visible from a free probe. As long as the
   // deforming surface does not touch itself, the same point of the deformed surface is on the probe's side of the whole surface.
   struct Anchor {
     bool exists = false;
     std::uint32_t triangle = 0;
     bool back = false;
     Vec3 weights = Vec3::Zero();  // of the triangle's corners
-    Vec3 point = Vec3::Zero();    // local, like the next
-    double distance = 0.0;        // of a free probe; the end of the search if there is none
+    Vec3 point = Vec3::Zero();    // local units, as `distance`
+    double distance = 0.0;        // from a free probe to the point; without a point, how far was searched; 0: the probe is held
   };
   // Call before the surface deforms. A free probe gets no anchor if no surface is nearer than reach_m; it needs none if no point of the
-  // surface moves farther than that.
+  // surface moves farther than reach_m.
   Anchor anchor(double reach_m) noexcept;
-  // Call after it: puts the probe at the anchor, and moves the last device position by as much as the anchor, so that the next step goes
-  // from there to the device.
+  // Call after the surface has deformed: puts the probe at the anchor, and moves the last device position by as much as the anchor has
+  // moved, so that the next step goes from there to the device. Without an anchor the probe stays.
   void move_with_surface(const Anchor& anchor) noexcept;
-  // The next sample is the correction of one that it did not get. p_SD: the device in the sample before that one, for damping.
+  // The next sample corrects a sample that this method did not get. p_SD: the device in the sample before the missing one, for damping.
   void note_sample_before(const Vec3& p_SD) noexcept;
-  // The place that holds the probe most: of a triangle's corners. None: the probe is free.
+  // The point of the surface that holds the probe most: a triangle, and the weights of its corners. None: the probe is free.
   struct HeldPlace {
     std::uint32_t triangle = 0;
     Vec3 weights = Vec3::Zero();
@@ -86,7 +86,7 @@ class ProxyMethod final : public ForceMethod {
   std::optional<HeldPlace> find_held_place() const noexcept;
   // In contact under friction: the dynamic coefficient applies, though the proxy may have stopped for now. RT: yes.
   bool is_sliding() const noexcept { return proxy_.slides; }
-  // Made of one object that deforms.
+  // For a method that was made of one object that deforms.
   TouchGeometry& deforming_geometry() { return geometry_; }
 
   const ProxyCounters& counters() const { return counters_; }
@@ -99,8 +99,8 @@ class ProxyMethod final : public ForceMethod {
   // The contact offset, local units. 2^21 times the rounding of local coordinates, so distances of this size keep six digits; far below
   // what can be felt (1e-10 m on a 100 mm scene).
   static constexpr double kContactOffset = 0x1p-30;
-  // Of the sphere follower in one motion; then sweeps finish it: where each undoes what the other has done, none would. And of carries
-  // after sweeps. A choice.
+  // How often the sphere follower may fail in one motion; after that sweeps finish it, as the two could undo each other's work without end.
+  // Also how often the motion may be carried on after a sweep. A choice.
   static constexpr int kMaxFailures = 4;
   static constexpr double kBeside = 512.0;          // contact offsets: distance within which an edge or vertex affects the proxy
   static constexpr double kLookAheadSteps = 500.0;  // steps: 0.5 s at 1 kHz; an object is requested this long before the probe can reach it
@@ -112,12 +112,12 @@ class ProxyMethod final : public ForceMethod {
   std::string describe_steps() const;
 
   // Units of work (step_work.h).
-  static constexpr int kMinSweptWork = 100;  // however little is left, so that a motion that the followers cannot finish goes on
+  static constexpr int kMinSweptWork = 100;  // a sweep may always use this much: what the followers cannot finish goes on
 
   [[gnu::noinline]] MethodOutput step_outside(const MethodInput& input) noexcept;
   // Returns where the device's motion to this sample begins: at the last sample, or where the last step ran out of work.
   Vec3 begin_motion(const MethodInput& input, const Vec3& last) noexcept;
-  // Requests what is ahead. Returns the radius of the empty ball around the device, local; 0: not looked for, or there is none.
+  // Requests the objects ahead of the probe. Returns the radius of the empty ball around the device, local; 0: none found or not searched.
   double find_clear(const Vec3& device, double displacement) noexcept;
   MethodOutput render_contact(const MethodInput& input, const Vec3& device) noexcept;
   void leave_ball() noexcept;
@@ -146,12 +146,12 @@ class ProxyMethod final : public ForceMethod {
     Vec3 from = Vec3::Zero();
     double by = 0.0;
   };
-  // In the motion to one sample, over all steps that it takes.
+  // In the motion to one sample, over all steps that this motion takes.
   struct Tries {
     int failures = 0;              // of the sphere follower
-    int sweep_carries = 0;         // after a sweep without work left, with the device at its end
-    bool sweeps_finish = false;    // a flight among too many triangles has given up: none starts again while the sphere touches nothing
-    std::optional<Lifted> lifted;  // off the surface, the last time
+    int sweep_carries = 0;         // carries after a sweep that left no work, when the device had already reached the sample
+    bool sweeps_finish = false;    // a flight among too many triangles has given up: no other one while the sphere touches nothing
+    std::optional<Lifted> lifted;  // where the proxy was last lifted off the surface, and how far
 
     void forget() noexcept {
       failures = sweep_carries = 0;
@@ -163,7 +163,7 @@ class ProxyMethod final : public ForceMethod {
   TouchGeometry geometry_;
   std::vector<Material> materials_;  // by object
   ProxySurfaces surfaces_;
-  Clearance clearance_;  // what sweeps keep; a point is a sphere of the contact offset there
+  Clearance clearance_;  // what sweeps keep; to sweeps, a point is a sphere whose radius is the contact offset
   double shading_ = 0.0;
   double active_offset_ = kContactOffset;  // contact offset of the active constraint, which the force does not include
   bool is_point_ = true;
@@ -171,18 +171,18 @@ class ProxyMethod final : public ForceMethod {
   SphereFollower sphere_;    // follows a probe with a radius, and a point on triangles that are not walkable
   FreeFlight flight_;
   SweptMotion swept_;
-  EmptyBall ball_;  // proxy_, last_device_ and sample_from_ are not updated while one is known
+  EmptyBall ball_;  // while a ball is known, proxy_, last_device_ and sample_from_ are not updated
 
   ProxyState proxy_;
   Vec3 last_device_ = Vec3::Zero();   // local
-  Vec3 sample_from_ = Vec3::Zero();   // local: the device before this sample, whose motion is damped
-  std::optional<Vec3> carried_from_;  // out of work: the device's position, on its way, from which the next step goes on; local
+  Vec3 sample_from_ = Vec3::Zero();   // local: the device in the sample before this one; damping acts on the motion from there
+  std::optional<Vec3> carried_from_;  // after a step without enough work: where on the device's path the next step goes on; local
   int work_left_ = 0;                 // of this step
   bool has_sample_ = false;           // a first sample has arrived
-  bool unconverged_ = false;          // the last step ran out of work
+  bool unconverged_ = false;          // the proxy on the surface must first descend to its local minimum
   Tries tries_;
   bool is_close_ = false;    // in a slit, a sweep has left a point only as far from surfaces as the sphere follower keeps it
-  int touched_object_ = -1;  // that of the last contact, until the proxy is free; -1: none
+  int touched_object_ = -1;  // the object of the last contact, until the proxy is free; -1: none
   ProxyCounters counters_;
 };
 

@@ -25,12 +25,12 @@ namespace hapton {
 //
 // Frame: TouchGeometry's local one. RT: yes.
 //
-// Bounded: a call has StepWork::kMax units of work (step_work.h), an event one or, with friction, two.
+// Bounded: a call begins no event after StepWork::kMax units of work (step_work.h); one costs 1, at a large fan more; friction doubles it.
 class SurfaceFollower {
  public:
-  static constexpr int kFacetsPerUnit = 16;  // at a vertex: this many facets cost a unit more (measured at fans of 1,000)
+  static constexpr int kFacetsPerUnit = 16;  // at a vertex, each 16 facets cost one unit more (measured at fans of 1,000)
 
-  using Outcome = SurfaceNext;  // all but `again` and `descend`
+  using Outcome = SurfaceNext;  // never `again` or `descend`
 
   // See SurfacePoint.
   SurfaceFollower(const TouchGeometry& geometry, std::span<const Material> materials) : at_(geometry, materials) {}
@@ -39,14 +39,14 @@ class SurfaceFollower {
   bool is_on_surface() const { return at_.is_on_surface(); }
   const Vec3& point() const { return at_.point(); }
   bool slides() const { return friction_.slides(); }
-  // That of the materials has changed: the point may no longer be settled. Pre: is_on_surface().
+  // Call when the friction of the materials has changed: the point may no longer be settled. Pre: is_on_surface().
   void note_friction() noexcept { friction_.begin(at_.material(), friction_.slides()); }
   Vec3 lifted(double height) noexcept { return at_.lifted_again(height); }
   void leave() { at_.leave(); }
   bool land(std::uint32_t triangle, bool back, const Vec3& p, bool slides = false) noexcept;
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p, bool slides = false) noexcept;
 
-  // The device is held still. Pre: is_on_surface().
+  // Moves the point to its local minimum while the device is held still. Pre: is_on_surface().
   Outcome descend(const Vec3& device, int most_work = StepWork::kMax) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1). Follows it from `time` until the outcome and sets `time` to that
   // moment. Pre: is_on_surface(), settled at `time`.
@@ -58,7 +58,7 @@ class SurfaceFollower {
  private:
   using Next = SurfaceNext;
   // Local units. A minimum this near to a convex edge, with the device beyond, is an unstable equilibrium: no hand holds it, and a sphere,
-  // however small, leaves it (decision 90). A quarter of it is the contact offset of the sweeps.
+  // however small, leaves it (decision 90). The contact offset of the sweeps is a quarter of this.
   static constexpr double kBalance = 0x1p-28;
 
   void spend() noexcept;

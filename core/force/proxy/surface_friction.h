@@ -5,11 +5,11 @@
 namespace hapton {
 
 // Coulomb friction of a surface point that follows the device from event to event. The pull w is the part of device - point that the
-// surface leaves free; the depth is |device - point - w|. The point is in one of three states:
+// surface leaves free (along the face or edge); the depth is |device - point - w|. The point is in one of three states:
 //
 //   stick   while |w| <= mu_s depth. When the pull exceeds that, the point moves along w, with the device held, until |w| = mu_d depth.
 //   slide   keeps |w| = mu_d depth: on a face along a tractrix (SlidingPull), on a concave edge along a straight line.
-//   stop    where the cone grows faster than the pull, at a concave edge, or at a vertex. It slides on when |w| reaches mu_d depth
+//   stop    where the cone grows at least as fast as the pull, at a concave edge, or at a vertex. It slides on when |w| reaches mu_d depth
 //           again, and sticks when |w| has fallen to FrictionMotion::kRestick of that.
 //
 // This is the limit of ever smaller sub-steps of return mapping for a device that moves straight. Source: Moreau (1977), the sweeping
@@ -24,9 +24,9 @@ class SurfaceFriction {
   bool acts() const { return static_ > 0.0; }
   bool slides() const { return slides_; }  // the dynamic coefficient applies
 
-  // One event of the descent with the device held; returns `again` while there is more to do.
+  // Handles one event of the descent with the device held still; returns `again` while there is more to do.
   SurfaceNext descend(SurfacePoint& at, const Vec3& device) noexcept;
-  // The next event while the device moves from `from` to `to`. Sets `time` to it, which is not before its old value. Pre: settled.
+  // Finds the next event while the device moves from `from` to `to`, and sets `time` to it, never to less than before. Pre: settled.
   SurfaceNext follow(SurfacePoint& at, const Vec3& from, const Vec3& to, double& time) noexcept;
 
  private:

@@ -17,13 +17,13 @@ enum class SurfaceNext : std::uint8_t {
   again,       // continue from the point's new position
   descend,     // first descend to the next local minimum, with the device held
   settled,     // at a local minimum for the device at that time, or held by friction
-  airborne,    // the device is on the free side: the point leaves the surface, straight towards it
-  released,    // the device has come to the surface from behind at the point: both leave together
+  airborne,    // the device is on the free side: the point leaves the surface, straight towards the device
+  released,    // the device has come to the surface from behind at the point: both leave it together
   unwalkable,  // the path leads to a triangle that is not walkable; the point is on a face just before it
-  exhausted,   // out of work: short of the minimum; the next call continues
+  exhausted,   // the work was used up before the minimum; the next call continues
 };
 
-// A point on one side of a surface: on a face, an edge or a vertex, with the moves that lead on from there. It moves by adjacency alone, so
+// A point on one side of a surface: on a face, an edge or a vertex, with the moves that it can make. It moves by adjacency alone, so
 // only over walkable triangles (SurfaceAdjacency). SurfaceFollower and SurfaceFriction decide where it goes.
 //
 // Frame: TouchGeometry's local one. RT: yes.
@@ -55,8 +55,8 @@ class SurfacePoint {
   struct FanFacet {
     std::uint32_t id = 0;
     bool back = false;
-    int corner = 0;                 // of the triangle: the vertex
-    int next = 0;                   // the edge shared with the next facet of the fan
+    int corner = 0;                 // number of the vertex in the triangle
+    int next = 0;                   // number of the edge shared with the next facet of the fan
     Vec3 normal = Vec3::Zero();     // unit, on this side
     Vec3 inward[2];                 // in the plane, perpendicular to each of the two edges at the vertex, towards the inside
     Vec3 direction = Vec3::Zero();  // unit, along edge `next` away from the vertex
@@ -74,43 +74,43 @@ class SurfacePoint {
   bool is_on_surface() const { return is_on_surface_; }
   const Vec3& point() const { return p_; }
   On on() const { return on_; }
-  // The face that the point is on, or one face at its edge or vertex. From here to load_adjacent(), Pre: is_on_surface().
+  // The face that the point is on, or one face at its edge or vertex. Pre, to load_adjacent() without leave() and land: is_on_surface().
   const Facet& a() const { return facets_[first_]; }
-  // On an edge, which is edge() of a(): the adjacent face, and the edge's number there.
+  // On an edge: the adjacent face. The edge has the number edge() in a(), and other_edge() in b().
   const Facet& b() const { return facets_[1 - first_]; }
   int edge() const { return edge_; }
   int other_edge() const { return other_edge_; }
   bool has_left_a() const { return has_left_a_; }  // the point came to the edge over a(), so a() leads no nearer to the device
-  int entry_edge() const { return entry_edge_; }   // on a face: the edge it entered by, or -1
-  int corner() const { return corner_; }           // of a(): the vertex that the point is on; on a face the vertex it came from, or -1
+  int entry_edge() const { return entry_edge_; }   // on a face: the edge over which the point entered it, or -1
+  int corner() const { return corner_; }           // number in a() of the point's vertex; on a face of the one it came from, or -1
   std::span<const FanFacet> fan() const { return {fan_.data(), static_cast<std::size_t>(fan_count_)}; }  // at a vertex, in order
   const Material& material() const { return materials_[geometry_.mesh_of(a().id)]; }
 
   void leave() { is_on_surface_ = false; }
-  // Puts the point on one side of a walkable triangle. Returns false, and changes nothing, if that side holds nothing.
+  // Puts the point on one side of a triangle. Returns false, and changes nothing, if it is not walkable or cannot be touched on that side.
   bool land(std::uint32_t triangle, bool back, const Vec3& p) noexcept;
-  // The same on edge k of the triangle. Also returns false, and changes nothing, if the adjacent side is not walkable or holds nothing.
+  // The same on edge k of the triangle. Also returns false, and changes nothing, if that holds for the adjacent triangle or there is none.
   bool land_on_edge(std::uint32_t triangle, bool back, int k, const Vec3& p) noexcept;
 
-  // Within the face a().
+  // Moves the point within the face a().
   void move_on_face(const Vec3& p) noexcept;
-  // To edge k of a(), or to its end vertex if p is there. Returns false if what follows is not walkable; the point is then on a(), just
-  // before it.
+  // Moves the point to p on edge k of a(), or to the end vertex of the edge if p is there. Returns false if a triangle there is not
+  // walkable or cannot be touched on that side; the point is then on a(), just before it.
   bool reach_edge(int k, const Vec3& p) noexcept;
   bool reach_vertex(int corner) noexcept;
-  // On an edge: moves along it, 0 to 1 in a()'s direction; onto b(), which becomes a(); onto a(); forgets that the point came over a().
+  // On an edge, in order: moves along it, 0 to 1 in a()'s direction; onto b(), which becomes a(); onto a(); forgets the entry from a().
   void move_on_edge(double along) noexcept;
   void cross_edge() noexcept;
   void return_from_edge() noexcept;
   void balance_on_edge() noexcept { has_left_a_ = false; }
-  // Loads the face adjacent to edge k of a() as b(). Returns false if there is none that is walkable.
+  // Loads the face adjacent to edge k of a() as b(). Returns false if there is none, or it is not walkable or cannot be touched.
   bool load_adjacent(int k) noexcept;
   // As seen from the side of a(). A boundary edge counts as convex. Pre: b() is the face across edge().
   bool is_convex() const noexcept;
   bool is_free_over_edge(const Vec3& device) const noexcept;
-  // Whether a direction that leads away from every edge and face of the vertex leads off the surface.
+  // At a vertex: whether the device is off the surface. Pre: the vertex is the point of its faces that is nearest to the device.
   bool is_free_at_vertex(const Vec3& to_device) const noexcept;
-  // At a vertex: whether a point that sees the vertex is on the side of the surface that the fan shows. Exact.
+  // At a vertex, visible from p: whether p is on the fan's side of the surface. Exact, except between equally near features.
   bool is_before_fan(const Vec3& p) const noexcept;
   // Descent shorter than this is not followed: its slope is only rounding.
   double least_slope(const Vec3& device) const noexcept { return kMinPull + 0x1p-40 * (device - p_).norm(); }
@@ -119,7 +119,7 @@ class SurfacePoint {
     return facet.shape.inside(k, device) - margin * facet.shape.length(k);
   }
 
-  // On an edge: the adjacent face that leads nearer to the device, of both the one that leads farther; null: neither.
+  // On an edge: the face that leads nearer to the device; if both do, the one in which its projection lies farther inside; null: neither.
   const Facet* find_over_edge(const Vec3& device) const noexcept {
     const double in_a = has_left_a_ ? 0.0 : inside_by(kOnEdge, a(), edge_, device);
     const double in_b = inside_by(kOnEdge, b(), other_edge_, device);
@@ -137,32 +137,32 @@ class SurfacePoint {
     double time = 2.0;
   };
   Exit find_exit(const Vec3& goal) const noexcept;
-  // At a vertex: the face, or the edge after it, that leads farthest towards the device: its point nearest to the device is more than
-  // `least` away and the farthest of all. facet is nullptr if there is none.
+  // At a vertex: the face, or the edge after it, that leads farthest towards the device: its point nearest to the device is farther from
+  // the vertex than `least`, and than such a point of any other. facet is nullptr if there is none.
   struct Descent {
     const FanFacet* facet = nullptr;
     bool over_face = false;
     double length = 0.0;
   };
   Descent find_steepest(const Vec3& to_device, double least) const noexcept;
-  // Whether the device is on the free side of what that descent leads over. Pre: it has a facet.
+  // Whether the device is on the free side of what that descent leads over. Pre: descent.facet is not null.
   bool is_free_along(const Descent& descent, const Vec3& to_device) const noexcept;
   SurfaceNext descend_along(const Descent& descent, const Vec3& device) noexcept;
-  // The device comes to the free side of the face a() at `device`, on its path to `to`: the point goes there.
+  // The device comes to the free side of the face a() at `device`, on its way to `to`: moves the point to that place.
   SurfaceNext release(const Vec3& device, const Vec3& to) noexcept;
 
-  // A point of the face a(), at that distance from all its edges and vertices.
+  // The point, moved in the face a() by `off_edges` towards its middle, at most half of the way.
   Vec3 inside(double off_edges) const noexcept;
   // The point lifted off the surface: `height` above the faces that it is on, and above the faces beyond concave edges nearby, so that it
-  // never enters a face it only approaches. At a vertex the result may lie beside it.
+  // does not enter a face that it only approaches. At a vertex the result may lie beside the vertex.
   Vec3 lifted(double height) const noexcept;
   // The same. At a vertex it is computed once: there the point does not move for many steps.
   Vec3 lifted_again(double height) noexcept;
   // Where a flight to a device on the free side starts, so that the surface next to the point does not stop it: at a vertex on the straight
   // path itself, at the boundary of a sheet beside the sheet, otherwise lifted().
   Vec3 lifted_towards(const Vec3& device, double height) const noexcept;
-  // The faces that hold the point, at most three; returns their number. The multipliers sum to point - device only if it has settled
-  // without friction.
+  // The faces that hold the point, at most three (at a fan of more than kMaxPlanes facets one); returns their number. The sum of
+  // multiplier * normal is point - device only if the point has settled without friction.
   int find_contacts(const Vec3& device, std::array<Contact, 3>& contacts) const noexcept;
 
  private:
