@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// The share of RADIUS (MethodSettings::smooth_layer) at which f covers all of it: Algorithm 1 as printed in the paper, where every triangle
-// with d in 0..RADIUS exerts a force outside the surface. `--method smooth --layer 1` selects it.
+// The value of MethodSettings::smooth_layer at which the force law f acts over all of RADIUS: Algorithm 1 as printed in the FDH paper,
+// where every triangle with d in 0..RADIUS exerts a force outside the surface. `--method smooth --layer 1` selects it.
 constexpr double kFdhPaperLayer = 1.0;
 
 // Algorithm 1 of the FDH paper: the force of a set of triangles on a nearby probe, with smooth normals. In the paper's symbols: P the
@@ -26,20 +26,20 @@ struct SmoothVcp {
   Vec3 D;           // on the face's plane; on the edge or at the vertex of a degenerate triangle
   Vec3 away;        // unit, from D to P
   double distance;  // |DP|
-  int sign;         // -1: a degenerate triangle at a concave edge; it subtracts what both faces contribute
+  int sign;         // -1: a degenerate triangle at a concave edge; it subtracts what both adjacent faces contribute
   std::uint32_t object;
   std::uint32_t triangle;
   bool is_face;
 };
 
-// Computes the triangle's VCP for P. True if there is one: P is on a side that can be touched, nearer than radius, within the three planes
-// R_i, and |DP| < radius.
+// Computes the triangle's VCP for P. True if it has one: P is nearer to it than radius, on a side that can be touched, within the three
+// planes R_i (a degenerate triangle: or beyond all three), and |DP| < radius.
 bool find_vcp(const SetTriangle& triangle, const Vec3& P, double radius, SmoothVcp& vcp) noexcept;
 
 // The smooth normal at a point X on (or above) a face: the three n_i weighted by 1 / d_i. Unit, on the face's own side.
 Vec3 smooth_normal_at(const SetTriangle& face, const Vec3& X) noexcept;
 
-// f: the force of a VCP at distance |DP|, newtons: a spring that begins at `layer` and is strongest on the surface.
+// f: the force of a VCP at distance |DP|, newtons: a spring that begins at distance `layer` and is strongest on the surface.
 inline double smooth_f(double stiffness_n_per_m, double layer, double distance) {
   return distance < layer ? stiffness_n_per_m * (layer - distance) : 0.0;
 }
@@ -47,23 +47,23 @@ inline double smooth_f(double stiffness_n_per_m, double layer, double distance) 
 // The result of Algorithm 1.
 struct SmoothForce {
   Vec3 force_n = Vec3::Zero();
-  Vec3 D = Vec3::Zero();     // the VCP with the largest force
-  Vec3 away = Vec3::Zero();  // unit, from D to P; zero if no triangle has a VCP
+  Vec3 D = Vec3::Zero();     // the nearest VCP that is not hidden and has sign 1
+  Vec3 away = Vec3::Zero();  // unit, from D to P; zero if there is no such VCP
   std::uint32_t vcps = 0;
-  std::uint32_t hidden = 0;         // VCPs removed as hidden, fig. 3
+  std::uint32_t hidden = 0;         // VCPs removed as hidden, fig. 3 of the paper
   std::uint32_t over_capacity = 0;  // VCPs beyond the capacity: the farthest are dropped
 };
 
 // Collects VCPs and combines them.
 class SmoothForceSum {
  public:
-  static constexpr std::size_t kCapacity = 256;  // as LocalSet: on the stack of the fast task
+  static constexpr std::size_t kCapacity = 256;  // as in LocalSet; it is on the stack of the fast task
 
   SmoothForceSum(const Vec3& P, double radius) : P_(P), radius_(radius) {}
 
   void add(const SetTriangle& triangle) noexcept;
 
-  // Removes the VCPs hidden by another triangle that has a VCP, and sums the rest: force / |force| * maxforce. materials: by object.
+  // Drops the VCPs hidden by another face that has a VCP, and sums the rest: force / |force| * maxforce. materials: one per object.
   SmoothForce combine(double layer, std::span<const Material> materials) noexcept;
 
  private:
@@ -87,8 +87,8 @@ class StraightLine {
  public:
   StraightLine(const Vec3& from, const Vec3& to) noexcept;
 
-  // The position along the line, 0 at from, 1 at to, unbounded. False: no intersection, a line in the triangle's plane, or from equal to
-  // to.
+  // Sets `at` to the position along the line: 0 at `from`, 1 at `to`, unbounded. False: there is no intersection, the line is in the
+  // triangle's plane, or `from` equals `to`.
   bool meets(const std::array<Vec3, 3>& corner, double& at) const noexcept {
     if (!(along_ != 0.0)) return false;
     std::array<double, 3> px;

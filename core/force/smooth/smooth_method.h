@@ -18,30 +18,30 @@ namespace hapton {
 // Counters since construction.
 struct SmoothCounters {
   std::uint64_t steps = 0;
-  std::uint64_t skipped = 0;        // steps where the set shows that no triangle is near
+  std::uint64_t skipped = 0;        // steps in which the set showed that no triangle is near
   std::uint64_t selections = 0;     // sets that the fast task had to select itself
   std::uint64_t offered = 0;        // sets received from the slow task
-  std::uint64_t late = 0;           // selections although a slow task runs: its set did not cover enough
+  std::uint64_t late = 0;           // selections while a slow task runs: its set was not enough
   std::uint64_t overflows = 0;      // queries that even a fresh set could not cover; left to the tree
   std::uint64_t entries = 0;        // the probe passed through the surface
   std::uint64_t releases = 0;       // the probe came out again
-  std::uint64_t astray = 0;         // no intersection along the outward line: the VCP moved to the closest point of the surface
-  std::uint64_t hidden = 0;         // VCPs removed as hidden, fig. 3
+  std::uint64_t astray = 0;         // the outward line met no face: the VCP moved over the surface from where it was
+  std::uint64_t hidden = 0;         // VCPs removed as hidden, fig. 3 of the paper
   std::uint64_t over_capacity = 0;  // VCPs beyond the capacity of one step
 };
 
-// The method of the FDH paper, complete: the fast task computes force from a small set of triangles near the probe (Algorithm 1: smooth
+// The method of the FDH paper, complete: the fast task computes the force from a small set of triangles near the probe (Algorithm 1: smooth
 // normals, hidden VCPs removed). A probe that has passed through the surface is tracked by its VCP (fig. 4), so the force still comes from
-// the outside. The force is a function of the triangles within RADIUS of the probe or its VCP and of their last positions. Two sets that
-// are complete that far give the same force to the last bit, so an exchange of sets cannot be felt. A step never uses a set beyond its
-// radius: it then selects a set itself, and if none is large enough it queries the tree; both are counted. f: outside the surface a spring
-// over `layer` (0: contact begins at the surface, as in every other method); inside, that spring's full force plus the spring between probe
-// and VCP. Material: stiffness and two_sided; TouchStep adds friction and damping. Where the paper leaves a choice:
+// the outside. The force depends only on the last positions of probe and VCP and the triangles within RADIUS of them or near their motion.
+// Two sets that are complete there give the same force to the last bit, so an exchange of sets cannot be felt. A step never uses a set
+// beyond the set's radius: it then selects a set itself, and if none is large enough it queries the tree; both are counted. f: outside the
+// surface a spring over `layer` (0: contact begins at the surface, as in all other methods); inside, that spring's full force plus the
+// spring from VCP to probe. Material: stiffness and two_sided; TouchStep adds friction and damping. Where the paper leaves a choice:
 // docs/decisions/0003-fdh-smooth.md. Frame S. Threads: one; prepare in a second one, except while vertices move. scene() may be read from
 // any thread while no vertices move. RT: step, reset, request, offer yes; bounded time while counters().overflows does not change.
 class SmoothMethod final : public ForceMethod {
  public:
-  // RT: set-up only. Error: an impossible setting; see SmoothScene::build.
+  // RT: set-up only. Error: a setting that is out of range; see SmoothScene::build.
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
@@ -50,18 +50,18 @@ class SmoothMethod final : public ForceMethod {
   std::span<const Material> unrendered_drag() const noexcept override { return materials_; }
   std::string describe() const override;
 
-  // The slow task: selects the set that the fast task requested last, if any, and hands it over.
+  // The slow task: selects the set that the fast task requested last, and hands it over. False: there was no new request.
   bool prepare() override;
 
-  // The same for a slow task of the caller's own: it selects around request() with scene().select(request, set_size(), set) at its own
-  // pace. offer takes over the set unless the current one is better; from the first offer on, selections count as late.
+  // The same for callers that run a slow task of their own: it selects with scene().select(request(), set_size(), set) whenever it likes.
+  // offer() takes over the set unless the current one covers more around the probe. After the first offer selections count as late.
   LocalSetRequest request() const noexcept;
   void offer(const LocalSet& set) noexcept;
   const SmoothScene& scene() const { return *scene_; }
   std::uint32_t set_size() const { return set_size_; }
 
-  // Call when one object's vertices have moved since the last step, in the order of its mesh. The VCP moves with its triangle; a probe that
-  // the surface has passed over is inside. RT: no (linear in the object). Error: see SmoothScene::move_vertices.
+  // Call when an object's vertices have moved since the last step; `vertices`: in the order of its mesh. The VCP moves with its triangle; a
+  // probe that the surface has passed over is then inside. RT: no (linear in the object). Error: see SmoothScene::move_vertices.
   Result<void> move_vertices(std::uint32_t object, std::span<const Vec3> vertices);
 
   const SmoothCounters& counters() const { return counters_; }
@@ -80,7 +80,7 @@ class SmoothMethod final : public ForceMethod {
   struct Hit {
     SetTriangle triangle;
     Vec3 X = Vec3::Zero();
-    double measure = 0.0;  // smaller is better
+    double measure = 0.0;  // distance or position on the path: the smallest one wins
     double side = 1.0;
     bool found = false;
 
@@ -89,7 +89,7 @@ class SmoothMethod final : public ForceMethod {
     }
   };
 
-  // What a query visits: the set, or all.
+  // The triangles that a query visits: those of the set, or all.
   std::span<const SetTriangle> known() const {
     return all_triangles_ ? std::span<const SetTriangle>(all_) : std::span(set_.triangles).first(set_.count);
   }
@@ -128,9 +128,9 @@ class SmoothMethod final : public ForceMethod {
   double radius_ = 0.0;
   double layer_ = 0.0;  // metres
   bool all_triangles_ = false;
-  std::vector<SetTriangle> all_;  // with all_triangles_
+  std::vector<SetTriangle> all_;  // filled only if all_triangles_
   bool has_slow_task_ = false;
-  std::string left_out_;  // of the scene: lines for describe()
+  std::string left_out_;  // what of the scene is not rendered: lines for describe()
 
   void request_ahead() noexcept;
 

@@ -19,8 +19,8 @@ struct SmoothSceneSettings {
   int directions = 14;  // of the Fixed Direction Hulls: 6, 14, 18 or 26
 };
 
-// The scene prepared for the paper's two tasks: smooth surfaces under two levels of Fixed Direction Hulls. Frame S, metres.
-// Threads: const calls from any number, none while move_vertices runs. RT: const queries yes; the rest set-up only.
+// The scene, prepared for the two tasks of the FDH paper: smooth surfaces, two levels of Fixed Direction Hulls. Frame S, metres.
+// Threads: const calls from any number of threads, none while move_vertices runs. RT: select, for_each_near, triangle_at, getters yes.
 class SmoothScene {
  public:
   // Error: see make_smooth_surface and FdhScene::build; directions other than 6, 14, 18 or 26.
@@ -35,7 +35,7 @@ class SmoothScene {
   // and makes it faster; it never changes the result. Pre: 1 <= count <= LocalSet::kCapacity.
   FdhVisits select(const LocalSetRequest& request, std::uint32_t count, LocalSet& set) const noexcept;
 
-  // Calls visit(SetTriangle) for every triangle in a ball (FdhBall) or on the way of one (FdhSweep), and perhaps for others.
+  // Calls visit(SetTriangle) for every triangle that meets a ball (FdhBall) or a moving ball (FdhSweep), and perhaps for others.
   template <class Query, class Visit>
   void for_each_near(const Query& query, Visit&& visit) const noexcept {
     std::visit(
@@ -52,7 +52,7 @@ class SmoothScene {
     }
   }
 
-  // Calls visit(object, hull, triangles) for every hull of the objects' trees at that depth; hull: FdhHull<directions>. RT: no.
+  // Calls visit(object, hull, triangles) for every hull at depth `level` of the objects' trees; hull: FdhHull<directions>. RT: no.
   template <class Visit>
   void for_each_hull(int level, Visit&& visit) const {
     std::visit(
@@ -68,9 +68,9 @@ class SmoothScene {
 
   SetTriangle triangle_at(std::uint32_t object, std::uint32_t triangle) const noexcept;
 
-  // Moves one object's vertices, in the order of its mesh, and updates surface, normals and hulls. All local sets become invalid. Error:
-  // another number of vertices; coordinates that are not finite; an extent that hulls do not take (FdhTree::build), after which the surface
-  // has moved and the hulls have not: build the scene again.
+  // Moves one object's vertices, in the order of its mesh, and updates surface, normals and hulls. All local sets become invalid. RT: no.
+  // Error: no such object; another number of vertices; coordinates that are not finite; an extent beyond the limits of FdhTree::build,
+  // after which the surface has moved and the hulls have not: build the scene again.
   Result<void> move_vertices(std::uint32_t object, std::span<const Vec3> vertices);
 
   std::uint64_t version() const { return version_; }
@@ -82,8 +82,8 @@ class SmoothScene {
   const SmoothSurface& surface(std::size_t object) const { return objects_[object].surface; }
   FdhStats tree_stats() const;
 
-  // The distance that has about `count` triangles round most points of the surface: the second percentile, over about 256 evenly chosen
-  // faces, of the distance from a face's middle to the count-th nearest triangle. RT: set-up only.
+  // A radius within which at most about `count` triangles lie around nearly every point of the surface: over about 256 evenly chosen faces,
+  // the second percentile of the distance from a face's middle to the count-th nearest triangle. RT: set-up only.
   double compute_typical_radius(std::uint32_t count) const;
 
   std::string describe() const;
