@@ -9,13 +9,13 @@
 
 namespace hapton {
 
-// The effects in free space of a scene, for a rigid tool without a force method beside it (replay, Python); where a method is, see
-// TouchStep::step_in_space. They act at the device point, the grip of the tool. RT: step and reset yes.
+// The effects in free space of a scene, for a rigid tool that has no force method beside it (replay, Python). With a force method,
+// TouchStep::step_in_space does the same. The effects act at the device point, the grip point of the tool. RT: step and reset yes.
 class SpaceStep {
  public:
   explicit SpaceStep(std::vector<SwitchedEffect> effects) : effects_({}, std::move(effects)) {}
 
-  // Force on the device, frame W. A sample that is not finite gives zero force and changes nothing.
+  // Force on the device, N, frame W. A sample that is not finite gives zero force and changes nothing.
   Vec3 step(const TouchInput& input) noexcept {
     if (!input.p_WD.allFinite()) return Vec3::Zero();
     if (X_WS_.matrix() != input.X_WS.matrix()) effects_.note_scene_moved(to_frame(input.X_WS, last_p_WD_));
@@ -27,7 +27,7 @@ class SpaceStep {
 
  private:
   EffectStep effects_;
-  Vec3 last_p_WD_ = Vec3::Zero();  // of the last step, as the next
+  Vec3 last_p_WD_ = Vec3::Zero();  // device point and view transform of the last step
   Pose X_WS_ = Pose::Identity();
 };
 

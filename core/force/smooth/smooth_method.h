@@ -53,8 +53,8 @@ class SmoothMethod final : public ForceMethod {
   // The slow task: selects the set that the fast task requested last, and hands it over. False: there was no new request.
   bool prepare() override;
 
-  // The same for callers that run a slow task of their own: it selects with scene().select(request(), set_size(), set) whenever it likes.
-  // offer() takes over the set unless the current one covers more around the probe. After the first offer selections count as late.
+  // For a caller's own slow task in place of prepare(): it selects with scene().select(request, set_size(), set) whenever it likes; request
+  // and offer belong to the thread of step. offer takes over `set` unless the current one is better; later selections count as late.
   LocalSetRequest request() const noexcept;
   void offer(const LocalSet& set) noexcept;
   const SmoothScene& scene() const { return *scene_; }

@@ -18,9 +18,9 @@ class CentrePath {
   struct Guide {
     Feature part = Feature::face;
     Vec3 origin = Vec3::Zero();
-    Vec3 direction = Vec3::Zero();  // unit; of the plane: its normal, towards the centre
+    Vec3 direction = Vec3::Zero();  // unit: the plane's normal, towards the centre; the line's direction
     double offset = 0.0;
-    // Distance from the plane, line or point, and its gradient; zero where there is none.
+    // Distance from the plane, line or point; `normal`: its gradient, zero on the line or at the point itself.
     double distance_to(const Vec3& p, Vec3& normal) const noexcept;
   };
   CentrePath() = default;
@@ -32,14 +32,14 @@ class CentrePath {
   const Vec3& start() const { return start_; }
   const Vec3& end() const { return end_; }
   Vec3 at(double time) const noexcept;
-  // The derivative by time: its direction is exact to rounding, its length to 2^-11 of itself.
+  // The derivative by time: its direction is exact to rounding, its length within 2^-11 of itself.
   Vec3 slope(double time) const noexcept;
   // Upper bound of the distance between path and chord.
   double bulge() const { return 0.125 * bulge_; }
   bool is_straight() const { return bend_ == 0.0; }
   bool is_guided() const { return guide_count_ > 0; }
 
-  // The beginning of the path up to a time, with the point and derivative there; computed once for many triangles.
+  // The beginning of the path up to the time `until`, with the point and derivative at that time; computed once for many triangles.
   struct Prefix {
     double until = 1.0;
     Vec3 end = Vec3::Zero();
@@ -49,17 +49,17 @@ class CentrePath {
 
   // The first time in [from, until] at which direction . (p - origin) rises above `margin`, or kNever.
   double time_to_cross(const Vec3& origin, const Vec3& direction, double margin, double from, double until) const noexcept;
-  // The same within the prefix.
+  // The same from time 0 to the end of the prefix.
   double time_to_cross(const Vec3& origin, const Vec3& direction, double margin, const Prefix& prefix) const noexcept;
 
-  // When a triangle stops the centre, in [0, until]: it stops in contact, and only if it would later come nearer than offset - slop / 2.
-  // The distance to a triangle is convex, so along the path it stays above one parabola through its start and one through its end, which
-  // allow for the path's second derivative: most triangles need no search. Each step of the search is conservative, and near the hit it is
-  // Newton's. The search ends after 64 steps.
-  // `guiding`: a bit for each corner that belongs to a part which guides the path: such a corner is never nearer than the part.
+  // When a triangle stops the centre, in [0, until]: on contact, and only if the centre would later come nearer than offset - slop / 2. The
+  // distance to a triangle is convex, so along the path it stays above one parabola through its start and one through its end, which allow
+  // for the path's second derivative: most triangles need no search. Each step of a search is conservative, and near the hit a step of
+  // Newton's method. A search ends after 64 steps. `tests`: raised by the number of distances computed. `guiding`: a bit for each corner
+  // that belongs to a part that guides the path: such a corner is never nearer than the part.
   struct Block {
     double time = kNever;
-    bool hits = false;  // false: the path is known to be free up to `time`, and the search ended
+    bool hits = false;  // false: the path is free up to `time` (kNever: all of it); the search found no more
   };
   Block find_block(const ContactTriangle& triangle, const Clearance& clearance, unsigned guiding, const Prefix& prefix,
                    int& tests) const noexcept;
@@ -86,12 +86,12 @@ class CentrePath {
   double find_turning_point(const Vec3& direction, double low, double high) const noexcept;
   int find_guiding_corner(const ContactTriangle& triangle, unsigned guiding, const Vec3& nearest) const noexcept;
   double step_past_corner(const ContactTriangle& triangle, const Level& level, int corner, double time) const noexcept;
-  // The centre in a search, and the triangle from there.
+  // State of a search at one time: the centre, its velocity, and its separation from the triangle.
   struct Place {
     Vec3 point = Vec3::Zero();
     Vec3 velocity = Vec3::Zero();
     Separation separation;
-    double approach = 0.0;  // lower bound of the rate of the distance
+    double approach = 0.0;  // lower bound of the derivative of the distance by time
   };
   double step_beside_guides(const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept;
   double time_beside_line(const Guide& guide, const ContactTriangle& triangle, const Level& level, const Place& here) const noexcept;
@@ -110,10 +110,10 @@ class CentrePath {
   Vec3 start_ = Vec3::Zero();
   Vec3 end_ = Vec3::Zero();
   std::array<Vec3, 3> rate_;   // start + rate 0 t + rate 1 t^2 + rate 2 t^3
-  double bend_ = 0.0;          // the most of the second derivative,
+  double bend_ = 0.0;          // upper bound of the second derivative,
   Vec3 chord_ = Vec3::Zero();  // unit
   double bend_along_ = 0.0;    // of its component along the chord (uneven speed),
-  double bend_across_ = 0.0;   // and of the rest
+  double bend_across_ = 0.0;   // and of its component across the chord
   double bulge_ = 0.0;
   std::array<Guide, 2> guides_;
   int guide_count_ = 0;

@@ -15,11 +15,11 @@ namespace hapton {
 struct ContactFrame {
   std::array<Vec3, 3> normal;
   std::array<Vec3, 3> dual;
-  Vec3 along = Vec3::Zero();  // of two normals: unit, perpendicular to both
+  Vec3 along = Vec3::Zero();  // only with two normals: unit, perpendicular to both
   int count = 0;
-  std::array<double, 3> short_by;  // by measure()
+  std::array<double, 3> short_by;  // how much c is nearer than the offset; set by measure()
 
-  // The normals of contacts at c, and how much c is nearer than the offset to each of them.
+  // Sets the contacts' normals at c, and how much c is nearer to each of them than the offset. Pre: at most three contacts.
   void measure(std::span<const OffsetContact> contacts, const Vec3& c, double offset) noexcept {
     count = static_cast<int>(contacts.size());
     for (int i = 0; i < count; ++i) {
@@ -29,7 +29,7 @@ struct ContactFrame {
     }
   }
 
-  // Computes the duals. False if two normals are parallel, or three in one plane, within rounding.
+  // Computes the duals. False: two normals are parallel, or three are in one plane, within rounding.
   bool prepare() noexcept {
     constexpr double kParallel = 0x1p-48;  // of a sine or a volume: 16 times the rounding of a unit vector, 2^-52
     if (count == 1) dual[0] = normal[0];
