@@ -14,13 +14,13 @@ struct SphereOnFan {
   ContactSet& contacts;
   GatheredTriangles& near;
   Vec3& centre;
-  bool& is_descending;  // towards a device that is held
+  bool& is_descending;  // it moves towards a device that does not move
   int& work;            // units, in this step (step_work.h)
   int most_work;
 };
 
-// Moves a sphere over the faces of a large fan that is convex or hollow as seen by the sphere (SurfaceAdjacency), without looking at its
-// triangles one by one. Keeps what it knows of the fan from one step to the next.
+// Moves a sphere over the faces of a large fan that is convex or hollow as seen by the sphere (SurfaceAdjacency), without an event at each
+// of its triangles. Keeps from step to step what it has found out about the fan.
 //
 // Frame and units: TouchGeometry's local ones. RT: yes, except for the constructor.
 class LargeFan {
@@ -31,19 +31,19 @@ class LargeFan {
   }
 
   enum class Crossing : std::uint8_t {
-    none,    // the sphere is on no fan, or gets no farther like that: events go on from there
+    none,    // the sphere is on no such fan, or this gets it no farther: the follower goes on with events
     convex,  // it has rolled from face to face
-    hollow,  // it has gone at once to where the device holds it
+    hollow,  // it has gone straight to where the device holds it
   };
-  // Whether the scene may have one: without, cross() has nothing to do.
+  // Whether the scene may have large fans; if not, cross() does nothing.
   bool exists() const { return !planes_.empty(); }
-  // Follows the device, from `time`. The centre is then valid for the device at `time`, whatever is returned.
+  // Follows the device from `time` on, on its way from `from` (0) to `to` (1). The centre is valid at the new `time`, whatever is returned.
   Crossing cross(SphereOnFan on, const Vec3& from, const Vec3& to, double& time) noexcept;
-  // The set of triangles has changed. Pre: whether the scene may have large fans has not.
+  // Call when the set of triangles has changed. Pre: exists() still holds, or still does not.
   void forget() { room_.room = -1.0; }
 
  private:
-  // Nothing but the fan around a tip comes nearer to the sphere than it is allowed to while its centre is that near to a place.
+  // While the sphere's centre is within `room` of `at`, only the fan around `tip` can come nearer to the sphere than allowed.
   struct FanRoom {
     Vec3 tip = Vec3::Zero();
     Vec3 at = Vec3::Zero();
@@ -51,9 +51,9 @@ class LargeFan {
     std::uint32_t mesh = 0;
     std::uint32_t vertex = 0;  // of the tip, in the mesh
     bool back = false;         // the side that the sphere is on
-    int planes = 0;            // of a hollow fan: those near, in planes_
+    int planes = 0;            // number of planes near the sphere, in planes_; hollow fans only
   };
-  // Where a sphere in a hollow fan is for a device: in contact with those planes.
+  // Where a device holds a sphere in a hollow fan: the centre, and its contacts.
   struct HollowPlace {
     Vec3 centre = Vec3::Zero();
     int count = 0;
@@ -78,7 +78,7 @@ class LargeFan {
 
   const TouchGeometry& geometry_;
   FanRoom room_;
-  std::vector<FanPlane> planes_;  // of the capacity of gathered triangles if the geometry has large fans; else empty
+  std::vector<FanPlane> planes_;  // as many as NearTriangles::kCapacity if the scene may have large fans; else empty
 };
 
 }  // namespace hapton
