@@ -24,7 +24,7 @@ class LocalMinimum {
   bool solve(const Vec3& device, Vec3& c, int& work) const noexcept;
   // The displacement of the minimum for a small displacement `motion` of the device, to first order. Pre: at most two active contacts.
   Vec3 find_rate(const Vec3& c, const Vec3& device, const Vec3& motion) const noexcept;
-  // Second derivative of half the squared distance to the device along the free directions, the smallest. 1: all parts are flat.
+  // Least second derivative of half the squared distance to the device along at most two active contacts. 1: all flat, or no frame.
   double find_stability(const Vec3& c, const Vec3& device) const noexcept;
   // The same, with the contacts' frame at c.
   double find_stability(const ContactFrame& frame, const Vec3& c, const Vec3& device) const noexcept;
