@@ -8,11 +8,11 @@
 
 namespace hapton {
 
-// Three numbers as lanes, for boxes of an ObbTree; the last lane is of no use. RT: yes.
+// Vectors of three numbers in four SIMD lanes, for the boxes of an ObbTree. The fourth lane has no meaning. RT: yes.
 
 inline Lanes4 lanes_of(const Vec3& v) { return Lanes4{v.x(), v.y(), v.z(), 0.0}; }
 
-// Reads four numbers.
+// The first three floats are the vector. Pre: four floats can be read.
 inline Lanes4 lanes_at(const float* from) {
   using Floats4 = float __attribute__((vector_size(16)));
   Floats4 four;
@@ -22,10 +22,10 @@ inline Lanes4 lanes_at(const float* from) {
 
 inline Lanes4 absolute(const Lanes4& x) { return detail::lane_max(x, -x); }
 
-// The components of v along axes that are given by coordinate.
+// The dot products of v with three axes. axes[i]: coordinate i of each axis.
 inline Lanes4 along(const Lanes4 (&axes)[3], const Vec3& v) { return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2]; }
 
-// At most and at least x, by a relative 2^-22, for distances that are kept in single precision.
+// A lower and an upper bound of x in single precision, which differ from x by about 2^-22 of it. For distances that are kept as float.
 inline float float_at_most(double x) { return static_cast<float>(x - std::fabs(x) * 0x1p-22 - 0x1p-100); }
 inline float float_at_least(double x) { return -float_at_most(-x); }
 

@@ -8,17 +8,17 @@
 
 namespace hapton {
 
-// Which of many contacts a local set keeps. The nearest alone may all be on one side of a face: the tool would tilt over its other side.
-// For each goal, the bound that the motion within the chosen ones violates most is added, until none is violated: then the motion is that
-// within all bounds (cutting planes, Kelley 1960). The motion is that of LocalContacts::solve: in the metric with the curvature of the
-// contacts, or in the plain one if nothing is active there; and once the chosen bounds contradict each other, so do all, and all of them
-// are lowered to where zero motion meets them. A goal ends early after kMaxCuts, the first one only where all places are taken. The
-// places that are left go to the bounds with the least room.
+// Chooses which of many contacts a LocalContacts keeps. The nearest may all be on one side of a face: the tool would tilt into the other.
+// For each goal, finds the motion within the chosen bounds, adds the bound of all that this motion violates most, and repeats until none
+// is violated: the motion is then the same as within all bounds (cutting planes, Kelley 1960). The motion is that of LocalContacts::solve:
+// in the metric with the curvature of the contacts, or in the plain metric if no bound is active in that one. If the chosen bounds
+// contradict each other, all bounds are lowered so that zero motion satisfies them. The search for a goal stops after kMaxCuts bounds; the
+// first goal is searched again at the end without this limit. Places that are then left go to the bounds with the least room.
 //
-// bounds: of shift and turn. goals: where the device is, as shift and turn; the first one is what is most likely. metric: a local set of
-// which the contacts are not read. Returns how many are chosen, as many as fit; their numbers are in `chosen`, each once. RT: yes; for
-// each goal at most 2 kMaxCuts + 2 passes over all bounds, for the first one 3 LocalContacts::kMax, and twice as many if bounds
-// contradict each other.
+// bounds: half-spaces of motions from the proxy (shift, then turn). goals: motions to possible poses of the device, the most likely one
+// first. metric: only its inverse roots, stiffness and tolerance are read. Returns the number of chosen bounds, at most chosen.size() and
+// LocalContacts::kMax; `chosen` gets their indices, each once. RT: yes; passes over all bounds: at most 2 kMaxCuts + 2 for each goal and
+// 3 LocalContacts::kMax for the first one, and twice as many if bounds contradict each other.
 inline constexpr int kMaxCuts = 8;  // in each metric
 std::size_t choose_contacts(std::span<const MotionBound> bounds, std::span<const Vec6> goals, const LocalContacts& metric,
                             std::span<std::uint32_t> chosen) noexcept;

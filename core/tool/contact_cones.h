@@ -7,50 +7,50 @@
 
 namespace hapton {
 
-// The forces of contacts on a rigid tool under Coulomb friction, and where they hold it.
+// The forces of contacts on a rigid tool under Coulomb friction, and the pose at which they hold the tool.
 //
-// Each contact exerts a normal force that is not negative, and a tangential one of at most the coefficient times that, against the slip of
-// its point since the tool was at `from`. Nonlinear Gauss-Seidel iteration (Jourdan, Alart & Jean 1998): the forces of one contact after
-// the other are corrected while those of the others stay, until no correction matters. However much of that is left after kMaxRounds, the
-// coupling holds against exactly the sum of these forces: friction is never more than the coefficient allows, and no contact attracts.
+// Each contact exerts a normal force that is not negative, and a tangential force of at most the coefficient times the normal force,
+// against the slip of its point since the tool was at `from`. Nonlinear Gauss-Seidel iteration (Jourdan, Alart & Jean 1998): corrects the
+// forces of one contact after another while those of the others stay, until the corrections are negligible. Even if kMaxRounds end it
+// first, the coupling balances exactly the sum of these forces: friction stays within its coefficient, and no contact attracts.
 //
-// Frame: local units; forces over the coupling's linear stiffness. RT: yes. Threads: one.
+// Frame: local units; forces are divided by the coupling's linear stiffness. RT: yes. Threads: one.
 class ContactCones {
  public:
   static constexpr std::size_t kMax = 12;     // contacts; 3 to 6 carry a tool
-  static constexpr int kMaxRounds = 120;      // of the iteration in a step; what is left goes on in the next one
-  static constexpr std::size_t kMaxSets = 6;  // a contact that was left out and is violated is added, and the iteration goes on
+  static constexpr int kMaxRounds = 120;      // of the iteration in a step; the next step continues from its forces
+  static constexpr std::size_t kMaxSets = 6;  // runs of the iteration; after each, the contact violated most is added
 
-  // Where the contacts hold the tool while the device is at `wanted`. wanted, from: motions from local.proxy. frictionless: of
-  // local.solve(); its contacts and those that pushed in the last step are considered first. The forces of the last step are the first
-  // guess.
+  // Finds where the contacts hold the tool while the device is at `wanted`. wanted, from: motions from local.proxy. frictionless: result of
+  // local.solve(); its contacts and those that pushed in the last step are considered first. The iteration starts from the forces of the
+  // last step. is_static: static friction coefficients, otherwise dynamic ones.
   void solve(const LocalContacts& local, const Vec6& wanted, const Vec6& from, const LocalContacts::Solution& frictionless,
              bool is_static) noexcept;
-  // The last step is not a guess for the next one.
+  // The next step does not start from the forces of the last one.
   void forget() noexcept { known_count_ = 0; }
 
-  // Of the last step:
-  const Vec6& motion() const noexcept { return motion_; }   // from local.proxy; violates a bound by what the iteration left
-  double slip() const noexcept { return slip_; }            // since `from`, the largest of a contact that pushes
+  // Results of the last step:
+  const Vec6& motion() const noexcept { return motion_; }   // from local.proxy; may violate bounds by what the limits above left
+  double slip() const noexcept { return slip_; }            // largest since `from`, of contacts with at least 2^-10 of the largest force
   bool holds() const noexcept { return known_count_ > 0; }  // a contact pushes
   int rounds() const noexcept { return rounds_; }
 
  private:
-  // Rows are scaled by the root of the inverse stiffness, so that a force times its row is the displacement that it causes.
+  // Rows are scaled by the root of the inverse stiffness, so that a force times its row is the scaled displacement that it causes.
   struct Contact {
-    int index = -1;  // of LocalContacts
+    int index = -1;  // in LocalContacts
     Vec6 normal_row = Vec6::Zero();
     std::array<Vec6, 2> tangent_rows = {};
     std::array<Vec3, 2> tangents = {};
-    std::array<double, 2> from = {};  // along the tangents, where its point was
-    double least = 0.0;
+    std::array<double, 2> from = {};  // displacement of its point along the tangents at `from`
+    double least = 0.0;               // as MotionBound::least
     double coefficient = 0.0;
     double normal_compliance = 1.0;
-    double tangent_compliance = 1.0;  // at least that of any tangential direction
-    double normal = 0.0;
-    std::array<double, 2> tangential = {};
+    double tangent_compliance = 1.0;        // an upper bound of that in any tangential direction
+    double normal = 0.0;                    // force
+    std::array<double, 2> tangential = {};  // force along the tangents
   };
-  struct Known {
+  struct Known {  // a contact of the last step, and its force
     Vec3 arm = Vec3::Zero();
     Vec3 direction = Vec3::Zero();
     double normal = 0.0;
@@ -69,7 +69,7 @@ class ContactCones {
   std::size_t count_ = 0;
   std::array<Known, kMax> known_ = {};  // those that pushed in the last step
   std::size_t known_count_ = 0;
-  Vec6 at_ = Vec6::Zero();  // scaled: the device's motion, and what all forces cause
+  Vec6 at_ = Vec6::Zero();  // scaled: the device's motion plus the displacements by all forces
   Vec6 motion_ = Vec6::Zero();
   double slip_ = 0.0;
   int rounds_ = 0;
