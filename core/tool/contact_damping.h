@@ -25,8 +25,8 @@ struct DampingCoefficients {
 // where u_i is the velocity of the tool relative to the surface at the contact point, and C_i is the damping along the normal and along the
 // surface. The weights w_i distribute the damping of one face over its contacts in proportion to their forces, whatever their number and
 // objects; contacts with different normals share less. If the sum over all contacts exceeds, in some direction of translation, the largest
-// coefficient of the touched materials, all of it is scaled down to that coefficient: the tool is damped no more than by one surface. The
-// normal and the tangential part of D_i are each limited to f_i, so damping ends with its contact and never attracts.
+// coefficient of the touched materials, the sum is scaled down to that coefficient: the tool is damped no more than by one surface. The
+// normal and the tangential part of D_i are each at most f_i, so damping vanishes with the contact force and never attracts.
 //
 // Force and torque are F = -G v, where v is the twist of the tool about the grip point and G = sum_i J_i^T w_i C_i J_i is a 6 x 6 matrix,
 // symmetric and positive semidefinite. The distribution of a force over more than three contacts of a face is not unique and may change
@@ -36,9 +36,9 @@ struct DampingCoefficients {
 //
 // Velocities: of the device relative to each part of the scene, filtered (SmoothVelocity). A jump of a part, i.e. a motion of it
 // relative to the tool faster than kJumpMPerS, does not count as velocity.
-// Frame: S, lengths in local units where said. RT: step yes, construction set-up only. Threads: one.
+// Frame: S; SI units, but local units in placements and where said. RT: all but construction, which is set-up only. Threads: one.
 // Bound: for damping and for viscosity, for each part, the smaller of the sum of its contact forces and kMaxEffectForceN; the torque is at
-// most this force times the longest arm. The rest of contacts that ended while others continue is bounded by their last force, and decays.
+// most this force times the longest arm. What remains of contacts that ended while others last decays from at most their last force.
 // Passivity: dissipative, relative to the surfaces.
 class ContactDamping {
  public:
@@ -48,11 +48,11 @@ class ContactDamping {
   static constexpr std::size_t kMaxContacts = 6;  // active at once
 
   struct Contact {
-    Vec3 arm = Vec3::Zero();  // from the grip point, local units
-    Vec3 normal = Vec3::Zero();
+    Vec3 arm = Vec3::Zero();     // from the grip point, local units
+    Vec3 normal = Vec3::Zero();  // unit, from the scene to the tool
     double force_n = 0.0;
-    int part = 0;              // of the scene; 0 is static
-    std::uint32_t object = 0;  // of the part
+    int part = 0;              // index of the part of the scene; 0 is static
+    std::uint32_t object = 0;  // index within the part
   };
   struct Wrench {
     Vec3 force_n = Vec3::Zero();
@@ -68,21 +68,21 @@ class ContactDamping {
   // Takes effect in the next step. Pre: same numbers of parts and objects as in the constructor. RT: yes.
   void set_damping(const std::vector<std::vector<DampingCoefficients>>& damping) noexcept;
   void reset() noexcept;
-  // The placement of the device at this sample, and of each moving part (part 1 first). dt_s: time since the previous sample; if it is not
-  // above 0, the velocities do not change.
+  // Takes the placements of the device and of each moving part (part 1 first) at this sample. dt_s: time since the previous sample; if it
+  // is not above 0, the velocities do not change.
   void move(const Placement& device, std::span<const Placement> parts, double dt_s) noexcept;
-  // The frame S has moved: this was the placement of the device in it at the last sample. It is not a motion of the hand.
+  // Frame S has moved. device: the last sample's placement of the device in the new S; so the change is not taken as motion of the hand.
   void move_last(const Placement& device) noexcept { device_ = device; }
-  // Contacts of this sample; only the first kMaxContacts count. is_held: the tool is in contact, whether or not its contacts are known.
+  // contacts: of this sample; only the first kMaxContacts count. is_held: the tool is in contact, whether or not its contacts are known.
   // Returns the force and torque on the tool.
   Wrench step(std::span<const Contact> contacts, bool is_held) noexcept;
-  // Contact has ended.
+  // Contact has ended: drops the filtered damping.
   void release() noexcept { touched_.count = 0; }
   // The share of the last step's wrench that the contacts with this part exert on the tool.
   Wrench on_tool_by(int part) const noexcept;
 
  private:
-  // G of one kind of damping and one part.
+  // The share in G of one kind of damping (normal or tangential) at one part.
   struct DampingMatrix {
     Mat6 matrix = Mat6::Zero();
     double coefficient = 0.0;  // sum of weight times damping coefficient over its contacts
@@ -98,7 +98,7 @@ class ContactDamping {
     double contact_n = 0.0;    // sum of its contact forces
     double largest = 0.0;      // largest damping coefficient of the materials touched in this step
     double upper_bound = 0.0;  // of the damping in any direction: sum of weight times coefficient
-    double remaining = 1.0;    // share of its damping since it was touched last
+    double remaining = 1.0;    // share of its damping that has not decayed since it was last touched
     Vec6 force = Vec6::Zero();
   };
   // The parts touched in this step, then those touched shortly before.

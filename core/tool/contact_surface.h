@@ -11,11 +11,11 @@
 namespace hapton {
 
 // One object prepared for contact with other meshes: its geometry, features and tree, in the local frame of a scene. The same object can be
-// a tool (ToolSurface) and part of a scene (SceneSurface), in any number of them.
+// a tool (ToolSurface) and part of a scene (SceneSurface), in any number of tools and scenes.
 // Threads: immutable. RT: set-up only.
 class ContactSurface {
  public:
-  // Of a geometry that may be shared.
+  // geometry: may be shared with others.
   explicit ContactSurface(std::shared_ptr<const ObjectGeometry> geometry);
   ContactSurface(const ContactSurface&) = delete;
   ContactSurface& operator=(const ContactSurface&) = delete;
@@ -31,27 +31,27 @@ class ContactSurface {
   ObbTree tree_;
 };
 
-// What the search for contacts needs of a tool, whatever the scene is.
+// The data of a tool for the search for contacts, the same for every scene. Frame: the tool's axes from the grip point, local units.
 struct ToolSurface {
   // Pre: the geometry outlives this.
   explicit ToolSurface(const ObjectGeometry& tool);
-  // Of a prepared object with its origin at the grip point. tool: surface->geometry().about(grip).
+  // Makes a tool of a prepared object, with its origin moved to `grip`. tool: surface->geometry().about(grip).
   ToolSurface(const std::shared_ptr<const ContactSurface>& surface, const Vec3& grip, const ObjectGeometry& tool);
 
-  std::shared_ptr<const SurfaceFeatures> features;  // the positions of their surface may have another origin
+  std::shared_ptr<const SurfaceFeatures> features;  // positions of their surface may have an origin other than the grip point
   ObbTree tree;
   double radius;  // largest distance of a point from the grip point
 };
 
-// What the search for contacts needs of a scene, whatever the tool is.
+// The data of a scene for the search for contacts, the same for every tool.
 struct SceneSurface {
-  // Pre: the geometry outlives this, and is built.
+  // Pre: the geometry outlives this, and all its objects are built.
   explicit SceneSurface(const TouchGeometry& scene);
-  // Of prepared objects, whose trees are joined. Pre: scene is made of their geometries.
+  // Makes a scene of prepared objects, whose trees it joins. Pre: `scene` is made of their geometries, in the same order.
   SceneSurface(const std::vector<std::shared_ptr<const ContactSurface>>& objects, const TouchGeometry& scene);
 
   std::vector<std::shared_ptr<const SurfaceFeatures>> features;  // by object
-  ObbTree tree;                                                  // of all
+  ObbTree tree;                                                  // over all objects
 };
 
 }  // namespace hapton
