@@ -9,14 +9,14 @@
 
 namespace hapton {
 
-// A set of pairs of features, told apart by their numbers. Open addressing; clear is free. RT: all but construction.
+// A set of pairs of features, identified by their numbers. Open addressing; clear takes constant time. RT: all but construction.
 class FeatureSet {
  public:
   // Pre: no more than `most` are inserted between two clears.
   explicit FeatureSet(std::size_t most) : slots_(std::bit_ceil(2 * most)) {}
 
   void clear() noexcept { ++stamp_; }
-  // False if the pair is in the set already.
+  // False if the pair was already in the set.
   bool insert(const FeaturePair& pair) noexcept;
   bool has(const FeaturePair& pair) const noexcept { return slots_[find(key_of(pair))].stamp == stamp_; }
 

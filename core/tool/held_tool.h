@@ -14,9 +14,9 @@ namespace hapton {
 // A rigid tool in two tasks: the slow one follows the device with the proxy of ToolStep, which may take milliseconds on fine meshes, and
 // passes on the contacts that it finds; the fast one computes force and torque from these at the device's rate, and never waits (Ortega,
 // Redon & Coquillart 2007, sections 4 and 5). A contact that the slow task has not found yet gives no force. If the slow task stalls, the
-// force fades. So it does where the proxy cannot move because more pairs are near than ToolProxy considers; after kStaleS the tool is then
-// put where the device is. Threads: functions marked `Fast` in one, follow() (`Slow`) in one other. RT: the fast ones yes, at most
-// LocalContacts::kMax contacts; follow as ToolStep::step.
+// force fades. It also fades while the proxy cannot move because more pairs are near than ToolProxy considers; after kStaleS of this, the
+// tool is put where the device is. Threads: functions marked `Fast` in one thread, follow() (`Slow`) in one other. RT: the fast ones yes,
+// with at most LocalContacts::kMax contacts; follow as ToolStep::step.
 class HeldTool final : public StylusTool {
  public:
   // Age of the contacts at which the force begins to fade, and at which it is zero.
@@ -29,7 +29,7 @@ class HeldTool final : public StylusTool {
   // If new contacts come more than kMaxPromptSamples samples after the previous ones and change the force by more than the device's motion
   // explains, the force fades to the new one over this time.
   static constexpr double kContactFadeS = 0.02;
-  // What a sample counts at most for it: after a late one the force must not jump by what would have faded meanwhile.
+  // The most time by which one sample advances this fade: after a late sample the force must not jump by what would have faded meanwhile.
   static constexpr double kMaxFadeStepS = 2e-3;
   static constexpr int kMaxPromptSamples = 2;
   // If two samples are farther apart than this, or time goes back, damping takes no motion between them into account: io_node uses no force
@@ -40,9 +40,9 @@ class HeldTool final : public StylusTool {
   // Before it is held, the tool lies at X_SP (frame S); from there it moves to the device.
   HeldTool(std::unique_ptr<ToolStep> tool, const Pose& X_SP);
 
-  // Fast: force, torque and drawn pose for one sample, from the contacts that were found last. output.proxy: of the slow task's last step.
+  // Fast: force, torque and drawn pose for one sample, from the newest contacts. ToolOutput::proxy is that of the slow task's last step.
   ToolOutput step(const ToolInput& input, std::int64_t time_ns) noexcept override;
-  // Fast: as ToolStep::reset does.
+  // Fast: the slow task resets the proxy, as ToolStep::reset does, at the next sample.
   void begin_anew() noexcept override { ++serial_; }
   // Fast.
   void forget_motion() noexcept override { drag_.reset(); }
@@ -54,8 +54,8 @@ class HeldTool final : public StylusTool {
   // Fast: how old the contacts of the last step were.
   double age_s() const noexcept { return age_s_; }
 
-  // Fast: samples with contacts so far, those whose contacts were so old that the force faded, and the largest age. After a gap in the
-  // samples they count from the next contacts on.
+  // Fast: counts of samples with known contacts, and of those whose contacts were so old that the force faded; the largest age. After a gap
+  // between samples (kLongestGapS), counting resumes when the next contacts come.
   struct Lateness {
     std::uint64_t samples = 0;
     std::uint64_t faded = 0;
@@ -63,10 +63,10 @@ class HeldTool final : public StylusTool {
   };
   const Lateness& lateness() const noexcept { return lateness_; }
 
-  // Fast. Friction is shared among all contacts by their dynamic friction.
+  // Fast. The friction force is divided among all contacts in proportion to normal force times dynamic friction coefficient.
   const ToolPush& push_on(std::size_t part) const noexcept override { return pushes_[part]; }
 
-  // Slow: follows the newest sample. False: there is no new one.
+  // Slow: moves the proxy towards the newest sample and finds the contacts there. False: there is no new sample.
   bool follow() noexcept;
 
   const ToolStep& tool() const { return *tool_; }
@@ -89,9 +89,9 @@ class HeldTool final : public StylusTool {
 
   struct Sample {
     Placement device = {};
-    Placement goal = {};  // what the pose follows: the device, or where friction holds the tool
+    Placement goal = {};  // what the proxy follows: the device, or where friction holds the tool
     std::int64_t time_ns = 0;
-    std::uint32_t serial = 0;           // of restarts; 0: there has been no sample
+    std::uint32_t serial = 0;           // number of restarts; 0: there has been no sample
     std::vector<Placement> parts = {};  // poses of the parts of the scene that move; their number never changes
   };
   void publish(const Placement& device, const Placement& goal, std::int64_t time_ns) noexcept;
@@ -99,7 +99,7 @@ class HeldTool final : public StylusTool {
   struct FoundContacts {
     LocalContacts contacts;
     ToolProxyStep step;
-    double reach = 0.0;  // local units; contacts has everything that can stop the tool within this distance of contacts.proxy
+    double reach = 0.0;  // local units; contacts were searched for within this distance of contacts.proxy
     std::int64_t time_ns = 0;
     std::uint32_t serial = 0;
   };
@@ -110,25 +110,25 @@ class HeldTool final : public StylusTool {
   Mailbox<FoundContacts> found_;
   std::uint32_t serial_ = 1;
   double age_s_ = 0.0;
-  double frozen_s_ = 0.0;  // for so long has the proxy been unable to move
+  double frozen_s_ = 0.0;  // how long the proxy has been unable to move
   Lateness lateness_;
   bool is_after_sample_gap_ = true;  // no contacts have come since a gap in the samples
   bool is_known_ = false;
-  Sample last_;  // the last one that follow() used
+  Sample last_;  // the one that follow() used last
   std::optional<Placement> start_;
   ToolFriction friction_;
   ContactDamping drag_;
-  // From set_materials(), by part and object. Before its first call, contacts and drag_ have those with which the tool was made.
+  // As set_materials() gave them, by part and object. Before its first call, contacts and drag_ have the values the tool was made with.
   std::vector<std::vector<CoulombFriction>> friction_of_;
   std::vector<std::vector<DampingCoefficients>> damping_of_;
-  std::vector<std::size_t> counts_;  // of objects, by part
+  std::vector<std::size_t> counts_;  // of set_materials(): objects counted so far, by part
   bool has_friction_;
   bool has_changed_ = false;
   ToolView last_view_;                 // kept only if there is damping
   std::vector<Placement> parts_;       // at the fast task's last step
-  std::vector<Placement> last_parts_;  // at the one before
+  std::vector<Placement> last_parts_;  // at the step before that
   std::vector<ToolPush> pushes_;
-  // The fast task's last step, and the change of force that late contacts brought, of which fading_share_ has not faded yet.
+  // What the fast task's last step returned; and the change of force by late contacts, of which the share fading_share_ is still to fade.
   ContactDamping::Wrench felt_;
   ContactDamping::Wrench fading_wrench_;
   double fading_share_ = 0.0;
