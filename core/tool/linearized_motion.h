@@ -4,15 +4,15 @@
 
 namespace hapton {
 
-// A rigid motion with the paths of its points taken as straight lines from start to end. A path stays within the sagitta of its arc of that
-// line. Frame and units: TouchGeometry's local ones; rad. RT: yes.
+// A rigid motion in which the path of each point is replaced by the straight line from its start to its end. The true path differs from
+// this line by at most the sagitta of its arc. Frame and units: TouchGeometry's local ones; rad. RT: yes.
 struct LinearizedMotion {
   Placement from;
   Mat3 orientation;  // at the start
   Vec3 shift;
-  Mat3 turned;           // what the turn adds to an arm, along the scene's axes
+  Mat3 turned;           // turned * arm: the change of an arm by the turn, along the scene's axes
   double angle = 0.0;    // of the turn
-  double sagitta = 0.0;  // of an arm of length 1
+  double sagitta = 0.0;  // upper bound, for an arm of length 1
 
   explicit LinearizedMotion(const RigidMotion& motion)
       : from(motion.from),
@@ -22,7 +22,7 @@ struct LinearizedMotion {
         angle(motion.turn.norm()),
         sagitta(0.125 * angle * angle) {}
 
-  // From start to end, of a point of the tool with an arm along the scene's axes.
+  // The displacement from start to end of a point of the tool. arm: from the grip point at the start, along the scene's axes.
   Vec3 displacement(const Vec3& arm) const { return shift + turned * arm; }
 };
 
