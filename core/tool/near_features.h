@@ -26,19 +26,19 @@ struct NearFeature {
   bool is_minimum = false;
 };
 
-// The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it on the
-// way. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
-// generation: the caller finds a motion from few pairs, and adds those that it brings together).
-// The workers of a team share the work; the result does not depend on their number. Frame and units: TouchGeometry's local ones.
-// Work: at most ObbFront::kMaxTests pairs of boxes a call, and kMaxFeatures pairs of features. RT: collect, extend, follow and
-// any_intersect yes with one worker, construction set-up only. Pre: the geometries and the team outlive this; the scene is built at once.
+// The pairs of features of tool and scene that matter for a motion of the tool: all within a distance, and those that come within it during
+// the motion. A pair that only slides tangentially is left out, however fast it is, so only a few of the near pairs remain (constraint
+// generation: the caller finds a motion from few pairs, and adds those that this motion brings together).
+// The workers of a team share the work; the result does not depend on their number. Frame and units: TouchGeometry's local ones. Work of
+// collect and extend: at most ObbFront::kMaxTests pairs of boxes, and kMaxFeatures pairs of features. RT: collect, extend, follow and
+// any_intersect yes with one worker, construction set-up only. Pre: geometries and team outlive this; scene not built on_approach.
 class NearFeatures {
  public:
   static constexpr std::size_t kMaxTrianglePairs = 1U << 17;  // of any_intersect; a choice
   static constexpr std::size_t kMaxFeatures = 1U << 14;       // pairs of features; a choice
 
   NearFeatures(const ObjectGeometry& tool, const TouchGeometry& scene, WorkerTeam& team = calling_thread());
-  // The same, with surfaces that were made before. Pre: they are those of this tool and this scene.
+  // The same, with surfaces that were made before. Pre: they belong to this tool and this scene.
   NearFeatures(const ObjectGeometry& tool, std::shared_ptr<const ToolSurface> tool_surface, const TouchGeometry& scene,
                std::shared_ptr<const SceneSurface> scene_surface, WorkerTeam& team = calling_thread());
   // The same tool and another scene; the tool's surface is shared.
@@ -46,7 +46,7 @@ class NearFeatures {
   NearFeatures(const NearFeatures&) = delete;  // front_ points to the trees
   NearFeatures& operator=(const NearFeatures&) = delete;
 
-  // Finds the pairs that are no farther apart than `distance`. False: there are more than kMaxFeatures, and features() is incomplete.
+  // Finds the pairs with at most this distance. False: a limit of the work was exceeded, and features() is incomplete.
   // turn, rad: a pair that becomes a minimum if the tool turns by this angle counts as a minimum, if its closest points are inside a face
   // or inside two edges, so that its normal does not change.
   bool collect(const Placement& placement, double distance, double turn) noexcept;
@@ -61,7 +61,7 @@ class NearFeatures {
   void restart() noexcept { front_.restart(); }
   // The pairs of the last collect, then those that each extend has added; their gaps are those at the last collect or follow.
   std::span<const NearFeature> features() const { return {features_.data(), count_}; }
-  // True if triangles of tool and scene intersect (exact signs), or if there are too many near each other to tell.
+  // True if triangles of tool and scene intersect (exact predicates), or if the boxes of more than kMaxTrianglePairs pairs overlap.
   bool any_intersect(const Placement& placement) noexcept;
 
   // The object of the scene to which the pair belongs.
@@ -96,29 +96,29 @@ class NearFeatures {
     std::uint64_t walk = 0;  // the traversal that it was made for
     std::uint32_t triangle = 0;
 
-    std::array<Vec3, 3> moved;  // displacement of each corner
+    std::array<Vec3, 3> moved;  // displacement of each corner over the motion
     double most_moved = 0.0;
     double reach = 0.0;  // if the straight lines from start to end are farther apart than this, the paths stay farther than `within`
-    Box swept;           // its path, inflated by the reach
+    Box swept;           // box of the straight lines of its corners, inflated by the reach
   };
 
   struct Found {
     NearFeature near;
-    std::uint32_t place;  // of the visit in the traversal (ObbFront::Turn)
+    std::uint32_t place;  // position of the visit in the traversal (ObbFront::Turn)
   };
   // Data of one worker in a call.
   struct Worker {
     std::vector<SweptTriangle> swept;  // cache, by triangle number modulo kSwept
     std::vector<Found> found;          // pairs that are not in features_
   };
-  // A visited pair of triangles, and the squared least distances of all its features and of those that are not known yet.
+  // A visited pair of triangles, and the least squared distance of all its features, and of those that are not known yet.
   struct Visit {
     Worker& worker;
     std::uint32_t place;
     const SweptTriangle& tool;
     std::array<Vec3, 3> scene;  // corners
     FeaturePair pair = {};
-    std::uint16_t near = 0;  // features that are found, or known
+    std::uint16_t near = 0;  // bits of the features that are near: found now, or known before
     bool fits = true;        // false: no room for more pairs of features
     double all_squared = std::numeric_limits<double>::infinity();
     double rest_squared = std::numeric_limits<double>::infinity();
@@ -136,17 +136,17 @@ class NearFeatures {
   static ObbFront::Visited apart_by(const PlaneGap& plane, const SweptTriangle& tool, const PlacedTriangle& scene) noexcept;
   // features: bits of the features to consider.
   ObbFront::Visited find_near(Visit& visit, std::uint16_t features) const noexcept;
-  // These add features that matter to what the worker has found.
+  // These add the features that matter for the motion to Worker::found.
   void add_features(std::uint16_t features, Visit& visit) const noexcept;
   void add_vertices(std::uint16_t features, Visit& visit) const noexcept;
   void add_edges(std::uint16_t features, Visit& visit) const noexcept;
   void add(double distance_squared, std::uint16_t feature, Visit& visit) const noexcept;
-  bool add_if_near(Visit& visit) const noexcept;  // false: it was not added
+  bool add_if_near(Visit& visit) const noexcept;  // false: the pair was not added
   bool is_minimum(const FeaturePair& pair, const FeatureGap& gap) const noexcept;
   const SurfaceFeatures& features_at(std::uint32_t scene_triangle) const noexcept {
     return *scene_surface_->features[scene_->mesh_of(scene_triangle)];
   }
-  bool merge_found() noexcept;  // moves what the workers have found to features_. False: there are more than fit
+  bool merge_found() noexcept;  // moves what the workers have found to features_. False: it does not fit
 
   const ObjectGeometry* tool_;
   const TouchGeometry* scene_;
@@ -159,7 +159,7 @@ class NearFeatures {
   Placement placement_;  // of the last collect or follow
   double turn_ = 0.0;
   double within_ = 0.0;   // all pairs with at most this distance at placement_ are known
-  double reached_ = 0.0;  // the same at any placement on the motion of the last extend
+  double reached_ = 0.0;  // the same at every placement on the motion of the last extend
   std::vector<NearFeature> features_;
   std::size_t count_ = 0;
   FeatureSet known_;  // the pairs in features_

@@ -13,25 +13,25 @@ namespace hapton {
 // A triangle of the tool and one of the scene.
 struct TrianglePairIds {
   std::uint32_t tool;
-  std::uint32_t scene;  // TouchGeometry's number
+  std::uint32_t scene;  // as TouchGeometry numbers it
 };
 
 // The pairs of triangles of tool and scene whose boxes come near each other.
 //
 // The tool's triangles are in tree order, eight consecutive ones form a cluster, and clusters are the leaves of an implicit binary tree of
-// boxes along the tool's axes. A box that is turned into the scene is looked up in the scene's trees; where nothing is near, what lies
-// under it is skipped. Frame and units: TouchGeometry's local ones. RT: collect yes, construction set-up only. Pre: both geometries outlive
-// this; the scene is built at once.
+// boxes along the tool's axes. The box of a node, transformed to the scene's frame, is looked up in the scene's trees; if nothing is near
+// it, the nodes below are skipped. Frame and units: TouchGeometry's local ones. RT: collect and any_intersect yes, construction set-up
+// only. Pre: both geometries outlive this; the scene is not built on_approach (BuildPolicy).
 class NearPairs {
  public:
   NearPairs(const ObjectGeometry& tool, const TouchGeometry& scene, std::size_t most_pairs);
 
-  // Finds all pairs that come within `margin` along each axis, and some that nearly do. False if there are more than most_pairs; the pairs
-  // are then incomplete.
+  // Finds all pairs whose boxes are at most `margin` apart along each of the scene's axes. False if there are more than most_pairs: pairs()
+  // is then incomplete.
   bool collect(const Placement& placement, double margin) noexcept;
   // Ordered by the tool's triangle.
   std::span<const TrianglePairIds> pairs() const { return {pairs_.data(), count_}; }
-  // True if the triangles of one of these pairs intersect at a placement (exact signs).
+  // True if the triangles of any pair of pairs() intersect at this placement (exact predicates).
   bool any_intersect(const Placement& placement) const noexcept;
 
  private:
