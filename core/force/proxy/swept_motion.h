@@ -10,26 +10,26 @@
 
 namespace hapton {
 
-// Moves a proxy by continuous collision detection, over any triangles: one straight motion after another, each as far as nothing blocks it,
-// to the constrained local minimum of the distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997). It replaces the followers
-// in steps whose events cannot be told apart, and does not know where the device was in between.
+// Moves a proxy by continuous collision detection, over any triangles: by straight motions in succession, each up to where a triangle
+// blocks it, to the constrained local minimum of the distance to the device (Zilles & Salisbury 1995, Ruspini et al. 1997). It replaces the
+// followers in steps whose events cannot be told apart. It uses only the newest device position, not the device's path to it.
 //
-// Distances decide, never signs of volumes: the proxy's distance to every triangle stays above clearance.offset - clearance.slop on its
-// whole path, so edges, vertices and cracks narrower than that are as tight as faces, and both sides of a sheet are equal.
+// Distances decide, never signs of volumes: on its whole path the proxy stays farther than clearance.offset - clearance.slop from every
+// triangle that it can touch. So it passes no edge, vertex or crack narrower than that, and both sides of a sheet behave alike.
 //
-// A sphere that is put where it has no room, as into a slit narrower than itself, is as large as the room there: at the least distance from
-// all surfaces, it is in contact with them. It grows to half of the room, and to its own size as soon as that fits. Growing never pushes
-// it.
+// A sphere that is put where it has no room, such as into a slit narrower than itself, shrinks: its radius becomes the least distance of
+// its centre from all surfaces. At the beginning of a later call it grows to half of that distance, and to its full radius as soon as that
+// fits. Growing never pushes it.
 //
-// A sphere that is put where it overlaps more triangles than it has contacts goes on like one that overlaps a few: a triangle that stops it
-// at once takes the place of a contact that does not hold it, so that after a few motions the contacts are those that decide. Whether there
-// is a direction that ends all overlaps, they show as well.
+// A sphere that is put where it overlaps more triangles than ProxyState::kMaxContacts continues like one that overlaps a few: a triangle
+// that stops it at once replaces a contact that does not hold it, so that after a few motions its contacts are the triangles that limit its
+// motion. These also show whether any direction ends all overlaps.
 //
-// Frame: TouchGeometry's local one. RT: yes; at most kMaxMotions motions in a call, and hardly more work than it is given: among many
-// triangles a motion is interrupted, and the next call goes on with it. Keeps references.
+// Frame and unit: TouchGeometry's local ones. RT: yes; at most kMaxMotions motions in a call, and little more work than most_work: among
+// many triangles a motion is interrupted, and the next call continues it. Keeps a reference to the surfaces.
 class SweptMotion {
  public:
-  // Most calls need a few; this bounds the time where rounding keeps it moving (decision 121).
+  // Most calls need a few motions; this bounds the time where rounding keeps the proxy moving (decision 121).
   static constexpr int kMaxMotions = 256;
 
   // Since construction.
@@ -43,24 +43,24 @@ class SweptMotion {
   SweptMotion(const ProxySurfaces& surfaces, const Clearance& clearance, bool is_point)
       : surfaces_(surfaces), clearance_(clearance), keep_(clearance), is_point_(is_point), sweep_(surfaces, is_point) {}
 
-  // False: out of motions, or of that many units of work (step_work.h).
-  // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch, or was put where it is.
+  // Moves the proxy to its local minimum. False: it used up the motions, or most_work units of work (step_work.h), before that.
+  // Pre: the proxy is at least clearance.offset - clearance.slop from each triangle that it can touch, or was put nearer (see above).
   bool descend(ProxyState& proxy, const Vec3& device, int most_work = StepWork::kMax) noexcept;
-  int work() const { return work_; }  // units, of the last call
+  int work() const { return work_; }  // units used by the last call
 
-  // Whether the probe is smaller than it should be, or in the middle of a motion. Then nothing else may move it, except to a new place:
-  // forget().
+  // Whether the probe is smaller than its full size, or in the middle of a motion. Then only descend() may move the proxy, unless it is put
+  // at a new place: then call forget().
   bool must_go_on() const { return is_shrunk() || sweep_.is_interrupted(); }
   bool is_shrunk() const { return keep_.offset < clearance_.offset; }
-  // The next call, until it has settled, keeps a point only that far from surfaces: in a slit that something else has put it into. With the
-  // clearance of sweeps the slit would push it out, in a narrow wedge far away.
+  // For a point that something else has put into a slit: the next call, and those that continue a motion interrupted in it, keep it only
+  // `offset` away from surfaces. The clearance of sweeps would push it out of the slit, in a narrow wedge far away.
   void keep_only(double offset) noexcept;
   void forget() noexcept {
     keep_ = clearance_;
     has_settled_ = true;
     drop_motion();
   }
-  // The triangles have changed: a motion begins anew.
+  // The triangles have changed: an interrupted motion is dropped, and the next call starts a new one.
   void drop_motion() noexcept {
     sweep_.drop();
     has_looked_ = false;
@@ -69,11 +69,11 @@ class SweptMotion {
   const Counters& counters() const { return counters_; }
 
  private:
-  static constexpr int kMaxIdle = 6;       // motions that lead no nearer
-  static constexpr int kWorkOfMotion = 5;  // units, beside the triangles that it queries
+  static constexpr int kMaxIdle = 6;       // motions in succession that come no nearer to the device
+  static constexpr int kWorkOfMotion = 5;  // units of a motion, in addition to the triangles that it queries
 
   bool settle(ProxyState& proxy, const Vec3& device) noexcept;
-  // Both: whether the call has settled; none: settle() goes on.
+  // Both return whether the call has settled; nothing: settle() goes on.
   std::optional<bool> finish_interrupted(ProxyState& proxy, const Vec3& device) noexcept;
   std::optional<bool> end_at_minimum(ProxyState& proxy, ConstrainedMotion& held, bool& has_forgotten) noexcept;
   bool is_blind(const ProxyState& proxy) const noexcept;
@@ -98,17 +98,17 @@ class SweptMotion {
 
   const ProxySurfaces& surfaces_;
   Clearance clearance_;
-  Clearance keep_;  // of the probe as large as it is
+  Clearance keep_;  // clearance for the probe's present size
   bool is_point_;
   std::array<ContactPlane, ProxyState::kMaxContacts> planes_;
-  int fixed_ = 0;  // contacts that hold the motion: the first ones, if all are used
+  int fixed_ = 0;  // the first contacts, which hold the motion; 0 unless all kMaxContacts are used
   StraightSweep sweep_;
-  Vec3 device_ = Vec3::Zero();  // of the last call, like the next
+  Vec3 device_ = Vec3::Zero();  // position in the last call; progress is counted anew when it changes
   bool has_settled_ = true;
-  bool has_looked_ = false;  // for all that it overlaps at this position
-  double nearest_ = 0.0;     // least distance from the device
-  double pushed_ = 0.0;      // by the contacts, at this position
-  int idle_ = 0;             // motions that led no nearer
+  bool has_looked_ = false;  // the last motion was zero, to find all triangles that the probe overlaps
+  double nearest_ = 0.0;     // least distance from the device so far
+  double pushed_ = 0.0;      // largest deviation of a motion from its goal by contacts, since the proxy last came nearer
+  int idle_ = 0;             // motions in succession that came no nearer
   int work_ = 0;
   int most_work_ = 0;
   Counters counters_;

@@ -18,15 +18,15 @@ struct HalfSpace {
 struct HalfSpaceProjection {
   Vec3 point = Vec3::Zero();
   std::array<std::size_t, 3> active{};  // indices of the active half-spaces; the first `count` are valid
-  std::array<double, 3> multiplier{};   // point = goal + sum multiplier_i normal_i, all >= 0
+  std::array<double, 3> multiplier{};   // point = goal + sum multiplier_i normal_i; all >= -tolerance / 4
   int count = 0;
-  bool feasible = false;  // false: the half-spaces have no common point within the tolerance
+  bool feasible = false;  // false: no point was found that all half-spaces contain within the tolerance
 };
 
-// Projects `goal` onto the intersection. `tolerance`: how far a half-space may be violated, in the unit of goal.
-// An LP-type problem of dimension 3: at most three planes determine the optimum. Each round adds the most violated half-space and keeps the
-// best subset of the at most four, so the distance grows strictly and the iteration ends. Extended precision inside.
-// RT: yes. Source: Sharir & Welzl, "A combinatorial bound for linear programming and related problems" (1992), the basis exchange.
+// Projects `goal` onto the intersection. `tolerance`: how far a half-space may be violated, in the unit of goal. An LP-type problem of
+// dimension 3: at most three planes determine the optimum. Each round adds the most violated half-space and keeps the subset that
+// determines the projection onto these at most four: the distance grows strictly, up to rounding, and a limit on rounds ends it. In long
+// double. RT: yes. Source: Sharir & Welzl, "A combinatorial bound for linear programming and related problems" (1992), the basis exchange.
 HalfSpaceProjection project_onto_half_spaces(const Vec3& goal, std::span<const HalfSpace> half_spaces, double tolerance) noexcept;
 
 }  // namespace hapton
