@@ -25,7 +25,7 @@ struct HalfSpaceProjection {
 
 // Projects `goal` onto the intersection. `tolerance`: how far a half-space may be violated, in the unit of goal. An LP-type problem of
 // dimension 3: at most three planes determine the optimum. Each round adds the most violated half-space and keeps the subset that
-// determines the projection onto these at most four: the distance grows strictly, up to rounding, and a limit on rounds ends it. In long
+// determines the projection onto these at most four: the distance grows strictly, up to rounding; the rounds are limited. In long
 // double. RT: yes. Source: Sharir & Welzl, "A combinatorial bound for linear programming and related problems" (1992), the basis exchange.
 HalfSpaceProjection project_onto_half_spaces(const Vec3& goal, std::span<const HalfSpace> half_spaces, double tolerance) noexcept;
 

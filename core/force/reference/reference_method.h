@@ -19,14 +19,14 @@ struct ReferenceCounters {
   std::uint64_t unsettled_steps = 0;  // steps whose force still changed at the largest number of sub-steps
   std::uint64_t candidates = 0;       // triangles near the proxy, summed over steps
   std::uint64_t most_substeps = 0;    // largest number of sub-steps of a step that settled
-  ReferenceProxy::Counters proxy;     // over all passes
+  ReferenceProxy::Counters proxy;     // summed over all passes; most_motions is the largest
 };
 
 // How the last step ended.
 struct ReferenceStep {
   bool settled = true;
-  int substeps = 1;     // of the result
-  double change = 0.0;  // of the force between the last two passes, relative
+  int substeps = 1;     // of the pass that gave the result
+  double change = 0.0;  // of P - D (see below) between the last two passes, relative to the longer one
 };
 
 // The reference that other methods are compared with: slow, simple and independent of them. It computes the limit that ever finer sub-steps
@@ -35,22 +35,22 @@ struct ReferenceStep {
 // Definition. The proxy P follows the device D on its straight motion from sample to sample. In each of N equal sub-steps P moves, in
 // straight pieces that cross no triangle, to the constrained local minimum of |P - D|. The pull D - P is projected onto the half-spaces of
 // the triangles P is in contact with (Zilles & Salisbury 1995; a sphere's contact normals as Ruspini et al. 1997). Continuous collision
-// follows that motion against every triangle; what it hits becomes a contact; this repeats until P does not move beyond rounding. Where a
-// minimum ends, P follows the gradient flow of |P - D|: its path stays on the surface and leaves a vertex in the steepest direction.
-// Coulomb friction holds P while the tangential part of the pull is within the cone, and otherwise drags it along its own pull
-// (core/force/sliding_friction.h). Force = stiffness (P - D), less damping along it, never attractive.
+// detection tests the projected motion against every triangle; what P hits becomes a contact; this repeats until P does not move beyond
+// rounding. Where a minimum ceases to exist, P follows the gradient flow of |P - D|: its path stays on the surface and leaves a vertex in
+// the steepest direction. Coulomb friction holds P while the tangential part of the pull is within the cone, and else drags it along the
+// pull (core/force/sliding_friction.h). Force = stiffness (P - D), less damping along it, never attractive.
 //
 // Limit. Each step is computed with N = reference_substeps, 2 N, 4 N ... sub-steps, always from the state at its start. A sub-step in which
-// P jumps under friction is halved until the moment of the jump is known to a billionth of the sub-step. The doubling ends when two
-// successive results agree: force and position to kAgreement of the larger force, and the sliding state. The finer result is used. If they
-// still differ at reference_substep_limit, the step is unsettled: its finest result is used, it is counted, and last_step() says so.
-// Nothing is extrapolated. Agreement is relative, or kResolution of the scene's diagonal if that is larger: the rounding left after the
-// radius of a point probe has been subtracted.
+// P jumps under friction is halved until the part with the jump is at most 2^-38 local units long, with at most 1024 halvings in a pass.
+// The doubling ends when two successive results agree: P - D to kAgreement of the longer of the two, or to kResolution local units if that
+// is more (the rounding left after the radius of a point probe has been subtracted); stiffness and sliding state exactly. The finer result
+// is used. If they still differ at reference_substep_limit, the step is unsettled: its finest result is used, it is counted, and
+// last_step() says so. Nothing is extrapolated.
 //
-// There is no search structure. Each step takes all triangles whose boxes are within the ball that the proxy cannot leave, because its
-// distance to the device never grows by more than the device's own motion. With `prefilter` false it takes all triangles; the result is
-// bit for bit the same. All computation is relative to the scene's centre, in units of the next power of two above its diagonal, so scale
-// and position do not matter. Frame: S. RT: no heap, lock or system call in step and reset, but unbounded time.
+// Without a search structure, each step takes all triangles whose boxes are in a ball around D that P cannot leave, as |P - D| never grows
+// by more than the motion of D. With `prefilter` false it takes all; the result is bit for bit the same. All computation is relative to the
+// scene's centre, in local units (ReferenceProxy): scale and position do not matter. Frame: S. RT: no heap, lock or system call in step and
+// reset, but unbounded time. Error of make: settings or vertices out of range; no triangle.
 class ReferenceMethod final : public ForceMethod {
  public:
   static constexpr double kAgreement = 1e-9;
@@ -64,15 +64,15 @@ class ReferenceMethod final : public ForceMethod {
   void reset(const Vec3& p_SD) noexcept override;
   std::string describe() const override;
 
-  // Puts the proxy at p_SP with the device at p_SD and lets it settle without friction: tells whether p_SP was a local minimum. A proxy on
-  // a face, however near to its boundary, counts as on the face. Pre: p_SP is not within rounding of a surface whose side matters; a proxy
-  // at a minimum on a surface is fine. It need not settle once it is nearer to the device than `near_enough_m`.
+  // Puts the proxy at p_SP with the device at p_SD and lets it settle without friction: if the result is still at p_SP, that was a local
+  // minimum. A proxy on a face, however near to its boundary, counts as on the face. Pre: p_SP is clear of surfaces by more than rounding,
+  // or a proxy's minimum on them. The proxy may stop before it settles, once it is nearer to the device than `near_enough_m`.
   MethodOutput settle_from(const Vec3& p_SP, const Vec3& p_SD, double near_enough_m = 0.0) noexcept;
 
   void set_materials(std::span<const Material> materials) noexcept override { proxy_->set_materials(materials); }
-  // Continues from another method's state: its proxy at rest at p_SP, with the device at p_SD; `sliding`: the proxy was sliding under
-  // friction. The proxy is put exactly there if it has room, otherwise lifted off the surface by twice a point's radius, away from the
-  // device; a point under friction is put onto the faces nearest to it. The next step continues from there. Counters are kept.
+  // Continues from another method's proxy at rest at p_SP, with the device at p_SD; `sliding`: that proxy slid under friction. The proxy is
+  // put at p_SP if it has room, else lifted from the device by twice a point's radius, and settles for this device; a point with friction
+  // is put onto the faces nearest to p_SP, without settling, if that succeeds. The next step continues from there. Counters are kept.
   void continue_from(const Vec3& p_SP, const Vec3& p_SD, bool sliding) noexcept;
 
   const ReferenceCounters& counters() const { return counters_; }
@@ -92,7 +92,7 @@ class ReferenceMethod final : public ForceMethod {
   MethodOutput compute_output(const Vec3& p_SD, const Vec3& position, const Vec3& velocity_m_per_s) const noexcept;
 
   Vec3 centre_;
-  double unit_m_ = 1.0;  // a power of two: scaling by it is exact
+  double unit_m_ = 1.0;  // local unit: a power of two, so scaling by it is exact
   int substeps_ = 1;
   int substep_limit_ = 1;
   bool prefilter_ = true;
@@ -104,10 +104,10 @@ class ReferenceMethod final : public ForceMethod {
 
   std::unique_ptr<ReferenceProxy> proxy_;
   ReferenceProxy::State start_;                // at the start of the step
-  std::vector<ReferenceProxy::State> levels_;  // before a sub-step and each of its halves
+  std::vector<ReferenceProxy::State> levels_;  // before a sub-step and before each of its halves, by level of halving
   int halvings_left_ = 0;
   Vec3 device_ = Vec3::Zero();
-  Vec3 sample_from_ = Vec3::Zero();  // the device before this sample, whose motion is damped
+  Vec3 sample_from_ = Vec3::Zero();  // the device position in the sample before, for damping
   bool has_sample_ = false;
   ReferenceStep last_;
   ReferenceCounters counters_;

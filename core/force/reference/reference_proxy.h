@@ -14,9 +14,9 @@
 namespace hapton {
 
 // The proxy of the reference: its position, its contacts, and its motion to an equilibrium for one device position.
-// All lengths in the unit of the reference, the power of two that puts the scene's diagonal into [1/2, 1). The caller supplies the
-// triangles nearby. A point probe is a sphere of radius kPointRadius, so distances decide and never signs: it passes no edge, vertex or
-// narrower crack. surface_position() subtracts that radius again. RT: no heap, lock or system call after construction, but unbounded time.
+// All lengths in local units of the reference: the power of two that puts the scene's diagonal, or the probe's radius if larger, into [1/2,
+// 1). The caller adds the triangles nearby. A point probe is a sphere of radius kPointRadius, so distances decide and never signs: it
+// passes no edge, vertex or crack narrower than itself. RT: no heap, lock or system call after construction, but unbounded time.
 class ReferenceProxy {
  public:
   static constexpr double kPointRadius = 0x1p-32;  // 2^16 times the error of a distance
@@ -34,7 +34,7 @@ class ReferenceProxy {
   struct State {
     Vec3 position = Vec3::Zero();
     std::vector<Contact> contacts;
-    Material material;  // of the contact, weighted by multipliers
+    Material material;  // mean of the active contacts, weighted by multipliers
     int object = -1;    // of the contact with the largest multiplier; -1: none yet
     bool free = true;
     bool sliding = false;
@@ -46,21 +46,21 @@ class ReferenceProxy {
     // Where a local minimum ends, the proxy follows the steepest path over the surface to the next. False: it may fly straight over convex
     // edges to some other minimum; never with friction.
     bool keeps_to_surface = true;
-    double near_enough = 0.0;  // local units: it ends as soon as it is nearer to the device than that
+    double near_enough = 0.0;  // local units: the motion ends as soon as the proxy is nearer to the device than this
   };
   struct Counters {
     std::uint64_t substeps = 0;      // with triangles nearby
     std::uint64_t motions = 0;       // straight pieces of the proxy's path
     std::uint64_t most_motions = 0;  // in one descent
     std::uint64_t unconverged = 0;   // descents stopped by the limit on motions: the proxy is valid but short of the minimum
-    std::uint64_t escapes = 0;       // vertices left that only the probe's radius had closed
+    std::uint64_t escapes = 0;       // escapes (docs/glossary.md) of a point probe
     std::uint64_t infeasible = 0;    // projections without a solution, by rounding
   };
 
   // probe_radius in local units, zero for a point. most_faces: capacity of add_face().
   ReferenceProxy(double probe_radius, std::vector<Material> materials, std::size_t most_faces);
 
-  // By object, as many as before.
+  // One for each object, as many as at construction.
   void set_materials(std::span<const Material> materials) noexcept {
     std::copy_n(materials.begin(), std::min(materials.size(), materials_.size()), materials_.begin());
     note_friction();
@@ -75,17 +75,17 @@ class ReferenceProxy {
   // Forgets all contacts and moves the proxy to p, not free.
   void place_held(const Vec3& p, bool sliding) noexcept;
 
-  // As place_held, not sliding. A point that has come nearer to faces than its offset, as positions far from the origin are rounded, is
-  // moved out to the offset, by at most its radius, if there is room. Pre: the faces there have been added.
+  // As place_held, not sliding. A point probe that is nearer to faces than its radius, because positions far from the origin are rounded,
+  // is moved out until it is that far from them, by at most its radius, if there is room. Pre: the faces near p have been added.
   void place_clear(const Vec3& p) noexcept;
 
-  // Puts a point probe with friction onto the surface near p, in contact with the faces nearest to p. Returns false, with no contacts, if
-  // there is no such position or the probe needs none. Pre: the faces there have been added.
+  // Puts a point probe with friction onto the surface near p, in contact with the faces nearest to p. False: there is no such position, and
+  // the proxy is left near p without contacts; or the probe is a sphere or without friction, and nothing changes. Pre: as above.
   bool place_on_surface(const Vec3& p, bool sliding) noexcept;
-  // Whether a held proxy can be exactly there: no face is nearer than its offset, up to a quarter of a point's radius. Pre: as above.
+  // Whether a held proxy can be exactly at p: no face is nearer than its offset less a quarter of a point's radius. Pre: as above.
   bool has_room(const Vec3& p) noexcept;
 
-  // With friction, the position depends on the device's path, not only on the device.
+  // Whether the position depends on the device's path, not only on the path's end: there is friction.
   bool has_memory() const { return !frictionless_; }
   void set_sliding(bool sliding) noexcept { state_.sliding = sliding; }
 
@@ -98,11 +98,11 @@ class ReferenceProxy {
   void restore(const State& from) noexcept { state_ = from; }
   State make_state() const;
 
-  // The proxy's position on the surface itself. For a sphere: its position. For a point: its position less its radius along the active
-  // contacts; the device itself where the force would be attractive.
+  // The proxy's position on the surface itself. A sphere: its position. A point: its position moved onto all active contacts, unless they
+  // meet at too acute an angle; the device itself where the force would be attractive.
   Vec3 surface_position(const Vec3& device) noexcept;
 
-  double rest_offset() const { return rest_offset_; }  // distance of the proxy's centre from its contacts
+  double rest_offset() const { return rest_offset_; }  // radius of the probe: distance of its centre from its contacts
   const Counters& counters() const { return counters_; }
   void clear_counters() { counters_ = {}; }
 
@@ -111,11 +111,11 @@ class ReferenceProxy {
     Vec3 low, high;
   };
   struct Pull {
-    HalfSpaceProjection motion;  // from the proxy
+    HalfSpaceProjection motion;  // from the proxy, as far as the contacts allow
     const Contact* strongest = nullptr;
   };
 
-  // Shares of a motion at which it enters and leaves a face.
+  // The part of a motion in which the proxy is over a face: shares of the motion at entry and exit.
   struct Stay {
     double from, until;
   };
@@ -123,7 +123,7 @@ class ReferenceProxy {
     double until = 1.0;  // share of the motion
     const Face* face = nullptr;
   };
-  // The one or two parts that a sphere slips over, and its distances from them.
+  // The one or two triangles over which a sphere slips, and its distances from them.
   struct SlipParts {
     std::array<PreparedTriangle, 2> shape;
     std::array<double, 2> near_distance{};
@@ -138,16 +138,16 @@ class ReferenceProxy {
   static constexpr double kTolerance = 0x1p-38;  // a 64th of a point's radius, far above rounding: contacts within it count
   static constexpr double kStill = 0x1p-46;      // shorter motions count as zero: four times the rounding error
   static constexpr double kFeasible = 0x1p-44;   // of the projection onto half-spaces: 16 times the rounding error
-  static constexpr double kLongestMotion = 4.0;  // a few scenes, so that a distant device does not cost significant digits
-  static constexpr double kSamePlane = 1e-14;    // coplanar normals differ by less in their cosine
+  static constexpr double kLongestMotion = 4.0;  // a few times the scene's size, so that a distant device does not cost significant digits
+  static constexpr double kSamePlane = 1e-14;    // normals with a cosine above 1 - this are of one plane
   static constexpr double kMinRoll = 1e-10;      // rad; a shorter arc counts as zero
-  // Rest offsets: a shorter piece of a slip is straight, and is not divided where what holds the sphere changes.
+  // In rest offsets: a shorter piece of a slip is straight, and is not divided where the features that hold the sphere change.
   static constexpr double kShortestSlip = 0x1p-14;
   // Capacities, so that a step needs no heap.
-  static constexpr std::size_t kMaxNear = 48;          // faces nearby that offer directions at a vertex
-  static constexpr std::size_t kMaxDirections = 1536;  // above 1 + 4 * 48 of pull, faces and edges and 1,128 of pairs of faces
+  static constexpr std::size_t kMaxNear = 48;          // faces that collect_near() keeps
+  static constexpr std::size_t kMaxDirections = 1536;  // above 1 + 4 * 48 of the pull, faces and edges, and 1,128 of pairs of faces
 
-  // A face at an edge.
+  // A face at a concave edge.
   struct Side {
     Vec3 normal = Vec3::Zero();
     Vec3 inward = Vec3::Zero();
@@ -210,7 +210,7 @@ class ReferenceProxy {
   State state_;
   std::vector<Face> faces_;
   std::vector<Box> boxes_;            // of faces_
-  std::vector<std::uint32_t> local_;  // indices into faces_ of those in a cube, ascending
+  std::vector<std::uint32_t> local_;  // indices into faces_ of those that reach into a cube around local_centre_, ascending
   Vec3 local_centre_ = Vec3::Zero();
   bool has_local_ = false;
   std::vector<std::uint32_t> at_vertex_;  // indices into faces_ of those at vertex_, ascending

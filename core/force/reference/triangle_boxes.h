@@ -11,14 +11,14 @@
 namespace hapton {
 
 // The boxes of triangles, in single precision and rounded outwards: finds the triangles near a point by testing the box of each, several at
-// a time. For what may not depend on a search structure: the reference, and hapton stress.
+// a time. For code that must not depend on a search structure: the reference, and hapton stress. Threads: one.
 class TriangleBoxes {
  public:
   // Pre: each triangle names vertices of the span.
   TriangleBoxes(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
   // The triangles whose box is within `bound` of p, and possibly some that are farther by a few millionths of the largest coordinate, |p|
-  // and `bound`, in ascending order. Valid until the next call. In the unit of the vertices. RT: yes.
+  // and `bound`, in ascending order. Valid until the next call. In the frame and unit of the vertices. RT: yes.
   std::span<const std::uint32_t> find_near(const Vec3& p, double bound) noexcept;
 
  private:
