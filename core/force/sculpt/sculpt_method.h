@@ -16,18 +16,18 @@
 
 namespace hapton {
 
-// The force method of a scene with objects that can be carved (TouchObject::sculpt, here: bodies). Each body has a ball (CarvingBall),
-// whatever the probe of the method is; the other objects are felt as in a scene without bodies (SceneParts). All of them have one proxy
-// (CommonProxy). With methods that cannot feel a sample twice (smooth, sweep) they are connected in series: the method first, then the
-// bodies in the order of the scene.
+// The force method of a scene with objects that can be carved (TouchObject::sculpt), here called bodies. Each body is felt with a ball
+// (CarvingBall), whatever the probe of the method is; the other objects are felt as in a scene without bodies (SceneParts). All of them
+// have one proxy (CommonProxy). Methods that cannot feel a sample twice (smooth, sweep) are connected with the bodies in series: the method
+// first, then the bodies in the order of the scene.
 //
 // Frame: S. Units: SI. RT: step, reset, resume, held_at, set_materials, exchange_sculpture and restore_sculpture yes. Threads: as
 // ForceMethod.
 class SculptMethod final : public ForceMethod {
  public:
-  // make: for the other objects. has_proxy: MethodOutput::p_SP of what it makes is a proxy, and it knows MethodInput::is_correction. Pre:
-  // the scene has a body; its materials are coupled. Error: that of SceneParts::make; a body whose mesh is not closed, or too large for its
-  // voxels.
+  // make: makes the method of the other objects. has_proxy: MethodOutput::p_SP of that method is a proxy, and the method knows
+  // MethodInput::is_correction. Pre: a body in the scene; materials are coupled (couple_material). Error: that of SceneParts::make; a body
+  // whose mesh is not closed, or whose voxels are too small or not positive.
   static Result<std::unique_ptr<ForceMethod>> make(SceneParts::Make make, bool has_proxy, const MethodSettings& settings,
                                                    const TouchScene& scene);
 
@@ -53,10 +53,10 @@ class SculptMethod final : public ForceMethod {
     CarvingBall ball;
     Material material;
     Vec3 extension_m = Vec3::Zero();         // proxy minus goal in the last step, for damping
-    Vec3 extension_before_m = Vec3::Zero();  // in the sample before
+    Vec3 extension_before_m = Vec3::Zero();  // the same in the sample before
   };
 
-  class Parts;  // in one sample: the other objects, then the bodies
+  class Parts;  // the parts for the common proxy in one sample: the other objects, then the bodies
 
   SculptMethod(SceneParts others, std::size_t bodies, bool has_proxy);
   void note_left_out() noexcept;
@@ -65,14 +65,14 @@ class SculptMethod final : public ForceMethod {
   MethodOutput feel(std::size_t body, const MethodInput& input, const Vec3& goal, const FeltParts::Turn& turn) noexcept;
 
   SceneParts others_;
-  std::vector<Material> left_out_;  // by object of the scene, without drag for the bodies; empty: the methods render all
+  std::vector<Material> left_out_;  // unrendered_drag(): by object of the scene, without drag for the bodies; empty: the methods render all
   std::vector<Body> bodies_;        // in the order of Sculpture::bodies()
   CommonProxy proxy_;
-  std::uint32_t carve_buttons_ = 0;  // those of all bodies
+  std::uint32_t carve_buttons_ = 0;  // the carving buttons of all bodies
   std::unique_ptr<Sculpture> sculpture_ = std::make_unique<Sculpture>();
   BodyPush body_push_;
   std::optional<Vec3> held_at_;  // as held_at() returns it
-  bool has_begun_ = false;       // it has had a step, or a reset
+  bool has_begun_ = false;       // there was a step or a reset
 };
 
 }  // namespace hapton
