@@ -16,17 +16,17 @@
 namespace hapton {
 
 // Simultaneous traversal (a walk) of the trees of tool and scene over a motion of the tool: finds the pairs of triangles that may come
-// within a distance of each other. Two boxes are separate if one of their six axes, fixed over the motion, separates their paths. So for a
-// motion along a surface, boxes on both sides of the gap stay separate.
+// within a distance of each other. Two boxes are separate if one of their six axes at the start of the motion separates their paths.
+// So for a motion along a surface, boxes on opposite sides of the gap stay separate.
 //
 // The pairs of boxes at which a walk ended are kept, each with a lower bound of its distance (front tracking, Li & Chen 1998). The next
-// walk begins there, and tests again only the pairs that the tool's motion since then and during the walk could bring close enough. A pair
-// that a test found apart has a plane between its boxes from then on, which excludes most further tests.
+// walk begins at these pairs, and tests again only those that the tool's motion, since that bound was found and during this walk, could
+// bring close enough. For a pair that a test found separate, a plane between its boxes is stored, which makes most later tests unnecessary.
 //
-// These pairs are distributed among the workers of a team. Their results are merged in the order of the pairs, so that the front, and
-// whether a walk ends early, is the same with any number of workers.
-// Work: at most kMaxTests pairs of boxes in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the trees and
-// the team outlive this.
+// These pairs are distributed among the workers of a team. The workers' results are merged in the order of the pairs, so that the front,
+// and whether a walk ends early, are the same with any number of workers.
+// Work: at most kMaxTests pairs of boxes a worker in each walk. RT: for_each_near yes with one worker, construction set-up only. Pre: the
+// trees and the team outlive this.
 class ObbFront {
  public:
   static constexpr std::size_t kMaxTests = 1U << 20;
@@ -34,41 +34,41 @@ class ObbFront {
   // radius: the largest distance of a point of the tool from the grip point.
   ObbFront(const ObbTree& tool, const ObbTree& scene, double radius, WorkerTeam& team = calling_thread());
 
-  // The worker of a visit, and the position of the visit in the order of the traversal. Each worker visits in ascending order of places,
-  // and makes all visits of a place.
+  // The worker that makes a visit, and the place of the visit: the index, among the pairs at which the walk begins, of the one that led to
+  // it. Each worker visits in ascending order of places, and one worker makes all visits of a place.
   struct Turn {
     int worker;
     std::uint32_t place;
   };
   // A visitor's result for a pair of triangles.
   struct Visited {
-    double gap;    // lower bound of the distance at the start of the motion, of the features that matter to the visitor
-    double rest;   // the same for the features that it has not found before
+    double gap;    // lower bound of the distance at the start of the motion between the features that matter to the visitor
+    double rest;   // the same for those of them that the visitor has not found before
     bool goes_on;  // false ends the walk
-    // Those of its features that `rest` leaves out, a bit each, as the visitor numbers them.
+    // The pairs of features that `rest` leaves out: one bit each, in the visitor's numbering.
     std::uint16_t near = 0;
-    // Of a pair that a plane separates over the motion: its normal, from the scene to the tool, as SeparatingPlanes::normal_along gives it,
-    // and the distance along it at the start.
+    // If a plane separates the pair over the motion: the plane's normal, from the scene to the tool, as SeparatingPlanes::normal_along
+    // returns it, and the distance of the triangles along the normal at the start.
     bool has_plane = false;
     Vec3 normal = Vec3::Zero();
     double along_normal = 0.0;
   };
   static constexpr std::uint16_t kAllFeatures = 0xFFFF;
 
-  // From now on no features count as found before.
+  // From now on all features count as not found before (Visited::rest).
   void forget() noexcept { ++epoch_; }
   // The next walk begins at the roots.
   void restart() noexcept { count_ = 0; }
-  // Calls visit(turn, tool_triangle, scene_triangle, features) for all pairs that come within `distance` over the motion, and for some that
-  // the motion is long enough for, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it
-  // may have come within the distance. features: only these, of those that an earlier visit returned as near, may come within the
-  // distance; a visitor that finds that none does considers all, and so tells more. False: a visitor ended the walk, or it took more than
-  // kMaxTests, and pairs are missing. Threads: workers visit concurrently.
+  // Calls visit(turn, tool_triangle, scene_triangle, features) for all pairs that come within `distance` over the motion, and for some
+  // whose bounds do not exclude it, except pairs whose new features (Visited::rest) stay farther away. Later walks visit a pair again if it
+  // may have come within the distance. features: the visitor need test only these (Visited::near of an earlier visit); if none of them
+  // comes within the distance, it tests all, for better bounds. False, and pairs are missing: a visitor ended the walk, it took more than
+  // kMaxTests tests, or the front would exceed kMaxEnded pairs. Threads: workers visit concurrently.
   template <class Visit>
   bool for_each_near(const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
 
   // Merges the results of the workers: calls use(item) for the items of all lists in the order of their places. list_of returns the list of
-  // a worker; its items have a `place`, in ascending order.
+  // a worker, whose items are in ascending order of their member `place`.
   template <class Workers, class ListOf, class Use>
   static void for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept;
 
@@ -80,22 +80,22 @@ class ObbFront {
   struct ToolBox {
     void place(const ObbTree::Node& tool, const LinearizedMotion& motion);
 
-    std::uint64_t walk = 0;  // that it was made for
+    std::uint64_t walk = 0;  // number of the walk for which the box was placed
     std::uint32_t node = 0;
     Vec3 centre;  // scene frame
     Vec3 half;
     Vec3 displacement;  // of the centre
     Mat3 axes;          // columns
-    Lanes4 lanes[3];    // of the axes, by coordinate
+    Lanes4 lanes[3];    // the rows of `axes`: one coordinate of all axes each
     Lanes4 half_lanes;
     Lanes4 displacement_lanes;  // along the axes
-    double slack = 0.0;         // most that the displacement of a point of the box differs from that of the centre, with rounding
-    double still_slack = 0.0;   // the part of rounding alone
+    double slack = 0.0;         // bound of how far the displacement of a point of the box differs from the centre's, plus rounding
+    double still_slack = 0.0;   // the rounding alone
   };
   struct Apart {
-    double distance = 0.0;  // lower bound at the start of the motion
-    bool over_motion = false;
-    Vec3 direction = Vec3::Zero();  // of a plane that is between the boxes over the motion, if it was asked for
+    double distance = 0.0;          // lower bound at the start of the motion
+    bool over_motion = false;       // the boxes stay farther apart than the clearance over the motion
+    Vec3 direction = Vec3::Zero();  // if requested: along the normal of a plane that stays between the boxes over the motion
   };
   struct alignas(32) Eight {
     std::array<float, SeparatingPlanes::kTogether> of;
@@ -103,10 +103,10 @@ class ObbFront {
   // A pair where a walk has ended.
   struct End {
     Pair pair;
-    float until;       // lower bound of its distance, plus what the tool had travelled then
-    float rest_until;  // the same without what visitors know
+    float until;       // lower bound of its distance, plus travelled_ when that bound was found
+    float rest_until;  // the same from Visited::rest
     std::uint32_t place;
-    std::uint64_t visited_in;  // epoch; 0: no visitor has seen it
+    std::uint64_t visited_in;  // epoch of the last visit; 0: never visited
     std::uint16_t near = 0;    // see Visited
     bool has_plane = false;    // see Visited
     Vec3 normal = Vec3::Zero();
@@ -118,42 +118,42 @@ class ObbFront {
       along_normal = gap;
     }
   };
-  // What one worker has of a walk.
+  // The data of one worker in a walk.
   struct Walker {
-    std::vector<ToolBox> boxes;  // by the last bits of the node's number
-    std::vector<End> added;      // pairs that come on top of those that the walk began at
+    std::vector<ToolBox> boxes;  // cache, by node number modulo kBoxes
+    std::vector<End> added;      // new pairs, in addition to those at which the walk began
     std::size_t tests = 0;
   };
 
   static Apart test(const ToolBox& tool, const ObbTree::Node& scene, double clearance, bool wants_direction = false) noexcept;
   const ToolBox& placed(Walker& walker, std::uint32_t node, const LinearizedMotion& motion) const noexcept;
-  // Prepares a walk: which pairs it begins at.
+  // Prepares a walk: finds the pairs at which it begins.
   void begin(const LinearizedMotion& motion, double distance) noexcept;
   void find_places(float enough, float clearance) noexcept;
   void begin_at_roots(const LinearizedMotion& motion, double distance) noexcept;
-  // Puts the walkers' ends together. False if there is no room, or there were too many tests.
+  // Appends the pairs that the walkers added to the front. False if there is no room, or there were too many tests.
   bool finish() noexcept;
   End end_of(Pair pair, double distance, double rest, std::uint32_t place, std::uint64_t visited_in) const noexcept;
   float& until(std::size_t i) noexcept { return until_[i / SeparatingPlanes::kTogether].of[i % SeparatingPlanes::kTogether]; }
   void put(std::size_t i, const End& end) noexcept;
-  void put_again(std::size_t i, const End& end) noexcept;  // of the pair that is there
-  void put_plane(std::size_t i, const End& end) noexcept;  // if it has one
+  void put_again(std::size_t i, const End& end) noexcept;  // pre: `end` is of the pair that is stored at i
+  void put_plane(std::size_t i, const End& end) noexcept;  // if `end` has a plane
   bool splits_tool(Pair pair) const noexcept;
-  bool is_end(Pair pair) const noexcept;  // two leaves
-  // Visits the pair at a place, which a visitor has seen: that tells more than a test of its boxes. False if the walk has to end.
+  bool is_end(Pair pair) const noexcept;  // both nodes are leaves
+  // Visits the pair at a place, which was visited before: a visit gives better bounds than a test of its boxes. False: the walk has to end.
   template <class Visit>
   bool visit_again(Turn turn, const LinearizedMotion& motion, Visit&& visit) noexcept;
-  // Walks from the pair at a place down. False if the walk has to end.
+  // Walks down the trees from the pair at a place. False: the walk has to end.
   template <class Visit>
   bool descend(Turn turn, const LinearizedMotion& motion, double distance, Visit&& visit) noexcept;
 
-  static constexpr std::size_t kMaxEnded = 1U << 17;
-  static constexpr std::size_t kBlock = 64;  // pairs that share a bound
-  static constexpr std::size_t kBoxes = 512;
-  static constexpr std::size_t kFirst = 256;   // pairs that a walk from the roots begins at, to be shared out
-  static constexpr double kFastTurn = 0x1p-7;  // rad in a walk: a plane does not last
-  static constexpr std::size_t kTogether = 8;  // places that a worker takes at a time
-  static constexpr std::size_t kWorthIt = 32;  // places: fewer are walked by one worker
+  static constexpr std::size_t kMaxEnded = 1U << 17;  // pairs of the front
+  static constexpr std::size_t kBlock = 64;           // pairs that share a bound (lowest_)
+  static constexpr std::size_t kBoxes = 512;          // boxes that a worker caches
+  static constexpr std::size_t kFirst = 256;          // pairs that a walk from the roots begins at, to be shared out
+  static constexpr double kFastTurn = 0x1p-7;         // rad in a walk: from this on, planes would soon be useless, and none is stored
+  static constexpr std::size_t kTogether = 8;         // places that a worker takes at a time
+  static constexpr std::size_t kWorthIt = 32;         // places: with fewer, one worker makes the walk
 
   const ObbTree* tool_;
   const ObbTree* scene_;
@@ -162,19 +162,19 @@ class ObbFront {
   std::vector<Walker> walkers_;
   std::vector<Pair> ended_;
   std::vector<Eight> until_;               // see End
-  std::vector<float> lowest_;              // by block of pairs: no until_ is lower
-  std::vector<float> rest_until_;          // see End; of pairs that visitors have seen
+  std::vector<float> lowest_;              // lower bound of until_ of each block
+  std::vector<float> rest_until_;          // see End; used for visited pairs only
   std::vector<std::uint64_t> visited_in_;  // see End
   std::vector<std::uint16_t> near_;        // see End
   SeparatingPlanes planes_;
-  std::uint64_t epoch_ = 1;  // counts up when visitors forget
-  std::size_t count_ = 0;
-  std::vector<std::uint32_t> places_;  // of the walk: the pairs that it begins at
-  std::size_t first_count_ = 0;        // of the walk from the roots
-  Placement at_;
-  double travelled_ = 0.0;  // since the walk from the roots
-  float enough_ = 0.0F;     // of the walk: no pair with a higher bound comes within the distance
-  std::uint64_t walk_ = 0;
+  std::uint64_t epoch_ = 1;            // number of calls of forget(), plus 1
+  std::size_t count_ = 0;              // pairs of the front; 0: the next walk begins at the roots
+  std::vector<std::uint32_t> places_;  // numbers of the pairs at which the walk begins
+  std::size_t first_count_ = 0;        // count_ after the last walk from the roots
+  Placement at_;                       // of the tool, at the start of the last walk's motion
+  double travelled_ = 0.0;             // bound of the path of a point of the tool since the walk from the roots
+  float enough_ = 0.0F;                // no pair with a higher until_ comes within the distance in this walk
+  std::uint64_t walk_ = 0;             // number of the walk
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -286,7 +286,7 @@ template <class Workers, class ListOf, class Use>
 void ObbFront::for_each_by_place(const Workers& workers, ListOf&& list_of, Use&& use) noexcept {
   std::array<std::size_t, WorkerTeam::kMaxWorkers> at = {};
   for (;;) {
-    // The worker whose next item comes first has all items of that place.
+    // The worker whose next item has the lowest place has all items of that place.
     std::size_t first = workers.size();
     std::uint32_t place = std::numeric_limits<std::uint32_t>::max();
     for (std::size_t w = 0; w < workers.size(); ++w) {
