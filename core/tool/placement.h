@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// Rows, and columns: translation (shift), then rotation vector (turn).
+// Rows and columns 0..2: translation (shift); 3..5: rotation vector (turn), rad.
 using Vec6 = Eigen::Matrix<double, 6, 1>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
@@ -16,7 +16,7 @@ struct Placement {
   Quat orientation = Quat::Identity();
 
   Vec3 at(const Vec3& r) const { return position + orientation * r; }
-  // (a.inverse() * b) is b in the frame of what a places.
+  // a.inverse() * b is the placement b, expressed in the frame that has the placement a.
   Placement inverse() const {
     const Quat back = orientation.conjugate();
     return {-(back * position), back};
@@ -29,7 +29,7 @@ struct Placement {
   }
 };
 
-// How far a point within `radius` of the tool's grip point moves past a body at most, if the body moves and the tool stays. RT: yes.
+// Upper bound of how far a point within `radius` of the tool's grip point moves relative to a body that moves from `from` to `to`. RT: yes.
 inline double motion_past(const Placement& tool, double radius, const Placement& from, const Placement& to) noexcept {
   const Placement a = from.inverse() * tool;
   const Placement b = to.inverse() * tool;

@@ -4,31 +4,31 @@
 
 namespace hapton {
 
-// Tells when the rounds of a step bring the tool no nearer to the device: they may go round placements whose contacts lead from one to the
-// next, or along an edge in ever shorter motions. Units: TouchGeometry's local ones. RT: yes.
+// Tells when the rounds of a step no longer bring the tool nearer to the device: they may repeat a cycle of placements, each of whose
+// contacts lead to the next one, or follow an edge in ever shorter motions. Units: TouchGeometry's local ones. RT: yes.
 class RoundProgress {
  public:
-  // Rounds without a gain. Cycles of two to five rounds were seen; steps that converge have gone without a gain for four.
+  // Rounds without a gain. Cycles of two to five rounds were seen; steps that converged had up to four rounds in a row without one.
   static constexpr int kPatience = 5;
 
-  // least_gain: what counts as one, in kPatience rounds.
+  // least_gain: a decrease of the distance to the device within kPatience rounds is a gain only if it is larger than this.
   explicit RoundProgress(double least_gain) : least_gain_(least_gain) {}
 
-  // Of a new step.
+  // Call at the start of each step.
   void restart() noexcept { rounds_ = 0; }
-  // A round begins there, at this distance from the device. True if the last kPatience motions have gained nothing; a round that begins
-  // where the one before began made none.
+  // Call when a round begins: at this placement, at this distance from the device. True: the last kPatience motions have gained nothing. A
+  // round that begins where the one before began does not count, as the tool has not moved.
   bool is_stalled(const Placement& at, double distance) noexcept;
-  // The nearest placement at which a round began. Pre: one did.
+  // The placement nearest to the device at which a round of this step began. Pre: is_stalled was called in this step.
   const Placement& best() const { return best_; }
-  // That is where the last round began.
+  // True if best() is the placement at which the last round began.
   bool is_best() const { return is_best_; }
 
  private:
   double least_gain_;
   int rounds_ = 0;
   int since_gain_ = 0;
-  double gained_at_ = 0.0;  // the distance that a gain counts from
+  double gained_at_ = 0.0;  // the distance at the last gain
   bool is_best_ = false;
   double best_distance_ = 0.0;
   Placement best_;
