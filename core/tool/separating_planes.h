@@ -11,44 +11,44 @@
 
 namespace hapton {
 
-// For each pair of a list, a box of the tool and one of the scene, a plane that separated the two once. It is fixed in the scene, and
-// bounds the distance of the boxes from below wherever the tool goes, eight pairs at a time and without reading the boxes.
+// For each pair of boxes of a list, one of the tool and one of the scene, a plane that separated them earlier. The plane is fixed in the
+// scene, and gives a lower bound of their distance wherever the tool goes: for eight pairs at a time, and without reading the boxes.
 //
-// The bound is the distance along the plane's normal, as it was when the plane was found, plus what the centre of the tool's box has moved
-// along the normal since then, less the box's radius times the angle by which the tool has turned since then. So it is exact to first order
-// for all motions but a turn of the box itself, and to any order never too large. Motions are counted from a reference placement, so that
-// rounding to single precision costs 2^-19 of the motion, not of the coordinates.
+// The bound is the distance along the plane's normal when the plane was found, plus what the centre of the tool's box has moved along the
+// normal since then, less the box's radius times the angle by which the tool has turned since then. So to first order only the turn of the
+// box about its centre makes the bound too small; it is never too large. Motions are measured from a reference placement, so that rounding
+// to single precision costs 2^-19 of the motion, not of the coordinates.
 //
-// Threads: put and clear of different pairs at the same time. RT: all but construction.
+// Threads: put and clear may be called concurrently for different pairs. RT: all but construction.
 class SeparatingPlanes {
  public:
   static constexpr std::size_t kTogether = 8;  // pairs
 
-  // radius: the largest distance of a point of the tool from the grip point.
+  // most: number of planes. radius: the largest distance of a point of the tool from the grip point.
   SeparatingPlanes(std::size_t most, double radius);
 
-  // `reference` is the new reference placement. Each plane is to be put or cleared before it is used again.
+  // Sets a new reference placement. Each plane must be put or cleared before it is used again.
   void restart(const Placement& reference) noexcept;
-  // What follows is about this motion, and the placement at its start. turned: no less than the angle between that and the placement at
-  // the start of the last motion, or since restart the reference placement.
+  // The calls that follow are about this motion and the placement at its start. turned: upper bound of the angle, rad, from the placement
+  // at the start of the last motion (the first time after restart: from the reference placement) to that at the start of this one.
   void begin(const LinearizedMotion& motion, double turned) noexcept;
 
-  // The normal of a plane about this direction, as it is stored. Pre: it is not zero, and its squared length is finite and not zero.
+  // A normal with about this direction, rounded as it is stored, not longer than 1. Pre: its squared length is finite and not zero.
   static Vec3 normal_along(const Vec3& direction) noexcept;
-  // How far apart the boxes are along a normal, from the scene to the tool, at the placement where the motion starts, at least.
+  // Lower bound of the gap between the boxes along a normal, which points from the scene to the tool, at the start of the motion.
   double gap_along(const Vec3& normal, const ObbTree::Node& tool, const ObbTree::Node& scene) const noexcept;
-  // Plane i has this normal, of normal_along. gap: what is in the tool's box is that far from what is in the scene's along the normal, at
-  // least, to 2^-45 of the coordinates.
+  // Stores plane i, with a normal from normal_along. gap: lower bound, at the start of the motion, of the gap along the normal between the
+  // contents of the two boxes, to 2^-45 of the coordinates.
   void put(std::size_t i, const Vec3& normal, double gap, const ObbTree::Node& tool) noexcept;
-  // Plane i gives no bound.
+  // Removes plane i: it gives no bound.
   void clear(std::size_t i) noexcept { groups_[i / kTogether].gap[i % kTogether] = -std::numeric_limits<float>::infinity(); }
 
-  // Lower bounds of distances, where they are positive.
+  // Lower bounds of the distances; useful if positive.
   struct Gaps {
-    Float8 start;  // of the motion
-    Float8 over;   // the whole motion
+    Float8 start;  // at the start of the motion
+    Float8 over;   // over the whole motion
   };
-  // Of the planes from kTogether * group on.
+  // For the kTogether planes from kTogether * group on.
   Gaps find_gaps(std::size_t group) const noexcept;
 
  private:
@@ -59,7 +59,7 @@ class SeparatingPlanes {
     Eight gap = {};                 // at the reference placement
     Eight radius = {};              // of the tool's box
   };
-  // To each arm a vector, along the scene's axes.
+  // Affine map of an arm (in the tool's axes) to a displacement along the scene's axes: shift + turn * arm.
   struct Map {
     Vec3 shift = Vec3::Zero();
     Mat3 turn = Mat3::Zero();
@@ -81,13 +81,13 @@ class SeparatingPlanes {
   Mat3 reference_turn_ = Mat3::Identity();
   Placement at_;  // where the motion starts
   Mat3 turn_ = Mat3::Identity();
-  double turned_ = 0.0;  // since the reference, in all
-  Map moved_;            // since the reference
+  double turned_ = 0.0;  // rad: sum of the angles since the reference placement
+  Map moved_;            // displacements since the reference placement
   FloatMap moved_float_;
   FloatMap motion_float_;
   // Rounded up:
   float turned_float_ = 0.0F;
-  float angle_float_ = 0.0F;  // of a point of the box about its centre, over the motion
+  float angle_float_ = 0.0F;  // over the motion, a point of the box moves about the box's centre by this times its distance at most
   float start_error_ = 0.0F;
   float over_error_ = 0.0F;
 };
