@@ -11,8 +11,8 @@ namespace hapton {
 
 // The vertices and edges of a mesh as features of their own, for contact between meshes.
 //
-// A vertex or an edge belongs to several triangles and is owned by one, so that each pair of features is found from one pair of triangles
-// (representative triangles, Curtis, Tamstorf & Manocha 2008).
+// A vertex or an edge belongs to several triangles, of which one owns it, so that each pair of features is found from one pair of triangles
+// (representative triangles, Curtis, Tamstorf & Manocha 2008). Every triangle at a non-manifold edge owns that edge.
 // Threads: immutable. RT: queries yes, construction set-up only. Pre: the geometry outlives this.
 class SurfaceFeatures {
  public:
@@ -24,15 +24,15 @@ class SurfaceFeatures {
 
   std::size_t bytes() const { return owned_.capacity() + (first_.capacity() + ring_.capacity()) * sizeof(std::uint32_t); }
 
-  // The vertices that share a triangle with v, some of them twice.
+  // The vertices that share a triangle with v; one that shares several appears several times.
   std::span<const std::uint32_t> ring(std::uint32_t v) const { return std::span(ring_).subspan(first_[v], first_[v + 1] - first_[v]); }
 
-  // True if a vertex is a local extreme of its surface along `outward`: no edge at it rises above it by more than `slope` of its length.
+  // True if vertex v is a local maximum of its surface along `outward`: no edge rises from it by more than `slope` times the edge's length.
   bool is_local_maximum(std::uint32_t v, const Vec3& outward, double slope = kFlat) const noexcept;
-  // The same for edge k of triangle t: neither of its triangles rises above it.
+  // The same for edge k of triangle t: in neither adjacent triangle does the opposite vertex rise above the edge, by the same measure.
   bool is_local_maximum(std::uint32_t t, int k, const Vec3& outward, double slope = kFlat) const noexcept;
 
-  // Directions between features a contact offset apart are good to about 2^-30.
+  // The direction between two features that are a contact offset apart has an error of about 2^-30.
   static constexpr double kFlat = 0x1p-28;
 
  private:

@@ -7,22 +7,22 @@
 
 namespace hapton {
 
-// Coulomb friction of a rigid tool: where the contacts of a step hold it (ContactCones), from where it was.
+// Coulomb friction of a rigid tool: from the tool's last pose, finds the pose at which the contacts of a step hold it (ContactCones).
 //
-// Static friction acts while the tool has not slid since it stuck. It sticks again once no contact slides and the device no longer pulls
-// onward, not when static friction would suffice again: the distribution of the force over many contacts is not unique, and a tool that is
-// turned slowly would stick again and again. A rotation about the normal of a single contact has no friction, as at a point.
+// Static friction acts from when the tool sticks until it slides. It sticks again once no contact slides and the device no longer pulls it
+// onward, not as soon as static friction would suffice: the distribution of the force over many contacts is not unique, and a tool that is
+// turned slowly would stick again and again. Rotation about the normal of a single contact is without friction, as at a point contact.
 //
-// The slow task moves the proxy to where friction holds the tool, so it does not depend on friction, and contacts are found where the tool
-// is. (If it followed the device displaced by the friction instead, a tool that pivots about a corner would swing: that force holds it at
-// one orientation only.)
+// The slow task moves the proxy to the pose at which friction holds the tool (Step::goal), so ToolProxy need not know friction, and
+// contacts are found where the tool is. (If the proxy followed the device displaced by the friction instead, a tool that pivots about a
+// corner would swing: that force holds it at one orientation only.)
 //
-// Where parts of the scene move, the tool slides and sticks in the frame of the part whose friction acts most on it: that part carries it
-// along. Its slide on any other part is taken as that past the first one.
+// If parts of the scene move, the tool slides and sticks in the frame of the part with the largest friction on it (the carrier), which
+// carries it along. Its slide on every other part is taken to be its slide relative to the carrier.
 // Frame: local units. RT: yes. Threads: one.
 class ToolFriction {
  public:
-  // Places the tool: its next slide begins here.
+  // Places the tool: its next slide begins at this pose.
   void reset(const Placement& at) noexcept;
   bool is_placed() const noexcept { return is_placed_; }
   void forget() noexcept {
@@ -30,15 +30,15 @@ class ToolFriction {
     cones_.forget();
   }
 
-  // The proxy came to rest here under friction: the next slide begins here.
+  // Call when the proxy has moved to Step::goal and ended at this pose: the next slide begins there.
   void move_to(const Placement& at) noexcept { at_ = at; }
 
   struct Step {
     Placement at;                      // pose of the tool, with friction
-    Placement goal;                    // of the slow task: the same, or the device without contact
-    LocalContacts::Solution solution;  // without friction
+    Placement goal;                    // for the slow task's proxy: `at`, or the device if the tool is free
+    LocalContacts::Solution solution;  // the contacts' solution without friction
   };
-  // Where the device is at `device` and `local` holds the tool. Without contact: at the device. parts: as LocalContacts::follow has them.
+  // parts: as in LocalContacts::follow. Without contact the pose is `device`; but a tool that was held turns by 0.1 rad a call at most.
   Step step(const LocalContacts& local, const Placement& device, std::span<const Placement> parts = {}) noexcept;
 
  private:
@@ -50,9 +50,9 @@ class ToolFriction {
   Placement device_;  // of the previous step
   bool is_placed_ = false;
   bool sticks_ = false;
-  bool slides_ = false;   // it has slid, and the device has pulled onward since
-  int carrier_ = 0;       // the part that carries the tool along; 0: one that stands still
-  Placement carrier_at_;  // in the last step
+  bool slides_ = false;   // the tool slides, or has slid and the device has pulled it onward since
+  int carrier_ = 0;       // number of the part that carries the tool along; 0: what stands still
+  Placement carrier_at_;  // of the carrier in the last step
 };
 
 }  // namespace hapton
