@@ -4,19 +4,19 @@
 
 namespace hapton {
 
-// A piece of a centre's path while the device moves.
+// A piece of the path of a sphere's centre while the device moves.
 struct MinimumLeg {
   CentrePath path;
-  double time = 1.0;         // of the device at its end
-  int released = -1;         // the contact whose multiplier is zero there; -1: none
-  bool is_on_curve = false;  // parametrised by length; time of a point: when the device makes it the minimum
-  bool vanishes = false;     // the minimum vanishes at its end
+  double time = 1.0;         // of the device, when the centre reaches the end of the path
+  int released = -1;         // the active contact whose multiplier is zero at the end; -1: none
+  bool is_on_curve = false;  // the path is parametrised by length; time_on_curve() gives the device's time for a point of it
+  bool vanishes = false;     // the minimum vanishes at the end
 };
 
-// The legs of a centre that stays the local minimum on its active contacts, one or two, while the device moves straight from `from` (time
-// 0) to `to` (time 1): until the device arrives, or to where a multiplier reaches zero or the minimum along a curve vanishes. A leg turns
-// by LocalMinimum::kTurn at the most, and may end before all that. A view: contacts, centre and `work`, which is raised by the units of
-// work (step_work.h), outlive it.
+// The legs of a centre that stays the local minimum on its one or two active contacts while the device moves straight from `from` (time 0)
+// to `to` (time 1). A leg ends when the device arrives, when a multiplier reaches zero, or when the minimum along a curve vanishes. It may
+// end earlier, because it turns by at most about twice LocalMinimum::kTurn. A view: contacts, centre and `work` outlive this object. `work`
+// is raised by the units of work used (step_work.h).
 //
 // Frame and units: TouchGeometry's local ones. RT: yes.
 class MinimumLegs {
@@ -24,13 +24,13 @@ class MinimumLegs {
   MinimumLegs(const ContactSet& contacts, const Vec3& centre, int& work)
       : contacts_(contacts), minimum_(contacts), centre_(centre), work_(work) {}
 
-  // The leg that begins at `time`. False: the minimum vanishes here, or moves too fast to follow.
+  // The leg that begins at `time`. False: the minimum vanishes at `time`, or moves too fast to follow; `leg` is then undefined.
   bool make(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept;
-  // On a curve: the time at which the device makes the centre the minimum.
+  // On a curve: the device's time at which the centre is the minimum. 0: the contacts are parallel, or the device moves across the curve.
   double time_on_curve(const Vec3& from, const Vec3& to) const noexcept;
 
  private:
-  // Along the curve where two contacts meet.
+  // Finds the leg along the curve where two contacts meet.
   class CurveSearch;
 
   void make_on_axis(const Vec3& from, const Vec3& to, double time, MinimumLeg& leg) const noexcept;

@@ -13,32 +13,32 @@ struct FrictionCoefficients {
   double dynamic_mu = 0.0;
 };
 
-// A sphere's centre that the device drags over the offset surface under Coulomb friction, on one part of it, or on the curve where two
-// parts meet. The pull is device - centre: its tangential component w, which the contacts leave free, and its normal component of length d.
-// With the coefficient mu, the centre follows the device so that |w| = mu d stays true. Let e be the unit vector along w, n the one along
-// the reaction of the contacts, and K the sum of multiplier times curvature along e. For a device with velocity v the centre's velocity is
+// The motion of a sphere's centre that the device drags over the offset surface under Coulomb friction, on one part or on the curve where
+// two parts meet. The pull is device - centre: its tangential component w, which the contacts leave free, and its normal component of
+// length d. With the coefficient mu, the centre follows the device so that |w| = mu d stays true. Let e be the unit vector along w, n that
+// of the reaction of the contacts, and K the sum of multiplier times curvature along e. For a device velocity v the centre's velocity is
 //
 //   e (e + mu n) . v / (1 - (1 + mu^2) K).
 //
 // On a plane the solution is the tractrix, in closed form (SlidingPull). Around an edge or a vertex the equation is integrated by the
-// method of Dormand & Prince (1980), with an error below 2^-36 a step. Along a curve |w| = mu d is one equation in one unknown: Newton's
-// method. With the device held the centre follows w, in closed form on every part.
+// method of Dormand & Prince (1980), with an error below 2^-36 per step. Along a curve |w| = mu d is one equation in one unknown: Newton's
+// method. With the device held the centre follows w: in closed form on one part, by Newton's method along a curve.
 //
-// Frame: that of the contacts. RT: yes. Pre: one or two contacts, which outlive it.
+// Frame and units: TouchGeometry's local ones. RT: yes. Pre: one or two contacts; they and their coefficients outlive this object.
 class OffsetDrag {
  public:
   static constexpr double kMinPull = 0x1p-42;       // a shorter pull has no direction
   static constexpr double kMinStability = 0x1p-26;  // below it the centre moves too fast to follow
-  static constexpr int kMaxSteps = 24;  // of one integration: a shallow drag needs short ones, and is followed in shorter pieces
+  static constexpr int kMaxSteps = 24;  // of one integration; a shallow drag needs short steps, and is followed in shorter pieces
 
   struct Pull {
     Vec3 tangential = Vec3::Zero();  // w
     double length = 0.0;             // |w|
     double depth = 0.0;              // d; negative if a single contact would have to pull
     Vec3 normal = Vec3::Zero();      // n
-    Vec3 along = Vec3::Zero();       // of two contacts: unit, along their curve
+    Vec3 along = Vec3::Zero();       // two contacts only: unit, along the curve where they meet
     std::array<double, 3> multiplier{};
-    FrictionCoefficients friction;  // means, weighted by the multipliers
+    FrictionCoefficients friction;  // of the contacts, their means weighted by the multipliers
 
     double excess() const { return length - friction.dynamic_mu * depth; }
   };
@@ -48,41 +48,41 @@ class OffsetDrag {
 
   // False where the contacts' normals are parallel.
   bool find_pull(const Vec3& c, const Vec3& device, Pull& pull) const noexcept;
-  // How fast |w| - mu d rises for a centre that stays. Where the pull has no direction, `motion` gives it.
+  // The rate at which |w| - mu d rises while the centre stays in place. Where the pull has no direction, `motion` gives it.
   double find_excess_rate(const Pull& pull, const Vec3& motion) const noexcept;
-  // By how much |w| - mu d falls for each unit of length that the centre moves along e.
+  // The decrease of |w| - mu d for each unit of length that the centre moves along e; negative or zero: the equilibrium has vanished.
   double find_stability(const Pull& pull) const noexcept;
   // The centre's velocity for a device with the velocity `motion`.
   Vec3 find_rate(const Pull& pull, const Vec3& motion) const noexcept;
 
-  // A position on the solution over curved parts, while the device moves straight. The solution is parametrized so that centre and time
-  // stay smooth even where the equilibrium on the cone vanishes, at a stability of zero: around an edge or a vertex dc = e (e + mu n) . v
-  // and dt = stability; along a curve, the position along the tangent at the start, in the same unit.
+  // A position on the solution over curved parts, while the device moves straight. The solution has a parameter s for which centre and time
+  // stay smooth even where the equilibrium on the cone vanishes, at a stability of zero. Around an edge or a vertex dt/ds = stability and
+  // dc/ds = e (e + mu n) . v. Along a curve, s is the distance along the tangent at the start, divided by (e + mu n) . v at the start.
   struct Flow {
     Vec3 centre = Vec3::Zero();
     double time = 0.0;
-    double step = 0.0;          // of the integration, as it was last; 0: not known
-    Vec3 slope = Vec3::Zero();  // derivative of the centre by that parameter; output only
-    double followed = 0.0;      // how much of the length, where it could not be followed to its end; output only
+    double step = 0.0;          // in s: the last step of the integration; 0: not known
+    Vec3 slope = Vec3::Zero();  // dc/ds; output only
+    double followed = 0.0;      // one contact: the part of `length` that was followed, also where flow() fails; output only
   };
-  Vec3 find_slope(const Pull& pull, const Vec3& motion) const noexcept;
-  bool flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept;
-  // On flat parts: the centre while the device moves straight between the two. `c`: in, the sliding centre before; out, after. False: the
-  // solution is not found over that distance. `tests`: counts units of work.
+  Vec3 find_slope(const Pull& pull, const Vec3& motion) const noexcept;                             // dc/ds
+  bool flow(const Vec3& from, const Vec3& to, double length, Flow& at, int& tests) const noexcept;  // by `length` in s; false: not that far
+  // On a face or on a curve: the centre while the device moves straight from `from` to `to`. `c`: in, the sliding centre at `from`; out, at
+  // `to`. False: no solution is found over that distance; `c` is then undefined. `tests`, here and below: is raised by the units of work.
   bool follow(const Vec3& from, const Vec3& to, Vec3& c, int& tests) const noexcept;
-  // A position on the line along w with the device held. The lines are parametrized so that `slope`, the derivative of the centre by that
-  // parameter, has length 1 where they begin.
+  // A position on the line that follows w with the device held. The line has a parameter s for which `slope`, the derivative of the centre
+  // by s, has length 1 where the line begins.
   struct Descent {
     Vec3 centre = Vec3::Zero();
     Vec3 slope = Vec3::Zero();  // output only
   };
-  // Down along w, by `length` of that parameter; at most to where w is zero. `along`: the unit vector along w before.
+  // Moves down that line by `length` in s; around an edge or a vertex at most to w = 0. `along`: e at the start. False: no such place.
   bool descend(const Vec3& device, const Vec3& along, double length, Descent& at, int& tests) const noexcept;
-  // Projects onto the offset of all contacts.
+  // Projects c onto the offset surfaces of all contacts. False: it is too far from them, or their normals are parallel.
   bool restore(Vec3& c) const noexcept;
 
   bool is_flat() const { return !contacts_[0].is_curved() && (contacts_.size() < 2 || !contacts_[1].is_curved()); }
-  // When the device comes out of a single contact, on the side of the centre: in [0, 1], or infinite.
+  // One contact: the time in [0, 1] at which the device comes out of the offset surface on the side of the centre; infinite: it does not.
   double time_of_release(const Vec3& from, const Vec3& to, const Pull& pull) const noexcept;
 
  private:
