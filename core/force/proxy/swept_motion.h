@@ -101,7 +101,7 @@ class SweptMotion {
   Clearance keep_;  // clearance for the probe's present size
   bool is_point_;
   std::array<ContactPlane, ProxyState::kMaxContacts> planes_;
-  int fixed_ = 0;  // the first contacts, which hold the motion; 0 unless all kMaxContacts are used
+  int fixed_ = 0;  // number of contacts, the first ones, that hold the motion; 0 unless all kMaxContacts are used
   StraightSweep sweep_;
   Vec3 device_ = Vec3::Zero();  // position in the last call; progress is counted anew when it changes
   bool has_settled_ = true;
