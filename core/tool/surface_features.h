@@ -29,7 +29,7 @@ class SurfaceFeatures {
 
   // True if vertex v is a local maximum of its surface along `outward`: no edge rises from it by more than `slope` times the edge's length.
   bool is_local_maximum(std::uint32_t v, const Vec3& outward, double slope = kFlat) const noexcept;
-  // The same for edge k of triangle t: in neither adjacent triangle does the opposite vertex rise above the edge, by the same measure.
+  // The same for edge k of triangle t: neither in t nor in the triangle adjacent there, if any, does the opposite vertex rise above it.
   bool is_local_maximum(std::uint32_t t, int k, const Vec3& outward, double slope = kFlat) const noexcept;
 
   // The direction between two features that are a contact offset apart has an error of about 2^-30.
