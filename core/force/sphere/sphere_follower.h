@@ -20,7 +20,7 @@
 
 namespace hapton {
 
-// Moves a sphere's centre after the device along the device's straight motion, from event to event: the sweeping process of Moreau (1977)
+// Moves a sphere's centre so that it follows the device along a straight motion, from event to event: the sweeping process of Moreau (1977)
 // on the offset surface of all triangles. While the centre is a local minimum of its distance to the device, at most three parts of that
 // surface are active, and it is the point closest to the device on
 //
@@ -29,8 +29,8 @@ namespace hapton {
 //   the point where three of them meet   constant
 //
 // until the next event: the contact leaves its face, edge or vertex; a multiplier reaches zero; the minimum along a curve vanishes; the
-// sphere touches another triangle; the device comes to the free side. At an event the device is held and the centre follows the steepest
-// descent to the next local minimum. The triangles nearby are gathered once for many steps; only flights query the tree. Its parts:
+// sphere touches another triangle; the device comes to the free side. At an event the device is held, and the centre follows the steepest
+// descent to the next local minimum. The triangles nearby are gathered once for many steps; only flights query the tree. Its classes:
 //
 //   ContactSet, LocalMinimum             what holds the centre, and where
 //   MinimumLegs, DescentPath, DragLegs   the next piece of path
@@ -39,12 +39,12 @@ namespace hapton {
 //   LargeFan, CornerExit, Wedge          where thousands of triangles meet, and where a point is held or is not
 //
 // Under Coulomb friction the centre sticks, is dragged along with the pull on the friction cone, or slips along the pull while the device
-// is held: see OffsetDrag. Further events then are: the pull leaves the friction cone; the equilibrium on the cone vanishes.
+// is held: see OffsetDrag. There are then further events: the pull leaves the friction cone; the equilibrium on the cone vanishes.
 //
 // The centre never comes nearer to a triangle than offset - slop.
 //
-// Frame: TouchGeometry's local one. RT: yes, bounded: a call has StepWork::kMax units of work at the most (step_work.h), and ends the
-// event that it has begun.
+// Frame and units: TouchGeometry's local ones. RT: yes, bounded: follow() begins no event after `most_work` units of work (step_work.h),
+// and completes the event that it has begun.
 class SphereFollower {
  public:
   enum class Outcome : std::uint8_t {
@@ -53,7 +53,7 @@ class SphereFollower {
     failed,     // cannot continue: the centre is at a valid position for the device at `time`
   };
 
-  // `offset`: the distance of a centre in contact. `materials`: one for each object. Both outlive this object.
+  // `offset`: the distance of a centre in contact. `materials`: one for each object. Geometry and materials outlive this object.
   // `is_point`: the sphere represents a point, so a corner that only the sphere's radius closes does not hold it.
   SphereFollower(const TouchGeometry& geometry, std::span<const Material> materials, double offset, bool is_point = false)
       : materials_(materials),
@@ -70,14 +70,14 @@ class SphereFollower {
     is_descending_ |= !contacts_.is_empty();
   }
 
-  // Whether the centre is the one of the last step. False after others moved the proxy: start() again.
+  // Whether the centre is where the last step left the proxy. False: something else moved the proxy; call start() again.
   bool is_tracking() const { return is_tracking_; }
   void stop_tracking() {
     is_tracking_ = false;
     forget_corner();
   }
   bool slides() const { return friction_.slides; }  // the dynamic coefficient applies
-  // The set of triangles has changed: gather them again.
+  // The set of triangles has changed: they are gathered again.
   void forget_near() {
     near_.clear();
     fan_.forget();
@@ -88,15 +88,15 @@ class SphereFollower {
 
   // Begins with a centre that is free and at the device.
   void start_free(const Vec3& centre) noexcept;
-  // Begins with a centre that is free, or in contact and nearer than the offset by at most `short_by`. False: the centre is unusable.
+  // Begins with a centre that is free, or in contact and nearer than the offset by at most `short_by`. False: it cannot begin there.
   bool start(const Vec3& centre, bool is_free, double short_by, bool slides = false) noexcept;
   // The device moves straight from `from` (time 0) to `to` (time 1), beginning at `time`. Pre: is_tracking().
   Outcome follow(const Vec3& from, const Vec3& to, double& time, int most_work = StepWork::kMax) noexcept;
-  // After a call of follow that failed: the centre is at a local minimum for the device at the end, in a slit as wide as the sphere, and a
-  // sweep may get a point nearer. False after start.
+  // After a call of follow that failed: the centre is at a local minimum for the device at the end of its motion, in a slit as wide as the
+  // sphere, and a sweep may bring a point nearer to the device. False after start.
   bool is_in_slit() const { return is_in_slit_; }
   int work() const { return work_; }  // units, of the last call of start or follow
-  // Whether a flight of the last call ended among too many triangles.
+  // Whether a flight of the last call was given up because it met too many triangles.
   bool has_given_up_flight() const { return has_given_up_flight_; }
 
   double offset() const { return contacts_.offset(); }
@@ -112,21 +112,21 @@ class SphereFollower {
   std::uint64_t queried() const { return queried_; }
 
  private:
-  // Local units (Clearance): 4,096 and 64 times the rounding of a coordinate.
+  // Of Clearance, in local units: 4,096 and 64 times the rounding of a coordinate.
   static constexpr double kSlop = 0x1p-40;
   static constexpr double kTolerance = 0x1p-46;
-  // Offsets; the least radius of a gathered ball. Of a point, the offset is far below the size of triangles.
+  // The least radius of a gathered ball, in offsets. For a point, the offset is far below the size of triangles.
   static constexpr double kMinOfPoint = 64.0;
   static constexpr double kMinOfSphere = 0x1p-6;
-  static constexpr double kMinGain = 0x1p-44;  // a centre that comes nearer by less has not: 256 times the rounding of a coordinate
-  static constexpr double kFar = 32.0;         // local units; farther out, positions are coarser than the tolerance
-  static constexpr int kMaxTurns = 64;         // of the direction to a device farther out
+  static constexpr double kMinGain = 0x1p-44;  // coming nearer by less is no progress: 256 times the rounding of a coordinate
+  static constexpr double kFar = 32.0;         // local units; farther out, the rounding of positions exceeds the tolerance
+  static constexpr int kMaxTurns = 64;         // descents towards a device farther out, each with a new direction to it
   static constexpr double kBalance = 0x1p-28;  // distance from the boundary of a face within which the sphere balances on it
-  static constexpr int kWorkOfEvent = 5;       // units, beside what it queries
-  static constexpr int kMaxCornerTries = 2;    // in a step
+  static constexpr int kWorkOfEvent = 5;       // units, in addition to its queries
+  static constexpr int kMaxCornerTries = 2;    // in a motion
   static constexpr int kMaxIdle = 24;          // events without progress; a choice
   static constexpr int kMaxSkips = 16;         // in a motion; a choice
-  static constexpr int kMaxInFlight = 512;     // triangles that a flight tests
+  static constexpr int kMaxInFlight = 512;     // triangles that a flight may test
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
   using Exit = PathEvents::Exit;
@@ -138,10 +138,10 @@ class SphereFollower {
     bool drags = false;     // the pull is on its cone and the device drags the centre
     bool slips = false;     // the pull has just left the cone
     bool vanished = false;  // the equilibrium on the cone has vanished
-    double step = 0.0;      // of the last integration of a drag; 0: none yet
+    double step = 0.0;      // OffsetDrag::Flow::step of the last drag; 0: none yet
     std::array<FrictionCoefficients, 3> coefficients;
   };
-  struct Reaction {  // the pull on a centre that sticks, against its contacts
+  struct Reaction {  // of the contacts, to the pull on a centre that sticks
     bool is_known = false;
     bool is_free = false;
     double tangential = 0.0;
@@ -173,7 +173,7 @@ class SphereFollower {
   struct Span {
     double begin = 0.0, end = 1.0;
   };
-  // A shorter motion of the device counts as no progress: a point skips ahead where many such pieces follow each other.
+  // A shorter motion of the device counts as no progress: where many such pieces follow each other, a point skips ahead (skip_ahead).
   double least_progress() const { return is_point_ ? LocalMinimum::kAtAxis : LocalMinimum::kMinMotion; }
   static Span find_span(const Vec3& from, const Vec3& to);
   Outcome follow_finite(const Vec3& from, const Vec3& to, double& time) noexcept;
@@ -207,7 +207,7 @@ class SphereFollower {
   bool is_in_narrow_slit() const noexcept;  // between active contacts at nearly opposite sides
   bool straighten_in_slit() noexcept;
   bool fills_slit() noexcept;
-  bool note_slit(bool has_device_moved) noexcept;  // whether it was not yet noted at this place for this sample
+  bool note_slit(bool has_device_moved) noexcept;  // false: it was noted before at this place, and the device has not moved
   bool leave_minimum(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_corner(const Vec3& device, const Vec3& motion) noexcept;
   bool leave_reentrant_corner(const Vec3& device, const Vec3& motion) noexcept;
@@ -233,31 +233,31 @@ class SphereFollower {
   bool is_descending_ = false;
   bool is_carried_ = false;  // the last step ran out of work
   bool has_given_up_flight_ = false;
-  Vec3 lingered_at_ = Vec3::Zero();  // where the last events were
-  std::optional<Vec3> slit_at_;      // where a slit was last left to sweeps
-  bool is_in_slit_ = false;          // the last call left one to sweeps
-  int short_drags_ = 0;              // one after another in this motion
-  int lingering_ = 0;                // their number, above those that are usual
-  bool has_lost_minimum_ = false;    // along the curve: it continues along hint_
+  Vec3 lingered_at_ = Vec3::Zero();  // the centre where lingering_ began
+  std::optional<Vec3> slit_at_;      // the centre, when a slit was last left to sweeps
+  bool is_in_slit_ = false;          // the last call left a slit to sweeps
+  int short_drags_ = 0;              // consecutive drags that were short (creeps)
+  int lingering_ = 0;                // events at lingered_at_, above a usual number
+  bool has_lost_minimum_ = false;    // the descent continues along hint_
   Vec3 centre_ = Vec3::Zero();
   Vec3 hint_ = Vec3::Zero();  // the last direction of motion
   PathEvents::Space event_space_;
   LargeFan fan_;
-  int work_ = 0;  // units, in this call
+  int work_ = 0;  // units, of this call
   int most_work_ = 0;
-  int idle_ = 0;                    // events without progress
-  double least_distance_ = 0.0;     // least distance to the device since the device moved
-  Vec3 far_target_ = Vec3::Zero();  // of the last descent towards a device beyond kFar
+  int idle_ = 0;                    // consecutive events without progress
+  double least_distance_ = 0.0;     // of the centre to the device, since the device moved
+  Vec3 far_target_ = Vec3::Zero();  // the target of the last descent towards a device beyond kFar
   CornerExit::Memory corner_;
-  int corner_tries_ = 0;                    // in this motion
-  int skips_ = 0;                           // in this motion
-  std::uint64_t motion_ = 1;                // its number
-  bool has_untried_escapes_ = false;        // of the last call, which reached its work limit before: the next call tries them
-  std::optional<Vec3> untried_escapes_at_;  // the centre in that minimum; none: nothing is left to try
+  int corner_tries_ = 0;                    // in this motion of the device
+  int skips_ = 0;                           // calls of skip_ahead in this motion
+  std::uint64_t motion_ = 1;                // number of this motion; counts up from 1
+  bool has_untried_escapes_ = false;        // the last call reached its work limit before it tried them: the next call does
+  std::optional<Vec3> untried_escapes_at_;  // the centre in the minimum that they leave; none: nothing is left to try
   bool resumes_escapes_ = false;            // this call continues with untried escapes, and has not yet tried one
-  int escapes_ = 0;                         // number tried at this minimum
-  int failed_escapes_ = 0;                  // number tried there by earlier calls
-  std::uint64_t last_fly_over_ = 0;
+  int escapes_ = 0;                         // number tried at this minimum in this call
+  int failed_escapes_ = 0;                  // number of them that failed, also in earlier calls: not tried again
+  std::uint64_t last_fly_over_ = 0;         // motion_ when a flight over a barrier was last tried; 0: never
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
 };
 

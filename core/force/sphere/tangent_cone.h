@@ -11,14 +11,14 @@ namespace hapton {
 
 // The directions in which a point at the apex, where triangles meet, can move: the tangent cone of the free space there (Rockafellar and
 // Wets 1998, 6.A). On the unit sphere around the apex each triangle is an arc of a great circle. Arcs bound the region of directions that
-// are free. The boundary of that region is a closed loop of pieces of arcs, each seen from one side. At the end of a piece, the next one is
-// the first arc met by a rotation about that direction through the free side. Only directions count: the triangles may share edges,
+// are free. The boundary of that region is a closed loop of pieces of arcs, each seen from one side. After a piece comes the first arc that
+// a rotation about the end direction of the piece, through the free side, meets. Only directions count: the triangles may share edges,
 // intersect, or end in free space.
 //
 // Directions are unit vectors in the triangles' frame. RT: yes; bounded by kMaxArcs and kMaxPieces. Threads: one.
 class TangentCone {
  public:
-  // Arcs: one for a triangle with a corner at the apex, two for an edge, four for its inside. find_boundary() is quadratic in them.
+  // A triangle has one arc if a corner is at the apex, two for an edge, four for its inside. find_boundary() is quadratic in the arcs.
   static constexpr int kMaxArcs = 96;
   static constexpr int kMaxPieces = 96;
 
@@ -32,16 +32,16 @@ class TangentCone {
   struct Steepest {
     double slope = 0.0;             // direction.dot(pull), the largest
     Vec3 direction = Vec3::Zero();  // unit
-    int piece = -1;                 // of the boundary; -1: there is no direction
+    int piece = -1;                 // index in boundary(); -1: there is no direction
   };
 
   // Forgets all triangles.
   void begin(const Vec3& apex);
-  // Adds a triangle. An edge or corner within `near` of the apex counts as at the apex. False: no room for its arcs; none is added.
+  // Adds a triangle. An edge or corner within `near` of the apex counts as at it. False: no room; no arc is added. Pre: the apex is on it.
   bool add(const ContactTriangle& shape, double near);
-  // Finds the boundary of the region that contains the direction `inside`. False: there is none, or its loop does not close.
+  // Finds the boundary of the region that contains the direction `inside`. False: there is none, or it does not close in kMaxPieces.
   bool find_boundary(const Vec3& inside);
-  // Whether that loop goes through the arc nearest to `inside`. If not, it may be that of another region.
+  // Whether that loop goes through the arc nearest to `inside`. If not, it may be the boundary of another region.
   bool is_around_start() const { return is_around_start_; }
 
   const Vec3& apex() const { return apex_; }
@@ -50,7 +50,7 @@ class TangentCone {
   Steepest find_steepest(const Vec3& pull, double below = std::numeric_limits<double>::infinity()) const;
   // Whether the boundary has a direction around which more than half of all directions are free.
   bool is_reentrant() const;
-  // Whether the direction, which is on no arc, is inside the region: the first arc met from there is a part of the boundary, on that side.
+  // Whether the direction, which is on no arc, is inside the region: the nearest arc is a part of the boundary, seen from that side.
   bool contains(const Vec3& direction) const;
 
  private:
@@ -84,7 +84,7 @@ class TangentCone {
   Vec3 apex_ = Vec3::Zero();
   std::array<Arc, kMaxArcs> arcs_;
   int arc_count_ = 0;
-  std::array<Arc, kMaxArcs> spare_arcs_;  // as they were before their ends were joined
+  std::array<Arc, kMaxArcs> spare_arcs_;  // copy of arcs_ before ends were joined
   std::array<Piece, kMaxPieces> pieces_;
   std::array<Walk, kMaxPieces> walks_;  // where each piece began
   int piece_count_ = 0;

@@ -7,27 +7,27 @@
 
 namespace hapton {
 
-// Whether planes alone hold a centre. A view: contacts, gathered triangles, centre and `work`, which is raised by the units of work
-// (step_work.h), outlive it.
+// Whether planes alone hold a sphere's centre. A view: contacts, gathered triangles, centre and `work` outlive this object. `work` is
+// raised by the units of work used (step_work.h).
 //
 // Frame and units: TouchGeometry's local ones. RT: yes.
 class Wedge {
  public:
-  // Offsets; how far a way out of a minimum would lead: a flight over a barrier, its lift included (SphereFollower::leave_by_flight).
+  // In offsets: the largest length of a way out of a minimum, a flight over a barrier with its lift (SphereFollower::leave_by_flight).
   static constexpr double kFarthest = 64.0 * 32.0 + 32.0 * 32.0;
 
   Wedge(const ContactSet& contacts, GatheredTriangles& near, const Vec3& centre, int& work)
       : contacts_(contacts), near_(near), centre_(centre), work_(work) {}
 
-  // Whether, as far as a way out would lead, the free space is the wedge or corner of the planes that hold the centre: the faces in each of
-  // them go on that far or to below another of the planes, and whatever else is there is not between them. That is convex, so its minimum
-  // has no barrier. False also where the gathered triangles do not reach that far.
+  // Whether, within kFarthest of the centre, the free space is the wedge or corner between the planes that hold it: the faces in each plane
+  // reach that far or to below another of these planes, and all other triangles are outside of the wedge. A wedge is convex, so no barrier
+  // hides a nearer minimum. False also where the gathered triangles do not reach that far.
   bool holds() noexcept;
-  // A face at that contact's edge or vertex which the centre is over, as far from it as from the edge. Returns a slot; -1: none.
+  // A face that has the contact's edge or vertex and that the centre is over, in contact with it. Returns its slot in `near`; -1: none.
   int find_face_there(const OffsetContact& contact) noexcept;
 
  private:
-  // A plane that holds the centre, which is above it.
+  // A plane that holds the centre; the centre is above it.
   struct Wall {
     Vec3 normal = Vec3::Zero();  // unit
     Vec3 origin = Vec3::Zero();
