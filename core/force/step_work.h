@@ -2,8 +2,8 @@
 
 namespace hapton {
 
-// The work of a step of `proxy`, in units of about 0.1 us on a processor of 2023: a triangle queried or gathered, a round of a search, an
-// event on walkable triangles. In the slow steps of all meshes a unit takes 0.05 to 0.2 us (decision 154).
+// The work of a step of `proxy`, in units of about 0.1 us on a processor of 2023. A unit is a triangle queried or gathered, a round of a
+// search, or an event on walkable triangles. In the slow steps of all meshes a unit takes 0.05 to 0.2 us (decision 154).
 //
 // A step has kMax units, whatever the motion, and completes the event that it has begun: about 0.06 ms. On all meshes of the project a few
 // steps in a million take more than 0.1 ms (docs/benchmarks.md). What is left of the motion is carried into the next step
@@ -13,7 +13,7 @@ namespace hapton {
 // continue the motion; these can be interrupted anywhere.
 struct StepWork {
   static constexpr int kMax = 500;
-  // Of a step with its last event, where thousands of triangles meet. Measured, not proved: no tested mesh needs more than half of it.
+  // A step and the event that it completes, where thousands of triangles meet. Measured, not proved: no tested mesh needs over half of it.
   static constexpr int kMaxWithLastEvent = 16'384;
 };
 

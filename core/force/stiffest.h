@@ -6,9 +6,9 @@
 
 namespace hapton {
 
-// The largest stiffness and damping that can act on the hand, for the warnings of too much of them; 0: none. RT: no.
+// The largest stiffness and damping that can act on the hand, for warnings that they are too large; 0: none. Units: SI. RT: no.
 
-// What makes a surface, or an effect in free space, as stiff as it is.
+// The cause of the largest stiffness of a surface or of an effect in free space.
 enum class StiffCause : std::uint8_t {
   none,
   spring,
@@ -27,34 +27,34 @@ struct Stiffest {
   StiffCause cause = StiffCause::none;
 };
 
-// How hard a surface is pressed at most, where the device's largest force is not known: hardly any desktop device gives more.
+// The largest force with which a surface is pressed, where that of the device is not known: hardly any desktop device gives more.
 constexpr double kMaxPressedN = 10.0;
 
-// Of the springs of a surface: its own or the layers, plus the progressive stiffness at kMaxPressedN of its progressive part; or the snap,
-// if that is stiffer.
+// The largest stiffness of the springs of a surface: its material or its layers, plus the progressive stiffness where the progressive force
+// is kMaxPressedN; or its snap, if that is stiffer.
 Stiffest stiffest_spring_of(const Material& material, const SurfaceEffects& effects);
-// Of a surface that is pressed with this force, where its normal or its stiffness changes from place to place (bumps, a stiffness map):
-// what a hand feels that moves along it, with the springs (TiltedSpring, MappedSpring). None: they do not change.
+// The largest stiffness, springs included, that a hand feels which moves along a surface and presses it with this force, where bumps or a
+// stiffness map change normal or stiffness from place to place (TiltedSpring, MappedSpring). 0, StiffCause::none: neither changes.
 Stiffest stiffest_by_place_of(const Material& material, const SurfaceEffects& effects, double pressed_n = kMaxPressedN);
-// Of a spring, a snap or a gravity well, where it is stiffest; other effects have no stiffness.
+// The largest stiffness of a spring, a snap or a gravity well, at the place where it is stiffest; 0 for other effects.
 Stiffest stiffest_of(const SpaceEffect& effect);
-// Of all springs of the surfaces of a scene: of stiffest_spring_of.
+// The largest stiffness by stiffest_spring_of() of all surfaces of a scene, N/m.
 double find_stiffest_surface(const TouchScene& scene);
 
-// What a scene makes of position and velocity at most: the gains of the loop that the hand closes.
+// The largest gains from position and velocity to force in a scene: those of the loop that the hand closes.
 struct LargestGains {
-  double stiffness_n_per_m = 0.0;  // of springs
+  double stiffness_n_per_m = 0.0;  // of springs, on surfaces and in free space
   StiffCause cause = StiffCause::none;
-  double by_place_n_per_m = 0.0;     // stiffest_by_place_of, pressed with kMaxPressedN
-  double of_pressing_n_per_m = 0.0;  // the part of it that is due to the force; 0: not known
+  double by_place_n_per_m = 0.0;     // by stiffest_by_place_of, pressed with kMaxPressedN
+  double of_pressing_n_per_m = 0.0;  // the part of by_place_n_per_m that the force causes; 0: not known
   StiffCause place_cause = StiffCause::none;
-  double damping_ns_per_m = 0.0;       // of materials, with the velocity of the last interval
-  double viscosity_ns_per_m = 0.0;     // of surfaces and in free space, with the velocity of SmoothVelocity, which lags more
-  double rotational_nm_per_rad = 0.0;  // of the coupling of a rigid tool, which no scene has alone
+  double damping_ns_per_m = 0.0;       // of materials, which use the velocity of the last interval
+  double viscosity_ns_per_m = 0.0;     // on surfaces and in free space, with the velocity of SmoothVelocity, which lags more
+  double rotational_nm_per_rad = 0.0;  // of the coupling of a rigid tool; find_*_gains leave it 0
 
-  // By place, with less than kMaxPressedN: no less than that of any of the surfaces. With more, as with kMaxPressedN.
+  // Upper bound of stiffest_by_place_of for this force, over all surfaces. Above kMaxPressedN: the value for kMaxPressedN.
   double by_place_at(double pressed_n) const noexcept;
-  // Both at once: of what is used by turns.
+  // The larger value of each gain, for two scenes or objects of which either may act.
   LargestGains largest_of(const LargestGains& other) const noexcept;
   bool any() const noexcept {
     return stiffness_n_per_m > 0.0 || by_place_n_per_m > 0.0 || damping_ns_per_m > 0.0 || viscosity_ns_per_m > 0.0 ||
@@ -62,14 +62,14 @@ struct LargestGains {
   }
 };
 LargestGains find_largest_gains(const TouchScene& scene);
-// With a rigid tool: its contacts have damping of materials and viscosity, but no images and no bumps, and use the velocity of
-// SmoothVelocity for both (contact_damping.h). So both are viscosity_ns_per_m.
+// The same with a rigid tool: its contacts have the damping of materials and viscosity, but no images and no bumps, and use the velocity of
+// SmoothVelocity for both (contact_damping.h). So both count in viscosity_ns_per_m, and damping_ns_per_m is 0.
 LargestGains find_tool_gains(const TouchScene& scene);
-// Of a surface along it, by a number or the largest of an image.
+// The viscosity of a surface for motion along it, N s/m: the larger of its number and the largest value of its image.
 double viscosity_of(const SurfaceEffects& effects);
-// Of the layers of a surface, whose drag is viscous along the needle: with bumps and viscosity, of all of them. 0: no layer has any.
+// The largest viscous drag along the needle in the layers of a surface, N s/m; on bumps, with the viscosity. 0: no layer has any.
 double drag_of(const SurfaceEffects& effects);
-// In free space; effects that are not viscous have none.
+// The viscosity of an effect in free space, N s/m; 0 for effects that are not viscous.
 double viscosity_of(const SpaceEffect& effect);
 
 }  // namespace hapton

@@ -16,14 +16,14 @@ template <class Surface>
 class CarriedProxy;
 
 // The method `proxy` for one surface whose shapes are not known beforehand: a program sends one after the other, and the vertices move
-// in straight lines from each to the next. The forces are those of DeformingMethod with these shapes as keyframes.
+// in straight lines from each shape to the next. The forces are those of DeformingMethod with these shapes as keyframes.
 //
 // A shape is prepared outside of the step (stager()), and handed over (offer()) as a stage from the shape that the current stage leads to.
-// If the current stage has become another one meanwhile (serial()), the shape has to be prepared again. No vertex is faster than
+// If another stage has begun meanwhile (serial() has changed), the shape has to be prepared again. No vertex is faster than
 // kMaxSurfaceSpeed: a stage that would be faster takes longer.
 //
-// Frame: S. RT: step, reset, resume, set_materials and offer yes: linear in the vertices, a few ns each, while the hand is near the
-// surface. Threads: as ForceMethod; stager() any, beside the steps.
+// Frame: S. RT: all but make, destruction, describe and vertices; step is linear in the vertices, a few ns each, while the hand is near the
+// surface. Threads: one; const calls of stager() from any, beside the steps.
 class StreamedMethod final : public ForceMethod {
  public:
   // reach_m: the largest distance of a vertex from its place in the mesh. Error: a mesh without triangles; a reach_m that is
@@ -42,22 +42,22 @@ class StreamedMethod final : public ForceMethod {
   std::string describe() const override;
 
   const ShapeStager& stager() const { return *stager_; }
-  // It may be used by others, also after the method is gone.
+  // The same stager, shared: it may be used after the method is destroyed.
   std::shared_ptr<const ShapeStager> share_stager() const { return stager_; }
-  // The stage that moves at the time of the last step, or has ended.
+  // The stage that moves at the time of the last step; if none does, the last that ended. serial(): the number of stages that have begun.
   const ShapeStage& current_stage() const noexcept { return surface_.present(); }
   std::uint64_t serial() const noexcept { return surface_.serial(); }
   // The stage follows the current one, and replaces one that waits. over_s: how long it is to take. Returned: stages that are no longer
-  // used, to be destroyed outside of the loop. Pre: it begins where the current stage ends; over_s 0 or more.
+  // used, to be destroyed outside of the loop. Pre: it begins where the current stage ends; at most one waits; over_s 0 or more.
   StreamedGeometry::Released offer(std::unique_ptr<ShapeStage> stage, double over_s) noexcept;
-  // The same after all others, at a given time: the stage begins at start_s and takes over_s. Returned: one that is no longer used; null:
+  // The stage follows all that wait: it begins at the scene time start_s and takes over_s. Returned: a stage that is no longer used; null:
   // none. Pre: fewer than kMaxWaiting wait; it begins where newest_stage() ends; start_s is after the last step, and not before end_s();
-  // over_s is not below compute_time_s.
+  // over_s is not below compute_time_s().
   std::unique_ptr<ShapeStage> offer_at(std::unique_ptr<ShapeStage> stage, double start_s, double over_s) noexcept {
     return surface_.append(std::move(stage), over_s, start_s);
   }
   static constexpr std::size_t kMaxWaiting = StreamedGeometry::kMaxWaiting;
-  // How many stages wait for their start; the last of them, else the current one; and when that will have ended.
+  // How many stages wait for their start; the last of them, else the current one; and the scene time at which that one ends.
   std::size_t waiting() const noexcept { return surface_.waiting(); }
   const ShapeStage& newest_stage() const noexcept { return surface_.newest(); }
   double end_s() const noexcept { return surface_.end_s(); }
