@@ -35,12 +35,12 @@ struct TouchObject {
   std::shared_ptr<const KeyframeMotion> motion = nullptr;        // prescribed motion of the mesh from its rest pose; null: static
   std::shared_ptr<const MeshDeformation> deformation = nullptr;  // prescribed deformation of the mesh, before the motion; null: rigid
   std::optional<Vec3> command_pivot =
-      {};  // a program may move the mesh (CommandedMotion), in place of a motion: the pivot; none: it may not
+      {};  // the pivot about which a program may move the mesh (CommandedMotion), in place of `motion`; none: it may not
 
-  // A program may deform the mesh (StreamedMethod), in place of a deformation: no vertex gets farther from where it is at rest, m. None: it
-  // may not.
+  // The largest distance, m, to which a program may move a vertex of the mesh from its position at rest (StreamedMethod), in place of
+  // `deformation`. None: a program may not deform the mesh.
   std::optional<double> stream_reach_m = {};
-  Mat3 stream_to_scene = Mat3::Identity();  // of the displacements that it gives
+  Mat3 stream_to_scene = Mat3::Identity();  // maps the displacements that the program gives to frame S
 
   std::optional<SculptSettings> sculpt = {};  // the mesh is a body of material that can be carved; none: it keeps its shape
 
@@ -55,11 +55,11 @@ struct TouchScene {
   // If the objects are a part of a larger scene: the bounding box of that scene. All its parts then have the same local frame and the
   // same contact offset (object_geometry.h). Empty: the objects are the whole scene.
   Box part_of = {};
-  // The objects as they were built before; a method that has a use for them (proxy) builds none of these meshes again, and takes their
-  // frame. Null, or of other meshes: it builds all.
+  // The objects as they were built before: a method that can use them (proxy) does not build these meshes again, and takes over their local
+  // frame. Null, or built from other meshes: it builds all.
   std::shared_ptr<const BuiltObjects> built = nullptr;
-  // By object: its surface with images, if it was prepared before (TouchStep). Null, of other triangles, or too short: it is prepared
-  // again.
+  // By object: its surface with images, if it was prepared before, for TouchStep. Null, made from other triangles, or no entry for the
+  // object: TouchStep prepares it.
   std::vector<std::shared_ptr<const MappedSurface>> mapped = {};
 
   bool has_effects() const {
@@ -75,7 +75,7 @@ struct TouchScene {
   bool has_sculpt() const {
     return std::ranges::any_of(objects, [](const TouchObject& object) { return object.sculpt.has_value(); });
   }
-  // An object moves by keyframes or by commands, or deforms.
+  // Whether any object moves by keyframes or by commands, or deforms.
   bool has_motion() const { return std::ranges::any_of(objects, &TouchObject::moves); }
 };
 

@@ -13,11 +13,11 @@
 
 namespace hapton {
 
-// Counters of all steps; the early exits are those of the memo's steps 1 to 5.
+// Counters over all steps; "step 1" to "step 5" are the steps of the memo's algorithm, at which a test of a triangle or cell may end.
 struct SweepCounters {
   std::uint64_t cells_visited = 0;
   std::uint64_t empty_cells = 0;         // ended at step 1
-  std::uint64_t repeated_triangles = 0;  // in several cells, already tested
+  std::uint64_t repeated_triangles = 0;  // found again in another cell, not tested again
   std::uint64_t triangles_tested = 0;    // reached step 2
   std::uint64_t parallel = 0;            // ended at step 2
   std::uint64_t out_of_length = 0;       // ended at step 3
@@ -26,15 +26,15 @@ struct SweepCounters {
   std::uint64_t collisions = 0;          // stored at step 5: the memo's M
 };
 
-// The complete method of the HP memo: tests the line between two samples against the triangles in the grid cells around it. The collision
-// with the greatest penetration depth gives a Hooke force along the triangle's normal, towards the side that the probe came from. Choices
-// that the memo leaves open: docs/decisions/0001-memo-sweep.md. The probe is a point. TouchStep adds damping and friction
+// The complete method of the HP memo: tests the line between two samples against the triangles in the grid cells that its box meets. The
+// collision with the greatest penetration depth gives a Hooke force along the triangle's normal, towards the side that the probe came from.
+// Choices that the memo leaves open: docs/decisions/0001-memo-sweep.md. The probe is a point. TouchStep adds damping and friction
 // (unrendered_drag). Frame S, SI units.
 // Source: memo 4.2.2.
-// RT: step, reset and counters yes; make and describe set-up only. Threads: one.
+// RT: step, reset, set_materials, unrendered_drag and counters yes; make and describe set-up only. Threads: one.
 class SweepMethod final : public ForceMethod {
  public:
-  // Error: an impossible grid division or offset, a probe with a radius, a scene in which no triangle has a plane.
+  // Error: an impossible grid division or offset, a probe with a radius, a scene in which no triangle has an area.
   static Result<std::unique_ptr<ForceMethod>> make(const MethodSettings& settings, const TouchScene& scene);
 
   MethodOutput step(const MethodInput& input) noexcept override;
@@ -55,12 +55,12 @@ class SweepMethod final : public ForceMethod {
     bool found = false;
   };
 
-  // The scene's triangles that have a plane, with their objects.
+  // The scene's triangles that have an area, with their objects.
   struct Triangles {
     std::vector<TrianglePlane> planes;
     std::vector<std::uint32_t> object_of;
     std::vector<Material> materials;  // of each object
-    std::size_t degenerate = 0;       // left out
+    std::size_t degenerate = 0;       // triangles without an area, left out
   };
 
   SweepMethod(UniformGrid grid, Triangles triangles, double offset_m)
