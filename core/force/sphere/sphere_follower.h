@@ -246,7 +246,7 @@ class SphereFollower {
   int work_ = 0;  // units, of this call
   int most_work_ = 0;
   int idle_ = 0;                    // consecutive events without progress
-  double least_distance_ = 0.0;     // of the centre to the device, since the device moved
+  double least_distance_ = 0.0;     // least of centre to device, since the device moved
   Vec3 far_target_ = Vec3::Zero();  // the target of the last descent towards a device beyond kFar
   CornerExit::Memory corner_;
   int corner_tries_ = 0;                    // in this motion of the device
@@ -255,7 +255,7 @@ class SphereFollower {
   bool has_untried_escapes_ = false;        // the last call reached its work limit before it tried them: the next call does
   std::optional<Vec3> untried_escapes_at_;  // the centre in the minimum that they leave; none: nothing is left to try
   bool resumes_escapes_ = false;            // this call continues with untried escapes, and has not yet tried one
-  int escapes_ = 0;                         // number tried at this minimum in this call
+  int escapes_ = 0;                         // number reached at this minimum in this call, tried or skipped
   int failed_escapes_ = 0;                  // number of them that failed, also in earlier calls: not tried again
   std::uint64_t last_fly_over_ = 0;         // motion_ when a flight over a barrier was last tried; 0: never
   std::uint64_t events_ = 0, slips_ = 0, flights_ = 0, queried_ = 0;
