@@ -126,7 +126,7 @@ class SphereFollower {
   static constexpr int kMaxCornerTries = 2;    // in a motion
   static constexpr int kMaxIdle = 24;          // events without progress; a choice
   static constexpr int kMaxSkips = 16;         // in a motion; a choice
-  static constexpr int kMaxInFlight = 512;     // triangles that a flight may test
+  static constexpr int kMaxInFlight = 512;     // triangles outside of large fans that a flight may test
 
   enum class Next : std::uint8_t { again, wait, settled, failed };
   using Exit = PathEvents::Exit;
