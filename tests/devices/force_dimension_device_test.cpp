@@ -294,7 +294,7 @@ TEST_F(ForceDimension, APositionThatIsNotFiniteReachesTheGovernor) {
   EXPECT_TRUE(serve_until([&] { return runner.sample().p_WD.allFinite(); }));
 }
 
-// Half the length, or numbers that are none: the stylus stays as it was, and the position goes on.
+// A matrix of half the length, or of NaN: the stylus keeps its orientation, and its position still follows.
 TEST_F(ForceDimension, AnOrientationThatIsNoRotationIsLeftOut) {
   board->follows_hand = 0;
   board->turn_rad[2] = std::numbers::pi / 2;

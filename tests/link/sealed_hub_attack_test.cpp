@@ -52,7 +52,7 @@ TEST_F(SealedHubTest, ARestartedHubGivesARecordingNoMoreThanACookie) {
   EXPECT_EQ(hub_->seal_counts().handshakes, 0U);
 }
 
-// Of a hub's own datagrams, or of a role that is none.
+// Datagrams that only a hub sends, or with a role that does not exist.
 TEST_F(SealedHubTest, WhatNoNodeSendsIsMalformed) {
   const auto node = make_node(2);
   join(*node);

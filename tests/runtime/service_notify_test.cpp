@@ -25,6 +25,15 @@ struct ServiceNotifyTest : testing::Test {
     ::unsetenv("NOTIFY_SOCKET");
     ::unsetenv("WATCHDOG_USEC");
   }
+  // Binds the socket to a name in the folder, to which NOTIFY_SOCKET points then.
+  bool listen_as_manager(int socket, sockaddr_un& at) const {
+    const std::string path = (folder.path() / "notify").string();
+    at.sun_family = AF_UNIX;
+    std::memcpy(at.sun_path, path.data(), path.size());
+    ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+    return ::bind(socket, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0;
+  }
+
   ScratchFolder folder;
 };
 
@@ -37,13 +46,9 @@ TEST_F(ServiceNotifyTest, SaysNothingWithoutAListener) {
 }
 
 TEST_F(ServiceNotifyTest, TheManagerReceivesItAndSaysHowOftenItExpectsIt) {
-  const std::string path = (folder.path() / "notify").string();
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un at = {};
-  at.sun_family = AF_UNIX;
-  std::memcpy(at.sun_path, path.data(), path.size());
-  ASSERT_EQ(::bind(manager, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
-  ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  ASSERT_TRUE(listen_as_manager(manager, at));
   ::setenv("WATCHDOG_USEC", "2000000", 1);
   const ServiceNotify notify;
   EXPECT_EQ(notify.manager_timeout_ns(), 2'000'000'000);
@@ -90,13 +95,9 @@ TEST_F(ServiceNotifyTest, ANameThatDoesNotFitIsNone) {
 
 // Of a manager that hangs the kernel keeps a few messages; the next one would wait for it.
 TEST_F(ServiceNotifyTest, AManagerThatTakesNoMessagesHoldsNobodyUp) {
-  const std::string path = (folder.path() / "notify").string();
   const int manager = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_un at = {};
-  at.sun_family = AF_UNIX;
-  std::memcpy(at.sun_path, path.data(), path.size());
-  ASSERT_EQ(::bind(manager, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
-  ::setenv("NOTIFY_SOCKET", path.c_str(), 1);
+  ASSERT_TRUE(listen_as_manager(manager, at));
   // From a socket each: one alone would reach the limit of its own first.
   const auto is_taken = [&] {
     const int other = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);

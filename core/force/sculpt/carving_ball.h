@@ -31,7 +31,7 @@ class CarvingBall {
     Vec3 goal = Vec3::Zero();  // the device point, less what other parts of the scene hold (CommonProxy): the ball moves to it
     double dt_s = 1e-3;        // since the last step
     bool is_down = false;      // the button that carves
-    // The sample of the last step is felt again with another goal: no time passes, and the ball continues from where that step left it.
+    // The same sample as in the last step, with another goal: no time passes, and the ball continues from where that step left it.
     // Pre: the ball does not cut.
     bool is_correction = false;
   };
