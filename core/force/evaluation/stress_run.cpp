@@ -41,8 +41,13 @@ constexpr double kRelative = 4e-9;       // a method may use this share of the e
 constexpr int kMaxCarried = 1024;        // steps that a motion may take
 constexpr std::size_t kMaxFindings = 1;  // of each fault in each motion
 
+struct Crossing {
+  Vec3 place = Vec3::Zero();
+  double height = 0.0;  // of the end that is nearer to the plane of the face, above that plane
+};
+
 // Where the segment crosses a face, well away from its edges. Tests every triangle.
-std::optional<Vec3> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& from, const Vec3& to) {
+std::optional<Crossing> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes, const Vec3& from, const Vec3& to) {
   const Vec3 motion = to - from;
   for (const std::uint32_t i : boxes.find_near(0.5 * (from + to), 0.5 * motion.norm())) {
     const Vec3& a = mesh.corner(i, 0);
@@ -58,7 +63,7 @@ std::optional<Vec3> find_crossing(const TriangleMesh& mesh, TriangleBoxes& boxes
     const Vec3 e = ap.cross(motion);
     const double v = ac.dot(e) / slope;
     const double w = -ab.dot(e) / slope;
-    if (v > 0.05 && w > 0.05 && v + w < 0.95) return Vec3(from + t * motion);
+    if (v > 0.05 && w > 0.05 && v + w < 0.95) return Crossing{from + t * motion, std::min(t, 1.0 - t) * std::fabs(slope) / n.norm()};
   }
   return std::nullopt;
 }
@@ -132,12 +137,11 @@ struct StressRun::Impl {
   }
 
   // From one free position to another straight through a face, with no boundary within ten such steps to slide round.
-  bool goes_through(const Vec3& from, const Vec3& to) const {
+  std::optional<Crossing> find_passage(const Vec3& from, const Vec3& to) const {
     const double step = (to - from).norm();
-    if (!(step > 0.0) || step > kThroughStep * extent) return false;
-    const std::optional<Vec3> crossing = find_crossing(body.touched, boxes, from, to);
-    if (!crossing) return false;
-    return !is_near_boundary(*crossing, 10.0 * step);
+    if (!(step > 0.0) || step > kThroughStep * extent) return std::nullopt;
+    const std::optional<Crossing> crossing = find_crossing(body.touched, boxes, from, to);
+    return crossing && !is_near_boundary(crossing->place, 10.0 * step) ? crossing : std::nullopt;
   }
 
   bool is_near_boundary(const Vec3& p, double radius) const {
@@ -278,11 +282,12 @@ struct StressRun::Impl {
   }
 
   // Where the touched body is not a solid, a probe that was free before and after a step has not gone through a surface. False: one of both
-  // positions is on the surface up to rounding, which has no side.
+  // positions is on the surface up to rounding, or beside the face that the path crosses and in its plane: then it has no side.
   bool check_through(const MethodOutput& output_before, const MethodOutput& output, double moved, const auto& note) const {
-    if (output.contact || output_before.contact || probe_radius > 0.0 || !goes_through(output_before.p_SP, output.p_SP)) return true;
-    if (leads_round(output_before.p_SP, output.p_SP)) return true;
-    if (is_on_surface(output.p_SP, slop()) || is_on_surface(output_before.p_SP, slop())) return false;
+    if (output.contact || output_before.contact || probe_radius > 0.0) return true;
+    const std::optional<Crossing> passage = find_passage(output_before.p_SP, output.p_SP);
+    if (!passage || leads_round(output_before.p_SP, output.p_SP)) return true;
+    if (passage->height <= slop() || is_on_surface(output.p_SP, slop()) || is_on_surface(output_before.p_SP, slop())) return false;
     note(StressFault::through, moved);
     return true;
   }

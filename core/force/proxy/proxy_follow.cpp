@@ -79,14 +79,35 @@ void ProxyMethod::follow_piece(const Vec3& last, const Vec3& device) noexcept {
   follow_after_sweep(last, device);
 }
 
-// Where a sweep gets no nearer to the device, the proxy stays in the slit.
+// Where sweeps get no nearer to the device, the proxy stays in the slit.
 void ProxyMethod::sweep_from_slit(const Vec3& last, const Vec3& device) noexcept {
   is_close_ = true;
   const bool has_settled = sweep_to(device);
-  if (has_settled && !((proxy_.position - device).norm() < (sphere_.centre() - device).norm())) return copy_sphere_state(device);
+  if (has_settled && !is_nearer_than_sphere(device) && !sweep_past_slit(device)) return copy_sphere_state(device);
   sphere_.stop_tracking();
   if (!has_settled) return carry(device);
   follow_after_sweep(last, device);
+}
+
+bool ProxyMethod::is_nearer_than_sphere(const Vec3& device) const noexcept {
+  return (proxy_.position - device).norm() < (sphere_.centre() - device).norm();
+}
+
+// In a wedge whose tip is far away, the sphere that stands for the point is held far from the tip, perhaps by a face that ends before the
+// tip. A much smaller sphere gets past that end. True: the proxy comes nearer to the device like that, to a place where the larger one has
+// room.
+bool ProxyMethod::sweep_past_slit(const Vec3& device) noexcept {
+  constexpr double kSmaller = 0x1p-6;  // of the larger radius; the slop and tolerance of such a sweep are still above rounding
+  constexpr double kRoom = 0.75;       // of the larger radius: beyond the slop of sweeps (SweptMotion::keep_only)
+  for (const double share : {kSmaller, 1.0}) {
+    if (work_left_ <= 0) return false;
+    swept_.keep_only(share * sphere_.offset());
+    const bool has_settled = swept_.descend(proxy_, device, work_left_);
+    work_left_ -= swept_.work();
+    if (!has_settled) swept_.forget();
+    if (!has_settled || !is_nearer_than_sphere(device)) return false;
+  }
+  return proxy_.is_free || !is_nearer_to_surface(proxy_.position, kRoom * sphere_.offset());
 }
 
 // Without work left it could only be interrupted, and would lose the contacts. A point is then carried, a few times in a motion and at
@@ -202,12 +223,14 @@ void ProxyMethod::hold_by_surface(const Vec3& device) noexcept {
   }
 }
 
-// Whether something is nearer to p than half of what sweeps keep.
-bool ProxyMethod::is_beside_surface(const Vec3& p) const noexcept {
-  double nearest = clearance_.offset;
-  geometry_.for_each_overlapping(Box{p, p}.inflated(clearance_.offset),
-                                 [&](std::uint32_t id) { nearest = std::min(nearest, geometry_.separation(id, p).distance); });
-  return nearest < 0.5 * clearance_.offset;
+// Whether something is nearer to p than that.
+bool ProxyMethod::is_nearer_to_surface(const Vec3& p, double distance) const noexcept {
+  bool any = false;
+  geometry_.for_each_overlapping(Box{p, p}.inflated(distance), [&](std::uint32_t id) {
+    any = any || geometry_.separation(id, p).distance < distance;
+    return !any;
+  });
+  return any;
 }
 
 // Lifts the proxy to the distance that sweeps keep and away from every edge, so that nothing beyond an edge is nearer. On a triangle too
@@ -234,7 +257,8 @@ void ProxyMethod::lift_off_surface() noexcept {
     double room = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) room = std::min(room, face.shape.inside(k, from) / face.shape.length(k));
     lifted = from + clearance_.offset * normal;
-    if (room < kNarrow * kContactOffset && is_beside_surface(lifted)) lifted = surface_.at().lifted(clearance_.offset);
+    if (room < kNarrow * kContactOffset && is_nearer_to_surface(lifted, 0.5 * clearance_.offset))
+      lifted = surface_.at().lifted(clearance_.offset);
     if (!is_in_the_way(from, lifted)) break;
   }
   is_close_ = false;

@@ -132,12 +132,14 @@ class ProxyMethod final : public ForceMethod {
   bool follow_offset(const Vec3& last, const Vec3& device, double& time) noexcept;
   bool sweep_to(const Vec3& device) noexcept;
   void sweep_from_slit(const Vec3& last, const Vec3& device) noexcept;
+  bool is_nearer_than_sphere(const Vec3& device) const noexcept;
+  bool sweep_past_slit(const Vec3& device) noexcept;
   void follow_after_sweep(const Vec3& last, const Vec3& device) noexcept;
   void copy_sphere_state(const Vec3& device) noexcept;
   void carry(const Vec3& device) noexcept;
   void clear_start() noexcept;
   std::optional<std::uint32_t> find_nearest(const Vec3& p, double reach, Separation& at) const noexcept;
-  bool is_beside_surface(const Vec3& p) const noexcept;
+  bool is_nearer_to_surface(const Vec3& p, double distance) const noexcept;
   void lift_off_surface() noexcept;
   bool land_on_surface() noexcept;
   void hold_by_surface(const Vec3& device) noexcept;

@@ -17,6 +17,7 @@ struct Episode {
   double scale = 1.0;
   const char* body = nullptr;  // its name, which is part of the seed; null: the mesh
   double probe_share = 0.0;
+  std::uint64_t least_compared = 5;
 };
 
 class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
@@ -29,6 +30,8 @@ class StressOnMeshes : public ::testing::TestWithParam<Episode> {};
 // Or the point crept along an edge that lies in a face within rounding (282, 303). A point in the corner of a hole was held by a rim that
 // is a billionth of the extent above it (162, 440).
 // A sphere of 1 % was held for good where it was put exactly on an edge (nist_pump_assembly).
+// In a wedge of two millionths of a radian the sphere was held before the end of one of its faces, which a point passes (250).
+// A device that crosses a face within the plane of that face was taken for one that passes through it (473).
 TEST_P(StressOnMeshes, HasNoFault) {
   const Episode& episode = GetParam();
   auto file = load_touch_mesh(std::filesystem::path(HAPTON_SOURCE_DIR "/meshes") / episode.mesh);
@@ -44,7 +47,7 @@ TEST_P(StressOnMeshes, HasNoFault) {
   ASSERT_TRUE(run) << run.error().what;
   StressCount count;
   EXPECT_GT(run->run_episode(episode.number, count), 0U);
-  EXPECT_GT(count.compared_steps, 4U);
+  EXPECT_GE(count.compared_steps, episode.least_compared);
   for (std::size_t fault = 0; fault < count.faults.size(); ++fault) {
     EXPECT_EQ(count.faults[fault], 0U) << name_of(static_cast<StressFault>(fault));
   }
@@ -56,6 +59,8 @@ INSTANTIATE_TEST_SUITE_P(Found, StressOnMeshes,
                                          Episode{"barkour_body_dirty.stl", 4, 17}, Episode{"barkour_body_dirty.stl", 7, 22},
                                          Episode{"barkour_body_dirty.stl", 19, 15}, Episode{"kenney_motorcycle.glb", 3, 23},
                                          Episode{"barkour_body_dirty.stl", 1, 329, 1.0, "meshes/barkour_body_dirty.stl"},
+                                         Episode{"barkour_body_dirty.stl", 3, 250, 1e6},
+                                         Episode{"mosquito_dirty.glb", 3, 473, 1e-3, nullptr, 0.0, 0},
                                          Episode{"nist_assembly_insert.obj", 3, 1, 1e-6},
                                          Episode{"nist_assembly_insert.obj", 4, 282, 1.0, "meshes/nist_assembly_insert.obj"},
                                          Episode{"nist_assembly_insert.obj", 6, 303, 1.0, "meshes/nist_assembly_insert.obj"},
