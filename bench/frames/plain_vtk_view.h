@@ -13,11 +13,11 @@ namespace hapton {
 // VTK's default. Frame: W. Units: m, pixels. Threads: one. RT: no.
 class PlainVtkView {
  public:
-  // mesh: copied. window: both eyes together. Error: no display (vision_node/display.h).
+  // mesh: is copied. window: size of the picture of both eyes together. Error: no display (vision_node/display.h).
   static Result<std::unique_ptr<PlainVtkView>> open(const TriangleMesh& mesh, const Framing& framing, PictureSize window, bool offscreen);
   ~PlainVtkView();
 
-  void set_scene_pose(const Pose& X_WS);  // from the next draw() on
+  void set_scene_pose(const Pose& X_WS);  // takes effect with the next draw()
   // Draws one frame and waits until the graphics driver is done.
   void draw();
 

@@ -8,8 +8,8 @@
 
 namespace hapton {
 
-// Brute-force twin of intersect_triangles in long double (64 bits of mantissa): every edge of each triangle against the other triangle, by
-// its own short formulas. For pairs in general position; coplanar ones have no edge that pierces. RT: no matter.
+// Brute-force twin of intersect_triangles in long double (64 bits of mantissa): tests every edge of each triangle against the other, with
+// its own short formulas. For pairs in general position: no edge of coplanar triangles pierces the other. RT: no.
 struct ExtendedContact {
   using Real = long double;
   using Point = Eigen::Matrix<Real, 3, 1>;
@@ -46,8 +46,8 @@ inline ExtendedContact intersect_extended(const TrianglePair& pair) {
   return found;
 }
 
-// The larger distance of a contact's two ends from the two exact ones, whichever way round; infinity if an end is not finite. Pre:
-// exact.count == 2.
+// The larger of the distances of the contact's two ends from the two exact ends, with the ends paired in the order that fits better;
+// infinity if an end is not finite. Pre: exact.count == 2.
 inline double location_error(const TriangleContact& contact, const ExtendedContact& exact) {
   // std::fmax and std::fmin would leave a NaN out.
   if (!contact.begin.allFinite() || !contact.end.allFinite()) return std::numeric_limits<double>::infinity();
@@ -57,7 +57,7 @@ inline double location_error(const TriangleContact& contact, const ExtendedConta
   return std::fmin(straight, crossed);
 }
 
-// What "0.1 %" is of: the longest edge of the smaller triangle.
+// The length to which the "0.1 %" of the hapton refers: the longest edge of the smaller triangle.
 inline double size_of(const TrianglePair& pair) {
   const auto longest = [](const std::array<Vec3, 3>& t) {
     return std::fmax((t[1] - t[0]).norm(), std::fmax((t[2] - t[1]).norm(), (t[0] - t[2]).norm()));

@@ -18,17 +18,17 @@ struct EffectCase {
   std::vector<SwitchedEffect> space;
 };
 
-// Their images: kTexels x kTexels, kImagesPerM of them a metre along x and y.
+// The images of the effects: kTexels x kTexels texels each, repeated kImagesPerM times per metre along x and y.
 constexpr int kTexels = 512;
 constexpr double kImagesPerM = 10.0;
-// What they show: waves of 32 texels. u, v: texture coordinates, 1 across the image.
+// The images show waves of brightness, 32 texels long. u, v: texture coordinates, 0 to 1 across one image.
 constexpr double kWavesPerImage = kTexels / 32.0;
 inline double brightness_at(double u, double v) {
   constexpr double kTurn = 2.0 * std::numbers::pi * kWavesPerImage;
   return 0.5 + 0.25 * (std::sin(kTurn * u) + std::sin(kTurn * v));
 }
 
-// The first case has no effect. RT: set-up only.
+// The first case has no effect. mesh: the effects' images are mapped onto it along z. RT: set-up only.
 std::vector<EffectCase> make_effect_cases(const TriangleMesh& mesh);
 
 }  // namespace hapton

@@ -9,10 +9,10 @@
 
 namespace hapton {
 
-// How far the felt force is from the formula of its effects in docs/effects.md: sampling, the smoothing of velocities and the resolution of
-// images are in it.
+// Difference between the felt force and the force by the formulas of docs/effects.md. Errors of sampling, of smoothed velocities and of
+// image resolution are included. Without effects, rms is a share of the RMS of the whole force.
 struct EffectError {
-  double rms = 0.0;      // share of the root mean square of what the effects add to the force
+  double rms = 0.0;      // RMS of the difference, as a share of the RMS of what the effects add to the force (N if that is zero)
   double worst_n = 0.0;  // largest difference, N
 };
 
@@ -22,13 +22,13 @@ struct EffectErrorSettings {
   std::uint64_t seed = 1;
 };
 
-// The felt force of method proxy with effects on the plane z = 0, along a smooth motion in and out of contact whose phases the seed draws.
-// Compared with the formulas, which are written anew here, in 64 parts of each step and with the exact velocity. none: `effects` has no
-// formula (a recorded texture, whose noise has a spectrum). The first 0.2 s do not count; none if there is nothing else. Error: see
-// make_method. RT: set-up only.
+// Measures the error of the force of method proxy with these effects, made for effect_plane(), along a smooth motion in and out of contact
+// whose phases the seed draws. The formulas, implemented independently in EffectFormula, are evaluated 64 times per step and with the exact
+// velocity. None: `effects` has no formula (a recorded texture is noise of a given spectrum), or the run ends within its first 0.2 s, which
+// do not count. Error: that of make_method. RT: set-up only.
 Result<std::optional<EffectError>> measure_effect_error(const EffectCase& effects, const EffectErrorSettings& settings);
 
-// The sheet on which it is measured: make_effect_cases(this) has images for it.
+// The sheet on which measure_effect_error measures; make_effect_cases(effect_plane()) makes the effects for it.
 const TriangleMesh& effect_plane();
 
 }  // namespace hapton

@@ -9,22 +9,22 @@
 
 namespace hapton {
 
-// A moment of a smooth motion. Frame S, SI.
+// Time, position and velocity of the device at one moment of a smooth motion. Frame S, SI units.
 struct FormulaMoment {
-  double time_s = 0.0;  // since the touch began
+  double time_s = 0.0;  // time since the touch began
   Vec3 p = Vec3::Zero();
   Vec3 v = Vec3::Zero();
 };
 
-// The spring of the default material on the plane z = 0, N.
+// The force of the spring of the default material on the plane z = 0, N.
 Vec3 plane_spring(const Vec3& p);
 
 // The force on the plane z = 0 with effects, N, by the formulas of docs/effects.md: a twin of core/effects that shares its parameters, not
-// its code. Images show brightness_at. What has a memory (contact, punctures, slip, a towed mass) goes on from moment to moment, so the
-// moments must be close. Not for recorded textures, nor for layers together with bumps. RT: no.
+// its code. Images show brightness_at. States (contact, punctures, slip, a towed mass) carry over from moment to moment, so moments must be
+// close. Only a burst's volume counts; other effects act everywhere. Not for recorded textures, nor layers with bumps. RT: no.
 class EffectFormula {
  public:
-  // effects: must last.
+  // effects: must outlive this object.
   explicit EffectFormula(const EffectCase& effects) : effects_(effects), space_(effects.space.size()) {}
 
   Vec3 force_at(const FormulaMoment& moment);
@@ -50,7 +50,7 @@ class EffectFormula {
   std::vector<SpaceState> space_;
   std::optional<double> last_s_ = {};
   bool in_contact_ = false;
-  std::optional<Vec3> left_at_ = {};  // on the plane: where the snap holds
+  std::optional<Vec3> left_at_ = {};  // last point of the plane below the probe in contact: the snap holds around it
   Vec3 sticks_at_ = Vec3::Zero();
   Ring ring_;
   std::size_t punctured_ = 0;

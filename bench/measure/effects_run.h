@@ -19,21 +19,21 @@ struct EffectsSettings {
   TimingBudget budget{.repetitions = 8, .seconds = 2.0};
 };
 
-// The step of method proxy with one effect, on the same slide as without any, and its error on a plane.
+// Cost of the step of method proxy with one effect, on the same slide as without effects, and the error of its force on a plane.
 struct EffectsRow {
   std::string effect;
   TimeSpread contact;
-  double mean_ns = 0.0;                   // of all steps, without reading the clock in between; other programs' time is in it
-  double added_ns = 0.0;                  // by the effect, to the median contact step
-  std::optional<EffectError> error = {};  // none: see measure_effect_error
+  double mean_ns = 0.0;                   // mean over all steps, without reading the clock in between; includes the time of other programs
+  double added_ns = 0.0;                  // what the effect adds to the median time of a contact step
+  std::optional<EffectError> error = {};  // none: as for measure_effect_error
 };
 
 struct EffectsReport {
   RunConditions conditions;
-  std::vector<EffectsRow> rows;  // the first one: none
+  std::vector<EffectsRow> rows;  // the first row is for no effect
 };
 
-// What each effect of core/effects adds to a step, and how far its force is from its formula. Error: see make_method. RT: set-up only.
+// Measures what each effect adds to a step and how far its force is from its formula. Error: see make_method. RT: set-up only.
 Result<EffectsReport> measure_effects(const EffectsSettings& settings, const Stopwatch& watch, const Progress& progress);
 
 std::string to_csv(const EffectsReport& report);

@@ -4,7 +4,7 @@
 
 namespace hapton {
 
-// Heap in use by the whole process, bytes, including the allocator's overhead. Two readings give the size of what was made between. RT: no.
+// Heap in use by the whole process, bytes, with the allocator's overhead: two readings give the size of what was made in between. RT: no.
 std::size_t read_live_heap_bytes();
 
 }  // namespace hapton

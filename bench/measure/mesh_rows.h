@@ -7,11 +7,11 @@
 
 namespace hapton {
 
-// The rows of one mesh, with the goals of the rough sphere: call it for that mesh only.
+// The rows of one mesh, with the goals for the rough sphere: call it only for that mesh.
 std::vector<NumberRow> rows_of_mesh(const MeshFigures& figures, const MeshRunSettings& settings);
 
-// Median and worst mesh of each quantity, and totals over all meshes. Pre: not empty, of one probe, all with or all without
-// friction.
+// For each quantity the median over the meshes and the worst mesh, and totals over all meshes. Pre: `all` is not empty; its figures are for
+// one probe, and all with or all without friction.
 std::vector<NumberRow> rows_over_meshes(const std::vector<MeshFigures>& all, const MeshRunSettings& settings);
 
 }  // namespace hapton
