@@ -23,25 +23,25 @@ class QueryStructure {
   // Position at which the segment first meets a triangle, as a share of its length, 0..1; kNothingFound if there is none.
   virtual double first_hit(const Vec3& from, const Vec3& to) = 0;
 
-  // The distance from p to the nearest triangle, where one is at most `radius` away; else kNothingFound.
+  // The distance from p to the nearest triangle if that is at most `radius`; otherwise kNothingFound.
   virtual double nearest(const Vec3& p, double radius) = 0;
 
-  // Memory of the structure, if the library reports it; 0: it does not, and the benchmark counts by how much the heap grew.
+  // Memory of the structure, if the library reports it; 0: it does not, and the benchmark takes the growth of the heap.
   virtual std::size_t bytes() const { return 0; }
 };
 
-// A kind of structure to measure, by name, and how to make one.
+// A kind of structure to measure: its name, what it can do, and how to make one.
 struct QueryStructureKind {
   std::string library = {};    // "hapton", "embree" ...
   std::string name = {};       // "fdh", "grid" ...
   int parameter = 0;           // directions, cells along an axis, threads ...; 0: none
-  std::string precision = {};  // of triangle tests: "float", "double"
-  bool segments = true;        // it has first_hit()
-  bool nearests = true;        // it has nearest()
+  std::string precision = {};  // precision of its triangle tests: "float", "double"
+  bool segments = true;        // true: it has first_hit()
+  bool nearests = true;        // true: it has nearest()
   std::string note = {};       // printed with its results
   std::function<Result<std::unique_ptr<QueryStructure>>(const TriangleMesh&)> make = {};  // the mesh outlives the structure
 
-  // "fdh 14", "brute"
+  // For example "fdh 14", "brute".
   std::string full_name() const { return parameter == 0 ? name : name + " " + std::to_string(parameter); }
 };
 

@@ -18,23 +18,23 @@ struct RunConditions {
   std::uint64_t seed = 1;
   double load_before = 0.0;  // load average of the last minute
   double load_after = 0.0;
-  double clock_cost_ns = 0.0;  // these three: as Stopwatch has them
+  double clock_cost_ns = 0.0;  // this and the next two: from Stopwatch
   double clock_resolution_ns = 0.0;
   double clock_drift = 0.0;
-  double seconds = 0.0;  // that the run took
+  double seconds = 0.0;  // duration of the run
   std::vector<std::string> missing_peers;
 
-  // Whether other programs probably ran: the load, this program included, was above the number of CPUs.
+  // True if other programs probably ran: the load, this program included, was above the number of CPUs.
   bool was_shared() const;
   // One line for people.
   std::string to_text() const;
 };
 
-// begin_conditions: machine, stopwatch, and the load before. end_conditions: the load after, and the time since start_ticks.
+// begin_conditions fills in the machine, the stopwatch and the load before; end_conditions the load after and the time since start_ticks.
 RunConditions begin_conditions(const Stopwatch& watch, std::uint64_t seed);
 void end_conditions(RunConditions& conditions, std::uint64_t start_ticks, const Stopwatch& watch);
 
-// "schema", "program" and the conditions: how every bench report begins.
+// The beginning of every bench report: "schema", "program" and the conditions.
 nlohmann::ordered_json to_json(const RunConditions& conditions, const std::string& program);
 
 }  // namespace hapton

@@ -13,29 +13,29 @@ namespace hapton {
 
 struct SculptRunSettings {
   std::vector<int> grids = {64, 128, 192};              // voxels along the longest side of the body
-  std::vector<double> radii_voxels = {2.0, 5.0, 12.0};  // of the ball
-  std::vector<std::uint64_t> seeds = {1, 2};            // of the motion
+  std::vector<double> radii_voxels = {2.0, 5.0, 12.0};  // radii of the ball that carves
+  std::vector<std::uint64_t> seeds = {1, 2};            // one motion for each seed
   std::size_t steps = 20'000;
   TimingBudget budget{.repetitions = 6, .seconds = 60.0};
 };
 
-// One body, one ball, one motion: the hand moves at 0.2 m/s from one random point in and around the body to the next, and the button is
-// down two thirds of the time. Each repetition begins with the whole body.
+// Results with one body, one ball and one motion: the hand moves at 0.2 m/s from one random point in and around the body to the next, and
+// the button is down two thirds of the time. Each repetition begins with the uncarved body.
 struct SculptRunRow {
   std::string shape;
   int grid = 0;
   double radius_voxels = 0.0;
   std::uint64_t seed = 0;
-  std::size_t nodes = 0;     // of the field
-  std::size_t carves = 0;    // of all steps
-  double make_ms = 0.0;      // to make the method with its field, once
-  TimeSpread all = {};       // steps, least times over the repetitions
-  TimeSpread carving = {};   // those that made a carve
-  TimeSpread touching = {};  // those in contact without a carve
-  TimeSpread surface = {};   // the surface after each 33 ms of carving: its changed blocks in three levels of detail
-  double whole_ms = 0.0;     // the surface of all blocks
-  double undo_ms = 0.0;      // to put the material of the last press back; a slow task does this, not a step
-  std::size_t presses = 0;   // of the button, with a carve
+  std::size_t nodes = 0;     // nodes of the body's field
+  std::size_t carves = 0;    // carves made in all steps
+  double make_ms = 0.0;      // time to make the method with its field, once
+  TimeSpread all = {};       // all steps, least times over the repetitions
+  TimeSpread carving = {};   // the steps that made a carve
+  TimeSpread touching = {};  // the steps in contact without a carve
+  TimeSpread surface = {};   // carving and the surface for each 33 ms with a carve: its changed blocks in three levels of detail
+  double whole_ms = 0.0;     // time for the surface of all blocks
+  double undo_ms = 0.0;      // time to put the material of the last press back; a slow task does this, not a step
+  std::size_t presses = 0;   // presses of the button that made a carve
 };
 
 struct SculptRunReport {
@@ -47,11 +47,11 @@ struct SculptRunReport {
   static constexpr double kMaxStepNs = 300e3;
   static constexpr double kMinSurfaceHz = 20.0;
   double worst_step_ns() const;
-  double least_surface_hz() const;  // of the slowest surface
+  double least_surface_hz() const;  // rate at which the slowest surface can be computed
 };
 
-// Times the steps of method proxy on bodies that are carved, and the surface that vision_node draws. Error: a grid that is too fine. RT:
-// set-up only.
+// Times the steps of method proxy on bodies that are carved, and the surface that vision_node draws. Error: that of make_method, such as a
+// grid that is too fine. RT: set-up only.
 Result<SculptRunReport> measure_sculpting(const SculptRunSettings& settings, const Stopwatch& watch, const Progress& progress);
 
 std::string to_csv(const SculptRunReport& report);

@@ -18,21 +18,21 @@ struct Wrench6 {
 };
 
 // A rigid tool, a scene and a motion of the device. `expected` is the wrench of frictionless contact and coupling, where it has a closed
-// form or minimises an energy of one variable. The analytic scenarios are those of Weller, Sagardia et al., "A Benchmarking Suite for 6-DOF
-// Real Time Collision Response Algorithms", 2010; the formulas are ours, each beside its scenario.
+// form or follows from the least energy of the coupling. The analytic scenarios are those of Weller, Sagardia et al., "A Benchmarking Suite
+// for 6-DOF Real Time Collision Response Algorithms", 2010; the formulas are ours, each in a comment beside its scenario.
 struct SixdofScenario {
   std::string name;
   std::shared_ptr<const TriangleMesh> tool;
   std::shared_ptr<const TriangleMesh> scene;
   ToolCoupling coupling;
-  std::vector<Pose> device;                           // X_SD, 1 kHz; the first is free of contact
+  std::vector<Pose> device;                           // X_SD, one each ms; free of contact in the first
   std::function<Wrench6(const Pose& X_SD)> expected;  // empty: none is known
 };
 
-// Box on plane, tilted box, cylinder in a V groove, peg in a slot, cone in cone, gear pair (gear_scenario.h): each with its wrench.
+// Box on plane, tilted box, cylinder in a V groove, peg in a slot, cone in cone, gear pair (gear_scenario.h): each has `expected`.
 std::vector<SixdofScenario> make_analytic_scenarios(std::size_t steps);
 
-// A square peg in a hole of 20 um clearance on each side, pressed and turned at up to 100 mm/s and 2 rad/s from the given seed.
+// A square peg in a hole with 20 um of clearance on each side, pressed and turned at up to 100 mm/s and 2 rad/s; the seed draws the phases.
 SixdofScenario make_peg_scenario(std::size_t steps, std::uint64_t seed);
 
 // A bumpy ball of about tool_triangles slides and turns over a larger one of about scene_triangles.

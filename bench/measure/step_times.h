@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// How long the steps of a run take. Nanoseconds; quantiles by nearest rank; all zero when nothing was timed.
+// A summary of the times of the steps of a run. Nanoseconds; quantiles by nearest rank; all zero when nothing was timed.
 struct TimeSpread {
   std::size_t count = 0;
   double p50_ns = 0.0, p90_ns = 0.0, p99_ns = 0.0, p99_9_ns = 0.0;
@@ -19,8 +19,8 @@ struct TimeSpread {
 
 TimeSpread spread_of_times(std::vector<double> ns);
 
-// The minimum time of each step over repetitions: removes the load of other programs and keeps the step's own cost. Its maximum over steps
-// is the worst step.
+// The least time of each step over all repetitions: it excludes the load of other programs and keeps the step's own cost. The largest of
+// these times is that of the worst step.
 class LeastTimes {
  public:
   explicit LeastTimes(std::size_t steps) : ns_(steps, std::numeric_limits<double>::infinity()) {}
@@ -29,7 +29,7 @@ class LeastTimes {
     if (ns < ns_[step]) ns_[step] = ns;
   }
   const std::vector<double>& ns() const { return ns_; }
-  // Of those steps only for which keep[i] is not 0. Pre: as long as the steps.
+  // The least times of only those steps for which keep[i] is not 0. Pre: keep has one element for each step.
   std::vector<double> only(const std::vector<std::uint8_t>& keep) const;
 
  private:
@@ -37,19 +37,19 @@ class LeastTimes {
 };
 
 struct TimingBudget {
-  int repetitions = 5;    // at most
-  double seconds = 10.0;  // no repetition begins that would go beyond; the first one always runs
+  int repetitions = 5;    // largest number of repetitions
+  double seconds = 10.0;  // a repetition that would exceed this time does not begin; the first one always runs
 };
 
 struct TimedSteps {
   LeastTimes least{0};
   int repetitions = 0;
   double seconds = 0.0;
-  double mean_ns = 0.0;  // of a step in the faster of two passes without reading the clock in between; 0: there was no time for them
+  double mean_ns = 0.0;  // mean step, the least of up to two passes without reading the clock in between; 0: no time was left for them
 };
 
-// Runs step(i) for i = 0 .. steps - 1, again and again, on one CPU, and takes the least time of each. before(i) and after(i) run untimed;
-// in the passes for the mean before(i) counts and after(i) is left out.
+// Runs step(i) for i = 0 .. steps - 1, again and again, on one CPU, and takes the least time of each. before(i) and after(i) are not timed,
+// but in the passes for the mean the time of before(i) counts and after(i) does not run.
 template <class Before, class Step, class After>
 TimedSteps time_steps(const Stopwatch& watch, const TimingBudget& budget, std::size_t steps, Before&& before, Step&& step, After&& after) {
   TimedSteps timed{.least = LeastTimes(steps), .repetitions = 0, .seconds = 0.0, .mean_ns = 0.0};

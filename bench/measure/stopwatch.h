@@ -5,14 +5,14 @@
 
 namespace hapton {
 
-// Measures durations of a few nanoseconds and more: the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC, less
-// the cost of reading it. Threads: any, pinned to one CPU while it measures.
+// Measures durations of a few nanoseconds and more: reads the CPU's time stamp counter between fences, calibrated against CLOCK_MONOTONIC,
+// and subtracts the cost of reading it. Threads: any, each pinned to one CPU while it measures.
 class Stopwatch {
  public:
-  // Takes about 60 ms: two windows of 30 ms.
+  // Calibrates in two windows of 30 ms each.
   static Stopwatch calibrate();
 
-  // The counter, after all earlier instructions are complete and before a later one starts.
+  // Reads the counter, after all earlier instructions are complete and before a later one starts.
   static std::uint64_t ticks() {
 #ifdef __x86_64__
     __builtin_ia32_lfence();
@@ -28,7 +28,7 @@ class Stopwatch {
   double ns_between(std::uint64_t from, std::uint64_t to) const {
     return std::max(0.0, static_cast<double>(static_cast<std::int64_t>(to - from)) * ns_per_tick_ - cost_ns_);
   }
-  double cost_ns() const { return cost_ns_; }              // mean of an empty measurement, without interrupted ones
+  double cost_ns() const { return cost_ns_; }              // mean time of an empty measurement; interrupted ones do not count
   double resolution_ns() const { return resolution_ns_; }  // step of the counter: 10 ns on some CPUs
   double drift() const { return drift_; }                  // share by which two calibrations differ: above 0.01 the counter is unreliable
 

@@ -11,9 +11,9 @@ namespace hapton {
 template <class Real>
 using Point3 = Eigen::Matrix<Real, 3, 1>;
 
-// Where the segment from p along `motion` meets triangle abc, as a share of `motion`, 0..1, either side; infinity if it does not. Möller &
-// Trumbore 1997, boundary included, plain rounding: the simple test shared by every structure here, so that structures are compared and not
-// triangle tests.
+// The position at which the segment from p along `motion` meets triangle abc from either side, as a share of `motion`, 0..1; infinity if it
+// does not. By Möller & Trumbore 1997, boundary included, with plain rounding: the simple test that every structure here uses, so that
+// structures are compared and not triangle tests.
 template <class Real>
 Real segment_hit(const Point3<Real>& p, const Point3<Real>& motion, const Point3<Real>& a, const Point3<Real>& b, const Point3<Real>& c) {
   constexpr Real kNone = std::numeric_limits<Real>::infinity();

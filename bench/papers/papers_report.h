@@ -11,50 +11,50 @@
 
 namespace hapton {
 
-// A paper's number for its own system, and the number of this machine today.
+// A paper's value for its own system, and the value of this machine today.
 struct PaperRow {
-  std::string key;               // "memo.round_trip": its name in CSV and JSON
-  std::string what;              // for people
-  std::string unit;              // of both values; empty: a plain number
+  std::string key;               // name of the row in CSV and JSON, for example "memo.round_trip"
+  std::string what;              // description for people
+  std::string unit;              // unit of both values; empty: a plain number
   std::optional<double> theirs;  // none: the paper claims it without a figure
   std::string said;              // the paper's own text or number, with its section
   std::optional<double> ours;    // none: not measured, and `how` says why
   std::string how;               // how it was measured
 
-  // Ours over theirs, where both are there and theirs is not 0.
+  // Ours divided by theirs; none if a value is missing or theirs is 0.
   std::optional<double> ratio() const;
 };
 
 struct PapersReport {
   RunConditions conditions;
-  std::vector<PaperRow> rows;         // the memo's, then the FDH paper's
-  std::vector<SmoothTasks> tasks;     // by rate
-  std::vector<HullDirections> hulls;  // by directions
+  std::vector<PaperRow> rows;         // the rows of the memo, then those of the FDH paper
+  std::vector<SmoothTasks> tasks;     // one for each rate of the fast task
+  std::vector<HullDirections> hulls;  // one for each number of directions
   std::string tasks_mesh, hulls_mesh;
 
-  // The row of that key; it is there. RT: no.
+  // The row with that key. Pre: there is one. RT: no.
   PaperRow& row(std::string_view key);
-  // Takes out the rows that only running nodes can give.
+  // Removes the rows that only running nodes can measure.
   void leave_out_nodes();
   // Every row has a value of ours.
   bool is_complete() const;
 };
 
-// All rows, theirs filled in and ours not.
+// All rows, with their values filled in and ours empty.
 PapersReport make_papers_report();
 
-// Keys of the rows that need nodes of their own process.
+// Keys of the rows for which nodes must run as processes of their own.
 inline constexpr std::string_view kStereoCulled = "memo.stereo_culled";
 inline constexpr std::string_view kStereoUnculled = "memo.stereo_unculled";
 inline constexpr std::string_view kRoundTrip = "memo.round_trip";
 inline constexpr std::string_view kSystemLatency = "memo.system_latency";
 
-// From vision_node --bench-frames: frames per second in the line it prints; empty if there is no such line.
+// The frames per second in the line that vision_node --bench-frames prints; none if there is no such line.
 std::optional<double> parse_bench_rate(std::string_view output);
 
 std::string to_text(const PapersReport& report);
 std::string to_json(const PapersReport& report);
-// One line a row of each table.
+// One line for each row of each table.
 std::string to_csv(const PapersReport& report);
 std::string tasks_csv(const PapersReport& report);
 std::string hulls_csv(const PapersReport& report);

@@ -9,13 +9,13 @@ namespace hapton {
 
 // Rigid tools by other libraries that were found when this was built; empty with HAPTON_BENCH_PEERS=OFF.
 std::vector<SixdofMethodKind> tool_peers();
-// Those that a comparison would show but that this was built without: "fcl", "bullet".
+// Libraries that belong to the comparison but that this was built without: "fcl", "bullet".
 std::vector<std::string> missing_tool_peers();
 
-// Bullet: a body of 100 g on a critically damped spring, meshes against meshes by GImpact, steps of 1 ms. One file each:
-// bench/peers/<library>_tool.cpp.
+// Bullet: a body of 100 g on a critically damped spring, meshes against meshes by GImpact, steps of 1 ms. Each tool is defined in a file of
+// its own: bench/peers/<library>_tool.cpp.
 SixdofMethodKind bullet_tool();
-// FCL: continuous collision from where the tool is to the device; the tool stops at the first contact, for FCL says no more than when.
+// FCL: continuous collision from the tool to the device; the tool stops at the first contact, because FCL reports only its time.
 SixdofMethodKind fcl_tool();
 
 }  // namespace hapton
