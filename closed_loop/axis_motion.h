@@ -8,18 +8,18 @@
 
 namespace hapton {
 
-// The motion of one axis of device and hand (axis_plant.h) with Coulomb friction at the motors, exact: between two events (the motor mass
-// comes to rest, breaks away) the system is linear, and its step over 2^k ns is a matrix exponential computed once. An event is bracketed
-// to 1 ns by descending through these powers of two. Energies are quadratic in the state, so their integrals are exact as well. The method
-// is that of devices/stylus_dynamics.h, for any number of joints, with an amplifier and with energies. Units SI, ns. RT: no heap in
-// advance; making one is set-up only.
+// The motion of one axis of device and hand (axis_plant.h) with Coulomb friction at the motors. It is exact: between two events (the motor
+// mass comes to rest, or breaks away) the system is linear, and its step over 2^k ns is a matrix exponential computed once. An event is
+// bracketed to 1 ns by descending through these powers of two. Energies are quadratic in the state, so their integrals are exact as well.
+// The method is that of devices/stylus_dynamics.h, for any number of joints, with an amplifier and with energies. Units SI, ns. RT:
+// advance() uses no heap; making an AxisMotion is set-up only.
 class AxisMotion {
  public:
   static constexpr int kMaxStates = AxisPlant::kMaxStates;
   using StateVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxStates, 1>;
 
   struct State {
-    StateVector x;         // as in AxisPlant
+    StateVector x;         // the states of AxisPlant, in its order
     double motor_j = 0.0;  // work of the motor on the device since the start
     double lost_j = 0.0;   // energy dissipated in the device since the start: viscous damping, joints, friction
 
@@ -30,8 +30,8 @@ class AxisMotion {
   // Inputs that are constant over an interval, except for the motion of the hand.
   struct Input {
     double command_n = 0.0;
-    double hand_m = 0.0;        // intended position of the hand at the start of the interval, ...
-    double hand_m_per_s = 0.0;  // ... and its velocity
+    double hand_m = 0.0;        // intended position of the hand at the start of the interval
+    double hand_m_per_s = 0.0;  // velocity of the intended position during the interval
     double push_n = 0.0;        // external force on the motor mass
   };
 
@@ -41,7 +41,7 @@ class AxisMotion {
   State rest_at(double position_m) const;
   // Pre: duration_ns >= 0.
   void advance(State& state, const Input& input, std::int64_t duration_ns) const noexcept;
-  // Kinetic and elastic energy if the intended position of the hand is hand_m.
+  // Kinetic and elastic energy of device and hand, where hand_m is the intended position of the hand.
   double stored_j(const State& state, double hand_m) const noexcept;
 
   const AxisPlant& plant() const noexcept { return plant_; }
@@ -52,7 +52,7 @@ class AxisMotion {
   using Whole = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxWhole, 1>;  // states and inputs
   using WholeMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxWhole, kMaxWhole>;
 
-  // Over 2^k ns: the step, and the integrals of motor power and of heat as quadratic forms.
+  // One step of 2^k ns: its transition, and the integrals of motor power and of heat over it as quadratic forms.
   struct Step {
     WholeMatrix transition;
     WholeMatrix motor_j;
@@ -72,8 +72,8 @@ class AxisMotion {
   HandModel hand_;
   AxisPlant plant_;
   int states_;
-  int cell_bits_ = kMaxBits - 1;  // events are searched on a grid this fine
-  Whole net_force_;               // on the motor mass, but for friction
+  int cell_bits_ = kMaxBits - 1;  // events are searched for in cells of 2^cell_bits_ ns
+  Whole net_force_;               // its product with states and inputs: the force on the motor mass, friction left out
   Steps sliding_;
   Steps pinned_;
 };

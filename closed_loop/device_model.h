@@ -21,12 +21,12 @@ struct StructuralMode {
 struct DeviceModel {
   static constexpr int kMaxModes = 2;
 
-  double mass_kg = 0.0;  // of all, at the device point
+  double mass_kg = 0.0;  // mass of the whole axis, as felt at the device point
   double damping_ns_per_m = 0.0;
   double friction_n = 0.0;
   double encoder_step_m = 0.0;
   double max_force_n = 0.0;   // 0: unlimited
-  double amplifier_hz = 0.0;  // of a first-order low-pass; 0: no lag
+  double amplifier_hz = 0.0;  // cutoff of its first-order low-pass; 0: no lag
   int mode_count = 0;
   std::array<StructuralMode, kMaxModes> modes = {};
 
@@ -42,18 +42,18 @@ struct DevicePreset {
   std::string_view title;
   DeviceModel model;
   DeviceLimits limits;
-  std::array<std::string_view, 7> sources;  // of mass, damping, friction, encoder step, largest force, modes, workspace
-  bool is_workspace_known = false;          // false: the workspace in `limits` is a cube that is assumed
-  double workspace_radius_m = 0.0;          // of a ball around the middle of W, which `limits` encloses; 0: the box of `limits`
+  std::array<std::string_view, 7> sources;  // sources of mass, damping, friction, encoder step, largest force, modes, workspace
+  bool is_workspace_known = false;          // false: the workspace in `limits` is an assumed cube
+  double workspace_radius_m = 0.0;  // radius of a ball-shaped workspace about the origin of W, inside `limits`; 0: the box of `limits`
 };
 
-// model-a, model-a-6dof, premium-1.5, touch, omega.3, falcon, wooden. RT: yes.
+// model-a, model-a-6dof, premium-1.5, touch, omega.3, falcon, wooden. RT: yes, after the first call.
 std::span<const DevicePreset> device_presets() noexcept;
-// Null when there is none of that name. RT: yes.
+// The preset of that name; null if there is none. RT: yes, after the first call.
 const DevicePreset* find_device_preset(std::string_view name) noexcept;
-// The presets that a device with this Device::name may be; empty if there is none. RT: set-up only.
+// The presets that may describe a device with this Device::name; empty if there is none. RT: set-up only.
 std::vector<const DevicePreset*> presets_of_device(std::string_view kind);
-// "model-a, premium-1.5, ..." for help texts. RT: set-up only.
+// The names for help texts, "model-a, model-a-6dof, ...". RT: set-up only.
 std::string device_preset_names();
 
 }  // namespace hapton

@@ -16,51 +16,51 @@ namespace hapton {
 class ForceStage {
  public:
   virtual ~ForceStage() = default;
-  // The device was read.
+  // Called after the device was read.
   virtual void observe(const Vec3& p_WD, std::int64_t now_ns) noexcept = 0;
-  // The force to write now in place of `force_n`.
+  // Returns the force to write now in place of `force_n`.
   virtual Vec3 shape(const Vec3& force_n, std::int64_t now_ns) noexcept = 0;
-  // The force that was written, after saturation.
+  // Called with the force that was written, after saturation.
   virtual void note_written(const Vec3& /*force_n*/) noexcept {}
 };
 
-// From the device's position to the force on its motors: encoder, link to the force law and back, command filter or governor, saturation.
-// The command filter and the governor are the ones that io_node runs. Samples and forces travel as datagrams do: they may be late, lost or
-// overtaken, and both sides use the newest only. Time is simulated, so no call waits. Units: SI, times in ns. Frame: W. RT: no. Threads:
-// one.
+// Computes the force on a device's motors from its position, through: encoder, link to the force law and back, command filter or governor,
+// saturation. The command filter and the governor are the ones that io_node runs. Samples and forces travel as datagrams do: they may be
+// late, lost or overtaken, and both sides use only the newest. Time is simulated, so no call waits. Units: SI, times in ns. Frame: W. RT:
+// no. Threads: one.
 class ForceChain {
  public:
-  // How commands become forces. newest: the newest command is held indefinitely, as linear theory assumes. filter: the command filter holds
-  // it for 20 ms. governor: that of io_node, with all stages.
+  // How commands become forces. newest: the newest command is held indefinitely, as linear theory assumes. filter: the command filter of
+  // io_node holds it for at most 20 ms. governor: the governor of io_node, with all its stages.
   enum class Gate : std::uint8_t { newest, filter, governor };
 
   struct Options {
     double encoder_step_m = 0.0;
     double max_force_n = 0.0;  // 0: unlimited
-    LinkFaults there = {};     // device to force law
+    LinkFaults there = {};     // faults of the link from device to force law
     LinkFaults back = {};
     std::uint64_t seed = 1;
     Gate gate = Gate::newest;
-    DeviceLimits limits = {};  // of the governor
+    DeviceLimits limits = {};  // limits of the governor
     ForceStage* stage = nullptr;
   };
 
   struct Counters {
     std::uint64_t samples = 0;
-    std::uint64_t lost = 0;       // packets, on both ways
-    std::uint64_t overtaken = 0;  // packets that came after a newer one, on both ways
+    std::uint64_t lost = 0;       // packets lost on both ways
+    std::uint64_t overtaken = 0;  // packets that arrived after a newer one, on both ways
     std::uint64_t replies = 0;
   };
 
   // Pre: the law and the stage outlive the chain.
   ForceChain(ForceLaw& law, const Options& options);
 
-  // Reads the device at now_ns and sends its sample; then receives what is due and writes the force. Pre: now_ns never decreases from call
-  // to call, here and below.
+  // Reads the device at now_ns and sends its sample; then receives what is due and writes the force. Pre: now_ns never decreases from one
+  // call of sample or receive to the next.
   void sample(const Vec3& p_WD, std::int64_t now_ns);
   // Receives all packets that are due by now_ns, in the order in which they are due.
   void receive(std::int64_t now_ns);
-  // When the next packet is due; empty if none is in transit.
+  // The time at which the next packet is due; none if no packet is in transit.
   std::optional<std::int64_t> next_ns() const noexcept;
 
   // The force on the motors now.
@@ -72,7 +72,7 @@ class ForceChain {
   struct Packet {
     std::int64_t due_ns = 0;
     std::int64_t sample_ns = 0;
-    Vec3 value = Vec3::Zero();  // position there, force back
+    Vec3 value = Vec3::Zero();  // position on the way there, force on the way back
     bool is_reply = false;
   };
 
@@ -89,9 +89,9 @@ class ForceChain {
   FaultInjector back_;
   CommandFilter filter_;
   std::optional<SafetyGovernor> governor_;
-  std::vector<Packet> packets_;  // on their way: a heap, the next one first
+  std::vector<Packet> packets_;  // packets in transit: a heap, the one that is due next first
   Vec3 force_n_ = Vec3::Zero();
-  Vec3 newest_n_ = Vec3::Zero();  // accepted last
+  Vec3 newest_n_ = Vec3::Zero();  // force accepted last
   std::int64_t seen_ns_ = -1;     // newest sample that the law saw
   std::int64_t replied_ns_ = -1;  // newest sample whose force came back
   Counters counters_;

@@ -6,11 +6,11 @@
 
 namespace hapton {
 
-// The force for a device sample: the part of the haptics node in a simulated control loop. Frame W, SI units. RT: step and reset yes.
+// Computes the force for a device sample, in place of the haptics node in a simulated control loop. Frame W, SI. RT: step and reset yes.
 class ForceLaw {
  public:
   virtual ~ForceLaw() = default;
-  // The force on the device at p_WD. dt_s: time since the previous sample.
+  // The force on a device at p_WD. dt_s: time since the previous sample; 0: there was none.
   virtual Vec3 step(const Vec3& p_WD, double dt_s) noexcept = 0;
   virtual void reset(const Vec3& p_WD) noexcept = 0;
 };
@@ -35,7 +35,7 @@ class WallLaw final : public ForceLaw {
   double before_m_ = 0.0;
 };
 
-// A mesh, with the same TouchStep as in the haptics node.
+// A mesh that is touched with the same TouchStep as in the haptics node.
 class TouchLaw final : public ForceLaw {
  public:
   explicit TouchLaw(std::shared_ptr<ForceMethod> method) : step_(std::move(method)) {}

@@ -22,9 +22,9 @@ struct HandPreset {
 
 // off, light, stylus, arm, firm: from nobody at the device to a firm grip. RT: yes.
 std::span<const HandPreset> hand_presets() noexcept;
-// Nothing when there is none of that name. RT: yes.
+// The model of the preset of that name; none if there is no such preset. RT: yes.
 std::optional<HandModel> find_hand_preset(std::string_view name) noexcept;
-// "off, light, ..." for help texts. RT: set-up only.
+// The names for help texts, "off, light, ...". RT: set-up only.
 std::string hand_preset_names();
 
 }  // namespace hapton

@@ -13,14 +13,14 @@ namespace hapton {
 enum class Integrator : std::uint8_t { exact, runge_kutta, semi_implicit_euler };
 std::string_view to_string(Integrator integrator) noexcept;
 
-// One axis moved in equal steps, for comparison with AxisMotion. Friction opposes the velocity at each step's beginning; where the velocity
+// Moves one axis in equal steps, for comparison with AxisMotion. Friction opposes the velocity at each step's beginning; where the velocity
 // would change its sign within the step, the mass stops, and breaks away when the other forces exceed friction. Units SI, ns. RT: no.
 class SteppedMotion {
  public:
   // Pre: integrator is not exact; step_ns > 0.
   SteppedMotion(const DeviceModel& device, const HandModel& hand, Integrator integrator, std::int64_t step_ns);
 
-  // Pre: duration_ns is a multiple of the step.
+  // Pre: duration_ns is a multiple of the step_ns given above.
   void advance(AxisMotion::StateVector& state, const AxisMotion::Input& input, std::int64_t duration_ns) const noexcept;
 
  private:
@@ -35,7 +35,7 @@ class SteppedMotion {
   std::int64_t step_ns_;
 };
 
-// A comparison: a hand that presses on a wall. period_ns: of the samples.
+// A comparison of integrators: a hand that presses on a wall. period_ns: period of the samples.
 struct IntegratorCase {
   DeviceModel device;
   HandModel hand;
@@ -44,11 +44,11 @@ struct IntegratorCase {
   double seconds = 0.5;
 };
 
-// The positions at the samples of a hand that presses into a one-sided wall, 10 mm deep, at 0.2 m/s. The wall is the same for all
-// integrators.
+// The positions of the device at the samples when a hand presses into the same one-sided wall at 0.2 m/s, up to an intended position 10 mm
+// below the surface. Pre: step_ns > 0; unless integrator is exact, period_ns is a multiple of it.
 std::vector<double> run_press(const IntegratorCase& press, Integrator integrator, std::int64_t step_ns);
 
-// The largest difference of two runs, up to the shorter one's end.
+// The largest difference of two runs, up to the end of the shorter one.
 double worst_difference(std::span<const double> run, std::span<const double> reference) noexcept;
 
 }  // namespace hapton

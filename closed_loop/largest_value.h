@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// Narrows low < high down to high - low <= fine * high and returns low. holds: double -> bool, true at low, false at high.
+// Narrows the interval from low to high until high - low <= fine * high; returns low. holds: double -> bool, true at low, false at high.
 template <class Holds>
 double bisect(double low, double high, double fine, const Holds& holds) {
   while (high - low > fine * high) {
@@ -16,14 +16,14 @@ double bisect(double low, double high, double fine, const Holds& holds) {
 }
 
 struct ValueRange {
-  double first = 1.0;       // above zero; where the search begins
-  double stride = 1.3;      // above one; ratio of one value tried to the next
-  double least = HUGE_VAL;  // above zero; if first fails, the search goes down to this; default: not at all
+  double first = 1.0;       // value at which the search begins; above zero
+  double stride = 1.3;      // ratio of each value tried to the one before; above one
+  double least = HUGE_VAL;  // if first fails, the search goes down to this value; above zero; default: it does not go down
   double most = HUGE_VAL;
 };
 
-// The largest value up to which `holds` was found true: searched upwards by equal ratios, then by bisection to the relative `fine`.
-// range.most if it holds up to there; zero if it fails at range.least.
+// The largest value up to which `holds` was found true: searched upwards by equal ratios, then by bisection to the relative width `fine`.
+// range.most if it holds up to there; zero if it holds at none of the values tried down to range.least.
 template <class Holds>
 double find_largest_value(const ValueRange& range, double fine, const Holds& holds) {
   double low = 0.0;

@@ -10,18 +10,18 @@
 
 namespace hapton {
 
-// The loop at one sample.
+// The state of the loop at one sample.
 struct LoopRow {
   std::int64_t time_ns = 0;
-  Vec3 p_WD = Vec3::Zero();     // at the motors, before the encoder
-  Vec3 force_n = Vec3::Zero();  // commanded to the motors after this sample
-  double motor_j = 0.0;         // work of the motors, so far
-  double lost_j = 0.0;          // heat in the device, so far
+  Vec3 p_WD = Vec3::Zero();     // position at the motors, before the encoder
+  Vec3 force_n = Vec3::Zero();  // force commanded to the motors after this sample
+  double motor_j = 0.0;         // work of the motors since the start
+  double lost_j = 0.0;          // heat in the device since the start
 };
 
 // Hand, device, link and force program in closed loop, in simulated time: the same seed gives the same rows to the last bit. The axes are
-// alike and move independently; only the force program knows more than one. One axis: y and z stay zero. Units SI, ns; frame W. RT: no.
-// Threads: one.
+// alike and move independently; only the force program knows more than one. With one axis, y and z stay those of start_m. Units SI, ns;
+// frame W. RT: no. Threads: one.
 class LoopSimulation {
  public:
   struct Options {
@@ -30,14 +30,14 @@ class LoopSimulation {
     int axes = 1;  // 1 or 3
     std::int64_t period_ns = 1'000'000;
     HandPath path = {};
-    Vec3 start_m = Vec3::Zero();  // where the device rests at 0
+    Vec3 start_m = Vec3::Zero();  // position at which the device rests at time 0
   };
 
-  // Pre: the chain outlives the simulation, and is new.
+  // Pre: the chain outlives the simulation, and has not been used before.
   LoopSimulation(ForceChain& chain, const Options& options);
 
-  // Until this time, one row a sample: a sample at end_ns is not taken. False: something grew beyond kOutOfReachM or is not finite; it ends
-  // there.
+  // Simulates until end_ns, and adds one row for each sample; a sample at end_ns is not taken. False: the position at a sample is beyond
+  // kOutOfReachM or not finite; the simulation ends there.
   bool run_until(std::int64_t end_ns, std::vector<LoopRow>* rows = nullptr);
 
   static constexpr double kOutOfReachM = 1e3;  // no device gets there: the loop is unstable
@@ -46,7 +46,7 @@ class LoopSimulation {
   Vec3 velocity_m_per_s() const noexcept;
   double motor_j() const noexcept;
   double lost_j() const noexcept;
-  // Kinetic and elastic energy.
+  // Kinetic and elastic energy of device and hand.
   double stored_j() const noexcept;
   std::int64_t now_ns() const noexcept { return now_ns_; }
 

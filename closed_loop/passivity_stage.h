@@ -10,7 +10,7 @@
 
 namespace hapton {
 
-// The passivity controller of the governor in the laboratory's chain, where the chain has no governor.
+// Runs the governor's passivity controller in the laboratory's force chain, for chains without a governor.
 class PassivityStage final : public ForceStage {
  public:
   struct Options {
@@ -36,9 +36,9 @@ class PassivityStage final : public ForceStage {
   }
   void note_written(const Vec3& force_n) noexcept override { written_n_ = force_n; }
 
-  // How often it changed a force.
+  // Number of forces that the controller changed.
   std::uint64_t acted() const noexcept { return acted_; }
-  // The largest deficit.
+  // The largest energy deficit so far, J.
   double worst_debt_j() const noexcept { return worst_debt_j_; }
 
  private:

@@ -17,23 +17,23 @@ struct RandomLoop {
   LinkFaults back = {};
   double wall_damping_ns_per_m = 0.0;
   std::uint64_t seed = 1;
-  double seconds = 20.0;  // simulated for each stiffness; many times the delay
+  double seconds = 20.0;  // simulated time for each stiffness; must be many times the delay
 };
 
-// How fast a motion grows, 1/s; below zero it dies out: an estimate of the largest Lyapunov exponent from one simulated run. RT: no.
+// The rate at which a motion grows, 1/s; negative: it dies out. Estimates the largest Lyapunov exponent from one simulated run. RT: no.
 double measure_growth_per_s(const RandomLoop& loop, double stiffness_n_per_m);
 
 // The stiffness at which growth begins, by bisection to 0.2 % with the same draws at every stiffness. It searches upwards from
-// start_n_per_m, then downwards where that is unstable already. RT: no.
+// start_n_per_m, or downwards if that is unstable. Infinite: no limit was found; 0: it is unstable however small. RT: no.
 double find_stable_stiffness_by_simulation(const RandomLoop& loop, double start_n_per_m);
 
-// The same of a wall with damping only, by finite difference of the samples that reach the force program; wall_damping_ns_per_m does not
-// count. Infinite: no limit was found. RT: no.
+// Finds likewise the limit of a wall with damping only, by finite difference of the samples that reach the force program;
+// loop.wall_damping_ns_per_m is ignored. Infinite: no limit was found; 0: it is unstable however small. RT: no.
 double find_stable_damping_by_simulation(const RandomLoop& loop, double start_ns_per_m);
 
-// The mean delay of the force on the motors: its mean age since its sample, over loop.seconds, less the half period of the hold. Without
-// chance the delay itself. At a constant speed a spring lags by this much, whatever is drawn, so b / (T/2 + mean delay) is where slow
-// presses begin to gain energy on average; a single press in an unlucky moment can gain some below it. RT: no.
+// The mean delay of the force on the motors: its mean age since its sample, over loop.seconds, less half the period, for the hold. With a
+// constant delay it is that delay; infinite if no force arrives. At a constant speed a spring lags by this much on average, so b / (T/2 +
+// mean delay) is where slow presses begin to gain energy on average; a single press can gain some below it. RT: no.
 double measure_mean_delay_s(const RandomLoop& loop);
 
 }  // namespace hapton

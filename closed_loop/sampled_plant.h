@@ -7,13 +7,13 @@
 
 namespace hapton {
 
-// The axis between two samples, exactly: what is commanded for a sample reaches the motors after a delay and is held until the next
-// command does (zero-order hold). A delay that is not a multiple of the period splits it: the older command holds for the first part.
+// The exact motion of the axis from sample to sample: the command for a sample reaches the motors after a delay and is held until the next
+// one arrives (zero-order hold). A delay that is not a multiple of the period splits it: the older command holds for the first part.
 //
 //   delay = whole_periods T + rest
 //   x[k+1] = transition x[k] + older u[k - whole_periods - 1] + newer u[k - whole_periods]
 //
-// Source: K. J. Åström and B. Wittenmark, Computer-Controlled Systems, "sampling a system with time delay". Units s. RT: no.
+// Source: K. J. Åström and B. Wittenmark, Computer-Controlled Systems, "sampling a system with time delay". Units SI. RT: no.
 class SampledPlant {
  public:
   using Matrix = AxisPlant::Matrix;
@@ -24,13 +24,13 @@ class SampledPlant {
 
   double period_s() const noexcept { return period_s_; }
   double delay_s() const noexcept { return delay_s_; }
-  // From the command's sample to the position read, at z = e^(j angle); 0 < angle <= pi. Position over force, without whole_periods().
+  // The response of the read position to the force, at z = e^(j angle), without the delay of whole_periods(). Pre: 0 < angle <= pi.
   std::complex<double> response(double angle) const;
   const Matrix& transition() const noexcept { return transition_; }
   const Vector& newer() const noexcept { return newer_; }
   const Vector& older() const noexcept { return older_; }
   int whole_periods() const noexcept { return whole_periods_; }
-  // Without a wall every motion dies out; one that coasts may stay.
+  // True if without a wall every motion dies out; where a free device comes to rest does not matter.
   bool is_stable_alone() const noexcept { return is_stable_alone_; }
 
  private:

@@ -15,27 +15,27 @@ struct ZWidthCase {
   DeviceModel device;
   HandModel hand;
   double rate_hz = 1000.0;
-  double delay_s = 0.0;                          // from the sample to its force on the motors; the hold comes on top
-  double wall_damping_ns_per_m = 0.0;            // by finite difference, beside the stiffness
-  double mass_filter_s = MassEffect().filter_s;  // of a virtual mass
+  double delay_s = 0.0;                // from the sample to its force on the motors; the lag of the zero-order hold is added to it
+  double wall_damping_ns_per_m = 0.0;  // damping of the wall by finite difference, besides the stiffness
+  double mass_filter_s = MassEffect().filter_s;  // filter time of a virtual mass
 };
 
 // Largest stable and largest passive wall.
 struct ZWidth {
-  StabilityLimit stiffness;               // stable, with the case's wall damping
-  StabilityLimit damping_ns_per_m;        // stable, without stiffness
-  StabilityLimit viscosity_ns_per_m;      // stable, of an effect without a wall
-  StabilityLimit mass_kg;                 // stable virtual mass, without a wall
-  PassiveStiffness passive;               // whatever passive hand holds the device
-  double passive_damping_ns_per_m = 0.0;  // without stiffness
+  StabilityLimit stiffness;               // largest stable one, with the case's wall damping
+  StabilityLimit damping_ns_per_m;        // largest stable damping of a wall without stiffness
+  StabilityLimit viscosity_ns_per_m;      // largest stable viscosity of an effect without a wall
+  StabilityLimit mass_kg;                 // largest stable virtual mass, without a wall
+  PassiveStiffness passive;               // largest passive stiffness with any passive hand
+  double passive_damping_ns_per_m = 0.0;  // largest passive damping of a wall without stiffness
   double linear_rule_n_per_m = 0.0;       // b / (T/2 + delay), with the damping of device and hand
 };
 
 // What the passivity of the case depends on.
 PassivityCase make_passivity_case(const ZWidthCase& loop) noexcept;
 
-// Exact for the linear loop (stability.h), except as passivity.h says. Pre: rate_hz, mass_filter_s and the masses of the device > 0, the
-// rest >= 0. RT: no.
+// Exact for the linear loop (stability.h), with the exceptions in passivity.h. Pre: rate_hz, mass_filter_s and the masses of the device >
+// 0, the rest >= 0. RT: no.
 ZWidth find_zwidth(const ZWidthCase& loop);
 
 }  // namespace hapton

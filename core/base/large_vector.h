@@ -5,8 +5,8 @@
 
 namespace hapton {
 
-// Memory for an array. Large ones lie in large pages where the system has them (Linux: transparent huge pages): random accesses miss the
-// TLB less often, and filling the array takes fewer page faults. RT: set-up only. Error: std::bad_alloc.
+// Allocates memory for an array. A large array lies in large pages where the system has them (Linux: transparent huge pages): random
+// accesses miss the TLB less often, and filling the array takes fewer page faults. RT: set-up only. Error: std::bad_alloc.
 void* allocate_large(std::size_t bytes, std::size_t alignment);
 void free_large(void* memory, std::size_t bytes, std::size_t alignment) noexcept;
 
