@@ -48,7 +48,7 @@ class ForceChain {
   struct Counters {
     std::uint64_t samples = 0;
     std::uint64_t lost = 0;       // packets lost on both ways
-    std::uint64_t overtaken = 0;  // packets that arrived after a newer one, on both ways
+    std::uint64_t overtaken = 0;  // packets that arrived after a newer one or twice, on both ways
     std::uint64_t replies = 0;
   };
 

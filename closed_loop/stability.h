@@ -25,7 +25,7 @@ struct StabilityLimit {
 
 // The stiffness below which every stiffness is stable with this damping in the wall. 0: not stable without stiffness. Pre: damping >= 0.
 StabilityLimit find_stable_stiffness(const SampledPlant& plant, double damping_ns_per_m);
-// The damping below which every damping is stable with this stiffness. 0: not stable without damping.
+// The damping below which every damping is stable with this stiffness. 0: not stable without damping. Pre: stiffness >= 0.
 StabilityLimit find_stable_damping(const SampledPlant& plant, double stiffness_n_per_m);
 // The largest stable viscosity of an effect, without a wall, as EffectStep computes it at this rate: damping by the mean of eight
 // differences, which lags more than the one difference of a wall (core/effects/smooth_velocity.h).

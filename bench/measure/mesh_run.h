@@ -30,7 +30,7 @@ struct MeshRunSettings {
   std::size_t window_steps = 40;  // steps of a window
 };
 
-// What was measured of method proxy over one mesh with one probe, without or with friction, for all seeds together.
+// Results of method proxy over one mesh with one probe, without or with friction, for all seeds together.
 struct MeshFigures {
   std::string mesh;
   std::size_t triangles = 0;

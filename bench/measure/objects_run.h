@@ -11,7 +11,7 @@
 namespace hapton {
 
 struct ObjectsSettings {
-  std::vector<std::size_t> counts = {1, 10, 100, 1000};  // numbers of objects; all scenes have as many triangles in all
+  std::vector<std::size_t> counts = {1, 10, 100, 1000};  // numbers of objects; all scenes have about the same number of triangles
   std::size_t triangles = 1'000'000;                     // triangles of all objects of a scene together, about
   std::size_t steps = 8000;                              // steps of each trajectory
   std::uint64_t seed = 1;

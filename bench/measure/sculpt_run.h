@@ -32,7 +32,7 @@ struct SculptRunRow {
   TimeSpread all = {};       // all steps, least times over the repetitions
   TimeSpread carving = {};   // the steps that made a carve
   TimeSpread touching = {};  // the steps in contact without a carve
-  TimeSpread surface = {};   // carving and the surface for each 33 ms with a carve: its changed blocks in three levels of detail
+  TimeSpread surface = {};   // carving and its changed surface blocks in three levels of detail, for each 33 ms that have a carve
   double whole_ms = 0.0;     // time for the surface of all blocks
   double undo_ms = 0.0;      // time to put the material of the last press back; a slow task does this, not a step
   std::size_t presses = 0;   // presses of the button that made a carve

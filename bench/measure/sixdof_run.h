@@ -33,7 +33,7 @@ struct SixdofRow {
   bool has_errors = false;
   std::size_t penetrations = 0;  // steps in which a triangle of the tool intersects one of the scene (exact)
   double least_gap = 0.0;        // over all steps, as a share of the contact offset; infinite: never below 2
-  double widest_gap_um = 0.0;    // in contact, every 16th step, scenes of at most 200,000 triangles: the largest gap up to 1 mm; 0: none
+  double widest_gap_um = 0.0;    // largest gap up to 1 mm in contact, in every 16th step and scenes of at most 200,000 triangles; 0: none
   std::size_t unconverged = 0;
   int most_rounds = 0;
   double mean_rounds = 0.0;  // mean over the steps in contact

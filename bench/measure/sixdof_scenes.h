@@ -25,7 +25,7 @@ struct SixdofScenario {
   std::shared_ptr<const TriangleMesh> tool;
   std::shared_ptr<const TriangleMesh> scene;
   ToolCoupling coupling;
-  std::vector<Pose> device;                           // X_SD, one each ms; free of contact in the first
+  std::vector<Pose> device;                           // X_SD, one for each ms; the first is free of contact
   std::function<Wrench6(const Pose& X_SD)> expected;  // empty: none is known
 };
 

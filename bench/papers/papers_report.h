@@ -40,7 +40,7 @@ struct PapersReport {
   bool is_complete() const;
 };
 
-// All rows, with their values filled in and ours empty.
+// All rows, with the papers' values filled in and ours empty.
 PapersReport make_papers_report();
 
 // Keys of the rows for which nodes must run as processes of their own.

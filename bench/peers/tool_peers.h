@@ -15,7 +15,7 @@ std::vector<std::string> missing_tool_peers();
 // Bullet: a body of 100 g on a critically damped spring, meshes against meshes by GImpact, steps of 1 ms. Each tool is defined in a file of
 // its own: bench/peers/<library>_tool.cpp.
 SixdofMethodKind bullet_tool();
-// FCL: continuous collision from the tool to the device; the tool stops at the first contact, because FCL reports only its time.
+// FCL: continuous collision from the tool's pose to the device's; the tool stops at the first contact, because FCL reports only its time.
 SixdofMethodKind fcl_tool();
 
 }  // namespace hapton
