@@ -19,7 +19,7 @@ struct HopStats {
   LatencyHistogram wire_back;         // its reply is ready to be encoded -> taken from the system
   LatencyHistogram decode;            // -> opened, decoded and guarded
   LatencyHistogram device_write;      // -> written to the device
-  LatencyHistogram jitter;            // difference of the round trip to the one before
+  LatencyHistogram jitter;            // difference between a round trip and the one before
   LatencyHistogram vision_draw;       // a vision node has read a state -> it has drawn it
   LatencyHistogram motion_to_photon;  // sample taken -> the frame that shows it is drawn
   MeteredEndpoint::Counts link;
@@ -31,17 +31,17 @@ struct HopStats {
   std::int64_t clock_error_ns = 0;
 };
 
-// Measures them from the times in the datagrams and those of the endpoint. One-way times between
-// hosts use ClockOffset and have its error bound; on one host they are exact. RT: yes. Threads: the
-// network side's.
+// Measures HopStats from the times in the datagrams and those of the endpoint. One-way times between hosts
+// use ClockOffset and have its error bound; on one host they are exact. RT: yes. Threads: the network
+// side's.
 class HopMeter {
  public:
   // Pre: the endpoint, the one that carries the hub's datagrams, outlives this.
   explicit HopMeter(const MeteredEndpoint& endpoint) : endpoint_(endpoint) {}
 
-  // Another node has taken this slot.
+  // A node has joined in this slot.
   void on_joined(std::size_t place, const Address& address) noexcept;
-  // The newest sample has been sent to the haptics node, or to the vision nodes.
+  // A sample has been sent: to the haptics node (on_state_sent), or in a probe state to the vision nodes (on_probe_sent).
   void on_state_sent(std::uint64_t sample, std::int64_t sample_time_ns) noexcept;
   void on_probe_sent(std::uint64_t sample) noexcept;
   // A force is ready to be written.
@@ -50,12 +50,12 @@ class HopMeter {
   // The vision node in this slot has drawn a frame.
   void on_frame_ack(const Header& header, const FrameAck& frame, std::size_t place) noexcept;
 
-  // Up to date as of now_ns.
+  // The statistics, up to date as of now_ns.
   const HopStats& collect(std::int64_t now_ns) noexcept;
 
  private:
-  static constexpr std::size_t kStatesKept = 1024;  // by number; replies to older ones are ignored
-  static constexpr std::size_t kProbesKept = 256;   // in order of time: more than a second of them
+  static constexpr std::size_t kStatesKept = 1024;  // by sample number; wire times of replies to older samples are not measured
+  static constexpr std::size_t kProbesKept = 256;   // in order of time: a second of them at the default of 240 Hz
 
   struct Sent {
     std::uint64_t sample = 0;  // 0: none

@@ -8,10 +8,10 @@
 
 namespace hapton {
 
-// Handles messages of the hub's peers. RT: yes.
+// Handles the events of the hub's peers. RT: yes.
 class PeerEventHandler {
  public:
-  // datagram: set for PeerEvent::Kind::message.
+  // datagram: valid only for PeerEvent::Kind::message.
   virtual void handle(const PeerEvent& event, const Datagram& datagram) noexcept = 0;
 
  protected:
@@ -25,13 +25,13 @@ class HubReceiver {
   // Pre: all outlive this; handler may be under construction.
   HubReceiver(HubPeers& peers, const Clock& clock, PeerEventHandler& handler) noexcept : peers_(peers), clock_(clock), handler_(handler) {}
 
-  // The device loop whose cycles run in this thread: it is notified how late a wait ended. Null: it has its own thread.
+  // The device loop whose cycles run in this thread: it is notified how late a wait ended. Null: the device loop has a thread of its own.
   void set_device_loop(DeviceLoop* loop) noexcept { loop_ = loop; }
 
-  // Until the deadline.
+  // Receives until the deadline.
   void receive_until(std::int64_t deadline_ns) noexcept;
 
-  // Until the deadline, or until is_needed() is false.
+  // Receives until the deadline, or until is_needed() is false.
   template <class IsNeeded>
   void receive_while(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept {
     while (is_needed()) {
@@ -41,7 +41,7 @@ class HubReceiver {
     }
   }
 
-  // As receive_while, without a sleep.
+  // Does the same without a sleep; the device loop is not notified.
   template <class IsNeeded>
   void spin_while(IsNeeded&& is_needed, std::int64_t deadline_ns) noexcept {
     while (is_needed() && clock_.now_ns() < deadline_ns) receive_one(0);

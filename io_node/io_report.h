@@ -10,9 +10,9 @@
 
 namespace hapton {
 
-// The report of a run, for report.json: hops (docs/latency.md), rates and counters of the stats, and notes on the machine and the options,
-// so that the run can be repeated. Hops: round_trip, haptics_compute, wire, force_age, wake_lateness, device_read, device_to_drawn,
-// bare_echo. Ratios: round_trip_over_echo_p50 and _p99, if an echo was measured. realtime: RealtimeReport::to_text(). RT: no.
+// The report of a run, for report.json: hops (docs/latency.md; bare_echo only with --echo-probe), rates, counters and ratios of
+// the stats, and notes on the machine and the options, so that the run can be repeated. The ratios round_trip_over_echo_p50 and _p99 are
+// there only if an echo was measured. realtime: the text of RealtimeReport::to_text(). RT: no.
 LatencyReport make_io_report(const ServoStats& stats, const IoOptions& options, const std::string& realtime,
                              const SchedulingStats& scheduling = {});
 

@@ -19,29 +19,29 @@
 
 namespace hapton {
 
-// Runs device side and network side in real-time threads, and does everything without deadlines meanwhile: logs who joins and leaves,
-// writes reports, checks for the end. RT: no; those threads are. Threads: call from one.
+// Runs the device side and the network side in real-time threads, and meanwhile does everything that has no deadline: logs who joins and
+// leaves, writes reports, checks for the end. RT: no, but those threads are real-time. Threads: call from one.
 class IoSession {
  public:
   // Pre: all outlive the session.
   IoSession(NetworkLoop& network, const Clock& clock, const IoOptions& options);
 
-  // Set up before run: serves the report to tools, and as metrics. Pre: they outlive the session.
+  // Call this and the functions below before run. Serves the report to tools, and as metrics. Pre: the arguments outlive the session.
   void set_report_server(ReportServer* report_server) noexcept { report_server_ = report_server; }
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
-  // ... and restarts the watchdog process if it ends or hangs.
+  // Restarts the watchdog process if it ends or hangs.
   void set_watchdog(WatchdogSupervisor* watchdog) noexcept { watchdog_ = watchdog; }
-  // ... and where a latched fault is kept for the next start.
+  // Keeps a latched fault there for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
-  // ... and tells the service manager that this session, of several in the program, lives.
+  // Tells the service manager that this session, one of several in the program, lives. number: its index among them.
   void set_service(ServiceLiveness* service, std::size_t number) noexcept {
     service_ = service;
     service_number_ = number;
   }
 
-  // Runs until the seconds are over, a stop is requested, or the device has ended. Error: real time required and denied, the device failed,
-  // or a report could not be written.
+  // Runs until the seconds are over, a stop is requested, the device has ended, or a cycle is missed with --overrun stop. Error: that
+  // cycle, real time required and denied, the device failed, or a report could not be written.
   Result<void> run(const StopSignal& stop);
 
   const std::string& realtime() const noexcept { return realtime_; }
@@ -63,21 +63,21 @@ class IoSession {
   NetworkLoop& network_;
   const Clock& clock_;
   const IoOptions& options_;
-  const std::string prefix_;  // of every line for people
+  const std::string prefix_;  // at the start of each log line
   ReportServer* report_server_ = nullptr;
   MetricsEndpoint* metrics_ = nullptr;
   WatchdogSupervisor* watchdog_ = nullptr;
   const LatchFile* latch_file_ = nullptr;
   ServiceLiveness* service_ = nullptr;
-  std::size_t service_number_ = 0;  // of this session there
+  std::size_t service_number_ = 0;  // of this session in service_
   std::int64_t next_sign_ns_ = 0;
   std::uint64_t cuts_reported_ = 0;
-  // The purpose of the next copy of the statistics.
+  // What the next copy of the statistics is for.
   bool file_requested_ = false;
   bool server_wants_report_ = false;
   bool metrics_requested_ = false;
   bool is_scraped_ = false;              // metrics were requested, and no copy of the statistics is under way for them
-  std::uint32_t reports_requested_ = 0;  // by signal, so far
+  std::uint32_t reports_requested_ = 0;  // by signal, since the start
   std::int64_t next_metrics_ns_ = 0;
   std::string realtime_;
   std::vector<std::string> realtime_lines_;
