@@ -18,7 +18,7 @@ class LatchFile {
 
   // none: nothing was latched.
   SafetyFault read() const;
-  // For the user alone. Error: one line, it is not kept.
+  // Writes the fault to the file, for its owner alone to read. Error: one line; the fault is not kept.
   Result<void> keep(SafetyFault fault) const;
   void forget() const;
 
@@ -28,7 +28,7 @@ class LatchFile {
   std::filesystem::path file_;
 };
 
-// In the runtime folder (find_runtime_folder), by device and by where its hub listens; empty when there is no such folder.
+// The file in the runtime folder (find_runtime_folder), named by the device and the hub's address; empty if there is no such folder.
 std::filesystem::path find_latch_file(std::string_view device, std::string_view bind);
 
 }  // namespace hapton

@@ -15,38 +15,38 @@ namespace hapton {
 
 // What the network side hands to the device side about patches.
 struct PatchOrders {
-  bool is_wanted = false;  // force from patches, where there are any
-  // False: the haptics node that has just joined may know a contact, and has not replied yet. A patch that begins before would take a hand
-  // inside a body for free, and contact would be lost for good.
+  bool is_wanted = false;  // use the force from patches, where there are any
+  // False: a haptics node that has just joined has not replied yet, and may know of a contact. A patch that began before its reply would
+  // take a hand inside a body to be in free space, and the contact would be lost for good.
   bool may_begin = true;
-  std::int64_t until_ns = 0;  // no longer than until then: haptics is silent for too long by then
+  std::int64_t until_ns = 0;  // the force from patches ends then: the haptics node has been silent for too long
   Pose X_WS = Pose::Identity();
-  // Where the probe was as far as haptics knows, in the sample of that time; counts the notifications. Used until a patch reaches the
-  // hand.
+  // Where the haptics node has the probe: p_WP, at the sample of start_ns. start counts these notifications; they are used until a patch
+  // reaches the hand.
   std::uint32_t start = 0;
   std::int64_t start_ns = 0;
   Vec3 p_WP = Vec3::Zero();
-  Vec3 outward_W = Vec3::Zero();    // unit, zero: free
-  std::int64_t start_scene_ns = 0;  // scene time then
-  // A sample and its scene time, of the newest force: until patches reach the hand, scene time goes on from there.
+  Vec3 outward_W = Vec3::Zero();    // unit, from the device point to the probe; zero: no contact
+  std::int64_t start_scene_ns = 0;  // scene time at start_ns
+  // Time of the sample of the newest force, and its scene time: until a patch reaches the hand, scene time goes on from there.
   std::int64_t anchor_ns = 0;
   std::int64_t anchor_scene_ns = 0;
-  // How many haptics nodes have joined whose parts are kept apart: patches are used once the patch thread has dropped those of the node
-  // before.
+  // How many times the parts that had come were to be dropped: patches are used only once the patch thread has dropped parts as often
+  // (set_cleared).
   std::uint32_t clears = 0;
 };
 
-// Force from patches of the scene, on the device's own thread. Patches come from a thread that builds them, and go back to it to be freed.
+// Computes the force from patches of the scene, in the device's own thread. A thread builds the patches; they go back to it to be freed.
 //
-// Of a scene that moves, the scene time of a sample is that of the newest remote force plus the time since, until a patch reaches the hand.
-// From then on it advances with the samples of this side, as the haptics node does it: a gap counts as at most kMaxSceneStepNs, and while
-// no force is given it stands still.
+// Scene time, if the scene moves: until a patch reaches the hand, that of a sample is the scene time of the newest remote force plus the
+// time since. From then on it advances with the samples here, as in the haptics node: a gap counts as at most kMaxSceneStepNs, and while no
+// force is given it stands still.
 //
-// Frames: W and S as named. RT: step, publish, hand and so on yes; making one and ending it is set-up only.
-// Threads: one calls step, one the network side, one the patch thread.
+// Frames: W and S as named. RT: the functions of the device's thread and of the network side yes; those of the patch thread no, as they
+// free memory. Construction and destruction set-up only. Threads: three, each for the functions of its section below.
 class LocalPatch final : public LocalTouch {
  public:
-  static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;  // as HapticsStep
+  static constexpr std::int64_t kMaxSceneStepNs = 50'000'000;  // as in HapticsStep
 
   LocalPatch() = default;
   ~LocalPatch() override;
@@ -65,18 +65,18 @@ class LocalPatch final : public LocalTouch {
   }
 
   // --- the patch thread
-  // The newest place of the hand in the frame of a link (PatchChain); false: none came since the last call.
+  // Sets hand to its newest place in the frame of a link (PatchChain). False: none has come since the last call.
   bool read_hand_state(PatchHandState& hand, std::size_t link = 0) noexcept;
-  // Replaces one that was not taken yet. Pre: the bodies of its generation were offered before.
+  // Replaces a patch of this link that was not taken yet. Pre: the bodies of its generation were offered before.
   void offer(std::unique_ptr<Patch> patch, std::size_t link = 0) noexcept { exchange(built_[link], std::move(patch)); }
   void offer(std::unique_ptr<PatchBodies> bodies) noexcept { exchange(bodies_, std::move(bodies)); }
   void offer(std::unique_ptr<PatchMaterials> materials) noexcept { exchange(materials_, std::move(materials)); }
-  // The next stage of a patch of a link, if there is room: the one before was taken. False: there is none.
+  // Whether the next stage of a link's patch can be offered: the stage before was taken.
   bool has_room(std::size_t link) const noexcept { return stages_[link].load(std::memory_order_acquire) == nullptr; }
   void offer(std::unique_ptr<PatchShape> stage, std::size_t link) noexcept { exchange(stages_[link], std::move(stage)); }
   // Patches of other generations are not used from now on.
   void set_generation(std::uint32_t generation) noexcept { generation_.store(generation, std::memory_order_release); }
-  // So often all parts were dropped (PatchOrders::clears). The generation of what comes is set before.
+  // How many times all parts were dropped (PatchOrders::clears). Pre: set_generation was called for the parts that come after.
   void set_cleared(std::uint32_t clears) noexcept { cleared_.store(clears, std::memory_order_release); }
   void free_retired() noexcept {
     for (std::atomic<Patch*>& retired : retired_) exchange(retired, nullptr);
@@ -120,7 +120,7 @@ class LocalPatch final : public LocalTouch {
 
   // The device's thread.
   PatchChain touch_;
-  bool are_bodies_awaited_ = false;  // they are there, and cannot be taken yet
+  bool are_bodies_awaited_ = false;  // bodies are offered, and cannot be taken yet
   std::int64_t last_ns_ = 0;         // of the last sample
   Vec3 last_p_WD_ = Vec3::Zero();    // likewise
   std::int64_t scene_ns_ = 0;

@@ -12,19 +12,19 @@
 
 namespace hapton {
 
-// Records the markers that nodes send, each once, at the newest sample, and replies to each. A node gets kPerSecond in the long run and
-// kBurst at once; beyond that its markers are counted and not recorded. RT: yes. Threads: the network side's.
+// Records the markers that nodes send, each once, at the newest sample, and replies to each. A node may send kPerSecond in the long run and
+// kBurst at once; markers beyond that are counted, not recorded, and only some get a reply. RT: yes. Threads: the network side's.
 class MarkerLog {
  public:
   // A choice: people look at markers one by one. A flood adds at most 50 a second of each node to a recording.
   static constexpr std::int64_t kPerSecond = 50;
   static constexpr std::int64_t kBurst = 100;
-  static constexpr std::size_t kRemembered = 16;  // requests of a node, so that a repetition is known
+  static constexpr std::size_t kRemembered = 16;  // replies kept for each node, so that a request that is repeated gets the same reply
 
   // Pre: all outlive this; tap may be null.
   MarkerLog(HubPeers& peers, ServoTap* tap, ServoStats& stats) noexcept : peers_(peers), tap_(tap), stats_(stats) {}
 
-  // sample: the newest.
+  // sample: number of the newest sample.
   void accept(const Marker& marker, const PeerEvent& event, std::uint64_t sample, std::int64_t now_ns) noexcept;
   // The node in this slot has left, or another one has taken it.
   void on_peer_gone(std::size_t peer) noexcept { sources_[peer] = {}; }
@@ -34,7 +34,7 @@ class MarkerLog {
     std::array<MarkerReply, kRemembered> replies = {};  // a ring
     std::size_t count = 0;
     TokenBucket markers{kPerSecond, kBurst};
-    TokenBucket refusals{10, 10};  // replies to what is beyond the limit
+    TokenBucket refusals{10, 10};  // replies to markers beyond the limit
   };
 
   MarkerReply record(const Marker& marker, NodeRole role, std::uint64_t sample, std::int64_t now_ns) noexcept;

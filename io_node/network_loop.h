@@ -40,14 +40,14 @@ namespace hapton {
 // samples and takes forces. Each cycle: read the sample, send it to the haptics node, await the force, which the device side governs and
 // writes as it arrives; then housekeeping (probe states, statistics) and, halfway, a bare echo.
 //
-// Of several forces the newest applies. If this side stalls, the device side continues and releases the force in time. If the device side
-// has no thread of its own (tests on simulated time), step runs its cycles as well. While the device side works out the forces itself
-// (patches), this side wakes kRestedHz times a second, or as often as vision nodes get states, and reads the cycles since together.
-// Units: ns of the hub's clock. RT: step and finish yes; making one is set-up only. Threads: one, but for request_snapshot, take_snapshot,
-// snapshot, take_report_request and events (one other), and for device_loop, see there.
+// If several forces arrive, the newest applies. If this side stalls, the device side continues and releases the force in time. If the
+// device side has no thread of its own (tests on simulated time), step runs its cycles as well. While the device side computes the forces
+// itself (patches), this side wakes kRestedHz times a second, or as often as vision nodes get states, and reads all cycles made since then
+// together. Units: ns of the hub's clock. RT: step and finish yes; construction set-up only. Threads: one, except for request_snapshot,
+// take_snapshot, snapshot, take_report_request, events, spin and reply_spin (one other thread), and for device_loop (see DeviceLoop).
 class NetworkLoop final : private PeerEventHandler {
  public:
-  // At 10 kHz ten cycles together; nothing that people or nodes see is more frequent.
+  // At 10 kHz, ten cycles are read together; nothing that people or nodes see is more frequent.
   static constexpr double kRestedHz = 1000.0;
 
   struct Options {
@@ -55,10 +55,10 @@ class NetworkLoop final : private PeerEventHandler {
     double vision_rate_hz = 240.0;                               // most ProbeStates a second to each vision node (vision_pace.h); 0: none
     DeviceLimits tighter = {};                                   // limits below the device's own, field by field; 0: the device's own
     bool forbids_force = false;                                  // the device is read and shown, but never gets a force
-    bool forbids_torque = false;                                 // it may get a force
+    bool forbids_torque = false;                                 // the device never gets a torque; it may get a force
     std::optional<PassivityController::Mechanics> passive = {};  // of the device; none: no passivity controller
     int dead_mans_switch = 0;                                    // button that must be held for force, counted from 1; 0: none
-    int clutch_button = 0;  // that holds the device point where it is (clutch.h), counted from 1; 0: none
+    int clutch_button = 0;  // button that, while held, keeps the device point where it is (clutch.h), counted from 1; 0: none
     OverrunPolicy overrun = OverrunPolicy::skip;
     double spin_share = 0.0;         // largest share of a period spent spinning before each tick; 0: sleeps until the tick
     std::int64_t reply_spin_ns = 0;  // the longest time to spin for a force before this side sleeps (ReplySpin)
@@ -67,7 +67,7 @@ class NetworkLoop final : private PeerEventHandler {
   // Pre: all outlive this; rate within kMinServoRateHz .. kMaxServoRateHz. echo and tap may be null.
   NetworkLoop(Device& device, HubPeers& peers, const Clock& clock, const Options& options, EchoProbe* echo = nullptr,
               ServoTap* tap = nullptr);
-  // The hub's farewells come after this, and perhaps after the tap.
+  // The hub sends its farewells after this, when the tap may be gone.
   ~NetworkLoop() { peers_.set_tap(nullptr); }
 
   // Set up before start. Pre: each outlives this.
@@ -76,17 +76,17 @@ class NetworkLoop final : private PeerEventHandler {
   void set_budget(BudgetedEndpoint* budget) noexcept;
   void set_patch_link(PatchLink* patches) noexcept { patches_ = patches; }
   void use_device_thread() noexcept { cycles_.use_device_thread(); }
-  // Shows the proxy of each force there, too.
+  // Shows the proxy in this feed too, once a cycle.
   void set_vrpn_feed(vrpn::Feed* feed) noexcept { vrpn_feed_ = feed; }
   DeviceLoop& device_loop() noexcept { return loop_; }
 
-  // The device side starts its clock first.
+  // Starts the schedule and the statistics. Pre: a device side with a thread of its own has started its clock.
   void start() noexcept;
   // One cycle: waits for its tick if necessary, and ends at the next one.
   void step() noexcept;
   // Receives the last replies and releases the force as the governor does after a command timeout; about 22 ms.
   void finish() noexcept;
-  // Records the cycles that the device side has made since. Threads: any, once the threads of both sides have ended.
+  // Records the cycles that the device side has made since the last one read. Threads: any, once the threads of both sides have ended.
   void record_rest() noexcept;
 
   // The statistics so far. Threads: the network side's only.

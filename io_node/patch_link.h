@@ -17,42 +17,42 @@ namespace hapton {
 //
 //   remote ---- wanted ----> patch ---- no longer wanted ----> leaving ---- haptics has replied from where the probe is ----> remote
 //
-// The remote force goes on until a patch reaches the hand, and where patches start again. Meanwhile the device side is notified again and
-// again where the haptics node has the probe: the first patch takes over from there. Parts that came before they were wanted again are not
-// used: the haptics node may have another scene by then. The force without any datagram of haptics ends
-// kAloneNs after the last one. Of a scene that moves, the device side also gets the moves of objects as they are announced, and each
-// status tells the haptics node which have come.
+// The remote force is used until a patch reaches the hand, also when patches start again after an interruption. Until then the device side
+// is notified repeatedly where the haptics node has the probe: the first patch takes over from there. Parts that came before patches were
+// wanted again are not used: the haptics node may have another scene by then. Without any datagram of the haptics node, the force from
+// patches ends kAloneNs after the last one. If the scene moves, the device side also gets the moves of objects as they are announced, and
+// each status tells the haptics node which moves have come.
 //
-// An epoch replies to one request: after the parts were dropped, one that was made before is not used any more, however late it comes
-// (PatchStatus::request). Where an object was put down, the first patch waits for the probe as a haptics node has it that knows of that
-// (PatchBegin::method_serial). A haptics node that sends a beginning where parts are not wanted is told so. Units: ns of the hub's
-// clock. RT: yes. Threads: the network side's.
+// Each epoch of parts replies to one request: once parts were dropped, an epoch that replies to an earlier request is not used, however
+// late it comes (PatchStatus::request). Where an object was put down, the first patch waits for a position of the probe from a haptics node
+// that knows of it (PatchBegin::method_serial). A haptics node that begins to send parts while they are not wanted is told so. Units: ns of
+// the hub's clock. RT: yes. Threads: the network side's.
 class PatchLink {
  public:
-  // A choice: a network may be silent for so long without an end of touch, and a force from a scene that nobody owns lasts no longer.
+  // A choice: touch outlasts a silence of the network of this length, and a force from a scene that nobody owns lasts no longer.
   static constexpr std::int64_t kAloneNs = 1000 * kNanosecondsPerMillisecond;
   static constexpr std::int64_t kStatusNs = 100 * kNanosecondsPerMillisecond;
-  static constexpr std::int64_t kProbeNs = 200 * kNanosecondsPerMillisecond;  // several times as long as following the places since takes
-  static constexpr std::int64_t kSoonNs = 50 * kNanosecondsPerMillisecond;    // when there is news
+  static constexpr std::int64_t kProbeNs = 200 * kNanosecondsPerMillisecond;  // several times what a patch needs to catch up with the hand
+  static constexpr std::int64_t kSoonNs = 50 * kNanosecondsPerMillisecond;    // between two statuses when there is news
 
   // Pre: all outlive this.
   PatchLink(HubPeers& peers, LocalPatch& local, PatchThread& thread, TouchChoice choice) noexcept
       : peers_(peers), local_(local), thread_(thread), chooser_(choice) {}
 
-  // A part of the scene.
+  // Takes a part of the scene.
   void accept(const Message& part) noexcept;
-  // Where an object moves that programs move; kept whether parts are wanted or not.
+  // Takes a move of an object that programs move; it is kept whether parts are wanted or not.
   void accept(const ObjectMove& move) noexcept;
-  // A shape of an object that programs deform, or its start.
+  // Takes a part of the shape of an object that programs deform, or the start of that shape.
   void accept_shape(const Message& shape, Arrival arrival) noexcept;
   void on_haptics_joined() noexcept;
-  // Once a cycle, after the force. view: where the scene is; none: at W.
+  // Call once a cycle, after the force. view: gives the pose of the scene; none: the identity.
   void update(ForceExchange& forces, const std::optional<ViewTransform>& view, std::int64_t now_ns) noexcept;
 
   bool is_wanted() const noexcept { return state_ != State::remote; }
   // The session ends: the device side computes no force from patches any more, so that the command timeout releases it.
   void finish() noexcept;
-  // The median by which that was chosen; below 0: not known.
+  // Median round trip from which the source of the force was chosen, s; below 0: not known.
   double round_trip_s() const noexcept { return round_trip_s_; }
   const PatchThreadCounts& thread_counts() noexcept { return thread_.counts(); }
   const PatchTouch::Counts& touch_counts() noexcept { return local_.counts(); }
@@ -80,17 +80,17 @@ class PatchLink {
   PatchOrders orders_;
   MoveTable moves_;
   bool must_clear_ = false;
-  bool may_begin_ = true;           // as PatchOrders has it, where only the haptics node's contact matters
+  bool may_begin_ = true;           // as PatchOrders::may_begin, but apart from needs_start()
   std::uint32_t begin_epoch_ = 0;   // of the newest PatchBegin; 0: none since parts were dropped
-  std::uint32_t least_method_ = 0;  // ... its method_serial; 0: any reply will do
-  std::uint32_t start_method_ = 0;  // of the reply that the last start is from
-  bool has_start_ = false;          // ... from this haptics node
-  bool is_reply_due_ = false;       // parts came that are not wanted
+  std::uint32_t least_method_ = 0;  // ... its method_serial, the least that a start must have; 0: any start will do
+  std::uint32_t start_method_ = 0;  // method_serial of the reply that gave the last start
+  bool has_start_ = false;          // ... which this haptics node sent
+  bool is_reply_due_ = false;       // parts came while they were not wanted
   bool was_local_ = false;          // the force of the cycle before came from a patch
   std::int64_t told_ns_ = 0;        // when the device side got the probe's position
   bool has_news_ = false;
-  std::int64_t status_ns_ = 0;      // the last one
-  std::int64_t next_check_ns_ = 0;  // at the round trip
+  std::int64_t status_ns_ = 0;      // time of the last status
+  std::int64_t next_check_ns_ = 0;  // of the round trip
   double round_trip_s_ = -1.0;
 };
 
