@@ -21,25 +21,25 @@ namespace hapton {
 struct PatchThreadCounts {
   PatchStore::Counts store;
   std::uint64_t built = 0;
-  std::uint64_t triangles = 0;  // of the newest
-  double radius_m = 0.0;        // of the newest; infinity: the whole scene
-  double build_ms = 0.0;        // of the newest
-  std::uint64_t stages = 0;     // to shapes of programs
-  double stages_s = 0.0;        // in which they were made, those that failed included
+  std::uint64_t triangles = 0;  // of the newest patch
+  double radius_m = 0.0;        // of the newest patch; infinity: the whole scene
+  double build_ms = 0.0;        // of the newest patch
+  std::uint64_t stages = 0;     // motions to shapes that programs gave
+  double stages_s = 0.0;        // time spent on making stages, those that failed included
 };
 
 // The thread that stores the parts of the scene that have come and runs a PatchMaker for each body, which makes patches of them around the
 // hand.
 //
-// The haptics node decides how many shapes come, and which patches fail. So stages to shapes take at most kStageShare of the time, and what
-// gives no patch of one body at most kFailureShare, beyond a burst; work beyond that waits. To see that none is due counts as well: it
-// takes microseconds, but the parts decide how many.
-// RT: push, push_shape, take_shape_request, clear, take_status, status and counts yes; making one and ending it is set-up only. Threads:
+// The haptics node decides how many shapes come, and which patches fail. So making stages takes at most kStageShare of the time, and
+// attempts that give no patch of a body at most kFailureShare for each body, beyond a burst; work beyond that waits. An attempt that finds
+// no patch due counts as well: it takes microseconds, but the parts decide how many there are.
+// RT: push, push_shape, take_shape_request, clear, take_status, status and counts yes; construction and destruction set-up only. Threads:
 // one, the network side's.
 class PatchThread {
  public:
   static constexpr double kStageShare = 0.5;
-  static constexpr std::int64_t kStageBurstNs = 1'000'000'000;  // several of the largest in a row
+  static constexpr std::int64_t kStageBurstNs = 1'000'000'000;  // several of the largest stages in a row
   static constexpr double kFailureShare = 0.5 / PatchBody::kMaxBodies;
   static constexpr std::int64_t kFailureBurstNs = 250'000'000;
 
@@ -49,15 +49,15 @@ class PatchThread {
   PatchThread(const PatchThread&) = delete;
   PatchThread& operator=(const PatchThread&) = delete;
 
-  // A part that came. One that finds no room is dropped, and comes again as it is never confirmed.
+  // Passes on a part that came. A part that finds no room is dropped, and comes again as it is never confirmed.
   void push(const Message& part) noexcept { (void)write(&part, Arrival::newest); }
-  // What programs deform, and how (PatchStore::accept_shape).
+  // Passes on the shape of an object that programs deform, or its start (PatchStore::accept_shape). If there is no room it is dropped.
   void push_shape(const Message& shape, Arrival arrival) noexcept { (void)write(&shape, arrival); }
   // The next request for parts of a shape that are missing; none: there is none now.
   std::optional<ShapeStatus> take_shape_request() noexcept;
-  // Another haptics node: what came is of no use any more. False: no room, call again.
+  // Drops everything that came, as it is of no use any more. False: no room, call again.
   bool clear() noexcept;
-  // What has come since the last clear(). True: there is a new status.
+  // True: there is a new status of what has come since the last clear().
   bool take_status() noexcept { return statuses_.take(); }
   PatchStatus status() const noexcept { return statuses_.value().cleared == clears_ ? statuses_.value().status : PatchStatus(); }
   const PatchThreadCounts& counts() noexcept {
@@ -76,7 +76,7 @@ class PatchThread {
 
   struct Status {
     PatchStatus status;
-    std::uint32_t cleared = 0;  // after so many of clear()
+    std::uint32_t cleared = 0;  // number of calls of clear() before this status
   };
 
   bool write(const Message* part, Arrival arrival) noexcept;
@@ -98,21 +98,21 @@ class PatchThread {
   std::uint32_t clears_ = 0;
   Mailbox<Status> statuses_;
   Mailbox<PatchThreadCounts> counts_;
-  HandoffRing<ShapeStatus, 64> shape_requests_;  // of a full one the newest shape is requested again
+  HandoffRing<ShapeStatus, 64> shape_requests_;  // if it is full, the newest shape is requested again later
 
-  // The thread's own.
+  // Used by the patch thread alone.
   PatchStore store_;
   std::uint32_t generation_ = 0;
   std::uint32_t cleared_ = 0;
   std::uint32_t epoch_ = 0;
   std::vector<PatchMaker> makers_;      // by body
-  bool are_bodies_offered_ = false;     // of this epoch
-  std::uint32_t material_version_ = 0;  // as offered
+  bool are_bodies_offered_ = false;     // the bodies of this epoch
+  std::uint32_t material_version_ = 0;  // of the materials that were offered last
   std::vector<ShapeStatus> requests_;
   PatchThreadCounts told_;
   WorkShare stage_work_{kStageShare, kStageBurstNs};
   std::vector<WorkShare> failed_work_;  // by body
-  float shape_s_per_vertex_ = 0.0F;     // PatchStatus
+  float shape_s_per_vertex_ = 0.0F;     // as in PatchStatus
   bool has_made_stage_ = false;         // since the last status
 
   std::atomic<bool> stop_ = false;

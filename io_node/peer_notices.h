@@ -12,8 +12,8 @@
 
 namespace hapton {
 
-// A peer without the right key, protocol version or role gets no reply; the person at the hub gets a notice, every ten seconds at most.
-// RT: yes. Threads: one.
+// A peer without the right key, protocol version or role gets no reply; the person at the hub gets a notice, at most every ten seconds. RT:
+// yes. Threads: one.
 class UnknownPeerNotices {
  public:
   static constexpr std::int64_t kEveryNs = 10 * kNanosecondsPerSecond;
@@ -66,9 +66,9 @@ class PeerNotices {
   // Pre: both outlive this.
   PeerNotices(EventRing& events, HubPeers& peers) noexcept : events_(events), peers_(peers) {}
 
-  // Joined, left or rejected.
+  // Logs that a node has joined, left or was rejected; ignores other events.
   void note(const PeerEvent& event) noexcept;
-  // Now and then: unknown peers and floods.
+  // Call periodically: logs unknown peers and floods.
   void check(std::int64_t now_ns) noexcept;
 
  private:

@@ -13,13 +13,13 @@
 
 namespace hapton {
 
-// Poses of the newest samples, and the probe's last position: for the frame, whose pose and visual offset must belong to one sample, and
-// for a haptics node that replaces another and resumes contact from there. Frames: world. Units: m, ns of the hub's clock. RT: yes.
-// Threads: one.
+// Keeps the poses of the newest samples, and the probe's last position: for the picture, in which pose and visual offset must belong to one
+// sample, and for a haptics node that replaces another and resumes contact from that position. Frames: world. Units: m, ns of the hub's
+// clock. RT: yes. Threads: one.
 class ProbeHistory {
  public:
-  // Samples kept: a force that replies to an older one has no pose. As many as the response tracker knows: across a slow network every
-  // reply is of a sample long ago, but has the place of contact nevertheless.
+  // Samples kept: as many as the response tracker knows. Across a slow network every reply is to a sample of long ago, whose pose the place
+  // of contact needs nevertheless. A force that replies to an older sample has no pose.
   static constexpr std::size_t kSamples = ResponseTracker::kCapacity;
 
   struct Pose {
@@ -30,28 +30,28 @@ class ProbeHistory {
 
   // Pre: samples count up.
   void note_sample(std::uint64_t number, const DeviceSample& sample) noexcept;
-  // The reply to the newest sample that has one.
+  // Notes the reply to the newest sample that has one.
   void note_reply(const ForceCommand& command) noexcept;
-  // The force of the newest sample, computed on the device side.
+  // Notes the force of the newest sample, computed on the device side.
   void note_local(const ForceCommand& command) noexcept;
-  // The haptics node has replied to that sample while the device side works out the force.
+  // The haptics node has replied to that sample while the device side computes the force.
   void note_resumed(std::uint64_t echo_sample) noexcept {
     if (echo_sample > asked_) is_haptics_new_ = false;
   }
-  // A haptics node has joined, or is asked to go on from the probe's position, and has not replied yet. A reply to a sample that is there
-  // already knows nothing of it.
+  // A haptics node has joined, or is asked to go on from the probe's position, and has not replied yet. Replies to the samples noted so far
+  // were computed without that position.
   void note_new_haptics() noexcept {
     is_haptics_new_ = true;
     was_local_ = false;
     asked_ = newest_;
   }
-  // The same where the device side has worked out the force until now: it knows also where a probe without contact is.
+  // The same when the device side has computed the force until now: it knows where the probe is even without contact.
   void note_resume_request() noexcept {
     note_new_haptics();
     was_local_ = true;
   }
   bool is_haptics_new() const noexcept { return is_haptics_new_; }
-  // A reply to that sample knows nothing of the place to go on from, and one that does has not come yet.
+  // True: a reply to that sample was computed without the position to go on from, and none that uses it has come yet.
   bool is_before_resume(std::uint64_t echo_sample) const noexcept { return is_haptics_new_ && echo_sample <= asked_; }
   // The scene was turned: the last position is no longer valid.
   void forget_rest() noexcept {
@@ -59,16 +59,16 @@ class ProbeHistory {
     was_local_ = false;
   }
 
-  // Where a haptics node goes on, if the device is still near (kResumeReachM): where a new one resumes contact, if the device has not left
-  // the surface, and also where a hand without contact was at last if the device side knew it.
+  // Where a haptics node goes on, if the device is still near (kResumeReachM): at the place of contact, if the device has not left the
+  // surface; or, where the device side has computed the force, near the last position of a probe without contact.
   std::optional<Vec3> find_resume_point(const Vec3& p_WD) const noexcept;
   const ForceCommand& last_reply() const noexcept { return last_; }
   const Pose& newest() const noexcept { return poses_[newest_ % kSamples]; }
-  // Where the probe was in the sample of the last reply, if that is known still.
+  // Position of the probe in the sample of the last reply, if the pose of that sample is still kept.
   std::optional<Vec3> find_probe() const noexcept;
 
-  // Pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw the
-  // probe off the surface by the device's motion in between. Without replies: the newest sample, without offset.
+  // Sets pose, contact and visual offset of the newest sample with a reply: the offset of an older reply with the newest pose would draw
+  // the probe off the surface by the device's motion in between. Without replies (has_timed_out): the newest sample, no offset.
   void show(bool has_timed_out, ProbeState& probe) const noexcept;
 
  private:
@@ -79,10 +79,10 @@ class ProbeHistory {
   std::uint64_t newest_ = 0;
   std::uint64_t asked_ = 0;  // the newest sample at note_new_haptics
   ForceCommand last_;
-  std::optional<Vec3> p_WP_;       // in contact, as far as known
-  Vec3 outward_W_ = Vec3::Zero();  // ... from the device to there
+  std::optional<Vec3> p_WP_;       // last position in contact; none: no contact, or not known
+  Vec3 outward_W_ = Vec3::Zero();  // ... from the device point to that position, m
   bool is_haptics_new_ = false;
-  bool was_local_ = false;  // ... and the device side has worked out the force until then
+  bool was_local_ = false;  // ... and the device side computed the force until note_resume_request
 };
 
 }  // namespace hapton

@@ -8,12 +8,12 @@
 
 namespace hapton {
 
-// How long the network side spins on its socket for the force of a sample before it sleeps there. It spins only while SpinTrial finds that
-// forces arrive meanwhile: a sleeping thread needs 10 to 30 us to wake up. Units: ns. RT: yes. Threads: the network side's; set_limit and
-// spun_ns any.
+// How long the network side spins on its socket for the force of a sample before it sleeps on it. It spins only while SpinTrial finds that
+// forces arrive during the spin: a sleeping thread needs 10 to 30 us to wake up. Units: ns. RT: yes. Threads: the network side's; set_limit
+// and spun_ns any.
 class ReplySpin {
  public:
-  // Share of a period. The rest is for other threads on this CPU; SchedulingMonitor lowers the limit further.
+  // Largest share of a period. The rest is for other threads on this CPU; SchedulingMonitor lowers the limit further.
   static constexpr double kMaxShare = 0.5;
 
   // longest_ns: the longest spin for one sample; 0: never spins.
@@ -22,13 +22,13 @@ class ReplySpin {
   // share: the largest share of a period to spend spinning.
   void set_limit(double share) noexcept { limit_.store(share, std::memory_order_relaxed); }
 
-  // When to stop spinning; now_ns: do not spin. Called once for each sample that was sent.
+  // Returns the time at which to stop spinning; now_ns: do not spin. Call once for each sample that was sent.
   std::int64_t find_end_ns(std::int64_t now_ns, std::int64_t period_ns) noexcept {
     const auto share_ns = static_cast<std::int64_t>(limit_.load(std::memory_order_relaxed) * static_cast<double>(period_ns));
     const std::int64_t most_ns = std::min(longest_ns_, share_ns);
     return most_ns > 0 && trial_.may_spin() ? now_ns + most_ns : now_ns;
   }
-  // Called after each spin. arrived: the force came before its end.
+  // Call after each spin. arrived: the force came before the end of the spin.
   void note(bool arrived, std::int64_t spun_ns) noexcept {
     trial_.note(arrived);
     spun_ns_.store(spun_ns_.load(std::memory_order_relaxed) + spun_ns, std::memory_order_relaxed);

@@ -24,7 +24,7 @@ class ReportServer {
 
   // The other thread: true once when a fresh report was requested.
   bool take_request() noexcept { return is_requested_.exchange(false, std::memory_order_acq_rel); }
-  // A fresh report; later ones replace it.
+  // Publishes a fresh report, which later ones replace.
   void publish(std::string json, std::string csv);
 
  private:
@@ -41,7 +41,7 @@ class ReportServer {
   bool reply(HubPeers& peers, std::size_t peer) noexcept;
 
   Mailbox<Texts> texts_;
-  std::uint32_t revision_ = 0;  // the publisher's
+  std::uint32_t revision_ = 0;  // of the newest report; only the thread that publishes uses it
   std::atomic<bool> is_requested_{false};
   std::array<std::optional<Waiting>, HubPeers::kCapacity> waiting_ = {};
   std::size_t next_ = 0;

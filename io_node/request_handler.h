@@ -44,9 +44,9 @@ class RequestHandler {
   void on_peer_gone(std::size_t peer) noexcept;
 
   double rate_hz() const noexcept { return rate_hz_; }
-  // Requests to reset faults that were denied: the sender has no right to, or no person is known to be at the device (check_reset).
+  // Number of denied requests to reset faults: the sender has no right to, or no person is known to be at the device (check_reset).
   std::uint64_t resets_denied() const noexcept { return resets_denied_; }
-  // Called by the other thread: true once for each request for a report.
+  // Called by the other thread: true if a report was requested since the last call.
   bool take_report_request() noexcept { return is_report_requested_.exchange(false, std::memory_order_acq_rel); }
 
   static constexpr std::int64_t kMovesPerSecond = 250;  // of one sender: hapton dynamics sends 200
@@ -83,7 +83,7 @@ class RequestHandler {
   std::size_t next_awaited_ = 0;
   std::array<TokenBucket, HubPeers::kCapacity> shape_rates_;  // by sender
   TokenBucket all_shapes_rate_{kAllShapePartsPerSecond, kShapePartsAtOnce};
-  std::array<std::uint32_t, HubPeers::kCapacity> shape_streams_ = {};  // of the last part of each sender; 0: none
+  std::array<std::uint32_t, HubPeers::kCapacity> shape_streams_ = {};  // stream of the last part of each sender; 0: none
   std::uint64_t resets_denied_ = 0;
   std::int64_t next_denial_notice_ns_ = 0;
   std::atomic<bool> is_report_requested_{false};
