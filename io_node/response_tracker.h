@@ -15,20 +15,20 @@ namespace hapton {
 // in its first kWarmUpNs. RT: yes. Threads: one.
 class ResponseTracker {
  public:
-  // Ten times the age at which a force is rejected: so late a response is of no use, but still tells lost from slow.
+  // Ten times the age at which a force is rejected: a response so late is of no use, but still tells a slow sample from a lost one.
   static constexpr std::int64_t kReplyTimeoutNs = 200'000'000;
   static constexpr std::int64_t kWarmUpNs = 50'000'000;  // a choice
   static constexpr std::uint64_t kCapacity = 16384;      // 1.6 s at 10 kHz, longer than a silent node keeps its slot
 
   enum class Verdict : std::uint8_t {
     in_time,    // responds to the newest sample
-    late,       // to an older one, but no newer one has a response
+    late,       // responds to an older sample, but no newer one has a response
     reordered,  // a newer one already has a response
     duplicate,  // the sample already has a response
     unknown,    // no sample of ours, or one forgotten long ago
   };
 
-  // taken = in_time + late + reordered + superseded + lost + excused + waiting. A response that arrives after all moves its sample.
+  // taken = in_time + late + reordered + superseded + lost + excused + waiting. A response after all moves its sample to another count.
   struct Counts {
     std::uint64_t taken = 0;
     std::uint64_t in_time = 0;
@@ -41,10 +41,10 @@ class ResponseTracker {
     std::uint64_t excused = 0;
   };
 
-  // A sample was taken and sent. Numbers and times increase; numbers may be skipped.
+  // A sample was taken and sent; is_expected false: no reply can be expected, so it is excused. Numbers (gaps are allowed) and times increase.
   void take(std::uint64_t sample, std::int64_t time_ns, bool is_expected) noexcept;
-  // A sample was taken and not sent, as a newer one was there already. It is excused, and is not among those that the haptics node reports
-  // as skipped.
+  // A sample was taken and not sent, as a newer one was there already or the device side computes the force. It is excused, and is not
+  // among those that the haptics node reports as skipped.
   void withhold(std::uint64_t sample, std::int64_t time_ns) noexcept;
   // A force arrived in response to this sample.
   Verdict reply(const ForceCommand& command) noexcept;

@@ -23,11 +23,11 @@ class SafetyNotices {
   SafetyNotices(EventRing& events, ServoTap* tap) noexcept : events_(events), tap_(tap) {}
 
   void start(std::int64_t now_ns) noexcept { status_since_ns_ = now_ns; }
-  // Once a cycle. is_missed: a command timeout counts as a fault, as the hand was in contact and the haptics node is still there.
+  // Call once a cycle. is_missed: the hand was in contact and the haptics node is there, so a command timeout counts as a fault.
   void check(const DeviceSide& side, const DeviceCycle& cycle, bool is_missed, std::int64_t now_ns) noexcept;
-  // A cycle that a newer one has overtaken: for the recording, and for the faults of the next check.
+  // Notes a cycle that a newer one has overtaken: for the recording, and for the faults of the next check.
   void note_overtaken(const DeviceCycle& cycle, std::int64_t now_ns) noexcept;
-  // At the end: faults that were latched since the last check, and a device that has failed, where no check has seen that fault latched.
+  // Call at the end. Reports faults latched since the last check, and a device that has failed if no check has seen that fault latched.
   void finish(const DeviceSide& side, DeviceStatus status, std::int64_t now_ns) noexcept;
 
  private:
@@ -46,10 +46,10 @@ class SafetyNotices {
   SafetyFault fault_noted_ = SafetyFault::none;
   GovernorCounters governor_noted_;
   DeviceStatus status_noted_ = DeviceStatus::ready;
-  std::int64_t status_since_ns_ = 0;  // the newest cycle with that status
-  std::uint32_t faults_ = 0;          // of the newest cycle, a bit each
-  std::int64_t latest_ns_ = 0;        // the latest of the cycles overtaken since the last check
-  bool is_failure_recorded_ = false;  // of the device, while that fault is latched
+  std::int64_t status_since_ns_ = 0;  // time of the newest check that found the status noted
+  std::uint32_t faults_ = 0;          // faults of the newest cycle, a bit for each kind
+  std::int64_t latest_ns_ = 0;        // largest lateness of the cycles overtaken since the last check
+  bool is_failure_recorded_ = false;  // the recording has the device fault that is latched now
 };
 
 }  // namespace hapton

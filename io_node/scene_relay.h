@@ -11,17 +11,17 @@
 
 namespace hapton {
 
-// Relays what the haptics node and the vision nodes state about their scenes, so that each of them can compare, and checks whether the
-// device can reach the scene at its pose. The simulated hand gets points of the surface to go to. RT: yes. Threads: the network side's.
+// Relays what the haptics node and the vision nodes state about their scenes, so that each can compare, and checks whether the device can
+// reach the scene at its pose. It gives the simulated hand points of the surface to go to. RT: yes. Threads: the network side's.
 class SceneRelay {
  public:
   // Pre: all outlive this.
   SceneRelay(DeviceLoop& loop, HubPeers& peers, EventRing& events, ServoStats& stats) noexcept
       : loop_(loop), peers_(peers), events_(events), stats_(stats) {}
 
-  // view: the newest, if any.
+  // view: the newest view transform; none: the pose of the scene is the identity.
   void accept(const SceneFacts& scene, NodeRole role, const std::optional<ViewTransform>& view) noexcept;
-  // After the scene was turned or moved.
+  // Call after the scene was turned or moved.
   void place(const std::optional<ViewTransform>& view) noexcept;
   SceneReach reach() const noexcept { return reach_; }
   // Whether the hand has been inside a body since the haptics node began, as that node reports.
@@ -38,7 +38,7 @@ class SceneRelay {
   SceneReach reach_ = SceneReach::unknown;
 };
 
-// Why there is no force, or not the right one; of several causes the one to fix first. RT: yes.
+// Why there is no force, or why the scene cannot be felt as it should; of several causes the one to fix first. RT: yes.
 ProbeStatus find_probe_status(const DeviceSide& side, bool has_haptics, SceneReach reach, bool is_hand_inside = false) noexcept;
 
 }  // namespace hapton

@@ -15,7 +15,7 @@ struct SchedulingStats {
   double slept_share = 0.0;
   double waited_ms = 0.0;  // ready to run, but kept waiting for a CPU
   std::uint64_t involuntary_switches = 0;
-  double stolen_ms = 0.0;             // of the machine, by a hypervisor
+  double stolen_ms = 0.0;             // CPU time that a hypervisor took from the machine
   double spin_limit = 0.0;            // share of a period that it may spin now
   double realtime_share = 1.0;        // the kernel's limit for all real-time threads together
   std::uint64_t near_throttling = 0;  // checks that found the loop near that limit
@@ -27,13 +27,13 @@ class SchedulingMonitor {
  public:
   // Share of the kernel's limit that work and spinning together may use.
   static constexpr double kMaxOfAllowed = 0.8;
-  // Above this much of it the loop is about to be throttled.
+  // At this share of the kernel's limit, or above, the loop is about to be throttled.
   static constexpr double kNearThrottling = 0.95;
 
-  // asked: largest share of a period that may be spun. realtime_share: see read_realtime_share.
+  // requested: largest share of a period that may be spun. realtime_share: see read_realtime_share.
   SchedulingMonitor(double requested, std::optional<double> realtime_share);
 
-  // usage: of the loop's thread, so far; spun_ns: by the loop, so far. The limit from now on.
+  // usage, spun_ns: totals of the loop so far. Returns the largest share of a period that the loop may spin from now on.
   double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
 
   const SchedulingStats& figures() const { return figures_; }

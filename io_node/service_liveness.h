@@ -9,8 +9,8 @@
 
 namespace hapton {
 
-// Tells the service manager that the program is ready, and lives, once all of its sessions are ready, and as long as all of them live: so
-// it restarts the program if the device loop of any of them hangs. RT: no. Threads: any.
+// Tells the service manager that the program is ready once all of its sessions are ready, and that it lives as long as all of them live: so
+// the manager restarts the program if the device loop of any session hangs. RT: no. Threads: any.
 class ServiceLiveness {
  public:
   explicit ServiceLiveness(std::size_t sessions) : sessions_(sessions) {}
@@ -18,10 +18,10 @@ class ServiceLiveness {
   bool has_manager() const noexcept { return notify_.has_manager(); }
   std::int64_t manager_timeout_ns() const noexcept { return notify_.manager_timeout_ns(); }
 
-  // To be called by each session from when it is ready on, at half of the manager's timeout or more often. lives: its device loop runs.
-  // Pre: session < the number of sessions.
+  // Each session calls this from the time when it is ready, at least twice in the manager's timeout, until it leaves. lives: its device
+  // loop runs. Pre: session < the number of sessions.
   void note(std::size_t session, bool lives, std::int64_t now_ns);
-  // The session has ended: it counts no more.
+  // The session has ended: it is ignored from now on.
   void leave(std::size_t session);
 
  private:

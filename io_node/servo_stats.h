@@ -18,7 +18,7 @@
 
 namespace hapton {
 
-// A node that is there.
+// A node that has joined, in its slot of the hub; not present: the slot is free.
 struct PeerStats {
   bool present = false;
   NodeRole role = NodeRole::tool;
@@ -33,27 +33,27 @@ struct PeerStats {
 // copy.
 struct ServoStats {
   std::int64_t start_ns = 0;  // first tick
-  std::int64_t end_ns = 0;    // end of the newest cycle: the time between is whole cycles
+  std::int64_t end_ns = 0;    // end of the newest cycle, so that whole cycles lie between the two
   double rate_hz = 0.0;       // requested at present
 
   LatencyHistogram round_trip;       // sample taken -> matching force ready to write
-  LatencyHistogram haptics_compute;  // the part of it that the haptics node spent on it
-  LatencyHistogram wire;             // the rest
+  LatencyHistogram haptics_compute;  // the part of the round trip that the haptics node spent on the sample
+  LatencyHistogram wire;             // the rest of the round trip
   LatencyHistogram force_age;        // sample taken -> its force written to the device
-  LatencyHistogram wake_lateness;    // start of a cycle after its tick
+  LatencyHistogram wake_lateness;    // tick of a cycle -> start of the cycle
   LatencyHistogram device_read;      // how long reading the device takes
   LatencyHistogram device_to_drawn;  // sample taken -> a vision node acknowledges the frame that shows it
   LatencyHistogram bare_echo;
 
   std::uint64_t samples = 0;
-  std::uint64_t forces = 0;                           // valid ForceCommands, each sample's first
-  std::uint64_t contact_samples = 0;                  // of these, in contact
+  std::uint64_t forces = 0;                           // valid ForceCommands, the first for each sample
+  std::uint64_t contact_samples = 0;                  // those forces that were in contact
   std::uint64_t missed_cycles = 0;                    // ticks skipped because the loop came too late for them
-  std::uint64_t caught_up_cycles = 0;                 // run late, one after the other, instead of being skipped
-  std::array<std::uint64_t, 5> missed_by_cause = {};  // both of these, by MissCause
+  std::uint64_t caught_up_cycles = 0;                 // cycles run late, one after the other, instead of being skipped
+  std::array<std::uint64_t, 5> missed_by_cause = {};  // missed and caught-up cycles, by MissCause
   std::uint64_t states_sent = 0;
   std::uint64_t probe_states_sent = 0;
-  std::uint64_t probe_states_unchanged = 0;  // nothing had changed
+  std::uint64_t probe_states_unchanged = 0;  // due, but not sent, as nothing had changed
   std::uint64_t drawn = 0;
   std::uint64_t views_forwarded = 0;
   std::uint64_t bad_settings = 0;
@@ -65,12 +65,12 @@ struct ServoStats {
   double frame_rate_hz = 0.0;              // as last reported by a vision node
   double max_force_n = 0.0;                // written to the device
   double max_torque_nm = 0.0;              // written to the device
-  std::int64_t longest_release_ns = 0;     // sample of the last force accepted -> zero on the device, of all silences
+  std::int64_t longest_release_ns = 0;     // of all silences: sample of the last force accepted -> zero force on the device
   std::uint64_t cuts = 0;                  // times the device side cut the device, as the network side was stuck in the middle of a write
   std::uint64_t local_forces = 0;          // computed on the device side, from patches of the scene
   PatchThreadCounts patch_thread;
   PatchTouch::Counts patch_touch;
-  std::uint64_t cycles_unreported = 0;  // of the device side, which the network side was too late to receive
+  std::uint64_t cycles_unreported = 0;  // cycles of the device side that the network side was too late to receive
 
   ResponseTracker::Counts responses;
   GovernorStats governor;
@@ -86,7 +86,7 @@ struct ServoStats {
   ProbeStatus status = ProbeStatus::ok;  // as shown in the picture
   double newest_round_trip_s = -1.0;     // median of the newest replies of the haptics node that has joined; below 0: not known
   SceneReach reach = SceneReach::unknown;
-  std::int32_t touched_object = -1;    // now, of the scene's; -1: none
+  std::int32_t touched_object = -1;    // the object touched now, by its number in the scene; -1: none
   HapticsSetup setup;                  // last reported; its hash is 0 if there was none
   std::uint64_t scene_given_hash = 0;  // SceneFacts::given_hash of the haptics node, last reported; 0: none
   DeviceCondition device;
@@ -96,10 +96,10 @@ struct ServoStats {
   bool are_replies_late() const { return newest_round_trip_s > 1e-9 * static_cast<double>(kCommandTimeoutNs); }
 };
 
-// The device side's part of it.
+// Sets the device side's part of the statistics.
 // RT: yes.
 void add_device_stats(const DeviceLoopStats& device, ServoStats& stats) noexcept;
-// The hub's part: its counters and peers. RT: yes.
+// Sets the hub's part: its counters and peers. RT: yes.
 void add_peer_stats(const HubPeers& peers, ServoStats& stats) noexcept;
 
 }  // namespace hapton

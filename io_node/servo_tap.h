@@ -13,9 +13,9 @@ class ServoTap : public DatagramTap {
  public:
   virtual void on_cycle(const CycleNote& note, std::int64_t time_ns) noexcept = 0;
   virtual void on_fault(SessionFault fault, std::int64_t time_ns) noexcept = 0;
-  // Everything goes into a file, not only what came before a fault.
+  // True: everything goes into a file; false: at most what came before a fault.
   virtual bool is_recording() const noexcept = 0;
-  // recorded, no_recording or no_room.
+  // Returns recorded, no_recording or no_room.
   virtual MarkerStatus on_marker(const MarkerNote& note, std::int64_t time_ns) noexcept = 0;
 };
 

@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// How a latched fault is called in a recording. RT: yes.
+// The fault that stands for a latched fault in a recording. RT: yes.
 inline SessionFault session_fault_of(SafetyFault fault) noexcept {
   switch (fault) {
     case SafetyFault::none:
