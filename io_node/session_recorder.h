@@ -24,11 +24,11 @@ namespace hapton {
 // fault, the last two seconds in a flight record named after the fault. The network side only copies into a ring; entries that do not fit
 // are dropped and counted, also in the file. Flight records are limited: one for each kind of fault in kFlightEveryNs, and kMaxFlights in a
 // session; the folder keeps the newest kMaxKept. Units: ns of the hub's clock. RT: the on_ functions yes, wait-free; the rest set-up only.
-// Threads: the on_ functions that of the network side; the others one other thread.
+// Threads: the on_ functions and is_recording: that of the network side; the others: one other thread.
 class SessionRecorder final : public ServoTap {
  public:
   static constexpr std::int64_t kFlightNs = 2 * kNanosecondsPerSecond;
-  static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // a flight record also has so much after the fault; a choice
+  static constexpr std::int64_t kAfterFaultNs = kNanosecondsPerSecond / 4;  // a flight record also has this much after the fault; a choice
   // These limit the disk space that a repeating fault, or many sessions, can take up. Choices.
   static constexpr std::int64_t kFlightEveryNs = 10 * kNanosecondsPerSecond;
   static constexpr int kMaxFlights = 16;
@@ -44,9 +44,9 @@ class SessionRecorder final : public ServoTap {
         true;  // start() makes the folder, so that a failure is reported early; false: the first flight record makes it
   };
   struct Counts {
-    std::uint64_t entries = 0;  // that reached the writing thread
+    std::uint64_t entries = 0;  // entries that reached the writing thread
     std::uint64_t dropped = 0;
-    std::uint64_t lost_samples = 0;  // device samples whose cycle is missing here
+    std::uint64_t lost_samples = 0;  // device samples whose cycle did not reach the writing thread
     std::uint64_t file_entries = 0;  // complete in the recording: all, or at least those before its disk was full
     std::uint64_t file_bytes = 0;
     int flights = 0;
@@ -108,7 +108,7 @@ class SessionRecorder final : public ServoTap {
   std::uint64_t newest_sample_ = 0;
   std::uint64_t dropped_reported_ = 0;
   std::optional<Flight> flight_;
-  std::array<std::int64_t, 256> last_flight_ns_ = {};  // of each kind of fault; 0: none yet
+  std::array<std::int64_t, 256> last_flight_ns_ = {};  // time of the last flight record of each kind of fault; 0: none yet
   Result<void> written_;
   Counts counts_;
   std::atomic<bool> ends_{false};

@@ -13,13 +13,13 @@
 
 namespace hapton {
 
-// While the session is recorded: requests from the haptics node the newest shape of each object that a program deforms, as far as it was
-// sent before the recording began or lost on the way, as a vision node does. So a recording has the shapes with which it begins. Units: ns
-// of the hub's clock. RT: yes. Threads: the network side's.
+// While the session is recorded, requests from the haptics node those parts of the newest shape of each object deformed by a program that
+// were sent before the recording began or were lost on the way, as a vision node does. So a recording has the shapes that hold when it
+// begins. Units: ns of the hub's clock. RT: yes. Threads: the network side's.
 class ShapeCollector {
  public:
-  static constexpr std::int64_t kPartTimeoutNs = 60 * kNanosecondsPerMillisecond;  // the parts may be on their way
-  // As KnownShapes::kRequestEveryNs.
+  static constexpr std::int64_t kPartTimeoutNs = 60 * kNanosecondsPerMillisecond;  // before a request: the parts may be on their way
+  // Time between two requests, as KnownShapes::kRequestEveryNs.
   static constexpr std::int64_t kRequestEveryNs = 200 * kNanosecondsPerMillisecond;
 
   // Pre: both outlive this; tap may be null.
@@ -32,11 +32,11 @@ class ShapeCollector {
  private:
   // The newest shape of an object.
   struct Newest {
-    std::int32_t object = -1;     // none yet
+    std::int32_t object = -1;     // -1: none yet
     std::uint32_t serial = 0;     // 0: at rest
     std::uint32_t total = 0;      // vertices
     bool has_begun = false;       // its ShapeStart has come
-    std::int64_t request_ns = 0;  // not before
+    std::int64_t request_ns = 0;  // time before which nothing is requested
     std::bitset<ShapePart::kMaxParts> received = {};
     bool is_missing() const noexcept { return serial != 0 && has_begun && received.count() < ShapePart::count_parts(total); }
   };

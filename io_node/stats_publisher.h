@@ -17,8 +17,8 @@ class StatsPublisher {
   bool take() noexcept { return copies_.take(); }
   const ServoStats& copy() const noexcept { return copies_.value(); }
 
-  // The network side, once a cycle. A device side in a thread of its own sends its part with its next cycle. fill(device_stats) returns the
-  // whole.
+  // The network side calls this once a cycle. A device side in a thread of its own sends its part with its next cycle. fill(device_stats)
+  // returns the complete statistics.
   template <class Fill>
   void publish_if_requested(DeviceLoop& loop, bool has_device_thread, Fill&& fill) noexcept {
     if (is_requested_.exchange(false, std::memory_order_acq_rel)) {

@@ -9,8 +9,8 @@ namespace hapton {
 enum class TouchChoice : std::uint8_t { remote, patch, automatic };
 
 // Chooses by the round trip, with hysteresis: patches above kSlowS, remote force again when it has stayed below kFastS for kSettledNs. A
-// local network is a hundred times faster than either, so there nothing changes. Between the two, remote force is late enough to be felt
-// but not to be unstable at the stiffness of ordinary materials. Units: s, ns. RT: yes. Threads: one.
+// local network is a hundred times faster than either, so on it the force stays remote. Between the two, remote force is late enough to be
+// felt but not to be unstable at the stiffness of ordinary materials. Units: s, ns. RT: yes. Threads: one.
 class TouchChooser {
  public:
   // Choices. Above 20 ms a force is rejected (kCommandTimeoutNs), so both leave room for jitter.

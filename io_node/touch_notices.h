@@ -8,11 +8,11 @@
 namespace hapton {
 
 // Tells the log where the force is computed: one event when parts of the scene are requested, when the force is first computed from them,
-// and when it comes from the haptics node again. While no haptics node is connected, nothing is requested or comes back from it, and the
-// log has already said that it left. RT: yes. Threads: one.
+// and when it comes from the haptics node again. While no haptics node is connected, the first and the last of these are left out: the log
+// has already said that the node left. RT: yes. Threads: one.
 class TouchNotices {
  public:
-  // To be called in each cycle. is_local: io_node computed the force of the newest sample. Calls notify(event) for each event.
+  // Call in each cycle. is_local: io_node computed the force of the newest sample. Calls notify(event) for each event.
   template <class Notify>
   void check(const PatchLink& link, bool is_local, bool has_haptics, Notify&& notify) noexcept {
     if (const bool was_wanted = std::exchange(is_wanted_, link.is_wanted()); was_wanted != is_wanted_ && has_haptics) {

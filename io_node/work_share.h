@@ -5,9 +5,9 @@
 
 namespace hapton {
 
-// Bounds the time that work takes whose amount another node decides: at most this share of the time, and as much more at once as burst_ns.
-// A piece of work that has begun is not interrupted: the next one waits until its time is made up for. Units: ns of a clock that does not
-// go back. RT: yes. Threads: one.
+// Bounds the time that work takes if another node decides how much work there is: at most this share of the time, and burst_ns more at
+// once. A piece of work that has begun is not interrupted: the next piece waits until the excess is made up for. Units: ns of a clock that
+// does not go back. RT: yes. Threads: one.
 class WorkShare {
  public:
   WorkShare(double share, std::int64_t burst_ns) noexcept : share_(share), burst_ns_(static_cast<double>(burst_ns)), left_ns_(burst_ns_) {}
@@ -23,7 +23,7 @@ class WorkShare {
   double share_;
   double burst_ns_;
   double left_ns_;
-  std::int64_t last_ns_ = 0;  // 0: not asked yet
+  std::int64_t last_ns_ = 0;  // time of the last may_begin; 0: none yet
 };
 
 }  // namespace hapton

@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// An address in the form of the system calls.
+// An address in the form that system calls take.
 struct SocketAddress {
   sockaddr_storage storage = {};
   socklen_t size = sizeof(sockaddr_storage);

@@ -21,7 +21,7 @@ struct AgreementTask {
     reply_to_request,  // hub: psk, prologue, first, connection -> second, keys
   };
   Kind kind = Kind::make_request;
-  bool went_well = false;         // of a finished task: the message was valid
+  bool went_well = false;         // set when the task is finished: the message was valid
   std::uint32_t number = 0;       // for the caller: comes back unchanged
   std::uint32_t connection = 0;   // the number of the session
   std::int64_t timestamp_ns = 0;  // for the caller: comes back unchanged
@@ -38,12 +38,12 @@ struct AgreementTask {
   AgreementTask& operator=(const AgreementTask&) = default;
 };
 
-// Does one task in the calling thread. RT: no: without heap, lock or throw, but slow.
+// Does one task in the calling thread, and wipes its psk. RT: no: without heap, lock or throw, but slow.
 void run_agreement(AgreementTask& task) noexcept;
 
-// Does tasks for one caller. With own_thread: in a thread of ordinary priority, so that the caller continues at once. With caller, for
-// tests and callers without deadlines: in submit(). RT: with own_thread submit and take yes (wait-free; one system call wakes the sleeping
-// thread), with caller no; construction set-up only. Threads: one caller.
+// Does tasks for one caller. own_thread: in a thread of ordinary priority, so that the caller continues at once. caller, for tests and
+// callers without deadlines: in submit(). RT: with own_thread, submit and take yes (wait-free; one system call wakes the sleeping thread);
+// with caller, no. Construction set-up only. Threads: one caller.
 class AgreementWorker {
  public:
   enum class Where : std::uint8_t { caller, own_thread };

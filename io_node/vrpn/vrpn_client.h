@@ -12,7 +12,7 @@
 
 namespace hapton::vrpn {
 
-// What we say, by the numbers that we give our types.
+// The types of message that we send; their values are the numbers that we give them in the protocol.
 enum class OurType : std::int32_t {
   pong,
   position,
@@ -36,29 +36,29 @@ constexpr std::array<std::string_view, 13> kOurTypes = {
 constexpr std::int32_t kStylus = 0, kProxy = 1;  // sensors
 constexpr std::int32_t kOurSender = 0;
 
-// The protocol state of one VRPN client: parses its messages and puts the replies into out(). For any bytes, memory and time are bounded.
-// Pure: no socket, no clock. Forces that it requests (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and counted, and the
-// client is notified by a text message, once a second at most: see docs/vrpn.md.
+// The protocol state of one VRPN client: parses its messages and puts the replies into out(). Memory and time are bounded whatever bytes
+// come. Pure: no socket, no clock. Forces that the client requests (vrpn_ForceDevice Plane, Force_Field and the rest) are rejected and
+// counted, and the client is notified by a text message, once a second at most: see docs/vrpn.md.
 class Client {
  public:
-  // name: of the device, what clients write before the '@'.
+  // name: the name of the device, which clients write before the '@'.
   explicit Client(std::string_view name) : name_(name) { append_cookie(out_); }
 
   // Parses received bytes. False: the client has ended the connection, or its messages are invalid; close it.
   bool receive(std::span<const std::byte> bytes, Time now);
 
-  // It has sent a valid cookie and got our names.
+  // The client has sent a valid cookie, and the names that we use were put into out().
   bool is_connected() const { return is_connected_; }
-  // A request for UDP: the port, and the address as it wrote it. The caller decides whether to follow.
+  // A request of the client for UDP: the port, and the address as the client wrote it. The caller decides whether to follow it.
   struct UdpRequest {
     std::string address;
     std::uint16_t port = 0;
   };
   const std::optional<UdpRequest>& udp_request() const { return udp_request_; }
   std::uint64_t rejected_forces() const { return rejected_forces_; }
-  // Reports a second that it wants; none: it has said nothing.
+  // Reports a second that the client wants; none: it has requested no rate.
   std::optional<double> wanted_rate_hz() const { return wanted_rate_hz_; }
-  // Wants to know the workspace since the last call.
+  // True: the client has requested the workspace since the last call.
   bool take_workspace_request();
 
   Header header(OurType type, Time time) { return {kOurSender, static_cast<std::int32_t>(type), time, ++sequence_}; }
@@ -75,7 +75,7 @@ class Client {
   void reject_force(Time now);
   bool is_about_us(std::int32_t sender) const;
 
-  // Names may be described again and again: no more are kept than a client has reason to.
+  // Most numbers kept of one kind: a client may describe names again and again, but has no reason to describe more.
   static constexpr std::size_t kMaxIds = 128;
 
   std::string name_;
@@ -83,7 +83,7 @@ class Client {
   Bytes out_;
   bool is_connected_ = false;
   std::uint32_t sequence_ = 0;
-  std::vector<std::int32_t> us_;  // its numbers for our device
+  std::vector<std::int32_t> us_;  // the client's numbers for our device
   std::vector<std::int32_t> force_types_;
   std::optional<std::int32_t> ping_type_;
   std::optional<std::int32_t> workspace_type_;
@@ -91,7 +91,7 @@ class Client {
   std::optional<std::int32_t> unit_to_sensor_type_;
   std::optional<std::int32_t> rate_type_;
   std::optional<double> wanted_rate_hz_;
-  std::optional<std::uint32_t> told_s_;  // when it was last notified that forces are rejected
+  std::optional<std::uint32_t> told_s_;  // when the client was last notified that forces are rejected
   bool wants_workspace_ = false;
   std::optional<UdpRequest> udp_request_;
   std::uint64_t rejected_forces_ = 0;

@@ -15,7 +15,7 @@ namespace hapton::vrpn {
 // The device at one servo cycle.
 struct FeedSample {
   DeviceSample device;
-  Wrench wrench;  // on the motors until this cycle: written in the one before
+  Wrench wrench;  // on the motors until this cycle, as written in the cycle before
   DeviceStatus status = DeviceStatus::ready;
   double motor_temperature = -1.0;  // as in DeviceCondition
 };
@@ -28,8 +28,8 @@ struct FeedProxy {
 };
 
 // Passes every sample of the device, and the newest proxy, to an observer in another thread. A slow observer loses samples; the real-time
-// threads never wait. RT: push and show_proxy yes, wait-free; the others no. Threads: one calls push, one show_proxy, and one take,
-// take_proxy and set_wanted; is_wanted any.
+// threads never wait. RT: push, show_proxy and is_wanted yes, wait-free; the others no. Threads: one calls push, one show_proxy, and one
+// take, take_proxy and set_wanted; is_wanted any.
 class Feed {
  public:
   Feed() : ring_(kBytes) {}
@@ -42,7 +42,7 @@ class Feed {
   void show_proxy(const FeedProxy& proxy) noexcept {
     if (is_wanted_.load(std::memory_order_relaxed)) proxies_.publish(proxy);
   }
-  // False, and `proxy` unchanged: there is no new one since the last call.
+  // False: there is no new proxy since the last call, and `proxy` is unchanged.
   bool take_proxy(FeedProxy& proxy) noexcept {
     if (!proxies_.take()) return false;
     proxy = proxies_.value();

@@ -16,11 +16,11 @@
 
 namespace hapton::vrpn {
 
-constexpr std::uint16_t kPort = 3883;  // of VRPN, assigned by IANA
+constexpr std::uint16_t kPort = 3883;  // the port of VRPN, assigned by IANA
 
 // Reports one device to VRPN clients, as NAME@host: Tracker (stylus and proxy), Button, Analog and ForceDevice. Forces that a client
-// requests are rejected. It reads samples from a Feed in a thread of low priority, for which no real-time thread waits. Frame W, SI
-// units. RT: no. Threads: constructor and destructor from one.
+// requests are rejected. It reads samples from a Feed in a thread of low priority, for which no real-time thread waits. Frame W, SI units.
+// RT: no. Threads: open and the destructor from one.
 class Server {
  public:
   struct Options {
@@ -30,7 +30,7 @@ class Server {
     double rate_hz = 500.0;  // largest report rate
   };
 
-  // Error, one line: invalid address, port in use, or a name that VRPN does not allow.
+  // Pre: feed outlives the server. Error, one line: invalid address, port in use, or a name that VRPN does not allow.
   static Result<std::unique_ptr<Server>> open(Feed& feed, const Options& options);
   ~Server();
   Server(const Server&) = delete;
