@@ -31,7 +31,7 @@ class IoSession {
   void set_metrics(MetricsEndpoint* metrics) noexcept { metrics_ = metrics; }
   // Restarts the watchdog process if it ends or hangs.
   void set_watchdog(WatchdogSupervisor* watchdog) noexcept { watchdog_ = watchdog; }
-  // Keeps a latched fault there for the next start.
+  // Keeps a latched fault in this file for the next start.
   void set_latch_file(const LatchFile* file) noexcept { latch_file_ = file; }
 
   // Tells the service manager that this session, one of several in the program, lives. number: its index among them.

@@ -14,7 +14,7 @@ struct LocalForce {
   Vec3 visual_offset_m = Vec3::Zero();  // proxy minus device point
   bool contact = false;
   bool is_handed_over = false;       // by another patch than for the sample before: the difference of force fades
-  Vec3 difference_n = Vec3::Zero();  // that difference, where it is known for this sample
+  Vec3 difference_n = Vec3::Zero();  // ... or just this difference, where it is known for this sample
   int object = -1;                   // the touched object, by its number in the scene; -1: none
   std::int64_t scene_time_ns = -1;   // scene time of the sample, in a scene that moves; below 0: nothing moves
   // Proxy minus device point, where the probe is drawn elsewhere (ForceCommand). None: visual_offset_m.

@@ -13,7 +13,7 @@
 namespace hapton {
 
 // Records the markers that nodes send, each once, at the newest sample, and replies to each. A node may send kPerSecond in the long run and
-// kBurst at once; markers beyond that are counted, not recorded, and only some get a reply. RT: yes. Threads: the network side's.
+// kBurst at once; markers beyond that are only counted, and at most ten a second get a reply. RT: yes. Threads: the network side's.
 class MarkerLog {
  public:
   // A choice: people look at markers one by one. A flood adds at most 50 a second of each node to a recording.

@@ -41,7 +41,7 @@ class ResponseTracker {
     std::uint64_t excused = 0;
   };
 
-  // A sample was taken and sent; is_expected false: no reply is expected, so it is excused. Numbers (with or without gaps) and times increase.
+  // A sample was sent; is_expected false: no reply is expected, so it is excused. Numbers and times increase; numbers may be skipped.
   void take(std::uint64_t sample, std::int64_t time_ns, bool is_expected) noexcept;
   // A sample was taken and not sent, as a newer one was there already or the device side computes the force. It is excused, and is not
   // among those that the haptics node reports as skipped.

@@ -33,7 +33,7 @@ class SchedulingMonitor {
   // requested: largest share of a period that may be spun. realtime_share: see read_realtime_share.
   SchedulingMonitor(double requested, std::optional<double> realtime_share);
 
-  // usage, spun_ns: totals of the loop so far. Returns the largest share of a period that the loop may spin from now on.
+  // usage, spun_ns: totals of the loop's threads so far. Returns the largest share of a period that the loop may spin from now on.
   double update(const ThreadUsage& usage, std::int64_t spun_ns, std::int64_t now_ns);
 
   const SchedulingStats& figures() const { return figures_; }

@@ -59,7 +59,7 @@ struct ServoStats {
   std::uint64_t bad_settings = 0;
   std::uint64_t markers = 0;               // recorded
   std::uint64_t markers_rejected = 0;      // sent, but not recorded
-  std::uint64_t shape_parts_rejected = 0;  // parts of shapes of objects beyond RequestHandler::kShapePartsPerSecond
+  std::uint64_t shape_parts_rejected = 0;  // parts of shapes of objects beyond the limits of RequestHandler
   std::uint64_t moves_rejected = 0;        // requests to move an object beyond RequestHandler::kMovesPerSecond
   std::uint64_t resets_denied = 0;         // requested without the right, or without a person at the device
   double frame_rate_hz = 0.0;              // as last reported by a vision node
