@@ -6,10 +6,10 @@
 
 namespace hapton {
 
-// Hands the newest value from one writing thread to one reading thread; older ones that were not read in time are forgotten.
+// Hands the newest value from one writing thread to one reading thread; older values that were not read in time are lost.
 // Three slots: the writer owns one, the reader one, the third changes hands, so that neither ever waits for the other or sees half a
-// value, however large it is. T may own heap (it is assigned into a slot, and the reader works in place).
-// RT: publish and take yes, wait-free, as far as assigning T is. Threads: one writer, one reader.
+// value, however large it is. T may own heap memory (it is assigned into a slot, and the reader works in place).
+// RT: take yes, wait-free; publish yes if assigning T is real-time safe. Threads: one writer, one reader.
 // Source: the triple buffer of graphics hardware, as a lock-free algorithm.
 template <class T>
 class Mailbox {
@@ -29,7 +29,7 @@ class Mailbox {
     writing_ = shared_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kIndex;
   }
 
-  // Reader: takes over the newest value; true when there was one since the last call.
+  // Reader: takes over the newest value; true if one was published since the last call that returned true.
   bool take() noexcept {
     if ((shared_.load(std::memory_order_relaxed) & kFresh) == 0) {
       return false;
@@ -38,7 +38,7 @@ class Mailbox {
     return true;
   }
 
-  // Reader: the value last taken; the initial one before the first. Stays as it is until the next take().
+  // Reader: the value taken last; before the first take(), the initial value. The writer does not change it before the next take().
   const T& value() const noexcept { return slots_[reading_].value; }
   T& value() noexcept { return slots_[reading_].value; }
 
@@ -46,7 +46,7 @@ class Mailbox {
   static constexpr std::uint8_t kFresh = 4;
   static constexpr std::uint8_t kIndex = 3;
 
-  // Apart, so that the two threads do not share cache lines.
+  // Slots lie in separate cache lines, so that the two threads do not share one.
   struct alignas(64) Slot {
     T value = {};
   };

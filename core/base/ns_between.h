@@ -5,7 +5,7 @@
 
 namespace hapton {
 
-// to_ns - from_ns, saturated where it overflows 64 bits: times from a file or another program may be any numbers. RT: yes.
+// to_ns - from_ns; where that overflows 64 bits, the nearest limit: times from a file or another program may be any numbers. RT: yes.
 constexpr std::int64_t ns_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
   std::int64_t passed_ns = 0;
   if (!__builtin_sub_overflow(to_ns, from_ns, &passed_ns)) return passed_ns;

@@ -6,9 +6,9 @@
 
 namespace hapton {
 
-// From one to the next at that rate; at most 31 years, to which a time can be added. Pre: rate_hz > 0. RT: yes.
+// The time between two events at this rate, at most 31 years: added to a time, it does not overflow. Pre: rate_hz > 0. RT: yes.
 inline std::int64_t period_ns(double rate_hz) noexcept {
-  constexpr double kLongestNs = 1e18;  // 31 years: a time of 64 bits reaches 292
+  constexpr double kLongestNs = 1e18;  // 31 years; 64 bits of nanoseconds last for 292
   return std::llround(std::min(1e9 / rate_hz, kLongestNs));
 }
 

@@ -6,11 +6,11 @@
 
 namespace hapton {
 
-// The known word with the smallest edit distance to this one, at most a third of its length and at least 2 letters allowed, or one that it
-// abbreviates; empty if there is none. RT: no.
+// The known word with the smallest edit distance to `word`: at most a third of its letters, or 2 if that is more; a word of more than 64
+// letters is not compared. A known word that begins with `word`, of 4 letters or more, is preferred. Empty: there is none. RT: no.
 std::string_view find_similar_word(std::string_view word, std::span<const std::string_view> known);
 
-// "; did you mean 'x'?" if find_similar_word finds x, otherwise "; known are a, b, c". RT: no.
+// Returns "; did you mean 'x'?" if find_similar_word finds x, otherwise "; known are a, b, c". RT: no.
 std::string similar_word_hint(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace hapton

@@ -4,17 +4,17 @@
 
 namespace hapton {
 
-// Workers that run one function at the same time. Code in core divides its work through this interface and knows no threads;
+// Workers that run one function at the same time. Code in core divides its work through this interface and uses no threads itself;
 // WorkerThreads (runtime/worker_threads.h) implements it with threads.
 // Threads: run is called by one thread at a time. RT: no force step may call run: it waits for other threads.
 class WorkerTeam {
  public:
-  // Workers, the calling thread included. A free choice.
+  // The largest number of workers, including the calling thread. Chosen freely.
   static constexpr int kMaxWorkers = 64;
 
   virtual ~WorkerTeam() = default;
 
-  virtual int size() const noexcept = 0;  // with the calling thread: 1 to kMaxWorkers
+  virtual int size() const noexcept = 0;  // including the calling thread: 1 to kMaxWorkers
 
   // Calls work(worker) for each worker, 0 to size() - 1, at the same time, and returns when all have returned.
   template <class Work>
@@ -27,7 +27,7 @@ class WorkerTeam {
   virtual void run_each(Function function, const void* context) noexcept = 0;
 };
 
-// The team of the calling thread alone; any number of threads may use it.
+// The team whose only worker is the calling thread; any number of threads may use it at the same time.
 inline WorkerTeam& calling_thread() noexcept {
   class Alone final : public WorkerTeam {
    public:

@@ -11,22 +11,22 @@
 
 namespace hapton {
 
-// The triangles of a tree's node against the plane of another triangle, eight at a time: most pairs whose boxes overlap are parted by it.
-// RT: yes. Units: those of the vertices, whose coordinates are about 1. Keeps references.
+// Tests the triangles of one tree node, eight at a time, against another triangle's plane: most pairs whose boxes overlap are separated.
+// RT: yes. Units: those of the vertices, whose coordinates are about 1. Pre: vertices and triangles outlive this object.
 class BeyondPlane {
  public:
   BeyondPlane(std::span<const Vec3> vertices, std::span<const Triangle> triangles) : vertices_(vertices), triangles_(triangles) {}
 
-  // Pre: `lanes` has the bits of the items.
+  // Chooses the triangles to test. Pre: bit i of `lanes` is set if items[i] is a triangle; other lanes are ignored.
   void start(const std::array<std::uint32_t, WideBvh::kWidth>& items, unsigned lanes) {
     items_ = items;
     lanes_ = lanes;
     is_loaded_ = false;
   }
 
-  // A bit for each item that is certainly on one side of the plane of triangle t, farther than `margin` away.
+  // Sets the bit of each item that is certainly on one side of the plane of triangle t, farther than `margin` away. Unused bits: undefined.
   unsigned find(std::uint32_t t, double margin) {
-    constexpr double kRounding = 0x1p-44;  // of a plain cross product and its products
+    constexpr double kRounding = 0x1p-44;  // of a cross product in plain doubles, and of its dot products
     if (!is_loaded_) load();
     const Triangle& corner = triangles_[t];
     const Vec3& a = vertices_[corner[0]];

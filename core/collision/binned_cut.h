@@ -9,10 +9,10 @@
 
 namespace hapton {
 
-// Where a builder of trees cuts a run of items in two: binned surface-area heuristic (MacDonald & Booth 1990; Wald 2007), for WideBvh and
+// Finds where a tree builder cuts a run of items in two: binned surface-area heuristic (MacDonald & Booth 1990; Wald 2007), for WideBvh and
 // FdhTopology. RT: set-up only.
 
-// An axis-aligned box in the first three lanes, empty until it is grown.
+// An axis-aligned box, x, y and z in the first three lanes; empty until it is grown.
 struct FloatBox {
   Float4 low = Float4(std::numeric_limits<float>::infinity());
   Float4 high = Float4(-std::numeric_limits<float>::infinity());
@@ -36,7 +36,7 @@ struct ItemRun {
   FloatBox centres = {};
 
   std::uint32_t size() const { return end - begin; }
-  // Of the next item. Pre: it is in the run.
+  // Grows the boxes by one item of the run.
   void grow(const FloatBox& item) {
     box.grow(item);
     const Float4 centre = item.twice_centre();
@@ -61,16 +61,16 @@ struct CutBin {
     count += other.count;
   }
 };
-constexpr int kCutBins = 16;  // as Wald 2007
+constexpr int kCutBins = 16;  // as in Wald 2007
 using CutBins = std::array<CutBin, kCutBins>;
 
-// The cheapest cut so far, between this bin and the next one.
+// The cheapest cut found so far: across `axis`, between the bins `bin` and `bin` + 1.
 struct BinnedCut {
   float cost = std::numeric_limits<float>::infinity();
-  int axis = -1;  // none
+  int axis = -1;  // no cut found yet
   int bin = 0;
 
-  // Takes a cut along this axis if it costs less. Either side has items. size: of all bins together.
+  // Takes the best cut across the axis `along` if it costs less. Both sides of a cut have items. size: number of items in all bins.
   void consider(const CutBins& bins, int along, std::uint32_t size) {
     std::array<float, kCutBins> right_cost = {};
     FloatBox box;
@@ -93,7 +93,7 @@ struct BinnedCut {
     *this = best;
   }
 
-  // The sides of the cut. Pre: bins are those of its axis; the items are in order, those of the right side from `middle` on.
+  // The two sides of the cut. Pre: `bins` are those of the cut's axis; the items of the right side have been moved to `middle` and beyond.
   std::pair<ItemRun, ItemRun> sides(const ItemRun& run, std::uint32_t middle, const CutBins& bins) const {
     ItemRun left{.begin = run.begin, .end = middle};
     ItemRun right{.begin = middle, .end = run.end};
