@@ -25,7 +25,7 @@ struct Box {
   Box inflated(double by) const { return {low.array() - by, high.array() + by}; }
   bool overlaps(const Box& other) const { return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all(); }
   Vec3 centre() const { return 0.5 * (low + high); }
-  // From a point to its nearest point of the box; infinity for an empty one.
+  // The squared distance of p from the nearest point of the box; infinity for an empty box.
   double distance_squared(const Vec3& p) const { return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm(); }
   double diagonal() const { return (high - low).norm(); }
 

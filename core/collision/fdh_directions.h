@@ -8,7 +8,7 @@
 namespace hapton {
 
 // The fixed directions of a hull with K planes: K / 2 axes, each with a lowest and a highest plane. The first three are those of an
-// axis-aligned box; 14 adds the four diagonals of the cube's corners, 18 the six of its edges, 26 both. Axes have integer components and
+// axis-aligned box; 14 adds the four diagonals through a cube's corners, 18 the six through its edges, 26 both. Axes have integer parts and
 // not unit length, so a projection is a sum of coordinates with little rounding. Source: FDH paper, section 5; Klosowski, Held,
 // Mitchell, Sowizral & Zikan 1998 (k-DOPs).
 template <int K>
@@ -58,8 +58,8 @@ inline std::array<double, K / 2> fdh_project(const Vec3& p) {
   }
 }
 
-// A hull in double precision: between low[i] and high[i] along axis i. Empty until something is added.
-// Frames: any, one for all. RT: yes.
+// A hull in double precision: the points with projections from low[i] to high[i] on axis i. Empty until a point is added.
+// Frame: any, the same for all points. RT: yes.
 template <int K>
 struct FdhHull {
   static constexpr int kAxes = K / 2;

@@ -30,9 +30,9 @@ struct FdhVisits {
 
 namespace detail {
 
-// A float below / above x, by half a unit in the last place, u, or more: (float)x is within u / 2 of x, what is subtracted is between 2 u
-// and 4 u, and rounding the difference changes it by u / 2 at most. The constant is for subnormal numbers. For x beyond the largest float:
-// that float or infinity, whichever is on the right side.
+// A float below / above x, by at least half a unit in the last place, u: (float)x is within u / 2 of x, what is subtracted is between 2 u
+// and 4 u, and rounding the difference changes it by at most u / 2. The constant is for subnormal numbers. For |x| beyond 3e38 the result
+// is about 3e38 or infinite, whichever is on the right side.
 inline float float_below(double x) {
   const auto f = static_cast<float>(x < 3e38 ? x : 3e38);
   return f - (std::fabs(f) * 0x1p-22F + 0x1p-140F);
@@ -44,17 +44,17 @@ inline float float_above(double x) {
 
 }  // namespace detail
 
-// What lies between low and high on every axis, single precision, rounded outward: the query's side of a comparison.
+// The extent of a query on every axis, from low to high, in single precision, rounded outward: nodes are compared with it.
 template <int K>
 struct FdhInterval {
   std::array<float, K / 2> low;
   std::array<float, K / 2> high;
 };
 
-// A bounding volume hierarchy of Fixed Direction Hulls with K planes over numbered items: flat nodes of eight children, one run of vector
-// instructions per plane pair, the box's three pairs first (FDH paper, section 5). Planes are single precision, rounded outward,
-// relative to the owner's centre, so no query misses an item that it touches. Threads: const calls from any number. RT: traversals yes
-// (fixed stack, see FdhTopology), the rest set-up only.
+// A bounding volume hierarchy of Fixed Direction Hulls with K planes over numbered items: nodes of eight children in one array, one run of
+// vector instructions per plane pair, the box's three pairs first (FDH paper, section 5). Planes are relative to the owner's centre, in
+// single precision, rounded outward, so no query misses an item that it touches. Threads: const calls from any number of threads. RT:
+// traversals yes (fixed stack, see FdhTopology), the rest set-up only.
 template <int K>
 class FdhHierarchy {
  public:
@@ -68,7 +68,7 @@ class FdhHierarchy {
   }
 
   // Recomputes every plane, bottom-up; hull_of(first, count) is the hull of that run of items in tree order, relative to the centre;
-  // `rounding` (absolute, >= 0, per axis) covers that of the hulls and of the queries. RT: no heap, but visits everything.
+  // `rounding` (absolute, >= 0, per axis) covers the rounding of hulls and queries. RT: set-up only; no heap, but it visits every node.
   template <class HullOf>
   void refit(double rounding, HullOf&& hull_of) {
     for (std::size_t n = nodes_.size(); n-- > 0;) {  // children come after their parents
@@ -120,17 +120,17 @@ class FdhHierarchy {
         leaf);
   }
 
-  // A segment against hulls grown on every axis: p + t d, t in [0, 1]. See make_sweep.
+  // The segment p + t d, t in [0, 1], which is tested against hulls that are grown on every axis. See make_sweep.
   struct Sweep {
     std::array<float, kAxes> from;
     std::array<float, kAxes> inverse;  // 1 / d along the axis
-    std::array<float, kAxes> grow;     // half thickness along the axis, rounding included
+    std::array<float, kAxes> grow;     // what hulls are grown by along the axis, including rounding
   };
 
-  // The sweep of a ball of this radius between two points, given by their projections relative to the centre. Rounding: |from| 2^-24 each
-  // for the start and the planes' difference is part of grow; times have a relative error below 2^-21, allowed for where they are compared.
-  // A direction shorter than the padding counts as that long, with the padding grown alike, so no inverse overflows. Pre: both ends are so
-  // near that 1 / d is a normal float, and so are their places.
+  // The sweep of a ball of this radius between two points, given by their projections relative to the centre. `grow` covers rounding of
+  // |from| 2^-24 each for the start and for its difference from a plane; times have a relative error below 2^-21, which their comparison
+  // allows for. A d shorter than the padding is replaced by one of that length, and `grow` covers the change, so no inverse overflows.
+  // Pre: the ends are so near to the centre that their projections and 1 / d are within the range of a normal float.
   static Sweep make_sweep(const std::array<double, kAxes>& from, const std::array<double, kAxes>& to, double radius) {
     Sweep sweep;
     for (int i = 0; i < kAxes; ++i) {
@@ -174,8 +174,8 @@ class FdhHierarchy {
         leaf);
   }
 
-  // Calls leaf(first, count), nearest hulls first, while a hull may be nearer to the interval than the square root of bound_squared(),
-  // which leaf reduces as it finds nearer items. Distances are Euclidean lower bounds.
+  // Calls leaf(first, count), the nearest hulls of each node first, while a hull may be nearer to the interval than the square root of
+  // bound_squared(), which `leaf` reduces as it finds nearer items. The distances of hulls are lower bounds of the Euclidean ones.
   template <class Bound, class Leaf>
   FdhVisits walk_nearest(const FdhInterval<K>& q, Bound&& bound_squared, Leaf&& leaf) const {
     FdhVisits visits;
@@ -230,8 +230,8 @@ class FdhHierarchy {
     return visits;
   }
 
-  // Calls visit(hull, first, count) for every hull at that depth, 0 being that of the root's children, and for the leaves above it, whose
-  // branches are shorter. Planes are relative to the centre; the items below a hull are that run in tree order. For people. RT: no.
+  // Calls visit(hull, first, count) for every hull at depth `level` (0: the children of the root), and for leaves at smaller depths. Planes
+  // are relative to the centre; the hull holds `count` items from `first` on, in tree order. For pictures of the hulls. RT: no.
   template <class Visit>
   void for_each_hull(int level, Visit&& visit) const {
     if (!nodes_.empty()) visit_hulls(0, level, visit);
@@ -250,10 +250,10 @@ class FdhHierarchy {
     unsigned used() const { return sign_bits(low[0] <= high[0]); }
   };
 
-  // Relative: three times the at most five roundings of 2^-24 each of a node distance (difference, square, two sums, scale).
+  // Relative error of a node's distance: five roundings of 2^-24 at most (difference, square, two sums, scale), times three.
   static constexpr double kNodeRounding = 0x1p-20;
-  // For a sweep that begins and ends at the centre itself: a 2^-50th of the smallest extent that a tree accepts (1e-15); an inverse of
-  // 2^100 is still a float.
+  // The padding of a sweep that begins and ends at the centre itself: 2^-50 of the smallest extent that a tree accepts (1e-15). Its
+  // inverse, 2^100, is still a float.
   static constexpr double kMinPad = 0x1p-100;
 
   static float slackened(double squared) { return detail::float_above(squared * (1.0 + kNodeRounding)); }
@@ -277,7 +277,7 @@ class FdhHierarchy {
       visit(hull, first, end - first);
     }
   }
-  // First item and the one after the last.
+  // The first of the items below a child, and the end of their run, one after the last.
   std::array<std::uint32_t, 2> run_below(std::uint32_t child) const {
     if (FdhTopology::is_leaf(child))
       return {FdhTopology::leaf_first(child), FdhTopology::leaf_first(child) + FdhTopology::leaf_count(child)};
