@@ -25,7 +25,7 @@ class FdhScene {
   // Pre: the vertices outlive the scene. Objects without triangles are allowed and never found. Error: as FdhTree::build.
   static Result<FdhScene> build(std::span<const Object> objects);
 
-  // Updates the tree and the upper level after one object's vertices have moved. Error: see FdhTree::refit; nothing changes then.
+  // Updates an object's tree and the upper level after its vertices have moved. Pre, Error: see FdhTree::refit; an error changes nothing.
   Result<void> refit(std::uint32_t object, std::span<const Vec3> vertices);
 
   // Calls visit(object, triangle) for every triangle that the query touches, as FdhTree does. Query: FdhBall or FdhSweep.
@@ -58,7 +58,7 @@ class FdhScene {
   std::vector<std::uint32_t> order_;
   std::vector<FdhTree<K>> trees_;
   Vec3 centre_ = Vec3::Zero();
-  double rounding_ = 0.0;  // how far that can move a computed point or distance, for queries within the scene's extent
+  double rounding_ = 0.0;  // how far rounding can move a computed point or distance, for queries within the scene's extent
 };
 
 // ---------------------------------------------------------------------------------------------------------------------
@@ -152,7 +152,7 @@ FdhInterval<K> FdhScene<K>::interval(const FdhHull<K>& hull) const {
 
 namespace detail {
 
-// The hull of a query: objects that do not overlap it are skipped.
+// The hull around a query: objects that do not overlap this hull are skipped.
 template <int K>
 FdhHull<K> hull_around(const FdhSweep& sweep) {
   FdhHull<K> hull;

@@ -19,12 +19,12 @@ struct FdhItem {
 // The tree structure of a hierarchy, without bounds: it does not depend on the number of directions.
 struct FdhTopology {
   static constexpr int kWidth = 8;                                // children of a node: the lanes of a Float8
-  static constexpr std::uint32_t kLeafSize = 4;                   // items of a leaf at most: two bits
+  static constexpr std::uint32_t kLeafSize = 4;                   // most items of a leaf; count - 1 fits two bits
   static constexpr int kMaxDepth = 48;                            // nodes on the path from the root to a leaf
   static constexpr int kMaxStack = kMaxDepth * (kWidth - 1) + 1;  // a traversal leaves at most kWidth - 1 siblings per level
   static constexpr std::size_t kMaxItems = std::size_t{1} << 28;  // a leaf has 28 bits for its first item
 
-  // A child: a leaf (kLeafBit, count - 1 in two bits, first item in 28), a node's index, or kNothing.
+  // A child is a node's index, a leaf (kLeafBit, count - 1 in two bits, first item in 28), or kNothing, for which is_leaf is true too.
   static constexpr std::uint32_t kLeafBit = 0x80000000U;
   static constexpr std::uint32_t kNothing = 0xFFFFFFFFU;
   static constexpr bool is_leaf(std::uint32_t child) { return (child & kLeafBit) != 0; }

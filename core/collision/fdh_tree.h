@@ -18,11 +18,11 @@ namespace hapton {
 
 // Relative widening of bounds, in the direction in which nothing is missed. A few operations on doubles round by 2^-53 each.
 constexpr double kOutward = 0x1p-40;
-// Largest extent in the unit of the mesh; its inverse is the smallest. Squares of extents (1e30 and 1e-30) stay far inside the range of a
-// float.
+// The largest extent, half a mesh's longest side, in its unit; the inverse is the smallest above 0. Squares of extents (1e30 and 1e-30)
+// stay far inside the range of a float.
 constexpr double kLargestExtent = 1e15;
-// Farthest end of a sweep from the middle of the mesh for which the hierarchy is searched: a 1e15th is still the largest mesh, and neither
-// a place nor the inverse of a path leaves the range of a float.
+// The hierarchy is searched for sweeps whose ends are at most this far, along each axis, from the mesh's middle: 1e15 times the largest
+// extent. There neither a coordinate nor the inverse of a length leaves the range of a float.
 constexpr double kFarthestSweep = 1e30;
 
 struct FdhBall {
@@ -44,8 +44,8 @@ struct FdhNear {
 };
 constexpr FdhNear kNothingNear = {std::numeric_limits<double>::infinity(), 0, 0};
 
-// The nearest triangles so far, at most one more than requested: the first one left out bounds the distance within which the result is
-// complete. Candidates collect in a buffer and are reduced by selection when it is full, so each costs a constant time on average. RT: yes.
+// Collects the nearest triangles, one more than requested: the distance of that one bounds the distance within which the result is
+// complete. Candidates fill a buffer; when it is full, a selection keeps the nearest, so each costs constant time on average. RT: yes.
 class FdhNearest {
  public:
   static constexpr std::size_t kMaxCount = 256;  // as LocalSet::kCapacity
@@ -54,8 +54,8 @@ class FdhNearest {
   FdhNearest(std::size_t count, double max_distance) : keep_(count + 1), bound_(max_distance * max_distance), max_distance_(max_distance) {}
 
   double bound_squared() const { return bound_; }
-  std::size_t count() const { return count_; }  // found so far, before finish
-  // Sets how much added distances may be wrong.
+  std::size_t count() const { return count_; }  // candidates in the buffer, or after finish() the result's
+  // Tells how large the rounding error of the distances that are added may be; the largest value counts.
   void allow_rounding(double rounding) { rounding_ = rounding > rounding_ ? rounding : rounding_; }
   void add(double distance_squared, std::uint32_t object, std::uint32_t triangle) {
     if (!(distance_squared <= bound_)) return;
@@ -63,7 +63,7 @@ class FdhNearest {
     if (count_ == limit()) cut();
   }
 
-  // Ends the search: the triangles found, in no order. complete_radius: every triangle nearer than that is among them.
+  // Ends the search and returns the triangles found, in no order. They include every triangle nearer than complete_radius().
   std::span<const FdhNear> finish() {
     if (count_ >= keep_) {
       cut();
@@ -81,8 +81,8 @@ class FdhNearest {
     if (a.distance_squared != b.distance_squared) return a.distance_squared < b.distance_squared;
     return a.object != b.object ? a.object < b.object : a.triangle < b.triangle;
   }
-  // The buffer is reduced when half as many again have come: reducing it earlier costs selections, later it costs tests of triangles too
-  // far away (bench/fdh_bench.cpp).
+  // The buffer is reduced when it holds half as many again as are kept: a smaller one costs more selections, a larger one more tests of
+  // triangles that are too far away (bench/fdh_bench.cpp).
   std::size_t limit() const { return keep_ + keep_ / 2 + 1; }
   // Keeps the nearest keep_; the farthest of them is last and is the new bound.
   void cut() {
@@ -106,7 +106,7 @@ struct FdhStats {
   std::size_t triangles = 0;
   std::size_t nodes = 0;
   int depth = 0;
-  std::size_t bytes = 0;  // of the tree; the mesh belongs to the owner
+  std::size_t bytes = 0;  // of the tree, without the mesh, which its owner keeps
 };
 
 // The second level of the FDH paper, section 3: the triangles of one object in a hierarchy of Fixed Direction Hulls. K: 6 (axis-aligned
@@ -119,29 +119,29 @@ class FdhTree {
   FdhTree() = default;
 
   // Pre: the vertices outlive the tree; indices are in range, coordinates finite.
-  // Error: more than 2^28 triangles; an extent beyond 1e-15 .. 1e15.
+  // Error: more than 2^28 triangles; a longest side above 2e15, or below 2e-15 but not 0.
   static Result<FdhTree> build(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
   // Moves the triangles' vertices. Only planes are recomputed: after a large change of shape a new build gives faster queries. Pre: as many
   // vertices as before; they outlive the tree. Error: see build; the tree is then unchanged.
   Result<void> refit(std::span<const Vec3> vertices);
 
-  // Each calls visit(triangle) once for every triangle that the query touches. ball: exactly those at most the radius away. sweep: those
-  // whose leaf's hull it meets (radius 0), otherwise those at most the radius away; all, if it reaches beyond kFarthestSweep. Rounding only
-  // adds triangles, never drops one. A query that is not finite visits nothing.
+  // Each calls visit(triangle) once for every triangle at most the radius away. A sweep of radius 0 visits all triangles in leaves whose
+  // hull it meets; a sweep that reaches beyond kFarthestSweep visits every triangle of the tree. Rounding only adds triangles, never drops
+  // one. Nothing is visited if a point is not finite, or the radius negative or not a number; it may be infinite.
   template <class Visit>
   FdhVisits for_each_overlapping(const FdhBall& ball, Visit&& visit) const;
   template <class Visit>
   FdhVisits for_each_overlapping(const FdhSweep& sweep, Visit&& visit) const;
 
-  // The triangle nearest to p, if one is at most max_distance away; otherwise an infinite distance.
+  // The triangle nearest to p (of equally near ones that with the lowest number); kNothingNear if none is at most max_distance away.
   FdhNear find_nearest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
 
-  // Adds the triangles nearest to a point, or to the segment between two, to those collected.
+  // Adds the triangles nearest to a point, or to the segment between two points, to `nearest`, with the number of their object.
   FdhVisits collect_nearest(const Vec3& p, std::uint32_t object, FdhNearest& nearest) const;
   FdhVisits collect_nearest(const Vec3& from, const Vec3& to, std::uint32_t object, FdhNearest& nearest) const;
 
-  // Calls visit(hull, triangles) for every hull of the tree at that depth, in the mesh's frame, see FdhHierarchy. RT: no.
+  // Calls visit(hull, triangles) for every hull of the tree at depth `level` (FdhHierarchy); the hull is in the mesh's frame. RT: no.
   template <class Visit>
   void for_each_hull(int level, Visit&& visit) const {
     const auto middle = fdh_project<K>(centre_);
@@ -159,14 +159,14 @@ class FdhTree {
             hierarchy_.bytes() + order_.capacity() * sizeof(std::uint32_t) + corners_.capacity() * sizeof(Triangle)};
   }
   const FdhHull<K>& hull() const { return hull_; }  // of all triangles, in the mesh's frame
-  // How far rounding can move a computed point or distance here, for queries within the mesh's extent.
+  // How far rounding can move a point or a distance that this tree computes, for queries within the mesh's extent.
   double rounding() const { return rounding_; }
 
  private:
   using Three = detail::Of3<Lanes4>;
 
   FdhInterval<K> interval(const Vec3& p, const Vec3& q) const;
-  // Calls use(id, squared distance) for each triangle of a leaf. distance_of: of four triangles at once, given their corners in lanes.
+  // Calls use(id, squared distance) for each triangle of a leaf. distance_of: computes it for four triangles, given their corners in lanes.
   template <class DistanceOf, class Use>
   void measure_leaf(std::uint32_t first, std::uint32_t count, DistanceOf&& distance_of, Use&& use) const;
   template <class DistanceOf>
@@ -176,7 +176,7 @@ class FdhTree {
   void set_planes();
   // Bound on the error of a distance computed from p.
   double rounding_at(const Vec3& p) const { return rounding_ + 0x1p-49 * (p - centre_).cwiseAbs().maxCoeff(); }
-  // Squared, including rounding.
+  // The square of the radius, after adding what rounding may add to a distance.
   double bound_squared_at(double radius, const Vec3& p) const {
     const double bound = radius * (1.0 + kOutward) + rounding_at(p);
     return bound * bound;
@@ -301,7 +301,7 @@ void FdhTree<K>::measure_leaf(std::uint32_t first, std::uint32_t count, Distance
 namespace detail {
 inline Of3<Lanes4> lanes_of(const Vec3& p) { return {Lanes4{} + p.x(), Lanes4{} + p.y(), Lanes4{} + p.z()}; }
 
-// For FdhTree::measure_leaf: the squared distances of four triangles from a point, and from a segment.
+// Functions for FdhTree::measure_leaf, which compute the squared distances of four triangles from a point, or from a segment.
 inline auto distance_from(const Vec3& p) {
   return [p = lanes_of(p)](const Of3<Lanes4>& a, const Of3<Lanes4>& b, const Of3<Lanes4>& c) {
     return triangle_distance_squared<Lanes4>(p, a, b, c);

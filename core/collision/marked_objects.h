@@ -11,21 +11,21 @@
 
 namespace hapton {
 
-// The objects of a scene with the triangles marked that are near another object, where a point or a sphere cannot follow the surface by
-// adjacency alone. What the marks of two objects say of each other is kept until one of them is replaced, and an object whose marks stay is
-// the same one as before. So replacing an object costs what lies near it, however large the scene is, and a copy of each object whose marks
-// have changed.
+// Marks the triangles of a scene's objects that are near another object: there a point or a sphere cannot follow the surface by adjacency
+// alone. The triangles that are near between two objects are remembered until one of the two is replaced, and an object whose marks do not
+// change is not copied again. So the cost of replacing an object is a search of what lies near it, a copy of each object whose marks have
+// changed, and one pass over the bounds of all objects.
 //
 // Units: local. Threads: one; the objects are shared and immutable. RT: set-up only.
 class MarkedObjects {
  public:
-  // objects: each as it is without the others, all in one local frame. bounds: of each, empty for one without triangles. Returns each with
-  // its marks: itself where no triangle is near another object, else a copy.
+  // objects: each as built without the others, all in one local frame. bounds: one box for each object, empty if it has no triangles.
+  // Returns each object with its marks: the given one where no triangle is near another object, otherwise a marked copy.
   std::vector<std::shared_ptr<const ObjectGeometry>> update(const std::vector<std::shared_ptr<const ObjectGeometry>>& objects,
                                                             std::span<const Box> bounds);
 
  private:
-  using NearOthers = std::map<std::uint32_t, std::vector<std::uint32_t>>;  // by other object: the triangles near it; none is left out
+  using NearOthers = std::map<std::uint32_t, std::vector<std::uint32_t>>;  // by other object: the triangles near it; no list is empty
 
   struct Object {
     std::shared_ptr<const ObjectGeometry> plain;

@@ -11,14 +11,14 @@
 
 namespace hapton {
 
-// Finds, among the sectors of the triangles at a vertex, the pairs that may come near each other as seen from there. A sweep along one axis
-// over the boxes of their arcs on the unit sphere (sweep and prune) leaves few pairs; of those, most lie on one side of the other's plane.
+// Finds, among the sectors of the triangles at a vertex, the pairs that may come near each other as seen from the vertex. A sweep along one
+// axis over the boxes of their arcs on the unit sphere (sweep and prune) leaves few pairs; the plane of one sector separates most of these.
 // RT: set-up only.
 class NearSectors {
  public:
   using Edges = std::array<Vec3, 2>;  // from the vertex, of any length
 
-  // `angle`: rad, far below one.
+  // `angle`: how near two sectors have to come to form a pair, in rad; far below 1.
   NearSectors(std::span<const Edges> sectors, double angle) : least_sine_(2.0 * angle) {
     items_.reserve(sectors.size());
     for (std::uint32_t i = 0; i < sectors.size(); ++i) items_.push_back(make_item(sectors[i], angle, i));
@@ -27,7 +27,7 @@ class NearSectors {
     axis_ = axis;
   }
 
-  // Calls visit(i, j) once for each pair whose angle may be `angle` or less, and for some others. All other pairs are certainly farther.
+  // Calls visit(i, j) once for each pair of sectors that may be `angle` or less apart, and for some others. All other pairs are farther.
   template <class Visit>
   void visit_pairs(Visit&& visit) const {
     for (std::size_t i = 0; i < items_.size(); ++i) {
@@ -41,14 +41,14 @@ class NearSectors {
 
  private:
   struct Item {
-    Box box;             // of the arc, with room
-    Edges edge;          // unit; zero: an edge without length
+    Box box;             // of the arc, grown for `angle` and rounding
+    Edges edge;          // unit vectors; zero for an edge without length
     Vec3 normal;         // not of unit length
-    double least = 0.0;  // the product with a unit vector from which on that is certainly far from the plane
+    double least = 0.0;  // a unit vector whose product with `normal` is larger is certainly far from the plane
     std::uint32_t sector = 0;
   };
 
-  // Both edges of b, and with them all of its sector, are on one side of the plane of a.
+  // Whether both edges of b, and so its whole sector, are on one side of the plane of a.
   static bool is_beside(const Item& a, const Item& b) {
     const double first = a.normal.dot(b.edge[0]);
     const double last = a.normal.dot(b.edge[1]);
@@ -56,7 +56,7 @@ class NearSectors {
   }
 
   Item make_item(const Edges& sector, double angle, std::uint32_t i) const {
-    constexpr double kRounding = 0x1p-48;  // of a unit vector and a cross product of two, and more
+    constexpr double kRounding = 0x1p-48;  // above that of unit vectors and their cross products
     Item item;
     item.sector = i;
     for (std::size_t k = 0; k < 2; ++k) item.edge[k] = sector[k].stableNormalized();
@@ -69,7 +69,7 @@ class NearSectors {
     return item;
   }
 
-  // Along which the arcs overlap least.
+  // The axis along which the arcs overlap least.
   int choose_axis() const {
     Box all;
     Vec3 lengths = Vec3::Zero();
