@@ -24,13 +24,13 @@ class NearTriangles {
  public:
   static constexpr int kCapacity = 6144;                   // a sphere at a vertex reaches all triangles of its fan
   static constexpr int kMaxOthers = 1024;                  // triangles that are in no large fan (SurfaceAdjacency)
-  static constexpr int kMaxVisited = 1280;                 // of these, those whose boxes are near, for the few that are near themselves
-  static constexpr int kMaxVisitedInFans = 2 * kCapacity;  // slivers that lie across have large boxes
+  static constexpr int kMaxVisited = 1280;                 // most of these whose boxes are near; only a few are near themselves
+  static constexpr int kMaxVisitedInFans = 2 * kCapacity;  // slivers that are not along an axis have large boxes
 
-  // Collects all triangles within that distance, and possibly some that are farther by rounding. False, and empty, if there are more than
-  // `most`, at most kCapacity, or, not counting those in large fans, more than kMaxOthers, or if more than kMaxVisited, or
-  // kMaxVisitedInFans of large fans, have a box that is as near. `queried`: is raised by the number of triangles whose distance was
-  // computed.
+  // Collects all triangles at most `within` from the centre, give or take rounding (2^-44). False, and then empty, if there are more than
+  // `most` (<= kCapacity) of them, or more than kMaxOthers in no large fan, or if more triangles were visited, because their boxes are that
+  // near, than kMaxVisited in no large fan or kMaxVisitedInFans in large fans, counted once per batch. `queried`: is raised by the number
+  // of triangles visited.
   bool gather(const TouchGeometry& geometry, const Vec3& centre, double within, int& queried, int most = kCapacity) noexcept;
   void clear() {
     count_ = 0;
@@ -39,16 +39,16 @@ class NearTriangles {
 
   // Whether every triangle within `distance` of p was collected.
   bool covers(const Vec3& p, double distance) const { return (p - centre_).norm() + distance <= within_; }
-  // Of the triangles that the last gather() queried, those in large fans: they are neighbours in memory.
+  // How many of the triangles that the last gather() visited are in large fans: these are neighbours in memory.
   int queried_in_fans() const { return queried_in_fans_; }
   // The distance from p within which every triangle was collected. Negative: p is outside.
   double room_at(const Vec3& p) const { return within_ - (p - centre_).norm(); }
-  // Whether p is in the inner half of the ball. Farther out, the bounds of triangles on the other side of the centre are weak.
+  // Whether p is within half the ball's radius of its centre. Farther out, bounds of triangles on the other side of the centre are weak.
   bool is_central(const Vec3& p) const { return (p - centre_).norm() <= 0.5 * within_; }
   int count() const { return count_; }
   std::uint32_t triangle(int slot) const { return triangle_[slot]; }
 
-  // Prepared at the first call. Valid until the next call for another slot.
+  // The triangle in a slot; prepared by the first call for it. The reference is valid until a call for another slot, or a gather().
   const ContactTriangle& shape(int slot) noexcept {
     const auto place = static_cast<std::size_t>(slot % kPrepared);
     if (prepared_[place] != slot) {
@@ -66,7 +66,7 @@ class NearTriangles {
     return distance - rounding(off.norm());
   }
 
-  // The share of the triangles within that distance of the ball's centre, of those that the last gather() found before it ended.
+  // Of the triangles that the last gather() collected before it ended or gave up, the share within `distance` of the ball's centre.
   double share_within(double distance) const {
     const auto end = distance_.begin() + found_;
     return static_cast<double>(std::count_if(distance_.begin(), end, [&](double d) { return d <= distance; })) / std::max(found_, 1);
@@ -100,16 +100,16 @@ class NearTriangles {
 
  private:
   static constexpr int kBatch = 64;       // triangles whose corners are prefetched together
-  static constexpr int kPrepared = 1024;  // of the triangles in the cache, by slot modulo this
+  static constexpr int kPrepared = 1024;  // triangles that are kept prepared: that of a slot at slot % kPrepared
   using Batch = std::array<std::uint32_t, kBatch>;
-  // Of four triangles, by coordinate.
+  // The corners of four triangles, coordinate by coordinate, one triangle in each lane.
   struct Corners {
     std::array<Double4, 3> a, b, c;
   };
   struct alignas(32) Bounds {
     double distance[4], normal[3][4];
   };
-  // Of a bound at that distance from the centre.
+  // How far rounding may move the bound for a point that is `off` away from the centre.
   static double rounding(double off) { return 0x1p-44 + 0x1p-40 * off; }
   static void bound(const Corners& corners, const Vec3& centre, Bounds& bounds) noexcept;
   bool add(const Batch& batch, int count, int most) noexcept;
@@ -118,14 +118,14 @@ class NearTriangles {
   Vec3 centre_ = Vec3::Zero();
   double within_ = -1.0;
   int count_ = 0;
-  int others_ = 0;  // of these, those in no large fan
+  int others_ = 0;  // how many of these are in no large fan
   int queried_in_fans_ = 0;
-  int found_ = 0;  // by the last gather(), also if they were too many
+  int found_ = 0;  // collected by the last gather(), even if they were too many
   // Unused lanes of the last four hold an infinite distance.
   alignas(32) std::array<double, kCapacity> distance_;
   alignas(32) std::array<std::array<double, kCapacity>, 3> normal_;
   std::array<std::uint32_t, kCapacity> triangle_;
-  std::array<int, kPrepared> prepared_;  // slots; -1: none
+  std::array<int, kPrepared> prepared_;  // the slot of each shape in shapes_; -1: none
   std::array<ContactTriangle, kPrepared> shapes_;
 };
 

@@ -32,27 +32,27 @@ struct LocalFrame {
 // slivers keep their direction (point_triangle.h).
 //
 // Copies share coordinates, triangles and tree, and differ in the marks of what is not walkable.
-// Threads: immutable once in use, but for a surface that deforms: none but one may use it then. RT: queries, move_vertex and swap_tree yes,
-// construction and mark_unwalkable_near set-up only.
+// Threads: immutable once in use, except a surface that deforms: only one thread may use that. RT: queries, move_vertex and swap_tree yes;
+// construction, copies, about(), bounds(), find_near and mark_unwalkable(_near) set-up only.
 class ObjectGeometry {
  public:
   // Local units. Any other part of the surface is at least this far from a walkable triangle (surface_adjacency.h).
   static constexpr double kWalkableMargin = 0x1p-26;
-  // Local units. Cracks up to this width are always sealed: a point is a sphere of radius 2^-31 there (half a contact offset) and could be
-  // caught between the crack's two boundaries.
+  // Local units. make() seals cracks up to this width, if most_triangles suffice: at cracks a point probe is a sphere of radius 2^-31, half
+  // a contact offset, and could be caught between the two boundaries of a crack.
   static constexpr double kResolution = 0x1p-27;
 
   // shading_crease_rad: if set, smooth normals are kept too: the mesh's authored ones where they are valid, otherwise computed ones; edges
   // with a larger angle between the faces' normals stay sharp (corner_normals.h).
-  // new_vertex: if there is one, it becomes the number here of each of the mesh's vertices, kUnused of those that no triangle has.
+  // new_vertex: if not null, is set to the number in this object of each vertex of the mesh, kUnused where no triangle uses the vertex.
   static constexpr std::uint32_t kUnused = 0xFFFFFFFFU;
   ObjectGeometry(const TriangleMesh& mesh, const LocalFrame& frame, std::optional<double> shading_crease_rad = std::nullopt,
                  std::vector<std::uint32_t>* new_vertex = nullptr);
-  // The same, with features finer than the resolution removed (touch_resolution.h), unless that gives more than most_triangles.
+  // The same, but if not all is walkable, features finer than kResolution are removed (touch_resolution.h), if most_triangles suffice.
   static ObjectGeometry make(const TriangleMesh& mesh, const LocalFrame& frame, std::size_t most_triangles,
                              std::optional<double> shading_crease_rad = std::nullopt);
 
-  // The same surface with its origin at p, in the same local units. Its tree is empty: for a tool, in which nothing is looked up.
+  // The same surface with the origin at p, in the same local units. Its tree is empty: this is for a tool, whose tree is never searched.
   ObjectGeometry about(const Vec3& p) const;
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(surface_->triangles.size()); }
@@ -60,7 +60,7 @@ class ObjectGeometry {
   const WideBvh& tree() const { return surface_->tree; }
   const Triangle& triangle(std::uint32_t t) const { return triangles_[t]; }
   std::span<const Vec3> vertices() const { return surface_->vertices; }
-  Box bounds() const { return Box::of(vertices()); }  // computed by each call
+  Box bounds() const { return Box::of(vertices()); }  // computed anew by each call; RT: no
   const Vec3& corner(std::uint32_t t, int k) const { return vertices_[triangles_[t][k]]; }
   struct Corners {
     const Vec3& a;
@@ -77,28 +77,28 @@ class ObjectGeometry {
     return separation_from_triangle(p, vertices_[corners[0]], vertices_[corners[1]], vertices_[corners[2]]);
   }
 
-  // For a surface that deforms. Puts a vertex to local coordinates, rounded to the grid. The boxes of the tree stay: until the tree is
-  // another one, no query may need a triangle outside its box. Pre: within 1 of the origin; nothing is shared with a copy.
+  // For a surface that deforms. Moves a vertex to these local coordinates, rounded to the grid. Boxes of the tree stay: while a triangle
+  // is not within its box, a query may miss it. Pre: each coordinate is within -1 and 1; the surface is not shared with a copy.
   void move_vertex(std::uint32_t vertex, const Vec3& local) noexcept;
-  // Exchanges the tree for one of the same items with other boxes.
+  // Exchanges the tree for another one over the same items, with other boxes.
   void swap_tree(WideBvh& other) noexcept { std::swap(surface_->tree, other); }
-  // Every triangle is: nothing is narrower than kWalkableMargin, so there is nothing to resolve.
+  // Whether every triangle is walkable: then no gap is narrower than kWalkableMargin, and make() has nothing to remove.
   bool is_walkable() const { return adjacency_.walkable_count() == triangle_count(); }
 
   const SurfaceAdjacency& adjacency() const { return adjacency_; }
-  // Makes triangles near the box of another object, which is not built, unwalkable. The objects may overlap.
+  // Makes triangles near the box of another object unwalkable, for an object that is not built yet. The objects may overlap.
   void mark_unwalkable_near(const Box& other);
-  // The walkable triangles that another object makes unwalkable, in any order. bounds: of this object, or a larger box. Work: that of the
-  // other's triangles near these bounds.
+  // The walkable triangles that another object makes unwalkable, in any order. bounds: a box around this object. Work: one search for each
+  // triangle of the other object that is near these bounds.
   std::vector<std::uint32_t> find_near(const ObjectGeometry& other, const Box& bounds) const;
   void mark_unwalkable(std::span<const std::uint32_t> triangles);
 
-  // The smooth unit normal at a point of triangle t, interpolated between its corners; zero if none were kept.
+  // The smooth unit normal at a point of triangle t, interpolated between its corners; zero if no normals were kept or none results.
   Vec3 smooth_normal(std::uint32_t t, const Vec3& on_triangle) const noexcept;
 
-  // Prefetch a triangle: first its indices, later its corners.
+  // To prefetch a triangle, call this for its indices first, and prefetch_corners() some time later.
   void prefetch_indices(std::uint32_t t) const { __builtin_prefetch(&triangles_[t]); }
-  // Prefetches what a walk over edge k of a triangle reads: first the triangle there, later its corner opposite the edge.
+  // To prefetch what a walk over edge k of a triangle reads, call this for the triangle beyond the edge, later prefetch_opposite().
   void prefetch_across(std::uint32_t t, int k) const {
     const SurfaceAdjacency::Adjacent across = adjacency_.adjacent(t, k);
     if (!across.exists) return;
@@ -124,8 +124,8 @@ class ObjectGeometry {
 
   explicit ObjectGeometry(std::shared_ptr<Surface> surface);
 
-  std::shared_ptr<Surface> surface_;  // of all copies
-  Vec3* vertices_ = nullptr;          // of the surface, like the next: queries come there without a detour
+  std::shared_ptr<Surface> surface_;  // shared by all copies
+  Vec3* vertices_ = nullptr;          // like the next, the surface's data: saves queries an indirection
   const Triangle* triangles_ = nullptr;
   SurfaceAdjacency adjacency_;
 };

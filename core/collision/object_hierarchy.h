@@ -12,13 +12,13 @@
 
 namespace hapton {
 
-// The upper level over the objects of a scene: a tree over their bounds, so that a query costs what lies near it, however many objects
-// there are (FDH paper, section 3; we differ in axis-aligned boxes). An object may have no bounds (an empty box): no query finds it
-// until a refit gives it some.
+// The upper level over the objects of a scene: a tree over their bounds, so that the cost of a query depends on the objects near it, not on
+// the number of objects (FDH paper, section 3; here with axis-aligned boxes). An object may have no bounds (an empty box): no query finds
+// it until a refit gives it bounds.
 //
-// A moved object is refitted: its box and those above it are updated, so queries stay exact. Objects that move far make queries slower,
-// never incomplete: build a new hierarchy outside the step when most have moved. Frame, units: those of the bounds. Pre: bounds lie within
-// WideBvh::kFarthest of zero. Threads: const calls from any number, none beside refit. RT: queries and refit yes; construction set-up only.
+// When an object has moved, refit() updates its box and the boxes above it, so queries stay exact. Objects that move far make queries
+// slower, never incomplete: when most have moved, build a new hierarchy outside the step. Frame, units: those of the bounds. Pre: bounds
+// lie within WideBvh::kFarthest of zero. Threads: const calls from any number, none during refit. RT: queries, refit yes; the rest set-up.
 class ObjectHierarchy {
  public:
   ObjectHierarchy() = default;
@@ -40,13 +40,13 @@ class ObjectHierarchy {
   template <class Visit>
   void visit_nearest(const Vec3& p, double bound_squared, Visit&& visit) const;
 
-  // The same, one object at a time (WideBvh::NearestSearch).
+  // The same, one object at a time (WideBvh::NearestSearch). It also returns some objects that only nearly lie within the bound.
   std::optional<std::uint32_t> next_nearest(WideBvh::NearestSearch& search, double bound_squared) const noexcept {
     return search.next(tree_, bound_squared);
   }
 
   // Calls until = visit(object, until) for every object whose bounds come within `radius` of the segment from p to p + motion before the
-  // time `until` of its 0..1, roughly in order; also for some that nearly do.
+  // time `until` (0 at p, 1 at p + motion), roughly in order; also for some that nearly do. A result below 0 ends the search.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& motion, double radius, double until, Visit&& visit) const {
     tree_.visit_along(p, motion, radius, until, std::forward<Visit>(visit));
