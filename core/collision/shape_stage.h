@@ -14,28 +14,28 @@ namespace hapton {
 
 // A straight motion of all vertices of a surface from one shape to the next, made ready for StreamedGeometry.
 struct ShapeStage {
-  std::vector<Vec3> begin;     // where the vertices of the mesh begin, frame S
-  std::vector<Vec3> to;        // and where they end
-  std::vector<double> from;    // three numbers for each vertex of the object, local, on its grid
-  std::vector<double> motion;  // from there to the end; exact
-  std::vector<WideBvh> trees;  // by equal parts of the motion: boxes that hold their triangles in all shapes of that part
+  std::vector<Vec3> begin;     // where the vertices of the mesh are at the beginning, frame S, in m
+  std::vector<Vec3> to;        // where they are at the end, likewise
+  std::vector<double> from;    // the beginning, local: three coordinates for each vertex of the object, on its grid
+  std::vector<double> motion;  // what to add to `from` to get to the end; exact
+  std::vector<WideBvh> trees;  // one for each of equal parts of the motion; its boxes hold their triangles in all shapes of that part
   double most_m = 0.0;         // no vertex moves farther
 };
 
-// Makes stages of a surface whose shapes are not known beforehand. RT: no. Threads: const calls from any number, while the geometry is
-// used.
+// Makes stages of a surface whose shapes are not known beforehand. RT: no. Threads: const calls from any number, also while the geometry
+// is in use.
 class ShapeStager {
  public:
   static constexpr std::size_t kMaxTrees = 8;
 
-  // Pre: the geometry was made with BuildPolicy::to_deform of this mesh, in bounds_with_reach(), and no vertex has been moved yet.
+  // Pre: the geometry was made from this mesh with BuildPolicy::to_deform and the box bounds_with_reach(); no vertex has been moved yet.
   ShapeStager(const TouchGeometry& geometry, std::shared_ptr<const TriangleMesh> mesh, double reach_m);
 
   // The surface at rest: a stage on which nothing moves.
   std::unique_ptr<ShapeStage> make_rest() const;
-  // From a shape that an earlier stage led to. Work: that of two trees over the mesh. Error: the number of vertices is not the mesh's; one
-  // is not finite, or farther than reach_m from where it is at rest; a shape in which triangles are not walkable (SurfaceAdjacency), at its
-  // end or half-way.
+  // A stage between two shapes, in frame S. Work: builds two trees over the mesh, refits up to kMaxTrees. Pre: `from` is `to` of an earlier
+  // stage. Error: `to` has another number of vertices than the mesh, or one that is not finite or farther than reach_m from its place at
+  // rest; triangles are not walkable (SurfaceAdjacency) in the shape at the end or half-way.
   Result<std::unique_ptr<ShapeStage>> make(std::span<const Vec3> from, std::span<const Vec3> to) const;
 
   std::span<const Vec3> rest() const { return mesh_->vertices; }
@@ -48,24 +48,24 @@ class ShapeStager {
   std::shared_ptr<const TriangleMesh> mesh_;
   double reach_m_;
   LocalFrame frame_;
-  std::vector<std::uint32_t> new_vertex_;  // number in the object of each of the mesh's vertices
+  std::vector<std::uint32_t> new_vertex_;  // for each vertex of the mesh, its number in the object
   std::size_t vertex_count_;               // of the object
   std::vector<Triangle> triangles_;        // of the object
   WideBvh tree_;
   double mean_edge_m_;
 };
 
-// The box of a mesh whose vertices move no farther than that, with room for rounding. RT: set-up only.
+// The box of a mesh, in frame S, whose vertices move by at most reach_m from rest, with room for rounding. RT: set-up only.
 Box bounds_with_reach(const TriangleMesh& mesh, double reach_m);
 
-// Gives the one object of a TouchGeometry the shape of a time, of shapes that come one by one: a stage begins when the one before has
-// ended, exactly where that ends. A few can wait, each for its start.
+// Gives the only object of a TouchGeometry the shape that it has at a given time, in stages that arrive one by one: a stage begins when the
+// one before it has ended, in exactly the shape in which that ended. A few stages can wait, each for its start.
 //
-// Threads: one. RT: yes, shape() linear in the vertices, some ns each; construction is set-up only. The stages that are given back may be
-// destroyed elsewhere.
+// Threads: one. RT: yes, shape() linear in the vertices, some ns each; construction, vertices_at() set-up only. Stages that are no longer
+// used are returned to the caller, to be destroyed outside of the step.
 class StreamedGeometry {
  public:
-  // Pre: the geometry is that of the stager, and outlives this.
+  // `rest`: from ShapeStager::make_rest(). Pre: the geometry is the one that the stager was made for, and outlives this object.
   StreamedGeometry(TouchGeometry& geometry, std::unique_ptr<ShapeStage> rest);
 
   static constexpr std::size_t kMaxWaiting = 8;  // a quarter of a second of 30 shapes a second
@@ -74,16 +74,16 @@ class StreamedGeometry {
     std::unique_ptr<ShapeStage> ended;
     std::unique_ptr<ShapeStage> replaced;
   };
-  // The stage that comes next, for so many seconds: it begins at now_s, or when the present one has ended, in place of those that wait.
-  // Pre: it was made from `to` of the present stage; over_s 0 or more; now_s is not before the last shape() or skip_to(); one waits at
-  // most.
+  // Puts a stage of over_s seconds in place of the stage that waits: it begins at now_s, or when the present stage has ended, if that is
+  // later. Returns the stage that it replaces, and one that is no longer used; null: none. Pre: it was made from `to` of the present stage;
+  // over_s is 0 or more; now_s is not before the last shape() or skip_to(); at most one stage waits.
   Released offer(std::unique_ptr<ShapeStage> stage, double over_s, double now_s) noexcept;
-  // The stage that comes after all others: it begins at start_s, or when the one before has ended. Returned: one that is used no more;
-  // null: none. Pre: fewer than kMaxWaiting wait; it was made from `to` of newest(); as offer().
+  // Puts a stage behind all others: it begins at start_s, or when the one before it has ended, if that is later. Returns a stage that is no
+  // longer used; null: none. Pre: fewer than kMaxWaiting stages wait; it was made from `to` of newest(); over_s and start_s as in offer().
   std::unique_ptr<ShapeStage> append(std::unique_ptr<ShapeStage> stage, double over_s, double start_s) noexcept;
 
-  // Of a vertex of the object, local: where it is at rest, and how far it moves from one time to another.
-  // Pre: no stage but the present one and the one before it in between; of others the motion is left out.
+  // The position of a vertex of the object at rest, and its displacement from one time to another; both local. The displacement is that of
+  // the present stage, and of the one before it until offer() or append() has returned it; motion in other stages is left out.
   Vec3 rest_of(std::uint32_t vertex) const noexcept { return at(rest_, vertex); }
   Vec3 moved_between(std::uint32_t vertex, double from_s, double to_s) const noexcept {
     Vec3 moved = (present_.share_at(to_s) - present_.share_at(from_s)) * at(present_.stage->motion, vertex);
@@ -91,20 +91,20 @@ class StreamedGeometry {
     return moved;
   }
 
-  // The stage that moves now, or has ended; the next one has to begin where it ends. Its number counts the stages that have begun.
+  // The stage that moves now, or the last one that ended; the next one must begin where it ends. serial(): how many stages have begun.
   const ShapeStage& present() const noexcept { return *present_.stage; }
   std::uint64_t serial() const noexcept { return serial_; }
   std::size_t waiting() const noexcept { return waiting_count_; }
-  // The last one that waits; else the present one. And when it will have ended.
+  // The last of the stages that wait, or the present one if none waits; end_s(): when that stage ends.
   const ShapeStage& newest() const noexcept { return *last().stage; }
   double end_s() const noexcept { return last().end_s(); }
 
-  // No vertex is farther at that time than this from where it is in the geometry.
+  // An upper bound, in m, of the distance of any vertex at that time from where it is in the geometry.
   double travel_to(double time_s) const noexcept;
-  // A new stage has begun by then: shape() has to be called also if nothing moves.
+  // Whether the next stage begins by that time: then shape() must be called even if nothing moves.
   bool is_due(double time_s) const noexcept { return waiting_count_ > 0 && time_s >= waiting_[0].start_s; }
   void shape(double time_s) noexcept;
-  // The time has come, but the geometry keeps its shape. Until shape() nothing may be asked of it.
+  // Begins the stages that are due, but does not move the vertices: the geometry must not be queried before the next shape().
   void skip_to(double time_s) noexcept;
 
   // The vertices of the mesh at a time not before the last shape() or skip_to(), frame S. RT: no.
@@ -112,7 +112,7 @@ class StreamedGeometry {
   std::size_t bytes() const noexcept;
 
  private:
-  // A stage, and when it moves.
+  // A stage, and when it moves: for over_s seconds from start_s on.
   struct Timed {
     std::unique_ptr<ShapeStage> stage = nullptr;
     double start_s = 0.0;
@@ -122,7 +122,7 @@ class StreamedGeometry {
       return time_s >= end_s() ? 1.0 : time_s <= start_s ? 0.0 : (time_s - start_s) / over_s;
     }
   };
-  // The stage of a time, and what all before it travelled.
+  // The stage at a given time, and the sum of most_m of all stages before it.
   struct Found {
     const Timed& timed;
     double travelled_m = 0.0;
@@ -134,19 +134,19 @@ class StreamedGeometry {
   void advance() noexcept;
 
   TouchGeometry& geometry_;
-  std::vector<double> rest_;  // as ShapeStage::from
+  std::vector<double> rest_;  // laid out as ShapeStage::from
   Timed present_;
-  Timed ended_;                             // before it
+  Timed ended_;                             // the stage before present_, until it is returned
   std::array<Timed, kMaxWaiting> waiting_;  // the next one first
   std::size_t waiting_count_ = 0;
-  // Ended before ended_, and not given back yet, the oldest first. Each stage that comes takes one away, so with those that wait there are
-  // kMaxWaiting at most.
+  // Stages that ended before ended_ and have not been returned yet, the oldest first. Each stage that arrives makes one of these or ended_
+  // return, so these, ended_ and the waiting stages are at most kMaxWaiting.
   std::array<std::unique_ptr<ShapeStage>, kMaxWaiting> used_;
   std::size_t used_count_ = 0;
   std::uint64_t serial_ = 0;
-  std::size_t part_ = 0;      // whose tree is in the geometry, whose own first one is there
-  double travelled_m_ = 0.0;  // of all stages before the present one, each its most_m
-  double shaped_at_m_ = 0.0;  // travelled by the shape in the geometry
+  std::size_t part_ = 0;      // of the present stage: the geometry has its tree, and its own is stored in that place
+  double travelled_m_ = 0.0;  // sum of most_m of all stages before the present one
+  double shaped_at_m_ = 0.0;  // travelled up to the shape that the geometry has
 };
 
 }  // namespace hapton

@@ -17,24 +17,24 @@ namespace hapton {
 // to the other triangle there; at a boundary edge it is the other side of the same triangle. An edge of three or more triangles has no
 // adjacent sides.
 //
-// A triangle is walkable if a point on either side of it can meet only the adjacent triangles and those at its vertices: every edge has at
-// most two triangles; every vertex has one fan, in which no triangle repeats a vertex; no other triangle intersects it or comes nearer than
-// `margin`; and no two that share a vertex come nearer than kMinAngle to each other.
+// A triangle is walkable if a point on either side of it can meet only the adjacent triangles and those at its vertices: each edge has at
+// most two triangles; each vertex has one fan, in which no triangle repeats a vertex; its height is at least kMinHeight; no other triangle
+// intersects it or comes nearer than `margin`; and none that shares a vertex with it comes nearer than kMinAngle elsewhere.
 //
-// Frame and units: those of the vertices, whose extent is about 1. Threads: immutable but for mark_unwalkable. RT: queries yes;
+// Frame and units: those of the vertices, whose extent is about 1. Threads: immutable except for mark_unwalkable. RT: queries yes;
 // construction, find_walkable and mark_unwalkable set-up only.
 class SurfaceAdjacency {
  public:
-  static constexpr int kMaxValence = 4096;  // triangles at a vertex; with more it is not walkable, which bounds the work there
-  static constexpr int kLargeFan = 64;      // triangles at a vertex: with more, not each of them is compared with each
+  static constexpr int kMaxValence = 4096;  // most triangles at a vertex; with more they are not walkable, which bounds the work
+  static constexpr int kLargeFan = 64;      // triangles at a vertex; with more, not every pair of them is compared
   static constexpr double kMinAngle =
       0x1p-20;  // rad, seen from a shared vertex: below it, rounding could decide which triangle is hit first
-  static constexpr double kMinHeight = 0x1p-36;  // of a triangle: far above the distance within which a point snaps to a vertex
+  static constexpr double kMinHeight = 0x1p-36;  // of a walkable triangle: far above the distance at which a point snaps to a vertex
 
   struct Adjacent {
     std::uint32_t triangle = 0;
-    int edge = 0;        // the adjacent triangle's number of the shared edge
-    bool flips = false;  // the adjacent side of the front is a back
+    int edge = 0;        // number of the shared edge in the adjacent triangle
+    bool flips = false;  // the side adjacent to this triangle's front is a back
     bool exists = false;
   };
 
@@ -51,8 +51,8 @@ class SurfaceAdjacency {
   bool has_large_fans() const { return has_large_fans_; }
   // Whether the triangle has a vertex at which more than kLargeFan triangles meet.
   bool is_in_large_fan(std::uint32_t t) const { return has_large_fans_ && sides_[t].fan != 0; }
-  // The corner of the triangle in which a large fan meets that is closed and convex as seen from the front or the back: none of its faces
-  // is above the plane of another, within rounding. -1: the triangle is in none, or in several large fans.
+  // The corner of the triangle at the vertex of its large fan, if that is closed and convex as seen from the front or the back: none of its
+  // faces is above the plane of another, within rounding. -1: there is no such fan, or a triangle of it is in several large fans.
   int convex_fan_corner(std::uint32_t t, bool back) const {
     if (!has_large_fans_ || (sides_[t].fan & (back ? kConvexBack : kConvexFront)) == 0) return -1;
     return sides_[t].fan & kFanCorner;
@@ -63,24 +63,24 @@ class SurfaceAdjacency {
   std::size_t bytes() const { return sides_.capacity() * sizeof(Sides); }
 
   // Determines the walkable triangles. `tree` is over the triangles' boxes, item t is triangle t. Returns the number of pairs that were
-  // tested: hardly more at a vertex of many triangles.
+  // tested; a vertex of many triangles hardly adds to it.
   std::size_t find_walkable(std::span<const Vec3> vertices, std::span<const Triangle> triangles, const WideBvh& tree, double margin);
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFFFFFFU;
-  static constexpr std::uint16_t kFanCorner = 3;  // mask of the corner in which it meets
+  static constexpr std::uint16_t kFanCorner = 3;  // mask of the number of the corner at the fan's vertex
   static constexpr std::uint16_t kLarge = 4;
   static constexpr std::uint16_t kConvexFront = 8;
   static constexpr std::uint16_t kConvexBack = 16;
-  static constexpr std::uint16_t kSeveral = 32;  // in more than one
+  static constexpr std::uint16_t kSeveral = 32;  // in more than one large fan
 
   void pair_edges(std::size_t vertex_count, std::span<const Triangle> triangles);
   // What the triangles at a vertex form.
   enum class Fan : std::uint8_t {
     broken,    // not one fan, or too many triangles
     whole,     // one fan
-    compared,  // of either kind: its triangles have been compared with each other
-    even  // one closed fan whose triangles do not overlap as seen from above: no two of them are near each other except at a common edge
+    compared,  // broken or whole; its triangles have been compared with each other
+    even  // one closed fan whose triangles do not overlap, seen along their mean normal: no two are near each other except at a common edge
   };
   struct Fans {
     std::vector<Fan> of_vertex;
@@ -95,17 +95,17 @@ class SurfaceAdjacency {
                          std::span<const Triangle> triangles, double margin);
   bool is_whole_fan(std::span<const Triangle> triangles, std::uint32_t start, int corner, std::uint32_t valence) const;
 
-  // Of one triangle, together in a cache line.
+  // What is known of one triangle's sides, in a single cache line.
   struct alignas(16) Sides {
     std::array<std::uint32_t, 3> adjacent{kNone, kNone, kNone};  // (adjacent triangle << 3) | (its edge << 1) | flips
     std::uint16_t is_walkable = 0;
-    std::uint16_t fan = 0;  // of the large fan that the triangle is in: kFanCorner and more
+    std::uint16_t fan = 0;  // the large fan that the triangle is in, as bits: kFanCorner and those below it
   };
   LargeVector<Sides> sides_;
   bool has_large_fans_ = false;
 };
 
-// Whether two triangles of a mesh leave each other walkable: apart, or apart except for the vertices they share. RT: yes.
+// Whether two triangles of a mesh leave each other walkable: they are apart, except at a vertex or an edge that they share. RT: yes.
 bool is_pair_walkable(std::span<const Vec3> vertices, const Triangle& s, const Triangle& t, double margin) noexcept;
 
 // True if two triangles that share no vertex are certainly farther apart than `margin`. RT: yes.

@@ -5,13 +5,13 @@
 
 namespace hapton {
 
-// The distance that a probe keeps from surfaces, and how exactly.
+// The distance that a probe keeps from surfaces, and its tolerances.
 // A point probe is a sphere of radius `offset`, the contact offset alone; a sphere probe adds its radius.
 // Frame and units: TouchGeometry's local ones (object_geometry.h), in which the scene's diagonal is between 1 and 2.
 struct Clearance {
   double offset = 0.0;     // distance of a proxy in contact: its rest offset
   double slop = 0.0;       // the distance is never less than offset - slop, which is positive: no surface is ever crossed
-  double tolerance = 0.0;  // how exactly a motion stops at `offset`; far above rounding, far below slop
+  double tolerance = 0.0;  // how far from `offset` a motion may stop; far above rounding, far below slop
 };
 
 // The time of an event that does not happen; motions last from 0 to 1.
@@ -24,7 +24,7 @@ struct TriangleView {
   Separation separation(const Vec3& p) const { return geometry.separation(triangle, p); }
 };
 
-// When a sphere that moves from p along `motion` comes to distance `level` of a triangle: t in [from, 1], or kNever.
+// When a sphere's centre that moves from p along `motion` comes within `level` of a triangle: t in [from, 1], or kNever.
 // The distance to a convex set along a line is convex, so Newton's tangent from the approaching side never oversteps the true
 // root and converges quadratically: no feature cases, no cancelling discriminant, conservative at every iterate.
 // Pre: distance at `from` is at least level. RT: yes.
@@ -45,9 +45,9 @@ double time_to_reach(const Shape& shape, const Vec3& p, const Vec3& motion, doub
   return t;
 }
 
-// Whether a sphere that moves from p along `motion` comes nearer to a triangle than `level` between two times. Uses distances only, not
+// Whether a sphere's centre that moves from p along `motion` comes nearer to a triangle than `level` between two times. Uses distances, not
 // normals, which have rounding errors near an edge: the distance is convex along the path, so between two samples it lies above the
-// straight lines through the samples on either side. Less than `tolerance` does not count. In doubt: true.
+// straight lines through the samples on either side. Coming nearer by less than `tolerance` does not count. In doubt: true.
 // Pre: at both times the distance is at least level. RT: yes.
 template <class Shape>
 bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double until, double level, double tolerance) {
@@ -67,7 +67,7 @@ bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double 
     if (middle.distance < level - tolerance) return true;
     if (!(left.t < middle.t && middle.t < right.t)) return false;
     if (std::min(on_line(middle, right, left.t), on_line(left, middle, right.t)) >= level - tolerance) return false;
-    // The least distance lies on either side of the least sample.
+    // The least distance lies in one of the two intervals beside the least sample.
     if (left.distance < middle.distance) {
       right = middle;
       middle = sample_at(0.5 * (left.t + right.t));
@@ -88,7 +88,7 @@ bool comes_nearer(const Shape& shape, const Vec3& p, const Vec3& motion, double 
   return true;
 }
 
-// As comes_nearer, but tries the tangents first. They decide most cases in a few steps where the normals are accurate.
+// Does the same as comes_nearer, but tries the tangents first: where the normals are accurate, they decide most cases in a few steps.
 template <class Shape>
 bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double from, double until, double level, double tolerance) {
   constexpr int kFewIterations = 8;
@@ -108,9 +108,9 @@ bool dips_below(const Shape& shape, const Vec3& p, const Vec3& motion, double fr
   return comes_nearer(shape, p, motion, from, until, level, tolerance);
 }
 
-// When the motion from p must stop before a triangle, as t in [0, until], or kNever where it may pass until then. It must stop
-// where the distance reaches clearance.offset, but only if it would later come nearer than offset - slop: grazing within the slop
-// passes. The two tangents of the convex distance, one at each end, decide most triangles. start: the separation at p.
+// When the motion from p must stop before a triangle, as t in [0, until], or kNever if it may go on up to `until`. It must stop where the
+// distance reaches clearance.offset (in contact: offset - slop / 2), but only if it would later come nearer than offset - slop: grazing
+// within the slop passes. The two tangents of the convex distance, at the ends, decide most triangles. start: the separation at p.
 template <class Shape>
 double time_to_block(const Shape& shape, const Vec3& p, const Separation& start, const Vec3& motion, double until,
                      const Clearance& clearance) {
