@@ -15,14 +15,14 @@
 
 namespace hapton {
 
-// When the structures of an object are built: all at once, or each when the probe first comes near. to_deform: at once, of one object whose
-// vertices will move within part_of.
+// When the structures of the objects are built: all at once, or each when the probe first comes near it. to_deform: at once, for a single
+// object whose vertices will move within the box part_of.
 enum class BuildPolicy : std::uint8_t { at_once, on_approach, to_deform };
 
 // All triangles of a scene for contact queries in one local frame: a hierarchy over the objects, and under each object the tree over its
 // triangles. The cost of a query depends on the triangles near it, not on the number of objects.
 //
-// Triangles are numbered across objects: the object in the high bits, its triangle in the low ones.
+// Triangles are numbered across objects: the high bits give the object, the low bits its triangle.
 // With BuildPolicy::on_approach an object costs only its bounding box until the probe comes near. request_ahead (RT) then requests it,
 // build_wanted (a slow task, any thread) builds it, nearest first, and the next request_ahead with the probe outside its bounds activates
 // it. An object activated around the probe would trap it, so it waits until the probe has left, unless the probe was placed there.
@@ -35,26 +35,26 @@ class TouchGeometry {
   explicit TouchGeometry(std::vector<std::shared_ptr<const TriangleMesh>> meshes, BuildPolicy policy = BuildPolicy::at_once,
                          std::optional<double> shading_crease_rad = std::nullopt, const Box& part_of = {});
   explicit TouchGeometry(const std::vector<const TriangleMesh*>& meshes);  // built at once; the meshes need not outlive this
-  // Of objects that were built in that frame, and may be shared. Triangles near another object stay walkable, so this is for contact
-  // between meshes only. Pre: check() holds for their meshes, and none has more than most_triangles() of these.
+  // Takes objects that were built in this frame, and may be shared. Triangles near another object stay walkable, so this is for contact
+  // between meshes only. Pre: check() holds for the meshes of the objects, and no object has more triangles than most_triangles() of these.
   TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, const LocalFrame& frame);
-  // Of objects that were built for a probe, and are shared: as if they were built here, but for the frame. Pre: check() holds for their
-  // meshes, and none has more than most_triangles() of these.
+  // Takes objects that were built for a probe, and are shared: the result is as if they were built here, except for the frame. Pre: check()
+  // holds for the meshes of the objects, and no object has more triangles than most_triangles() of these.
   explicit TouchGeometry(const BuiltObjects& built);
 
-  // Error: too many objects and triangles for their numbers; a mesh outside part_of, or one that is not finite.
+  // Error: more objects and triangles than can be numbered; with a part_of: it is not finite, or a mesh is not finite or not inside it.
   static Result<void> check(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes, const Box& part_of = {});
   // The local frame of a scene with that bounding box.
   static LocalFrame frame_of(const Box& bounds);
   // The local bounds of an object with these bounds in the scene, with a margin for rounding.
   static Box local_bounds(const LocalFrame& frame, const Box& bounds);
-  // That each object of a scene of these meshes may have, once its cracks are sealed (ObjectGeometry::make).
+  // The most triangles that each object of a scene of these meshes may have, once its cracks are sealed (ObjectGeometry::make).
   static std::size_t most_triangles(const std::vector<std::shared_ptr<const TriangleMesh>>& meshes);
 
   const LocalFrame& frame() const { return frame_; }
   const Vec3& origin() const { return frame_.origin; }
   double unit_m() const { return frame_.unit_m; }
-  Vec3 to_local(const Vec3& p_S) const { return (p_S - frame_.origin) * units_per_m_; }  // as the frame's: powers of two are exact
+  Vec3 to_local(const Vec3& p_S) const { return (p_S - frame_.origin) * units_per_m_; }  // as frame().to_local(): powers of two are exact
   Vec3 to_scene(const Vec3& local) const { return frame_.to_scene(local); }
 
   std::size_t object_count() const { return slots_.size(); }
@@ -72,11 +72,11 @@ class TouchGeometry {
   const ObjectGeometry& object_geometry(std::uint32_t mesh) const {
     return slots_[mesh].shared ? *slots_[mesh].shared : *slots_[mesh].built;
   }
-  // With BuildPolicy::to_deform: the object, and the number there of each of its mesh's vertices. Nothing else may use this meanwhile.
+  // With BuildPolicy::to_deform: the object, and its number for each vertex of the mesh. While the object changes, nothing may use this.
   ObjectGeometry& deforming_object() { return *slots_[0].built; }
   const std::vector<std::uint32_t>& new_vertex() const { return new_vertex_; }
-  std::uint32_t object_bits() const { return ~triangle_mask_; }  // mask of the object in a triangle's number
-  // Side k of a triangle is at its edge k, see SurfaceAdjacency.
+  std::uint32_t object_bits() const { return ~triangle_mask_; }  // the bits of a triangle's number that give the object
+  // What is adjacent at edge k of a triangle, see SurfaceAdjacency.
   struct Adjacent {
     std::uint32_t id = 0;
     int edge = 0;
@@ -88,11 +88,11 @@ class TouchGeometry {
     return {(id & ~triangle_mask_) | across.triangle, across.edge, across.flips, across.exists};
   }
   bool is_in_large_fan(std::uint32_t id) const { return object(id).adjacency().is_in_large_fan(id & triangle_mask_); }
-  // See SurfaceAdjacency. -1 where the surface deforms: that is known of its shape at rest only.
+  // See SurfaceAdjacency. -1 if the surface deforms: whether a fan is convex is known only for the shape at rest.
   int convex_fan_corner(std::uint32_t id, bool back) const {
     return policy_ == BuildPolicy::to_deform ? -1 : object(id).adjacency().convex_fan_corner(id & triangle_mask_, back);
   }
-  bool may_have_large_fans() const;  // of the objects built, or of one that is not built yet
+  bool may_have_large_fans() const;  // true also while an object is not built yet
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
   // Where a segment crosses a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between
@@ -116,10 +116,10 @@ class TouchGeometry {
   void prefetch_opposite(std::uint32_t id, int k) const { object(id).prefetch_opposite(id & triangle_mask_, k); }
   void prefetch_corners(std::uint32_t id) const { object(id).prefetch_corners(id & triangle_mask_); }
 
-  // Calls visit(id) for every triangle whose box overlaps the query, and for some near it. A visit that returns false ends the search.
+  // Calls visit(id) for every triangle whose box overlaps the query, and for some near it. If visit returns false, the search ends.
   template <class Visit>
   void for_each_overlapping(const Box& query, Visit&& visit) const;
-  // The same for triangles whose boxes come within `radius` of p. visit returns false to end the search.
+  // The same for triangles whose boxes come within `radius` of p. Here visit must return a bool: false ends the search.
   template <class Visit>
   void for_each_within(const Vec3& p, double radius, Visit&& visit) const;
 
@@ -147,12 +147,12 @@ class TouchGeometry {
     bool is_in_object_ = false;
   };
 
-  // Puts the probe at p: objects whose bounds enclose it are requested and become active as soon as they are built.
+  // Places the probe at p: objects whose bounds enclose it are requested, and request_ahead() activates them as soon as they are built.
   void place_probe(const Vec3& p) noexcept;
 
   // Call before the probe at p moves. Requests objects that are not built and nearer than their own size or `range`, and activates those
   // that have been built and do not enclose p. Returns how far p may move before the next call is needed: 0 while a requested object is not
-  // active, infinity if all are. A call within the distance that the last one returned costs one comparison.
+  // active, infinity if all are. A call within the distance that the previous one returned searches nothing.
   double request_ahead(const Vec3& p, double range) noexcept;
 
   // Builds one requested object. False if there is none.
@@ -160,15 +160,15 @@ class TouchGeometry {
 
  private:
   struct Slot {
-    std::shared_ptr<const TriangleMesh> mesh;      // owned by the builder, once requested
+    std::shared_ptr<const TriangleMesh> mesh;      // used by the builder alone, once requested
     std::unique_ptr<ObjectGeometry> built;         // written by the builder, before the object counts as finished
-    std::shared_ptr<const ObjectGeometry> shared;  // in its place, if it was built elsewhere
+    std::shared_ptr<const ObjectGeometry> shared;  // in place of `built`, if it was built elsewhere
     double size = 0.0;                             // the diagonal of its bounds
-    bool requested = false;                        // RT side only, like the next
-    std::uint64_t placed_in = 0;                   // the last placement that its bounds enclosed
+    bool requested = false;                        // of the RT side only, like the next member
+    std::uint64_t placed_in = 0;                   // number of the last placement at which its bounds enclosed the probe
   };
 
-  // Of objects that were built elsewhere.
+  // Takes objects that were built elsewhere.
   TouchGeometry(std::vector<std::shared_ptr<const ObjectGeometry>> objects, std::span<const Box> bounds, const LocalFrame& frame,
                 int triangle_bits);
   void mark_unwalkable_near_others(std::uint32_t object);
@@ -187,23 +187,23 @@ class TouchGeometry {
   int triangle_bits_ = 31;
   std::uint32_t triangle_mask_ = 0x7FFFFFFFU;
   ObjectHierarchy hierarchy_;                  // over local bounds, with a margin for rounding
-  std::vector<const ObjectGeometry*> active_;  // by object; null until active
+  std::vector<const ObjectGeometry*> active_;  // one for each object; null until it is active
   std::vector<Slot> slots_;
 
   // With on_approach only. Each object is requested once and finished once, so the two lists between the threads cannot overflow.
   ObjectHierarchy approach_;  // over bounds grown by the object's own size
   std::vector<std::uint32_t> requested_;
   std::atomic<std::uint32_t> requested_count_ = 0;
-  std::uint32_t begun_ = 0;  // index into requested_; the builder's
+  std::uint32_t begun_ = 0;  // index into requested_; used by the builder only
   std::vector<std::uint32_t> finished_;
   std::atomic<std::uint32_t> finished_count_ = 0;
-  std::uint32_t received_ = 0;            // index into finished_; RT side only, like all below
-  std::vector<std::uint32_t> enclosing_;  // finished but not active: they enclose the probe
+  std::uint32_t received_ = 0;            // index into finished_; of the RT side only, like all members below
+  std::vector<std::uint32_t> enclosing_;  // objects that are finished but not active, because they enclose the probe
   std::size_t enclosing_count_ = 0;
   std::size_t waiting_ = 0;  // objects not active yet
   std::size_t active_count_ = 0;
   std::uint64_t placement_ = 0;
-  Vec3 searched_from_ = Vec3::Zero();  // position and range of the last search for unrequested objects, and the distance left
+  Vec3 searched_from_ = Vec3::Zero();  // of the last search for unrequested objects: its position, its range, how far p may move from it
   double searched_range_ = 0.0;
   double unrequested_after_ = 0.0;
 };
