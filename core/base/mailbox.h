@@ -29,7 +29,7 @@ class Mailbox {
     writing_ = shared_.exchange(static_cast<std::uint8_t>(writing_ | kFresh), std::memory_order_acq_rel) & kIndex;
   }
 
-  // Reader: takes over the newest value; true if one was published since the last call that returned true.
+  // Reader: takes over the newest value; true if one was published since the last call.
   bool take() noexcept {
     if ((shared_.load(std::memory_order_relaxed) & kFresh) == 0) {
       return false;

@@ -8,7 +8,7 @@
 namespace hapton {
 
 // The fixed directions of a hull with K planes: K / 2 axes, each with a lowest and a highest plane. The first three are those of an
-// axis-aligned box; 14 adds the four diagonals through a cube's corners, 18 the six through its edges, 26 both. Axes have integer parts and
+// axis-aligned box; 14 adds the four through a cube's corners, 18 the six through its edges, 26 both. Axes have integer components and
 // not unit length, so a projection is a sum of coordinates with little rounding. Source: FDH paper, section 5; Klosowski, Held,
 // Mitchell, Sowizral & Zikan 1998 (k-DOPs).
 template <int K>

@@ -63,7 +63,7 @@ class FdhNearest {
     if (count_ == limit()) cut();
   }
 
-  // Ends the search and returns the triangles found, in no order. They include every triangle nearer than complete_radius().
+  // Ends the search and returns the triangles found, in no order: all nearer than complete_radius() (at max_distance: but for rounding).
   std::span<const FdhNear> finish() {
     if (count_ >= keep_) {
       cut();
