@@ -32,7 +32,7 @@ class FdhScene {
   template <class Query, class Visit>
   FdhVisits for_each_overlapping(const Query& query, Visit&& visit) const;
 
-  // Adds the triangles nearest to the segment between two points (or to one point, if they are equal) to those collected.
+  // Adds the triangles nearest to the segment between two points (or to one point, if they are equal) to `nearest`.
   FdhVisits collect_nearest(const Vec3& from, const Vec3& to, FdhNearest& nearest) const;
 
   std::size_t object_count() const { return trees_.size(); }

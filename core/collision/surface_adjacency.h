@@ -99,7 +99,7 @@ class SurfaceAdjacency {
   struct alignas(16) Sides {
     std::array<std::uint32_t, 3> adjacent{kNone, kNone, kNone};  // (adjacent triangle << 3) | (its edge << 1) | flips
     std::uint16_t is_walkable = 0;
-    std::uint16_t fan = 0;  // the large fan that the triangle is in, as bits: kFanCorner and those below it
+    std::uint16_t fan = 0;  // the large fan that the triangle is in, as bits: kFanCorner, kLarge and the next three
   };
   LargeVector<Sides> sides_;
   bool has_large_fans_ = false;

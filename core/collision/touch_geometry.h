@@ -92,7 +92,7 @@ class TouchGeometry {
   int convex_fan_corner(std::uint32_t id, bool back) const {
     return policy_ == BuildPolicy::to_deform ? -1 : object(id).adjacency().convex_fan_corner(id & triangle_mask_, back);
   }
-  bool may_have_large_fans() const;  // true also while an object is not built yet
+  bool may_have_large_fans() const;  // also true while an object is not built: it may have some
   bool is_walkable(std::uint32_t id) const { return object(id).adjacency().is_walkable(id & triangle_mask_); }
 
   // Where a segment crosses a triangle, and from which side. Every decision is an exact sign (side_sign.h), so no segment passes between
@@ -104,7 +104,7 @@ class TouchGeometry {
   // RT: yes.
   Hit pierce(std::uint32_t id, const Vec3& p, const Vec3& q) const noexcept;
 
-  // Calls until = visit(id, until) for triangles whose boxes come within `radius` of the segment from p to q before the time `until`.
+  // Calls until = visit(id, until) for triangles whose boxes come within `radius` of the segment from p to q before `until`, 1 at first.
   template <class Visit>
   void visit_along(const Vec3& p, const Vec3& q, double radius, Visit&& visit) const;
 
