@@ -9,21 +9,21 @@
 
 namespace hapton {
 
-// Boxes in a tree: whether one of them contains another box.
+// A tree of boxes that tells whether one of them contains a given box.
 //
-// Construction takes n log n steps for any input. A query compares the box with about log n others where these lie apart or inside each
-// other; where many overlap, with those whose common box contains it. Frame and unit: those of the boxes. RT: set-up only. Threads: one
-// (queries count).
+// Construction takes n log n steps for any input. A query compares the given box with about log n boxes where the boxes of the tree lie
+// apart or inside one another; where many overlap, with all those whose common box contains it. Frame and unit: those of the boxes. RT:
+// set-up only. Threads: one (a query changes the count).
 class EnclosingBoxes {
  public:
   using Box = Eigen::AlignedBox3d;
 
-  // Pre: not empty boxes, finite.
+  // Pre: every box is finite and not empty.
   explicit EnclosingBoxes(std::vector<Box> boxes);
 
-  // A box contains itself.
+  // Whether one of the boxes contains `box`. A box contains itself.
   bool contain(const Box& box);
-  // Boxes, of the tree's nodes as well, that were compared so far.
+  // The number of boxes compared so far, including those of the nodes of the tree.
   std::size_t compared() const noexcept { return compared_; }
 
  private:
@@ -32,7 +32,7 @@ class EnclosingBoxes {
   bool is_contained(std::uint32_t number, const Box& box);
 
   std::vector<Box> boxes_;
-  MedianTree tree_;  // by the middles of the boxes
+  MedianTree tree_;  // sorted by the centres of the boxes
   std::size_t compared_ = 0;
 };
 

@@ -9,25 +9,25 @@
 
 namespace hapton {
 
-// Points in a tree of boxes: how far the farthest of them lies in a direction.
+// A tree of boxes around points that tells how far the farthest point lies in a direction.
 //
-// Construction takes n log n steps for any input. A query looks at the boxes that reach farther than what it has: of points on a curved
-// surface those around the farthest. Frame and unit: those of the points. RT: set-up only. Threads: one (queries count).
+// Construction takes n log n steps for any input. A query looks only at boxes that reach farther than the farthest point so far: on a
+// curved surface, those near it. Frame and unit: those of the points. RT: set-up only. Threads: one (queries change a count).
 class FarPoints {
  public:
-  // What a query may miss, as a share of the extent of all points: far more than rounding, so that equally far points are not looked at
-  // one by one.
+  // By how much the result of a query may be too small, as a share of the extent of all points: far more than rounding, so that points that
+  // are equally far are not looked at one by one.
   static constexpr double kAgree = 0x1p-40;
 
-  // Pre: finite.
+  // Pre: all points are finite.
   explicit FarPoints(std::vector<Vec3> points);
 
-  // The largest direction . (point - from) of all points, or `least` if that is larger; either up to kAgree of the extent. Pre: the
-  // direction is a unit vector.
+  // The largest direction . (point - from) of all points, or `least` if that is larger; the result may be too small by up to kAgree times
+  // the extent. Pre: the direction is a unit vector.
   double find_farthest(const Vec3& direction, const Vec3& from, double least);
   // The longest side of the box around all points.
   double extent() const noexcept { return extent_; }
-  // Points and boxes that were looked at so far.
+  // The number of points and boxes that were looked at so far.
   std::size_t compared() const noexcept { return compared_; }
 
  private:
@@ -39,7 +39,7 @@ class FarPoints {
 
   std::vector<Vec3> points_;
   MedianTree tree_;
-  std::vector<Box> boxes_;  // of its nodes
+  std::vector<Box> boxes_;  // by node of the tree
   double extent_ = 0.0;
   std::size_t compared_ = 0;
 };

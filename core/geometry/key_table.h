@@ -11,16 +11,16 @@
 
 namespace hapton {
 
-// A hash table from keys of a few words to numbers: open addressing, at most half full; nothing is removed. RT: set-up only.
+// A hash table from keys of a few words to numbers: open addressing, at most half full; nothing is ever removed. RT: set-up only.
 template <std::size_t kWords>
 class KeyTable {
  public:
   using Key = std::array<std::uint64_t, kWords>;
 
-  // count: keys for which there is room without growing.
+  // count: the number of keys for which there is room before the table grows.
   explicit KeyTable(std::size_t count) : keys_(std::bit_ceil(2 * count + 2)), numbers_(keys_.size(), kNone) {}
 
-  // The key's number: the first one it was given. Pre: number is not 2^32 - 1.
+  // The number of the key; a new key is added and gets `number`. Pre: `number` is not 2^32 - 1.
   std::uint32_t find_or_add(const Key& key, std::uint32_t number) {
     std::size_t at = place_of(key);
     if (numbers_[at] != kNone) return numbers_[at];
@@ -66,7 +66,7 @@ class KeyTable {
   std::size_t count_ = 0;
 };
 
-// The words of a vector, the same for 0 and -0. Pre: no NaN.
+// The bits of the three components, the same for 0 and -0. Pre: no component is NaN.
 inline std::array<std::uint64_t, 3> words_of(const Vec3& v) {
   return {std::bit_cast<std::uint64_t>(v.x() + 0.0), std::bit_cast<std::uint64_t>(v.y() + 0.0), std::bit_cast<std::uint64_t>(v.z() + 0.0)};
 }

@@ -11,30 +11,30 @@
 
 namespace hapton {
 
-// A tree of boxes over a row of items: a node with more than `leaf_size` of them is split at the median, across the longest side of what
-// their places take.
+// A tree of boxes over a list of items. A node with more than `leaf_size` items is split at the median item, across the longest side of the
+// box around their places.
 //
-// Construction takes n log n steps for any input, also if all places are equal; it reorders the items, which the caller keeps. Items that
-// are numbers are split by number where their places are equal, so that it does not matter in which order they came. Units and frame:
-// those of the items. RT: set-up only. Threads: one (visit_open counts).
+// Construction takes n log n steps for any input, also if all places are equal. It reorders the list of items, which the caller keeps.
+// Items that are integers are ordered by their value where their places are equal, so that the order in which they were given does not
+// matter. Units and frame: those of the items. RT: set-up only. Threads: one (visit_open changes counts).
 class MedianTree {
  public:
   struct Node {
-    Eigen::AlignedBox3d box;  // around what its items take
-    std::uint32_t first = 0;  // items
+    Eigen::AlignedBox3d box;  // around the extents of its items
+    std::uint32_t first = 0;  // its items are those from `first` to before `last`
     std::uint32_t last = 0;
-    std::uint32_t right = 0;  // the left child follows its parent; 0: a leaf
-    std::uint32_t open = 0;   // items with which visit_open is not finished
+    std::uint32_t right = 0;  // number of the right child, 0 in a leaf; the left child is the next node
+    std::uint32_t open = 0;   // number of items that visit_open has not finished
   };
 
   MedianTree() = default;
 
-  // extent_of(item): a point or box, what the item takes. place_of(item): the point by which it is sorted; of the same type for points.
-  // Pre: finite, fewer than 2^32.
+  // extent_of(item): the point or box that the item occupies. place_of(item): the point by which it is sorted. For points, both are the
+  // same function, of one type. Pre: extents and places are finite; fewer than 2^32 items; leaf_size is 1 or more.
   template <class Item, class ExtentOf, class PlaceOf>
   MedianTree(std::vector<Item>& items, std::uint32_t leaf_size, const ExtentOf& extent_of, const PlaceOf& place_of) {
     static_assert(std::is_class_v<ExtentOf>, "two functions may be of one type");
-    constexpr bool kArePoints = std::is_same_v<ExtentOf, PlaceOf>;  // each is where it is and takes no more
+    constexpr bool kArePoints = std::is_same_v<ExtentOf, PlaceOf>;  // the extent of each item is its place
     const auto build = [&](auto&& self, std::uint32_t first, std::uint32_t last) -> void {
       const std::size_t number = nodes_.size();
       Node node{.box = {}, .first = first, .last = last, .open = last - first};
@@ -62,11 +62,11 @@ class MedianTree {
     if (!items.empty()) build(build, 0, static_cast<std::uint32_t>(items.size()));
   }
 
-  // The root first; none without items.
+  // The nodes, the root first; empty if there are no items.
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
 
-  // Calls look(leaf) for the leaves within nodes that enter(distance) accepts, of two children the one at the smaller distance_of(number)
-  // first, the left one if equal.
+  // Calls look(leaf) for the leaves within nodes that enter(distance) accepts. Of two children it visits the one with the smaller
+  // distance_of(number) first; if they are equal, the left one.
   template <class DistanceOf, class Enter, class Look>
   void visit_nearest_first(const DistanceOf& distance_of, const Enter& enter, const Look& look) const {
     const auto visit = [&](auto&& self, std::uint32_t number, double distance) -> void {
@@ -83,8 +83,8 @@ class MedianTree {
     if (!nodes_.empty()) visit(visit, 0, distance_of(0));
   }
 
-  // Calls look(i) for the items of the leaves within nodes that enter(node) accepts, from left to right. It returns whether item i is
-  // finished now: the nodes around it count it as open no longer.
+  // Calls look(i) for the items of the leaves within nodes that enter(node) accepts, from left to right. look(i) returns whether item i has
+  // just been finished: the nodes that contain it then no longer count it as open.
   template <class Enter, class Look>
   void visit_open(const Enter& enter, const Look& look) {
     const auto visit = [&](auto&& self, Node& node) -> std::uint32_t {
