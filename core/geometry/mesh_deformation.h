@@ -12,8 +12,8 @@ namespace hapton {
 
 // Displacements of some vertices of a mesh: a morph target of glTF 2.0.
 struct MorphTarget {
-  std::vector<std::uint32_t> vertices;  // of the mesh, ascending; the others stay
-  std::vector<Vec3> displacements;      // of these, at a weight of 1
+  std::vector<std::uint32_t> vertices;  // indices into the vertices of the mesh, ascending; the other vertices stay at rest
+  std::vector<Vec3> displacements;      // one for each of `vertices`, at a weight of 1
 };
 
 // The weight of each target at one time.
@@ -32,15 +32,15 @@ class MeshDeformation {
  public:
   // A free choice: the time that a step takes grows in proportion to the number of targets whose weight is not 0.
   static constexpr std::size_t kMaxTargets = 16;
-  using Weights = std::array<double, kMaxTargets>;  // unused ones are 0
+  using Weights = std::array<double, kMaxTargets>;  // of the targets, in order; unused ones are 0
 
-  // Pre: 1 to kMaxTargets targets, none with a vertex twice; one key or more, times from 0 on, each after the one before. Where it loops,
-  // the first and the last have the same weights.
+  // Pre: 1 to kMaxTargets targets, none with a vertex twice; one key or more, at times from 0 on, each later than the one before. If the
+  // motion loops, the first and the last key have the same weights.
   MeshDeformation(std::vector<MorphTarget> targets, std::vector<MorphKey> keys, bool loops);
 
-  // Pre: a finite time. A time before 0 counts as 0.
+  // The weights at a time. Pre: the time is finite. A time before 0 counts as 0.
   Weights weights_at(double time_s) const noexcept;
-  // The time since the motion last began again; if it does not loop, at most the time of the last key.
+  // The time since the motion last began again; if it does not loop, at most the time of the last key. Pre: a loop has duration_s() > 0.
   double time_in_round(double time_s) const noexcept;
 
   // All vertices that any target moves, ascending.
@@ -72,8 +72,8 @@ class MeshDeformation {
   std::vector<MorphKey> keys_;
   bool loops_;
   std::vector<std::uint32_t> moved_;
-  std::vector<Vec3> displacements_;  // of the vertices moved_, target by target; 0 for one that the target does not move
-  std::vector<double> longest_;      // displacement of any vertex, for each target
+  std::vector<Vec3> displacements_;  // of the vertices moved_, target by target; 0 for a vertex that the target does not move
+  std::vector<double> longest_;      // the largest displacement of a vertex, for each target
 };
 
 // Whether all numbers are equal, and both loop or neither does.

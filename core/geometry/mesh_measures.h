@@ -6,22 +6,22 @@
 
 namespace hapton {
 
-// Counts of the mesh's edges, from its welded indices alone. RT: none of this header.
+// Counts of the edges of a mesh, from its welded indices alone. RT: nothing in this header.
 struct EdgeCensus {
-  std::size_t edges = 0;         // undirected, both ends different
-  std::size_t boundary = 0;      // used by one triangle
-  std::size_t non_manifold = 0;  // used by three or more
-  std::size_t inconsistent = 0;  // used by two triangles in the same direction
+  std::size_t edges = 0;         // all edges, regardless of direction, whose ends are two vertices
+  std::size_t boundary = 0;      // edges of one triangle
+  std::size_t non_manifold = 0;  // edges of three or more triangles
+  std::size_t inconsistent = 0;  // edges that two triangles traverse in the same direction
   bool closed() const { return edges > 0 && boundary == 0 && non_manifold == 0 && inconsistent == 0; }
 };
 
 EdgeCensus count_edges(const TriangleMesh& mesh);
 
-// Signed volume in cubic metres, positive if the normals of a closed mesh point outwards. Computed about the box centre, so an offset costs
-// no digits.
+// The signed volume in cubic metres, positive if the normals of a closed mesh point outwards. Computed relative to the centre of the box,
+// so that no digits are lost for a mesh far from the origin.
 double compute_volume(const TriangleMesh& mesh);
 
-// Total area in square metres.
+// The total area in square metres.
 double compute_area(const TriangleMesh& mesh);
 
 // The axis-aligned box of all vertices. An empty mesh has low > high.

@@ -8,25 +8,25 @@
 
 namespace hapton {
 
-// Whether a point is inside a closed mesh, and its distance from the surface. Inside: the winding number is not zero, so inverted and
-// doubled shells count as well. It is computed along three rays from points displaced by a seeded, tiny share of the extent, and the
-// majority decides: no two rays can pass exactly through the same edges or vertices. So the result is valid for points farther from the
-// surface than that share; for nearer ones it may be either. Time and memory to make one: linear in the triangles. Time of a query: of the
-// triangles before and behind the point, as seen along x; where many of them are long and thin, of all. RT: no bound on time; no heap use
-// in the queries. Frame and unit: the mesh's.
+// Whether a point is inside a closed mesh, and its distance from the surface. Inside means that the winding number is not zero, so points
+// in inverted and doubled shells count as well. It is computed along three rays from points displaced by a fixed, tiny share of the extent,
+// and the majority decides: no two rays can pass exactly through the same edges or vertices. So the result is valid for points farther from
+// the surface than that share; for nearer ones it may be either. Time and memory of construction: linear in the triangles. Time of
+// is_inside: linear in the triangles before and behind the point, as seen along x; in all if many are long and thin. RT: no bound on time;
+// no heap use in the queries. Frame and unit: those of the mesh. Threads: any.
 class PointInMesh {
  public:
-  // Listings of a triangle in cells, on average. Where long triangles need more, the cells are larger: else memory would grow with the
-  // triangles and the cells. A free choice: meshes of round triangles need 4 or fewer.
+  // The largest mean number of cells that list a triangle. Where long triangles need more, the cells are larger: otherwise memory would
+  // grow with the triangles times the cells. A free choice: meshes of round triangles need 4 or fewer.
   static constexpr std::size_t kMostListings = 16;
 
-  // jitter: share of the longest side by which the rays are displaced.
+  // jitter: how far the rays are displaced, as a share of the longest side.
   explicit PointInMesh(const TriangleMesh& mesh, double jitter = 1e-7, std::size_t most_listings = kMostListings);
 
-  // False where a coordinate is NaN.
+  // Whether the point is inside; false if a coordinate is NaN.
   bool is_inside(const Vec3& p) const;
 
-  // Distance to the nearest triangle; tests every triangle.
+  // The distance to the nearest triangle. It tests every triangle.
   double compute_distance(const Vec3& p) const;
 
   std::size_t listings() const { return listed_.size(); }
@@ -46,7 +46,7 @@ class PointInMesh {
   Vec3 low_, high_;
   double jitter_m_;
   int cells_;
-  std::vector<std::uint32_t> first_;  // of each cell's triangles in listed_, cells_ x cells_ + 1 over y and z
+  std::vector<std::uint32_t> first_;  // where the triangles of each cell begin in listed_; cells_ x cells_ cells over y and z, and the end
   std::vector<std::uint32_t> listed_;
 };
 

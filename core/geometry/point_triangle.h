@@ -21,9 +21,9 @@ struct Separation {
   Feature feature = Feature::face;
 };
 
-// How far the computed normal may deviate from the true one (rad), in TouchGeometry's local units. A face's normal comes from exact edges.
-// An edge's or vertex's is as exact, but rounding may choose the edge where the face is closer by a rounding error, and the normal then
-// deviates by that error.
+// How far the computed normal may deviate from the true one (rad); s is in TouchGeometry's local units. The normal of a face is computed
+// from exact edges. That of an edge or a vertex is as exact, but rounding may choose the edge where the face is nearer by a rounding error,
+// and then the normal deviates by that error over the distance.
 inline double normal_error(const Separation& s) {
   constexpr double kFaceError = 0x1p-48;
   constexpr double kPlaceError = 0x1p-50;
@@ -32,17 +32,17 @@ inline double normal_error(const Separation& s) {
 
 namespace detail {
 
-// Of squares: a vector shorter than 2^-20 of the edge has lost too many digits of its direction.
+// A share of squared lengths: a vector shorter than 2^-20 of the edge has lost too many digits of its direction.
 constexpr double kShort = 0x1p-40;
 
-// Removes the component along the edge from the vector off it, which is rounding of the closest point's position.
+// Removes from `off`, a vector from the edge to a point, the component along the edge: it is rounding of the closest point.
 inline Vec3 squared_to(const Vec3& edge, double inverse_squared, const Vec3& off) { return off - (off.dot(edge) * inverse_squared) * edge; }
 
 struct NearestOnEdge {
   double distance_squared;
   Vec3 off;  // from the closest point to p
   Vec3 nearest;
-  bool inner;  // not an end
+  bool inner;  // nearest is not an end of the edge
 };
 
 inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
@@ -59,10 +59,10 @@ inline NearestOnEdge nearest_on_edge(const Vec3& p, const Vec3& a, const Vec3& b
 
 }  // namespace detail
 
-// The distance from p to triangle abc with its gradient, correct for needles and zero-area triangles too: the face decides only if the
-// point projects strictly inside all three edges; otherwise the closest of the edges that have the point on their outer side (one of them
-// contains the closest point, because the triangle is convex). A point exactly on the triangle gets the side that its vertex order shows
-// (or, without area, an arbitrary normal). Frames: any, one for all. Pre: edges exact for slivers (see TouchGeometry). RT: yes.
+// The distance from p to triangle abc with its gradient, correct for needles and triangles without area, too: the face decides only if the
+// projection of p is strictly inside all three edges, otherwise the closest of those edges that have p on their outer side (one of them
+// contains the closest point, because the triangle is convex). A point exactly on the triangle gets the normal given by the order of the
+// vertices (without area, an arbitrary one). Frames: any, one for all. Pre: edges are exact for slivers (see TouchGeometry). RT: yes.
 inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a;
   const Vec3 bc = c - b;
@@ -70,7 +70,7 @@ inline Separation separation_from_triangle(const Vec3& p, const Vec3& a, const V
   const Vec3 ap = p - a;
   const Vec3 normal = accurate_cross(ab, -ca);
   const double normal_squared = normal.squaredNorm();
-  const Vec3 turned = ap.cross(normal);  // its dot with an edge through a: > 0 on the inner side
+  const Vec3 turned = ap.cross(normal);  // its dot product with an edge that starts or ends at a: > 0 on the inner side
   const bool outside_ab = !(turned.dot(ab) > 0.0);
   const bool outside_bc = !((p - b).cross(normal).dot(bc) > 0.0);
   const bool outside_ca = !(turned.dot(ca) > 0.0);
