@@ -25,36 +25,36 @@ struct JoinedParts {
 // Joins boundary edges that run side by side within a tolerance, until no more can be joined: their ends are welded, or one is split where
 // the other ends. Vertices and edges that are close without running side by side stay apart, and so do the sides of a narrow strip.
 //
-// An edge is not joined to a surface of opposite orientation or one that folds back where its own surface seems to continue, beyond a gap
-// of up to kReservedGap tolerances: else the two sides of a thin sheet whose cracks are wider than it is thick would be joined.
+// An edge is not joined to a surface of opposite orientation, or to one that folds back, where its own surface seems to continue beyond a
+// gap of up to 4 tolerances: else the two sides of a thin sheet whose cracks are wider than its thickness would be joined.
 //
 // The order is: seams that make a consistently oriented surface, seams of opposite orientation, seams that fold back by more than 120
-// degrees; within each, vertices before T-junctions and the nearest before others. A split edge is zipped at once, so the number of
-// boundary edges never grows. seam_mesh.h lists the changes that are allowed.
+// degrees; within each kind, vertices before T-junctions, and the nearest first. An edge is split only if a part of it is joined to another
+// edge at once, so the number of boundary edges never grows. seam_mesh.h lists the changes that are allowed.
 //
 // Units and frame: the mesh's. RT: set-up only. Threads: one. Time: n log n in the boundary; for a vertex in a dense cluster the nearest 32
 // vertices and VertexTree::kMaxSegments edges are examined.
 class SeamJoiner {
  public:
-  // Pre: mesh and untouched outlive this; at_boundary from find_boundary_vertices. untouched: parts that are neither welded nor split.
-  // Parts whose joining would exceed the tolerance are added to it: vertices that would move others farther than the tolerance from their
-  // origin; edges along which a gap would be zipped up, split by split, to where it is wider than that. Joining must then be repeated on
-  // the original mesh.
+  // Pre: mesh and untouched outlive this; at_boundary is from find_boundary_vertices. untouched: parts that are neither welded nor split.
+  // Parts whose joining would exceed the tolerance are added to `untouched`: vertices that would move others farther than the tolerance
+  // from their origin, and edges along which a gap would be closed, split by split, to where it is wider than the tolerance. Joining must
+  // then be repeated on the original mesh.
   SeamJoiner(TriangleMesh& mesh, std::vector<std::uint8_t> at_boundary, double tolerance, JoinedParts& untouched,
              Turning turning = Turning::any);
 
-  // Call once. False: it took more than most_work and was not finished; do not use the mesh then.
+  // Joins. Call it once. False: it took more than most_work and is not finished; do not use the mesh then.
   bool run(std::size_t most_work);
   std::size_t work() const { return seam_.work() + candidates_; }  // proportional to the time
 
   SeamMesh& seam() { return seam_; }
-  std::size_t boundary_edges() const { return boundary_edges_; }  // before
+  std::size_t boundary_edges() const { return boundary_edges_; }  // number of boundary edges before joining
   double widest_gap() const { return widest_gap_; }               // widest gap that was joined
   JoinedParts joined() const;
 
  private:
   using Edge = SeamMesh::Edge;
-  // In order of preference.
+  // The kinds of seams, in order of preference.
   enum Kind : std::uint8_t { straight, flipped, sharp, kind_count };
   struct Pair {
     double squared_distance = 0.0;
@@ -67,7 +67,7 @@ class SeamJoiner {
   // A vertex near an edge of another triangle.
   struct Junction {
     double squared_distance = 0.0;
-    std::uint32_t edge = 0;  // of edges_
+    std::uint32_t edge = 0;  // index into edges_
     std::uint32_t vertex = 0;
     double share = 0.0;  // along the edge
     auto order() const { return std::tie(squared_distance, edge, vertex); }
@@ -121,7 +121,7 @@ class SeamJoiner {
   JoinedParts& untouched_;
   std::size_t most_work_ = 0;
   std::size_t candidates_ = 0;  // pairs and junctions examined
-  // Changes that were made and not undone.
+  // The changes that were made and not undone.
   struct Cut {
     std::uint32_t chord = 0;
     std::uint32_t vertex = 0;
@@ -130,16 +130,16 @@ class SeamJoiner {
   std::vector<Cut> cut_;
   std::unordered_set<std::uint64_t> apart_;  // pairs of positions to which vertices were moved apart
   Kind kind_ = straight;
-  std::unordered_set<std::uint32_t> reserved_;  // edges that a surface seems to continue beyond a gap wider than the tolerance: chords
+  std::unordered_set<std::uint32_t> reserved_;  // chords of edges beyond which a surface seems to continue, past too wide a gap
   std::size_t changes_ = 0;
   double widest_gap_ = 0.0;
   std::size_t boundary_edges_ = 0;
   std::vector<Edge> edges_u_, edges_v_;
   std::vector<Pair> pairs_;
   std::vector<Junction> junctions_;
-  std::size_t pairs_found_at_ = ~std::size_t{0};  // changes_ then
+  std::size_t pairs_found_at_ = ~std::size_t{0};  // changes_ when pairs_ was found
   std::size_t junctions_found_at_ = ~std::size_t{0};
-  // Of a round of splits: the boundary edges at its start, where they have been cut since, and the edge that a piece belongs to.
+  // For one round of splits: the boundary edges at its start, where each was cut since, and the edge to which each piece belongs.
   std::vector<Edge> edges_;
   std::unordered_map<std::uint32_t, std::map<double, std::uint32_t>> cuts_;
   std::unordered_map<std::uint64_t, std::uint32_t> edge_number_;
