@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// A segment, for tests against many boxes by slabs. Units and frame: those of the points. RT: yes.
+// A segment, prepared for tests against many axis-aligned boxes by the slab test. Units and frame: those of the points. RT: yes.
 class SegmentSlabs {
  public:
   SegmentSlabs(const Vec3& a, const Vec3& b) : start_(a) {
@@ -25,7 +25,7 @@ class SegmentSlabs {
 
  private:
   Vec3 start_;
-  Vec3 inverse_;  // of the displacement from start to end
+  Vec3 inverse_;  // 1 / displacement from start to end, by axis
 };
 
 }  // namespace hapton

@@ -9,16 +9,16 @@
 namespace hapton {
 
 // A mesh with a unit normal at every corner of every triangle. Triangles that meet smoothly at a vertex share one normal there; across a
-// sharp edge they have different ones. Frame and units: those of the mesh. RT: reading yes.
+// sharp edge they have different ones. Frame and units: those of the mesh. RT: yes for reading.
 struct ShadedMesh {
   std::vector<Vec3> vertices;
   std::vector<Triangle> triangles;
   std::vector<Vec3> normals;
-  std::vector<Triangle> corner_normals;  // indices into normals, corner by corner
-  std::vector<std::uint32_t> source;     // the triangle of the original mesh that each one is (part of)
+  std::vector<Triangle> corner_normals;  // indices into normals, one for each corner
+  std::vector<std::uint32_t> source;     // for each triangle, the triangle of the original mesh that it is (a part of)
 
-  // The last vertices of the list, and the normals from first_middle_normal on, lie midway between two earlier ones: these two, for each.
-  // Normals that check_corner_normals adds later come after them.
+  // The last vertices of the list, and the normals from first_middle_normal on, are each midway between two earlier ones, which these lists
+  // name. Normals that check_corner_normals adds later come after those.
   std::vector<std::array<std::uint32_t, 2>> middle_vertices;
   std::vector<std::array<std::uint32_t, 2>> middle_normals;
   std::uint32_t first_middle_normal = 0;

@@ -9,13 +9,13 @@
 
 namespace hapton {
 
-// One side of one triangle: from corner k to corner k + 1.
+// One side of one triangle: from corner `corner` to the next one.
 struct HalfEdge {
   std::uint32_t low = 0;  // the edge's vertices, low < high (equal if the triangle repeats a vertex)
   std::uint32_t high = 0;
   std::uint32_t triangle = 0;
   std::uint8_t corner = 0;
-  bool upward = false;  // from low to high
+  bool upward = false;  // runs from low to high
 };
 
 // All sides of all triangles, grouped by their two vertices (FDH paper, 4.1: "find common edges"). Vertices must be welded. RT:
@@ -32,7 +32,7 @@ class SharedEdges {
     return edge_of_[3 * std::size_t{triangle} + static_cast<std::size_t>(corner)];
   }
 
-  // The adjacent triangle and its side, if exactly two share the edge; otherwise nullptr.
+  // The side of the adjacent triangle at this edge, if exactly two triangles share the edge; otherwise nullptr.
   const HalfEdge* adjacent(std::uint32_t triangle, int corner) const;
 
  private:

@@ -8,26 +8,26 @@
 
 namespace hapton {
 
-// A point that walks over a mesh: straight within triangles and across edges (a straight line on the unfolded surface). At a boundary, at
-// an edge of three or more triangles and at a triangle without area it is reflected. Across inconsistently oriented triangles it stays on
-// the same side. RT: set-up only. Units: those of the mesh. The mesh must outlive it.
+// A point that walks over a mesh: straight within triangles and across edges (a straight line on the unfolded surface). It is reflected at
+// a boundary, at an edge of three or more triangles and at a triangle without area. Across inconsistently oriented triangles it stays on
+// the same side. RT: set-up only. Units: those of the mesh. The mesh must outlive this.
 class SurfaceWalk {
  public:
   explicit SurfaceWalk(const TriangleMesh& mesh);
 
-  // Starts in the middle of a triangle, heading along its first edge turned by heading_rad. Pre: the triangle has area.
+  // Starts in the middle of a triangle, heading along its first edge turned left by heading_rad. Pre: the triangle has area.
   void start(std::uint32_t triangle, double heading_rad);
 
   // Walks by a length, over at most ten thousand triangles.
   void advance(double length);
 
-  // Turns left by an angle, seen from outside.
+  // Turns left by an angle, as seen from the side of normal().
   void turn(double angle_rad);
 
   bool has_area(std::uint32_t triangle) const;
   const Vec3& point() const { return point_; }
-  const Vec3& heading() const { return heading_; }  // unit, in the triangle's plane
-  Vec3 normal() const;                              // unit, of the current triangle, on the side it started on
+  const Vec3& heading() const { return heading_; }  // unit, in the plane of the current triangle
+  Vec3 normal() const;                              // unit, of the current triangle, on the side on which the walk started
   std::uint32_t triangle() const { return triangle_; }
 
  private:
@@ -36,10 +36,10 @@ class SurfaceWalk {
   void cross_edge(int edge);
 
   const TriangleMesh& mesh_;
-  std::vector<std::array<std::uint32_t, 3>> neighbour_;  // across edge k: 4-byte triangle index, or kNone
+  std::vector<std::array<std::uint32_t, 3>> neighbour_;  // the triangle across edge k, or kNone
   std::uint32_t triangle_ = 0;
-  int entry_ = -1;     // the edge just crossed, which is not an exit
-  double side_ = 1.0;  // -1 after an edge of two inconsistently oriented triangles
+  int entry_ = -1;     // the edge just crossed, through which the point does not leave; -1: none
+  double side_ = 1.0;  // -1 where the walk is on the back of the triangle, after an edge of two inconsistently oriented ones
   Vec3 point_ = Vec3::Zero();
   Vec3 heading_ = Vec3::UnitX();
 };

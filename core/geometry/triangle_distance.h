@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// Four doubles as one value: the compiler uses vector instructions where the CPU has them.
+// Four doubles as one value, for which the compiler uses vector instructions where the CPU that it compiles for has them.
 using Lanes4 = double __attribute__((vector_size(32)));
 
 namespace detail {
@@ -16,7 +16,7 @@ inline double lane_max(double a, double b) { return a > b ? a : b; }
 inline Lanes4 lane_min(const Lanes4& a, const Lanes4& b) { return a < b ? a : b; }
 inline Lanes4 lane_max(const Lanes4& a, const Lanes4& b) { return a > b ? a : b; }
 
-// A vector of numbers or of lanes.
+// A vector in space whose components are numbers (T = double) or four numbers each (T = Lanes4).
 template <class T>
 struct Of3 {
   T x, y, z;
@@ -34,7 +34,7 @@ template <class T>
 inline T fill(double value) {
   return T{} + value;
 }
-// a / b where b > 0, else 0.
+// a / b where b > 0, otherwise 0.
 template <class T>
 inline T divide_or_zero(const T& a, const T& b) {
   const auto positive = b > zero_lanes<T>();
@@ -53,9 +53,9 @@ inline T segment_distance_squared(const Of3<T>& ap, const Of3<T>& edge) {
 
 }  // namespace detail
 
-// The squared distance from p to triangle abc, for one triangle (T = double) or four at once (T = Lanes4), bit for bit the same. It is the
-// distance to a point that is really on the triangle, so rounding makes it too small only by the rounding of that point; needles and
-// zero-area triangles are allowed (their edges decide). RT: yes. Source: the face by barycentric coordinates (Ericson, Real-Time Collision
+// The squared distance from p to triangle abc, for one triangle (T = double) or four at once (T = Lanes4), with the same result to the bit.
+// It is measured to a computed point of the triangle, so that it is too small only by the rounding of that point; needles and triangles
+// without area are allowed (their edges decide). RT: yes. Source: the face by barycentric coordinates (Ericson, Real-Time Collision
 // Detection, 5.1.5), otherwise the closest edge.
 template <class T>
 inline T triangle_distance_squared(const detail::Of3<T>& p, const detail::Of3<T>& a, const detail::Of3<T>& b, const detail::Of3<T>& c) {
@@ -90,7 +90,7 @@ inline double triangle_distance_squared(const Vec3& p, const Vec3& a, const Vec3
 
 namespace detail {
 
-// The squared distance between segments p + s d, s in [0, 1], and a + t e, t in [0, 1] (Ericson 5.1.9); also for zero length.
+// The squared distance between segments p + s d, s in [0, 1], and a + t e, t in [0, 1] (Ericson 5.1.9). Either may have length zero.
 template <class T>
 inline T segment_segment_distance_squared(const Of3<T>& p, const Of3<T>& d, const Of3<T>& a, const Of3<T>& e) {
   const T zero = zero_lanes<T>();
@@ -126,7 +126,7 @@ inline T segment_triangle_distance_squared(const detail::Of3<T>& p, const detail
   best = lane_min(best, detail::segment_segment_distance_squared<T>(p, d, a, ab));
   best = lane_min(best, detail::segment_segment_distance_squared<T>(p, d, b, bc));
   best = lane_min(best, detail::segment_segment_distance_squared<T>(p, d, c, ca));
-  // Through the face: the ends are on either side, and the line is on one side of all three edges.
+  // The segment passes through the face: its ends are on different sides, and its line is on the same side of all three edges.
   const auto cross = [](const Of3<T>& x, const Of3<T>& y) {
     return Of3<T>{x.y * y.z - x.z * y.y, x.z * y.x - x.x * y.z, x.x * y.y - x.y * y.x};
   };

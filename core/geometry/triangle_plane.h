@@ -30,12 +30,12 @@ struct TrianglePlane {
   // Signed distance of p above the plane.
   double height_of(const Vec3& p) const noexcept { return normal.dot(p - origin); }
 
-  // Whether the projection contains the point (u, v), given relative to the origin. A point outside by the crossings test still counts as
-  // inside within its uncertainty: tolerance in any direction, plus along_u, along_v in both.
+  // Whether the projection contains the point (u, v), given relative to the origin. A point that the crossings test finds outside still
+  // counts as inside if it is within its uncertainty: `tolerance` in any direction, and (along_u, along_v) forwards or backwards.
   bool contains(double u, double v, double tolerance, double along_u, double along_v) const noexcept;
 };
 
-// The data of triangle abc; empty if it is degenerate: thinner than the rounding of its own corners, so that it has no plane. RT: yes.
+// The data of triangle abc; empty if the triangle has no plane: twice its area is at most 2^-50 of its extent squared. RT: yes.
 std::optional<TrianglePlane> compute_triangle_plane(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 }  // namespace hapton

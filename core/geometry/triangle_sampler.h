@@ -9,7 +9,7 @@
 
 namespace hapton {
 
-// Draws triangles with a probability proportional to their area. Units: any. RT: no. Threads: drawing any.
+// Draws triangles with a probability proportional to their area. Units: any. RT: no. Threads: any for drawing.
 class TriangleSampler {
  public:
   explicit TriangleSampler(const TriangleMesh& mesh) {
@@ -20,9 +20,9 @@ class TriangleSampler {
       sums_.push_back(sum);
     }
   }
-  // No triangle has an area: nothing can be drawn.
+  // Whether no triangle has an area, so that none can be drawn.
   bool empty() const { return sums_.empty() || !(sums_.back() > 0.0); }
-  // Pre: not empty().
+  // The number of a triangle drawn at random. Pre: not empty().
   std::uint32_t operator()(std::mt19937_64& random) const {
     const double at = std::uniform_real_distribution<double>(0.0, sums_.back())(random);
     const auto found = std::upper_bound(sums_.begin(), sums_.end(), at);
