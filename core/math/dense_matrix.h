@@ -7,12 +7,12 @@ namespace hapton {
 
 using Complex = std::complex<double>;
 
-// Eigen's solvers for matrices of any size, compiled once: a source that includes them takes a minute. RT: no.
+// Functions of Eigen on matrices of any size, compiled only once: a source with these headers takes a minute to compile. RT: no.
 
-// e^a. Pre: a is square. Scaling and squaring (Higham 2005).
+// The matrix exponential e^a, by scaling and squaring (Higham 2005). Pre: a is square.
 Eigen::MatrixXd compute_exponential(const Eigen::MatrixXd& a);
 
-// In no order. Pre: a is square and finite.
+// The eigenvalues of a, in no particular order. Pre: a is square and finite.
 Eigen::VectorXcd compute_eigenvalues(const Eigen::MatrixXd& a);
 
 }  // namespace hapton

@@ -4,10 +4,10 @@
 
 namespace hapton {
 
-// The zero of a continuous function: false position that halves the value at an end kept twice in a row (the Illinois method; Dowell and
-// Jarratt 1971). The function is `at_low` at `low`, `at_high` at `high`, and `value(t)` between. Stops where |value| <= near_zero, where
-// `low` and `high` have no number between them, after `most_rounds`, or where `value` is NaN (unknown there). Pre: at_high < 0. Returns
-// `low` unless at_low > 0. RT: yes, if `value` is.
+// The zero of a continuous function: false position that halves the value at an end that is kept twice in a row (the Illinois method;
+// Dowell and Jarratt 1971). The function is `at_low` at `low`, `at_high` at `high`, and `value(t)` between. Stops where |value| <=
+// near_zero, where the next estimate rounds to `low` or `high`, after `most_rounds`, or where `value` is NaN (unknown there). Pre: at_high
+// < 0. Returns the last estimate, but `low` unless at_low > 0. RT: yes, if `value` is.
 template <class Value>
 double find_zero(double low, double at_low, double high, double at_high, double near_zero, Value&& value, int most_rounds = 40) {
   if (!(at_low > 0.0)) return low;

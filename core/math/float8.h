@@ -1,8 +1,8 @@
 #pragma once
 
-// Vector lanes for the hot path: eight floats (Float8), eight words (Uint32x8), and the four-lane types that fill them (Float4, Int4,
-// Double4). Two implementations with one interface and the same results to the last bit: AVX2 with FMA, and a scalar twin for any other
-// processor or with -DHAPTON_SCALAR. No other file uses vector instructions of a processor.
+// Vector lanes for the hot path: eight floats (Float8), eight words (Uint32x8), and the four-lane types from which those are filled
+// (Float4, Int4, Double4). Two implementations with one interface and the same results to the last bit: AVX2 with FMA, and a scalar twin
+// for any other processor or with -DHAPTON_SCALAR. No other file uses the vector instructions of a processor.
 //
 //   Float8(x), Uint32x8(x) ...   x in every lane; a float converts to a Float8
 //   a[i], set_lane(i, x)         one lane
@@ -12,10 +12,10 @@
 //   & | ^, and_not(a, b)         bitwise; and_not = ~a & b
 //   min, max                     b where the lanes are equal or one is NaN
 //   select(mask, set, clear)     by the sign bit of the mask
-//   sign_bits                    bit i: the sign of lane i
-//   sum                          of the lanes, modulo 2^32
-//   last_word, with_last_word    the bits of lane 3
-//
+//   sign_bits, sum               bit i: the sign of lane i; the sum of the lanes, modulo 2^32
+//   last_word, with_last_word    the bits of lane 3; a copy with other bits there
+//   truncated, rounded           to integers towards zero, -2^31 where that is impossible; to the nearest floats
+//   as_floats, as_words          the same bits as the other type; transpose exchanges rows and columns of four
 // RT: yes.
 
 #include "core/math/float8_avx2.h"

@@ -6,13 +6,13 @@
 
 namespace hapton {
 
-// Exact arithmetic behind orient3d and orient3d_sign: the determinant of the given points as an expansion, rounded once. RT: yes (no heap,
-// about 2 us).
+// The exact arithmetic behind orient3d and orient3d_sign: the determinant of the given points as an exact sum, of which the result has the
+// sign and all but the last few bits. RT: yes (no heap, about 2 us).
 double orient3d_exact(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept;
 
 namespace detail {
 
-// det(b - a, c - a, d - a) in plain doubles, with a bound on its error.
+// det(b - a, c - a, d - a) in plain doubles; kDeterminantError * size is a bound on its error.
 struct RoundedDeterminant {
   double value;
   double size;  // product of the largest |x|, |y| and |z| of the three differences
@@ -27,8 +27,8 @@ inline RoundedDeterminant rounded_determinant(const Vec3& a, const Vec3& b, cons
   return {value, largest.x() * largest.y() * largest.z()};
 }
 
-// Six products of one difference in each of x, y, z; each carries three roundings of differences and five of its own, so the error is at
-// most 6 * 8 * 2^-53 * size, with room for the rounding of size: 2^-47 * size.
+// The determinant has six products of one difference in each of x, y and z; each carries three roundings of differences and five of its
+// own, so the error is at most 6 * 8 * 2^-53 * size, with room for the rounding of size: 2^-47 * size.
 constexpr double kDeterminantError = 0x1p-47;
 
 }  // namespace detail
@@ -45,7 +45,7 @@ inline double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& 
   return std::fabs(rounded.value) > kAccurateDeterminant * rounded.size ? rounded.value : orient3d_exact(a, b, c, d);
 }
 
-// The same, but only its sign is meaningful: exact arithmetic only where the sign is in doubt.
+// The same, but only the sign of the result is meaningful: exact arithmetic only where the sign is in doubt. RT: yes.
 inline double orient3d_sign(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) noexcept {
   const detail::RoundedDeterminant rounded = detail::rounded_determinant(a, b, c, d);
   return std::fabs(rounded.value) > detail::kDeterminantError * rounded.size ? rounded.value : orient3d_exact(a, b, c, d);

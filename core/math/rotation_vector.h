@@ -17,9 +17,9 @@ inline Vec3 turn_between(const Quat& from, const Quat& to) noexcept {
   return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
 }
 
-// The share of a torque that is felt where a rotational spring is twisted by this rotation vector (rad): 1 up to 150 degrees, and from
-// there to zero at half a turn, where the shortest way back reverses. So the torque reverses without a discontinuity, and stays that of a
-// potential. RT: yes.
+// The share of the torque of a rotational spring that is felt where it is twisted by this rotation vector (rad): 1 up to 150 degrees, and
+// from there falling linearly to zero at 180 degrees, where the shortest way back reverses. So the torque reverses without a discontinuity,
+// and still has a potential. RT: yes.
 inline double torque_share(const Vec3& turn) noexcept {
   constexpr double kPi = 3.14159265358979323846;
   constexpr double kFadeFrom = kPi * 5.0 / 6.0;

@@ -6,7 +6,7 @@
 
 namespace hapton {
 
-// About the fixed x axis, then the fixed y axis, then the fixed z axis: `rotation_deg` of scene files. RT: yes.
+// The rotation by these angles about the fixed x axis, then the fixed y axis, then the fixed z axis (`rotation_deg` of scenes). RT: yes.
 inline Quat turn_by_degrees(const Vec3& degrees) noexcept {
   Quat q = Quat::Identity();
   for (int axis = 0; axis < 3; ++axis) {
