@@ -33,7 +33,7 @@ class CarvedField {
   // The grid that make() would use. Error, in one line: the mesh is not closed, or the voxel is not positive or too small for kMaxNodes.
   // RT: set-up only.
   static Result<FieldGrid> plan(const TriangleMesh& mesh, double voxel_m);
-  // Error: that of plan(). RT: set-up only.
+  // Makes the field of a mesh. Error: as plan(). RT: set-up only.
   static Result<CarvedField> make(const TriangleMesh& mesh, double voxel_m);
 
   // Removes a capsule. Returns a box around the changed nodes whose old value was below two spacings, since only these can move the surface
@@ -46,7 +46,7 @@ class CarvedField {
 
   // The nodes whose values the carve can change, along x widened to whole blocks of eight nodes; empty: there are none. RT: yes.
   CarvedFieldBox reach(const Carve& carve) const noexcept;
-  // As carve, at the nodes in the box alone. Pre: along x it begins and ends at multiples of eight, as a box of reach does. RT: yes.
+  // Like carve(), but only at the nodes in the box. Pre: along x the box begins and ends at multiples of eight, as from reach(). RT: yes.
   void carve_within(const Carve& carve, const CarvedFieldBox& box) noexcept;
   // Takes the values of the nodes in the box from a field of the same grid. RT: yes.
   void copy(const CarvedField& other, const CarvedFieldBox& box) noexcept;
@@ -73,8 +73,8 @@ class CarvedField {
   };
 
   explicit CarvedField(const FieldGrid& grid);
-  // Calls visit(block, y and z of the row, x of its first node, values of the carve alone) for each block of eight nodes that the capsule
-  // and its band can reach, until it returns false. Only nodes in the box count.
+  // Calls visit(block, y and z of the row, x of the block's first node, values that the carve alone would give) for each block of eight
+  // nodes within reach of the capsule and its band, until visit returns false. Blocks and rows outside the box are left out.
   template <class Visit>
   void visit_reach(const Carve& carve, const CarvedFieldBox& within, Visit&& visit) const noexcept;
   CarvedFieldBox all_nodes() const noexcept { return {{0, 0, 0}, grid_.nodes}; }

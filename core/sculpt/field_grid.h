@@ -7,7 +7,7 @@
 
 namespace hapton {
 
-// The nodes of a regular grid, x fastest. Frame: that of the mesh (S), axes in parallel. Units: metres. RT: yes.
+// The nodes of a regular grid, numbered with x fastest. Frame: that of the mesh (S), with parallel axes. Units: metres. RT: yes.
 struct FieldGrid {
   Vec3 origin_m = Vec3::Zero();  // position of the node (0, 0, 0)
   double spacing_m = 0.0;

@@ -19,9 +19,9 @@ struct ManifoldSurface {
 // mean of its crossings with the cell's edges. All other vertices are those of SurfaceNets to the last bit. Pieces may still touch or
 // intersect each other within a cell.
 //
-// Method: dual marching cubes (Nielson 2004, "Dual marching cubes"). A face of a cell whose corners alternate between inside and outside
-// separates the corners inside; if both pieces of contour in it would then belong to one piece of surface on either side, they would share
-// an edge, and it separates the corners outside instead (Wenger 2013, "Isosurfaces"). Such cells have one such face.
+// Method: dual marching cubes (Nielson 2004, "Dual marching cubes"). Where the corners of a cell's face alternate between inside and
+// outside, two pieces of contour in it separate the inside corners. If, in each of the two cells at the face, both belong to one piece of
+// surface, four quads would share an edge: there they separate the outside corners (Wenger 2013, "Isosurfaces"). A cell has one such face.
 //
 // Pre: the nodes at the border of the grid are outside. RT: no.
 ManifoldSurface make_manifold_surface(const NodeValues& grid);

@@ -13,7 +13,7 @@ struct SculptSettings {
   static constexpr double kMinVoxelsOfRadius = 2.0;
 
   double voxel_m = 0.0;        // spacing of the field's nodes
-  double tool_radius_m = 0.0;  // of the ball that carves, and that touches the material
+  double tool_radius_m = 0.0;  // radius of the ball that carves the material and touches it
   std::uint32_t button = 1;    // bit of the stylus' button (button_bit): the ball carves while it is down
 
   bool operator==(const SculptSettings&) const = default;

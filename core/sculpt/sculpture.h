@@ -29,7 +29,7 @@ class Sculpture {
   Result<void> add(int object, const SculptSettings& settings, const TriangleMesh& mesh);
 
   const std::vector<Body>& bodies() const noexcept { return bodies_; }
-  // For a copy of these bodies that a slow task carves.
+  // Field of bodies()[body], to be changed without carve(): only for a copy of these bodies, which a slow task carves.
   CarvedField& field(std::size_t body) noexcept { return bodies_[body].field; }
   // Serial of the newest entry: a carve, or an undo (exchange_shapes); 0: none yet.
   std::uint32_t newest() const noexcept { return newest_; }
@@ -41,14 +41,14 @@ class Sculpture {
 
   // Begins a step: there is no carve in it yet.
   void begin_step() noexcept { made_.reset(); }
-  // The buttons that are down in this step: the next carve after one of these was pressed begins a press. pressable: those that carve.
+  // Notes the buttons that are down in this step. pressable: those that carve; the first carve after one of them goes down begins a press.
   void note_buttons(std::uint32_t buttons, std::uint32_t pressable) noexcept {
     has_new_press_ = has_new_press_ || (buttons & pressable & ~last_buttons_) != 0;
     last_buttons_ = buttons;
   }
   // Carves the body with that number in bodies(), unless nothing would change. Pre: !is_full(), !made(): a step has one carve.
   void carve(std::size_t body, const Carve& carve) noexcept;
-  // Goes on with the shapes of `other`, from which carves were undone, and gives it its own. newest: the serial of that undo. Pre:
+  // Exchanges the shapes of these bodies with those of `other`, in which carves were undone. newest: the serial of that undo. Pre:
   // is_alike(other).
   void exchange_shapes(Sculpture& other, std::uint32_t newest) noexcept;
   // The carve of this step, if there was one.

@@ -37,8 +37,8 @@ class SurfaceNets {
   // The number of blocks along each axis, of a grid with that many nodes.
   static Index count_blocks(const Index& nodes);
 
-  // The blocks whose surface, at any stride, depends on the nodes first <= node < end. Half-open as well.
-  // Pre: first >= 0.
+  // A box of blocks, first <= block < end. find_changed returns the blocks whose surface, at any stride, depends on the nodes
+  // first <= node < end. Pre: first >= 0.
   struct Blocks {
     Index first = {};
     Index end = {};
@@ -56,7 +56,7 @@ class SurfaceNets {
   int at(int x, int y, int z) const { return x + side_ * (y + side_ * z); }
 
   int side_ = 0;                       // nodes along an axis: those of the block, one before and one after it
-  std::vector<float> values_;          // at these nodes
+  std::vector<float> values_;          // the values at these nodes
   std::vector<std::uint32_t> vertex_;  // number of a cell's vertex, by the first node of the cell; valid where the surface passes
 };
 
