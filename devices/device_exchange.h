@@ -17,15 +17,15 @@ namespace hapton {
 // one servo, one driver.
 class DeviceExchange {
  public:
-  // The servo reads once a cycle, every 4 ms at the slowest; this is the command timeout.
+  // The servo reads once a cycle, every 4 ms at the slowest; this time equals the command timeout.
   static constexpr std::int64_t kServoTimeoutNs = 20 * kNanosecondsPerMillisecond;
   // Drivers tick a thousand times a second; a hundred missed ticks are more than load explains.
   static constexpr std::int64_t kDriverTimeoutNs = 100 * kNanosecondsPerMillisecond;
-  // Duration of the ramp up for a device that has become ready, from its first command on: a driver that is late after its first sample
-  // must not begin in the middle of it.
+  // Duration of the ramp up for a device that has become ready. The ramp begins with the first wrench that the driver takes, so that a
+  // driver that is late after its first sample does not begin in the middle of it.
   static constexpr std::int64_t kDriverRampNs = 200 * kNanosecondsPerMillisecond;
 
-  // What the driver reports about the device. The sample's time is the driver's.
+  // What the driver reports about the device. The sample's time is that at which the driver read it.
   struct Reading {
     DeviceSample sample;
     DeviceStatus status = DeviceStatus::calibrating;
@@ -33,7 +33,7 @@ class DeviceExchange {
     bool is_calibrated = false;
   };
 
-  // Servo: the newest sample, as of now_ns; the last one again if there is no newer one.
+  // Servo: the newest sample, with the time now_ns; the last one again if there is no newer one. Also prolongs the last wrench written.
   DeviceSample read(std::int64_t now_ns) noexcept {
     readings_.take();
     now_ns_ = now_ns;
@@ -44,7 +44,7 @@ class DeviceExchange {
     return sample;
   }
 
-  // Servo: the wrench from now on.
+  // Servo: the wrench from now_ns on.
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept {
     command_ = {wrench, now_ns};
     commands_.publish(command_);
@@ -55,7 +55,7 @@ class DeviceExchange {
   void restore() noexcept { is_cut_.store(false, std::memory_order_release); }
   bool is_cut() const noexcept { return is_cut_.load(std::memory_order_acquire); }
 
-  // Servo: as of the last read.
+  // Servo: the reading that the last read() took, and the status according to it.
   const Reading& reading() const noexcept { return readings_.value(); }
   DeviceStatus status() const noexcept {
     const Reading& newest = readings_.value();
@@ -63,7 +63,7 @@ class DeviceExchange {
     return has_timed_out && newest.status == DeviceStatus::ready ? DeviceStatus::away : newest.status;
   }
 
-  // Driver: the newest sample. Its status determines what wrench() returns.
+  // Driver: passes the newest reading to the servo. wrench() returns zero unless the status of this reading is ready.
   void publish(const Reading& reading) noexcept {
     const bool was_ready = std::exchange(is_ready_, reading.status == DeviceStatus::ready);
     if (!was_ready) restart_ramp();
@@ -73,7 +73,7 @@ class DeviceExchange {
   // Driver: releases the force and ramps it up again, although the device stays ready.
   void restart_ramp() noexcept { ramp_begin_ns_ = kNotBegun; }
 
-  // Driver: the wrench to apply now: the servo's newest; zero while the device is not ready or the servo has timed out.
+  // Driver: the wrench to apply now: the servo's newest, times the ramp; zero while the device is cut or not ready or the servo timed out.
   Wrench wrench(std::int64_t now_ns) noexcept {
     commands_.take();
     const Command& command = commands_.value();
@@ -87,7 +87,7 @@ class DeviceExchange {
     return {share * command.wrench.force_n, share * command.wrench.torque_nm};
   }
 
-  // Driver: before the first read no command has been requested.
+  // Driver: whether the servo had read or written in the kServoTimeoutNs before now_ns, as far as the last call of wrench() found out.
   bool is_servo_there(std::int64_t now_ns) const noexcept { return now_ns - commands_.value().time_ns <= kServoTimeoutNs; }
 
  private:

@@ -16,7 +16,7 @@ namespace hapton {
 struct DeviceMaker {
   std::string_view name;
   std::string_view about;         // a few words for --help
-  bool takes_id = false;          // --device-id, because several may be connected
+  bool takes_id = false;          // --device-id, which selects one of several that are connected
   bool takes_file = false;        // --device-file
   bool takes_trajectory = false;  // --trajectory and --loop
   // Pre: settings that the kind does not take are empty. Error, one line: what is missing and how to fix it.
@@ -31,7 +31,7 @@ std::string_view kind_of(std::string_view name);
 // "NAME: about; NAME: about", for --help. RT: no.
 std::string describe_devices();
 
-// Makes the device that the settings name, with its pose in W. RT: set-up only. Error, one line: an unknown kind (with the known ones), a
+// Makes the device that the settings name, placed in W by X_WB. RT: set-up only. Error, one line: an unknown kind (with the known ones), a
 // setting that the kind does not take, or the reason why the device cannot be opened.
 Result<std::unique_ptr<Device>> make_device(const DeviceSettings& settings);
 

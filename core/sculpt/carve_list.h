@@ -41,7 +41,7 @@ class CarveList {
   // False, without effect: the serial is 0, above kMax or in the list already; or the range of an undo is reversed or not all before it.
   bool add(const MadeCarve& entry);
 
-  // Counts carves as undone before the entry that says so is there.
+  // Marks the carves with these serials as undone, before the list has the entry of their undo. Serials above newest() are ignored.
   void undo(const CarveRange& range);
 
   // The largest serial in the list.
