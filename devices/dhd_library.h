@@ -17,8 +17,8 @@ constexpr int kOk = 0;
 constexpr int kTimeguard = 1;       // called again too soon: the library returned the previous result
 constexpr int kMotorSaturated = 2;  // a motor has reached its maximum
 
-// Indices into the array that get_status fills; newer releases have more of them. kStatusReset: 1 while the device waits in its RESET mode
-// to be calibrated.
+// Indices into the array that get_status fills; newer releases fill more of it. kStatusReset: 1 while the device waits in its RESET
+// mode to be calibrated.
 constexpr std::size_t kStatusPower = 0, kStatusConnected = 1, kStatusStarted = 2, kStatusReset = 3, kStatusForce = 5, kStatusBrake = 6;
 constexpr std::size_t kStatusError = 9, kStatusTimeguard = 11, kStatusForceOffCause = 14;
 using Status = std::array<int, 32>;
@@ -29,7 +29,7 @@ constexpr int kFalcon = 60;
 // Time without a force after which the watchdog of the firmware turns the motors off, in units of 125 us.
 constexpr unsigned char kWatchdogUnits = 255;  // 31.9 ms, its maximum; a servo at 250 Hz needs 4 ms
 
-// "button released", "velocity threshold", ... : why the firmware released the force.
+// Why the firmware released the force, for a log line: "its force button", "the arm moved faster than its velocity threshold", ...
 std::string_view name_of_force_off_cause(int cause);
 
 // Limits of a device by its type, because the library does not report them. Our own conservative values, to be checked against the maker's
@@ -44,7 +44,7 @@ struct System {
 };
 const System& find_system(int type);
 
-// The library's functions. Those of DRD are null where only libdhd is there.
+// The library's functions. Those of DRD are null if only libdhd was loaded.
 struct Library {
   int (*get_device_count)() = nullptr;
   int (*open_id)(Id index) = nullptr;
@@ -60,7 +60,7 @@ struct Library {
   const char* (*get_last_error_text)() = nullptr;
   int (*set_watchdog)(unsigned char, Id) = nullptr;
   int (*set_gravity_compensation)(int, Id) = nullptr;
-  int (*get_serial_number)(unsigned short*, Id) = nullptr;  // may be null
+  int (*get_serial_number)(unsigned short*, Id) = nullptr;  // null: the library has no such function
 
   int (*drd_open_id)(Id index) = nullptr;
   bool (*drd_is_initialized)(Id) = nullptr;
@@ -70,7 +70,7 @@ struct Library {
   std::string file;
 };
 
-// Loads libdrd, otherwise libdhd, by their names, or the given file. Error: one line, see VendorLibrary. RT: set-up only.
+// Loads libdrd, otherwise libdhd, by their usual names, or only the given file. Error: one line, see VendorLibrary. RT: set-up only.
 Result<Library> load(const std::string& file = "");
 
 }  // namespace hapton::dhd

@@ -11,12 +11,12 @@ namespace hapton {
 
 struct ForceDimensionOptions {
   std::string library_file;              // empty: libdrd or libdhd by their usual names
-  double warning_before_moving_s = 3.0;  // a device that calibrates itself moves this long after the warning
+  double warning_before_moving_s = 3.0;  // from the warning until a device that calibrates itself moves
 };
 
 // A device of Force Dimension, or a Novint Falcon, through the Force Dimension SDK, loaded at run time. While the device is in use, a
 // thread of ours makes every call, 1,000 times a second; the servo exchanges data with it through a DeviceExchange. The firmware's own
-// watchdog is set as well, and its velocity threshold is left as it is. settings.id: which of several, 0 for the first. Frame W: x right, y
+// watchdog is set too, and its velocity threshold stays as it is. settings.id: number of the device, from 0; empty: 0. Frame W: x right, y
 // up, z towards the user (y, z, x of the device); the origin is that of the device. RT: set-up only; the device: see Device. Error: one
 // line: library or device missing, and how to fix it.
 Result<std::unique_ptr<Device>> make_force_dimension(const DeviceSettings& settings, const ForceDimensionOptions& options = {});

@@ -14,28 +14,28 @@
 
 namespace hapton {
 
-// Where the hand wants the stylus to be at the end of this step of its script, and how it tilts it.
+// Where the hand wants the stylus to be at the end of this step of its script, and how the hand tilts the stylus.
 struct HandIntention {
   Vec3 p_WH = Vec3::Zero();        // m, frame W
   Vec3 gimbal_rad = Vec3::Zero();  // yaw about y, pitch about x, roll about the stylus
-  std::optional<Quat> q_WT = {};   // instead: on a path that has orientations
-  std::uint32_t buttons = 0;       // held down, on a path that has them
+  std::optional<Quat> q_WT = {};   // on a path that has orientations: in place of gimbal_rad
+  std::uint32_t buttons = 0;       // that the hand holds down; 0 unless a path has buttons
 };
 
 // The motion of a hand that cannot see: travel in front of the scene, approach along -z until something pushes back, press, slide,
-// tap, circle, leave, and again elsewhere. It knows no surface: contact is the force it feels, the surface normal is that force's
-// direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene is loaded; after a miss
-// it searches nearer to the middle first, then farther out. Given a surface point (aim), it goes there instead: a scene may be
-// small, or far from the middle. Given a path, it follows that instead of its own script: to its first row, then row by row,
-// straight in between; an obstacle holds the stylus, not the hand, which pulls at it. Rows outside the workspace are clamped to
-// it, jumps are made at kMaxPathSpeed. A lead (the mouse in the vision window) takes the hand over; when it ends, the script (or
-// the path) starts again from there. Every random number comes from the seed; an aim restarts the sequence. RT: step, lead and aim
-// yes.
+// tap, circle, leave, and again elsewhere. The hand knows no surface: contact is the force it feels, the surface normal is that
+// force's direction, and how hard it presses is its own slow force control. So it finds and touches whatever scene is loaded; after
+// a miss it searches nearer to the middle first, then farther out. Given surface points (aim), it goes to one of them instead: a
+// scene may be small, or far from the middle. Given a path, the hand follows that instead of its own script: to its first row, then
+// row by row, straight in between; an obstacle holds the stylus, not the hand, which pulls at it. Rows outside the workspace are
+// clamped to it, jumps are made at kMaxPathSpeed. A lead (the mouse in the vision window) takes the hand over; after it the script
+// goes on with leave, or the path begins again. Every random number comes from the seed. A new aim makes a hand that travels or
+// approaches begin a new travel. RT: step, lead and aim yes.
 class HandScript {
  public:
   static constexpr std::int64_t kStepNs = 1'000'000;
-  static constexpr std::size_t kMaxAims = 16;   // as Device::kMaxAims
-  static constexpr double kMaxPathSpeed = 1.5;  // m/s; an arm in earnest
+  static constexpr std::size_t kMaxAims = 16;   // equals Device::kMaxAims
+  static constexpr double kMaxPathSpeed = 1.5;  // m/s; an arm in fast motion
 
   struct Options {
     std::uint64_t seed = 1;
@@ -43,8 +43,8 @@ class HandScript {
     Vec3 workspace_max_m = Vec3::Zero();
     Vec3 start_m = Vec3::Zero();
     std::vector<TrajectoryRow> path =
-        {};                    // times rising; without any orientation but the identity the hand tilts as in its script. Empty: none
-    bool repeat_path = false;  // else the hand stays at its end
+        {};                    // times rise from row to row; if no row has an orientation, the hand tilts as in its script. Empty: no path
+    bool repeat_path = false;  // false: the hand stays at the end of the path
   };
   enum class Phase : std::uint8_t { travel, approach, press, slide, tap, circle, leave, led, path };
 
@@ -53,7 +53,7 @@ class HandScript {
   // One step of kStepNs. Takes what the hand feels now (device point, force on it, both in W), returns its goal for the step's end.
   HandIntention step(const Vec3& p_WD, const Vec3& force_n) noexcept;
   void lead(const std::optional<Vec3>& p_WH) noexcept;
-  // Points of the surface, W; those that are not finite or out of the workspace are left out. The same ones again change nothing.
+  // Points of the surface, frame W; those that are not finite or outside the workspace are left out. The same points change nothing.
   void aim(std::span<const Vec3> p_WA) noexcept;
   Phase phase() const noexcept { return phase_; }
 
@@ -79,12 +79,12 @@ class HandScript {
   Phase phase_ = Phase::travel;
   double phase_s_ = 0.0;
   double phase_end_s_ = 0.0;
-  double tilted_s_ = 0.0;        // of the script, without the time it was led: a led hand holds the stylus still
-  Vec3 hand_m_;                  // the intention, moved on step by step
-  Vec3 aim_m_ = Vec3::Zero();    // where approach began or leave ends
-  Vec3 normal_ = Vec3::UnitZ();  // of the surface touched last
+  double tilted_s_ = 0.0;        // time of the script's tilt; stands still while the hand is led, which then holds the stylus still
+  Vec3 hand_m_;                  // the intended position, moved step by step
+  Vec3 aim_m_ = Vec3::Zero();    // where travel and leave end, and where a tap lifts to
+  Vec3 normal_ = Vec3::UnitZ();  // normal of the surface touched last
   Vec3 tangent_ = Vec3::UnitX();
-  Vec3 filtered_force_n_ = Vec3::Zero();  // force, low-passed as a hand does
+  Vec3 filtered_force_n_ = Vec3::Zero();  // the force through a low-pass filter, as a hand feels it
   Vec3 contact_m_ = Vec3::Zero();         // device point when last in contact
   std::optional<Vec3> lead_m_;
   std::array<Vec3, kMaxAims> aims_m_;
@@ -92,10 +92,10 @@ class HandScript {
   double press_n_ = 1.0;
   double rub_m_per_s_ = 0.08;
   double turn_rad_per_s_ = 0.0;
-  double lost_s_ = 0.0;       // since the last contact
-  double reach_m_ = 0.3;      // how far from the middle it looks, share of the workspace
+  double lost_s_ = 0.0;       // time since the last contact
+  double reach_m_ = 0.3;      // how far from the middle the hand searches: not metres, a share of half the workspace
   bool has_turns_ = false;    // the path has orientations
-  double path_s_ = 0.0;       // along the path; below 0: on the way to its first row
+  double path_s_ = 0.0;       // time since the first row of the path; below 0: the hand is on the way there
   std::size_t path_row_ = 0;  // the last row that has been reached
   int taps_left_ = 0;
   bool striking_ = false;

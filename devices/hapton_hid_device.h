@@ -10,8 +10,8 @@
 
 namespace hapton {
 
-// Any maker's device that speaks Hapton HID (docs/hid.md). What it bears is what it says of itself when it is first opened; a device that
-// comes back with other limits is another one and is not driven.
+// Any maker's device that speaks Hapton HID (docs/hid.md). Its limits are those that it reports when it is first opened; if a device comes
+// back with other limits or another serial number, it is taken for another device and not driven.
 class HaptonHidBackend final : public HidBackend {
  public:
   Result<void> on_open(HidTransport& transport) override;
@@ -32,7 +32,7 @@ class HaptonHidBackend final : public HidBackend {
   std::uint16_t sequence_ = 0;
 };
 
-// settings.id: serial number, path, or place among such devices (from 0). RT: set-up only. Error: one line.
+// settings.id: serial number, path, or index among such devices (from 0). RT: set-up only. Error: one line.
 Result<std::unique_ptr<Device>> make_hapton_hid(const DeviceSettings& settings);
 
 }  // namespace hapton

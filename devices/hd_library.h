@@ -48,7 +48,7 @@ constexpr unsigned short kHighestPriority = 65535;  // of the library's schedule
 
 // "HD_COMM_ERROR (0x302)", "error 0x999".
 std::string name_of_error(Enum code);
-// What a person can do about it, in one line; empty when nothing is known.
+// What a person can do about the error, in one line; empty: nothing is known.
 std::string_view remedy_for_error(Enum code);
 
 // An error after which the force is released for a moment, and the device goes on: 0x200 .. 0x2FF.
@@ -56,7 +56,7 @@ constexpr bool is_force_error(Enum code) { return (code & ~0xFFU) == 0x200; }
 // An error after which the device has to be opened again: 0x300 .. 0x3FF, or an invalid handle.
 constexpr bool is_device_error(Enum code) { return (code & ~0xFFU) == 0x300 || code == kBadHandle; }
 
-// The functions of the library, all there.
+// The functions of the library; none is null after load().
 struct Library {
   Handle (*init_device)(const char* name) = nullptr;
   void (*disable_device)(Handle) = nullptr;
@@ -83,7 +83,7 @@ struct Library {
 // Removes the waiting errors, up to a limit, so that a defective library that returns errors without end cannot block.
 void forget_errors(const Library& hd) noexcept;
 
-// Loads libHD by its names, or the one file. Error: one line, see VendorLibrary. RT: set-up only.
+// Loads libHD by its usual names, or only the given file. Error: one line, see VendorLibrary. RT: set-up only.
 Result<Library> load(const std::string& file = "");
 
 }  // namespace hapton::hd

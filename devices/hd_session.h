@@ -12,11 +12,11 @@
 namespace hapton::hd {
 
 // The one scheduler that libHD has in a process, shared by all its devices: the first device starts it, the last one stops it. The library
-// also has one current device, which opening and closing change. The scheduler is therefore stopped meanwhile; otherwise a frame of one
+// also has one current device, which opening and closing change. Meanwhile the scheduler is therefore stopped; otherwise a frame of one
 // device might end with the force of another. RT: set-up only. Threads: any.
 class Session {
  public:
-  // The session of this library file, or of libHD by its names; all callers share one while any of them holds it.
+  // The session of this library file (empty: libHD by its usual names). All callers share one session as long as any of them holds it.
   static Result<std::shared_ptr<Session>> join(const std::string& library_file = "");
 
   explicit Session(Library library) : hd_(std::move(library)) {}
@@ -28,10 +28,10 @@ class Session {
     Schedule schedule = 0;
   };
 
-  // Opens the device of that name (of "", the first of those that are usual), sets it up while it is the current one, and calls `callback`
-  // each tick from then on. Error: one line with the error's name and the library's words, or what set_up said.
+  // Opens the device of that name ("": the first of the usual names that can be opened), calls set_up while it is the current device, and
+  // from then on lets the scheduler call `callback` each tick. Error: one line, from the library or from set_up.
   Result<Attached> attach(const std::string& name, const std::function<Result<void>(Handle)>& set_up, Callback callback, void* data);
-  // Calls it no more, and closes the device. After this nothing of it is running.
+  // Ends the calls of the device's callback and closes the device. After this its callback is not running.
   void detach(const Attached& attached);
 
   // Whether attaching one more device would interrupt others.

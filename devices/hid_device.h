@@ -18,18 +18,18 @@ namespace hapton {
 // A force-feedback device that speaks HID. Two threads of its own talk to it, because a write may wait for the bus: one reads and drains
 // (HidPort), one writes the newest wrench as soon as there is one, and repeats it every kRepeatNs, so that a watchdog in the device does
 // not trip. The servo only exchanges newest values with them. An unplugged device is away; it is searched for, and when it is back its
-// force starts at zero and ramps up. While no command comes from the servo, the device is commanded to release the force.
+// force starts at zero and ramps up. While the servo neither reads nor writes, the device is commanded to release the force.
 // RT and Threads: as Device says.
 class HidDevice final : public Device, private HidListener {
  public:
-  // A write may take a millisecond (USB), so this leaves half of the time; firmware watchdogs take 5 ms and more (docs/hid.md).
+  // A write may take a millisecond (USB), half of this period; the watchdogs of firmware trip after 5 ms or more (docs/hid.md).
   static constexpr std::int64_t kRepeatNs = 2 * kNanosecondsPerMillisecond;
   // The time within which a device must send its first report after it was opened.
   static constexpr std::int64_t kFirstReportNs = 2 * kNanosecondsPerSecond;
   // The number of rejected reports in succession after which the device is reopened.
   static constexpr int kMaxRejected = 100;
 
-  // Opens it and waits for its first position. Error: it is not there, cannot be driven or sends no report; one line.
+  // Opens the device and waits for its first valid report. Error, one line: it is not there, cannot be driven or sends no such report.
   static Result<std::unique_ptr<HidDevice>> open(std::unique_ptr<HidBackend> backend, HidOpener opener,
                                                  std::optional<RealtimeSettings> realtime = {});
   ~HidDevice() override;
@@ -74,11 +74,11 @@ class HidDevice final : public Device, private HidListener {
   std::mutex driver_mutex_;
   DeviceExchange::Reading reading_;
   bool has_news_ = false;
-  bool is_first_report_ = true;                       // to the device, since it was opened
+  bool is_first_report_ = true;                       // no report has been written to the device since it was opened
   DeviceStatus logged_status_ = DeviceStatus::ready;  // the last one logged
   HeartbeatPage* heartbeat_page_ = nullptr;
-  std::string path_;  // of the device; empty while it is unplugged
-  int rejected_ = 0;  // of the writer
+  std::string path_;  // path of the device; empty while it is unplugged
+  int rejected_ = 0;  // reports rejected in succession; the writer's
   sem_t commands_;    // posted by the servo: a wrench is there
   std::atomic<bool> has_received_{false};
   std::atomic<bool> ends_{false};

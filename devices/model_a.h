@@ -37,8 +37,8 @@ inline DeviceLimits limits() {
           .max_speed_m_per_s = kMaxSpeedMPerS};
 }
 
-// With motors on the gimbals, as in the later Premium 1.5/6DOF: its data sheet gives at most 0.515 Nm for yaw and pitch and 0.17 Nm for
-// roll. The limit on the magnitude is the smallest of the three.
+// Largest torque with motors on the gimbals, as in the later Premium 1.5/6DOF: its data sheet gives at most 0.515 Nm for yaw and pitch and
+// 0.17 Nm for roll. The limit on the magnitude is the smallest of the three.
 constexpr double kMaxTorqueNm = 0.17;
 
 inline DeviceLimits limits_with_torque() {
