@@ -6,8 +6,8 @@
 
 namespace hapton {
 
-// A device whose pose in W is not the driver's: beside another device, or turned. Its user sees frame W alone. The workspace becomes the
-// box around the turned one. RT: as the device's own.
+// A device that stands elsewhere in W than its driver assumes: beside another device, or turned. What it takes and returns is in W, except
+// turn_hand. Its workspace is the box around the turned workspace of the driver's device. RT: as that device.
 class PlacedDevice final : public Device {
  public:
   // X_WB: pose in W of the base frame that the device itself takes for W.

@@ -10,13 +10,13 @@
 
 namespace hapton {
 
-// A device from a shared library (plugin/hapton_plugin.h). What it reports is checked by the governor like that of any device; one that
-// throws a C++ exception has a fault from then on. RT: as Device, as far as the plug-in keeps to it.
+// A device from a shared library (plugin/hapton_plugin.h). The governor checks its samples like those of any device. If the plug-in throws
+// a C++ exception, the device has the status fault from then on. RT: as Device, if the plug-in keeps to that.
 class PluginDevice final : public Device {
  public:
   // Error: one line: the file cannot be used, the plug-in rejects its parameters, or its limits are impossible.
   static Result<std::unique_ptr<PluginDevice>> make(const PluginChoice& choice);
-  // No force any more; closed.
+  // Writes zero force to the device and closes it.
   ~PluginDevice() override;
   PluginDevice(const PluginDevice&) = delete;
   PluginDevice& operator=(const PluginDevice&) = delete;
@@ -26,7 +26,7 @@ class PluginDevice final : public Device {
   DeviceSample read(std::int64_t now_ns) noexcept override;
   void write(const Wrench& wrench, std::int64_t now_ns) noexcept override;
   DeviceStatus status() const noexcept override { return status_; }
-  // The device's own code is in this process: its end is what releases the force.
+  // The device's own code is in this process, so only the end of the process releases the force.
   void use_heartbeat_page(HeartbeatPage& page) noexcept override { page.set_means(CutMeans::kill); }
   bool set_hand_target(const std::optional<Vec3>&) noexcept override { return false; }
 
@@ -40,10 +40,10 @@ class PluginDevice final : public Device {
   void* device_ = nullptr;
   DeviceLimits limits_;
   DeviceStatus status_ = DeviceStatus::ready;
-  DeviceSample last_;  // good one
+  DeviceSample last_;  // the last sample with status ready
 };
 
-// How --device names one: "plugin:FILE.so:KEY=VALUE,...".
+// How the value of --device begins for a plug-in: "plugin:FILE.so:KEY=VALUE,...".
 constexpr std::string_view kPluginDevice = "plugin:";
 
 // RT: set-up only. Error: as PluginDevice::make.

@@ -11,11 +11,11 @@ namespace hapton {
 
 // A recording in place of a hand: plays a trajectory from its first row on, starting at the first read, straight lines
 // between rows (and the shortest turn). Forces are discarded. At the end it stays at the last row and reports `ended`,
-// or with loop starts again, as if the first row came one mean row distance after the last: a recording that does not
-// close jumps there, and reports `away` for that one read, so that the jump is not taken for a hand's motion. The
-// limits are a PHANToM Model A's, without a limit of speed, since a recording cannot be slowed down. The workspace is
-// the recording's own box, with kMarginM around it. RT: all but making one; a read moves on by the rows that have
-// passed.
+// or with loop starts again, as if the first row came one mean time between rows after the last. If the first row is
+// elsewhere than the last, the point jumps, and the device reports `away` for that one read, so that the jump is not
+// taken for a hand's motion. The limits are a PHANToM Model A's, without a limit of speed, since a recording cannot be
+// slowed down. The workspace is the recording's own box, with kMarginM around it. RT: all but making one; the time of a
+// read grows with the number of rows since the last read.
 class ReplayDevice final : public Device {
  public:
   struct Options {
@@ -46,9 +46,9 @@ class ReplayDevice final : public Device {
   Options options_;
   DeviceLimits limits_;
   DeviceStatus status_ = DeviceStatus::ready;
-  bool is_open_ = false;  // a loop of it jumps
+  bool is_open_ = false;  // it is repeated, and jumps from its last row to its first
   double turn_s_ = 0.0;   // length of one round of a loop
-  std::size_t row_ = 0;   // rows_[row_].t_s <= time, as far as known
+  std::size_t row_ = 0;   // the last row that the last read had reached
   double played_to_s_ = 0.0;
   std::int64_t zero_ns_ = -1;
 };

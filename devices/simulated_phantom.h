@@ -26,7 +26,7 @@ class SimulatedPhantom final : public Device {
   struct Options {
     std::uint64_t seed = 1;
     StylusModel stylus = {};
-    std::vector<TrajectoryRow> path = {};  // that the hand takes instead of its script (hand_script.h)
+    std::vector<TrajectoryRow> path = {};  // the path that the hand takes instead of its script (hand_script.h); empty: none
     bool repeat_path = false;
     bool has_torque = false;  // motors on the gimbals
   };
@@ -56,7 +56,7 @@ class SimulatedPhantom final : public Device {
   bool turn_hand(const Vec3& turn_rad) noexcept override;
   bool aim_hand(std::span<const Vec3> p_WA) noexcept override;
 
-  // What no program sees on a real device: for tests and plots.
+  // The position without the steps of the encoders, and the phase of the script, for tests and plots: a real device does not tell these.
   Vec3 exact_position_m() const noexcept;
   HandScript::Phase phase() const noexcept { return script_.phase(); }
 
@@ -72,17 +72,17 @@ class SimulatedPhantom final : public Device {
   Vec3 written_n_ = Vec3::Zero();
   Vec3 force_n_ = Vec3::Zero();  // on the motors: written, unless they are cut
   std::atomic<bool> is_cut_{false};
-  HeartbeatPage* heartbeat_page_ = nullptr;  // where its motors are seen, and cut, from outside
-  Vec3 hand_m_;                              // intention at device_ns_
+  HeartbeatPage* heartbeat_page_ = nullptr;  // shows the motors to the watchdog process, which can cut them there
+  Vec3 hand_m_;                              // the hand's intended position at device_ns_
   Vec3 hand_m_per_s_ = Vec3::Zero();
   Vec3 gimbal_rad_ = Vec3::Zero();
-  std::uint32_t buttons_ = 0;          // that the path holds down
-  std::uint32_t pressed_buttons_ = 0;  // that who leads the hand holds down
-  Vec3 turn_goal_rad_ = Vec3::Zero();  // that who leads the hand wants
-  Vec3 turn_rad_ = Vec3::Zero();       // now, on the way there
+  std::uint32_t buttons_ = 0;          // buttons that the path holds down
+  std::uint32_t pressed_buttons_ = 0;  // buttons that the lead holds down (press_hand_buttons)
+  Vec3 turn_goal_rad_ = Vec3::Zero();  // the turn that the lead wants (turn_hand)
+  Vec3 turn_rad_ = Vec3::Zero();       // the present turn, on the way to that goal
   std::optional<Quat> q_WH_;           // on a path that has orientations, in place of the gimbals
   bool has_torque_;
-  StylusTurn turn_;  // where it has torque
+  StylusTurn turn_;  // used only with has_torque_
   Vec3 written_nm_ = Vec3::Zero();
   Vec3 torque_nm_ = Vec3::Zero();  // on the motors, as force_n_
   std::int64_t zero_ns_ = 0;       // host time of device time 0

@@ -15,10 +15,10 @@ namespace hapton {
 // RT and Threads: as Device says.
 class SpaceMouseDevice final : public Device {
  public:
-  // Choices: through the half workspace in a second; a quarter of a turn in a second.
+  // Choices: half of the workspace in a second; a quarter of a turn in a second.
   static constexpr double kFullSpeedMPerS = 0.15;
   static constexpr double kFullTurnRadPerS = 1.5;
-  // With walls of 1000 N/m the point goes 3 mm in at full speed.
+  // At full speed the point goes 7.5 mm into a wall of 1000 N/m.
   static constexpr double kOilNsPerM = 50.0;
 
   // Pre: the reader is open.
@@ -41,7 +41,7 @@ class SpaceMouseDevice final : public Device {
   std::int64_t read_ns_ = -1;
 };
 
-// settings.id: serial number, path, or place among such devices (from 0). RT: set-up only. Error: one line.
+// settings.id: serial number, path, or index among such devices (from 0). RT: set-up only. Error: one line.
 Result<std::unique_ptr<Device>> make_space_mouse(const DeviceSettings& settings);
 
 }  // namespace hapton

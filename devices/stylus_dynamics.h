@@ -17,8 +17,8 @@ namespace hapton {
 // The encoders sit on the motors, so x is the position a program reads. k_s is the memo's "constrained, small amplitude
 // mechanical bandwidth" of 30 Hz: with the stylus held still the device mass rings at sqrt(k_s / m) = 2 pi 30 Hz and passes no
 // faster force on. 70 g give k_s = 2.5 N/mm; the Premium 1.5 data sheet says 3.5 N/mm, 34 Hz: the same machine.
-// Friction and mass are that data sheet's (0.04 N; below 75 g, 70 g at the motors and 5 g of stylus). b_s has no source; it is chosen as
-// light damping. The hand is a stylus grip: studies of closed loops use 0.1-0.2 kg, 2-10 Ns/m, 200-1000 N/m.
+// Friction and mass are from that data sheet (0.04 N; below 75 g: here 70 g at the motors and 5 g of stylus). b_s has no source; it is a
+// choice of light damping. The hand is a stylus grip: studies of closed loops use 0.1-0.2 kg, 2-10 Ns/m, 200-1000 N/m.
 struct StylusModel {
   double device_mass_kg = 0.070;
   double device_damping_n_s_per_m = 0.1;
@@ -41,7 +41,7 @@ struct AxisState {
   double stylus_m_per_s = 0.0;
 };
 
-// Held over an interval: constant force, an intended position that moves at constant speed.
+// The inputs of an axis over an interval: a constant force, and an intended position that moves at constant speed.
 struct AxisInput {
   double force_n = 0.0;
   double hand_m = 0.0;  // at the start of the interval
@@ -62,8 +62,8 @@ class StylusDynamics {
  public:
   explicit StylusDynamics(const StylusModel& model);
 
-  // Moves state on by duration_ns from start_ns (both >= 0; start_ns places the interval on a fixed time grid of 65 us, a hundredth of
-  // the fastest period, on which events are searched).
+  // Advances the state by duration_ns from start_ns. Pre: both >= 0. start_ns places the interval on a fixed time grid of 65 us, on which
+  // events are searched: less than a hundredth of the fastest period.
   void advance(AxisState& state, const AxisInput& input, const AxisStops& stops, std::int64_t start_ns,
                std::int64_t duration_ns) const noexcept;
 

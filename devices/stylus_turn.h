@@ -22,9 +22,9 @@ class StylusTurn {
   static constexpr double kHandNmSPerRad = 0.015;
   static constexpr std::int64_t kStepNs = 100'000;
 
-  // Both times >= 0, of the device.
+  // Advances the turn from one time of the device to a later one. Pre: 0 <= from_ns <= to_ns.
   void advance(std::int64_t from_ns, std::int64_t to_ns, const Quat& q_WH, const Vec3& torque_nm) noexcept;
-  // Before the first advance.
+  // Sets the orientation at the start. To be called before the first advance().
   void begin_at(const Quat& q_WT) noexcept { q_WT_ = q_WT; }
   const Quat& q_WT() const noexcept { return q_WT_; }
 

@@ -10,17 +10,17 @@
 
 namespace hapton {
 
-// A vendor's library that we can use when it is there, by names of our own declarations: nothing of it is needed to build.
+// A vendor's library that Hapton can use where it is installed. We declare its functions ourselves, so that building needs nothing of it.
 struct KnownVendorLibrary {
   std::string_view name;                          // for people: "OpenHaptics"
-  std::string_view device;                        // as in --device
-  std::span<const std::string_view> file_names;   // in the order they are tried
-  std::string_view devices;                       // what it drives
+  std::string_view device;                        // the name for --device
+  std::span<const std::string_view> file_names;   // in the order in which they are tried
+  std::string_view devices;                       // the devices that it drives, for people
   std::string_view source;                        // where a person gets it
   std::span<const std::string_view> environment;  // variables that it reads, or that its users set
 };
 
-// All of them. RT: set-up only.
+// All vendor libraries that Hapton can use. RT: set-up only.
 std::span<const KnownVendorLibrary> known_vendor_libraries();
 extern const KnownVendorLibrary kOpenHaptics;
 extern const KnownVendorLibrary kForceDimension;
@@ -40,14 +40,14 @@ std::string hint_for_load_error(std::string_view file, std::string_view error);
 // RT: set-up only. Threads: any.
 class VendorLibrary {
  public:
-  // Loads the first of the library's names that can be; with `file` that one alone (a path, or a name for the loader to look up).
+  // Loads the first of the library's names that can be loaded; with `file` only that (a path, or a name for the loader to look up).
   // Error: one line with the loader's own words for every name, and the hint that helps most.
   static Result<VendorLibrary> open(const KnownVendorLibrary& known, const std::string& file = "");
 
-  // The same, and what went wrong on the way; not loaded: file() is empty.
+  // The same, and adds each name that did not load to `failures`. If none loads, file() of the result is empty.
   static VendorLibrary try_open(const KnownVendorLibrary& known, const std::string& file, std::vector<FailedLoad>& failures);
 
-  // Where it was loaded from.
+  // The name or path with which it was loaded, as given to the loader.
   const std::string& file() const { return file_; }
 
   // Function: the type of the function, `find<int(double)>("f")`. Null when the library has no such symbol.
@@ -57,7 +57,7 @@ class VendorLibrary {
     return reinterpret_cast<Function*>(address_of(symbol));
   }
 
-  // Fills `into` with the function of that name, or notes the name among the missing.
+  // Sets `into` to the function of that name, or to null; then the name is added to `missing`.
   template <class Function>
   void require(const char* symbol, Function*& into, std::vector<std::string_view>& missing) const {
     into = find<Function>(symbol);

@@ -23,7 +23,7 @@ class WoodenHapticsBackend final : public HidBackend {
  public:
   // A choice; advice() tells the person to hold the arm for this time.
   static constexpr std::int64_t kRestNs = 2 * kNanosecondsPerSecond;
-  // Over which the compensation of the arm's weight is ramped up. A choice: slow enough that the arm does not jump.
+  // Duration of the ramp up of the compensation of the arm's weight. A choice: slow enough that the arm does not jump.
   static constexpr double kGravityRampS = 0.5;
 
   explicit WoodenHapticsBackend(const WoodenSettings& settings) : settings_(settings), kinematics_(settings.arm) {}
@@ -49,19 +49,19 @@ class WoodenHapticsBackend final : public HidBackend {
   std::string serial_;
   std::size_t report_bytes_ = 8;
 
-  Counts counts_ = {};        // of the newest report
-  Counts zero_ = {};          // those of the rest pose
+  Counts counts_ = {};        // the counts in the newest report
+  Counts zero_ = {};          // the counts in the rest pose
   Counts still_counts_ = {};  // the arm has been within one count of these since still_ns_; 0: unknown
   std::int64_t still_ns_ = 0;
-  bool has_counts_ = false;  // a report was decoded, also before the device was opened again
-  bool is_new_ = true;       // nothing has been received since it was opened
+  bool has_counts_ = false;  // a report has been decoded, perhaps before the device was opened again
+  bool is_new_ = true;       // no report has been decoded since the device was opened
   bool is_zero_lost_ = false;
   Vec3 angles_rad_ = Vec3::Zero();
   double gravity_share_ = 0.0;
   std::int64_t encoded_ns_ = 0;
 };
 
-// settings.id: serial number, path, or place among such devices (from 0); settings.file: see read_wooden_settings. RT: set-up only. Error:
+// settings.id: serial number, path, or index among such devices (from 0); settings.file: see read_wooden_settings. RT: set-up only. Error:
 // one line.
 Result<std::unique_ptr<Device>> make_wooden_haptics(const DeviceSettings& settings);
 

@@ -14,12 +14,12 @@ struct WoodenArm {
     double capstan_diameter_m = 0.010;
     double body_diameter_m = 0.120;
     double length_m = 0.0;
-    double counts_per_turn = 2000.0;           // of the motor, all four edges counted
-    double torque_constant_nm_per_a = 0.0259;  // of the motor
+    double counts_per_turn = 2000.0;           // counts in one turn of the motor, all four edges counted
+    double torque_constant_nm_per_a = 0.0259;  // the motor's
     double direction = 1.0;                    // -1: the encoder counts down as the angle grows
     double rest_rad = 0.0;                     // the angle in the rest pose, where the encoder says zero
     double mass_kg = 0.0;
-    double mass_centre_m = 0.0;  // from the body's lower joint, along it
+    double mass_centre_m = 0.0;  // distance along the body from the joint about which it turns
   };
   std::array<Body, 3> bodies = {
       Body{.body_diameter_m = 0.160, .length_m = 0.080},
@@ -44,12 +44,12 @@ class WoodenKinematics {
 
   Vec3 angles_rad(const std::array<std::int16_t, 3>& counts) const noexcept;
   Vec3 position_m(const Vec3& angles_rad) const noexcept;
-  // d position / d angles.
+  // The derivatives of position_m with respect to the angles: a row for each coordinate, a column for each angle.
   Mat3 jacobian(const Vec3& angles_rad) const noexcept;
 
-  // Potential energy of the two moving arms under gravity; zero at height zero of the base frame before the origin was moved.
+  // Potential energy of the upper and lower arm under gravity; zero at the height of the base itself (z = -origin_m.z() in B).
   double potential_energy_j(const Vec3& angles_rad) const noexcept;
-  // Joint torques that hold the arms against gravity: the gradient of that energy.
+  // Joint torques that hold the arms against gravity: the gradient of potential_energy_j.
   Vec3 gravity_torque_nm(const Vec3& angles_rad) const noexcept;
 
   // The joints' torque for a force on the device point: J^T F.
